@@ -1,0 +1,166 @@
+//! `summary.json` and the rows of `series.csv`.
+
+use serde::{Deserialize, Serialize};
+
+use crate::world::BackendInfo;
+
+/// One row of `series.csv`: the state of the experiment at one moment.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SeriesRow {
+    /// Simulated time since the beginning of the run's first stage, in s.
+    pub time_s: f64,
+    /// Which stage of the run it belongs to, counted from 0.
+    pub stage: u32,
+    /// Height of the centre of the top plate's lower face above the floor in mm; empty without a plate.
+    pub plate_height_mm: Option<f64>,
+    /// Drop of the plate's centre since the beginning of vibration (positive
+    /// downwards) in mm; empty before.
+    pub settlement_mm: Option<f64>,
+    /// Drop of the mean surface since the beginning of vibration in mm; empty before.
+    pub surface_settlement_mm: Option<f64>,
+    /// Kinetic energy of grains and plate relative to the table, in J.
+    pub kinetic_energy_j: f64,
+    /// Displacement of the table in mm.
+    pub table_x_mm: f64,
+    /// Height of the mean surface above the floor in mm (height map).
+    pub mean_surface_mm: f64,
+    /// Mean height of the centroids of the grains in the cylinder in mm.
+    pub mean_grain_height_mm: f64,
+    /// Grains with their centroid inside the cylinder.
+    pub grains_in_cylinder: u32,
+    /// Tilt of the plate from the horizontal in degrees; empty without a plate.
+    pub plate_tilt_deg: Option<f64>,
+    /// Largest speed of any grain in m/s.
+    pub largest_speed_m_per_s: f64,
+}
+
+/// `summary.json`: the figures of one run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// The engine.
+    pub backend: BackendInfo,
+    /// Who found and solved the contacts.
+    pub contact_path: String,
+    /// Seed of the random streams.
+    pub seed: u64,
+    /// Which mixing of the grains.
+    pub configuration: u32,
+    /// Falling height in mm, where grains were poured.
+    pub falling_height_mm: Option<f64>,
+    /// The grains.
+    pub grains: GrainsSummary,
+    /// Standing height of the specimen at the end.
+    pub standing_height_mm: StandingHeight,
+    /// Standing height at the end of pouring, before plate and vibration.
+    pub poured_height_mm: Option<StandingHeight>,
+    /// Volume of voids over volume of solids, to the mean surface.
+    pub void_ratio: f64,
+    /// Void ratio at the end of pouring.
+    pub poured_void_ratio: Option<f64>,
+    /// Volume of voids over total volume, to the mean surface.
+    pub porosity: f64,
+    /// Settlement of the top plate, where vibrated.
+    pub settlement_mm: Option<Settlement>,
+    /// Settlement of the mean surface, where vibrated.
+    pub surface_settlement_mm: Option<Settlement>,
+    /// Overlap of grains at the end, exact, measured outside the engine.
+    pub overlap: Overlap,
+    /// Mean number of grains touching a grain.
+    pub coordination_number: f64,
+    /// Sinking rate of the mean grain height in the no-shake control, in µm/s; null where none was run.
+    pub creep_um_per_s: Option<f64>,
+    /// The control in full.
+    pub control: Option<Control>,
+    /// Whether overlap and creep meet the accuracy standard (docs/accuracy.md).
+    pub meets_standard: bool,
+    /// Kinetic energy at the end in J.
+    pub kinetic_energy_j: f64,
+    /// Simulated time in s, control included.
+    pub simulated_s: f64,
+    /// Engine steps, control included.
+    pub steps: u64,
+    /// Wall time in s: all stages of the run, whenever they were computed.
+    pub wall_s: f64,
+    /// The part of it spent inside the engine.
+    pub engine_s: f64,
+    /// Peak memory of the process in MiB.
+    pub peak_memory_mib: f64,
+    /// Findings a reader must know.
+    pub warnings: Vec<String>,
+}
+
+/// Number, mass and whereabouts of the grains.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct GrainsSummary {
+    /// Number of grains generated.
+    pub count: usize,
+    /// Their mass in g.
+    pub mass_g: f64,
+    /// Their solid volume in cm³.
+    pub solids_volume_cm3: f64,
+    /// Grains inside the cylinder at the end.
+    pub in_cylinder: usize,
+    /// Mass of the grains inside the cylinder in g.
+    pub mass_in_cylinder_g: f64,
+    /// Grains that passed a wall or the floor: an engine failure.
+    pub escaped: usize,
+    /// Grains that fell outside over the rim.
+    pub spilled: usize,
+    /// Grains left hanging in the funnel.
+    pub left_in_funnel: usize,
+}
+
+/// Height of the specimen above the floor, by three definitions, in mm.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StandingHeight {
+    /// Mean of the height map over the cylinder's area.
+    pub mean_surface: f64,
+    /// 95th percentile of the height map.
+    pub p95: f64,
+    /// Highest point of any grain.
+    pub highest: f64,
+}
+
+/// Settlement by vibration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Settlement {
+    /// At the end, in mm.
+    #[serde(rename = "final")]
+    pub final_mm: f64,
+    /// After the first 5 s of vibration, in mm.
+    pub after_5_s: Option<f64>,
+    /// `after_5_s / final`.
+    pub share_after_5_s: Option<f64>,
+    /// At the end of each period of vibration, in mm.
+    pub after_each_period: Vec<f64>,
+}
+
+/// Penetration depth over the mean equivalent diameter of the two grains, in percent.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Overlap {
+    /// Number of touching pairs of grains.
+    pub pairs: usize,
+    /// Mean over touching pairs.
+    pub mean_percent: f64,
+    /// 99th percentile.
+    pub p99_percent: f64,
+    /// Largest.
+    pub max_percent: f64,
+    /// Largest, in mm.
+    pub max_mm: f64,
+}
+
+/// The no-shake control: the finished specimen left alone.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Control {
+    /// Length in s.
+    pub duration_s: f64,
+    /// Drop of the mean grain height in mm.
+    pub mean_grain_height_drop_mm: f64,
+    /// Drop of the mean surface in mm.
+    pub mean_surface_drop_mm: f64,
+    /// Drop of the plate in mm, where there is one.
+    pub plate_drop_mm: Option<f64>,
+}

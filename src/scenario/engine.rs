@@ -1,0 +1,89 @@
+//! Engine settings as a person types them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Which physics engine carries the bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Backend {
+    /// Debian's Bullet.
+    Bullet,
+}
+
+/// Who finds the contacts and who solves them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ContactPath {
+    /// Bullet's own collision algorithms and sequential impulse solver.
+    Bullet,
+}
+
+/// Settings of the engine. Nothing is inherited silently: every value is set
+/// and read back into the manifest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct EngineSettings {
+    /// The physics engine.
+    pub backend: Backend,
+    /// Who finds and solves contacts.
+    pub contact_path: ContactPath,
+    /// Steps per second of simulated time. Lower: grains sink into each
+    /// other; higher: slower.
+    #[schemars(range(min = 30.0, max = 100000.0))]
+    pub rate_hz: f64,
+    /// Solver iterations a step. Fewer: contacts give way; more: slower.
+    #[schemars(range(min = 1, max = 10000))]
+    pub iterations: u32,
+    /// Engine length units in a metre. Bullet's absolute tolerances are made
+    /// for bodies of about one unit; 100 makes a 10 mm grain one unit.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub length_scale: f64,
+    /// Friction directions a contact: 2 resists sliding in every direction of
+    /// the contact plane, 1 (Bullet's default) only along the sliding direction.
+    #[schemars(range(min = 1, max = 2))]
+    pub friction_directions: u32,
+    /// Distance up to which a contact is kept, in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub contact_threshold_mm: f64,
+    /// Share of the overlap removed a step (Bullet's `m_erp2`).
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub error_reduction: f64,
+    /// Share of the last step's normal impulses with which the solver starts.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub warm_start: f64,
+    /// Correct overlaps by a separate pseudo-velocity (Bullet's split impulse).
+    pub split_impulse: bool,
+    /// Approach speed in m/s below which contacts do not rebound.
+    #[schemars(range(min = 0.0))]
+    pub restitution_velocity_threshold_m_per_s: f64,
+    /// Linear velocity lost per second, as a fraction.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub linear_damping: f64,
+    /// Angular velocity lost per second, as a fraction.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub angular_damping: f64,
+    /// Integrate the gyroscopic term of the rotation of uneven bodies.
+    pub gyroscopic: bool,
+}
+
+impl Default for EngineSettings {
+    fn default() -> Self {
+        Self {
+            backend: Backend::Bullet,
+            contact_path: ContactPath::Bullet,
+            rate_hz: 480.0,
+            iterations: 20,
+            length_scale: 100.0,
+            friction_directions: 2,
+            contact_threshold_mm: 1.0,
+            error_reduction: 0.2,
+            warm_start: 0.85,
+            split_impulse: false,
+            restitution_velocity_threshold_m_per_s: 0.002,
+            linear_damping: 0.0,
+            angular_damping: 0.0,
+            gyroscopic: true,
+        }
+    }
+}

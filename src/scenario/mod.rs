@@ -1,0 +1,255 @@
+//! The scenario file: what is done in the laboratory, in the user's terms.
+//!
+//! [`Scenario`] is the typed content of a file after `extends` has been
+//! resolved and everything has been validated ([`load`]). Numbers are kept in
+//! the units people typed; the modules that use them convert to SI through
+//! [`crate::units`].
+
+mod engine;
+mod stages;
+
+pub use engine::{Backend, ContactPath, EngineSettings};
+pub use stages::{StageSpec, StrokeReading};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// One laboratory procedure: grains, apparatus, contact properties, engine
+/// settings and the stages carried out one after the other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// Name of the scenario; run folders and results carry it.
+    pub name: String,
+    /// What the scenario is for, in a sentence or two.
+    #[serde(default)]
+    pub description: String,
+    /// Why values that the source does not give were chosen; for the reader, shown in the report.
+    #[serde(default)]
+    pub notes: Vec<String>,
+    /// The grains.
+    pub grains: GrainsSpec,
+    /// Funnel, cylinder, top plate.
+    #[serde(default)]
+    pub apparatus: ApparatusSpec,
+    /// Friction and restitution of each pair of surfaces.
+    #[serde(default)]
+    pub contact: ContactSpec,
+    /// Physics engine and its settings.
+    #[serde(default)]
+    pub engine: EngineSettings,
+    /// Gravitational acceleration in m/s², acting along -z.
+    #[serde(default = "default_gravity")]
+    #[schemars(range(min = 0.0, max = 100.0))]
+    pub gravity_m_per_s2: f64,
+    /// Seed of every random stream (grain shapes, mixing).
+    #[serde(default = "default_seed")]
+    pub seed: u64,
+    /// Which mixing of the same grains is used, counted from 1: another
+    /// number gives another order and other orientations (paper, section 3:
+    /// "three different initial configurations ... obtained by additional mixing").
+    #[serde(default = "default_configuration")]
+    #[schemars(range(min = 1))]
+    pub configuration: u32,
+    /// What is done, in order.
+    pub stages: Vec<StageSpec>,
+    /// Length in seconds of the no-shake control that measures how far the
+    /// finished specimen creeps when nothing moves; 0 leaves it out.
+    #[serde(default = "default_control")]
+    #[schemars(range(min = 0.0, max = 600.0))]
+    pub control_s: f64,
+}
+
+fn default_gravity() -> f64 {
+    9.81
+}
+fn default_seed() -> u64 {
+    1
+}
+fn default_configuration() -> u32 {
+    1
+}
+fn default_control() -> f64 {
+    2.0
+}
+
+/// Where the grains come from: cut from sieve data, or read from a file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum GrainsSpec {
+    /// Voronoi cells cut from one cube a sieve fraction.
+    Sieved(SievedGrains),
+    /// A `grains.json` as `pluvia grains` writes it.
+    File(GrainsFile),
+}
+
+/// Grains generated from a sieve analysis (paper, section 3).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SievedGrains {
+    /// Mass of all grains together, in grams.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub total_mass_g: f64,
+    /// Density of the solids, in kg/m³.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub density_kg_per_m3: f64,
+    /// Sieve fractions, coarsest first; each fraction's `retained_mm` is the
+    /// next one's `passing_mm`, and the mass percentages add up to 100.
+    pub sieve_table: Vec<SieveFraction>,
+}
+
+/// What passes one sieve and stays on the next.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SieveFraction {
+    /// Opening of the sieve that the fraction passes, in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub passing_mm: f64,
+    /// Opening of the sieve that retains the fraction, in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub retained_mm: f64,
+    /// Share of the total mass, in percent.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100.0))]
+    pub mass_percent: f64,
+}
+
+/// Grains read from a file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GrainsFile {
+    /// Path of a `grains.json`, relative to the scenario file.
+    pub file: String,
+}
+
+/// The apparatus. Everything the paper gives is in the defaults; the rest is ours.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ApparatusSpec {
+    /// The container.
+    pub cylinder: CylinderSpec,
+    /// The funnel above it.
+    pub funnel: FunnelSpec,
+    /// The loading plate laid on the grains before vibration.
+    pub top_plate: TopPlateSpec,
+}
+
+/// The cylindrical container (paper, section 2: 11.5 cm × 20 cm, inside).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CylinderSpec {
+    /// Inner diameter in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub inner_diameter_mm: f64,
+    /// Inner height in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub height_mm: f64,
+    /// Number of flat wall pieces; the polygon has the circle's area.
+    #[schemars(range(min = 12, max = 256))]
+    pub wall_pieces: u32,
+    /// Thickness of wall pieces and floor in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub wall_thickness_mm: f64,
+}
+
+impl Default for CylinderSpec {
+    fn default() -> Self {
+        Self {
+            inner_diameter_mm: 115.0,
+            height_mm: 200.0,
+            wall_pieces: 48,
+            wall_thickness_mm: 20.0,
+        }
+    }
+}
+
+/// The funnel, a cone with a cylindrical collar on top. The paper's figure of
+/// it is lost and its text gives no size: all numbers are ours.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FunnelSpec {
+    /// Diameter of the bottom opening in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub opening_diameter_mm: f64,
+    /// Diameter of the top of the cone in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub top_diameter_mm: f64,
+    /// Angle of the cone's wall from the vertical, in degrees.
+    #[schemars(range(min = 1.0, max = 89.0))]
+    pub half_angle_deg: f64,
+    /// Number of flat wall pieces.
+    #[schemars(range(min = 12, max = 256))]
+    pub wall_pieces: u32,
+    /// Thickness of the wall pieces and the lid in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub wall_thickness_mm: f64,
+}
+
+impl Default for FunnelSpec {
+    fn default() -> Self {
+        Self {
+            opening_diameter_mm: 80.0,
+            top_diameter_mm: 260.0,
+            half_angle_deg: 30.0,
+            wall_pieces: 32,
+            wall_thickness_mm: 20.0,
+        }
+    }
+}
+
+/// The top plate (paper, section 2: 11.3 cm × 1 cm, 104 g).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct TopPlateSpec {
+    /// Diameter in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub diameter_mm: f64,
+    /// Thickness in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub thickness_mm: f64,
+    /// Mass in g.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub mass_g: f64,
+    /// Number of sides of the polygonal plate; it has the circle's area.
+    #[schemars(range(min = 12, max = 256))]
+    pub sides: u32,
+}
+
+impl Default for TopPlateSpec {
+    fn default() -> Self {
+        Self { diameter_mm: 113.0, thickness_mm: 10.0, mass_g: 104.0, sides: 48 }
+    }
+}
+
+/// Friction and restitution. These are values of the *pair* of surfaces: what
+/// the contact gets, with no rule of combination in between.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ContactSpec {
+    /// Coulomb friction ratio between grains (paper, section 3: 0.793).
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub grain_grain_friction: f64,
+    /// Coulomb friction ratio between grains and walls, floor, funnel and lid (ours).
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub grain_wall_friction: f64,
+    /// Coulomb friction ratio between grains and top plate (ours).
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub grain_plate_friction: f64,
+    /// Coulomb friction ratio between top plate and cylinder wall (ours).
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub plate_wall_friction: f64,
+    /// Coefficient of restitution of every pair (paper, section 3: 0.315).
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub restitution: f64,
+}
+
+impl Default for ContactSpec {
+    fn default() -> Self {
+        Self {
+            grain_grain_friction: 0.793,
+            grain_wall_friction: 0.5,
+            grain_plate_friction: 0.5,
+            plate_wall_friction: 0.2,
+            restitution: 0.315,
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! The stages a scenario can name.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What the stated amplitude of a sinusoid means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StrokeReading {
+    /// Amplitude in the physicist's sense: the table moves ± the amplitude.
+    HalfStroke,
+    /// The table moves by the amplitude from end to end.
+    FullStroke,
+}
+
+/// One step of the laboratory procedure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "stage", rename_all = "snake_case", deny_unknown_fields)]
+pub enum StageSpec {
+    /// Mix the grains, pour them into the closed funnel, let them settle.
+    FillFunnel {
+        /// Ends when the grains have settled, at the latest after this time.
+        #[serde(default = "fill_limit")]
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        time_limit_s: f64,
+    },
+    /// Remove the lid and let the grains fall into the cylinder.
+    Pour {
+        /// Distance between the bottom of the funnel and the top of the cylinder in mm.
+        #[schemars(range(min = 0.0, max = 10000.0))]
+        falling_height_mm: f64,
+        /// Ends when the grains have settled, at the latest after this time.
+        #[serde(default = "pour_limit")]
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        time_limit_s: f64,
+    },
+    /// Lay the top plate on the grains without dynamic effects.
+    PlaceTopPlate {
+        /// Ends when plate and grains have settled, at the latest after this time.
+        #[serde(default = "place_limit")]
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        time_limit_s: f64,
+    },
+    /// Shake the table horizontally along x with x(t) = A sin(2πft).
+    Vibrate {
+        /// Frequency in Hz.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        frequency_hz: f64,
+        /// Amplitude in mm.
+        #[schemars(range(min = 0.0))]
+        amplitude_mm: f64,
+        /// Whether the amplitude is half or the full stroke.
+        #[serde(default = "half_stroke")]
+        stroke: StrokeReading,
+        /// Length of one period of vibration in s.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        duration_s: f64,
+        /// Number of periods of vibration.
+        #[serde(default = "one")]
+        #[schemars(range(min = 1, max = 1000))]
+        periods: u32,
+        /// Rest after each period but the last of several, in s.
+        #[serde(default)]
+        #[schemars(range(min = 0.0))]
+        rest_s: f64,
+    },
+    /// Wait with nothing moving.
+    Rest {
+        /// Length in s.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        duration_s: f64,
+    },
+}
+
+fn fill_limit() -> f64 {
+    4.0
+}
+fn pour_limit() -> f64 {
+    6.0
+}
+fn place_limit() -> f64 {
+    1.5
+}
+fn half_stroke() -> StrokeReading {
+    StrokeReading::HalfStroke
+}
+fn one() -> u32 {
+    1
+}

@@ -1,0 +1,81 @@
+//! The state of the experiment between stages, as a plain value.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{grains::GrainSet, world::BodyState};
+
+/// Grains, their poses and the state of the apparatus: everything that one
+/// stage hands to the next, and nothing of an engine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Specimen {
+    /// The grains; their order is that of `bodies`.
+    pub grains: Arc<GrainSet>,
+    /// The rest, which is what a saved specimen holds.
+    pub state: SpecimenState,
+}
+
+/// Everything that changes about a specimen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SpecimenState {
+    /// One entry a grain, in the order of the grain set: centroid position and
+    /// orientation of its principal axes, and velocities.
+    pub bodies: Vec<GrainState>,
+    /// The funnel, while it stands.
+    pub funnel: Option<FunnelState>,
+    /// Whether the cylinder stands on the table.
+    pub cylinder: bool,
+    /// Centroid pose and velocity of the top plate, once placed.
+    pub top_plate: Option<BodyState>,
+    /// Displacement of the shaking table along x in m.
+    pub table_x: f64,
+    /// Simulated time since the first stage began, in s.
+    pub time: f64,
+}
+
+/// One grain's state.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct GrainState {
+    /// Where the grain is and how it moves; for a grain that left the
+    /// apparatus, where it was last seen.
+    #[serde(flatten)]
+    pub body: BodyState,
+    /// What became of it.
+    pub fate: Fate,
+}
+
+/// What became of a grain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Fate {
+    /// It takes part in the simulation.
+    Present,
+    /// It went over the rim of cylinder or funnel, fell outside and was taken away.
+    Spilled,
+    /// It passed through a wall or the floor, which no grain should.
+    ThroughWall,
+    /// It was left in the funnel when the funnel was taken away.
+    LeftInFunnel,
+}
+
+/// Where the funnel stands.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FunnelState {
+    /// Height of the bottom opening above the cylinder's floor, in m.
+    pub opening_height: f64,
+    /// Whether the lid closes the opening.
+    pub lid: bool,
+}
+
+impl Specimen {
+    /// Indices of the grains that still take part.
+    pub fn present(&self) -> impl Iterator<Item = usize> + '_ {
+        self.state
+            .bodies
+            .iter()
+            .enumerate()
+            .filter(|(_, g)| g.fate == Fate::Present)
+            .map(|(i, _)| i)
+    }
+}

@@ -1,0 +1,223 @@
+//! The one seam between the experiment and a physics engine.
+//!
+//! Everything crossing this trait is in SI units and double precision,
+//! whatever units and precision the engine uses inside: length scaling and
+//! rounding are the backend's private business.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+
+/// What a surface is made of; the pair of two materials decides friction and restitution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Material {
+    /// A grain.
+    Grain,
+    /// Cylinder, floor, funnel, lid.
+    Wall,
+    /// The top plate.
+    Plate,
+}
+
+/// Friction and restitution of one pair of materials, both without unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PairCoefficients {
+    /// Coulomb friction ratio.
+    pub friction: f64,
+    /// Coefficient of restitution.
+    pub restitution: f64,
+}
+
+/// The coefficients of every pair of materials.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PairTable(pub [[PairCoefficients; 3]; 3]);
+
+impl PairTable {
+    /// The coefficients of a pair, whichever comes first.
+    pub fn get(&self, a: Material, b: Material) -> PairCoefficients {
+        self.0[a as usize][b as usize]
+    }
+
+    /// The table with one value for every pair.
+    pub fn uniform(coefficients: PairCoefficients) -> Self {
+        Self([[coefficients; 3]; 3])
+    }
+
+    /// Sets a pair in both orders.
+    pub fn set(&mut self, a: Material, b: Material, coefficients: PairCoefficients) {
+        self.0[a as usize][b as usize] = coefficients;
+        self.0[b as usize][a as usize] = coefficients;
+    }
+}
+
+/// How a body moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// Never.
+    Static,
+    /// As [`World::drive`] says, unmoved by contacts.
+    Driven,
+    /// By gravity and contacts.
+    Free {
+        /// Mass in kg.
+        mass: f64,
+        /// Principal moments of inertia in kg m² about the body axes.
+        inertia: Vector,
+    },
+}
+
+/// A body to add to a world. For [`Motion::Free`] the shape's origin is the
+/// centre of mass and its axes are the principal axes of inertia.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// Shape in body coordinates, in metres; shared by bodies that look alike.
+    pub shape: Arc<ConvexPolyhedron>,
+    /// How it moves.
+    pub motion: Motion,
+    /// What it is made of.
+    pub material: Material,
+    /// Where it is.
+    pub state: BodyState,
+}
+
+/// Pose and velocity of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct BodyState {
+    /// Position (m) and orientation of the body frame in the world.
+    pub pose: Pose,
+    /// Velocity of the body origin in m/s.
+    pub linear_velocity: Vector,
+    /// Angular velocity in rad/s, in world axes.
+    pub angular_velocity: Vector,
+}
+
+impl BodyState {
+    /// A body at rest at a pose.
+    pub fn at_rest(pose: Pose) -> Self {
+        Self { pose, linear_velocity: Vector::zeros(), angular_velocity: Vector::zeros() }
+    }
+}
+
+/// Names a body in the world that returned it; bodies are numbered in the
+/// order in which they were added, and numbers are never used again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct BodyId(pub u32);
+
+/// One contact point between two bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// First body.
+    pub a: BodyId,
+    /// Second body.
+    pub b: BodyId,
+    /// Point midway between the surfaces, in m.
+    pub point: Vector,
+    /// Unit normal pointing from `b` to `a`.
+    pub normal: Vector,
+    /// Gap along the normal in m; negative where the bodies overlap.
+    pub gap: f64,
+    /// Impulse of the last step on `a` (opposite on `b`), in N s, world axes.
+    pub impulse: Vector,
+}
+
+/// The state of all bodies, in order of [`BodyId`]; `None` where a body was removed.
+pub type Snapshot = Vec<Option<BodyState>>;
+
+/// A setting as the engine holds it, read back after it was set.
+pub type EffectiveSettings = std::collections::BTreeMap<String, serde_json::Value>;
+
+/// What can go wrong in a world.
+#[derive(Debug, thiserror::Error)]
+pub enum WorldError {
+    /// A body was refused before it reached the engine.
+    #[error("body refused: {reason}")]
+    BadBody {
+        /// Why.
+        reason: String,
+    },
+    /// No body of that number is in the world.
+    #[error("there is no body {0:?} in this world")]
+    NoSuchBody(BodyId),
+    /// Only driven bodies can be driven.
+    #[error("body {0:?} is not driven")]
+    NotDriven(BodyId),
+    /// Settings the engine cannot take, or did not keep.
+    #[error("engine setting `{setting}`: {reason}")]
+    BadSetting {
+        /// Name of the setting.
+        setting: String,
+        /// Why.
+        reason: String,
+    },
+    /// The engine reported a fault of its own.
+    #[error("the engine failed: {0}")]
+    Engine(String),
+    /// A guard found the state unphysical.
+    #[error("the simulation became unphysical at {time_s:.4} s: {what}")]
+    Unphysical {
+        /// Simulated time in the stage, in s.
+        time_s: f64,
+        /// What was found, with the body and the limit.
+        what: String,
+    },
+}
+
+/// A running simulation. Steps have a fixed length given at creation.
+pub trait World {
+    /// Adds a body; it takes part from the next step on.
+    ///
+    /// # Errors
+    /// [`WorldError::BadBody`] for values no engine should see.
+    fn add(&mut self, body: &Body) -> Result<BodyId, WorldError>;
+
+    /// Removes a body with its contacts.
+    ///
+    /// # Errors
+    /// [`WorldError::NoSuchBody`].
+    fn remove(&mut self, id: BodyId) -> Result<(), WorldError>;
+
+    /// Says where a driven body is at the end of the next step. It stays
+    /// there until driven again; its contacts feel the velocity of the move.
+    ///
+    /// # Errors
+    /// [`WorldError::NoSuchBody`], [`WorldError::NotDriven`].
+    fn drive(&mut self, id: BodyId, pose_at_end_of_step: &Pose) -> Result<(), WorldError>;
+
+    /// Advances by one time step.
+    ///
+    /// # Errors
+    /// [`WorldError::Engine`].
+    fn step(&mut self) -> Result<(), WorldError>;
+
+    /// Length of a step in s.
+    fn time_step(&self) -> f64;
+
+    /// Reads the state of all bodies into `into`, replacing its content.
+    fn read(&self, into: &mut Snapshot);
+
+    /// Reads all contact points into `into`, replacing its content.
+    fn contacts(&self, into: &mut Vec<Contact>);
+
+    /// The coefficients that a contact between these bodies gets.
+    ///
+    /// # Errors
+    /// [`WorldError::NoSuchBody`].
+    fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError>;
+
+    /// Every engine setting as read back from the engine.
+    fn effective(&self) -> EffectiveSettings;
+}
+
+/// Name, version and precision of an engine, as written into every result.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BackendInfo {
+    /// `bullet`, ...
+    pub name: String,
+    /// Version of the engine.
+    pub version: String,
+    /// `double` or `single`.
+    pub precision: String,
+}
