@@ -1,1 +1,33 @@
-//! apparatus
+//! Cylinder, funnel, lid, top plate and shaking table as pure geometry and motion.
+//!
+//! Coordinates: the cylinder's axis is z, its floor lies at z = 0, gravity
+//! acts along -z, the table shakes along x.
+
+mod motion;
+mod walls;
+
+pub use motion::TableMotion;
+pub use walls::{Cylinder, Funnel, TopPlate};
+
+use std::sync::Arc;
+
+use crate::geometry::{ConvexPolyhedron, PolyhedronError, Pose};
+
+/// A solid convex piece of an apparatus, at its pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Piece {
+    /// Shape around the origin, in m.
+    pub shape: Arc<ConvexPolyhedron>,
+    /// Where the shape stands.
+    pub pose: Pose,
+}
+
+/// Dimensions that make no apparatus.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("the {part} cannot be built: {reason}")]
+pub struct ApparatusError {
+    /// Which part.
+    pub part: &'static str,
+    /// What is wrong with it.
+    pub reason: PolyhedronError,
+}

@@ -4,6 +4,12 @@
 //! whatever units and precision the engine uses inside: length scaling and
 //! rounding are the backend's private business.
 
+pub mod bullet;
+mod guard;
+pub mod scripted;
+
+pub use guard::{Guard, GuardLimits};
+
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -220,4 +226,27 @@ pub struct BackendInfo {
     pub version: String,
     /// `double` or `single`.
     pub precision: String,
+}
+
+/// Makes an empty world of the engine that the settings name; gravity in m/s².
+///
+/// # Errors
+/// [`WorldError::BadSetting`] and [`WorldError::Engine`] as the engine has it.
+pub fn create(
+    settings: &crate::scenario::EngineSettings,
+    gravity: Vector,
+    pairs: &PairTable,
+) -> Result<Box<dyn World + Send>, WorldError> {
+    match settings.backend {
+        crate::scenario::Backend::Bullet => {
+            Ok(Box::new(bullet::BulletBackend::new(settings, gravity, pairs)?))
+        }
+    }
+}
+
+/// Name, version and precision of an engine.
+pub fn info(backend: crate::scenario::Backend) -> BackendInfo {
+    match backend {
+        crate::scenario::Backend::Bullet => bullet::info(),
+    }
 }

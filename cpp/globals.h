@@ -1,0 +1,36 @@
+// Bullet keeps some of its settings in variables of the process.
+//
+// They are set when the first world is made and must not differ between
+// worlds that live at the same time; a world that asks for other values is
+// refused. The same mutex guards the making and unmaking of shapes and bodies,
+// which count in unprotected process variables.
+#pragma once
+
+#include <LinearMath/btScalar.h>
+
+#include <mutex>
+
+namespace pluvia {
+
+std::mutex &construction_mutex();
+
+struct GlobalSettings {
+    btScalar contact_breaking_threshold; // engine length units
+    btScalar broadphase_margin;          // engine length units
+};
+
+// Holds the process's settings for the life of one world. Construct and
+// destroy under `construction_mutex`.
+class GlobalsHold {
+  public:
+    // Throws std::runtime_error when a living world holds other values.
+    explicit GlobalsHold(const GlobalSettings &settings);
+    ~GlobalsHold();
+    GlobalsHold(const GlobalsHold &) = delete;
+    GlobalsHold &operator=(const GlobalsHold &) = delete;
+
+    // As Bullet has them now.
+    static GlobalSettings read_back();
+};
+
+} // namespace pluvia

@@ -1,0 +1,41 @@
+#include "shapes.h"
+
+#include <stdexcept>
+
+namespace pluvia {
+
+void TightHull::getAabb(const btTransform &pose, btVector3 &low, btVector3 &high) const {
+    const int count = getNumPoints();
+    const btVector3 *points = getUnscaledPoints();
+    low = high = pose(points[0]);
+    for (int i = 1; i < count; ++i) {
+        const btVector3 p = pose(points[i]);
+        low.setMin(p);
+        high.setMax(p);
+    }
+    const btScalar margin = getMargin();
+    low -= btVector3(margin, margin, margin);
+    high += btVector3(margin, margin, margin);
+}
+
+std::unique_ptr<TightHull> make_hull(const Units &units, const double *coordinates,
+                                     std::size_t count) {
+    auto hull = std::make_unique<TightHull>();
+    // Before the box is computed: Bullet's cached box keeps the margin that
+    // the shape had at that moment (btPolyhedralConvexShape.cpp, 3.24).
+    hull->setMargin(0);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double *p = coordinates + 3 * i;
+        hull->addPoint(units.length({p[0], p[1], p[2]}), false);
+    }
+    hull->recalcLocalAabb();
+    if (hull->getMargin() != btScalar(0)) {
+        throw std::runtime_error("Bullet did not keep the zero collision margin of a hull");
+    }
+    if (static_cast<std::size_t>(hull->getNumPoints()) != count) {
+        throw std::runtime_error("Bullet did not keep every vertex of a hull");
+    }
+    return hull;
+}
+
+} // namespace pluvia

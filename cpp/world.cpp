@@ -1,0 +1,263 @@
+#include "world.h"
+
+#include "bodies.h"
+#include "convert.h"
+#include "globals.h"
+#include "pluvia/src/world/bullet/ffi.rs.h"
+#include "shapes.h"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace pluvia {
+
+namespace {
+
+btDefaultCollisionConstructionInfo pool_sizes() {
+    // Bullet falls back to the heap when a pool is full, which is slow. A
+    // dense specimen of 1456 grains holds about 20 000 pairs.
+    btDefaultCollisionConstructionInfo info;
+    info.m_defaultMaxPersistentManifoldPoolSize = 32768;
+    info.m_defaultMaxCollisionAlgorithmPoolSize = 32768;
+    return info;
+}
+
+GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
+    return {units.length(d.contact_threshold), units.length(d.broadphase_margin)};
+}
+
+} // namespace
+
+// Members are destroyed from the last to the first: the world before what it
+// uses, bodies and shapes after the world that pointed to them.
+class BulletWorld::Impl {
+  public:
+    Impl(const WorldDefinition &definition, rust::Slice<const PairValue> pairs)
+        : units(definition.length_scale), time_step(static_cast<btScalar>(definition.time_step)),
+          body_settings{static_cast<btScalar>(definition.linear_damping),
+                        static_cast<btScalar>(definition.angular_damping), definition.gyroscopic},
+          materials{definition.materials, {pairs.begin(), pairs.end()}},
+          globals(global_settings(units, definition)), configuration(pool_sizes()),
+          dispatcher(&configuration), world(&dispatcher, &broadphase, &solver, &configuration) {
+        world.setGravity(units.length(definition.gravity));
+        // A relative threshold of a percent of the grain's size destroys
+        // manifolds: the absolute one is used for all pairs.
+        dispatcher.setDispatcherFlags(
+            dispatcher.getDispatcherFlags() &
+            ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
+        auto &dispatch = world.getDispatchInfo();
+        dispatch.m_useContinuous = false;
+        dispatch.m_enableSatConvex = false;
+        auto &info = world.getSolverInfo();
+        info.m_numIterations = definition.iterations;
+        info.m_solverMode = definition.solver_mode;
+        info.m_erp = static_cast<btScalar>(definition.error_reduction);
+        info.m_erp2 = static_cast<btScalar>(definition.error_reduction);
+        info.m_warmstartingFactor = static_cast<btScalar>(definition.warm_start);
+        info.m_splitImpulse = definition.split_impulse ? 1 : 0;
+        // Bullet compares with an absolute length; scaled, it stays the 0.04
+        // that it is for bodies of one metre.
+        info.m_splitImpulsePenetrationThreshold = units.length(-0.04);
+        info.m_restitutionVelocityThreshold =
+            units.length(definition.restitution_velocity_threshold);
+        info.m_linearSlop = 0;
+        info.m_globalCfm = 0;
+        info.m_frictionERP = 0;
+        info.m_frictionCFM = 0;
+        info.m_leastSquaresResidualThreshold = 0;
+        info.m_sor = 1;
+    }
+
+    ~Impl() {
+        for (auto &body : bodies) {
+            if (body) {
+                world.removeRigidBody(body.get());
+            }
+        }
+    }
+
+    btRigidBody &body(std::uint32_t id) const {
+        if (id >= bodies.size() || !bodies[id]) {
+            throw std::runtime_error("no body " + std::to_string(id) + " in this world");
+        }
+        return *bodies[id];
+    }
+
+    Units units;
+    btScalar time_step;
+    DampingAndSpin body_settings;
+    Materials materials;
+    GlobalsHold globals;
+    std::vector<std::unique_ptr<TightHull>> shapes;
+    std::vector<std::unique_ptr<btRigidBody>> bodies;
+    btDefaultCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher;
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btDiscreteDynamicsWorld world;
+};
+
+std::unique_ptr<BulletWorld> new_world(const WorldDefinition &definition,
+                                       rust::Slice<const PairValue> pairs) {
+    return std::make_unique<BulletWorld>(definition, pairs);
+}
+
+BulletWorld::BulletWorld(const WorldDefinition &definition, rust::Slice<const PairValue> pairs) {
+    const std::lock_guard<std::mutex> lock(construction_mutex());
+    impl_ = std::make_unique<Impl>(definition, pairs);
+}
+
+BulletWorld::~BulletWorld() {
+    const std::lock_guard<std::mutex> lock(construction_mutex());
+    impl_.reset();
+}
+
+std::uint32_t BulletWorld::add_shape(rust::Slice<const double> coordinates) {
+    const std::lock_guard<std::mutex> lock(construction_mutex());
+    impl_->shapes.push_back(make_hull(impl_->units, coordinates.data(), coordinates.size() / 3));
+    return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
+}
+
+std::uint32_t BulletWorld::add_body(const BodyDefinition &definition) {
+    const std::lock_guard<std::mutex> lock(construction_mutex());
+    auto &shape = impl_->shapes.at(definition.shape);
+    const int id = static_cast<int>(impl_->bodies.size());
+    impl_->bodies.push_back(make_body(impl_->units, definition, id, shape.get(), &impl_->materials,
+                                      impl_->body_settings));
+    btRigidBody *body = impl_->bodies.back().get();
+    if (definition.kind == BodyKind::Free) {
+        impl_->world.addRigidBody(body, Group::FREE, Group::FREE | Group::WALL);
+    } else {
+        impl_->world.addRigidBody(body, Group::WALL, Group::FREE);
+    }
+    return static_cast<std::uint32_t>(id);
+}
+
+void BulletWorld::remove_body(std::uint32_t id) {
+    const std::lock_guard<std::mutex> lock(construction_mutex());
+    impl_->world.removeRigidBody(&impl_->body(id));
+    impl_->bodies[id].reset();
+}
+
+void BulletWorld::drive_body(std::uint32_t id, const std::array<double, 3> &position,
+                             const std::array<double, 4> &rotation) {
+    // Bullet takes a kinematic body's velocity from the difference to its
+    // interpolation pose, which it then moves along (btRigidBody.cpp,
+    // saveKinematicState, 3.24).
+    impl_->body(id).setWorldTransform(impl_->units.pose(position, rotation));
+}
+
+void BulletWorld::step() {
+    // No sub-steps: the step is the one that was asked for.
+    impl_->world.stepSimulation(impl_->time_step, 0, impl_->time_step);
+}
+
+void BulletWorld::read_bodies(rust::Vec<BodyRead> &out) const {
+    out.clear();
+    out.reserve(impl_->bodies.size());
+    for (const auto &body : impl_->bodies) {
+        BodyRead read{};
+        if (body) {
+            const btTransform &pose = body->getWorldTransform();
+            read.present = true;
+            read.position = impl_->units.metres(pose.getOrigin());
+            read.rotation = array(pose.getRotation());
+            read.linear_velocity = impl_->units.metres(body->getLinearVelocity());
+            read.angular_velocity = array(body->getAngularVelocity());
+        }
+        out.push_back(read);
+    }
+}
+
+void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
+    out.clear();
+    const auto &dispatcher = impl_->dispatcher;
+    for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+        const btPersistentManifold *manifold =
+            const_cast<btCollisionDispatcher &>(dispatcher).getManifoldByIndexInternal(m);
+        for (int p = 0; p < manifold->getNumContacts(); ++p) {
+            const btManifoldPoint &point = manifold->getContactPoint(p);
+            const btVector3 middle =
+                (point.getPositionWorldOnA() + point.getPositionWorldOnB()) * btScalar(0.5);
+            const btVector3 impulse = point.m_normalWorldOnB * point.m_appliedImpulse +
+                                      point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+                                      point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
+            ContactRead read{};
+            read.a = static_cast<std::uint32_t>(manifold->getBody0()->getUserIndex());
+            read.b = static_cast<std::uint32_t>(manifold->getBody1()->getUserIndex());
+            read.point = impl_->units.metres(middle);
+            read.normal = array(point.m_normalWorldOnB);
+            read.gap = impl_->units.metres(point.getDistance());
+            read.impulse = impl_->units.metres(impulse);
+            out.push_back(read);
+        }
+    }
+}
+
+PairValue BulletWorld::pair_value(std::uint32_t a, std::uint32_t b) const {
+    const btRigidBody &first = impl_->body(a);
+    const btRigidBody &second = impl_->body(b);
+    return {static_cast<double>(btManifoldResult::calculateCombinedFriction(&first, &second)),
+            static_cast<double>(btManifoldResult::calculateCombinedRestitution(&first, &second))};
+}
+
+rust::Vec<EngineSetting> BulletWorld::effective() const {
+    rust::Vec<EngineSetting> out;
+    const auto put = [&out](const char *name, double value) {
+        out.push_back(EngineSetting{rust::String(name), value});
+    };
+    auto &world = const_cast<btDiscreteDynamicsWorld &>(impl_->world);
+    const auto &info = world.getSolverInfo();
+    const auto &dispatch = world.getDispatchInfo();
+    const GlobalSettings globals = GlobalsHold::read_back();
+    const Units &units = impl_->units;
+    put("length_scale_units_per_m", units.scale());
+    put("time_step_s", static_cast<double>(impl_->time_step));
+    put("gravity_x_m_per_s2", units.metres(world.getGravity().x()));
+    put("gravity_y_m_per_s2", units.metres(world.getGravity().y()));
+    put("gravity_z_m_per_s2", units.metres(world.getGravity().z()));
+    put("contact_breaking_threshold_m", units.metres(globals.contact_breaking_threshold));
+    put("broadphase_margin_m", units.metres(globals.broadphase_margin));
+    put("relative_contact_threshold",
+        (impl_->dispatcher.getDispatcherFlags() &
+         btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD) != 0);
+    put("iterations", info.m_numIterations);
+    put("solver_mode", info.m_solverMode);
+    put("erp", static_cast<double>(info.m_erp));
+    put("erp2", static_cast<double>(info.m_erp2));
+    put("friction_erp", static_cast<double>(info.m_frictionERP));
+    put("friction_cfm", static_cast<double>(info.m_frictionCFM));
+    put("global_cfm", static_cast<double>(info.m_globalCfm));
+    put("sor", static_cast<double>(info.m_sor));
+    put("linear_slop_m", units.metres(info.m_linearSlop));
+    put("warm_starting_factor", static_cast<double>(info.m_warmstartingFactor));
+    put("split_impulse", info.m_splitImpulse);
+    put("split_impulse_penetration_threshold_m",
+        units.metres(info.m_splitImpulsePenetrationThreshold));
+    put("split_impulse_turn_erp", static_cast<double>(info.m_splitImpulseTurnErp));
+    put("restitution_velocity_threshold_m_per_s",
+        units.metres(info.m_restitutionVelocityThreshold));
+    put("least_squares_residual_threshold",
+        static_cast<double>(info.m_leastSquaresResidualThreshold));
+    put("minimum_solver_batch_size", info.m_minimumSolverBatchSize);
+    put("continuous_collision", dispatch.m_useContinuous);
+    put("separating_axis_test_for_hulls", dispatch.m_enableSatConvex);
+    put("speculative_contact_restitution", world.getApplySpeculativeContactRestitution());
+    for (const auto &body : impl_->bodies) {
+        if (body && !body->isStaticOrKinematicObject()) {
+            // Every free body is made alike; the first one speaks for all.
+            put("linear_damping", static_cast<double>(body->getLinearDamping()));
+            put("angular_damping", static_cast<double>(body->getAngularDamping()));
+            put("rigid_body_flags", body->getFlags());
+            put("activation_state", body->getActivationState());
+            put("collision_margin_m", units.metres(body->getCollisionShape()->getMargin()));
+            break;
+        }
+    }
+    return out;
+}
+
+} // namespace pluvia

@@ -1,0 +1,44 @@
+// One btDiscreteDynamicsWorld with all it needs, behind the functions of the
+// bridge in src/world/bullet/ffi.rs.
+#pragma once
+
+#include "rust/cxx.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+namespace pluvia {
+
+struct BodyDefinition;
+struct BodyRead;
+struct ContactRead;
+struct EngineSetting;
+struct PairValue;
+struct WorldDefinition;
+
+class BulletWorld {
+  public:
+    BulletWorld(const WorldDefinition &definition, rust::Slice<const PairValue> pairs);
+    ~BulletWorld();
+
+    std::uint32_t add_shape(rust::Slice<const double> coordinates);
+    std::uint32_t add_body(const BodyDefinition &definition);
+    void remove_body(std::uint32_t id);
+    void drive_body(std::uint32_t id, const std::array<double, 3> &position,
+                    const std::array<double, 4> &rotation);
+    void step();
+    void read_bodies(rust::Vec<BodyRead> &out) const;
+    void read_contacts(rust::Vec<ContactRead> &out) const;
+    PairValue pair_value(std::uint32_t a, std::uint32_t b) const;
+    rust::Vec<EngineSetting> effective() const;
+
+  private:
+    class Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+std::unique_ptr<BulletWorld> new_world(const WorldDefinition &definition,
+                                       rust::Slice<const PairValue> pairs);
+
+} // namespace pluvia

@@ -1,0 +1,107 @@
+//! The shaking table's motion.
+
+use std::f64::consts::PI;
+
+/// A table that shakes along x in one or more periods of x(t) = A sin(2πft),
+/// with rests at x = 0 between them. Each period starts and ends at zero
+/// displacement when it holds a whole number of cycles, and starts with full
+/// speed, as an oscillator does that is switched on at its middle position.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TableMotion {
+    /// Half the stroke, in m.
+    pub amplitude: f64,
+    /// Frequency in Hz.
+    pub frequency: f64,
+    /// Length of one period of vibration in s.
+    pub duration: f64,
+    /// Number of periods.
+    pub periods: u32,
+    /// Rest between periods in s.
+    pub rest: f64,
+}
+
+impl TableMotion {
+    /// Time from the start of the first to the end of the last period, in s.
+    pub fn total(&self) -> f64 {
+        f64::from(self.periods) * self.duration
+            + f64::from(self.periods.saturating_sub(1)) * self.rest
+    }
+
+    /// Displacement in m at a time in s since the start.
+    pub fn displacement(&self, time: f64) -> f64 {
+        match self.within(time) {
+            Some(t) => self.amplitude * (2.0 * PI * self.frequency * t).sin(),
+            None => 0.0,
+        }
+    }
+
+    /// Velocity in m/s at a time in s since the start.
+    pub fn velocity(&self, time: f64) -> f64 {
+        let omega = 2.0 * PI * self.frequency;
+        match self.within(time) {
+            Some(t) => self.amplitude * omega * (omega * t).cos(),
+            None => 0.0,
+        }
+    }
+
+    /// Times in s at which the periods of vibration end.
+    pub fn period_ends(&self) -> Vec<f64> {
+        (0..self.periods)
+            .map(|p| f64::from(p) * (self.duration + self.rest) + self.duration)
+            .collect()
+    }
+
+    /// Time since the start of the period that holds `time`; `None` at rest.
+    fn within(&self, time: f64) -> Option<f64> {
+        if time < 0.0 || time >= self.total() {
+            return None;
+        }
+        let t = time % (self.duration + self.rest);
+        (t < self.duration).then_some(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The paper's intermittent vibration with rests of one second.
+    const MOTION: TableMotion =
+        TableMotion { amplitude: 0.025, frequency: 3.0, duration: 5.0, periods: 4, rest: 1.0 };
+
+    #[test]
+    fn peaks_at_the_amplitude_and_rests_in_the_middle() {
+        let quarter = 1.0 / 12.0;
+        let got = MOTION.displacement(quarter);
+        assert!(
+            (got - 0.025).abs() < 1e-12,
+            "law x(T/4) = A, expected 0.025, got {got}, tolerance 1e-12"
+        );
+        for at_rest in [5.0 + 1e-9, 5.5, 23.0, -1.0] {
+            assert_eq!(MOTION.displacement(at_rest), 0.0, "at rest at {at_rest} s");
+            assert_eq!(MOTION.velocity(at_rest), 0.0, "at rest at {at_rest} s");
+        }
+        assert_eq!(MOTION.total(), 23.0);
+        assert_eq!(MOTION.period_ends(), [5.0, 11.0, 17.0, 23.0]);
+    }
+
+    #[test]
+    fn velocity_is_the_derivative_of_displacement() {
+        let step = 1e-6;
+        for time in [0.013, 1.7, 6.25, 22.9] {
+            let expected = (MOTION.displacement(time + step) - MOTION.displacement(time - step))
+                / (2.0 * step);
+            let got = MOTION.velocity(time);
+            assert!(
+                (got - expected).abs() < 1e-8,
+                "law v = dx/dt at {time} s, expected {expected}, got {got}, tolerance 1e-8"
+            );
+        }
+    }
+
+    #[test]
+    fn paper_amplitude_gives_the_peak_speed_of_0_471_m_per_s() {
+        let got = MOTION.velocity(0.0);
+        assert!((got - 0.4712).abs() < 1e-4, "law v = 2πfA, expected 0.4712, got {got}");
+    }
+}

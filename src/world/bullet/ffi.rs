@@ -1,0 +1,132 @@
+//! The bridge to the C++ shims. All values are SI in double precision; the
+//! shims scale them to engine units (`cpp/convert.h`).
+//!
+//! To add a binding: declare it here, implement it as a method of
+//! `BulletWorld` in `cpp/world.{h,cpp}` (or a file of its own for a new
+//! concern, named in `build.rs`), return `Result` when it can throw, pass
+//! many values in one slice, and validate in Rust (`world/bullet/mod.rs`)
+//! before crossing.
+
+#![allow(unsafe_code)] // cxx generates it; every function below is safe to call
+
+#[cxx::bridge(namespace = "pluvia")]
+mod bridge {
+    /// How a body moves.
+    enum BodyKind {
+        Static,
+        Driven,
+        Free,
+    }
+
+    /// Everything about a world that is fixed at its creation.
+    struct WorldDefinition {
+        /// Engine length units in a metre.
+        length_scale: f64,
+        /// Length of a step in s.
+        time_step: f64,
+        /// Gravity in m/s².
+        gravity: [f64; 3],
+        iterations: i32,
+        /// Bits of Bullet's `btSolverMode`.
+        solver_mode: i32,
+        /// In m.
+        contact_threshold: f64,
+        /// Growth of the broadphase's leaves in m.
+        broadphase_margin: f64,
+        error_reduction: f64,
+        warm_start: f64,
+        split_impulse: bool,
+        /// In m/s.
+        restitution_velocity_threshold: f64,
+        linear_damping: f64,
+        angular_damping: f64,
+        gyroscopic: bool,
+        /// Number of materials; the pair table has its square.
+        materials: usize,
+    }
+
+    /// Friction and restitution of a pair of materials.
+    struct PairValue {
+        friction: f64,
+        restitution: f64,
+    }
+
+    /// A body to add.
+    struct BodyDefinition {
+        shape: u32,
+        kind: BodyKind,
+        material: u32,
+        /// In kg.
+        mass: f64,
+        /// In kg m².
+        inertia: [f64; 3],
+        /// In m.
+        position: [f64; 3],
+        /// x, y, z, w.
+        rotation: [f64; 4],
+        /// In m/s.
+        linear_velocity: [f64; 3],
+        /// In rad/s, world axes.
+        angular_velocity: [f64; 3],
+    }
+
+    /// State of a body; `present` is false where it was removed.
+    struct BodyRead {
+        present: bool,
+        position: [f64; 3],
+        rotation: [f64; 4],
+        linear_velocity: [f64; 3],
+        angular_velocity: [f64; 3],
+    }
+
+    /// One contact point.
+    struct ContactRead {
+        a: u32,
+        b: u32,
+        point: [f64; 3],
+        /// From `b` to `a`.
+        normal: [f64; 3],
+        gap: f64,
+        /// On `a`, in N s.
+        impulse: [f64; 3],
+    }
+
+    /// A setting as Bullet holds it.
+    struct EngineSetting {
+        name: String,
+        value: f64,
+    }
+
+    unsafe extern "C++" {
+        include!("pluvia/cpp/world.h");
+
+        type BulletWorld;
+
+        fn new_world(
+            definition: &WorldDefinition,
+            pairs: &[PairValue],
+        ) -> Result<UniquePtr<BulletWorld>>;
+        fn add_shape(self: Pin<&mut BulletWorld>, coordinates: &[f64]) -> Result<u32>;
+        fn add_body(self: Pin<&mut BulletWorld>, definition: &BodyDefinition) -> Result<u32>;
+        fn remove_body(self: Pin<&mut BulletWorld>, id: u32) -> Result<()>;
+        fn drive_body(
+            self: Pin<&mut BulletWorld>,
+            id: u32,
+            position: &[f64; 3],
+            rotation: &[f64; 4],
+        ) -> Result<()>;
+        fn step(self: Pin<&mut BulletWorld>) -> Result<()>;
+        fn read_bodies(self: &BulletWorld, out: &mut Vec<BodyRead>);
+        fn read_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
+        fn pair_value(self: &BulletWorld, a: u32, b: u32) -> Result<PairValue>;
+        fn effective(self: &BulletWorld) -> Vec<EngineSetting>;
+    }
+}
+
+pub(super) use bridge::*;
+
+// SAFETY: a BulletWorld owns everything it points to and keeps no reference to
+// the thread that made it; Bullet 3.24 has no thread-local state in the paths
+// used here (it is built with BT_THREADSAFE 0 and profiling off). What Bullet
+// keeps per process is guarded by `construction_mutex` in cpp/globals.h.
+unsafe impl Send for bridge::BulletWorld {}

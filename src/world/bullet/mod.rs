@@ -1,0 +1,331 @@
+//! The Bullet backend: the only place that knows Bullet's names.
+//!
+//! Everything is validated here, in Rust, before it crosses to C++, and every
+//! setting is read back from the engine ([`World::effective`]).
+//!
+//! What finds contacts and what solves them is chosen in one place: the
+//! members `configuration`, `dispatcher` and `solver` of `BulletWorld::Impl`
+//! in `cpp/world.cpp`, by [`ContactPath`].
+
+mod constants;
+mod ffi;
+
+use std::{collections::HashMap, sync::Arc};
+
+use nalgebra::{Quaternion, UnitQuaternion};
+
+use super::{
+    BackendInfo, Body, BodyId, BodyState, Contact, EffectiveSettings, Motion, PairCoefficients,
+    PairTable, Snapshot, World, WorldError,
+};
+use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::scenario::{ContactPath, EngineSettings};
+use crate::units::from_mm;
+
+/// Growth of the broadphase's tree leaves in m: a grain is inserted anew only
+/// when it has moved so far. Bullet's default is 0.05 length units whatever
+/// they are; half a millimetre is a twentieth of a grain.
+const BROADPHASE_MARGIN: f64 = 0.5e-3;
+
+/// A Bullet world. See [`World`].
+pub struct BulletBackend {
+    world: cxx::UniquePtr<ffi::BulletWorld>,
+    time_step: f64,
+    /// Shapes already known to the engine, by address; the `Arc`s keep the
+    /// addresses from being used again.
+    shapes: HashMap<*const ConvexPolyhedron, (u32, Arc<ConvexPolyhedron>)>,
+    driven: Vec<bool>,
+}
+
+// SAFETY: the raw pointers are keys that are never followed; the shapes they
+// came from are owned beside them. For the world see `ffi`.
+#[allow(unsafe_code)]
+unsafe impl Send for BulletBackend {}
+
+/// Name, version and precision of the Bullet this program is linked with.
+pub fn info() -> BackendInfo {
+    let version = constants::PLUVIA_BULLET_VERSION;
+    BackendInfo {
+        name: "bullet".into(),
+        version: format!("{}.{:02}", version / 100, version % 100),
+        precision: if constants::PLUVIA_SCALAR_BYTES == 8 { "double" } else { "single" }.into(),
+    }
+}
+
+impl BulletBackend {
+    /// Makes an empty world.
+    ///
+    /// `gravity` in m/s². Every setting is applied and compared with what
+    /// Bullet then holds.
+    ///
+    /// # Errors
+    /// [`WorldError::BadSetting`] for a value Bullet cannot take or did not
+    /// keep; [`WorldError::Engine`] when another world in this process holds
+    /// other process-wide settings.
+    pub fn new(
+        settings: &EngineSettings,
+        gravity: Vector,
+        pairs: &PairTable,
+    ) -> Result<Self, WorldError> {
+        let ContactPath::Bullet = settings.contact_path;
+        let definition = definition(settings, gravity)?;
+        let pair_values: Vec<ffi::PairValue> = pairs
+            .0
+            .iter()
+            .flatten()
+            .map(|p| ffi::PairValue { friction: p.friction, restitution: p.restitution })
+            .collect();
+        if let Some(bad) = pair_values.iter().find(|p| {
+            !(p.friction >= 0.0
+                && p.friction.is_finite()
+                && p.restitution >= 0.0
+                && p.restitution <= 1.0)
+        }) {
+            return Err(WorldError::BadSetting {
+                setting: "contact".into(),
+                reason: format!(
+                    "friction {} must be zero or more, restitution {} from 0 to 1",
+                    bad.friction, bad.restitution
+                ),
+            });
+        }
+        let world = ffi::new_world(&definition, &pair_values).map_err(engine)?;
+        let backend = Self {
+            world,
+            time_step: definition.time_step,
+            shapes: HashMap::new(),
+            driven: Vec::new(),
+        };
+        backend.check_kept(&definition)?;
+        Ok(backend)
+    }
+
+    /// Compares what was asked for with what Bullet holds.
+    fn check_kept(&self, d: &ffi::WorldDefinition) -> Result<(), WorldError> {
+        let held = self.effective();
+        let single = constants::PLUVIA_SCALAR_BYTES == 4;
+        let tolerance = if single { 1e-6 } else { 1e-12 };
+        for (name, asked) in [
+            ("time_step_s", d.time_step),
+            ("gravity_x_m_per_s2", d.gravity[0]),
+            ("gravity_y_m_per_s2", d.gravity[1]),
+            ("gravity_z_m_per_s2", d.gravity[2]),
+            ("contact_breaking_threshold_m", d.contact_threshold),
+            ("broadphase_margin_m", d.broadphase_margin),
+            ("iterations", f64::from(d.iterations)),
+            ("solver_mode", f64::from(d.solver_mode)),
+            ("erp2", d.error_reduction),
+            ("warm_starting_factor", d.warm_start),
+            ("split_impulse", f64::from(u8::from(d.split_impulse))),
+            ("restitution_velocity_threshold_m_per_s", d.restitution_velocity_threshold),
+        ] {
+            let kept = held.get(name).and_then(serde_json::Value::as_f64);
+            let good = kept.is_some_and(|k| (k - asked).abs() <= tolerance * asked.abs().max(1e-9));
+            if !good {
+                return Err(WorldError::BadSetting {
+                    setting: name.into(),
+                    reason: format!("asked for {asked}, Bullet holds {kept:?}"),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn shape(&mut self, shape: &Arc<ConvexPolyhedron>) -> Result<u32, WorldError> {
+        let key = Arc::as_ptr(shape);
+        if let Some((index, _)) = self.shapes.get(&key) {
+            return Ok(*index);
+        }
+        let coordinates: Vec<f64> = shape.vertices().iter().flat_map(|v| [v.x, v.y, v.z]).collect();
+        let index = self.world.pin_mut().add_shape(&coordinates).map_err(engine)?;
+        self.shapes.insert(key, (index, Arc::clone(shape)));
+        Ok(index)
+    }
+}
+
+fn engine(error: cxx::Exception) -> WorldError {
+    WorldError::Engine(error.what().to_owned())
+}
+
+fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinition, WorldError> {
+    let positive = |setting: &str, value: f64| {
+        if value.is_finite() && value > 0.0 {
+            Ok(value)
+        } else {
+            Err(WorldError::BadSetting {
+                setting: setting.into(),
+                reason: format!("{value} is not a positive number"),
+            })
+        }
+    };
+    if !gravity.iter().all(|g| g.is_finite()) {
+        return Err(WorldError::BadSetting {
+            setting: "gravity".into(),
+            reason: format!("{gravity:?} is not finite"),
+        });
+    }
+    let mut solver_mode = constants::SOLVER_USE_WARMSTARTING;
+    match s.friction_directions {
+        1 => {}
+        2 => solver_mode |= constants::SOLVER_USE_2_FRICTION_DIRECTIONS,
+        other => {
+            return Err(WorldError::BadSetting {
+                setting: "friction_directions".into(),
+                reason: format!("{other} is neither 1 nor 2"),
+            });
+        }
+    }
+    Ok(ffi::WorldDefinition {
+        length_scale: positive("length_scale", s.length_scale)?,
+        time_step: 1.0 / positive("rate_hz", s.rate_hz)?,
+        gravity: gravity.into(),
+        iterations: i32::try_from(s.iterations.max(1)).unwrap_or(i32::MAX),
+        solver_mode: i32::try_from(solver_mode).unwrap_or_default(),
+        contact_threshold: from_mm(positive("contact_threshold_mm", s.contact_threshold_mm)?),
+        broadphase_margin: BROADPHASE_MARGIN,
+        error_reduction: s.error_reduction,
+        warm_start: s.warm_start,
+        split_impulse: s.split_impulse,
+        restitution_velocity_threshold: s.restitution_velocity_threshold_m_per_s,
+        linear_damping: s.linear_damping,
+        angular_damping: s.angular_damping,
+        gyroscopic: s.gyroscopic,
+        materials: 3,
+    })
+}
+
+/// What no engine should see: numbers that are not finite, masses that are not positive.
+fn check(body: &Body) -> Result<(), WorldError> {
+    let state = &body.state;
+    let finite = state.pose.translation.vector.iter().all(|x| x.is_finite())
+        && state.pose.rotation.coords.iter().all(|x| x.is_finite())
+        && state.linear_velocity.iter().all(|x| x.is_finite())
+        && state.angular_velocity.iter().all(|x| x.is_finite());
+    let refuse = |reason: String| Err(WorldError::BadBody { reason });
+    if !finite {
+        return refuse("its pose or velocity is not finite".into());
+    }
+    if let Motion::Free { mass, inertia } = body.motion {
+        if !(mass.is_finite() && mass > 0.0) {
+            return refuse(format!("its mass {mass} kg is not positive"));
+        }
+        if !inertia.iter().all(|i| i.is_finite() && *i > 0.0) {
+            return refuse(format!("its moments of inertia {inertia:?} kg m² are not positive"));
+        }
+    }
+    Ok(())
+}
+
+fn rotation_array(pose: &Pose) -> [f64; 4] {
+    let q = pose.rotation.coords;
+    [q.x, q.y, q.z, q.w]
+}
+
+impl World for BulletBackend {
+    fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
+        check(body)?;
+        let shape = self.shape(&body.shape)?;
+        let (kind, mass, inertia) = match body.motion {
+            Motion::Static => (ffi::BodyKind::Static, 0.0, Vector::zeros()),
+            Motion::Driven => (ffi::BodyKind::Driven, 0.0, Vector::zeros()),
+            Motion::Free { mass, inertia } => (ffi::BodyKind::Free, mass, inertia),
+        };
+        let id = self
+            .world
+            .pin_mut()
+            .add_body(&ffi::BodyDefinition {
+                shape,
+                kind,
+                material: body.material as u32,
+                mass,
+                inertia: inertia.into(),
+                position: body.state.pose.translation.vector.into(),
+                rotation: rotation_array(&body.state.pose),
+                linear_velocity: body.state.linear_velocity.into(),
+                angular_velocity: body.state.angular_velocity.into(),
+            })
+            .map_err(engine)?;
+        self.driven.push(matches!(body.motion, Motion::Driven));
+        Ok(BodyId(id))
+    }
+
+    fn remove(&mut self, id: BodyId) -> Result<(), WorldError> {
+        self.world.pin_mut().remove_body(id.0).map_err(|_| WorldError::NoSuchBody(id))
+    }
+
+    fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
+        match self.driven.get(id.0 as usize) {
+            None => Err(WorldError::NoSuchBody(id)),
+            Some(false) => Err(WorldError::NotDriven(id)),
+            Some(true) => self
+                .world
+                .pin_mut()
+                .drive_body(id.0, &pose.translation.vector.into(), &rotation_array(pose))
+                .map_err(|_| WorldError::NoSuchBody(id)),
+        }
+    }
+
+    fn step(&mut self) -> Result<(), WorldError> {
+        self.world.pin_mut().step().map_err(engine)
+    }
+
+    fn time_step(&self) -> f64 {
+        self.time_step
+    }
+
+    fn read(&self, into: &mut Snapshot) {
+        let mut bodies = Vec::new();
+        self.world.read_bodies(&mut bodies);
+        into.clear();
+        into.extend(bodies.iter().map(|b| {
+            b.present.then(|| {
+                let [x, y, z, w] = b.rotation;
+                BodyState {
+                    pose: Pose::from_parts(
+                        Vector::from(b.position).into(),
+                        UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
+                    ),
+                    linear_velocity: b.linear_velocity.into(),
+                    angular_velocity: b.angular_velocity.into(),
+                }
+            })
+        }));
+    }
+
+    fn contacts(&self, into: &mut Vec<Contact>) {
+        let mut contacts = Vec::new();
+        self.world.read_contacts(&mut contacts);
+        into.clear();
+        into.extend(contacts.iter().map(|c| Contact {
+            a: BodyId(c.a),
+            b: BodyId(c.b),
+            point: c.point.into(),
+            normal: c.normal.into(),
+            gap: c.gap,
+            impulse: c.impulse.into(),
+        }));
+    }
+
+    fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {
+        // Which of the two is missing: asked one by one.
+        for id in [a, b] {
+            self.world.pair_value(id.0, id.0).map_err(|_| WorldError::NoSuchBody(id))?;
+        }
+        let value = self.world.pair_value(a.0, b.0).map_err(engine)?;
+        Ok(PairCoefficients { friction: value.friction, restitution: value.restitution })
+    }
+
+    fn effective(&self) -> EffectiveSettings {
+        let mut settings: EffectiveSettings = self
+            .world
+            .effective()
+            .into_iter()
+            .map(|s| (s.name, serde_json::json!(s.value)))
+            .collect();
+        let info = info();
+        settings.insert("engine".into(), info.name.into());
+        settings.insert("engine_version".into(), info.version.into());
+        settings.insert("engine_precision".into(), info.precision.into());
+        settings
+    }
+}
