@@ -6,6 +6,7 @@
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "shapes.h"
 
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <stdexcept>
@@ -200,8 +201,9 @@ void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
 PairValue BulletWorld::pair_value(std::uint32_t a, std::uint32_t b) const {
     const btRigidBody &first = impl_->body(a);
     const btRigidBody &second = impl_->body(b);
-    return {static_cast<double>(btManifoldResult::calculateCombinedFriction(&first, &second)),
-            static_cast<double>(btManifoldResult::calculateCombinedRestitution(&first, &second))};
+    // Through the hooks, as Bullet does when it makes a contact.
+    return {static_cast<double>(gCalculateCombinedFrictionCallback(&first, &second)),
+            static_cast<double>(gCalculateCombinedRestitutionCallback(&first, &second))};
 }
 
 rust::Vec<EngineSetting> BulletWorld::effective() const {

@@ -107,6 +107,8 @@ pub struct Funnel {
     pub opening_height: f64,
     /// Height of the cone's top above the cylinder's floor, in m.
     pub top_height: f64,
+    /// Inner radius of the opening, in m.
+    pub opening_radius: f64,
     /// Inner radius at the top, in m.
     pub top_radius: f64,
     /// Pieces of cone and collar.
@@ -153,7 +155,13 @@ impl Funnel {
             Ok((pieces, piece(lid)))
         };
         let (pieces, lid) = build().map_err(|reason| ApparatusError { part: "funnel", reason })?;
-        Ok(Self { opening_height, top_height, top_radius, pieces, lid })
+        Ok(Self { opening_height, top_height, opening_radius: opening, top_radius, pieces, lid })
+    }
+
+    /// Inner radius of the cone in m at a height in m, of its ends beyond them.
+    pub fn inner_radius(&self, height: f64) -> f64 {
+        let share = (height - self.opening_height) / (self.top_height - self.opening_height);
+        self.opening_radius + (self.top_radius - self.opening_radius) * share.clamp(0.0, 1.0)
     }
 }
 

@@ -51,3 +51,14 @@ pub struct Grain {
     /// Index of the sieve fraction (block) it belongs to.
     pub fraction: usize,
 }
+
+pub struct Mixing {
+    pub order: Vec<usize>,
+    pub orientations: Vec<nalgebra::UnitQuaternion<f64>>,
+}
+pub fn mix(_: &GrainSet, _: u64, _: u32) -> Mixing {
+    unimplemented!()
+}
+pub fn rain(_: &GrainSet, _: &Mixing, _: f64, _: f64, _: u64) -> Result<Vec<Pose>, String> {
+    unimplemented!()
+}

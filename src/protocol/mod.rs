@@ -1,1 +1,83 @@
-//! protocol
+//! The laboratory procedure: stages that take a specimen and give a specimen.
+//!
+//! A stage builds a fresh world from the specimen it is given, runs it and
+//! reads it back, so that it does not matter whether the specimen came
+//! straight from the stage before or from a file.
+
+mod setup;
+mod stages;
+mod stand;
+mod whereabouts;
+
+pub use setup::SettleCriterion;
+pub use setup::Setup;
+pub use stages::{run, table_motion};
+pub use stand::WorldMaker;
+
+use std::time::Duration;
+
+use crate::apparatus::ApparatusError;
+use crate::specimen::Specimen;
+use crate::world::{EffectiveSettings, WorldError};
+
+/// Sees the specimen at regular times: how series are recorded.
+pub trait Observer {
+    /// Called at the start of a stage, then every sample interval, then at its end.
+    fn observe(&mut self, specimen: &Specimen, moment: Moment);
+}
+
+/// When and in what motion of the table an observation is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Time since the stage began, in s.
+    pub stage_time: f64,
+    /// Velocity of the table along x in m/s.
+    pub table_velocity: f64,
+}
+
+/// What a stage leaves beside its specimen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StageOutcome {
+    /// The specimen at the end.
+    pub specimen: Specimen,
+    /// Engine steps taken.
+    pub steps: u64,
+    /// Simulated time in s.
+    pub simulated: f64,
+    /// Wall time inside the engine.
+    pub engine_time: Duration,
+    /// Findings a reader must know.
+    pub warnings: Vec<String>,
+    /// The engine's settings as read back.
+    pub effective: EffectiveSettings,
+}
+
+/// Why a stage did not finish.
+#[derive(Debug, thiserror::Error)]
+pub enum StageError {
+    /// The apparatus cannot be built.
+    #[error(transparent)]
+    Apparatus(#[from] ApparatusError),
+    /// Grains could not be placed.
+    #[error("the grains could not be placed above the funnel: {0}")]
+    Placing(String),
+    /// The stage does not fit the specimen it was given.
+    #[error("stage `{stage}` cannot follow here: {reason}")]
+    OutOfOrder {
+        /// The stage.
+        stage: &'static str,
+        /// What it needs.
+        reason: &'static str,
+    },
+    /// The world failed; the last state found good is kept.
+    #[error("{source}")]
+    World {
+        /// What happened.
+        source: WorldError,
+        /// The specimen as it was when last checked.
+        last_good: Box<Specimen>,
+    },
+    /// Asked to stop.
+    #[error("stopped on request")]
+    Cancelled,
+}

@@ -38,6 +38,9 @@ pub struct Scenario {
     /// Physics engine and its settings.
     #[serde(default)]
     pub engine: EngineSettings,
+    /// When a specimen counts as settled.
+    #[serde(default)]
+    pub settle: SettleSpec,
     /// Gravitational acceleration in m/s², acting along -z.
     #[serde(default = "default_gravity")]
     #[schemars(range(min = 0.0, max = 100.0))]
@@ -251,5 +254,28 @@ impl Default for ContactSpec {
             plate_wall_friction: 0.2,
             restitution: 0.315,
         }
+    }
+}
+
+/// When a specimen counts as settled (ours; the paper only says "settled in a
+/// static state"): the root mean square speed of grains and plate stays below
+/// one limit and every speed below another for a while.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct SettleSpec {
+    /// Largest root mean square speed in mm/s.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub rms_speed_mm_per_s: f64,
+    /// Largest speed of any grain in mm/s: one that still falls or flows.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub largest_speed_mm_per_s: f64,
+    /// How long both must hold, in s.
+    #[schemars(range(min = 0.0, max = 60.0))]
+    pub hold_s: f64,
+}
+
+impl Default for SettleSpec {
+    fn default() -> Self {
+        Self { rms_speed_mm_per_s: 20.0, largest_speed_mm_per_s: 500.0, hold_s: 0.25 }
     }
 }

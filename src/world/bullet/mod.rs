@@ -9,6 +9,8 @@
 
 mod constants;
 mod ffi;
+#[cfg(test)]
+mod tests;
 
 use std::{collections::HashMap, sync::Arc};
 

@@ -1,0 +1,83 @@
+//! Everything a stage needs to know about the laboratory, in SI units.
+
+use crate::apparatus::{ApparatusError, Cylinder, TopPlate};
+use crate::scenario::{ContactSpec, EngineSettings, FunnelSpec, Scenario};
+use crate::units::from_mm;
+use crate::world::{Material, PairCoefficients, PairTable};
+
+/// Interval between observations in s (paper, section 4: "continuously
+/// monitored every 0.08 seconds").
+const SAMPLE_INTERVAL: f64 = 0.08;
+
+/// The laboratory as the stages see it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// Gravitational acceleration in m/s².
+    pub gravity: f64,
+    /// Engine settings.
+    pub engine: EngineSettings,
+    /// Friction and restitution of each pair of materials.
+    pub pairs: PairTable,
+    /// The container.
+    pub cylinder: Cylinder,
+    /// The funnel's dimensions; it is built where a stage puts it.
+    pub funnel: FunnelSpec,
+    /// The top plate.
+    pub plate: TopPlate,
+    /// When a specimen counts as settled.
+    pub settle: SettleCriterion,
+    /// Seed of the random streams.
+    pub seed: u64,
+    /// Which mixing of the grains.
+    pub configuration: u32,
+    /// Interval between observations in s.
+    pub sample_interval: f64,
+}
+
+/// When a specimen counts as settled, in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SettleCriterion {
+    /// Largest root mean square speed in m/s.
+    pub rms_speed: f64,
+    /// Largest speed of any body in m/s.
+    pub largest_speed: f64,
+    /// How long both must hold, in s.
+    pub hold: f64,
+}
+
+impl Setup {
+    /// The laboratory of a scenario.
+    ///
+    /// # Errors
+    /// When a dimension makes a piece of the apparatus impossible.
+    pub fn new(scenario: &Scenario) -> Result<Self, ApparatusError> {
+        let settle = &scenario.settle;
+        Ok(Self {
+            gravity: scenario.gravity_m_per_s2,
+            engine: scenario.engine.clone(),
+            pairs: pair_table(&scenario.contact),
+            cylinder: Cylinder::new(&scenario.apparatus.cylinder)?,
+            funnel: scenario.apparatus.funnel.clone(),
+            plate: TopPlate::new(&scenario.apparatus.top_plate)?,
+            settle: SettleCriterion {
+                rms_speed: from_mm(settle.rms_speed_mm_per_s),
+                largest_speed: from_mm(settle.largest_speed_mm_per_s),
+                hold: settle.hold_s,
+            },
+            seed: scenario.seed,
+            configuration: scenario.configuration,
+            sample_interval: SAMPLE_INTERVAL,
+        })
+    }
+}
+
+fn pair_table(contact: &ContactSpec) -> PairTable {
+    use Material::{Grain, Plate, Wall};
+    let with = |friction| PairCoefficients { friction, restitution: contact.restitution };
+    let mut table = PairTable::uniform(with(contact.grain_wall_friction));
+    table.set(Grain, Grain, with(contact.grain_grain_friction));
+    table.set(Grain, Plate, with(contact.grain_plate_friction));
+    table.set(Plate, Wall, with(contact.plate_wall_friction));
+    table.set(Plate, Plate, with(contact.plate_wall_friction));
+    table
+}

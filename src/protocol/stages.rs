@@ -1,0 +1,225 @@
+//! The stages themselves.
+
+use std::sync::atomic::AtomicBool;
+
+use super::{
+    Observer, Setup, StageError, StageOutcome,
+    stand::{Stand, Until, WorldMaker},
+};
+use crate::apparatus::{Funnel, TableMotion};
+use crate::geometry::Pose;
+use crate::grains;
+use crate::scenario::{StageSpec, StrokeReading};
+use crate::specimen::{Fate, FunnelState, Specimen};
+use crate::units::from_mm;
+use crate::world::BodyState;
+
+/// Clearance in m between the funnel's collar and the grains poured into it.
+const COLLAR_CLEARANCE: f64 = 2e-3;
+
+/// Height in m above the highest grain at which the top plate is let go: it
+/// lands with 44 mm/s ("allowed to fall slowly", paper, section 3).
+const PLATE_RELEASE: f64 = 1e-4;
+
+/// Carries out one stage on a specimen.
+///
+/// # Errors
+/// See [`StageError`]; on a failed simulation it holds the last good specimen.
+pub fn run(
+    setup: &Setup,
+    make_world: WorldMaker,
+    specimen: Specimen,
+    stage: &StageSpec,
+    observer: &mut dyn Observer,
+    cancel: &AtomicBool,
+) -> Result<StageOutcome, StageError> {
+    let lab = Laboratory { setup, make_world, cancel };
+    match *stage {
+        StageSpec::FillFunnel { time_limit_s } => lab.fill(specimen, time_limit_s, observer),
+        StageSpec::Pour { falling_height_mm, time_limit_s } => {
+            lab.pour(specimen, from_mm(falling_height_mm), time_limit_s, observer)
+        }
+        StageSpec::PlaceTopPlate { time_limit_s } => {
+            lab.place_top_plate(specimen, time_limit_s, observer)
+        }
+        StageSpec::Vibrate { .. } => lab.vibrate(specimen, stage, observer),
+        StageSpec::Rest { duration_s } => lab.rest(specimen, duration_s, observer),
+    }
+}
+
+/// The table's motion of a vibration stage; `None` for every other stage.
+pub fn table_motion(stage: &StageSpec) -> Option<TableMotion> {
+    match *stage {
+        StageSpec::Vibrate { frequency_hz, amplitude_mm, stroke, duration_s, periods, rest_s } => {
+            let half = match stroke {
+                StrokeReading::HalfStroke => 1.0,
+                StrokeReading::FullStroke => 0.5,
+            };
+            Some(TableMotion {
+                amplitude: from_mm(amplitude_mm) * half,
+                frequency: frequency_hz,
+                duration: duration_s,
+                periods,
+                rest: rest_s,
+            })
+        }
+        _ => None,
+    }
+}
+
+struct Laboratory<'a> {
+    setup: &'a Setup,
+    make_world: WorldMaker<'a>,
+    cancel: &'a AtomicBool,
+}
+
+impl Laboratory<'_> {
+    fn fill(
+        &self,
+        mut specimen: Specimen,
+        limit: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        // Where the funnel stands does not matter before it opens; here it
+        // stands on the cylinder, at falling height zero.
+        let opening_height = self.setup.cylinder.height;
+        let bare = Funnel::new(&self.setup.funnel, opening_height, 0.0)?;
+        let mixing = grains::mix(&specimen.grains, self.setup.seed, self.setup.configuration);
+        let poses = grains::rain(
+            &specimen.grains,
+            &mixing,
+            bare.top_radius - COLLAR_CLEARANCE,
+            bare.top_height,
+            self.setup.seed,
+        )
+        .map_err(|error| StageError::Placing(error.to_string()))?;
+        let highest = poses
+            .iter()
+            .zip(&specimen.grains.grains)
+            .map(|(p, g)| p.translation.z + g.shape.radius_about_origin())
+            .fold(bare.top_height, f64::max);
+        for (state, pose) in specimen.state.bodies.iter_mut().zip(&poses) {
+            state.body = BodyState::at_rest(*pose);
+            state.fate = Fate::Present;
+        }
+        specimen.state.funnel = Some(FunnelState { opening_height, lid: true });
+        specimen.state.cylinder = false;
+
+        let collar = highest - bare.top_height;
+        let mut stand = Stand::new(self.setup, self.make_world, specimen, collar)?;
+        let settled = stand.advance(Until { limit, settled: true }, None, observer, self.cancel)?;
+        if !settled {
+            stand.warn(not_settled("filling the funnel", limit));
+        }
+        Ok(stand.finish())
+    }
+
+    fn pour(
+        &self,
+        mut specimen: Specimen,
+        falling_height: f64,
+        limit: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        let Some(FunnelState { opening_height: was, lid: true }) = specimen.state.funnel else {
+            return Err(StageError::OutOfOrder {
+                stage: "pour",
+                reason: "it needs grains in a funnel closed by its lid",
+            });
+        };
+        // The filled funnel is lifted to its place as it is.
+        let opening_height = self.setup.cylinder.height + falling_height;
+        for state in specimen.state.bodies.iter_mut().filter(|s| s.fate == Fate::Present) {
+            state.body.pose.translation.vector.z += opening_height - was;
+        }
+        specimen.state.funnel = Some(FunnelState { opening_height, lid: false });
+        specimen.state.cylinder = true;
+
+        let mut stand = Stand::new(self.setup, self.make_world, specimen, 0.0)?;
+        let settled = stand.advance(Until { limit, settled: true }, None, observer, self.cancel)?;
+        if !settled {
+            stand.warn(not_settled("pouring", limit));
+        }
+        // The funnel is taken away, with what hangs in it.
+        let rim = self.setup.cylinder.height;
+        let state = &mut stand.specimen_mut().state;
+        state.funnel = None;
+        let mut hanging = 0;
+        for grain in state.bodies.iter_mut().filter(|s| s.fate == Fate::Present) {
+            if grain.body.pose.translation.z > rim {
+                grain.fate = Fate::LeftInFunnel;
+                hanging += 1;
+            }
+        }
+        if hanging > 0 {
+            stand.warn(format!(
+                "{hanging} grains were left hanging in the funnel when everything had come to rest"
+            ));
+        }
+        Ok(stand.finish())
+    }
+
+    fn place_top_plate(
+        &self,
+        mut specimen: Specimen,
+        limit: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        if !specimen.state.cylinder || specimen.state.funnel.is_some() {
+            return Err(StageError::OutOfOrder {
+                stage: "place_top_plate",
+                reason: "it needs grains poured into the cylinder",
+            });
+        }
+        let highest = specimen
+            .present()
+            .flat_map(|i| {
+                let pose = specimen.state.bodies[i].body.pose;
+                specimen.grains.grains[i].shape.vertices().iter().map(move |v| (pose * v).z)
+            })
+            .fold(0.0, f64::max);
+        let height = highest + PLATE_RELEASE + self.setup.plate.thickness / 2.0;
+        specimen.state.top_plate =
+            Some(BodyState::at_rest(Pose::translation(specimen.state.table_x, 0.0, height)));
+        let mut stand = Stand::new(self.setup, self.make_world, specimen, 0.0)?;
+        let settled = stand.advance(Until { limit, settled: true }, None, observer, self.cancel)?;
+        if !settled {
+            stand.warn(not_settled("placing the top plate", limit));
+        }
+        Ok(stand.finish())
+    }
+
+    fn vibrate(
+        &self,
+        specimen: Specimen,
+        stage: &StageSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        let Some(motion) = table_motion(stage).filter(|_| specimen.state.cylinder) else {
+            return Err(StageError::OutOfOrder {
+                stage: "vibrate",
+                reason: "it needs grains poured into the cylinder",
+            });
+        };
+        let mut stand = Stand::new(self.setup, self.make_world, specimen, 0.0)?;
+        let until = Until { limit: motion.total(), settled: false };
+        stand.advance(until, Some(&motion), observer, self.cancel)?;
+        Ok(stand.finish())
+    }
+
+    fn rest(
+        &self,
+        specimen: Specimen,
+        duration: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        let mut stand = Stand::new(self.setup, self.make_world, specimen, 0.0)?;
+        let until = Until { limit: duration, settled: false };
+        stand.advance(until, None, observer, self.cancel)?;
+        Ok(stand.finish())
+    }
+}
+
+fn not_settled(what: &str, limit: f64) -> String {
+    format!("after {limit} s of {what} the grains had not settled by the stated criterion")
+}

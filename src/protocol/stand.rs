@@ -1,0 +1,322 @@
+//! The test stand: a world built from a specimen, and the one loop that steps it.
+
+use std::{
+    sync::atomic::{AtomicBool, Ordering},
+    time::{Duration, Instant},
+};
+
+use super::{Moment, Observer, Setup, StageError, StageOutcome, whereabouts::Whereabouts};
+use crate::apparatus::{Funnel, Piece, TableMotion};
+use crate::geometry::{Pose, Vector};
+use crate::specimen::{Fate, Specimen};
+use crate::world::{
+    Body, BodyId, BodyState, Guard, GuardLimits, Material, Motion, PairTable, Snapshot, World,
+    WorldError,
+};
+
+/// Makes the empty world of a stage.
+pub type WorldMaker<'a> = &'a (
+        dyn Fn(
+    &crate::scenario::EngineSettings,
+    Vector,
+    &PairTable,
+) -> Result<Box<dyn World + Send>, WorldError>
+            + Sync
+    );
+
+/// Interval in s at which guards look and grains are counted.
+const CHECK_INTERVAL: f64 = 0.02;
+
+/// Nothing in this laboratory is faster: a grain reaches 2.8 m/s in the
+/// highest fall of the paper and 5 m/s from more than a metre.
+const SPEED_LIMIT: f64 = 20.0;
+
+/// A 10 mm grain whose rim moves at the speed limit turns at 4000 rad/s.
+const ANGULAR_SPEED_LIMIT: f64 = 4000.0;
+
+/// Everything happens within this distance of the cylinder's floor, in m.
+const DISTANCE_LIMIT: f64 = 20.0;
+
+/// A world with everything in it.
+pub(super) struct Stand<'a> {
+    setup: &'a Setup,
+    world: Box<dyn World + Send>,
+    specimen: Specimen,
+    /// Bodies of the grains; `None` for those no longer present.
+    grains: Vec<Option<BodyId>>,
+    plate: Option<BodyId>,
+    /// Bodies standing on the table, with their poses at rest.
+    on_table: Vec<(BodyId, Pose)>,
+    whereabouts: Whereabouts,
+    guard: Guard,
+    snapshot: Snapshot,
+    start_time: f64,
+    steps: u64,
+    engine_time: Duration,
+    warnings: Vec<String>,
+}
+
+/// How long to go on.
+pub(super) struct Until {
+    /// At most so long, in s.
+    pub limit: f64,
+    /// Whether to end as soon as everything has settled.
+    pub settled: bool,
+}
+
+impl<'a> Stand<'a> {
+    /// Builds the world of a specimen: cylinder, funnel and plate where its
+    /// state says they stand, every present grain with its velocity. The
+    /// funnel's collar has the given height in m.
+    pub(super) fn new(
+        setup: &'a Setup,
+        make_world: WorldMaker,
+        specimen: Specimen,
+        collar: f64,
+    ) -> Result<Self, StageError> {
+        let gravity = Vector::new(0.0, 0.0, -setup.gravity);
+        let fail = |source, specimen: &Specimen| StageError::World {
+            source,
+            last_good: Box::new(specimen.clone()),
+        };
+        let mut world = make_world(&setup.engine, gravity, &setup.pairs)
+            .map_err(|source| fail(source, &specimen))?;
+        let state = &specimen.state;
+        let funnel = state
+            .funnel
+            .map(|f| {
+                Funnel::new(&setup.funnel, f.opening_height, collar).map(|built| (built, f.lid))
+            })
+            .transpose()?;
+        let wall = crate::units::from_mm(setup.funnel.wall_thickness_mm);
+
+        let mut on_table = Vec::new();
+        let mut build = || -> Result<_, WorldError> {
+            if state.cylinder {
+                for piece in &setup.cylinder.pieces {
+                    let id = world.add(&wall_piece(piece, Motion::Driven))?;
+                    on_table.push((id, piece.pose));
+                }
+            }
+            if let Some((funnel, lid)) = &funnel {
+                for piece in &funnel.pieces {
+                    world.add(&wall_piece(piece, Motion::Static))?;
+                }
+                if *lid {
+                    world.add(&wall_piece(&funnel.lid, Motion::Static))?;
+                }
+            }
+            let plate = state
+                .top_plate
+                .map(|state| {
+                    world.add(&Body {
+                        shape: setup.plate.shape.clone(),
+                        motion: Motion::Free {
+                            mass: setup.plate.mass,
+                            inertia: setup.plate.inertia,
+                        },
+                        material: Material::Plate,
+                        state,
+                    })
+                })
+                .transpose()?;
+            let mut grains = Vec::with_capacity(specimen.grains.grains.len());
+            for (grain, s) in specimen.grains.grains.iter().zip(&state.bodies) {
+                let id = match s.fate {
+                    Fate::Present => Some(world.add(&Body {
+                        shape: grain.shape.clone(),
+                        motion: Motion::Free { mass: grain.mass, inertia: grain.inertia },
+                        material: Material::Grain,
+                        state: s.body,
+                    })?),
+                    _ => None,
+                };
+                grains.push(id);
+            }
+            Ok((plate, grains))
+        };
+        let (plate, grains) = build().map_err(|source| fail(source, &specimen))?;
+        let whereabouts = Whereabouts::new(
+            grains.len(),
+            state.cylinder.then_some(&setup.cylinder),
+            funnel.as_ref().map(|(f, _)| f),
+            wall,
+        );
+        Ok(Self {
+            setup,
+            world,
+            start_time: state.time,
+            specimen,
+            grains,
+            plate,
+            on_table,
+            whereabouts,
+            guard: Guard::new(GuardLimits {
+                speed: SPEED_LIMIT,
+                angular_speed: ANGULAR_SPEED_LIMIT,
+                distance: DISTANCE_LIMIT,
+            }),
+            snapshot: Snapshot::new(),
+            steps: 0,
+            engine_time: Duration::ZERO,
+            warnings: Vec::new(),
+        })
+    }
+
+    /// Steps the world until it is told to end; returns whether everything
+    /// had settled by then.
+    pub(super) fn advance(
+        &mut self,
+        until: Until,
+        motion: Option<&TableMotion>,
+        observer: &mut dyn Observer,
+        cancel: &AtomicBool,
+    ) -> Result<bool, StageError> {
+        let dt = self.world.time_step();
+        let last_step = (until.limit / dt).round().max(1.0) as u64;
+        let check_every = (CHECK_INTERVAL / dt).round().max(1.0) as u64;
+        let mut next_sample = self.setup.sample_interval;
+        let mut calm_since: Option<f64> = None;
+        let mut settled = false;
+        let table_velocity = |time: f64| motion.map_or(0.0, |m| m.velocity(time));
+        observer.observe(
+            &self.specimen,
+            Moment { stage_time: 0.0, table_velocity: table_velocity(0.0) },
+        );
+        for step in 1..=last_step {
+            let time = step as f64 * dt;
+            if let Some(motion) = motion {
+                self.move_table(motion.displacement(time))?;
+            }
+            let started = Instant::now();
+            let stepped = self.world.step();
+            self.engine_time += started.elapsed();
+            self.steps += 1;
+            stepped.map_err(|source| self.failed(source))?;
+
+            let sample = time >= next_sample - dt / 2.0 || step == last_step;
+            let check = sample || step % check_every == 0;
+            if !check {
+                continue;
+            }
+            if cancel.load(Ordering::Relaxed) {
+                return Err(StageError::Cancelled);
+            }
+            self.read_back(time)?;
+            if until.settled {
+                calm_since = if self.calm() { calm_since.or(Some(time)) } else { None };
+                settled = calm_since.is_some_and(|since| time - since >= self.setup.settle.hold);
+            }
+            if sample || settled {
+                next_sample += self.setup.sample_interval;
+                let moment = Moment { stage_time: time, table_velocity: table_velocity(time) };
+                observer.observe(&self.specimen, moment);
+            }
+            if settled {
+                break;
+            }
+        }
+        Ok(settled)
+    }
+
+    /// Takes the specimen out of the world.
+    pub(super) fn finish(self) -> StageOutcome {
+        StageOutcome {
+            simulated: self.steps as f64 * self.world.time_step(),
+            effective: self.world.effective(),
+            specimen: self.specimen,
+            steps: self.steps,
+            engine_time: self.engine_time,
+            warnings: self.warnings,
+        }
+    }
+
+    /// Keeps a finding for the reader.
+    pub(super) fn warn(&mut self, warning: String) {
+        self.warnings.push(warning);
+    }
+
+    /// The specimen as last read.
+    pub(super) fn specimen_mut(&mut self) -> &mut Specimen {
+        &mut self.specimen
+    }
+
+    fn failed(&self, source: WorldError) -> StageError {
+        StageError::World { source, last_good: Box::new(self.specimen.clone()) }
+    }
+
+    fn move_table(&mut self, x: f64) -> Result<(), StageError> {
+        for (id, at_rest) in &self.on_table {
+            let mut pose = *at_rest;
+            pose.translation.vector.x += x;
+            if let Err(source) = self.world.drive(*id, &pose) {
+                return Err(self.failed(source));
+            }
+        }
+        self.specimen.state.table_x = x;
+        Ok(())
+    }
+
+    /// Reads the world, checks it, and only then takes it over into the specimen.
+    fn read_back(&mut self, time: f64) -> Result<(), StageError> {
+        self.world.read(&mut self.snapshot);
+        self.guard.check(&self.snapshot, time).map_err(|source| self.failed(source))?;
+        let table_x = self.specimen.state.table_x;
+        for (index, slot) in self.grains.iter_mut().enumerate() {
+            let Some(id) = *slot else { continue };
+            let Some(body) = self.snapshot[id.0 as usize] else { continue };
+            let state = &mut self.specimen.state.bodies[index];
+            state.body = body;
+            let fate = self.whereabouts.note(index, &body.pose.translation.vector, table_x);
+            if fate != Fate::Present {
+                state.fate = fate;
+                *slot = None;
+                if let Err(source) = self.world.remove(id) {
+                    return Err(StageError::World {
+                        source,
+                        last_good: Box::new(self.specimen.clone()),
+                    });
+                }
+                if fate == Fate::ThroughWall {
+                    let at = body.pose.translation.vector * 1e3;
+                    self.warnings.push(format!(
+                        "grain {index} passed through a wall at {time:.3} s, last seen at \
+                         ({:.1}, {:.1}, {:.1}) mm",
+                        at.x, at.y, at.z
+                    ));
+                }
+            }
+        }
+        if let Some(id) = self.plate {
+            self.specimen.state.top_plate = self.snapshot[id.0 as usize];
+        }
+        self.specimen.state.time = self.start_time + time;
+        Ok(())
+    }
+
+    /// Whether every body is slow enough to count as settled just now.
+    fn calm(&self) -> bool {
+        let limits = &self.setup.settle;
+        let state = &self.specimen.state;
+        let present = state.bodies.iter().filter(|g| g.fate == Fate::Present).map(|g| &g.body);
+        let (mut squares, mut count, mut largest) = (0.0, 0u32, 0.0_f64);
+        for body in present.chain(state.top_plate.as_ref()) {
+            let square = body.linear_velocity.norm_squared();
+            squares += square;
+            count += 1;
+            largest = largest.max(square);
+        }
+        count > 0
+            && (squares / f64::from(count)).sqrt() <= limits.rms_speed
+            && largest.sqrt() <= limits.largest_speed
+    }
+}
+
+fn wall_piece(piece: &Piece, motion: Motion) -> Body {
+    Body {
+        shape: piece.shape.clone(),
+        motion,
+        material: Material::Wall,
+        state: BodyState::at_rest(piece.pose),
+    }
+}

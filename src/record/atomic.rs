@@ -1,0 +1,117 @@
+//! Writing files so that a reader never sees half of one.
+
+use std::{
+    fs::{self, File},
+    io::{self, Write},
+    path::{Path, PathBuf},
+};
+
+use serde::{Serialize, de::DeserializeOwned};
+
+/// A file or folder that could not be read or written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {action} {}: {reason}", path.display())]
+pub struct FileError {
+    /// `read`, `write`, `create`, ...
+    pub action: &'static str,
+    /// The file or folder.
+    pub path: PathBuf,
+    /// What the system or the parser said.
+    pub reason: String,
+}
+
+impl FileError {
+    /// An error of the operating system or a parser about a path.
+    pub fn new(action: &'static str, path: &Path, reason: impl ToString) -> Self {
+        Self { action, path: path.to_owned(), reason: reason.to_string() }
+    }
+}
+
+/// Creates a folder and those above it.
+///
+/// # Errors
+/// [`FileError`] naming the folder.
+pub fn create_folder(path: &Path) -> Result<(), FileError> {
+    fs::create_dir_all(path).map_err(|e| FileError::new("create the folder", path, e))
+}
+
+/// Writes a file whole or not at all: into a temporary file beside it, to the
+/// disk, then renamed into place.
+///
+/// # Errors
+/// [`FileError`] naming the file; what stood there before is untouched.
+pub fn write_file(path: &Path, content: &[u8]) -> Result<(), FileError> {
+    let fail = |e: io::Error| FileError::new("write", path, e);
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut temporary =
+        tempfile::Builder::new().prefix(".").suffix(".part").tempfile_in(folder).map_err(fail)?;
+    temporary.write_all(content).map_err(fail)?;
+    temporary.as_file().sync_all().map_err(fail)?;
+    make_readable(temporary.as_file()).map_err(fail)?;
+    temporary.persist(path).map_err(|e| fail(e.error))?;
+    Ok(())
+}
+
+/// Temporary files are private to their owner; results are not.
+fn make_readable(file: &File) -> io::Result<()> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        file.set_permissions(fs::Permissions::from_mode(0o644))?;
+    }
+    Ok(())
+}
+
+/// Writes a value as indented JSON with a final newline.
+///
+/// # Errors
+/// [`FileError`] naming the file.
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), FileError> {
+    let mut text =
+        serde_json::to_vec_pretty(value).map_err(|e| FileError::new("write", path, e))?;
+    text.push(b'\n');
+    write_file(path, &text)
+}
+
+/// Reads a file.
+///
+/// # Errors
+/// [`FileError`] naming the file.
+pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
+    fs::read(path).map_err(|e| FileError::new("read", path, e))
+}
+
+/// Reads a value from a JSON file.
+///
+/// # Errors
+/// [`FileError`] naming the file and the place in it.
+pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, FileError> {
+    serde_json::from_slice(&read_file(path)?).map_err(|e| FileError::new("read", path, e))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn replaces_a_file_whole_and_leaves_no_other() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.json");
+        write_json(&path, &[1, 2]).expect("first");
+        write_json(&path, &[3]).expect("second");
+        assert_eq!(read_json::<Vec<i32>>(&path).expect("read back"), [3]);
+        assert_eq!(fs::read_dir(folder.path()).expect("listing").count(), 1);
+    }
+
+    #[test]
+    fn names_the_file_it_cannot_write_or_read() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let missing = folder.path().join("no/such/file.json");
+        for error in [
+            write_file(&missing, b"x").expect_err("no folder"),
+            read_json::<i32>(&missing).expect_err("no file"),
+        ] {
+            assert!(error.to_string().contains("no/such/file.json"), "{error}");
+        }
+    }
+}

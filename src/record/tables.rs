@@ -1,0 +1,84 @@
+//! `series.csv` and `grains.csv`.
+
+use serde::Serialize;
+
+use super::SeriesRow;
+use crate::specimen::{Fate, Specimen};
+use crate::units::{to_g, to_mm};
+
+/// Rows as CSV with a header of field names, which carry their units.
+///
+/// # Errors
+/// The writer's; writing to memory does not fail for flat rows.
+pub fn to_csv<T: Serialize>(rows: impl IntoIterator<Item = T>) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row)?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
+/// Reads `series.csv`.
+///
+/// # Errors
+/// The reader's, with line and field.
+pub fn series_from_csv(content: &[u8]) -> Result<Vec<SeriesRow>, csv::Error> {
+    csv::Reader::from_reader(content).deserialize().collect()
+}
+
+/// One row of `grains.csv`.
+#[derive(Debug, Serialize)]
+struct GrainRow {
+    grain: usize,
+    passing_mm: f64,
+    retained_mm: f64,
+    volume_mm3: f64,
+    mass_g: f64,
+    equivalent_diameter_mm: f64,
+    vertices: usize,
+    faces: usize,
+    fate: Fate,
+    x_mm: f64,
+    y_mm: f64,
+    z_mm: f64,
+    rotation_x: f64,
+    rotation_y: f64,
+    rotation_z: f64,
+    rotation_w: f64,
+    speed_mm_per_s: f64,
+}
+
+/// One row a grain: what it is, where it is (centroid, m to mm, orientation of
+/// its principal axes as a unit quaternion) and how fast.
+///
+/// # Errors
+/// As [`to_csv`].
+pub fn grains_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
+    let set = &specimen.grains;
+    to_csv(set.grains.iter().zip(&specimen.state.bodies).enumerate().map(
+        |(index, (grain, state))| {
+            let block = &set.blocks[grain.fraction];
+            let at = state.body.pose.translation.vector;
+            let q = state.body.pose.rotation.coords;
+            GrainRow {
+                grain: index,
+                passing_mm: to_mm(block.passing),
+                retained_mm: to_mm(block.retained),
+                volume_mm3: grain.volume * 1e9,
+                mass_g: to_g(grain.mass),
+                equivalent_diameter_mm: to_mm(grain.equivalent_diameter),
+                vertices: grain.shape.vertices().len(),
+                faces: grain.shape.faces().len(),
+                fate: state.fate,
+                x_mm: to_mm(at.x),
+                y_mm: to_mm(at.y),
+                z_mm: to_mm(at.z),
+                rotation_x: q.x,
+                rotation_y: q.y,
+                rotation_z: q.z,
+                rotation_w: q.w,
+                speed_mm_per_s: to_mm(state.body.linear_velocity.norm()),
+            }
+        },
+    ))
+}
