@@ -79,3 +79,18 @@ impl Specimen {
             .map(|(i, _)| i)
     }
 }
+
+impl SpecimenState {
+    /// Before anything has been done: grains nowhere in particular, nothing standing.
+    pub fn before_everything(grains: usize) -> Self {
+        let nowhere = BodyState::at_rest(crate::geometry::Pose::identity());
+        Self {
+            bodies: vec![GrainState { body: nowhere, fate: Fate::Present }; grains],
+            funnel: None,
+            cylinder: false,
+            top_plate: None,
+            table_x: 0.0,
+            time: 0.0,
+        }
+    }
+}

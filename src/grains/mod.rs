@@ -1,8 +1,18 @@
 //! Grains: particle size distribution, Voronoi cells, mixing, `grains.json`.
 
+mod make;
+mod mixing;
+mod psd;
+mod streams;
+mod voronoi;
+
+pub use make::generate;
+pub use mixing::{Mixing, mix, rain};
+pub use psd::{Fraction, ParticleSizeDistribution};
+
 use std::sync::Arc;
 
-use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::geometry::{ConvexPolyhedron, PolyhedronError, Pose, Vector};
 
 /// The grains of an experiment, in the order in which the tessellation made them.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,13 +62,43 @@ pub struct Grain {
     pub fraction: usize,
 }
 
-pub struct Mixing {
-    pub order: Vec<usize>,
-    pub orientations: Vec<nalgebra::UnitQuaternion<f64>>,
-}
-pub fn mix(_: &GrainSet, _: u64, _: u32) -> Mixing {
-    unimplemented!()
-}
-pub fn rain(_: &GrainSet, _: &Mixing, _: f64, _: f64, _: u64) -> Result<Vec<Pose>, String> {
-    unimplemented!()
+/// Why grains could not be made, read or placed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum GrainsError {
+    /// A fraction's mass makes less than half a grain of its size.
+    #[error(
+        "the fraction {passing_mm}-{retained_mm} mm holds less than half a grain of its mean size"
+    )]
+    EmptyFraction {
+        /// Opening of the sieve it passes, in mm.
+        passing_mm: f64,
+        /// Opening of the sieve that retains it, in mm.
+        retained_mm: f64,
+    },
+    /// A point of the tessellation cannot be used.
+    #[error("tessellation point {index}: {reason}")]
+    Points {
+        /// Index of the point.
+        index: usize,
+        /// Why.
+        reason: &'static str,
+    },
+    /// A cell is no sound polyhedron.
+    #[error("cell {cell}: {reason}")]
+    Cell {
+        /// Index of the cell in its block.
+        cell: usize,
+        /// What is wrong with it.
+        reason: PolyhedronError,
+    },
+    /// A grain does not fit where it should be placed.
+    #[error("grain {grain} with a bounding radius of {radius} m does not fit into {room} m")]
+    TooNarrow {
+        /// Index of the grain.
+        grain: usize,
+        /// Its bounding radius in m.
+        radius: f64,
+        /// The room there is, in m.
+        room: f64,
+    },
 }

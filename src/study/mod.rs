@@ -1,1 +1,72 @@
-//! study
+//! Many runs, one answer.
+
+mod execute;
+mod plan;
+mod recorder;
+mod reproduce;
+mod run;
+mod summarise;
+
+pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
+pub use run::{RunOptions, run_scenario};
+pub use summarise::STANDARD;
+
+use std::path::PathBuf;
+
+use crate::apparatus::ApparatusError;
+use crate::grains::GrainsError;
+use crate::measure::MeasureError;
+use crate::record::FileError;
+use crate::report::ReportError;
+
+/// Why a study did not finish.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The scenario asks for something that cannot be made.
+    #[error("{0}")]
+    Scenario(String),
+    /// A stage does not fit where it stands.
+    #[error("{stage}: {what}")]
+    Stage {
+        /// Which stage.
+        stage: String,
+        /// What is wrong.
+        what: String,
+    },
+    /// The simulation became unphysical, or the engine failed.
+    #[error("{stage}: {what}; the last good state is kept in {}", kept.display())]
+    Simulation {
+        /// Which stage.
+        stage: String,
+        /// What happened, where and when.
+        what: String,
+        /// File with the last good state.
+        kept: PathBuf,
+    },
+    /// A file could not be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The report could not be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// A result could not be measured.
+    #[error("a result could not be measured: {0}")]
+    Measure(String),
+    /// Asked to stop; what is finished is stored, and the same command goes on from there.
+    #[error("stopped; the same command goes on from here")]
+    Cancelled,
+}
+
+impl StudyError {
+    fn apparatus(error: ApparatusError) -> Self {
+        Self::Scenario(error.to_string())
+    }
+
+    fn grains(error: GrainsError) -> Self {
+        Self::Scenario(error.to_string())
+    }
+
+    fn measure(error: MeasureError) -> Self {
+        Self::Measure(error.to_string())
+    }
+}

@@ -120,7 +120,7 @@ fn torque_free_spin_keeps_the_given_inertia() {
     // An uneven box spinning freely keeps its angular momentum only if the
     // engine holds the inertia it was given, in the right axes.
     let _turn = turn();
-    let settings = EngineSettings { rate_hz: 10_000.0, ..Default::default() };
+    let settings = EngineSettings { rate_hz: 1000.0, ..Default::default() };
     let mut world = BulletBackend::new(&settings, Vector::zeros(), &pairs()).expect("a world");
     let mut body = free_box(Vector::new(0.01, 0.014, 0.02), Vector::zeros());
     body.state.angular_velocity = Vector::new(5.0, 30.0, 3.0);
@@ -130,7 +130,7 @@ fn torque_free_spin_keeps_the_given_inertia() {
     };
     let id = world.add(&body).expect("added");
     let before = momentum(&body.state);
-    for _ in 0..5000 {
+    for _ in 0..500 {
         world.step().expect("a step");
     }
     let after = momentum(&state(&world, id));

@@ -1,0 +1,204 @@
+//! From runs to the stages they share.
+//!
+//! A run is a chain of stages. Runs that begin alike share their first
+//! stages, so that a plan is a forest: every stage has one parent at most.
+//! A stage is named by the hash of everything that determines it, its
+//! parent's name included.
+
+use std::{collections::HashMap, sync::Arc};
+
+use serde::Serialize;
+
+use super::StudyError;
+use crate::grains::GrainSet;
+use crate::protocol::{Setup, table_motion};
+use crate::record::{RunKind, hash_json};
+use crate::scenario::{Scenario, StageSpec};
+use crate::world::BackendInfo;
+
+/// Raised whenever the meaning of a stored stage changes, so that none of an
+/// older meaning is ever taken for a new one.
+const FORMAT: u32 = 1;
+
+/// A run to carry out.
+#[derive(Debug, Clone)]
+pub struct PlannedRun {
+    /// Name of its folder.
+    pub name: String,
+    /// What it is in the paper's programme.
+    pub kind: RunKind,
+    /// What is done.
+    pub scenario: Scenario,
+    /// Its grains, shared by runs that have the same.
+    pub grains: Arc<GrainSet>,
+}
+
+/// One stage of a plan.
+#[derive(Debug, Clone)]
+pub struct Node {
+    /// Name in the store.
+    pub key: String,
+    /// Index of the stage before; `None` for the first of a run.
+    pub parent: Option<usize>,
+    /// What is done.
+    pub stage: StageSpec,
+    /// The laboratory.
+    pub setup: Arc<Setup>,
+    /// The grains.
+    pub grains: Arc<GrainSet>,
+    /// For people: `configuration 1, pour from 50 mm`.
+    pub label: String,
+    /// Simulated time expected, in s.
+    pub expected: f64,
+    /// Simulated time expected from here to the end of the longest chain, in s.
+    pub remaining: f64,
+}
+
+/// Which stages make a run.
+#[derive(Debug, Clone)]
+pub struct RunNodes {
+    /// The scenario's stages, in order.
+    pub stages: Vec<usize>,
+    /// The no-shake control after the last of them.
+    pub control: Option<usize>,
+}
+
+/// Stages and the runs made of them.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Every stage once; parents before children.
+    pub nodes: Vec<Node>,
+    /// In the order of the planned runs.
+    pub runs: Vec<RunNodes>,
+}
+
+/// Everything that determines a stage's result.
+#[derive(Serialize)]
+struct Determinants<'a> {
+    format: u32,
+    version: &'a str,
+    backend: &'a BackendInfo,
+    scenario: &'a Scenario,
+    parent: &'a str,
+    stage: &'a StageSpec,
+}
+
+impl Plan {
+    /// Plans runs; `grains_hash` names the grains of each.
+    ///
+    /// # Errors
+    /// When a scenario's apparatus cannot be built.
+    pub fn new(runs: &[PlannedRun], grains_hash: &str) -> Result<Self, StudyError> {
+        let mut plan = Self { nodes: Vec::new(), runs: Vec::new() };
+        let mut known: HashMap<String, usize> = HashMap::new();
+        for run in runs {
+            let setup = Arc::new(Setup::new(&run.scenario).map_err(StudyError::apparatus)?);
+            let mut parent = None;
+            let mut stages = Vec::new();
+            for stage in &run.scenario.stages {
+                let node = plan.add(&mut known, run, &setup, grains_hash, parent, stage);
+                stages.push(node);
+                parent = Some(node);
+            }
+            let control = (run.scenario.control_s > 0.0).then(|| {
+                let rest = StageSpec::Rest { duration_s: run.scenario.control_s };
+                plan.add(&mut known, run, &setup, grains_hash, parent, &rest)
+            });
+            plan.runs.push(RunNodes { stages, control });
+        }
+        for index in (0..plan.nodes.len()).rev() {
+            let remaining = plan.nodes[index].remaining;
+            if let Some(parent) = plan.nodes[index].parent {
+                let node = &mut plan.nodes[parent];
+                node.remaining = node.remaining.max(node.expected + remaining);
+            }
+        }
+        Ok(plan)
+    }
+
+    fn add(
+        &mut self,
+        known: &mut HashMap<String, usize>,
+        run: &PlannedRun,
+        setup: &Arc<Setup>,
+        grains_hash: &str,
+        parent: Option<usize>,
+        stage: &StageSpec,
+    ) -> usize {
+        let key = hash_json(&Determinants {
+            format: FORMAT,
+            version: env!("CARGO_PKG_VERSION"),
+            backend: &crate::world::info(run.scenario.engine.backend),
+            scenario: &determining(&run.scenario),
+            parent: parent.map_or(grains_hash, |p| &self.nodes[p].key),
+            stage,
+        });
+        if let Some(&node) = known.get(&key) {
+            return node;
+        }
+        let expected = expected_time(stage);
+        self.nodes.push(Node {
+            key: key.clone(),
+            parent,
+            stage: stage.clone(),
+            setup: setup.clone(),
+            grains: run.grains.clone(),
+            label: format!("configuration {}, {}", run.scenario.configuration, stage_label(stage)),
+            expected,
+            remaining: expected,
+        });
+        known.insert(key, self.nodes.len() - 1);
+        self.nodes.len() - 1
+    }
+}
+
+/// The scenario with everything blanked that does not act on a stage's
+/// result: names, notes, and the list of stages, each of which is hashed with
+/// its parent instead. The grains are named by their own hash.
+fn determining(scenario: &Scenario) -> Scenario {
+    Scenario {
+        name: String::new(),
+        description: String::new(),
+        notes: Vec::new(),
+        stages: Vec::new(),
+        control_s: 0.0,
+        ..scenario.clone()
+    }
+}
+
+/// Name of a stage as in the scenario file.
+pub fn stage_name(stage: &StageSpec) -> &'static str {
+    match stage {
+        StageSpec::FillFunnel { .. } => "fill_funnel",
+        StageSpec::Pour { .. } => "pour",
+        StageSpec::PlaceTopPlate { .. } => "place_top_plate",
+        StageSpec::Vibrate { .. } => "vibrate",
+        StageSpec::Rest { .. } => "rest",
+    }
+}
+
+fn stage_label(stage: &StageSpec) -> String {
+    match stage {
+        StageSpec::FillFunnel { .. } => "fill the funnel".into(),
+        StageSpec::Pour { falling_height_mm, .. } => format!("pour from {falling_height_mm} mm"),
+        StageSpec::PlaceTopPlate { .. } => "place the top plate".into(),
+        StageSpec::Vibrate { duration_s, periods, .. } => {
+            format!("vibrate {periods} × {duration_s} s")
+        }
+        StageSpec::Rest { duration_s } => format!("no-shake control, {duration_s} s"),
+    }
+}
+
+/// Simulated time a stage is expected to take, in s; stages that end when the
+/// grains have settled usually take half of their limit.
+fn expected_time(stage: &StageSpec) -> f64 {
+    match *stage {
+        StageSpec::FillFunnel { time_limit_s }
+        | StageSpec::Pour { time_limit_s, .. }
+        | StageSpec::PlaceTopPlate { time_limit_s } => time_limit_s / 2.0,
+        StageSpec::Rest { duration_s } => duration_s,
+        StageSpec::Vibrate { duration_s, .. } => {
+            table_motion(stage).map_or(duration_s, |m| m.total())
+        }
+    }
+}

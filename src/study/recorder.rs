@@ -1,0 +1,112 @@
+//! Measures what is observed during a stage.
+
+use crate::geometry::Vector;
+use crate::measure::{
+    Container, DEFAULT_CELL, HeightMap, body_energy, content, grain_energy, largest_speed,
+    mean_grain_height, plate_position,
+};
+use crate::protocol::{Moment, Observer, Setup};
+use crate::record::SeriesRow;
+use crate::scenario::StageSpec;
+use crate::specimen::Specimen;
+use crate::units::to_mm;
+
+/// An observer that turns every observation into a row of `series.csv`.
+pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
+    setup: &'a Setup,
+    vibrating: bool,
+    start: f64,
+    /// Plate height and mean surface in mm at the start of vibration.
+    reference: Option<(Option<f64>, f64)>,
+    rows: Vec<SeriesRow>,
+    /// Told of every row as it comes.
+    on_row: F,
+}
+
+/// The cylinder where the specimen has it.
+pub fn container(setup: &Setup, specimen: &Specimen) -> Container {
+    Container {
+        centre_x: specimen.state.table_x,
+        radius: setup.cylinder.radius,
+        height: setup.cylinder.height,
+    }
+}
+
+impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
+    /// A recorder for one stage.
+    pub fn new(setup: &'a Setup, stage: &StageSpec, on_row: F) -> Self {
+        Self {
+            setup,
+            vibrating: matches!(stage, StageSpec::Vibrate { .. }),
+            start: 0.0,
+            reference: None,
+            rows: Vec::new(),
+            on_row,
+        }
+    }
+
+    /// Says at what time of the run, in s, the stage begins.
+    pub fn begin_at(&mut self, time: f64) {
+        self.start = time;
+    }
+
+    /// The rows recorded.
+    pub fn into_rows(self) -> Vec<SeriesRow> {
+        self.rows
+    }
+}
+
+/// What matters most of a row, in a few words for a progress line.
+pub fn note(row: &SeriesRow) -> String {
+    match row.settlement_mm {
+        Some(settlement) => format!("settlement {settlement:.1} mm"),
+        None if row.mean_surface_mm > 0.0 => {
+            format!("{} grains in, surface {:.0} mm", row.grains_in_cylinder, row.mean_surface_mm)
+        }
+        None => String::new(),
+    }
+}
+
+impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
+    fn observe(&mut self, specimen: &Specimen, moment: Moment) {
+        let table = Vector::new(moment.table_velocity, 0.0, 0.0);
+        let state = &specimen.state;
+        let (surface, inside, grain_height) = if state.cylinder {
+            let container = container(self.setup, specimen);
+            let surface = HeightMap::of(specimen, &container, DEFAULT_CELL)
+                .map_or(0.0, |map| map.standing_height().mean_surface);
+            let content = content(specimen, &container);
+            (surface, content.grains, content.mean_grain_height)
+        } else {
+            let present: Vec<usize> = specimen.present().collect();
+            (0.0, 0, mean_grain_height(specimen, &present))
+        };
+        let plate = &self.setup.plate;
+        let position = state.top_plate.map(|p| plate_position(&p, plate.thickness));
+        let mut kinetic = grain_energy(specimen, self.setup.gravity, &table).kinetic();
+        if let Some(p) = &state.top_plate {
+            kinetic += body_energy(p, plate.mass, &plate.inertia, self.setup.gravity, &table).kinetic();
+        }
+        let plate_height_mm = position.map(|p| to_mm(p.height));
+        let mean_surface_mm = to_mm(surface);
+        if self.vibrating && self.reference.is_none() {
+            self.reference = Some((plate_height_mm, mean_surface_mm));
+        }
+        let row = SeriesRow {
+            time_s: self.start + moment.stage_time,
+            stage: 0,
+            plate_height_mm,
+            settlement_mm: self.reference.and_then(|(p, _)| Some(p? - plate_height_mm?)),
+            surface_settlement_mm: self.reference.map(|(_, s)| s - mean_surface_mm),
+            kinetic_energy_j: kinetic,
+            table_x_mm: to_mm(state.table_x),
+            mean_surface_mm,
+            mean_grain_height_mm: to_mm(grain_height.unwrap_or(0.0)),
+            grains_in_cylinder: inside as u32,
+            plate_tilt_deg: position.map(|p| p.tilt.to_degrees()),
+            largest_speed_m_per_s: largest_speed(specimen, &table),
+        };
+        (self.on_row)(&row);
+        self.rows.push(row);
+    }
+}

@@ -1,0 +1,160 @@
+//! One scenario, from grains to figures.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, atomic::AtomicBool},
+};
+
+use serde_json::json;
+
+use super::{
+    StudyError,
+    execute::execute,
+    plan::{Plan, PlannedRun, RunNodes},
+    summarise::{Summarised, grains_hash, summarise},
+};
+use crate::grains::{self, GrainSet};
+use crate::protocol::Progress;
+use crate::record::{
+    FileError, RunKind, RunRecord, StageStore, StoredStage, create_folder, grains_csv, read_json,
+    to_csv, write_file, write_json,
+};
+use crate::scenario::{GrainsSpec, Scenario, StageSpec};
+
+/// How to carry out a run.
+pub struct RunOptions {
+    /// Folder for results; what is finished there is not done again.
+    pub out: PathBuf,
+    /// Threads for stages that do not need each other.
+    pub jobs: usize,
+    /// Set to stop at the next check.
+    pub cancel: Arc<AtomicBool>,
+    /// Told of what goes on.
+    pub progress: Arc<dyn Progress>,
+}
+
+/// Carries out a scenario and writes `manifest.json`, `summary.json`,
+/// `series.csv`, `control.csv`, `grains.csv`, `grains.json`, `specimen.json`
+/// and figures.
+///
+/// # Errors
+/// [`StudyError`].
+pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunRecord, StudyError> {
+    create_folder(&options.out)?;
+    let grains = Arc::new(make_grains(scenario)?);
+    write_json(&options.out.join("grains.json"), &grains::to_json(&grains))?;
+    let run = PlannedRun {
+        name: scenario.name.clone(),
+        kind: kind_of(scenario),
+        scenario: scenario.clone(),
+        grains: grains.clone(),
+    };
+    let plan = Plan::new(std::slice::from_ref(&run), &grains_hash(&grains))?;
+    let store = StageStore::open(&options.out.join("stages"))?;
+    let done =
+        execute(&plan, &store, options.jobs, &options.cancel, options.progress.as_ref())?;
+    let record = write_run(&options.out, &run, &plan, &plan.runs[0], &done)?;
+    crate::report::run_figures(&options.out.join("figures"), &record)?;
+    Ok(record)
+}
+
+/// The grains of a scenario: cut from its sieve data, or read from its file.
+pub(super) fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
+    match &scenario.grains {
+        GrainsSpec::Sieved(sieved) => {
+            grains::generate(sieved, scenario.seed).map_err(StudyError::grains)
+        }
+        GrainsSpec::File(file) => {
+            let json = read_json(Path::new(&file.file))?;
+            grains::from_json(&json).map_err(StudyError::grains)
+        }
+    }
+}
+
+/// What a scenario is in the paper's programme, by its stages.
+fn kind_of(scenario: &Scenario) -> RunKind {
+    let periods: u32 = scenario
+        .stages
+        .iter()
+        .map(|s| match s {
+            StageSpec::Vibrate { periods, .. } => *periods,
+            _ => 0,
+        })
+        .sum();
+    match periods {
+        0 => RunKind::Pluviation,
+        1 => RunKind::VibrationContinuous,
+        _ => RunKind::VibrationIntermittent,
+    }
+}
+
+/// Measures a finished run and writes its files into a folder.
+pub(super) fn write_run(
+    out: &Path,
+    run: &PlannedRun,
+    plan: &Plan,
+    nodes: &RunNodes,
+    done: &[Arc<StoredStage>],
+) -> Result<RunRecord, StudyError> {
+    create_folder(out)?;
+    let last = *nodes.stages.last().ok_or_else(|| {
+        StudyError::Scenario("a scenario needs at least one stage".to_owned())
+    })?;
+    let Summarised { summary, specimen, series, control } =
+        summarise(run, &plan.nodes[last].setup, nodes, done)?;
+    let table = |name: &str, content: Result<Vec<u8>, csv::Error>| {
+        let path = out.join(name);
+        let content = content.map_err(|e| FileError::new("write", &path, e))?;
+        write_file(&path, &content)
+    };
+    table("series.csv", to_csv(&series))?;
+    table("grains.csv", grains_csv(&specimen))?;
+    if !control.is_empty() {
+        table("control.csv", to_csv(&control))?;
+    }
+    write_json(&out.join("specimen.json"), &specimen.state)?;
+    write_json(&out.join("manifest.json"), &manifest(run, plan, nodes, done))?;
+    write_json(&out.join("summary.json"), &summary)?;
+    Ok(RunRecord {
+        name: run.name.clone(),
+        kind: run.kind,
+        configuration: run.scenario.configuration,
+        falling_height_mm: summary.falling_height_mm.unwrap_or(0.0),
+        summary,
+        series,
+    })
+}
+
+/// What made a run: scenario, versions, settings as the engine held them,
+/// stages by name and hash.
+fn manifest(
+    run: &PlannedRun,
+    plan: &Plan,
+    nodes: &RunNodes,
+    done: &[Arc<StoredStage>],
+) -> serde_json::Value {
+    let stage = |&n: &usize| {
+        let record = &done[n].record;
+        json!({
+            "stage": record.stage,
+            "key": plan.nodes[n].key,
+            "steps": record.steps,
+            "simulated_s": record.simulated_s,
+            "wall_s": record.wall_s,
+            "engine_s": record.engine_s,
+            "specimen_sha256": record.specimen_sha256,
+            "series_sha256": record.series_sha256,
+            "warnings": record.warnings,
+        })
+    };
+    let effective = nodes.stages.last().map(|&n| &done[n].record.effective);
+    json!({
+        "pluvia": env!("CARGO_PKG_VERSION"),
+        "backend": crate::world::info(run.scenario.engine.backend),
+        "target": format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+        "scenario": run.scenario,
+        "engine_settings_read_back": effective,
+        "stages": nodes.stages.iter().map(stage).collect::<Vec<_>>(),
+        "control": nodes.control.as_ref().map(stage),
+    })
+}

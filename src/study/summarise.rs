@@ -1,0 +1,259 @@
+//! From finished stages to `summary.json`.
+
+use std::sync::Arc;
+
+use super::{
+    StudyError,
+    plan::{PlannedRun, RunNodes},
+    recorder::container,
+};
+use crate::grains::GrainSet;
+use crate::measure::{
+    self, Container, DEFAULT_CELL, HeightMap, HeightSample, Period, TOUCHING_GAP, coordination,
+    overlap_statistics, pairs_within, void_ratio,
+};
+use crate::protocol::{Setup, table_motion};
+use crate::record::{
+    Control, GrainsSummary, Overlap, SeriesRow, Settlement, StandingHeight, StoredStage, Summary,
+    hash_json,
+};
+use crate::scenario::StageSpec;
+use crate::specimen::{Fate, Specimen, SpecimenState};
+use crate::units::{from_mm, to_cm3, to_g, to_mm};
+
+/// The accuracy standard (docs/accuracy.md): largest mean overlap in percent
+/// of the equivalent diameter, largest 99th percentile, largest creep in
+/// µm/s, which is 0.1 mm in 20 s.
+pub const STANDARD: (f64, f64, f64) = (0.5, 3.0, 5.0);
+
+/// A finished run: its summary, its specimen and its series.
+pub struct Summarised {
+    /// The figures.
+    pub summary: Summary,
+    /// The specimen at the end of the last stage.
+    pub specimen: Specimen,
+    /// All rows, stage by stage.
+    pub series: Vec<SeriesRow>,
+    /// The rows of the control.
+    pub control: Vec<SeriesRow>,
+}
+
+/// Puts a run's stages together and measures its end.
+///
+/// # Errors
+/// When something cannot be measured.
+pub fn summarise(
+    run: &PlannedRun,
+    setup: &Setup,
+    nodes: &RunNodes,
+    done: &[Arc<StoredStage>],
+) -> Result<Summarised, StudyError> {
+    let scenario = &run.scenario;
+    let stages: Vec<&StoredStage> = nodes.stages.iter().map(|&n| &*done[n]).collect();
+    let control = nodes.control.map(|n| &*done[n]);
+    let state = stages.last().map_or_else(
+        || SpecimenState::before_everything(run.grains.grains.len()),
+        |s| s.state.clone(),
+    );
+    let specimen = Specimen { grains: run.grains.clone(), state };
+    let container = container(setup, &specimen);
+    let series = series(&stages);
+    let end = Standing::of(&specimen, &container)?;
+    let poured = scenario
+        .stages
+        .iter()
+        .zip(&stages)
+        .find(|(spec, _)| matches!(spec, StageSpec::Pour { .. }))
+        .map(|(_, stage)| {
+            let poured = Specimen { grains: run.grains.clone(), state: stage.state.clone() };
+            Standing::of(&poured, &container)
+        })
+        .transpose()?;
+
+    let members = container.members(&specimen);
+    let pairs = pairs_within(&specimen, &members, TOUCHING_GAP);
+    let overlaps = overlap_statistics(&specimen, &pairs);
+    let overlap = Overlap {
+        pairs: overlaps.overlapping,
+        mean_percent: 100.0 * overlaps.mean,
+        p99_percent: 100.0 * overlaps.p99,
+        max_percent: 100.0 * overlaps.max,
+        max_mm: to_mm(overlaps.max_depth),
+    };
+    let periods = periods(&scenario.stages, &stages);
+    let plate = settlement(&series, &periods, |r| r.plate_height_mm)?;
+    let surface = settlement(&series, &periods, |r| Some(r.mean_surface_mm))?;
+    let control_figures = control.and_then(|c| self::control(&c.series));
+    let creep = control_figures.map(|c| c.mean_grain_height_drop_mm * 1e3 / c.duration_s);
+    let all = stages.iter().copied().chain(control);
+    let mut warnings: Vec<String> =
+        all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
+    let (mean, p99, creep_limit) = STANDARD;
+    let meets_standard = overlap.mean_percent < mean
+        && overlap.p99_percent < p99
+        && creep.is_some_and(|c| c.abs() < creep_limit);
+    if !meets_standard {
+        let creep = creep.map_or("not measured".into(), |c| format!("{c:.1} µm/s"));
+        warnings.push(format!(
+            "the accuracy standard is not met: overlap mean {:.2} % (standard {mean} %), 99th \
+             percentile {:.2} % ({p99} %), creep {creep} ({creep_limit} µm/s)",
+            overlap.mean_percent, overlap.p99_percent
+        ));
+    }
+    let grains = grains_summary(&run.grains, &specimen, &container);
+    let summary = Summary {
+        scenario: scenario.name.clone(),
+        backend: crate::world::info(scenario.engine.backend),
+        contact_path: serde_json::to_value(scenario.engine.contact_path)
+            .ok()
+            .and_then(|v| v.as_str().map(str::to_owned))
+            .unwrap_or_default(),
+        seed: scenario.seed,
+        configuration: scenario.configuration,
+        falling_height_mm: scenario.stages.iter().find_map(|s| match s {
+            StageSpec::Pour { falling_height_mm, .. } => Some(*falling_height_mm),
+            _ => None,
+        }),
+        grains,
+        standing_height_mm: end.height,
+        poured_height_mm: poured.as_ref().map(|p| p.height),
+        void_ratio: end.void_ratio,
+        poured_void_ratio: poured.as_ref().map(|p| p.void_ratio),
+        porosity: end.porosity,
+        settlement_mm: plate,
+        surface_settlement_mm: surface,
+        overlap,
+        coordination_number: coordination(&members, &pairs).mean.unwrap_or(0.0),
+        creep_um_per_s: creep,
+        control: control_figures,
+        meets_standard,
+        kinetic_energy_j: series.last().map_or(0.0, |r| r.kinetic_energy_j),
+        simulated_s: all.clone().map(|s| s.record.simulated_s).sum(),
+        steps: all.clone().map(|s| s.record.steps).sum(),
+        wall_s: all.clone().map(|s| s.record.wall_s).sum(),
+        engine_s: all.map(|s| s.record.engine_s).sum(),
+        peak_memory_mib: peak_memory_mib(),
+        warnings,
+    };
+    let control = control.map_or_else(Vec::new, |c| c.series.clone());
+    Ok(Summarised { summary, specimen, series, control })
+}
+
+/// Name of a set of grains: the hash of every vertex.
+pub fn grains_hash(grains: &GrainSet) -> String {
+    let cells: Vec<_> =
+        grains.grains.iter().map(|g| (&g.shape, &g.pose_in_block, g.mass, g.inertia)).collect();
+    hash_json(&cells)
+}
+
+/// Standing height and void ratio of a specimen.
+struct Standing {
+    height: StandingHeight,
+    void_ratio: f64,
+    porosity: f64,
+}
+
+impl Standing {
+    fn of(specimen: &Specimen, container: &Container) -> Result<Self, StudyError> {
+        let height =
+            HeightMap::of(specimen, container, DEFAULT_CELL).map_err(StudyError::measure)?.standing_height();
+        let voids = void_ratio(specimen, container, height.mean_surface);
+        Ok(Self {
+            height: StandingHeight {
+                mean_surface: to_mm(height.mean_surface),
+                p95: to_mm(height.p95),
+                highest: to_mm(height.highest),
+            },
+            void_ratio: voids.map_or(0.0, |v| v.void_ratio),
+            porosity: voids.map_or(0.0, |v| v.porosity),
+        })
+    }
+}
+
+fn series(stages: &[&StoredStage]) -> Vec<SeriesRow> {
+    let numbered = |(number, stage): (usize, &&StoredStage)| {
+        stage
+            .series
+            .iter()
+            .map(|row| SeriesRow { stage: number as u32, ..*row })
+            .collect::<Vec<_>>()
+    };
+    stages.iter().enumerate().flat_map(numbered).collect()
+}
+
+/// Periods of vibration in the run's time.
+fn periods(specs: &[StageSpec], stages: &[&StoredStage]) -> Vec<Period> {
+    let mut periods = Vec::new();
+    for (spec, stage) in specs.iter().zip(stages) {
+        let (Some(motion), Some(first)) = (table_motion(spec), stage.series.first()) else {
+            continue;
+        };
+        // The last sample may lie half a step before the stated end.
+        let last = stage.series.last().map_or(first.time_s, |r| r.time_s);
+        periods.extend(motion.period_ends().iter().map(|end| Period {
+            start: first.time_s + end - motion.duration,
+            end: (first.time_s + end).min(last),
+        }));
+    }
+    periods
+}
+
+fn settlement(
+    series: &[SeriesRow],
+    periods: &[Period],
+    height_mm: impl Fn(&SeriesRow) -> Option<f64>,
+) -> Result<Option<Settlement>, StudyError> {
+    let Some(first) = periods.first() else { return Ok(None) };
+    let heights: Vec<HeightSample> = series
+        .iter()
+        .filter(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some())
+        .filter(|r| r.time_s >= first.start)
+        .filter_map(|r| Some(HeightSample { time: r.time_s, height: from_mm(height_mm(r)?) }))
+        .collect();
+    if heights.is_empty() {
+        return Ok(None);
+    }
+    let s = measure::settlement(&heights, periods).map_err(StudyError::measure)?;
+    Ok(Some(Settlement {
+        final_mm: to_mm(s.at_end),
+        after_5_s: s.after_5_s.map(to_mm),
+        share_after_5_s: s.share_after_5_s,
+        after_each_period: s.after_each_period.into_iter().map(to_mm).collect(),
+    }))
+}
+
+fn control(series: &[SeriesRow]) -> Option<Control> {
+    let (first, last) = (series.first()?, series.last()?);
+    let duration_s = last.time_s - first.time_s;
+    (duration_s > 0.0).then(|| Control {
+        duration_s,
+        mean_grain_height_drop_mm: first.mean_grain_height_mm - last.mean_grain_height_mm,
+        mean_surface_drop_mm: first.mean_surface_mm - last.mean_surface_mm,
+        plate_drop_mm: first.plate_height_mm.zip(last.plate_height_mm).map(|(a, b)| a - b),
+    })
+}
+
+fn grains_summary(grains: &GrainSet, specimen: &Specimen, container: &Container) -> GrainsSummary {
+    let content = measure::content(specimen, container);
+    let fates = |fate| specimen.state.bodies.iter().filter(|g| g.fate == fate).count();
+    GrainsSummary {
+        count: grains.grains.len(),
+        mass_g: to_g(grains.grains.iter().map(|g| g.mass).sum()),
+        solids_volume_cm3: to_cm3(grains.grains.iter().map(|g| g.volume).sum()),
+        in_cylinder: content.grains,
+        mass_in_cylinder_g: to_g(content.mass),
+        escaped: fates(Fate::ThroughWall),
+        spilled: fates(Fate::Spilled),
+        left_in_funnel: fates(Fate::LeftInFunnel),
+    }
+}
+
+/// Peak memory of this process in MiB; 0 where the system does not tell.
+fn peak_memory_mib() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))
+        .and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok())
+        .map_or(0.0, |kib| kib / 1024.0)
+}
