@@ -1,0 +1,46 @@
+# Every target installs what it needs first (scripts/setup.sh).
+
+OUT ?= out/reproduce
+ARGS ?=
+
+# For shells that were open before Rust was installed.
+export PATH := $(PATH):$(HOME)/.cargo/bin
+
+.NOTPARALLEL:
+.PHONY: help setup setup-lint build reproduce test lint format bench clean
+
+help: ## list these targets
+	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
+	@sed -n 's/^\([a-z][a-z-]*\):.*## \(.*\)/  \1\t\2/p' Makefile | expand -t 16
+
+setup: ## install the Debian packages that are missing
+	@bash scripts/setup.sh
+
+setup-lint:
+	@bash scripts/setup.sh lint
+
+build: setup ## build target/release/pluvia
+	cargo build --release --locked
+
+reproduce: build ## run the paper's experiments, report in $(OUT)/report.html
+	target/release/pluvia reproduce --out "$(OUT)" $(ARGS)
+
+test: setup ## run every test
+	cargo test --locked
+
+lint: setup-lint ## check formatting, lints and documentation
+	cargo fmt --check
+	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp
+	cargo clippy --all-targets --locked -- -D warnings
+	cargo clippy --all-targets --locked --no-default-features -- -D warnings
+	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
+
+format: setup-lint ## format all source
+	cargo fmt
+	clang-format -i cpp/*.h cpp/*.cpp
+
+bench: setup ## run the benchmarks
+	cargo bench --locked
+
+clean: ## remove what was built; results in out/ stay
+	cargo clean

@@ -1,0 +1,86 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that the build needs and that are missing.
+#
+#   scripts/setup.sh        what building and running needs
+#   scripts/setup.sh lint   also what `make lint` needs
+#
+# Says nothing and changes nothing when all is there, so that every make
+# target can call it. What cannot be mended ends with one sentence and one
+# command to type.
+set -euo pipefail
+
+# rustup's folder, for shells that were open before Rust was installed.
+PATH="$PATH:${CARGO_HOME:-${HOME:-/root}/.cargo}/bin"
+
+fail() {
+    printf 'error: %s. Try: %s\n' "$1" "$2" >&2
+    exit 1
+}
+
+have() {
+    command -v "$1" >/dev/null 2>&1
+}
+
+# bindgen loads libclang.so at build time and needs Clang's own headers, which
+# come with the same package.
+have_libclang() {
+    [ -n "${LIBCLANG_PATH:-}" ] && return 0
+    local library
+    for library in /usr/lib/llvm-*/lib/libclang.so /usr/lib/libclang.so /usr/lib64/libclang.so \
+        /usr/lib/*/libclang.so /usr/local/lib/libclang.so; do
+        [ -e "$library" ] && return 0
+    done
+    return 1
+}
+
+# Both libraries are asked for: the default build links the double precision
+# one, `--no-default-features` the single precision one.
+have_bullet() {
+    have pkg-config && pkg-config --exists bullet bullet-float64
+}
+
+missing=()
+have g++ || missing+=(g++)
+have make || missing+=(make)
+have pkg-config || missing+=(pkg-config)
+have_bullet || missing+=(libbullet-dev)
+have_libclang || missing+=(libclang-dev)
+if [ "${1:-}" = lint ]; then
+    have clang-format || missing+=(clang-format)
+fi
+
+if [ ${#missing[@]} -gt 0 ]; then
+    have apt-get || fail \
+        "missing here: ${missing[*]} (Debian's names), and there is no apt-get to install them with" \
+        "docker run --rm -it -v \"\$PWD\":/pluvia -w /pluvia rust:bookworm make test"
+    root=()
+    if [ "$(id -u)" -ne 0 ]; then
+        have sudo || fail \
+            "missing here: ${missing[*]}; installing them needs root, and there is no sudo" \
+            "su -c 'apt-get update && apt-get install -y ${missing[*]}'"
+        root=(sudo)
+    fi
+    echo "Installing ${missing[*]}"
+    if ! { "${root[@]}" apt-get update -q &&
+        "${root[@]}" env DEBIAN_FRONTEND=noninteractive \
+            apt-get install -q -y --no-install-recommends "${missing[@]}"; }; then
+        fail "apt-get could not install ${missing[*]} (its own message is above)" \
+            "${root[*]:+sudo }apt-get install ${missing[*]}"
+    fi
+    have_bullet || fail \
+        "libbullet-dev is installed, but pkg-config does not know both bullet and bullet-float64" \
+        "pkg-config --print-errors --exists bullet bullet-float64"
+fi
+
+have cargo || fail \
+    "cargo, Rust's build tool, was not found" \
+    "curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs | sh -s -- -y"
+
+if [ "${1:-}" = lint ]; then
+    # rustup leaves a stand-in where a component is missing: only running tells.
+    works() { cargo "$1" --version >/dev/null 2>&1; }
+    works fmt || { have rustup && rustup component add rustfmt; } || fail \
+        "cargo fmt, which checks the formatting, was not found" "rustup component add rustfmt"
+    works clippy || { have rustup && rustup component add clippy; } || fail \
+        "cargo clippy, which checks the source, was not found" "rustup component add clippy"
+fi

@@ -1,0 +1,303 @@
+//! The rules of `ARCHITECTURE.md`, checked from the source text: which module
+//! may use which, where the engine's names and `unsafe` may stand, how long a
+//! file may be.
+
+mod imports;
+mod tokens;
+
+use std::path::Path;
+
+use tokens::{Token, tokens};
+
+/// Rows of the layout table in `ARCHITECTURE.md`. A module uses only modules
+/// of rows above its own, and those of its own row that `SAME_ROW` names.
+const ROWS: [&[&str]; 9] = [
+    &["units", "geometry"],
+    &["scenario"],
+    &["grains", "apparatus"],
+    &["world", "specimen"],
+    &["protocol"],
+    &["measure"],
+    &["record", "paper", "report"],
+    &["study"],
+    &["cli", "main"],
+];
+
+/// Uses allowed within a row, as (user, used).
+const SAME_ROW: [(&str, &str); 5] = [
+    ("geometry", "units"),
+    ("specimen", "world"),
+    ("report", "record"),
+    ("report", "paper"),
+    ("main", "cli"),
+];
+
+/// The only place for `unsafe`, for cxx and for Bullet's own names.
+const ENGINE_FOLDER: &str = "src/world/bullet/";
+/// The one file outside that may name what the engine's folder offers.
+const SEAM: &str = "src/world/mod.rs";
+
+const LONGEST_RUST_FILE: usize = 500;
+const LONGEST_CPP_FILE: usize = 400;
+/// `main.rs` is under 40 lines.
+const LONGEST_MAIN: usize = 39;
+
+/// Every rule on one file; `path` is relative to the crate with forward
+/// slashes. A fault reads "path:line: what is wrong".
+fn faults(path: &str, text: &str) -> Vec<String> {
+    let mut faults = too_long(path, text);
+    if path.ends_with(".rs") {
+        let tokens = tokens(text);
+        faults.extend(engine_names(path, &tokens));
+        if path.starts_with("src/") {
+            faults.extend(upward_imports(path, &tokens));
+            if !text.starts_with("//!") {
+                faults.push(format!(
+                    "{path}:1: a file begins with a `//!` line that says what it is"
+                ));
+            }
+        }
+    }
+    faults
+}
+
+fn too_long(path: &str, text: &str) -> Vec<String> {
+    let limit = match path {
+        "src/main.rs" => LONGEST_MAIN,
+        _ if path.starts_with("src/") => LONGEST_RUST_FILE,
+        _ if path.starts_with("cpp/") => LONGEST_CPP_FILE,
+        _ => return Vec::new(),
+    };
+    let lines = text.lines().count();
+    if lines <= limit {
+        return Vec::new();
+    }
+    vec![format!("{path}:{limit}: the file has {lines} lines, allowed are {limit}")]
+}
+
+fn engine_names(path: &str, tokens: &[Token]) -> Vec<String> {
+    if path.starts_with(ENGINE_FOLDER) {
+        return Vec::new();
+    }
+    // Tests may name the backend they test; the seam must.
+    let may_name_backend = path == SEAM || !path.starts_with("src/");
+    let mut faults = Vec::new();
+    let mut lint_level = "";
+    for (i, token) in tokens.iter().enumerate() {
+        let text = token.text.as_str();
+        if matches!(text, "allow" | "expect" | "warn" | "deny" | "forbid") {
+            lint_level = text;
+        }
+        let beside_colons = [i.wrapping_sub(1), i + 1]
+            .iter()
+            .any(|&j| tokens.get(j).is_some_and(|t| t.text == "::"));
+        let switched_off = text == "unsafe_code" && matches!(lint_level, "allow" | "expect");
+        let foreign = text == "unsafe"
+            || text == "cxx"
+            || switched_off
+            || capital_follows(text, "bt")
+            || !may_name_backend
+                && (capital_follows(text, "Bullet") || text == "bullet" && beside_colons);
+        if foreign {
+            faults.push(format!("{path}:{}: `{text}` belongs under {ENGINE_FOLDER}", token.line));
+        }
+    }
+    faults
+}
+
+fn capital_follows(word: &str, prefix: &str) -> bool {
+    word.strip_prefix(prefix).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_uppercase()))
+}
+
+fn row(module: &str) -> Option<usize> {
+    ROWS.iter().position(|row| row.contains(&module))
+}
+
+fn upward_imports(path: &str, tokens: &[Token]) -> Vec<String> {
+    let module = imports::module_path(path);
+    // lib.rs declares the modules and belongs to no row.
+    let Some(user) = module.first() else { return Vec::new() };
+    let Some(own_row) = row(user) else {
+        return vec![format!("{path}:1: module `{user}` stands in no row of ROWS")];
+    };
+    let mut faults = Vec::new();
+    for import in imports::imports(&module, tokens) {
+        let used = import.module.as_str();
+        let place = format!("{path}:{}", import.line);
+        match row(used) {
+            _ if used == user => {}
+            None => faults.push(format!("{place}: uses `{used}`, which stands in no row of ROWS")),
+            Some(r) if r < own_row => {}
+            Some(r) if r == own_row && SAME_ROW.contains(&(user, used)) => {}
+            Some(r) => faults.push(format!(
+                "{place}: `{user}` (row {own_row}) uses `{used}` (row {r}); only rows above and \
+                 the pairs in SAME_ROW are allowed"
+            )),
+        }
+    }
+    faults
+}
+
+/// Paths (relative, forward slashes) and texts of the files below the given folders.
+fn files(folders: &[&str], extensions: &[&str]) -> Vec<(String, String)> {
+    fn walk(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
+        let Ok(entries) = std::fs::read_dir(folder) else { return };
+        for entry in entries {
+            let path = entry.expect("a folder entry can be read").path();
+            if path.is_dir() { walk(&path, found) } else { found.push(path) }
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut paths = Vec::new();
+    for folder in folders {
+        walk(&root.join(folder), &mut paths);
+    }
+    paths.sort();
+    paths.retain(|p| p.extension().is_some_and(|e| extensions.iter().any(|x| e == *x)));
+    paths
+        .into_iter()
+        .map(|path| {
+            let text = std::fs::read_to_string(&path)
+                .unwrap_or_else(|e| panic!("{} cannot be read: {e}", path.display()));
+            let relative = path.strip_prefix(root).expect("walked from the root");
+            (relative.to_string_lossy().replace('\\', "/"), text)
+        })
+        .collect()
+}
+
+#[test]
+fn the_source_keeps_the_rules() {
+    let files = files(&["src", "cpp", "tests", "benches"], &["rs", "h", "cpp"]);
+    assert!(files.len() >= 10, "expected the whole source, found only {} files", files.len());
+    let faults: Vec<String> = files.iter().flat_map(|(path, text)| faults(path, text)).collect();
+    assert!(faults.is_empty(), "expected no faults, got {}:\n{}", faults.len(), faults.join("\n"));
+}
+
+#[test]
+fn rows_are_those_of_the_house_tour() {
+    let tour = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/ARCHITECTURE.md"))
+        .expect("ARCHITECTURE.md is there");
+    for (number, row) in ROWS.iter().enumerate() {
+        let told: Vec<&str> = tour
+            .lines()
+            .filter_map(|line| line.strip_prefix(&format!("| {number} | ")))
+            .filter_map(|line| line.split(" | ").next())
+            .flat_map(|cell| cell.split(", "))
+            .map(|name| name.trim().trim_matches('`').trim_end_matches('/'))
+            .map(|name| name.trim_end_matches(".rs"))
+            .collect();
+        let mut expected = row.to_vec();
+        let mut got = told.clone();
+        expected.sort_unstable();
+        got.sort_unstable();
+        assert_eq!(
+            got, expected,
+            "row {number} of the table in ARCHITECTURE.md: got left, ROWS in this test says right"
+        );
+    }
+}
+
+#[test]
+fn uses_within_a_row_run_one_way() {
+    for (user, used) in SAME_ROW {
+        assert_eq!(row(user), row(used), "`{user}` and `{used}` are not in one row");
+        assert!(!SAME_ROW.contains(&(used, user)), "`{user}` and `{used}` use each other");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::faults;
+
+    /// Expects as many faults as given in a file that is else in order.
+    fn expect(count: usize, path: &str, code: &str) {
+        let text = format!("//! Doc.\n{code}\n");
+        let found = faults(path, &text);
+        assert_eq!(
+            found.len(),
+            count,
+            "expected {count} faults (right) in {path}:\n{code}\ngot (left): {found:#?}"
+        );
+    }
+
+    #[test]
+    fn downward_imports_are_allowed() {
+        expect(0, "src/measure/mod.rs", "use crate::{geometry::{Point, Pose}, world::Contact};");
+        expect(0, "src/protocol/pour.rs", "fn f() { crate::units::from_mm(1.0); }");
+        expect(0, "src/study/mod.rs", "use super::scenario::Scenario; use self::jobs::Job;");
+        expect(0, "src/lib.rs", "pub use crate::study::run;");
+        expect(0, "src/main.rs", "fn main() { pluvia::cli::main() }");
+    }
+
+    #[test]
+    fn upward_imports_are_caught() {
+        expect(1, "src/geometry/mod.rs", "use crate::grains::Grain;");
+        expect(1, "src/measure/overlap.rs", "use crate::{world::{Contact, World}, study::Run};");
+        expect(1, "src/measure/overlap.rs", "fn f() { let x = crate::report::page(); }");
+        expect(1, "src/measure/overlap.rs", "fn f() { print!(\"{}\", super::super::cli::NAME) }");
+        expect(1, "src/units.rs", "mod tests { use super::super::paper::X; use super::mm; }");
+        expect(1, "src/world/mod.rs", "use super::protocol;");
+        expect(2, "src/grains/mod.rs", "use {crate::cli::a, pluvia::study::b, std::fs};");
+        expect(1, "src/grains/mod.rs", "use crate::*;");
+    }
+
+    #[test]
+    fn imports_within_a_row_are_those_listed() {
+        expect(0, "src/specimen.rs", "use crate::world::BodyState;");
+        expect(1, "src/world/mod.rs", "use crate::specimen::Specimen;");
+        expect(1, "src/grains/mod.rs", "use crate::apparatus::Funnel;");
+    }
+
+    #[test]
+    fn modules_without_a_row_are_caught() {
+        expect(1, "src/helpers.rs", "");
+        expect(1, "src/study/mod.rs", "use crate::helpers::help;");
+    }
+
+    #[test]
+    fn imports_in_comments_and_strings_are_none() {
+        expect(
+            0,
+            "src/geometry/mod.rs",
+            "/// See [`crate::study`].\nconst A: &str = \"crate::cli\";",
+        );
+    }
+
+    #[test]
+    fn engine_names_stay_in_their_folder() {
+        for code in ["unsafe impl Send for A {}", "use cxx::UniquePtr;", "type A = btVector3;"] {
+            expect(0, "src/world/bullet/ffi.rs", code);
+            expect(1, "src/world/mod.rs", code);
+            expect(1, "src/protocol/mod.rs", code);
+            expect(1, "tests/it/main.rs", code);
+        }
+        expect(1, "src/study/mod.rs", "#![allow(unsafe_code)]");
+        expect(0, "src/lib.rs", "#![deny(unsafe_code)]");
+        for code in ["use crate::world::bullet::info;", "fn f(world: BulletBackend) {}"] {
+            expect(0, "src/world/mod.rs", code);
+            expect(0, "tests/it/main.rs", code);
+            expect(1, "src/protocol/mod.rs", code);
+        }
+        // What a person chooses in a scenario is no engine's name.
+        expect(0, "src/study/mod.rs", "fn f() { (Backend::Bullet, bt, \"bullet\"); /* unsafe */ }");
+    }
+
+    #[test]
+    fn long_files_are_caught() {
+        // `expect` adds one line before and ends the last.
+        expect(0, "src/study/mod.rs", &"\n".repeat(498));
+        expect(1, "src/study/mod.rs", &"\n".repeat(499));
+        expect(0, "cpp/world.cpp", &"\n".repeat(398));
+        expect(1, "cpp/world.cpp", &"\n".repeat(399));
+        expect(0, "src/main.rs", &"\n".repeat(37));
+        expect(1, "src/main.rs", &"\n".repeat(38));
+    }
+
+    #[test]
+    fn files_without_a_leading_doc_are_caught() {
+        let count = |text| faults("src/study/mod.rs", text).len();
+        assert_eq!(count("//! Many runs.\n"), 0, "a leading doc is in order");
+        assert_eq!(count("use std::fs;\n//! Many runs.\n"), 1, "the doc must come first");
+        assert_eq!(count(""), 1, "an empty file has no doc");
+    }
+}

@@ -1,0 +1,188 @@
+//! What the documents say of commands, fields, defaults, links and versions is
+//! so.
+
+mod markdown;
+
+use std::{collections::BTreeSet, fs, path::Path};
+
+use pluvia::scenario::{EngineSettings, Scenario};
+use serde_json::Value;
+
+use markdown::{anchors, blocks, links, make_targets};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap_or_else(|e| panic!("{path} cannot be read: {e}"))
+}
+
+/// Paths of the Markdown files at the root and in `docs/`.
+fn documents() -> Vec<String> {
+    let mut found = Vec::new();
+    for folder in ["", "docs/"] {
+        for entry in fs::read_dir(root().join(folder)).expect("the crate's folders can be listed") {
+            let name = entry.expect("a folder entry can be read").file_name();
+            let name = name.to_string_lossy();
+            if name.ends_with(".md") {
+                found.push(format!("{folder}{name}"));
+            }
+        }
+    }
+    found.sort();
+    assert!(found.len() >= 4, "expected README, ARCHITECTURE, CHANGELOG and docs/, got {found:?}");
+    found
+}
+
+#[test]
+fn make_targets_exist() {
+    let makefile = read("Makefile");
+    let missing = |text: &str| -> Vec<String> {
+        make_targets(text)
+            .into_iter()
+            .filter(|target| !makefile.lines().any(|l| l.starts_with(&format!("{target}:"))))
+            .collect()
+    };
+    for document in documents() {
+        let missing = missing(&read(&document));
+        assert!(missing.is_empty(), "{document} names targets the Makefile lacks: {missing:?}");
+    }
+    assert_eq!(
+        missing("`make test bogus OUT=x ARGS=--quick`"),
+        ["bogus"],
+        "the check finds faults"
+    );
+}
+
+#[test]
+fn links_resolve() {
+    fn broken(document: &str, text: &str) -> Vec<String> {
+        let folder = root().join(document).parent().expect("a file has a folder").to_owned();
+        links(text)
+            .into_iter()
+            .filter(|target| !target.contains("://") && !target.starts_with("mailto:"))
+            .filter(|target| {
+                let (path, anchor) = target.split_once('#').unwrap_or((target, ""));
+                let path = if path.is_empty() { root().join(document) } else { folder.join(path) };
+                let anchor_found = || {
+                    fs::read_to_string(&path)
+                        .is_ok_and(|t| anchors(&t).contains(&anchor.to_owned()))
+                };
+                !path.exists() || !anchor.is_empty() && !anchor_found()
+            })
+            .collect()
+    }
+    for document in documents() {
+        let broken = broken(&document, &read(&document));
+        assert!(broken.is_empty(), "{document} has links to nowhere: {broken:?}");
+    }
+    let text =
+        "[a](README.md#two-commands) [b](nowhere.md) [c](README.md#nowhere) [d](https://x.y/z)";
+    let found = broken("README.md", text);
+    assert_eq!(found, ["nowhere.md", "README.md#nowhere"], "the check finds faults");
+}
+
+#[test]
+fn changelog_and_citation_have_the_crate_version() {
+    let version = env!("CARGO_PKG_VERSION");
+    let changelog = read("CHANGELOG.md");
+    let latest = changelog.lines().find_map(|l| l.strip_prefix("## [")).unwrap_or_default();
+    assert!(
+        latest.starts_with(&format!("{version}]")),
+        "the first entry of CHANGELOG.md is `{latest}`, expected [{version}]"
+    );
+    let citation = read("CITATION.cff");
+    let cited = citation.lines().find_map(|l| l.strip_prefix("version: "));
+    assert_eq!(cited, Some(version), "version in CITATION.cff (left), of the crate (right)");
+}
+
+/// The README's scenarios, without comments: the short one, the complete one.
+fn readme_scenarios() -> [Value; 2] {
+    let readme = read("README.md");
+    let parse = |language: &str| -> Value {
+        let found = blocks(&readme, language);
+        assert_eq!(found.len(), 1, "README.md has one block of {language}");
+        let bare: String =
+            found[0].lines().map(|l| l.split(" //").next().unwrap_or_default()).collect();
+        serde_json::from_str(&bare)
+            .unwrap_or_else(|e| panic!("the {language} of README.md is not JSON: {e}"))
+    };
+    [parse("json"), parse("jsonc")]
+}
+
+#[test]
+fn the_readme_scenarios_are_scenarios() {
+    for value in readme_scenarios() {
+        let parsed: Result<Scenario, _> = serde_json::from_value(value);
+        assert!(parsed.is_ok(), "a scenario of README.md is refused: {:?}", parsed.err());
+    }
+}
+
+#[test]
+fn the_complete_scenario_shows_every_field_and_default() {
+    let [_, complete] = readme_scenarios();
+    let scenario: Scenario = serde_json::from_value(complete.clone()).expect("it is a scenario");
+    let fields = |value: &Value| -> BTreeSet<String> { paths("", value).collect() };
+    let known = fields(&serde_json::to_value(&scenario).expect("a scenario has a JSON form"));
+    let shown = fields(&complete);
+    let missing: Vec<_> = known.difference(&shown).collect();
+    assert!(missing.is_empty(), "README.md's complete scenario does not show {missing:?}");
+
+    let mut required = complete;
+    required
+        .as_object_mut()
+        .expect("it is an object")
+        .retain(|key, _| ["name", "grains", "stages"].contains(&key.as_str()));
+    let bare: Scenario = serde_json::from_value(required).expect("nothing else is required");
+    let (shown, default) = (format!("{scenario:#?}"), format!("{bare:#?}"));
+    for (shown, default) in shown.lines().zip(default.lines()) {
+        assert_eq!(shown, default, "value in README.md (left) and default in the code (right)");
+    }
+}
+
+/// Every field of a JSON value as a dotted path; elements of arrays are told
+/// apart by their number.
+fn paths<'a>(prefix: &str, value: &'a Value) -> Box<dyn Iterator<Item = String> + 'a> {
+    let prefix = prefix.to_owned();
+    match value {
+        Value::Object(map) => Box::new(map.iter().flat_map(move |(key, value)| {
+            let path = format!("{prefix}.{key}");
+            std::iter::once(path.clone()).chain(paths(&path, value))
+        })),
+        Value::Array(items) => Box::new(
+            items.iter().enumerate().flat_map(move |(i, v)| paths(&format!("{prefix}[{i}]"), v)),
+        ),
+        _ => Box::new(std::iter::empty()),
+    }
+}
+
+#[test]
+fn engine_settings_are_explained_with_their_defaults() {
+    let table = read("docs/parameters.md");
+    let defaults = serde_json::to_value(EngineSettings::default()).expect("settings have JSON");
+    for (field, default) in defaults.as_object().expect("settings are an object") {
+        let row = format!("| `{field}` | `{default}` | ");
+        assert!(table.contains(&row), "docs/parameters.md has no row that begins {row}");
+    }
+}
+
+#[test]
+fn fields_of_results_are_explained() {
+    let readme = read("README.md");
+    let source = read("src/record/summary.rs");
+    let mut count = 0;
+    let mut renamed = None;
+    for line in source.lines().map(str::trim) {
+        if let Some(rest) = line.strip_prefix("#[serde(rename = \"") {
+            renamed = rest.split('"').next();
+        }
+        let Some((field, _)) = line.strip_prefix("pub ").and_then(|l| l.split_once(": ")) else {
+            continue;
+        };
+        let name = renamed.take().unwrap_or(field);
+        assert!(readme.contains(&format!("`{name}`")), "README.md does not explain `{name}`");
+        count += 1;
+    }
+    assert!(count > 40, "expected the fields of summary.json and series.csv, found {count}");
+}

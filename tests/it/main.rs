@@ -1,0 +1,4 @@
+//! Tests of the crate as a whole: its source, its documents, its files.
+
+mod architecture;
+mod docs;
