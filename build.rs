@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 5] = ["convert", "globals", "shapes", "bodies", "world"];
+const SHIMS: [&str; 6] = ["convert", "globals", "shapes", "bodies", "pairs", "world"];
 
 fn main() {
     for shim in SHIMS {

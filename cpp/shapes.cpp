@@ -18,6 +18,13 @@ void TightHull::getAabb(const btTransform &pose, btVector3 &low, btVector3 &high
     high += btVector3(margin, margin, margin);
 }
 
+void TightHull::set_radius() {
+    radius_ = 0;
+    for (int i = 0; i < getNumPoints(); ++i) {
+        radius_ = btMax(radius_, getUnscaledPoints()[i].length());
+    }
+}
+
 std::unique_ptr<TightHull> make_hull(const Units &units, const double *coordinates,
                                      std::size_t count) {
     auto hull = std::make_unique<TightHull>();
@@ -29,6 +36,7 @@ std::unique_ptr<TightHull> make_hull(const Units &units, const double *coordinat
         hull->addPoint(units.length({p[0], p[1], p[2]}), false);
     }
     hull->recalcLocalAabb();
+    hull->set_radius();
     if (hull->getMargin() != btScalar(0)) {
         throw std::runtime_error("Bullet did not keep the zero collision margin of a hull");
     }

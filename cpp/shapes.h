@@ -16,6 +16,13 @@ namespace pluvia {
 class TightHull final : public btConvexHullShape {
   public:
     void getAabb(const btTransform &pose, btVector3 &low, btVector3 &high) const override;
+
+    // Radius of the sphere about the origin that holds the hull, in engine units.
+    btScalar radius() const { return radius_; }
+    void set_radius();
+
+  private:
+    btScalar radius_ = 0;
 };
 
 // A hull over `count` vertices (x, y, z in metres, one after the other).

@@ -3,6 +3,7 @@
 #include "bodies.h"
 #include "convert.h"
 #include "globals.h"
+#include "pairs.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "shapes.h"
 
@@ -49,6 +50,7 @@ class BulletWorld::Impl {
         dispatcher.setDispatcherFlags(
             dispatcher.getDispatcherFlags() &
             ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
+        dispatcher.setNearCallback(&near_callback);
         auto &dispatch = world.getDispatchInfo();
         dispatch.m_useContinuous = false;
         dispatch.m_enableSatConvex = false;
