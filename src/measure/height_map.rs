@@ -323,11 +323,14 @@ mod tests {
     fn time_of_a_full_specimen() {
         let specimen = dense_bed(1456);
         let cup = Container { centre_x: 0.0, radius: 0.0575, height: 0.2 };
-        for _ in 0..5 {
+        let mut times = vec![];
+        for _ in 0..300 {
             let start = std::time::Instant::now();
             let map = HeightMap::of(&specimen, &cup, DEFAULT_CELL).unwrap();
-            let mapped = start.elapsed();
-            println!("map {mapped:?}, all {:?}, {:?}", start.elapsed(), map.standing_height());
+            assert!(map.standing_height().mean_surface > 0.1);
+            times.push(start.elapsed());
         }
+        times.sort();
+        println!("best {:?}, median {:?}", times[0], times[times.len() / 2]);
     }
 }

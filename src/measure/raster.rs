@@ -70,10 +70,11 @@ impl Surface {
     /// its faces to that face. Vertices have x and y in cells, z in m; faces
     /// are loops of their indices, counter-clockwise seen from outside.
     pub fn lay(&mut self, vertices: &[Vector], faces: &[Vec<u32>]) {
+        let mut raised = false;
         for corners in faces {
-            self.raise_to(vertices, corners);
+            raised |= self.raise_to(vertices, corners);
         }
-        let Some(&first) = vertices.first() else { return };
+        let (true, Some(&first)) = (raised, vertices.first()) else { return };
         let (low, high) =
             vertices.iter().fold((first, first), |(lo, hi), v| (lo.inf(v), hi.sup(v)));
         self.update_tiles(self.tiles_over(low.x, high.x), self.tiles_over(low.y, high.y));
@@ -97,7 +98,7 @@ impl Surface {
                     let end = inside.end.min((tile_column + 1) * TILE);
                     if first < end {
                         let line = &self.heights[row * self.across..][first..end];
-                        lowest = line.iter().copied().fold(lowest, f64::min);
+                        lowest = line.iter().fold(lowest, |m, &h| if h < m { h } else { m });
                     }
                 }
                 self.low[tile_row * self.tiles + tile_column] = lowest;
@@ -106,137 +107,144 @@ impl Surface {
     }
 
     /// Raises all cells whose centres lie under a face to that face, when the
-    /// face looks upwards. Vertices have x and y in cells, z in m.
+    /// face looks upwards; says whether it raised any. Vertices have
+    /// x and y in cells, z in m.
     ///
     /// Every row's crossing with an edge is computed from the same end points
     /// in the same order by both faces that share it, and both count their
     /// border as inside: no cell falls between two faces by rounding.
-    fn raise_to(&mut self, vertices: &[Vector], corners: &[u32]) {
-        let Some(plane) = UpwardPlane::of(vertices, corners) else { return };
+    fn raise_to(&mut self, vertices: &[Vector], corners: &[u32]) -> bool {
+        if !looks_up(vertices, corners) {
+            return false;
+        }
+        let first = vertices[corners[0] as usize];
+        let (low, high) = corners.iter().fold((first, first), |(lo, hi), &c| {
+            (lo.inf(&vertices[c as usize]), hi.sup(&vertices[c as usize]))
+        });
         let last = (self.across - 1) as f64;
-        if plane.y_high < 0.0 || plane.y_low > last {
-            return;
+        if high.y < 0.0 || low.y > last || self.hides(&low, &high) {
+            return false;
         }
-        let first_row = plane.y_low.max(0.0).ceil() as usize;
-        let end_row = plane.y_high.min(last) as usize + 1;
+        let first_row = whole_above(low.y);
+        let end_row = high.y.min(last) as i32 + 1;
         if first_row >= end_row {
-            return;
+            return false;
         }
-        let rows = &mut self.rows;
-        rows.clear();
-        rows.resize(end_row - first_row, (f64::INFINITY, f64::NEG_INFINITY));
-        for (i, &a) in corners.iter().enumerate() {
-            let b = corners[(i + 1) % corners.len()];
+        self.rows.clear();
+        self.rows.resize((end_row - first_row) as usize, (f64::INFINITY, f64::NEG_INFINITY));
+        let mut a = corners[corners.len() - 1];
+        for &b in corners {
             let (p, q) = (&vertices[a.min(b) as usize], &vertices[a.max(b) as usize]);
-            let (low, high) = if p.y < q.y { (p.y, q.y) } else { (q.y, p.y) };
-            if high < first_row as f64 {
-                continue;
-            }
-            let slope = (q.x - p.x) / (q.y - p.y);
-            let from = (low.max(first_row as f64)).ceil() as usize;
-            for row in from..end_row {
-                let y = row as f64;
-                if y > high {
-                    break;
-                }
-                let span = &mut rows[row - first_row];
-                if low == high {
-                    // The whole edge lies on the row.
-                    *span = (span.0.min(p.x.min(q.x)), span.1.max(p.x.max(q.x)));
-                } else {
-                    let x = p.x + (y - p.y) * slope;
-                    *span = (span.0.min(x), span.1.max(x));
-                }
-            }
+            cross_rows(p, q, first_row, &mut self.rows);
+            a = b;
         }
-        for (k, &(x_low, x_high)) in rows.iter().enumerate() {
-            let row = first_row + k;
-            let (from, to) = (self.columns[row].start, self.columns[row].end);
-            if x_high < 0.0 || from == to {
+        let plane = Plane::of(vertices, corners);
+        let mut raised = false;
+        for (row, &(x_low, x_high)) in (first_row..).zip(&self.rows) {
+            let within = &self.columns[row as usize];
+            if x_high < 0.0 || within.is_empty() {
                 continue;
             }
-            let first = from.max(whole_above(x_low));
-            let end = to.min(x_high.min(last) as usize + 1);
+            let first = whole_above(x_low).max(within.start as i32);
+            let end = (x_high.min(last) as i32 + 1).min(within.end as i32);
             if first >= end {
                 continue;
             }
-            let line = &mut self.heights[row * self.across..][first..end];
-            let (start, per_column) = plane.along_row(row as f64);
-            for (column, height) in (first..).zip(line) {
-                let z = (start + per_column * column as f64).clamp(plane.z_low, plane.z_high);
-                if z > *height {
-                    *height = z;
-                }
+            let line = &mut self.heights[row as usize * self.across..];
+            let start =
+                plane.z + plane.rise_y * (f64::from(row) - plane.y) - plane.rise_x * plane.x;
+            for (column, height) in (first..end).zip(&mut line[first as usize..]) {
+                let z = start + plane.rise_x * f64::from(column);
+                // A nearly upright face turns rounding in x and y into
+                // height: its corners bound what it can reach.
+                let z = if z > high.z { high.z } else { z };
+                let z = if z < low.z { low.z } else { z };
+                raised |= z > *height;
+                *height = if z > *height { z } else { *height };
             }
         }
+        raised
     }
 }
 
-/// Smallest whole number not below a value, 0 for negative ones.
-fn whole_above(x: f64) -> usize {
-    let below = x.max(0.0) as usize;
-    below + usize::from(below as f64 != x.max(0.0))
+/// Widens the span of every row that an edge crosses, rows counted from
+/// `first_row`.
+fn cross_rows(p: &Vector, q: &Vector, first_row: i32, rows: &mut [(f64, f64)]) {
+    let (low, high) = if p.y < q.y { (p.y, q.y) } else { (q.y, p.y) };
+    let from = whole_above(low).max(first_row);
+    if high < f64::from(from) {
+        return;
+    }
+    if low == high {
+        // The whole edge lies on the row.
+        if let Some(span) = rows.get_mut((from - first_row) as usize) {
+            *span = (span.0.min(p.x.min(q.x)), span.1.max(p.x.max(q.x)));
+        }
+        return;
+    }
+    let slope = (q.x - p.x) / (q.y - p.y);
+    for (row, span) in (from..).zip(rows.iter_mut().skip((from - first_row) as usize)) {
+        let y = f64::from(row);
+        if y > high {
+            break;
+        }
+        let x = p.x + (y - p.y) * slope;
+        *span = (if x < span.0 { x } else { span.0 }, if x > span.1 { x } else { span.1 });
+    }
 }
 
-/// A face that looks upwards: z = z₀ − (nₓ(x − x₀) + n_y(y − y₀))/n_z.
-struct UpwardPlane {
-    centre: Vector,
-    /// Rise per cell along x and y.
+/// Smallest whole number not below a value, 0 for negative ones. Written out
+/// because `ceil` is a call on processors without SSE 4.1, and this is the
+/// innermost but one loop.
+fn whole_above(x: f64) -> i32 {
+    let x = if x > 0.0 { x } else { 0.0 };
+    let below = x as i32;
+    below + i32::from(f64::from(below) != x)
+}
+
+/// Whether the projection of a face on the ground runs counter-clockwise.
+fn looks_up(vertices: &[Vector], corners: &[u32]) -> bool {
+    let origin = vertices[corners[0] as usize];
+    let mut doubled_area = 0.0;
+    let mut a = vertices[corners[1] as usize];
+    for &c in &corners[2..] {
+        let b = vertices[c as usize];
+        doubled_area += (a.x - origin.x) * (b.y - origin.y) - (a.y - origin.y) * (b.x - origin.x);
+        a = b;
+    }
+    doubled_area > 0.0
+}
+
+/// A plane through (x, y, z) that rises by so much a cell.
+struct Plane {
+    x: f64,
+    y: f64,
+    z: f64,
     rise_x: f64,
     rise_y: f64,
-    y_low: f64,
-    y_high: f64,
-    z_low: f64,
-    z_high: f64,
 }
 
-impl UpwardPlane {
-    /// `None` for faces that look down or sideways. The normal is Newell's,
-    /// as in [`crate::geometry::ConvexPolyhedron::plane`].
-    fn of(vertices: &[Vector], corners: &[u32]) -> Option<Self> {
+impl Plane {
+    /// The plane of a face that looks up. The normal is Newell's, as in
+    /// [`crate::geometry::ConvexPolyhedron::plane`].
+    fn of(vertices: &[Vector], corners: &[u32]) -> Self {
         let origin = vertices[corners[0] as usize];
-        let mut doubled_area = 0.0;
-        let mut a = vertices[corners[corners.len() - 1] as usize] - origin;
-        for &c in corners {
+        let (mut normal, mut sum) = (Vector::zeros(), Vector::zeros());
+        let mut a = Vector::zeros();
+        for &c in &corners[1..] {
             let b = vertices[c as usize] - origin;
-            doubled_area += a.x * b.y - a.y * b.x;
-            a = b;
-        }
-        // Two faces in three end here, before anything else is computed.
-        if !(doubled_area > 0.0) {
-            return None;
-        }
-        let mut normal = Vector::new(0.0, 0.0, doubled_area);
-        let mut sum = Vector::zeros();
-        let (mut low, mut high) = (origin, origin);
-        let mut a = vertices[corners[corners.len() - 1] as usize] - origin;
-        for &c in corners {
-            let corner = vertices[c as usize];
-            let b = corner - origin;
-            normal.x += a.y * b.z - a.z * b.y;
-            normal.y += a.z * b.x - a.x * b.z;
+            normal += a.cross(&b);
             sum += b;
-            low = low.inf(&corner);
-            high = high.sup(&corner);
             a = b;
         }
-        Some(Self {
-            centre: origin + sum / corners.len() as f64,
+        let centre = origin + sum / corners.len() as f64;
+        Self {
+            x: centre.x,
+            y: centre.y,
+            z: centre.z,
             rise_x: -normal.x / normal.z,
             rise_y: -normal.y / normal.z,
-            y_low: low.y,
-            y_high: high.y,
-            // A nearly upright face turns rounding in x and y into height:
-            // its corners bound what it can reach.
-            z_low: low.z,
-            z_high: high.z,
-        })
-    }
-
-    /// Height at column 0 of a row, and the rise per column.
-    fn along_row(&self, y: f64) -> (f64, f64) {
-        let start = self.centre.z + self.rise_y * (y - self.centre.y) - self.rise_x * self.centre.x;
-        (start, self.rise_x)
+        }
     }
 }
 
