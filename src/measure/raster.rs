@@ -199,7 +199,7 @@ fn cross_rows(p: &Vector, q: &Vector, first_row: i32, rows: &mut [(f64, f64)]) {
 fn whole_above(x: f64) -> i32 {
     let x = if x > 0.0 { x } else { 0.0 };
     let below = x as i32;
-    below + i32::from(f64::from(below) != x)
+    below.saturating_add(i32::from(f64::from(below) != x))
 }
 
 /// Whether the projection of a face on the ground runs counter-clockwise.

@@ -110,7 +110,7 @@ pub fn height_at(series: &[HeightSample], time: f64) -> Option<f64> {
 /// interpolated series over its length; for fluctuating readings. `None` when
 /// the interval is empty or not within the series.
 pub fn mean_height_between(series: &[HeightSample], from: f64, to: f64) -> Option<f64> {
-    if !(to > from) {
+    if to <= from || (to - from).is_nan() {
         return None;
     }
     let mut points = vec![HeightSample { time: from, height: height_at(series, from)? }];
@@ -130,7 +130,7 @@ fn share(part: f64, whole: f64) -> Option<f64> {
 
 /// The moment at which the table has shaken for `seconds` in all.
 fn shaking_clock(periods: &[Period], seconds: f64) -> Option<f64> {
-    if !(seconds >= 0.0) {
+    if seconds < 0.0 || seconds.is_nan() {
         return None;
     }
     let mut left = seconds;
