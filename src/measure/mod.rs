@@ -1,1 +1,98 @@
-//! measure
+//! What is read off a specimen: pure functions of a state, blind to engines.
+//!
+//! All results are in SI units; conversion to the units of result files is
+//! left to `record`. Every measure that speaks of "the specimen in the
+//! cylinder" takes its grains from [`Container::members`], so that height,
+//! void ratio and coordination number always speak of the same grains.
+
+mod container;
+mod coordination;
+mod energy;
+
+mod height_map;
+mod heights;
+mod hull;
+mod overlap;
+mod pairs;
+mod plate;
+mod raster;
+mod separation;
+mod settlement;
+pub mod statistics;
+#[cfg(test)]
+mod testing;
+mod void_ratio;
+
+pub use container::Container;
+pub use coordination::{Coordination, coordination};
+pub use energy::{Energy, body_energy, grain_energy, largest_speed};
+pub use height_map::{DEFAULT_CELL, HeightMap, StandingHeight};
+pub use heights::{Content, content, mean_grain_height};
+pub use hull::WorldHull;
+pub use overlap::{OverlapStatistics, overlap_statistics};
+pub use pairs::{PairGap, TOUCHING_GAP, pairs_within, pairs_within_of};
+pub use plate::{PlatePosition, plate_position};
+pub use separation::{Separation, penetration_depth, separation, separation_within};
+pub use settlement::{
+    HeightSample, Period, Settlement, height_at, mean_height_between, settlement, share_after,
+};
+pub use void_ratio::{Voids, void_ratio};
+
+/// Why something could not be measured.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MeasureError {
+    /// The container has no size.
+    #[error("the container's {what} is {value} m, it must be a positive number")]
+    BadContainer {
+        /// Which length.
+        what: &'static str,
+        /// Its value in m.
+        value: f64,
+    },
+    /// The cells of the height map are no usable size.
+    #[error(
+        "height map cells of {cell} m do not fit a container of radius {radius} m: the diameter must be 1 to {most} cells"
+    )]
+    BadCell {
+        /// Side of a cell in m.
+        cell: f64,
+        /// Radius of the container in m.
+        radius: f64,
+        /// Largest number of cells across the diameter.
+        most: usize,
+    },
+    /// A series of heights holds no sample.
+    #[error("there is no height in the series")]
+    EmptySeries,
+    /// Times run backwards, or a value is not finite.
+    #[error(
+        "sample {index} of the series (time {time} s, height {height} m) is not finite or lies before its predecessor"
+    )]
+    BadSample {
+        /// Index of the sample.
+        index: usize,
+        /// Its time in s.
+        time: f64,
+        /// Its height in m.
+        height: f64,
+    },
+    /// A vibration period is empty, out of order, or not covered by the series.
+    #[error(
+        "period {index} of vibration, {start} s to {end} s, is empty, overlaps the one before, or is not covered by the series ({first} s to {last} s)"
+    )]
+    BadPeriod {
+        /// Index of the period.
+        index: usize,
+        /// Its beginning in s.
+        start: f64,
+        /// Its end in s.
+        end: f64,
+        /// Time of the first sample in s.
+        first: f64,
+        /// Time of the last sample in s.
+        last: f64,
+    },
+    /// No period of vibration was given.
+    #[error("settlement by vibration needs at least one period of vibration")]
+    NoPeriod,
+}

@@ -1,0 +1,332 @@
+//! Settlement by vibration, read off a series of heights.
+//!
+//! Settlement is the height at the beginning of the first period of vibration
+//! minus the height at the time of reading: positive downwards, never clipped,
+//! smoothed or made monotone, so that a bouncing plate shows as it is
+//! (the paper's Figures 9 and 10 show such fluctuations).
+
+use super::MeasureError;
+
+/// How far a series may begin late or end early, in s: one reading interval
+/// of the paper (section 4, "every 0.08 seconds"). Within it the first or
+/// last sample stands for the missing moment.
+const SLACK: f64 = 0.08;
+
+/// Rounding of times that are sums of steps, in s.
+const ROUNDING: f64 = 1e-9;
+
+/// The paper's mark for the early part of vibration (section 4, "the first
+/// five seconds of vibration"), in s.
+const EARLY: f64 = 5.0;
+
+/// One reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeightSample {
+    /// Time in s.
+    pub time: f64,
+    /// Height in m: of the plate, the mean surface, or the mean grain.
+    pub height: f64,
+}
+
+/// One period in which the table shakes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Period {
+    /// Beginning in s, on the clock of the series.
+    pub start: f64,
+    /// End in s.
+    pub end: f64,
+}
+
+/// Settlement by vibration, positive downwards.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settlement {
+    /// At the last sample of the series, in m.
+    pub at_end: f64,
+    /// After the first 5 s of vibration, in m, rests between periods not
+    /// counted; `None` when the vibration is shorter.
+    pub after_5_s: Option<f64>,
+    /// `after_5_s` over `at_end`; `None` where there is no settlement to
+    /// share out (`at_end` zero or negative).
+    pub share_after_5_s: Option<f64>,
+    /// After each period, in m, read where the laboratory read it: "between
+    /// two successive vibration periods" (paper, section 4), that is just
+    /// before the next period begins, and at the end of the series for the
+    /// last one. Without rests this is the end of the period.
+    pub after_each_period: Vec<f64>,
+}
+
+/// Reads the settlement off a series; heights between samples by linear
+/// interpolation. The series ends where the final reading is taken: leave out
+/// what comes after (a control run).
+///
+/// # Errors
+/// [`MeasureError::EmptySeries`], [`MeasureError::BadSample`],
+/// [`MeasureError::NoPeriod`], [`MeasureError::BadPeriod`].
+pub fn settlement(series: &[HeightSample], periods: &[Period]) -> Result<Settlement, MeasureError> {
+    check(series, periods)?;
+    let start = height_clamped(series, periods[0].start);
+    let after = |time| start - height_clamped(series, time);
+    let at_end = start - series[series.len() - 1].height;
+    let after_5_s = shaking_clock(periods, EARLY).map(after);
+    let mut after_each_period: Vec<f64> = periods[1..].iter().map(|p| after(p.start)).collect();
+    after_each_period.push(at_end);
+    Ok(Settlement {
+        at_end,
+        after_5_s,
+        share_after_5_s: after_5_s.and_then(|part| share(part, at_end)),
+        after_each_period,
+    })
+}
+
+/// Share of the final settlement reached after `seconds` of vibration, rests
+/// between periods not counted; `None` when the vibration is shorter or there
+/// is no settlement to share out. It may exceed 1, or be negative, when the
+/// height rises.
+///
+/// # Errors
+/// As [`settlement`].
+pub fn share_after(
+    series: &[HeightSample],
+    periods: &[Period],
+    seconds: f64,
+) -> Result<Option<f64>, MeasureError> {
+    check(series, periods)?;
+    let start = height_clamped(series, periods[0].start);
+    let at_end = start - series[series.len() - 1].height;
+    Ok(shaking_clock(periods, seconds)
+        .and_then(|time| share(start - height_clamped(series, time), at_end)))
+}
+
+/// Height at a time by linear interpolation between samples; `None` outside
+/// the series. Where two samples bear the same time (end of one stage and
+/// beginning of the next) the later one counts. The series must be in order of time.
+pub fn height_at(series: &[HeightSample], time: f64) -> Option<f64> {
+    let (first, last) = (series.first()?, series.last()?);
+    (time >= first.time - ROUNDING && time <= last.time + ROUNDING)
+        .then(|| height_clamped(series, time))
+}
+
+/// Mean height over the time from `from` to `to` (s), the area under the
+/// interpolated series over its length; for fluctuating readings. `None` when
+/// the interval is empty or not within the series.
+pub fn mean_height_between(series: &[HeightSample], from: f64, to: f64) -> Option<f64> {
+    if to <= from || (to - from).is_nan() {
+        return None;
+    }
+    let mut points = vec![HeightSample { time: from, height: height_at(series, from)? }];
+    points.extend(series.iter().filter(|s| s.time > from && s.time < to));
+    points.push(HeightSample { time: to, height: height_at(series, to)? });
+    let area: f64 = points
+        .windows(2)
+        .map(|w| (w[1].time - w[0].time) * (w[0].height + w[1].height) / 2.0)
+        .sum();
+    Some(area / (to - from))
+}
+
+/// A part of the final settlement as a share of it.
+fn share(part: f64, whole: f64) -> Option<f64> {
+    (whole > 0.0).then(|| part / whole)
+}
+
+/// The moment at which the table has shaken for `seconds` in all.
+fn shaking_clock(periods: &[Period], seconds: f64) -> Option<f64> {
+    if seconds < 0.0 || seconds.is_nan() {
+        return None;
+    }
+    let mut left = seconds;
+    for p in periods {
+        let length = p.end - p.start;
+        if left <= length + ROUNDING {
+            return Some(p.start + left.min(length));
+        }
+        left -= length;
+    }
+    None
+}
+
+/// Height at a time; before the first and after the last sample theirs.
+fn height_clamped(series: &[HeightSample], time: f64) -> f64 {
+    let after = series.partition_point(|s| s.time <= time);
+    if after == 0 {
+        return series[0].height;
+    }
+    let Some(right) = series.get(after) else { return series[series.len() - 1].height };
+    let left = &series[after - 1];
+    let t = (time - left.time) / (right.time - left.time);
+    left.height + t * (right.height - left.height)
+}
+
+fn check(series: &[HeightSample], periods: &[Period]) -> Result<(), MeasureError> {
+    let (Some(first), Some(last)) = (series.first(), series.last()) else {
+        return Err(MeasureError::EmptySeries);
+    };
+    let mut before = f64::NEG_INFINITY;
+    for (index, s) in series.iter().enumerate() {
+        if !s.time.is_finite() || !s.height.is_finite() || s.time < before {
+            return Err(MeasureError::BadSample { index, time: s.time, height: s.height });
+        }
+        before = s.time;
+    }
+    if periods.is_empty() {
+        return Err(MeasureError::NoPeriod);
+    }
+    let mut free_from = first.time - SLACK;
+    for (index, p) in periods.iter().enumerate() {
+        let fits = p.start >= free_from - ROUNDING
+            && p.end > p.start
+            && p.end <= last.time + SLACK + ROUNDING;
+        if !fits {
+            return Err(MeasureError::BadPeriod {
+                index,
+                start: p.start,
+                end: p.end,
+                first: first.time,
+                last: last.time,
+            });
+        }
+        free_from = p.end;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::assert_near;
+    use super::*;
+
+    fn series(points: &[(f64, f64)]) -> Vec<HeightSample> {
+        points.iter().map(|&(time, height)| HeightSample { time, height }).collect()
+    }
+
+    fn periods(bounds: &[(f64, f64)]) -> Vec<Period> {
+        bounds.iter().map(|&(start, end)| Period { start, end }).collect()
+    }
+
+    /// Law: for a height h₀ − s(1 − exp(−t/τ)), sampled every 0.08 s from 3 s
+    /// before the vibration, the readings are those of the formula; linear
+    /// interpolation errs by at most Δt²/8 · s/τ².
+    #[test]
+    fn continuous_vibration() {
+        let (begin, sink, tau) = (3.0, 0.018, 3.0);
+        let fallen = |t: f64| sink * (1.0 - (-t.max(0.0) / tau).exp());
+        let points: Vec<HeightSample> = (0..=288)
+            .map(|i| f64::from(i) * 0.08)
+            .map(|time| HeightSample { time, height: 0.16 - fallen(time - begin) })
+            .collect();
+        let got = settlement(&points, &periods(&[(begin, 23.0)])).unwrap();
+        // Larger than the smooth bound: the curve bends within one interval at the beginning.
+        let tolerance = 0.08 * sink / tau / 4.0;
+        let end = fallen(288.0 * 0.08 - begin);
+        assert_near("final settlement", end, got.at_end, tolerance);
+        assert_near("after 5 s", fallen(5.0), got.after_5_s.unwrap(), tolerance);
+        let share = got.share_after_5_s.unwrap();
+        assert_near("share", fallen(5.0) / end, share, tolerance / end);
+        assert_eq!(got.after_each_period, [got.at_end]);
+        let again = share_after(&points, &periods(&[(begin, 23.0)]), 5.0).unwrap();
+        assert_eq!(again, got.share_after_5_s, "share by the other way");
+    }
+
+    /// Law: linear interpolation, on the beginning, between samples, and over
+    /// a step of height at one time (the later sample counts).
+    #[test]
+    fn interpolation() {
+        let s = series(&[(0.0, 1.0), (1.0, 3.0), (1.0, 5.0), (2.0, 4.0)]);
+        for (time, expected) in
+            [(0.0, 1.0), (0.25, 1.5), (0.999, 2.998), (1.0, 5.0), (1.5, 4.5), (2.0, 4.0)]
+        {
+            assert_near("height", expected, height_at(&s, time).unwrap(), 1e-12);
+        }
+        assert_eq!(height_at(&s, -0.1), None);
+        assert_eq!(height_at(&s, 2.1), None);
+        assert_eq!(height_at(&[], 0.0), None);
+    }
+
+    /// Law: the area under a triangle over its base is half its height.
+    #[test]
+    fn mean_over_time() {
+        let s = series(&[(0.0, 0.0), (1.0, 2.0), (3.0, 0.0)]);
+        assert_near("triangle", 1.0, mean_height_between(&s, 0.0, 3.0).unwrap(), 1e-15);
+        assert_near("part", 1.5, mean_height_between(&s, 0.5, 1.0).unwrap(), 1e-15);
+        assert_near(
+            "within one interval",
+            0.5,
+            mean_height_between(&s, 2.25, 2.75).unwrap(),
+            1e-15,
+        );
+        assert_eq!(mean_height_between(&s, 1.0, 1.0), None);
+        assert_eq!(mean_height_between(&s, 1.0, 4.0), None);
+    }
+
+    /// Intermittent vibration: periods are read at the end of the rest that
+    /// follows, 5 s of vibration are counted without rests.
+    #[test]
+    fn intermittent_vibration() {
+        let s = series(&[
+            (0.0, 0.160),
+            (2.0, 0.150), // end of the first period
+            (3.0, 0.149), // settled in the rest
+            (5.0, 0.145), // end of the second
+            (6.0, 0.144),
+            (8.0, 0.140), // end of the third
+            (9.0, 0.142), // the plate comes up again
+        ]);
+        let shaken = periods(&[(0.0, 2.0), (3.0, 5.0), (6.0, 8.0)]);
+        let got = settlement(&s, &shaken).unwrap();
+        assert_near("final", 0.018, got.at_end, 1e-15);
+        for (expected, got) in [0.011, 0.016, 0.018].iter().zip(&got.after_each_period) {
+            assert_near("after a period and its rest", *expected, *got, 1e-15);
+        }
+        assert_eq!(got.after_each_period.len(), 3);
+        // 2 s + 2 s + 1 s: the clock says 7 s.
+        assert_near("after 5 s", 0.018, got.after_5_s.unwrap(), 1e-15);
+        // Exactly one period is read at its end, not after the rest.
+        let share = share_after(&s, &shaken, 2.0).unwrap().unwrap();
+        assert_near("share at the end of the first period", 10.0 / 18.0, share, 1e-12);
+        // The settlement overshoots: a share above one is kept.
+        let share = share_after(&s, &shaken, 6.0).unwrap().unwrap();
+        assert_near("share above one", 20.0 / 18.0, share, 1e-12);
+        assert_eq!(share_after(&s, &shaken, 6.1), Ok(None), "longer than the vibration");
+        assert_eq!(share_after(&s, &shaken, -1.0), Ok(None));
+    }
+
+    #[test]
+    fn nothing_to_share_out() {
+        for rise in [0.0, 0.001] {
+            let s = series(&[(0.0, 0.16), (5.0, 0.159), (20.0, 0.16 + rise)]);
+            let got = settlement(&s, &periods(&[(0.0, 20.0)])).unwrap();
+            assert_near("final", -rise, got.at_end, 1e-15);
+            assert_near("after 5 s", 0.001, got.after_5_s.unwrap(), 1e-15);
+            assert_eq!(got.share_after_5_s, None, "no share of {}", got.at_end);
+        }
+        let short = series(&[(0.0, 0.16), (4.0, 0.15)]);
+        let got = settlement(&short, &periods(&[(0.0, 4.0)])).unwrap();
+        assert_eq!((got.after_5_s, got.share_after_5_s), (None, None), "only 4 s shaken");
+    }
+
+    #[test]
+    fn faults_are_named() {
+        let good = series(&[(0.0, 0.16), (5.0, 0.15)]);
+        let all = periods(&[(0.0, 5.0)]);
+        assert!(settlement(&good, &all).is_ok());
+        assert_eq!(settlement(&[], &all), Err(MeasureError::EmptySeries));
+        assert_eq!(settlement(&good, &[]), Err(MeasureError::NoPeriod));
+        for bad in [[(1.0, 0.1), (0.0, 0.1)], [(0.0, 0.1), (1.0, f64::NAN)]] {
+            let got = settlement(&series(&bad), &all);
+            assert!(matches!(got, Err(MeasureError::BadSample { index: 1, .. })), "{got:?}");
+        }
+        let cases: [(&[(f64, f64)], usize); 5] = [
+            (&[(-0.1, 5.0)], 0),
+            (&[(0.0, 5.1)], 0),
+            (&[(2.0, 2.0)], 0),
+            (&[(0.0, 3.0), (2.0, 4.0)], 1),
+            (&[(0.0, f64::NAN)], 0),
+        ];
+        for (bounds, which) in cases {
+            let got = settlement(&good, &periods(bounds));
+            let named = matches!(got, Err(MeasureError::BadPeriod { index, .. }) if index == which);
+            assert!(named, "{bounds:?}: {got:?}");
+        }
+        let late = settlement(&good, &periods(&[(-0.07, 5.07)])).unwrap();
+        assert_near("within one reading interval", 0.01, late.at_end, 1e-15);
+    }
+}
