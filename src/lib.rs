@@ -13,6 +13,6 @@ pub mod record;
 pub mod report;
 pub mod scenario;
 pub mod specimen;
-//pub mod study;
+pub mod study;
 pub mod units;
 pub mod world;

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::GrainsError;
 use crate::scenario::SievedGrains;
-use crate::units::{from_g, from_mm};
+use crate::units::{from_g, from_mm, to_mm};
 
 /// One sieve fraction in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,30 +39,47 @@ impl ParticleSizeDistribution {
     /// [`GrainsError::EmptyFraction`] for a fraction whose mass makes less than half a grain.
     pub fn new(spec: &SievedGrains) -> Result<Self, GrainsError> {
         let total = from_g(spec.total_mass_g);
-        let fractions = spec
+        let mut fractions: Vec<Fraction> = spec
             .sieve_table
             .iter()
             .map(|f| {
                 let mass = total * f.mass_percent / 100.0;
-                let volume = mass / spec.density_kg_per_m3;
-                let mean_size = from_mm((f.passing_mm + f.retained_mm) / 2.0);
-                let grains = (volume / (PI / 6.0 * mean_size.powi(3))).round() as usize;
-                if grains == 0 {
-                    return Err(GrainsError::EmptyFraction {
-                        passing_mm: f.passing_mm,
-                        retained_mm: f.retained_mm,
-                    });
-                }
-                Ok(Fraction {
+                Fraction {
                     passing: from_mm(f.passing_mm),
                     retained: from_mm(f.retained_mm),
                     mass,
-                    volume,
-                    mean_size,
-                    grains,
-                })
+                    volume: mass / spec.density_kg_per_m3,
+                    mean_size: from_mm((f.passing_mm + f.retained_mm) / 2.0),
+                    grains: 0,
+                }
             })
-            .collect::<Result<Vec<_>, _>>()?;
+            .collect();
+        apportion(&mut fractions);
+        if let Some(f) = fractions.iter().find(|f| f.grains == 0) {
+            return Err(GrainsError::EmptyFraction {
+                passing_mm: to_mm(f.passing),
+                retained_mm: to_mm(f.retained),
+            });
+        }
         Ok(Self { fractions, density: spec.density_kg_per_m3 })
+    }
+}
+
+/// Numbers of grains by the method of largest remainders: the whole specimen
+/// gets the rounded total, each fraction its whole part, and the fractions
+/// with the largest remainders one grain more. Rounding each fraction by
+/// itself would let the total drift by half a grain a fraction.
+fn apportion(fractions: &mut [Fraction]) {
+    let exact: Vec<f64> =
+        fractions.iter().map(|f| f.volume / (PI / 6.0 * f.mean_size.powi(3))).collect();
+    let total = exact.iter().sum::<f64>().round() as usize;
+    for (f, exact) in fractions.iter_mut().zip(&exact) {
+        f.grains = exact.floor() as usize;
+    }
+    let mut order: Vec<usize> = (0..fractions.len()).collect();
+    order.sort_by(|&a, &b| exact[b].fract().total_cmp(&exact[a].fract()));
+    let given: usize = fractions.iter().map(|f| f.grains).sum();
+    for &index in order.iter().take(total.saturating_sub(given)) {
+        fractions[index].grains += 1;
     }
 }

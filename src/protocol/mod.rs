@@ -4,11 +4,13 @@
 //! reads it back, so that it does not matter whether the specimen came
 //! straight from the stage before or from a file.
 
+mod progress;
 mod setup;
 mod stages;
 mod stand;
 mod whereabouts;
 
+pub use progress::{Progress, Silent};
 pub use setup::SettleCriterion;
 pub use setup::Setup;
 pub use stages::{run, table_motion};

@@ -2,12 +2,14 @@
 
 mod atomic;
 mod hash;
+mod run;
 mod store;
 mod summary;
 mod tables;
 
 pub use atomic::{FileError, create_folder, read_file, read_json, write_file, write_json};
 pub use hash::{hash_bytes, hash_json};
+pub use run::{RunKind, RunRecord};
 pub use store::{StageRecord, StageStore, StoredStage};
 pub use summary::*;
 pub use tables::{grains_csv, series_from_csv, to_csv};

@@ -1,14 +1,14 @@
 //! Many runs, one answer.
 
-mod execute;
-mod plan;
+pub mod execute;
+pub mod plan;
 mod recorder;
-mod reproduce;
-mod run;
-mod summarise;
+//mod reproduce;
+//mod run;
+pub mod summarise;
 
-pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
-pub use run::{RunOptions, run_scenario};
+//pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
+//pub use run::{RunOptions, run_scenario};
 pub use summarise::STANDARD;
 
 use std::path::PathBuf;

@@ -13,7 +13,9 @@ use super::StudyError;
 use crate::grains::GrainSet;
 use crate::protocol::{Setup, table_motion};
 use crate::record::{RunKind, hash_json};
-use crate::scenario::{Scenario, StageSpec};
+use crate::scenario::{
+    ApparatusSpec, ContactSpec, EngineSettings, Scenario, SettleSpec, StageSpec,
+};
 use crate::world::BackendInfo;
 
 /// Raised whenever the meaning of a stored stage changes, so that none of an
@@ -72,13 +74,21 @@ pub struct Plan {
     pub runs: Vec<RunNodes>,
 }
 
-/// Everything that determines a stage's result.
+/// Everything that determines a stage's result. The grains are named by the
+/// parent of the first stage; names, notes and the later stages of the
+/// scenario do not act on it.
 #[derive(Serialize)]
 struct Determinants<'a> {
     format: u32,
     version: &'a str,
     backend: &'a BackendInfo,
-    scenario: &'a Scenario,
+    apparatus: &'a ApparatusSpec,
+    contact: &'a ContactSpec,
+    engine: &'a EngineSettings,
+    settle: &'a SettleSpec,
+    gravity_m_per_s2: f64,
+    seed: u64,
+    configuration: u32,
     parent: &'a str,
     stage: &'a StageSpec,
 }
@@ -129,7 +139,13 @@ impl Plan {
             format: FORMAT,
             version: env!("CARGO_PKG_VERSION"),
             backend: &crate::world::info(run.scenario.engine.backend),
-            scenario: &determining(&run.scenario),
+            apparatus: &run.scenario.apparatus,
+            contact: &run.scenario.contact,
+            engine: &run.scenario.engine,
+            settle: &run.scenario.settle,
+            gravity_m_per_s2: run.scenario.gravity_m_per_s2,
+            seed: run.scenario.seed,
+            configuration: run.scenario.configuration,
             parent: parent.map_or(grains_hash, |p| &self.nodes[p].key),
             stage,
         });
@@ -149,20 +165,6 @@ impl Plan {
         });
         known.insert(key, self.nodes.len() - 1);
         self.nodes.len() - 1
-    }
-}
-
-/// The scenario with everything blanked that does not act on a stage's
-/// result: names, notes, and the list of stages, each of which is hashed with
-/// its parent instead. The grains are named by their own hash.
-fn determining(scenario: &Scenario) -> Scenario {
-    Scenario {
-        name: String::new(),
-        description: String::new(),
-        notes: Vec::new(),
-        stages: Vec::new(),
-        control_s: 0.0,
-        ..scenario.clone()
     }
 }
 

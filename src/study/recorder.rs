@@ -85,7 +85,8 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         let position = state.top_plate.map(|p| plate_position(&p, plate.thickness));
         let mut kinetic = grain_energy(specimen, self.setup.gravity, &table).kinetic();
         if let Some(p) = &state.top_plate {
-            kinetic += body_energy(p, plate.mass, &plate.inertia, self.setup.gravity, &table).kinetic();
+            kinetic +=
+                body_energy(p, plate.mass, &plate.inertia, self.setup.gravity, &table).kinetic();
         }
         let plate_height_mm = position.map(|p| to_mm(p.height));
         let mean_surface_mm = to_mm(surface);

@@ -155,8 +155,9 @@ struct Standing {
 
 impl Standing {
     fn of(specimen: &Specimen, container: &Container) -> Result<Self, StudyError> {
-        let height =
-            HeightMap::of(specimen, container, DEFAULT_CELL).map_err(StudyError::measure)?.standing_height();
+        let height = HeightMap::of(specimen, container, DEFAULT_CELL)
+            .map_err(StudyError::measure)?
+            .standing_height();
         let voids = void_ratio(specimen, container, height.mean_surface);
         Ok(Self {
             height: StandingHeight {

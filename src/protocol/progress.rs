@@ -1,0 +1,24 @@
+//! How long work tells of itself.
+
+/// Told of stages as they go on, from any thread.
+pub trait Progress: Send + Sync {
+    /// A stage begins; `expected` is the simulated time in s it is expected to take.
+    fn begin_stage(&self, id: u64, name: &str, expected: f64);
+    /// A stage has reached a simulated time in s; the note says what matters most just now.
+    fn update(&self, id: u64, simulated: f64, note: &str);
+    /// A stage has ended.
+    fn end_stage(&self, id: u64);
+    /// Something a reader should know at once.
+    fn message(&self, text: &str);
+}
+
+/// Tells nobody.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
+    fn update(&self, _: u64, _: f64, _: &str) {}
+    fn end_stage(&self, _: u64) {}
+    fn message(&self, _: &str) {}
+}

@@ -1,0 +1,34 @@
+//! A finished run as claims and reports see it.
+
+use serde::{Deserialize, Serialize};
+
+use super::{SeriesRow, Summary};
+
+/// What a run is in the paper's programme.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RunKind {
+    /// Grains poured into the cylinder (paper, section 2, Figure 7).
+    Pluviation,
+    /// One period of vibration (paper, Figure 9).
+    VibrationContinuous,
+    /// Several periods of vibration with rests (paper, Figure 10).
+    VibrationIntermittent,
+}
+
+/// One finished run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunRecord {
+    /// Name of its folder.
+    pub name: String,
+    /// What it is in the paper's programme.
+    pub kind: RunKind,
+    /// Which mixing of the grains, counted from 1.
+    pub configuration: u32,
+    /// Distance between funnel and cylinder in mm.
+    pub falling_height_mm: f64,
+    /// Its figures.
+    pub summary: Summary,
+    /// Its series, stage by stage.
+    pub series: Vec<SeriesRow>,
+}
