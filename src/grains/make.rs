@@ -21,6 +21,7 @@ pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError>
     let distribution = ParticleSizeDistribution::new(spec)?;
     let mut set =
         GrainSet { grains: Vec::new(), blocks: Vec::new(), density: distribution.density };
+    let density = set.density;
     let mut x = 0.0;
     for (index, fraction) in distribution.fractions.iter().enumerate() {
         let side = fraction.volume.cbrt();
@@ -39,8 +40,7 @@ pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError>
             first_grain: set.grains.len(),
         });
         let to_block = crate::geometry::Pose::translation(x, 0.0, 0.0);
-        set.grains
-            .extend(cells.iter().map(|c| grain(&c.transformed(&to_block), set.density, index)));
+        set.grains.extend(cells.iter().map(|c| grain(c.transformed(&to_block), density, index)));
         x += side + BLOCK_GAP;
     }
     Ok(set)
@@ -57,13 +57,14 @@ fn inner(stream: &mut Stream) -> f64 {
 }
 
 /// A grain of a cell in block coordinates.
-pub(super) fn grain(cell: &ConvexPolyhedron, density: f64, fraction: usize) -> Grain {
-    let properties = MassProperties::of(cell);
+pub(super) fn grain(cell: ConvexPolyhedron, density: f64, fraction: usize) -> Grain {
+    let properties = MassProperties::of(&cell);
     let frame = properties.principal_frame();
     let shape = cell.transformed(&frame.pose.inverse());
     Grain {
         equivalent_diameter: (6.0 * properties.volume / std::f64::consts::PI).cbrt(),
         shape: Arc::new(shape),
+        cell: Arc::new(cell),
         pose_in_block: frame.pose,
         volume: properties.volume,
         mass: density * properties.volume,

@@ -1,11 +1,18 @@
 //! Grains: particle size distribution, Voronoi cells, mixing, `grains.json`.
 
+mod file;
+mod gradation;
 mod make;
+pub mod mesh;
 mod mixing;
 mod psd;
 mod streams;
+#[cfg(test)]
+mod tests;
 mod voronoi;
 
+pub use file::{BlockJson, CellJson, GrainsJson, SieveJson, from_json, to_json};
+pub use gradation::{Gradation, SieveRow};
 pub use make::generate;
 pub use mixing::{Mixing, mix, rain};
 pub use psd::{Fraction, ParticleSizeDistribution};
@@ -48,6 +55,8 @@ pub struct Grain {
     /// Shape with the centroid at the origin and the principal axes of
     /// inertia along x, y, z, in m; moments ascending.
     pub shape: Arc<ConvexPolyhedron>,
+    /// The same in the block's coordinates, as it was cut.
+    pub cell: Arc<ConvexPolyhedron>,
     /// Maps the principal frame to the block's coordinates.
     pub pose_in_block: Pose,
     /// Volume in m³.
@@ -65,9 +74,9 @@ pub struct Grain {
 /// Why grains could not be made, read or placed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GrainsError {
-    /// A fraction's mass makes less than half a grain of its size.
+    /// A fraction's mass makes no whole grain of its size.
     #[error(
-        "the fraction {passing_mm}-{retained_mm} mm holds less than half a grain of its mean size"
+        "the fraction {passing_mm}-{retained_mm} mm does not hold a single grain of its mean size"
     )]
     EmptyFraction {
         /// Opening of the sieve it passes, in mm.
@@ -91,6 +100,14 @@ pub enum GrainsError {
         /// What is wrong with it.
         reason: PolyhedronError,
     },
+    /// Grains in a file are not sound.
+    #[error("{path}: {reason}")]
+    File {
+        /// Path of the value in the file.
+        path: String,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A grain does not fit where it should be placed.
     #[error("grain {grain} with a bounding radius of {radius} m does not fit into {room} m")]
     TooNarrow {
@@ -101,4 +118,21 @@ pub enum GrainsError {
         /// The room there is, in m.
         room: f64,
     },
+}
+
+impl GrainSet {
+    /// Mass of all grains in kg.
+    pub fn mass(&self) -> f64 {
+        self.grains.iter().map(|g| g.mass).sum()
+    }
+
+    /// Volume of all grains in m³.
+    pub fn volume(&self) -> f64 {
+        self.grains.iter().map(|g| g.volume).sum()
+    }
+
+    /// Mean number of grains in 100 g.
+    pub fn grains_in_100_g(&self) -> f64 {
+        self.grains.len() as f64 * 0.1 / self.mass()
+    }
 }
