@@ -8,6 +8,8 @@ mod progress;
 mod setup;
 mod stages;
 mod stand;
+#[cfg(test)]
+mod tests;
 mod whereabouts;
 
 pub use progress::{Progress, Silent};

@@ -13,7 +13,7 @@ use super::{
     plan::{Plan, PlannedRun, RunNodes},
     summarise::{Summarised, grains_hash, summarise},
 };
-use crate::grains::{self, GrainSet};
+use crate::grains::{self, GrainSet, ParticleSizeDistribution, SieveRow};
 use crate::protocol::Progress;
 use crate::record::{
     FileError, RunKind, RunRecord, StageStore, StoredStage, create_folder, grains_csv, read_json,
@@ -42,7 +42,7 @@ pub struct RunOptions {
 pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunRecord, StudyError> {
     create_folder(&options.out)?;
     let grains = Arc::new(make_grains(scenario)?);
-    write_json(&options.out.join("grains.json"), &grains::to_json(&grains))?;
+    write_grains(&options.out, scenario, &grains)?;
     let run = PlannedRun {
         name: scenario.name.clone(),
         kind: kind_of(scenario),
@@ -59,7 +59,10 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
 }
 
 /// The grains of a scenario: cut from its sieve data, or read from its file.
-pub(super) fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
+///
+/// # Errors
+/// When they cannot be made or read.
+pub fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
     match &scenario.grains {
         GrainsSpec::Sieved(sieved) => {
             grains::generate(sieved, scenario.seed).map_err(StudyError::grains)
@@ -69,6 +72,23 @@ pub(super) fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
             grains::from_json(&json).map_err(StudyError::grains)
         }
     }
+}
+
+/// Writes `grains.json` and, for grains made from sieve data, `sieve.csv`.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(), StudyError> {
+    create_folder(out)?;
+    write_json(&out.join("grains.json"), &grains::to_json(set))?;
+    if let GrainsSpec::Sieved(sieved) = &scenario.grains {
+        let distribution = ParticleSizeDistribution::new(sieved).map_err(StudyError::grains)?;
+        let path = out.join("sieve.csv");
+        let content = to_csv(SieveRow::rows(&distribution, set))
+            .map_err(|e| FileError::new("write", &path, e))?;
+        write_file(&path, &content)?;
+    }
+    Ok(())
 }
 
 /// What a scenario is in the paper's programme, by its stages.

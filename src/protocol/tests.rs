@@ -1,0 +1,255 @@
+//! The stages on a world that does what it is told.
+
+use std::sync::{
+    Arc,
+    atomic::{AtomicBool, Ordering},
+};
+
+use super::*;
+use crate::geometry::{Pose, Vector};
+use crate::grains::{GrainSet, generate};
+use crate::scenario::{GrainsSpec, Scenario, StageSpec};
+use crate::specimen::{Fate, FunnelState, SpecimenState};
+use crate::world::{BodyState, World, scripted::ScriptedWorld};
+
+fn scenario() -> Scenario {
+    serde_json::from_value(serde_json::json!({
+        "name": "test",
+        "grains": {
+            "total_mass_g": 30, "density_kg_per_m3": 2673.9,
+            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+        },
+        "stages": []
+    }))
+    .expect("a scenario")
+}
+
+fn grains() -> Arc<GrainSet> {
+    let GrainsSpec::Sieved(spec) = scenario().grains else { panic!("sieved") };
+    Arc::new(generate(&spec, 1).expect("grains"))
+}
+
+/// Grains at the given heights above the middle of the cylinder.
+fn poured(heights: &[f64]) -> Specimen {
+    let grains = grains();
+    let mut state = SpecimenState::before_everything(grains.grains.len());
+    state.cylinder = true;
+    for (i, grain) in state.bodies.iter_mut().enumerate() {
+        let height = heights.get(i).copied().unwrap_or(0.05);
+        grain.body.pose = Pose::translation(0.0, 0.0, height);
+    }
+    Specimen { grains, state }
+}
+
+struct Times(Vec<f64>);
+
+impl Observer for Times {
+    fn observe(&mut self, _: &Specimen, moment: Moment) {
+        self.0.push(moment.stage_time);
+    }
+}
+
+type Maker = Box<dyn Fn() -> ScriptedWorld + Sync>;
+
+fn carry_out(
+    make: Maker,
+    specimen: Specimen,
+    stage: &StageSpec,
+) -> (Result<StageOutcome, StageError>, Vec<f64>) {
+    let setup = Setup::new(&scenario()).expect("a laboratory");
+    let mut times = Times(Vec::new());
+    let outcome = run(
+        &setup,
+        &|_, _, _| Ok(Box::new(make()) as Box<dyn World + Send>),
+        specimen,
+        stage,
+        &mut times,
+        &AtomicBool::new(false),
+    );
+    (outcome, times.0)
+}
+
+const STEP: f64 = 1.0 / 480.0;
+
+fn still() -> Maker {
+    Box::new(|| ScriptedWorld::still(STEP))
+}
+
+fn rest(duration_s: f64) -> StageSpec {
+    StageSpec::Rest { duration_s }
+}
+
+fn vibrate(periods: u32, rest_s: f64) -> StageSpec {
+    StageSpec::Vibrate {
+        frequency_hz: 3.0,
+        amplitude_mm: 25.0,
+        stroke: crate::scenario::StrokeReading::HalfStroke,
+        duration_s: 1.0,
+        periods,
+        rest_s,
+    }
+}
+
+#[test]
+fn a_rest_lasts_as_long_as_it_says_and_is_observed_every_0_08_s() {
+    let (outcome, times) = carry_out(still(), poured(&[]), &rest(1.0));
+    let outcome = outcome.expect("rests");
+    assert_eq!(outcome.steps, 480);
+    assert!((outcome.specimen.state.time - 1.0).abs() < 1e-12);
+    assert_eq!(times.len(), 14, "at the start, 12 times in between, at the end: {times:?}");
+    for (i, time) in times[..13].iter().enumerate() {
+        let expected = 0.08 * i as f64;
+        assert!((time - expected).abs() <= STEP, "expected {expected}, got {time}");
+    }
+    assert_eq!(times[13], 1.0, "and at the very end");
+}
+
+#[test]
+fn a_settled_specimen_ends_its_stage_early_and_a_restless_one_does_not() {
+    let stage = StageSpec::PlaceTopPlate { time_limit_s: 1.0 };
+    let (outcome, _) = carry_out(still(), poured(&[]), &stage);
+    let outcome = outcome.expect("settles");
+    // Held for 0.25 s from the first look at 0.02 s on.
+    assert!((0.26..0.32).contains(&outcome.simulated), "ended after {} s", outcome.simulated);
+    assert!(outcome.warnings.is_empty(), "{:?}", outcome.warnings);
+    let restless: Maker = Box::new(|| {
+        ScriptedWorld::new(
+            STEP,
+            Box::new(|_, state, _, _| BodyState {
+                linear_velocity: Vector::new(0.03, 0.0, 0.0),
+                ..*state
+            }),
+        )
+    });
+    let (outcome, _) = carry_out(restless, poured(&[]), &stage);
+    let outcome = outcome.expect("ends at the limit");
+    assert!((outcome.simulated - 1.0).abs() < 1e-9);
+    assert!(outcome.warnings.iter().any(|w| w.contains("had not settled")));
+}
+
+#[test]
+fn the_table_is_driven_to_the_exact_sinusoid_at_the_end_of_each_step() {
+    let setup = Setup::new(&scenario()).expect("a laboratory");
+    let stage = vibrate(2, 0.5);
+    let motion = table_motion(&stage).expect("it vibrates");
+    let seen = std::sync::Mutex::new(Vec::new());
+    struct X<'a>(&'a std::sync::Mutex<Vec<(f64, f64)>>);
+    impl Observer for X<'_> {
+        fn observe(&mut self, specimen: &Specimen, moment: Moment) {
+            self.0.lock().expect("alone").push((moment.stage_time, specimen.state.table_x));
+        }
+    }
+    let outcome = run(
+        &setup,
+        &|_, _, _| Ok(Box::new(ScriptedWorld::still(STEP)) as Box<dyn World + Send>),
+        poured(&[]),
+        &stage,
+        &mut X(&seen),
+        &AtomicBool::new(false),
+    )
+    .expect("vibrates");
+    assert!((outcome.simulated - 2.5).abs() < 1e-9, "two periods of 1 s and a rest of 0.5 s");
+    assert!(outcome.specimen.state.table_x.abs() < 1e-12, "ends where it began");
+    for (time, x) in seen.into_inner().expect("alone") {
+        let expected = motion.displacement(time);
+        assert!(
+            (x - expected).abs() < 1e-15,
+            "law x(t) = A sin 2πft at {time} s: expected {expected}, got {x}"
+        );
+    }
+}
+
+#[test]
+fn the_plate_is_let_go_just_above_the_highest_grain() {
+    let specimen = poured(&[0.12]);
+    let highest = specimen.grains.grains[0].shape.bounding_box().1.z + 0.12;
+    let (outcome, _) =
+        carry_out(still(), specimen, &StageSpec::PlaceTopPlate { time_limit_s: 1.0 });
+    let plate = outcome.expect("placed").specimen.state.top_plate.expect("a plate");
+    let gap = plate.pose.translation.z - 0.005 - highest;
+    assert!((gap - 1e-4).abs() < 1e-12, "expected a gap of 0.1 mm, got {gap} m");
+    assert_eq!(plate.pose.rotation.angle(), 0.0, "level");
+}
+
+#[test]
+fn pouring_lifts_the_funnel_and_counts_what_hangs_in_it() {
+    let mut specimen = poured(&[0.21, 0.25]);
+    specimen.state.cylinder = false;
+    specimen.state.funnel = Some(FunnelState { opening_height: 0.2, lid: true });
+    for grain in &mut specimen.state.bodies[2..] {
+        grain.body.pose.translation.vector.z = 0.3;
+    }
+    let stage = StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: 1.0 };
+    let (outcome, _) = carry_out(still(), specimen, &stage);
+    let outcome = outcome.expect("poured");
+    let state = &outcome.specimen.state;
+    assert!(state.cylinder && state.funnel.is_none(), "the funnel is taken away");
+    assert!((state.bodies[0].body.pose.translation.z - 0.26).abs() < 1e-12, "lifted by 50 mm");
+    assert!(state.bodies.iter().all(|g| g.fate == Fate::LeftInFunnel), "nothing fell");
+    let count = state.bodies.len();
+    assert!(outcome.warnings.iter().any(|w| w.starts_with(&format!("{count} grains were left"))));
+}
+
+#[test]
+fn grains_that_fall_outside_are_taken_away_and_remembered() {
+    let mut specimen = poured(&[]);
+    specimen.state.bodies[0].body.pose.translation.vector = Vector::new(0.2, 0.0, 0.1);
+    let falling: Maker = Box::new(|| ScriptedWorld::falling(STEP, Vector::new(0.0, 0.0, -9.81)));
+    let (outcome, _) = carry_out(falling, specimen, &rest(0.5));
+    let outcome = outcome.expect("rests");
+    let fates: Vec<Fate> = outcome.specimen.state.bodies.iter().map(|g| g.fate).collect();
+    assert_eq!(fates[0], Fate::Spilled, "it was never inside");
+    // The others fall through the floor, which this world does not have.
+    assert!(fates[1..].iter().all(|f| *f == Fate::ThroughWall), "{fates:?}");
+    let through = outcome.warnings.iter().filter(|w| w.contains("passed through a wall")).count();
+    assert_eq!(through, fates.len() - 1);
+}
+
+#[test]
+fn an_unphysical_world_ends_the_stage_and_keeps_the_last_good_specimen() {
+    let exploding: Maker = Box::new(|| {
+        ScriptedWorld::new(
+            STEP,
+            Box::new(|_, state, step, _| {
+                let speed = if step < 100 { 0.0 } else { f64::NAN };
+                BodyState { linear_velocity: Vector::new(speed, 0.0, 0.0), ..*state }
+            }),
+        )
+    });
+    let (outcome, _) = carry_out(exploding, poured(&[0.07]), &rest(1.0));
+    let error = outcome.expect_err("NaN must not pass");
+    let StageError::World { source, last_good } = error else { panic!("{error}") };
+    assert!(source.to_string().contains("speed"), "{source}");
+    let good = &last_good.state;
+    assert!(good.time > 0.1 && good.time < 0.22, "kept from before step 100: {} s", good.time);
+    assert!(good.bodies.iter().all(|g| g.body.linear_velocity.iter().all(|v| v.is_finite())));
+}
+
+#[test]
+fn a_request_to_stop_is_heard() {
+    let setup = Setup::new(&scenario()).expect("a laboratory");
+    let cancel = AtomicBool::new(false);
+    cancel.store(true, Ordering::Relaxed);
+    let outcome = run(
+        &setup,
+        &|_, _, _| Ok(Box::new(ScriptedWorld::still(STEP)) as Box<dyn World + Send>),
+        poured(&[]),
+        &rest(100.0),
+        &mut Times(Vec::new()),
+        &cancel,
+    );
+    assert!(matches!(outcome, Err(StageError::Cancelled)));
+}
+
+#[test]
+fn stages_out_of_order_are_refused() {
+    let mut in_funnel = poured(&[]);
+    in_funnel.state.cylinder = false;
+    for stage in [vibrate(1, 0.0), StageSpec::PlaceTopPlate { time_limit_s: 1.0 }] {
+        let (outcome, _) = carry_out(still(), in_funnel.clone(), &stage);
+        assert!(matches!(outcome, Err(StageError::OutOfOrder { .. })), "{stage:?}");
+    }
+    let pour = StageSpec::Pour { falling_height_mm: 0.0, time_limit_s: 1.0 };
+    let (outcome, _) = carry_out(still(), poured(&[]), &pour);
+    assert!(matches!(outcome, Err(StageError::OutOfOrder { stage: "pour", .. })));
+}

@@ -1,0 +1,160 @@
+//! The paper's whole programme: every configuration poured from every falling
+//! height, and the specimens poured from 5 cm shaken in both modes.
+
+use std::{
+    collections::BTreeMap,
+    path::PathBuf,
+    sync::{Arc, atomic::AtomicBool},
+};
+
+use super::{
+    StudyError,
+    execute::execute,
+    plan::{Plan, PlannedRun},
+    presets::preset,
+    run::{make_grains, write_grains, write_run},
+    summarise::grains_hash,
+};
+use crate::grains::{Gradation, GrainSet, ParticleSizeDistribution};
+use crate::paper::{self, Verdict};
+use crate::protocol::Progress;
+use crate::record::{RunKind, RunRecord, StageStore, create_folder, write_json};
+use crate::report;
+use crate::scenario::{Backend, GrainsSpec, Scenario, StageSpec};
+
+/// Falling heights in mm (paper, section 2: "FH of 0, 5, 10 and 20 cm").
+const FALLING_HEIGHTS_MM: [f64; 4] = [0.0, 50.0, 100.0, 200.0];
+
+/// Falling height in mm of the specimens that are shaken (paper, section 2).
+const SHAKEN_FROM_MM: f64 = 50.0;
+
+/// What to reproduce, and where.
+pub struct ReproduceOptions {
+    /// Folder for results; what is finished there is not done again.
+    pub out: PathBuf,
+    /// A few hundred grains instead of 1456, and shorter vibration.
+    pub quick: bool,
+    /// Number of configurations (paper, section 3: three).
+    pub configurations: u32,
+    /// Threads for stages that do not need each other.
+    pub jobs: usize,
+    /// Engine that carries the grains.
+    pub backend: Backend,
+    /// Set to stop at the next check.
+    pub cancel: Arc<AtomicBool>,
+    /// Told of what goes on.
+    pub progress: Arc<dyn Progress>,
+}
+
+/// What came out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReproduceOutcome {
+    /// Claims of the paper that this study meets.
+    pub claims_within: usize,
+    /// Claims that it misses.
+    pub claims_outside: usize,
+    /// Statements without a number to compare with.
+    pub claims_not_stated: usize,
+    /// The report.
+    pub report: PathBuf,
+    /// All runs.
+    pub runs: Vec<RunRecord>,
+}
+
+/// Runs the programme and writes `claims.json`, `report.html`, `figures/`,
+/// `grains.json`, `sieve.csv` and `runs/<name>/`.
+///
+/// # Errors
+/// [`StudyError`].
+pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyError> {
+    create_folder(&options.out)?;
+    let scenarios = Scenarios::load(options.quick, options.backend)?;
+    let grains = Arc::new(make_grains(&scenarios.pluviation)?);
+    write_grains(&options.out, &scenarios.pluviation, &grains)?;
+    let runs = programme(&scenarios, &grains, options.configurations);
+    let plan = Plan::new(&runs, &grains_hash(&grains))?;
+    let store = StageStore::open(&options.out.join("stages"))?;
+    let done = execute(&plan, &store, options.jobs, &options.cancel, options.progress.as_ref())?;
+    let mut records = Vec::new();
+    for (run, nodes) in runs.iter().zip(&plan.runs) {
+        let folder = options.out.join("runs").join(&run.name);
+        records.push(write_run(&folder, run, &plan, nodes, &done)?);
+    }
+    finish(options, &scenarios, &grains, records, &done[0].record.effective)
+}
+
+/// The three scenarios of the programme.
+struct Scenarios {
+    pluviation: Scenario,
+    continuous: Scenario,
+    intermittent: Scenario,
+}
+
+impl Scenarios {
+    fn load(quick: bool, backend: Backend) -> Result<Self, StudyError> {
+        let mut scenarios = if quick {
+            let continuous = preset("quick/vibration.json")?;
+            let intermittent = intermittent_of(&continuous);
+            Self { pluviation: preset("quick/pluviation.json")?, continuous, intermittent }
+        } else {
+            Self {
+                pluviation: preset("paper/pluviation.json")?,
+                continuous: preset("paper/vibration-continuous.json")?,
+                intermittent: preset("paper/vibration-intermittent.json")?,
+            }
+        };
+        for s in
+            [&mut scenarios.pluviation, &mut scenarios.continuous, &mut scenarios.intermittent]
+        {
+            s.engine.backend = backend;
+        }
+        Ok(scenarios)
+    }
+}
+
+/// The same vibration cut into the paper's four periods, rests between them
+/// in the paper's proportion of ours (a fifth of a period).
+fn intermittent_of(continuous: &Scenario) -> Scenario {
+    let mut scenario = continuous.clone();
+    scenario.name = format!("{}-intermittent", scenario.name);
+    for stage in &mut scenario.stages {
+        if let StageSpec::Vibrate { duration_s, periods, rest_s, .. } = stage {
+            *duration_s /= 4.0;
+            *periods = 4;
+            *rest_s = *duration_s / 5.0;
+        }
+    }
+    scenario
+}
+
+/// Every run of the programme.
+fn programme(
+    scenarios: &Scenarios,
+    grains: &Arc<GrainSet>,
+    configurations: u32,
+) -> Vec<PlannedRun> {
+    let mut runs = Vec::new();
+    for configuration in 1..=configurations {
+        let mut add = |name: String, kind, scenario: &Scenario, falling_height| {
+            let mut scenario = scenario.clone();
+            scenario.configuration = configuration;
+            for stage in &mut scenario.stages {
+                if let StageSpec::Pour { falling_height_mm, .. } = stage {
+                    *falling_height_mm = falling_height;
+                }
+            }
+            runs.push(PlannedRun { name, kind, scenario, grains: grains.clone() });
+        };
+        for height in FALLING_HEIGHTS_MM {
+            let name = format!("pluviation-c{configuration}-fh{height:03}");
+            add(name, RunKind::Pluviation, &scenarios.pluviation, height);
+        }
+        for (mode, kind, scenario) in [
+            ("continuous", RunKind::VibrationContinuous, &scenarios.continuous),
+            ("intermittent", RunKind::VibrationIntermittent, &scenarios.intermittent),
+        ] {
+            add(format!("vibration-{mode}-c{configuration}"), kind, scenario, SHAKEN_FROM_MM);
+        }
+    }
+    runs
+}
