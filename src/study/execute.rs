@@ -13,7 +13,7 @@ use super::{
     plan::{Node, Plan, stage_name},
     recorder::{Recorder, note},
 };
-use crate::protocol::{Progress, StageError, run as run_stage};
+use crate::protocol::{Progress, StageError, WorldMaker, run as run_stage};
 use crate::record::{StageRecord, StageStore, StoredStage};
 use crate::specimen::{Specimen, SpecimenState};
 
@@ -38,9 +38,11 @@ pub fn execute(
     plan: &Plan,
     store: &StageStore,
     jobs: usize,
+    make_world: WorldMaker,
     cancel: &AtomicBool,
     progress: &dyn Progress,
 ) -> Result<Vec<Arc<StoredStage>>, StudyError> {
+    let shop = Shop { store, make_world, cancel, progress };
     let roots = (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent.is_none()).collect();
     let board = Mutex::new(Board {
         done: vec![None; plan.nodes.len()],
@@ -51,7 +53,7 @@ pub fn execute(
     let changed = Condvar::new();
     std::thread::scope(|scope| {
         for _ in 0..jobs.max(1) {
-            scope.spawn(|| work(plan, store, &board, &changed, cancel, progress));
+            scope.spawn(|| shop.work(plan, &board, &changed));
         }
     });
     let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -65,114 +67,124 @@ fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
     board.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn work(
-    plan: &Plan,
-    store: &StageStore,
-    board: &Mutex<Board>,
-    changed: &Condvar,
-    cancel: &AtomicBool,
-    progress: &dyn Progress,
-) {
-    loop {
-        let (node, parent) = {
-            let mut held = lock(board);
-            loop {
-                if cancel.load(Ordering::Relaxed) {
-                    held.error.get_or_insert(StudyError::Cancelled);
-                    held.ready.clear();
-                }
-                // The stage with the longest chain behind it goes first.
-                let next = (0..held.ready.len()).max_by(|&a, &b| {
-                    let time = |i: usize| plan.nodes[held.ready[i]].remaining;
-                    time(a).total_cmp(&time(b)).then(b.cmp(&a))
-                });
-                if let Some(next) = next {
-                    let node = held.ready.swap_remove(next);
-                    held.running += 1;
-                    let parent = plan.nodes[node].parent.and_then(|p| held.done[p].clone());
-                    break (node, parent);
-                }
-                if held.running == 0 {
-                    changed.notify_all();
-                    return;
-                }
-                held = changed.wait(held).unwrap_or_else(PoisonError::into_inner);
-            }
-        };
-        let result = finish(node, &plan.nodes[node], parent.as_deref(), store, cancel, progress);
-        let mut held = lock(board);
-        held.running -= 1;
-        match result {
-            Ok(stage) => {
-                held.done[node] = Some(Arc::new(stage));
-                let children =
-                    (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent == Some(node));
-                held.ready.extend(children);
-            }
-            Err(error) => {
-                held.error.get_or_insert(error);
-            }
-        }
-        drop(held);
-        changed.notify_all();
-    }
+/// What every thread works with.
+struct Shop<'a> {
+    store: &'a StageStore,
+    make_world: WorldMaker<'a>,
+    cancel: &'a AtomicBool,
+    progress: &'a dyn Progress,
 }
 
-/// Takes a stage from the store, or carries it out and stores it.
-fn finish(
-    index: usize,
-    node: &Node,
-    parent: Option<&StoredStage>,
-    store: &StageStore,
-    cancel: &AtomicBool,
-    progress: &dyn Progress,
-) -> Result<StoredStage, StudyError> {
-    let (stored, damaged) = store.load(&node.key);
-    if let Some(why) = damaged {
-        progress.message(&format!("{}: {why}", node.label));
-    }
-    if let Some(stored) = stored {
-        return Ok(stored);
-    }
-    let state = match parent {
-        Some(parent) => parent.state.clone(),
-        None => SpecimenState::before_everything(node.grains.grains.len()),
-    };
-    let specimen = Specimen { grains: node.grains.clone(), state };
-    let id = index as u64;
-    progress.begin_stage(id, &node.label, node.expected);
-    let started = Instant::now();
-    let began = specimen.state.time;
-    let mut recorder = Recorder::new(&node.setup, &node.stage, |row| {
-        let time = row.time_s - began;
-        progress.update(id, time, &note(row));
-    });
-    recorder.begin_at(began);
-    let outcome =
-        run_stage(&node.setup, &crate::world::create, specimen, &node.stage, &mut recorder, cancel);
-    progress.end_stage(id);
-    let outcome = outcome.map_err(|error| match error {
-        StageError::Cancelled => StudyError::Cancelled,
-        StageError::World { source, last_good } => {
-            let what = source.to_string();
-            match store.keep_failed(&node.key, &last_good.state, &what) {
-                Ok(kept) => StudyError::Simulation { stage: node.label.clone(), what, kept },
-                Err(error) => StudyError::File(error),
+impl Shop<'_> {
+    /// Takes one stage after the other until none is left.
+    fn work(&self, plan: &Plan, board: &Mutex<Board>, changed: &Condvar) {
+        loop {
+            let (node, parent) = {
+                let mut held = lock(board);
+                loop {
+                    if self.cancel.load(Ordering::Relaxed) {
+                        held.error.get_or_insert(StudyError::Cancelled);
+                        held.ready.clear();
+                    }
+                    // The stage with the longest chain behind it goes first.
+                    let next = (0..held.ready.len()).max_by(|&a, &b| {
+                        let time = |i: usize| plan.nodes[held.ready[i]].remaining;
+                        time(a).total_cmp(&time(b)).then(b.cmp(&a))
+                    });
+                    if let Some(next) = next {
+                        let node = held.ready.swap_remove(next);
+                        held.running += 1;
+                        let parent = plan.nodes[node].parent.and_then(|p| held.done[p].clone());
+                        break (node, parent);
+                    }
+                    if held.running == 0 {
+                        changed.notify_all();
+                        return;
+                    }
+                    held = changed.wait(held).unwrap_or_else(PoisonError::into_inner);
+                }
+            };
+            let result = self.finish(node, &plan.nodes[node], parent.as_deref());
+            let mut held = lock(board);
+            held.running -= 1;
+            match result {
+                Ok(stage) => {
+                    held.done[node] = Some(Arc::new(stage));
+                    let children =
+                        (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent == Some(node));
+                    held.ready.extend(children);
+                }
+                Err(error) => {
+                    held.error.get_or_insert(error);
+                }
             }
+            drop(held);
+            changed.notify_all();
         }
-        other => StudyError::Stage { stage: node.label.clone(), what: other.to_string() },
-    })?;
-    let record = StageRecord {
-        stage: stage_name(&node.stage).into(),
-        steps: outcome.steps,
-        simulated_s: outcome.simulated,
-        wall_s: started.elapsed().as_secs_f64(),
-        engine_s: outcome.engine_time.as_secs_f64(),
-        warnings: outcome.warnings,
-        effective: outcome.effective,
-        specimen_sha256: String::new(),
-        series_sha256: String::new(),
-    };
-    let stage = StoredStage { record, state: outcome.specimen.state, series: recorder.into_rows() };
-    store.save(&node.key, stage).map_err(StudyError::File)
+    }
+
+    /// Takes a stage from the store, or carries it out and stores it.
+    fn finish(
+        &self,
+        index: usize,
+        node: &Node,
+        parent: Option<&StoredStage>,
+    ) -> Result<StoredStage, StudyError> {
+        let Self { store, progress, .. } = self;
+        let (stored, damaged) = store.load(&node.key);
+        if let Some(why) = damaged {
+            progress.message(&format!("{}: {why}", node.label));
+        }
+        if let Some(stored) = stored {
+            return Ok(stored);
+        }
+        let state = match parent {
+            Some(parent) => parent.state.clone(),
+            None => SpecimenState::before_everything(node.grains.grains.len()),
+        };
+        let specimen = Specimen { grains: node.grains.clone(), state };
+        let id = index as u64;
+        progress.begin_stage(id, &node.label, node.expected);
+        let started = Instant::now();
+        let began = specimen.state.time;
+        let mut recorder = Recorder::new(&node.setup, &node.stage, |row| {
+            let time = row.time_s - began;
+            progress.update(id, time, &note(row));
+        });
+        recorder.begin_at(began);
+        let outcome = run_stage(
+            &node.setup,
+            self.make_world,
+            specimen,
+            &node.stage,
+            &mut recorder,
+            self.cancel,
+        );
+        progress.end_stage(id);
+        let outcome = outcome.map_err(|error| match error {
+            StageError::Cancelled => StudyError::Cancelled,
+            StageError::World { source, last_good } => {
+                let what = source.to_string();
+                match store.keep_failed(&node.key, &last_good.state, &what) {
+                    Ok(kept) => StudyError::Simulation { stage: node.label.clone(), what, kept },
+                    Err(error) => StudyError::File(error),
+                }
+            }
+            other => StudyError::Stage { stage: node.label.clone(), what: other.to_string() },
+        })?;
+        let record = StageRecord {
+            stage: stage_name(&node.stage).into(),
+            steps: outcome.steps,
+            simulated_s: outcome.simulated,
+            wall_s: started.elapsed().as_secs_f64(),
+            engine_s: outcome.engine_time.as_secs_f64(),
+            warnings: outcome.warnings,
+            effective: outcome.effective,
+            specimen_sha256: String::new(),
+            series_sha256: String::new(),
+        };
+        let stage =
+            StoredStage { record, state: outcome.specimen.state, series: recorder.into_rows() };
+        store.save(&node.key, stage).map_err(StudyError::File)
+    }
 }

@@ -3,6 +3,8 @@
 pub mod execute;
 pub mod plan;
 mod recorder;
+#[cfg(test)]
+mod tests;
 //mod reproduce;
 //mod run;
 pub mod summarise;

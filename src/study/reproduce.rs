@@ -74,7 +74,7 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
     let runs = programme(&scenarios, &grains, options.configurations);
     let plan = Plan::new(&runs, &grains_hash(&grains))?;
     let store = StageStore::open(&options.out.join("stages"))?;
-    let done = execute(&plan, &store, options.jobs, &options.cancel, options.progress.as_ref())?;
+    let done = execute(&plan, &store, options.jobs, &crate::world::create, &options.cancel, options.progress.as_ref())?;
     let mut records = Vec::new();
     for (run, nodes) in runs.iter().zip(&plan.runs) {
         let folder = options.out.join("runs").join(&run.name);

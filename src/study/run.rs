@@ -52,7 +52,7 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
     let plan = Plan::new(std::slice::from_ref(&run), &grains_hash(&grains))?;
     let store = StageStore::open(&options.out.join("stages"))?;
     let done =
-        execute(&plan, &store, options.jobs, &options.cancel, options.progress.as_ref())?;
+        execute(&plan, &store, options.jobs, &crate::world::create, &options.cancel, options.progress.as_ref())?;
     let record = write_run(&options.out, &run, &plan, &plan.runs[0], &done)?;
     crate::report::run_figures(&options.out.join("figures"), &record)?;
     Ok(record)

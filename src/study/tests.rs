@@ -1,0 +1,170 @@
+//! Plans, the store and what happens when something goes wrong.
+
+use std::{
+    fs,
+    path::Path,
+    sync::{Arc, atomic::AtomicBool},
+};
+
+use super::{
+    StudyError,
+    execute::execute,
+    plan::{Plan, PlannedRun},
+    summarise::{grains_hash, summarise},
+};
+use crate::geometry::Vector;
+use crate::grains::generate;
+use crate::protocol::Silent;
+use crate::record::{RunKind, StageStore, StoredStage};
+use crate::scenario::{GrainsSpec, Scenario, StageSpec};
+use crate::world::{BodyState, World, scripted::ScriptedWorld};
+
+fn scenario(falling_height_mm: f64) -> Scenario {
+    serde_json::from_value(serde_json::json!({
+        "name": "test",
+        "grains": {
+            "total_mass_g": 40, "density_kg_per_m3": 2673.9,
+            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+        },
+        "engine": { "iterations": 10 },
+        "control_s": 0.2,
+        "stages": [
+            { "stage": "fill_funnel" },
+            { "stage": "pour", "falling_height_mm": falling_height_mm },
+        ]
+    }))
+    .expect("a scenario")
+}
+
+fn planned(scenario: Scenario) -> PlannedRun {
+    let GrainsSpec::Sieved(spec) = &scenario.grains else { panic!("sieved") };
+    let grains = Arc::new(generate(spec, scenario.seed).expect("grains"));
+    PlannedRun { name: "test".into(), kind: RunKind::Pluviation, scenario, grains }
+}
+
+fn plan(runs: &[PlannedRun]) -> Plan {
+    Plan::new(runs, &grains_hash(&runs[0].grains)).expect("a plan")
+}
+
+type Done = Result<Vec<Arc<StoredStage>>, StudyError>;
+
+fn carry_out(plan: &Plan, folder: &Path, jobs: usize) -> Done {
+    let store = StageStore::open(folder).expect("a store");
+    execute(plan, &store, jobs, &crate::world::create, &AtomicBool::new(false), &Silent)
+}
+
+/// The parts of stored stages that must not depend on anything but the plan.
+fn bits(done: &[Arc<StoredStage>]) -> Vec<(String, String)> {
+    done.iter()
+        .map(|s| (s.record.specimen_sha256.clone(), s.record.series_sha256.clone()))
+        .collect()
+}
+
+#[test]
+fn runs_share_the_stages_they_have_in_common_and_no_others() {
+    let runs = [planned(scenario(0.0)), planned(scenario(50.0))];
+    let plan = plan(&runs);
+    // One filling; two pours; two controls.
+    assert_eq!(plan.nodes.len(), 5);
+    assert_eq!(plan.runs[0].stages[0], plan.runs[1].stages[0]);
+    assert_ne!(plan.runs[0].stages[1], plan.runs[1].stages[1]);
+    let first = |change: &dyn Fn(&mut Scenario)| {
+        let mut other = scenario(0.0);
+        change(&mut other);
+        self::plan(&[planned(other)]).nodes[0].key.clone()
+    };
+    let same = first(&|s| {
+        s.name = "another".into();
+        s.notes = vec!["note".into()];
+        s.stages.pop();
+    });
+    assert_eq!(same, plan.nodes[0].key, "names, notes and later stages do not act on a stage");
+    let changes: [&dyn Fn(&mut Scenario); 6] = [
+        &|s| s.seed = 2,
+        &|s| s.configuration = 2,
+        &|s| s.engine.rate_hz = 960.0,
+        &|s| s.contact.restitution = 0.3,
+        &|s| s.gravity_m_per_s2 = 9.8,
+        &|s| s.stages[0] = StageSpec::FillFunnel { time_limit_s: 3.0 },
+    ];
+    for (index, change) in changes.into_iter().enumerate() {
+        assert_ne!(first(change), plan.nodes[0].key, "change {index} must give another key");
+    }
+}
+
+#[test]
+fn same_bits_on_one_thread_or_two_and_when_resumed_in_the_middle() {
+    let runs = [planned(scenario(0.0)), planned(scenario(50.0))];
+    let plan = plan(&runs);
+    let (one, two) = (tempfile::tempdir().expect("folder"), tempfile::tempdir().expect("folder"));
+    let serial = bits(&carry_out(&plan, one.path(), 1).expect("done"));
+    let parallel = bits(&carry_out(&plan, two.path(), 2).expect("done"));
+    assert_eq!(serial, parallel, "law: same input, same bits, whatever the threads");
+
+    // As if killed in the middle: a later stage missing, leftovers lying about.
+    let store = StageStore::open(two.path()).expect("a store");
+    let last = plan.runs[1].stages[1];
+    fs::remove_dir_all(store.folder(&plan.nodes[last].key)).expect("removed");
+    fs::create_dir(two.path().join(".part-killed")).expect("a leftover");
+    let resumed = bits(&carry_out(&plan, two.path(), 2).expect("done"));
+    assert_eq!(serial, resumed, "law: resumed, the same bits as uninterrupted");
+    assert!(!two.path().join(".part-killed").exists(), "and leftovers are gone");
+
+    // A damaged file is noticed and its stage done again.
+    let damaged = store.folder(&plan.nodes[last].key).join("specimen.json");
+    let mut content = fs::read_to_string(&damaged).expect("read");
+    content = content.replacen('1', "2", 1);
+    fs::write(&damaged, content).expect("written");
+    assert!(store.load(&plan.nodes[last].key).1.is_some_and(|why| why.contains("specimen.json")));
+    let mended = bits(&carry_out(&plan, two.path(), 1).expect("done"));
+    assert_eq!(serial, mended);
+}
+
+#[test]
+fn a_summary_tells_where_every_grain_is() {
+    let run = planned(scenario(50.0));
+    let plan = plan(std::slice::from_ref(&run));
+    let folder = tempfile::tempdir().expect("folder");
+    let done = carry_out(&plan, folder.path(), 2).expect("done");
+    let setup = &plan.nodes[0].setup;
+    let result = summarise(&run, setup, &plan.runs[0], &done).expect("measured");
+    let s = &result.summary;
+    let accounted =
+        s.grains.in_cylinder + s.grains.escaped + s.grains.spilled + s.grains.left_in_funnel;
+    assert_eq!(accounted, s.grains.count, "law: every grain is somewhere");
+    assert_eq!(s.grains.escaped, 0, "law: nothing passes a wall: {:?}", s.warnings);
+    assert!(s.void_ratio > 0.0 && s.porosity > 0.0 && s.porosity < 1.0, "{s:?}");
+    assert!((s.porosity - s.void_ratio / (1.0 + s.void_ratio)).abs() < 1e-12, "law: n = e/(1+e)");
+    assert!(s.control.is_some() && s.creep_um_per_s.is_some());
+    assert!(s.settlement_mm.is_none(), "nothing was shaken");
+    assert_eq!(s.falling_height_mm, Some(50.0));
+    assert_eq!(result.series.last().map(|r| r.stage), Some(1), "the control is kept apart");
+}
+
+#[test]
+fn a_blown_up_simulation_names_the_stage_and_keeps_the_last_good_specimen() {
+    let run = planned(scenario(0.0));
+    let plan = plan(std::slice::from_ref(&run));
+    let folder = tempfile::tempdir().expect("folder");
+    let store = StageStore::open(folder.path()).expect("a store");
+    let exploding = ScriptedWorld::new;
+    let error = execute(
+        &plan,
+        &store,
+        2,
+        &|_, _, _| {
+            let script = |_, state: &BodyState, step, _| BodyState {
+                linear_velocity: Vector::new(if step < 20 { 1.0 } else { 1e9 }, 0.0, 0.0),
+                ..*state
+            };
+            Ok(Box::new(exploding(1.0 / 240.0, Box::new(script))) as Box<dyn World + Send>)
+        },
+        &AtomicBool::new(false),
+        &Silent,
+    )
+    .expect_err("1e9 m/s must not pass");
+    let StudyError::Simulation { stage, what, kept } = error else { panic!("{error}") };
+    assert!(stage.contains("fill the funnel") && what.contains("speed"), "{stage}: {what}");
+    let content = fs::read_to_string(&kept).expect("kept");
+    assert!(content.contains("last_good"), "{}", kept.display());
+}
