@@ -37,7 +37,7 @@ pub struct EngineSettings {
     pub iterations: u32,
     /// Engine length units in a metre. Bullet's absolute tolerances are made
     /// for bodies of about one unit; 100 makes a 10 mm grain one unit.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(range(min = 1.0, max = 10000.0))]
     pub length_scale: f64,
     /// Friction directions a contact: 2 resists sliding in every direction of
     /// the contact plane, 1 (Bullet's default) only along the sliding direction.
@@ -55,7 +55,7 @@ pub struct EngineSettings {
     /// Correct overlaps by a separate pseudo-velocity (Bullet's split impulse).
     pub split_impulse: bool,
     /// Approach speed in m/s below which contacts do not rebound.
-    #[schemars(range(min = 0.0))]
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub restitution_velocity_threshold_m_per_s: f64,
     /// Linear velocity lost per second, as a fraction.
     #[schemars(range(min = 0.0, max = 1.0))]

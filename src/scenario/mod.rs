@@ -5,10 +5,23 @@
 //! the units people typed; the modules that use them convert to SI through
 //! [`crate::units`].
 
+mod accessors;
 mod engine;
+mod fault;
+mod load;
+mod overrides;
+mod schema;
+mod source;
 mod stages;
+mod structure;
+mod validate;
 
+pub use accessors::Vibration;
 pub use engine::{Backend, ContactPath, EngineSettings};
+pub use fault::{Fault, ScenarioErrors};
+pub use load::{Loaded, check, load};
+pub use overrides::{NotAnOverride, Override};
+pub use schema::schema;
 pub use stages::{StageSpec, StrokeReading};
 
 use schemars::JsonSchema;
@@ -20,6 +33,7 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
     /// Name of the scenario; run folders and results carry it.
+    #[schemars(length(min = 1, max = 100))]
     pub name: String,
     /// What the scenario is for, in a sentence or two.
     #[serde(default)]
@@ -43,7 +57,7 @@ pub struct Scenario {
     pub settle: SettleSpec,
     /// Gravitational acceleration in m/s², acting along -z.
     #[serde(default = "default_gravity")]
-    #[schemars(range(min = 0.0, max = 100.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100.0))]
     pub gravity_m_per_s2: f64,
     /// Seed of every random stream (grain shapes, mixing).
     #[serde(default = "default_seed")]
@@ -52,9 +66,10 @@ pub struct Scenario {
     /// number gives another order and other orientations (paper, section 3:
     /// "three different initial configurations ... obtained by additional mixing").
     #[serde(default = "default_configuration")]
-    #[schemars(range(min = 1))]
+    #[schemars(range(min = 1, max = 1_000_000))]
     pub configuration: u32,
     /// What is done, in order.
+    #[schemars(length(min = 1, max = 100))]
     pub stages: Vec<StageSpec>,
     /// Length in seconds of the no-shake control that measures how far the
     /// finished specimen creeps when nothing moves; 0 leaves it out.
@@ -91,13 +106,14 @@ pub enum GrainsSpec {
 #[serde(deny_unknown_fields)]
 pub struct SievedGrains {
     /// Mass of all grains together, in grams.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
     pub total_mass_g: f64,
     /// Density of the solids, in kg/m³.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 30000.0))]
     pub density_kg_per_m3: f64,
     /// Sieve fractions, coarsest first; each fraction's `retained_mm` is the
     /// next one's `passing_mm`, and the mass percentages add up to 100.
+    #[schemars(length(min = 1, max = 100))]
     pub sieve_table: Vec<SieveFraction>,
 }
 
@@ -106,10 +122,10 @@ pub struct SievedGrains {
 #[serde(deny_unknown_fields)]
 pub struct SieveFraction {
     /// Opening of the sieve that the fraction passes, in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
     pub passing_mm: f64,
     /// Opening of the sieve that retains the fraction, in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
     pub retained_mm: f64,
     /// Share of the total mass, in percent.
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100.0))]
@@ -120,7 +136,9 @@ pub struct SieveFraction {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GrainsFile {
-    /// Path of a `grains.json`, relative to the scenario file.
+    /// Path of a `grains.json`, relative to the scenario file that names it;
+    /// once loaded, relative to the working directory.
+    #[schemars(length(min = 1))]
     pub file: String,
 }
 
@@ -141,16 +159,16 @@ pub struct ApparatusSpec {
 #[serde(deny_unknown_fields, default)]
 pub struct CylinderSpec {
     /// Inner diameter in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
     pub inner_diameter_mm: f64,
     /// Inner height in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
     pub height_mm: f64,
     /// Number of flat wall pieces; the polygon has the circle's area.
     #[schemars(range(min = 12, max = 256))]
     pub wall_pieces: u32,
     /// Thickness of wall pieces and floor in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
     pub wall_thickness_mm: f64,
 }
 
@@ -171,10 +189,10 @@ impl Default for CylinderSpec {
 #[serde(deny_unknown_fields, default)]
 pub struct FunnelSpec {
     /// Diameter of the bottom opening in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
     pub opening_diameter_mm: f64,
     /// Diameter of the top of the cone in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
     pub top_diameter_mm: f64,
     /// Angle of the cone's wall from the vertical, in degrees.
     #[schemars(range(min = 1.0, max = 89.0))]
@@ -183,7 +201,7 @@ pub struct FunnelSpec {
     #[schemars(range(min = 12, max = 256))]
     pub wall_pieces: u32,
     /// Thickness of the wall pieces and the lid in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
     pub wall_thickness_mm: f64,
 }
 
@@ -204,13 +222,13 @@ impl Default for FunnelSpec {
 #[serde(deny_unknown_fields, default)]
 pub struct TopPlateSpec {
     /// Diameter in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
     pub diameter_mm: f64,
     /// Thickness in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
     pub thickness_mm: f64,
     /// Mass in g.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
     pub mass_g: f64,
     /// Number of sides of the polygonal plate; it has the circle's area.
     #[schemars(range(min = 12, max = 256))]
@@ -264,10 +282,10 @@ impl Default for ContactSpec {
 #[serde(deny_unknown_fields, default)]
 pub struct SettleSpec {
     /// Largest root mean square speed in mm/s.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
     pub rms_speed_mm_per_s: f64,
     /// Largest speed of any grain in mm/s: one that still falls or flows.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
     pub largest_speed_mm_per_s: f64,
     /// How long both must hold, in s.
     #[schemars(range(min = 0.0, max = 60.0))]

@@ -21,7 +21,7 @@ pub enum StageSpec {
     FillFunnel {
         /// Ends when the grains have settled, at the latest after this time.
         #[serde(default = "fill_limit")]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 600.0))]
         time_limit_s: f64,
     },
     /// Remove the lid and let the grains fall into the cylinder.
@@ -31,29 +31,29 @@ pub enum StageSpec {
         falling_height_mm: f64,
         /// Ends when the grains have settled, at the latest after this time.
         #[serde(default = "pour_limit")]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 600.0))]
         time_limit_s: f64,
     },
     /// Lay the top plate on the grains without dynamic effects.
     PlaceTopPlate {
         /// Ends when plate and grains have settled, at the latest after this time.
         #[serde(default = "place_limit")]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 600.0))]
         time_limit_s: f64,
     },
     /// Shake the table horizontally along x with x(t) = A sin(2πft).
     Vibrate {
         /// Frequency in Hz.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1000.0))]
         frequency_hz: f64,
         /// Amplitude in mm.
-        #[schemars(range(min = 0.0))]
+        #[schemars(range(min = 0.0, max = 1000.0))]
         amplitude_mm: f64,
         /// Whether the amplitude is half or the full stroke.
         #[serde(default = "half_stroke")]
         stroke: StrokeReading,
         /// Length of one period of vibration in s.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
         duration_s: f64,
         /// Number of periods of vibration.
         #[serde(default = "one")]
@@ -61,13 +61,13 @@ pub enum StageSpec {
         periods: u32,
         /// Rest after each period but the last of several, in s.
         #[serde(default)]
-        #[schemars(range(min = 0.0))]
+        #[schemars(range(min = 0.0, max = 3600.0))]
         rest_s: f64,
     },
     /// Wait with nothing moving.
     Rest {
         /// Length in s.
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
         duration_s: f64,
     },
 }

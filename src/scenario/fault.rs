@@ -1,0 +1,139 @@
+//! What can be wrong with a scenario, said so that it can be mended.
+
+use std::{fmt, path::PathBuf};
+
+/// One fault of a scenario.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Fault {
+    /// The file that holds the value, or the `--set` that gave it.
+    pub file: String,
+    /// Dotted path of the value in the file, `grains.sieve_table[1].passing_mm`;
+    /// line and column where the text is no JSON; empty for the file as a whole.
+    pub path: String,
+    /// The value found there, as JSON; empty where nothing was found.
+    pub found: String,
+    /// What is allowed there, in plain words.
+    pub allowed: String,
+    /// What is wrong.
+    pub message: String,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for place in [&self.file, &self.path] {
+            if !place.is_empty() {
+                write!(f, "{place}: ")?;
+            }
+        }
+        f.write_str(&self.message)?;
+        match (self.found.is_empty(), self.allowed.is_empty()) {
+            (true, true) => Ok(()),
+            (false, true) => write!(f, " (found {})", self.found),
+            (true, false) => write!(f, " (allowed: {})", self.allowed),
+            (false, false) => write!(f, " (found {}; allowed: {})", self.found, self.allowed),
+        }
+    }
+}
+
+/// Why a scenario was not accepted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ScenarioErrors {
+    /// A file could not be read.
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// What the system said, and who asked for the file.
+        reason: String,
+    },
+    /// The files were read; these are all faults found in them, at least one.
+    Faults(Vec<Fault>),
+}
+
+impl ScenarioErrors {
+    /// The faults; none where a file could not be read.
+    pub fn faults(&self) -> &[Fault] {
+        match self {
+            Self::Unreadable { .. } => &[],
+            Self::Faults(faults) => faults,
+        }
+    }
+}
+
+impl fmt::Display for ScenarioErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unreadable { file, reason } => {
+                write!(f, "cannot read {}: {reason}", file.display())
+            }
+            Self::Faults(faults) if faults.len() == 1 => faults[0].fmt(f),
+            Self::Faults(faults) => {
+                write!(f, "{} faults in the scenario", faults.len())?;
+                faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
+            }
+        }
+    }
+}
+
+impl std::error::Error for ScenarioErrors {}
+
+/// The entry of `known` that `word` is most likely a misspelling of: at most
+/// a third of its letters, and at least one, may differ.
+pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+    let (distance, best) = known.iter().map(|k| (edit_distance(word, k), *k)).min()?;
+    (distance <= (word.chars().count() / 3).max(1)).then_some(best)
+}
+
+/// Number of letters to insert, delete or replace to turn one word into the other (Levenshtein).
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edit_distances() {
+        for (a, b, expected) in
+            [("", "abc", 3), ("kitten", "sitting", 3), ("rate_hz", "rate_hz", 0), ("ab", "ba", 2)]
+        {
+            let got = edit_distance(a, b);
+            assert_eq!(got, expected, "law: edits from {a:?} to {b:?} are {expected}, got {got}");
+        }
+    }
+
+    #[test]
+    fn only_near_spellings_are_suggested() {
+        let known = ["rate_hz", "iterations", "length_scale"];
+        assert_eq!(nearest("iteration", &known), Some("iterations"));
+        assert_eq!(nearest("rate_Hz", &known), Some("rate_hz"));
+        assert_eq!(nearest("colour", &known), None);
+    }
+
+    #[test]
+    fn faults_read_as_one_line() {
+        let fault = Fault {
+            file: "a.json".into(),
+            path: "engine.rate_hz".into(),
+            found: "-1".into(),
+            allowed: "a number of at least 30".into(),
+            message: "the value is out of range".into(),
+        };
+        let expected = "a.json: engine.rate_hz: the value is out of range (found -1; allowed: a number of at \
+             least 30)";
+        assert_eq!(fault.to_string(), expected);
+        let two = ScenarioErrors::Faults(vec![fault.clone(), fault]).to_string();
+        assert_eq!(two.lines().count(), 3, "a heading and one line a fault, got {two}");
+    }
+}

@@ -1,0 +1,157 @@
+//! Values changed for one run: `--set engine.rate_hz=960`.
+
+use std::str::FromStr;
+
+use serde_json::{Map, Value};
+
+use super::{
+    Fault,
+    source::{Document, Origin, field_path, parse_value, shown},
+};
+
+/// One value laid over the scenario's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Override {
+    path: Vec<Step>,
+    value: Value,
+    text: String,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Step {
+    /// A field, or the number of an element: what stands there decides.
+    Name(String),
+    /// The number of an element.
+    Index(usize),
+}
+
+/// An override that cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{0}` is not of the form path=value, as engine.rate_hz=960 or stages.1.falling_height_mm=50"
+)]
+pub struct NotAnOverride(String);
+
+impl FromStr for Override {
+    type Err = NotAnOverride;
+
+    /// Reads `path=value`. Steps of the path are divided by dots, elements of
+    /// lists are numbered from 0 (`stages.1` or `stages[1]`). The value is
+    /// JSON, or else taken as text.
+    fn from_str(text: &str) -> Result<Self, NotAnOverride> {
+        let bad = || NotAnOverride(text.to_owned());
+        let (path, value) = text.split_once('=').ok_or_else(bad)?;
+        let mut steps = Vec::new();
+        for part in path.split('.') {
+            let mut pieces = part.split('[');
+            let name = pieces.next().filter(|name| !name.is_empty()).ok_or_else(bad)?;
+            steps.push(Step::Name(name.trim().to_owned()));
+            for piece in pieces {
+                let index = piece.strip_suffix(']').and_then(|i| i.parse().ok()).ok_or_else(bad)?;
+                steps.push(Step::Index(index));
+            }
+        }
+        let value = value.trim();
+        let value = parse_value(value).unwrap_or_else(|| Value::String(value.to_owned()));
+        Ok(Self { path: steps, value, text: text.to_owned() })
+    }
+}
+
+impl Override {
+    /// Sets a field of the scenario itself (`seed`, `name`, ...).
+    pub fn field(name: &str, value: Value) -> Self {
+        let text = format!("{name}={value}");
+        Self { path: vec![Step::Name(name.to_owned())], value, text }
+    }
+
+    /// Lays the value over the document. A field that is not there is made;
+    /// whether the scenario knows it is found when everything is checked.
+    pub(super) fn apply(&self, document: &mut Document) -> Result<(), Fault> {
+        let mut path = String::new();
+        let mut at = &mut document.value;
+        for step in &self.path {
+            if at.is_null() {
+                *at = Value::Object(Map::new());
+            }
+            let fault = |path: &str, found: &Value, allowed: String| Fault {
+                file: Origin::Set(self.text.clone()).to_string(),
+                path: path.to_owned(),
+                found: shown(found),
+                allowed,
+                message: "the path leads nowhere".into(),
+            };
+            at = match at {
+                Value::Object(map) => {
+                    let name = match step {
+                        Step::Name(name) => name.clone(),
+                        Step::Index(index) => {
+                            let found = Value::from(*index);
+                            return Err(fault(&path, &found, "the name of a field".into()));
+                        }
+                    };
+                    path = field_path(&path, &name);
+                    map.entry(name).or_insert(Value::Null)
+                }
+                Value::Array(items) => {
+                    let count = items.len();
+                    let allowed = format!("0 to {}, the elements of the list", count.max(1) - 1);
+                    let index = match step {
+                        Step::Index(index) => Ok(*index),
+                        Step::Name(name) => name.parse().map_err(|_| Value::from(name.as_str())),
+                    };
+                    match index {
+                        Ok(index) if index < count => {
+                            path = format!("{path}[{index}]");
+                            &mut items[index]
+                        }
+                        Ok(index) => return Err(fault(&path, &Value::from(index), allowed)),
+                        Err(found) => return Err(fault(&path, &found, allowed)),
+                    }
+                }
+                other => {
+                    let found = other.clone();
+                    return Err(fault(&path, &found, "nothing below this value".into()));
+                }
+            };
+        }
+        *at = self.value.clone();
+        document.set_origin(&path, &self.value, Origin::Set(self.text.clone()));
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_json_or_text() {
+        for (text, expected) in [
+            ("a=1", Value::from(1)),
+            ("a=1.5e2", Value::from(150.0)),
+            ("a=true", Value::from(true)),
+            ("a=full_stroke", Value::from("full_stroke")),
+            ("a=\"1\"", Value::from("1")),
+            ("a=x=y", Value::from("x=y")),
+            ("a=", Value::from("")),
+        ] {
+            let got = text.parse::<Override>().expect("an override").value;
+            assert_eq!(got, expected, "law: the value of `{text}`");
+        }
+    }
+
+    #[test]
+    fn what_is_no_override_is_refused() {
+        for text in ["", "a", "=1", "a..b=1", "a[x]=1", "a[1=1", "[1]=2"] {
+            assert!(text.parse::<Override>().is_err(), "`{text}` must be refused");
+        }
+    }
+
+    #[test]
+    fn both_ways_to_number_elements_are_read() {
+        let index: Override = "stages[1].x=2".parse().expect("an override");
+        assert_eq!(index.path[1], Step::Index(1));
+        let name: Override = "stages.1.x=2".parse().expect("an override");
+        assert_eq!(name.path[1], Step::Name("1".into()));
+    }
+}

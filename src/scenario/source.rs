@@ -1,0 +1,352 @@
+//! From files to one JSON value: reading, duplicate keys, `extends`.
+
+use std::{
+    cell::RefCell,
+    collections::HashMap,
+    fmt, fs,
+    path::{Path, PathBuf},
+};
+
+use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Number, Value};
+
+use super::{Fault, ScenarioErrors};
+
+/// Longest chain of files that extend each other.
+const LONGEST_CHAIN: usize = 8;
+
+/// Where a value was given.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// In a file.
+    File(PathBuf),
+    /// By an override, as typed.
+    Set(String),
+}
+
+impl fmt::Display for Origin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path) => path.display().fmt(f),
+            Self::Set(text) => write!(f, "--set {text}"),
+        }
+    }
+}
+
+/// A scenario's JSON after `extends`, and where each of its values was given.
+#[derive(Debug)]
+pub(super) struct Document {
+    /// The merged value, without `extends` and `$schema`.
+    pub value: Value,
+    /// Files read, the scenario's own first, then the one it extends, and so on.
+    pub files: Vec<PathBuf>,
+    /// Faults that do not keep the rest from being checked.
+    pub faults: Vec<Fault>,
+    origins: HashMap<String, Origin>,
+}
+
+impl Document {
+    /// Where the value at a path was given: the origin of the nearest value
+    /// around it that was given anywhere.
+    pub fn origin(&self, path: &str) -> Origin {
+        let mut path = path;
+        loop {
+            if let Some(origin) = self.origins.get(path) {
+                return origin.clone();
+            }
+            match path.rfind(['.', '[']) {
+                Some(end) => path = &path[..end],
+                None => return Origin::File(self.files[0].clone()),
+            }
+        }
+    }
+
+    /// Notes that a value and everything in it came from an override.
+    pub fn set_origin(&mut self, path: &str, value: &Value, origin: Origin) {
+        note_origins(path, value, &origin, &mut self.origins);
+    }
+}
+
+/// Path of a field of the value at a path.
+pub(super) fn field_path(path: &str, field: &str) -> String {
+    if path.is_empty() { field.to_owned() } else { format!("{path}.{field}") }
+}
+
+fn note_origins(path: &str, value: &Value, origin: &Origin, into: &mut HashMap<String, Origin>) {
+    if !path.is_empty() {
+        into.insert(path.to_owned(), origin.clone());
+    }
+    match value {
+        Value::Object(map) => {
+            for (key, value) in map {
+                note_origins(&field_path(path, key), value, origin, into);
+            }
+        }
+        Value::Array(items) => {
+            for (i, value) in items.iter().enumerate() {
+                note_origins(&format!("{path}[{i}]"), value, origin, into);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Reads a scenario file and the files it extends.
+pub(super) fn read(path: &Path) -> Result<Document, ScenarioErrors> {
+    let mut chain = Chain::default();
+    chain.read(path, None)?;
+    let mut document = Document {
+        value: Value::Object(Map::new()),
+        files: chain.links.iter().map(|link| link.file.clone()).collect(),
+        faults: chain.faults,
+        origins: HashMap::new(),
+    };
+    for link in chain.links.into_iter().rev() {
+        let origin = Origin::File(link.file);
+        note_origins("", &Value::Object(link.content.clone()), &origin, &mut document.origins);
+        merge(&mut document.value, Value::Object(link.content), "");
+    }
+    Ok(document)
+}
+
+/// Files that extend each other, the last one first.
+#[derive(Default)]
+struct Chain {
+    links: Vec<Link>,
+    faults: Vec<Fault>,
+}
+
+struct Link {
+    file: PathBuf,
+    canonical: PathBuf,
+    content: Map<String, Value>,
+}
+
+impl Chain {
+    fn read(&mut self, file: &Path, extended_by: Option<&Path>) -> Result<(), ScenarioErrors> {
+        let unreadable = |reason: String| ScenarioErrors::Unreadable {
+            file: file.to_owned(),
+            reason: match extended_by {
+                Some(by) => format!("{reason} ({} extends it)", by.display()),
+                None => reason,
+            },
+        };
+        let text = fs::read(file).map_err(|e| unreadable(e.to_string()))?;
+        let canonical = file.canonicalize().map_err(|e| unreadable(e.to_string()))?;
+        let mut content = match parse(file, &text, &mut self.faults)? {
+            Value::Object(content) => content,
+            other => {
+                return Err(self.fail(Fault {
+                    file: file.display().to_string(),
+                    found: shown(&other),
+                    allowed: "an object, { ... }".into(),
+                    message: "a scenario is an object".into(),
+                    ..Fault::default()
+                }));
+            }
+        };
+        // Editors put the schema's address there.
+        content.shift_remove("$schema");
+        let base = content.shift_remove("extends");
+        self.links.push(Link { file: file.to_owned(), canonical, content });
+        let fault = |found: &Value, allowed: &str, message: String| Fault {
+            file: file.display().to_string(),
+            path: "extends".into(),
+            found: shown(found),
+            allowed: allowed.into(),
+            message,
+        };
+        match base {
+            None => Ok(()),
+            Some(Value::String(base)) => {
+                let path = file.parent().unwrap_or(Path::new("")).join(&base);
+                let found = Value::String(base);
+                let met = path.canonicalize().ok();
+                if self.links.iter().any(|link| Some(&link.canonical) == met.as_ref()) {
+                    let circle: Vec<_> =
+                        self.links.iter().map(|link| link.file.display().to_string()).collect();
+                    let message = format!(
+                        "files extend each other in a circle: {} → {}",
+                        circle.join(" → "),
+                        path.display()
+                    );
+                    return Err(self.fail(fault(
+                        &found,
+                        "a file that does not lead back",
+                        message,
+                    )));
+                }
+                if self.links.len() >= LONGEST_CHAIN {
+                    let message = format!(
+                        "more than {LONGEST_CHAIN} files extend each other one after the other"
+                    );
+                    return Err(self.fail(fault(&found, "a shorter chain", message)));
+                }
+                self.read(&path, Some(file))
+            }
+            Some(other) => {
+                let message = "the value has the wrong type".into();
+                let allowed = "a text, the path of another scenario relative to this one";
+                self.faults.push(fault(&other, allowed, message));
+                Ok(())
+            }
+        }
+    }
+
+    fn fail(&mut self, fault: Fault) -> ScenarioErrors {
+        self.faults.push(fault);
+        ScenarioErrors::Faults(std::mem::take(&mut self.faults))
+    }
+}
+
+/// A value as JSON, shortened to what fits in a line.
+pub(super) fn shown(value: &Value) -> String {
+    const LONGEST: usize = 60;
+    let text = value.to_string();
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
+}
+
+/// Lays what a file says over what it extends: objects field by field, all
+/// else replaced. Grains from a file and grains from sieve data replace each
+/// other whole.
+fn merge(base: &mut Value, over: Value, path: &str) {
+    match (base, over) {
+        (Value::Object(base), Value::Object(over)) => {
+            let other_source = path == "grains"
+                && !over.is_empty()
+                && over.contains_key("file") != base.contains_key("file");
+            if other_source {
+                *base = over;
+                return;
+            }
+            for (key, value) in over {
+                match base.get_mut(&key) {
+                    Some(below) => merge(below, value, &field_path(path, &key)),
+                    None => {
+                        base.insert(key, value);
+                    }
+                }
+            }
+        }
+        (base, over) => *base = over,
+    }
+}
+
+/// Parses JSON; keys given twice become faults.
+fn parse(file: &Path, text: &[u8], faults: &mut Vec<Fault>) -> Result<Value, ScenarioErrors> {
+    let label = file.display().to_string();
+    // Some editors put a byte order mark before the text.
+    let text = text.strip_prefix("\u{feff}".as_bytes()).unwrap_or(text);
+    let found = RefCell::new(Vec::new());
+    let mut parser = serde_json::Deserializer::from_slice(text);
+    let node = Node { path: String::new(), file: &label, faults: &found };
+    let parsed = node.deserialize(&mut parser).and_then(|value| parser.end().map(|()| value));
+    faults.append(&mut found.into_inner());
+    parsed.map_err(|error| {
+        let message = error.to_string();
+        let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(m, _)| m);
+        faults.push(Fault {
+            file: label,
+            path: format!("line {}, column {}", error.line(), error.column()),
+            message: format!("this is not JSON: {message}"),
+            ..Fault::default()
+        });
+        ScenarioErrors::Faults(std::mem::take(faults))
+    })
+}
+
+/// Parses JSON as a file's is parsed; `None` where the text is none.
+pub(super) fn parse_value(text: &str) -> Option<Value> {
+    let mut parser = serde_json::Deserializer::from_str(text);
+    let node = Node { path: String::new(), file: "", faults: &RefCell::new(Vec::new()) };
+    let value = node.deserialize(&mut parser).ok()?;
+    parser.end().ok().map(|()| value)
+}
+
+/// Builds the value at a path and notes keys given twice.
+struct Node<'a> {
+    path: String,
+    file: &'a str,
+    faults: &'a RefCell<Vec<Fault>>,
+}
+
+impl<'de> DeserializeSeed<'de> for Node<'_> {
+    type Value = Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Node<'_> {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a JSON value")
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(Value::Bool(value))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(Value::Number(value.into()))
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(Value::Number(value.into()))
+    }
+
+    fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<Value, E> {
+        // 20.0 is the whole number 20, exactly so below 2^53.
+        if value.fract() == 0.0 && value.abs() < 9_007_199_254_740_992.0 {
+            return Ok(Value::Number((value as i64).into()));
+        }
+        let number = Number::from_f64(value);
+        number.map(Value::Number).ok_or_else(|| E::custom("a number is not finite"))
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(Value::String(value.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Value, A::Error> {
+        let mut array = Vec::new();
+        while let Some(item) = items.next_element_seed(Node {
+            path: format!("{}[{}]", self.path, array.len()),
+            file: self.file,
+            faults: self.faults,
+        })? {
+            array.push(item);
+        }
+        Ok(Value::Array(array))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
+        let mut object = Map::new();
+        while let Some(key) = entries.next_key::<String>()? {
+            let path = field_path(&self.path, &key);
+            let node = Node { path: path.clone(), file: self.file, faults: self.faults };
+            let value = entries.next_value_seed(node)?;
+            if let Some(first) = object.get(&key) {
+                self.faults.borrow_mut().push(Fault {
+                    file: self.file.to_owned(),
+                    path,
+                    found: format!("{}, then {}", shown(first), shown(&value)),
+                    allowed: "each field once".into(),
+                    message: "the field is given twice".into(),
+                });
+            } else {
+                object.insert(key, value);
+            }
+        }
+        Ok(Value::Object(object))
+    }
+}

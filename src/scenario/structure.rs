@@ -1,0 +1,326 @@
+//! Checks raw JSON against the schema and says every fault in plain words.
+//!
+//! The schema's two unions are decided first — grains by whether `file` is
+//! there, a stage by its `stage` — and the part is then checked against that
+//! variant alone: "not valid under any of the schemas" helps nobody.
+
+use std::sync::LazyLock;
+
+use jsonschema::{Validator, error::ValidationErrorKind};
+use serde_json::{Value, json};
+
+use super::{
+    Fault,
+    fault::nearest,
+    schema,
+    source::{field_path, shown},
+};
+
+/// The outcome of a check; the faults lack their file.
+pub(super) struct Checked {
+    pub faults: Vec<Fault>,
+    /// The value without the fields that no scenario has.
+    pub cleaned: Value,
+}
+
+/// Checks the JSON of a scenario.
+pub(super) fn check(value: &Value) -> Checked {
+    let mut checked = Checked { faults: Vec::new(), cleaned: value.clone() };
+    RULES.root.check(value, "", "", &mut checked);
+    if let Some(grains) = value.get("grains").filter(|g| g.is_object()) {
+        RULES.grains(grains).check(grains, "grains", "/grains", &mut checked);
+    }
+    for (i, stage) in value["stages"].as_array().into_iter().flatten().enumerate() {
+        if let Some(rules) = RULES.stage(stage) {
+            rules.check(stage, &format!("stages[{i}]"), &format!("/stages/{i}"), &mut checked);
+        }
+    }
+    checked
+}
+
+/// What is allowed at a dotted path of a scenario, in plain words; empty
+/// where the schema knows nothing of it.
+pub(super) fn allowed_at(value: &Value, path: &str) -> String {
+    let steps: Vec<&str> = path.split(['.', '[', ']']).filter(|s| !s.is_empty()).collect();
+    let (part, steps) = match *steps.as_slice() {
+        ["grains", ref rest @ ..] if !rest.is_empty() => (RULES.grains(&value["grains"]), rest),
+        ["stages", index, ref rest @ ..] if !rest.is_empty() => {
+            let index = index.parse().unwrap_or(usize::MAX);
+            match value["stages"].get(index).and_then(|stage| RULES.stage(stage)) {
+                Some(part) => (part, rest),
+                None => return String::new(),
+            }
+        }
+        ref all => (&RULES.root, all),
+    };
+    describe(part.at(steps.iter().copied()))
+}
+
+static RULES: LazyLock<Rules> = LazyLock::new(Rules::new);
+
+/// The schema taken apart at its unions.
+struct Rules {
+    root: Part,
+    sieved: Part,
+    file: Part,
+    stages: Vec<(String, Part)>,
+}
+
+impl Rules {
+    fn new() -> Self {
+        let mut root = schema::typed();
+        let mut defs = root["$defs"].take();
+        choices_to_enums(&mut defs);
+        let part = |mut schema: Value| {
+            schema["$defs"] = defs.clone();
+            Part::new(schema)
+        };
+        let mut stages = Vec::new();
+        for variant in defs["StageSpec"]["oneOf"].as_array().into_iter().flatten() {
+            if let Some(name) = variant["properties"]["stage"]["const"].as_str() {
+                stages.push((name.to_owned(), part(variant.clone())));
+            }
+        }
+        let names: Vec<&str> = stages.iter().map(|(name, _)| name.as_str()).collect();
+        root["properties"]["grains"] = json!({
+            "type": "object",
+            "x-allowed": "an object with `total_mass_g`, `density_kg_per_m3` and `sieve_table`, or \
+                          with `file`",
+        });
+        root["properties"]["stages"]["items"] = json!({
+            "type": "object",
+            "x-allowed": "an object with the field `stage`",
+            "required": ["stage"],
+            "properties": { "stage": { "enum": names } },
+        });
+        Self {
+            root: part(root),
+            sieved: part(defs["SievedGrains"].clone()),
+            file: part(defs["GrainsFile"].clone()),
+            stages,
+        }
+    }
+
+    fn grains(&self, grains: &Value) -> &Part {
+        if grains.get("file").is_some() { &self.file } else { &self.sieved }
+    }
+
+    fn stage(&self, stage: &Value) -> Option<&Part> {
+        let name = stage.get("stage")?.as_str()?;
+        self.stages.iter().find(|(known, _)| known == name).map(|(_, part)| part)
+    }
+}
+
+/// `oneOf` of constants, which carries a description of each, as a plain `enum`.
+fn choices_to_enums(defs: &mut Value) {
+    for def in defs.as_object_mut().into_iter().flat_map(|defs| defs.values_mut()) {
+        let Some(choices) = def["oneOf"].as_array() else { continue };
+        let constants: Option<Vec<Value>> =
+            choices.iter().map(|choice| choice.get("const").cloned()).collect();
+        if let Some(constants) = constants {
+            *def = json!({ "enum": constants });
+        }
+    }
+}
+
+/// One schema without unions.
+struct Part {
+    schema: Value,
+    validator: Validator,
+}
+
+impl Part {
+    fn new(schema: Value) -> Self {
+        let validator =
+            jsonschema::validator_for(&schema).expect("the types give a sound JSON Schema");
+        Self { schema, validator }
+    }
+
+    /// Checks a value that stands at a path of the scenario, given both
+    /// dotted and as a JSON pointer.
+    fn check(&self, value: &Value, path: &str, pointer: &str, into: &mut Checked) {
+        for error in self.validator.iter_errors(value) {
+            let inner = error.instance_path().as_str();
+            let steps: Vec<String> = inner
+                .split('/')
+                .skip(1)
+                .map(|step| step.replace("~1", "/").replace("~0", "~"))
+                .collect();
+            let here = dotted(path, value, &steps);
+            let schema = self.at(steps.iter().map(String::as_str));
+            let mut add = |path: String, found: String, allowed: String, message: String| {
+                into.faults.push(Fault { file: String::new(), path, found, allowed, message });
+            };
+            match error.kind() {
+                ValidationErrorKind::AdditionalProperties { unexpected } => {
+                    let known = fields(schema);
+                    for name in unexpected {
+                        let message = match nearest(name, &known) {
+                            Some(near) => {
+                                format!("there is no such field, did you mean `{near}`?")
+                            }
+                            None => "there is no such field".into(),
+                        };
+                        let found = error.instance().get(name).map(shown).unwrap_or_default();
+                        add(field_path(&here, name), found, listed(&known), message);
+                        let parent = into.cleaned.pointer_mut(&format!("{pointer}{inner}"));
+                        if let Some(Value::Object(parent)) = parent {
+                            parent.shift_remove(name);
+                        }
+                    }
+                }
+                ValidationErrorKind::Required { property } => {
+                    let name = property.as_str().unwrap_or_default();
+                    let field = self.at(steps.iter().map(String::as_str).chain([name]));
+                    let message = "the field is missing".into();
+                    add(field_path(&here, name), String::new(), describe(field), message);
+                }
+                kind => {
+                    let message = in_words(kind).map_or_else(|| error.to_string(), str::to_owned);
+                    let near = match (kind, error.instance().as_str()) {
+                        (ValidationErrorKind::Enum { options }, Some(word)) => {
+                            let known: Vec<&str> = options
+                                .as_array()
+                                .into_iter()
+                                .flatten()
+                                .flat_map(Value::as_str)
+                                .collect();
+                            nearest(word, &known).map(|near| format!(", did you mean \"{near}\"?"))
+                        }
+                        _ => None,
+                    };
+                    let message = message + &near.unwrap_or_default();
+                    add(here, shown(error.instance()), describe(schema), message);
+                }
+            }
+        }
+    }
+
+    /// The schema of what stands at the end of a path; `null` where there is none.
+    fn at<'a>(&self, path: impl Iterator<Item = &'a str>) -> &Value {
+        path.fold(self.resolved(&self.schema), |schema, step| {
+            let field = &schema["properties"][step];
+            self.resolved(if field.is_null() { &schema["items"] } else { field })
+        })
+    }
+
+    fn resolved<'a>(&'a self, schema: &'a Value) -> &'a Value {
+        let Some(name) = schema["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) else {
+            return schema;
+        };
+        &self.schema["$defs"][name]
+    }
+}
+
+/// Dotted path of what stands at `steps` inside the value at `path`.
+fn dotted(path: &str, value: &Value, steps: &[String]) -> String {
+    let mut path = path.to_owned();
+    let mut at = value;
+    for step in steps {
+        at = match at {
+            Value::Array(items) => {
+                path = format!("{path}[{step}]");
+                step.parse().ok().and_then(|i: usize| items.get(i)).unwrap_or(&Value::Null)
+            }
+            other => {
+                path = field_path(&path, step);
+                &other[step.as_str()]
+            }
+        };
+    }
+    path
+}
+
+fn in_words(kind: &ValidationErrorKind) -> Option<&'static str> {
+    use ValidationErrorKind as Kind;
+    Some(match kind {
+        Kind::Type { .. } => "the value has the wrong type",
+        Kind::Minimum { .. }
+        | Kind::Maximum { .. }
+        | Kind::ExclusiveMinimum { .. }
+        | Kind::ExclusiveMaximum { .. } => "the value is out of range",
+        Kind::MinItems { .. } => "the list is too short",
+        Kind::MaxItems { .. } => "the list is too long",
+        Kind::MinLength { .. } => "the text is too short",
+        Kind::MaxLength { .. } => "the text is too long",
+        Kind::Enum { .. } | Kind::Constant { .. } => "there is no such choice",
+        _ => return None,
+    })
+}
+
+fn fields(schema: &Value) -> Vec<&str> {
+    schema["properties"].as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect()
+}
+
+fn listed(names: &[&str]) -> String {
+    match names {
+        [] => "no field".into(),
+        [one] => format!("the field `{one}`"),
+        [all @ .., last] => format!("the fields `{}` and `{last}`", all.join("`, `")),
+    }
+}
+
+/// What a schema allows, in plain words.
+fn describe(schema: &Value) -> String {
+    if let Some(said) = schema["x-allowed"].as_str() {
+        return said.to_owned();
+    }
+    if let Some(options) = schema["enum"].as_array() {
+        let options: Vec<String> = options.iter().map(Value::to_string).collect();
+        return options.join(" or ");
+    }
+    let limit = |key: &str| schema[key].as_f64();
+    match schema["type"].as_str() {
+        Some(kind @ ("number" | "integer")) => {
+            let kind = if kind == "integer" { "a whole number" } else { "a number" };
+            let low = limit("exclusiveMinimum").map(|x| format!("above {x}"));
+            let low = low.or_else(|| limit("minimum").map(|x| format!("of at least {x}")));
+            let high = limit("maximum").map(|x| format!("at most {x}"));
+            match (low, high) {
+                (Some(low), Some(high)) => format!("{kind} {low} and {high}"),
+                (Some(low), None) => format!("{kind} {low}"),
+                (None, Some(high)) => format!("{kind} of {high}"),
+                (None, None) => kind.to_owned(),
+            }
+        }
+        Some("string") => match (limit("minLength"), limit("maxLength")) {
+            (Some(low), Some(high)) => format!("a text of {low} to {high} letters"),
+            (Some(_), None) => "a text that is not empty".into(),
+            _ => "a text".into(),
+        },
+        Some("boolean") => "true or false".into(),
+        Some("array") => match (limit("minItems"), limit("maxItems")) {
+            (Some(low), Some(high)) => format!("a list of {low} to {high} elements"),
+            _ => "a list".into(),
+        },
+        Some("object") => format!("an object with {}", listed(&fields(schema))),
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_leaf_of_a_scenario_can_be_described() {
+        let value = json!({
+            "grains": { "sieve_table": [{}] },
+            "stages": [{ "stage": "vibrate" }],
+        });
+        for (path, expected) in [
+            ("engine.rate_hz", "a number of at least 30 and at most 100000"),
+            ("engine.backend", "\"bullet\""),
+            ("engine.gyroscopic", "true or false"),
+            ("grains.sieve_table[0].passing_mm", "a number above 0 and at most 10000"),
+            ("stages[0].periods", "a whole number of at least 1 and at most 1000"),
+            ("stages[0].stroke", "\"half_stroke\" or \"full_stroke\""),
+            ("notes", "a list"),
+            ("stages[0].nonsense", ""),
+            ("stages[7].periods", ""),
+        ] {
+            let got = allowed_at(&value, path);
+            assert_eq!(got, expected, "law: what is allowed at {path}");
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Checks what a scenario means, once its fields are what the schema asks for.
+//!
+//! The parts are taken from the JSON one by one, so that a fault in one part
+//! does not hide those of another: a check whose part cannot be read is left
+//! out, and the schema has already said why.
+
+mod apparatus;
+mod grains;
+mod stages;
+mod time_step;
+
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
+use super::{
+    CylinderSpec, EngineSettings, Fault, FunnelSpec, SettleSpec, SievedGrains, StageSpec,
+    TopPlateSpec, accessors::field,
+};
+
+/// The parts of a scenario that could be read.
+struct Parts {
+    name: Option<String>,
+    /// `None` also where the grains come from a file.
+    sieved: Option<SievedGrains>,
+    cylinder: Option<CylinderSpec>,
+    funnel: Option<FunnelSpec>,
+    top_plate: Option<TopPlateSpec>,
+    engine: Option<EngineSettings>,
+    settle: Option<SettleSpec>,
+    gravity: Option<f64>,
+    control_s: Option<f64>,
+    stages: Vec<Stage>,
+}
+
+/// A stage as far as it could be read.
+struct Stage {
+    name: Option<String>,
+    spec: Option<StageSpec>,
+}
+
+impl Parts {
+    fn of(value: &Value) -> Self {
+        let stage = |value: &Value| Stage {
+            name: value.get("stage").and_then(Value::as_str).map(str::to_owned),
+            spec: read(value),
+        };
+        let number = |name: &str, default: f64| match value.get(name) {
+            None => Some(default),
+            Some(value) => value.as_f64(),
+        };
+        Self {
+            name: field(value, "/name").as_str().map(str::to_owned),
+            sieved: read(field(value, "/grains")),
+            cylinder: read_or_default(value, "/apparatus/cylinder"),
+            funnel: read_or_default(value, "/apparatus/funnel"),
+            top_plate: read_or_default(value, "/apparatus/top_plate"),
+            engine: read_or_default(value, "/engine"),
+            settle: read_or_default(value, "/settle"),
+            gravity: number("gravity_m_per_s2", super::default_gravity()),
+            control_s: number("control_s", super::default_control()),
+            stages: field(value, "/stages").as_array().into_iter().flatten().map(stage).collect(),
+        }
+    }
+
+    /// Largest opening a grain passes, in mm.
+    fn coarsest_mm(&self) -> Option<f64> {
+        let table = &self.sieved.as_ref()?.sieve_table;
+        table.iter().map(|f| f.passing_mm).max_by(f64::total_cmp).filter(|mm| *mm > 0.0)
+    }
+
+    /// Smallest opening that retains a grain, in mm.
+    fn finest_mm(&self) -> Option<f64> {
+        let table = &self.sieved.as_ref()?.sieve_table;
+        table.iter().map(|f| f.retained_mm).min_by(f64::total_cmp).filter(|mm| *mm > 0.0)
+    }
+
+    fn has_stage(&self, name: &str) -> bool {
+        self.stages.iter().any(|stage| stage.name.as_deref() == Some(name))
+    }
+}
+
+fn read<T: DeserializeOwned>(value: &Value) -> Option<T> {
+    T::deserialize(value).ok()
+}
+
+fn read_or_default<T: DeserializeOwned>(value: &Value, pointer: &str) -> Option<T> {
+    match value.pointer(pointer) {
+        Some(value) => read(value),
+        None => read(&Value::Object(Map::new())),
+    }
+}
+
+/// Every fault of meaning in the JSON of a scenario, without the file.
+pub(super) fn faults(value: &Value) -> Vec<Fault> {
+    let parts = Parts::of(value);
+    let mut faults = Vec::new();
+    check_name(&parts, &mut faults);
+    grains::check(&parts, &mut faults);
+    apparatus::check(&parts, &mut faults);
+    stages::check(&parts, &mut faults);
+    time_step::check(&parts, &mut faults);
+    faults
+}
+
+fn fault(path: &str, found: impl ToString, allowed: String, message: String) -> Fault {
+    Fault { file: String::new(), path: path.to_owned(), found: found.to_string(), allowed, message }
+}
+
+/// A number for people: four significant digits, no trailing zeros.
+fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 12);
+    let text = format!("{value:.*}", digits as usize);
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+/// The name becomes the name of a folder.
+fn check_name(parts: &Parts, faults: &mut Vec<Fault>) {
+    let Some(name) = &parts.name else { return };
+    let bad = |c: char| c.is_control() || matches!(c, '/' | '\\');
+    if name.contains(bad) || name.starts_with('.') || name.trim() != name {
+        faults.push(fault(
+            "name",
+            Value::from(name.as_str()),
+            "a text without / and \\, that begins with no dot and begins and ends with no space"
+                .into(),
+            "the name cannot be that of a folder".into(),
+        ));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (36.944_44, "36.94"),
+            (8.0, "8"),
+            (277.0, "277"),
+            (0.001_234_56, "0.001235"),
+            (123_456.0, "123456"),
+        ] {
+            assert_eq!(short(value), expected, "law: four significant digits of {value}");
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Which stage may follow which, and how long all of them take.
+
+use serde_json::Value;
+
+use super::{Parts, fault, short};
+use crate::scenario::Fault;
+
+/// Longest simulated time of a scenario in s: an hour is 180 times the
+/// paper's longest test.
+const LONGEST: f64 = 3600.0;
+
+pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
+    check_order(parts, faults);
+    check_time(parts, faults);
+}
+
+fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
+    // Names of stages that cannot be read could be any: what follows one is not judged.
+    let known = |end: usize| parts.stages[..end].iter().all(|stage| stage.name.is_some());
+    for (i, stage) in parts.stages.iter().enumerate() {
+        let Some(name) = stage.name.as_deref() else { continue };
+        let mut add = |allowed: &str, message: String| {
+            let path = format!("stages[{i}].stage");
+            faults.push(fault(&path, Value::from(name), allowed.into(), message));
+        };
+        let before = |other: &str| {
+            parts.stages[..i].iter().any(|stage| stage.name.as_deref() == Some(other))
+        };
+        if i == 0 && name != "fill_funnel" {
+            add("\"fill_funnel\"", "the first stage fills the funnel".into());
+            continue;
+        }
+        let needs = match name {
+            "pour" => "fill_funnel",
+            "place_top_plate" | "vibrate" => "pour",
+            _ => "",
+        };
+        if !needs.is_empty() && !before(needs) && known(i) {
+            add(
+                &format!("`{name}` after a stage `{needs}`"),
+                format!("`{name}` cannot be done before `{needs}`"),
+            );
+        }
+        let once = matches!(name, "fill_funnel" | "pour" | "place_top_plate");
+        if once && before(name) {
+            add(
+                "it once; only `vibrate` and `rest` may be repeated",
+                format!("`{name}` is there twice"),
+            );
+        }
+    }
+}
+
+fn check_time(parts: &Parts, faults: &mut Vec<Fault>) {
+    let specs = || parts.stages.iter().enumerate().filter_map(|(i, s)| Some((i, s.spec.as_ref()?)));
+    if let Some(settle) = &parts.settle {
+        for (i, spec) in specs() {
+            let settles = matches!(spec.name(), "fill_funnel" | "pour" | "place_top_plate");
+            if settles && spec.longest() <= settle.hold_s {
+                faults.push(fault(
+                    &format!("stages[{i}].time_limit_s"),
+                    spec.longest(),
+                    format!("more than settle.hold_s, {} s", settle.hold_s),
+                    "the stage ends before anything can count as settled".into(),
+                ));
+            }
+        }
+    }
+    let total =
+        specs().map(|(_, spec)| spec.longest()).sum::<f64>() + parts.control_s.unwrap_or(0.0);
+    if total > LONGEST {
+        faults.push(fault(
+            "stages",
+            format!("{} s", short(total)),
+            format!("at most {LONGEST} s"),
+            "stages and control together take too long".into(),
+        ));
+    }
+}

@@ -1,0 +1,145 @@
+//! Whether the time step can resolve the motion.
+//!
+//! An engine of this kind sees bodies only at the ends of steps. Two laws
+//! follow. A body that moves by more than its own size in a step passes with
+//! its centre through the centre of what it meets, and is then pushed out on
+//! the far side. And a sinusoid taken at N points a cycle is off in
+//! acceleration, (2π/N)²/12 of it, which is 0.2 % for N = 40.
+
+use super::{Parts, fault, short};
+use crate::scenario::{Fault, StageSpec};
+use crate::units::{from_deg, from_mm, to_mm};
+
+/// Fewest steps in a cycle of vibration; see the module's text.
+const STEPS_A_CYCLE: f64 = 40.0;
+
+const RATE: &str = "engine.rate_hz";
+
+pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
+    check_threshold(parts, faults);
+    let Some(engine) = &parts.engine else { return };
+    if !(engine.rate_hz > 0.0) {
+        return;
+    }
+    let rate = engine.rate_hz;
+    let mut too_slow = |at_least: f64, what: String| {
+        faults.push(fault(
+            RATE,
+            rate,
+            format!("at least {} Hz", at_least.ceil()),
+            format!("a time step that cannot resolve the motion: {what}"),
+        ));
+    };
+    for stage in parts.stages.iter().filter_map(|s| s.spec.as_ref()) {
+        if let Some(vibration) = stage.vibration()
+            && rate < STEPS_A_CYCLE * vibration.frequency
+        {
+            too_slow(
+                STEPS_A_CYCLE * vibration.frequency,
+                format!(
+                    "a vibration of {} Hz has {} steps a cycle, it needs {STEPS_A_CYCLE}",
+                    vibration.frequency,
+                    short(rate / vibration.frequency)
+                ),
+            );
+        }
+    }
+    let Some(fastest) = motions(parts).into_iter().max_by(|a, b| a.speed.total_cmp(&b.speed))
+    else {
+        return;
+    };
+    let step = fastest.speed / rate;
+    if let Some(size) = parts.finest_mm()
+        && step > from_mm(size)
+    {
+        too_slow(
+            fastest.speed / from_mm(size),
+            format!(
+                "{} moves {} mm in a step, more than the smallest grain's size, {size} mm",
+                fastest.what,
+                short(to_mm(step))
+            ),
+        );
+    }
+    // What is past the middle of a wall at the end of a step is pushed outwards.
+    for (path, thickness) in walls(parts) {
+        if step > from_mm(thickness) / 2.0 {
+            faults.push(fault(
+                path,
+                thickness,
+                format!(
+                    "at least {} mm, or {RATE} of at least {} Hz",
+                    short(2.0 * to_mm(step)),
+                    (2.0 * fastest.speed / from_mm(thickness)).ceil()
+                ),
+                format!(
+                    "a wall through which grains can pass: {} moves {} mm in a step, more than \
+                     half of its thickness",
+                    fastest.what,
+                    short(to_mm(step))
+                ),
+            ));
+        }
+    }
+}
+
+fn walls(parts: &Parts) -> Vec<(&'static str, f64)> {
+    let cylinder = parts.cylinder.as_ref().map(|c| c.wall_thickness_mm);
+    let funnel = parts.funnel.as_ref().map(|f| f.wall_thickness_mm);
+    [
+        ("apparatus.cylinder.wall_thickness_mm", cylinder),
+        ("apparatus.funnel.wall_thickness_mm", funnel),
+    ]
+    .into_iter()
+    .filter_map(|(path, thickness)| Some((path, thickness.filter(|t| *t > 0.0)?)))
+    .collect()
+}
+
+/// A fast motion.
+struct Fast {
+    /// m/s
+    speed: f64,
+    what: String,
+}
+
+/// The fastest motion of each stage that can be told beforehand.
+fn motions(parts: &Parts) -> Vec<Fast> {
+    // The first grains to fall in a stage meet what is at the bottom with v = √(2gh).
+    let fall = |height_mm: f64, what: &str| {
+        let gravity = parts.gravity.filter(|g| *g > 0.0)?;
+        let speed = (2.0 * gravity * from_mm(height_mm)).sqrt();
+        let what = format!("a grain that fell {} mm {what}", short(height_mm));
+        speed.is_finite().then_some(Fast { speed, what })
+    };
+    let motion = |stage: &StageSpec| match stage {
+        StageSpec::FillFunnel { .. } => {
+            let funnel = parts.funnel.as_ref()?;
+            let radii = (funnel.top_diameter_mm - funnel.opening_diameter_mm) / 2.0;
+            fall(radii / from_deg(funnel.half_angle_deg).tan(), "from the funnel's top to its lid")
+        }
+        // Grains leave the funnel's mouth nearly at rest.
+        StageSpec::Pour { falling_height_mm, .. } => {
+            let height = falling_height_mm + parts.cylinder.as_ref()?.height_mm;
+            fall(height, "from the funnel to the cylinder's floor")
+        }
+        StageSpec::Vibrate { .. } => {
+            let speed = stage.vibration()?.peak_speed();
+            let what = "the shaking table at its fastest".to_owned();
+            speed.is_finite().then_some(Fast { speed, what })
+        }
+        _ => None,
+    };
+    parts.stages.iter().filter_map(|s| motion(s.spec.as_ref()?)).collect()
+}
+
+fn check_threshold(parts: &Parts, faults: &mut Vec<Fault>) {
+    let (Some(engine), Some(finest)) = (&parts.engine, parts.finest_mm()) else { return };
+    if engine.contact_threshold_mm >= finest {
+        faults.push(fault(
+            "engine.contact_threshold_mm",
+            engine.contact_threshold_mm,
+            format!("less than the smallest grain's size, {finest} mm"),
+            "contacts would be kept over a distance longer than a grain".into(),
+        ));
+    }
+}
