@@ -70,11 +70,8 @@ fn benches(c: &mut Criterion) {
     ] {
         specimen = stage(&setup, specimen, &prepare);
     }
-    let container = Container {
-        centre_x: 0.0,
-        radius: setup.cylinder.radius,
-        height: setup.cylinder.height,
-    };
+    let container =
+        Container { centre_x: 0.0, radius: setup.cylinder.radius, height: setup.cylinder.height };
 
     let mut group = c.benchmark_group("365 grains");
     group.sample_size(10).measurement_time(Duration::from_secs(20));

@@ -1,16 +1,18 @@
 //! Many runs, one answer.
 
-pub mod execute;
-pub mod plan;
+mod execute;
+mod plan;
+mod presets;
 mod recorder;
+mod reproduce;
+mod run;
+mod summarise;
 #[cfg(test)]
 mod tests;
-//mod reproduce;
-//mod run;
-pub mod summarise;
 
-//pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
-//pub use run::{RunOptions, run_scenario};
+pub use presets::preset;
+pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
+pub use run::{RunOptions, make_grains, run_scenario, write_grains};
 pub use summarise::STANDARD;
 
 use std::path::PathBuf;

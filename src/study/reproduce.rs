@@ -2,7 +2,6 @@
 //! height, and the specimens poured from 5 cm shaken in both modes.
 
 use std::{
-    collections::BTreeMap,
     path::PathBuf,
     sync::{Arc, atomic::AtomicBool},
 };
@@ -16,11 +15,11 @@ use super::{
     summarise::grains_hash,
 };
 use crate::grains::{Gradation, GrainSet, ParticleSizeDistribution};
-use crate::paper::{self, Verdict};
-use crate::protocol::Progress;
+use crate::paper::{self, Intermittent, StudyView, Verdict};
+use crate::protocol::{Progress, table_motion};
 use crate::record::{RunKind, RunRecord, StageStore, create_folder, write_json};
-use crate::report;
 use crate::scenario::{Backend, GrainsSpec, Scenario, StageSpec};
+use crate::units::{to_cm3, to_g};
 
 /// Falling heights in mm (paper, section 2: "FH of 0, 5, 10 and 20 cm").
 const FALLING_HEIGHTS_MM: [f64; 4] = [0.0, 50.0, 100.0, 200.0];
@@ -74,13 +73,20 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
     let runs = programme(&scenarios, &grains, options.configurations);
     let plan = Plan::new(&runs, &grains_hash(&grains))?;
     let store = StageStore::open(&options.out.join("stages"))?;
-    let done = execute(&plan, &store, options.jobs, &crate::world::create, &options.cancel, options.progress.as_ref())?;
+    let done = execute(
+        &plan,
+        &store,
+        options.jobs,
+        &crate::world::create,
+        &options.cancel,
+        options.progress.as_ref(),
+    )?;
     let mut records = Vec::new();
     for (run, nodes) in runs.iter().zip(&plan.runs) {
         let folder = options.out.join("runs").join(&run.name);
         records.push(write_run(&folder, run, &plan, nodes, &done)?);
     }
-    finish(options, &scenarios, &grains, records, &done[0].record.effective)
+    finish(options, &scenarios, &grains, records)
 }
 
 /// The three scenarios of the programme.
@@ -103,8 +109,7 @@ impl Scenarios {
                 intermittent: preset("paper/vibration-intermittent.json")?,
             }
         };
-        for s in
-            [&mut scenarios.pluviation, &mut scenarios.continuous, &mut scenarios.intermittent]
+        for s in [&mut scenarios.pluviation, &mut scenarios.continuous, &mut scenarios.intermittent]
         {
             s.engine.backend = backend;
         }
@@ -157,4 +162,67 @@ fn programme(
         }
     }
     runs
+}
+
+/// Holds the runs against the paper and writes claims and report.
+fn finish(
+    options: &ReproduceOptions,
+    scenarios: &Scenarios,
+    grains: &GrainSet,
+    records: Vec<RunRecord>,
+) -> Result<ReproduceOutcome, StudyError> {
+    let view = study_view(options, scenarios, grains, &records)?;
+    let claims = paper::claims(&view);
+    write_json(&options.out.join("claims.json"), &claims)?;
+    let count = |verdict| claims.iter().filter(|c| c.verdict == verdict).count();
+    let (claims_within, claims_outside, claims_not_stated) =
+        (count(Verdict::Within), count(Verdict::Outside), count(Verdict::NotStated));
+    Ok(ReproduceOutcome {
+        claims_within,
+        claims_outside,
+        claims_not_stated,
+        report: options.out.join("report.html"),
+        runs: records,
+    })
+}
+
+/// The study as claims and report see it.
+fn study_view<'a>(
+    options: &ReproduceOptions,
+    scenarios: &Scenarios,
+    grains: &GrainSet,
+    runs: &'a [RunRecord],
+) -> Result<StudyView<'a>, StudyError> {
+    let GrainsSpec::Sieved(sieved) = &scenarios.pluviation.grains else {
+        return Err(StudyError::Scenario("the paper's grains come from a sieve table".into()));
+    };
+    let distribution = ParticleSizeDistribution::new(sieved).map_err(StudyError::grains)?;
+    let gradation = Gradation::of(&distribution);
+    let motion = scenarios.intermittent.stages.iter().find_map(table_motion);
+    let intermittent =
+        motion.map_or(Intermittent { period_s: 0.0, periods: 0, rest_s: 0.0 }, |m| Intermittent {
+            period_s: m.duration,
+            periods: m.periods,
+            rest_s: m.rest,
+        });
+    Ok(StudyView {
+        runs,
+        configurations: options.configurations,
+        sieve: gradation.curve.clone(),
+        sieved_grains: Vec::new(),
+        grain_count: grains.grains.len(),
+        total_mass_g: to_g(grains.mass()),
+        solids_volume_cm3: to_cm3(grains.volume()),
+        gradation: paper::Gradation {
+            d10_mm: gradation.d10_mm,
+            d30_mm: gradation.d30_mm,
+            d60_mm: gradation.d60_mm,
+            cu: gradation.coefficient_of_uniformity,
+            cc: gradation.coefficient_of_curvature,
+            uscs: gradation.uscs.to_owned(),
+        },
+        intermittent,
+        repose: None,
+        quick: options.quick,
+    })
 }

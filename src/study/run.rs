@@ -51,8 +51,14 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
     };
     let plan = Plan::new(std::slice::from_ref(&run), &grains_hash(&grains))?;
     let store = StageStore::open(&options.out.join("stages"))?;
-    let done =
-        execute(&plan, &store, options.jobs, &crate::world::create, &options.cancel, options.progress.as_ref())?;
+    let done = execute(
+        &plan,
+        &store,
+        options.jobs,
+        &crate::world::create,
+        &options.cancel,
+        options.progress.as_ref(),
+    )?;
     let record = write_run(&options.out, &run, &plan, &plan.runs[0], &done)?;
     crate::report::run_figures(&options.out.join("figures"), &record)?;
     Ok(record)
@@ -117,9 +123,10 @@ pub(super) fn write_run(
     done: &[Arc<StoredStage>],
 ) -> Result<RunRecord, StudyError> {
     create_folder(out)?;
-    let last = *nodes.stages.last().ok_or_else(|| {
-        StudyError::Scenario("a scenario needs at least one stage".to_owned())
-    })?;
+    let last = *nodes
+        .stages
+        .last()
+        .ok_or_else(|| StudyError::Scenario("a scenario needs at least one stage".to_owned()))?;
     let Summarised { summary, specimen, series, control } =
         summarise(run, &plan.nodes[last].setup, nodes, done)?;
     let table = |name: &str, content: Result<Vec<u8>, csv::Error>| {
