@@ -4,6 +4,7 @@
 //! The house tour is in `ARCHITECTURE.md`; the user's guide in `README.md`.
 
 pub mod apparatus;
+pub mod cli;
 pub mod geometry;
 pub mod grains;
 pub mod measure;

@@ -1,0 +1,110 @@
+//! The command line: one file a subcommand, each a function of its arguments
+//! and a [`Context`].
+
+mod context;
+mod error;
+mod grains;
+mod info;
+mod output_folder;
+mod progress;
+mod reproduce;
+mod run;
+mod schema;
+mod stop;
+mod table;
+
+pub use context::Context;
+pub use error::{CliError, ExitStatus};
+
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 done, but --strict found an expectation missed; 2 wrong usage or a fault in
+the scenario; 3 the simulation failed, its last good state is kept; 4 files could not be read or
+written; 130 stopped by Ctrl-C.
+
+Example:
+  pluvia run scenarios/quick/pluviation.json --out out/first";
+
+/// Granular soil as rigid convex stones: pour, shake and measure it.
+#[derive(Debug, Parser)]
+#[command(name = "pluvia", version, about, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// Options of every subcommand.
+#[derive(Debug, Clone, Copy, Args)]
+struct Global {
+    /// Show no progress
+    #[arg(long, global = true)]
+    quiet: bool,
+    /// Print results as JSON
+    #[arg(long, global = true)]
+    json: bool,
+    /// Say more of what is done; twice for still more
+    #[arg(short, long, action = clap::ArgAction::Count, global = true)]
+    verbose: u8,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Reproduce(reproduce::ReproduceArgs),
+    Run(run::RunArgs),
+    Grains(grains::GrainsArgs),
+    Schema(schema::SchemaArgs),
+    Info(info::InfoArgs),
+}
+
+/// Runs the program on the arguments of the process.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match command(&cli) {
+        Ok(status) => status.into(),
+        Err(error) => {
+            context::say(&format!("error: {error}"));
+            error.exit_code().into()
+        }
+    }
+}
+
+fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
+    let context = Context::new(cli.global.quiet, cli.global.json, cli.global.verbose);
+    match &cli.command {
+        Command::Reproduce(args) => reproduce::run(args, &context),
+        Command::Run(args) => run::run(args, &context),
+        Command::Grains(args) => grains::run(args, &context),
+        Command::Schema(args) => schema::run(args, &context),
+        Command::Info(args) => info::run(args, &context),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_subcommand_shows_an_example() {
+        let cli = Cli::command();
+        let mut count = 0;
+        for command in cli.get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let example = format!("pluvia {}", command.get_name());
+            assert!(help.contains(&example), "`{example} --help` shows no example");
+            count += 1;
+        }
+        assert!(count >= 5, "expected at least five subcommands, found {count}");
+    }
+}

@@ -1,0 +1,65 @@
+//! `pluvia reproduce`.
+
+use std::{path::PathBuf, thread::available_parallelism};
+
+use clap::Args;
+use serde_json::Value;
+
+use super::{CliError, Context, ExitStatus, output_folder, run::backend, table};
+use crate::record::read_json;
+use crate::scenario::Backend;
+use crate::study::{ReproduceOptions, reproduce};
+
+/// Run the whole paper and compare its claims
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Leaves report.html, claims.json, figures/ and runs/ in DIR. What is already done there is not done
+again, so that an interrupted command goes on where it stopped.
+
+Examples:
+  pluvia reproduce --quick --out out/quick
+  pluvia reproduce --configurations 3 --jobs 4 --strict --out out/reproduce")]
+pub(super) struct ReproduceArgs {
+    /// A few hundred grains instead of 1456, and shorter vibration
+    #[arg(long)]
+    quick: bool,
+    /// Number of initial configurations, each the same grains mixed anew
+    #[arg(long, value_name = "N", default_value_t = 3,
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    configurations: u32,
+    /// Stages carried out at the same time [default: the number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Physics engine
+    #[arg(long, value_name = "B", default_value = "bullet", value_parser = backend)]
+    backend: Backend,
+    /// End with exit code 1 when a claim of the paper is missed
+    #[arg(long)]
+    strict: bool,
+    /// Folder for the results; it is made if needed
+    #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
+    out: PathBuf,
+}
+
+pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    output_folder::prepare(&args.out)?;
+    context.stop_on_ctrl_c();
+    let cores = || available_parallelism().map_or(1, usize::from);
+    let outcome = reproduce(&ReproduceOptions {
+        out: args.out.clone(),
+        quick: args.quick,
+        configurations: args.configurations,
+        jobs: args.jobs.map_or_else(cores, usize::from),
+        backend: args.backend,
+        cancel: context.cancel.clone(),
+        progress: context.progress.clone(),
+    })?;
+    let claims: Vec<Value> = read_json(&args.out.join("claims.json"))?;
+    let mut text = table::of_claims(&claims);
+    text += &format!("report in {}\n", args.out.join("report.html").display());
+    context.print(&text, &claims)?;
+    if args.strict && outcome.claims_outside > 0 {
+        return Ok(ExitStatus::ExpectationMissed);
+    }
+    Ok(ExitStatus::Done)
+}
