@@ -233,7 +233,7 @@ mod tests {
         ] {
             assert!(text.contains(shown), "`{shown}` is missing in:\n{text}");
         }
-        for hidden in ["poured", "creep", "surface,"] {
+        for hidden in ["poured", "creep", "settlement, surface"] {
             assert!(!text.contains(hidden), "`{hidden}` does not apply, in:\n{text}");
         }
     }

@@ -137,7 +137,8 @@ mod tests {
     fn values_are_json_or_text() {
         for (text, expected) in [
             ("a=1", Value::from(1)),
-            ("a=1.5e2", Value::from(150.0)),
+            ("a=1.5e2", Value::from(150)),
+            ("a=0.5", Value::from(0.5)),
             ("a=true", Value::from(true)),
             ("a=full_stroke", Value::from("full_stroke")),
             ("a=\"1\"", Value::from("1")),

@@ -418,9 +418,6 @@ fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
             with_stages(&["fill_funnel", "pour", "vibrate"])(s);
             s["stages"][2]["frequency_hz"] = json!(6);
             s["stages"][2]["amplitude_mm"] = json!(200);
-            s["apparatus"] = json!({
-                "cylinder": { "wall_thickness_mm": 40 }, "funnel": { "wall_thickness_mm": 40 }
-            });
         },
         "engine.rate_hz",
         &["the shaking table", "15.71 mm"],
