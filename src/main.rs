@@ -1,4 +1,4 @@
-//! The `pluvia` program.
+//! The program `pluvia`; `pluvia --help` says what it can do.
 
 use std::process::ExitCode;
 

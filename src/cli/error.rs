@@ -1,35 +1,86 @@
-//! What can go wrong on the command line, and with which exit code.
+//! What went wrong, and with which code the program ends.
+
+use std::{io, process::ExitCode};
 
 use crate::record::FileError;
 use crate::scenario::ScenarioErrors;
 use crate::study::StudyError;
 
-/// Why a command did not do its work.
+/// How a command ended that did what it was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ExitStatus {
+    /// Done: exit code 0.
+    Done,
+    /// Done, but an expectation was missed that was to be met: exit code 1.
+    ExpectationMissed,
+}
+
+impl From<ExitStatus> for ExitCode {
+    fn from(status: ExitStatus) -> Self {
+        match status {
+            ExitStatus::Done => ExitCode::SUCCESS,
+            ExitStatus::ExpectationMissed => ExitCode::from(1),
+        }
+    }
+}
+
+/// Why a command did not do what it was asked.
 #[derive(Debug, thiserror::Error)]
 pub enum CliError {
-    /// The scenario cannot be read or is faulty.
+    /// The scenario has faults, or could not be read.
     #[error(transparent)]
     Scenario(#[from] ScenarioErrors),
+    /// The study did not finish.
+    #[error(transparent)]
+    Study(#[from] StudyError),
     /// A file could not be read or written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A study did not finish.
-    #[error(transparent)]
-    Study(#[from] StudyError),
+    /// The results could not be printed.
+    #[error("cannot write to the standard output: {0}")]
+    Output(#[from] io::Error),
 }
 
 impl CliError {
-    /// 2 bad scenario, 3 the simulation failed, 4 files, 130 interrupted.
+    /// The exit code: 2 wrong usage or scenario, 3 the simulation failed,
+    /// 4 files, 130 stopped by Ctrl-C (as shells have it: 128 + SIGINT).
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Scenario(ScenarioErrors::Faults(_)) => 2,
-            Self::Scenario(ScenarioErrors::Unreadable { .. }) | Self::File(_) => 4,
+            Self::Scenario(ScenarioErrors::Unreadable { .. }) => 4,
+            Self::File(_) | Self::Output(_) => 4,
             Self::Study(error) => match error {
                 StudyError::Scenario(_) | StudyError::Stage { .. } => 2,
                 StudyError::Simulation { .. } | StudyError::Measure(_) => 3,
                 StudyError::File(_) | StudyError::Report(_) => 4,
                 StudyError::Cancelled => 130,
             },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::{Path, PathBuf};
+
+    use super::*;
+
+    #[test]
+    fn exit_codes_are_those_of_the_contract() {
+        let file = || FileError::new("write", Path::new("a"), "full");
+        let simulation =
+            StudyError::Simulation { stage: "pour".into(), what: "NaN".into(), kept: "b".into() };
+        let cases: [(CliError, u8); 7] = [
+            (ScenarioErrors::Faults(Vec::new()).into(), 2),
+            (ScenarioErrors::Unreadable { file: PathBuf::new(), reason: "".into() }.into(), 4),
+            (StudyError::Scenario("bad".into()).into(), 2),
+            (simulation.into(), 3),
+            (StudyError::File(file()).into(), 4),
+            (file().into(), 4),
+            (StudyError::Cancelled.into(), 130),
+        ];
+        for (error, expected) in cases {
+            assert_eq!(error.exit_code(), expected, "exit code of: {error}");
         }
     }
 }

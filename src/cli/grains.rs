@@ -1,84 +1,98 @@
-//! `pluvia grains`
+//! `pluvia grains`.
 
 use std::path::PathBuf;
 
-use clap::ValueEnum;
-use serde_json::json;
+use clap::{Args, ValueEnum};
+use serde::Serialize;
 
-use super::{CliError, Context, Ended, print, print_json, usable_folder};
-use crate::grains::mesh::{write_obj, write_ply, write_stl};
+use super::{CliError, Context, ExitStatus, output_folder};
+use crate::grains::mesh;
 use crate::record::{FileError, write_file};
-use crate::scenario::{Override, load};
+use crate::scenario::{GrainsSpec, load};
 use crate::study::{make_grains, write_grains};
 use crate::units::{to_cm3, to_g};
 
-/// Make only the grains of a scenario.
-#[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Example:\n  pluvia grains scenarios/paper/pluviation.json --format obj --out out/grains"
-)]
-pub struct Arguments {
-    /// The scenario file.
+/// Make only the grains of a scenario
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Leaves grains.json and, for grains made from sieve data, sieve.csv in DIR; with another format
+also grains.obj, grains.stl or grains.ply, for programs that show meshes.
+
+Examples:
+  pluvia grains scenarios/paper/pluviation.json --out out/grains
+  pluvia grains scenarios/paper/pluviation.json --format ply --out out/grains")]
+pub(super) struct GrainsArgs {
+    /// The scenario file
+    #[arg(value_name = "SCENARIO.json")]
     scenario: PathBuf,
-    /// Folder for grains.json, sieve.csv and the mesh.
+    /// Format of the grains
+    #[arg(long, value_enum, default_value_t = Format::Json)]
+    format: Format,
+    /// Folder for the files; it is made if needed
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Write a mesh of all grains beside grains.json.
-    #[arg(long, value_enum, default_value = "json")]
-    format: Format,
-    /// Seed of the random streams, in place of the scenario's.
-    #[arg(long)]
-    seed: Option<u64>,
-    /// Change a value of the scenario; may be given several times.
-    #[arg(long = "set", value_name = "PATH=VALUE")]
-    set: Vec<Override>,
 }
 
-/// Mesh formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// No mesh, only grains.json.
+    /// grains.json alone
     Json,
-    /// Wavefront OBJ, one object a grain.
+    /// Wavefront OBJ, one object a grain
     Obj,
-    /// Text STL, one solid a grain.
+    /// STL, one solid a grain
     Stl,
-    /// Text PLY, one mesh with the number of the grain on each face.
+    /// PLY, faces numbered by grain
     Ply,
 }
 
-pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<Ended, CliError> {
-    let mut scenario = load(&arguments.scenario, &arguments.set)?.scenario;
-    scenario.seed = arguments.seed.unwrap_or(scenario.seed);
-    usable_folder(&arguments.out)?;
+/// What was made.
+#[derive(Serialize)]
+struct Made {
+    scenario: String,
+    grains: usize,
+    mass_g: f64,
+    solids_volume_cm3: f64,
+    grains_in_100_g: f64,
+    files: Vec<PathBuf>,
+}
+
+pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let scenario = load(&args.scenario, &[])?.scenario;
+    output_folder::prepare(&args.out)?;
     let set = make_grains(&scenario)?;
-    write_grains(&arguments.out, &scenario, &set)?;
-    let mut mesh = Vec::new();
-    let (name, written) = match arguments.format {
-        Format::Json => ("", Ok(())),
-        Format::Obj => ("grains.obj", write_obj(&set, &mut mesh)),
-        Format::Stl => ("grains.stl", write_stl(&set, &mut mesh)),
-        Format::Ply => ("grains.ply", write_ply(&set, &mut mesh)),
+    write_grains(&args.out, &scenario, &set)?;
+    let mut files = vec![args.out.join("grains.json")];
+    if matches!(scenario.grains, GrainsSpec::Sieved(_)) {
+        files.push(args.out.join("sieve.csv"));
+    }
+    let mut content = Vec::new();
+    let written = match args.format {
+        Format::Json => None,
+        Format::Obj => Some(("grains.obj", mesh::write_obj(&set, &mut content))),
+        Format::Stl => Some(("grains.stl", mesh::write_stl(&set, &mut content))),
+        Format::Ply => Some(("grains.ply", mesh::write_ply(&set, &mut content))),
     };
-    if !name.is_empty() {
-        let path = arguments.out.join(name);
-        written.map_err(|e| FileError::new("write", &path, e))?;
-        write_file(&path, &mesh)?;
+    if let Some((name, written)) = written {
+        let path = args.out.join(name);
+        written.map_err(|error| FileError::new("write", &path, error))?;
+        write_file(&path, &content)?;
+        files.push(path);
     }
-    let (count, mass, volume) = (set.grains.len(), to_g(set.mass()), to_cm3(set.volume()));
-    if context.json {
-        print_json(&json!({
-            "grains": count,
-            "mass_g": mass,
-            "solids_volume_cm3": volume,
-            "grains_in_100_g": set.grains_in_100_g(),
-        }));
-    } else {
-        print(&format!(
-            "{count} grains, {mass:.2} g, {volume:.2} cm³, {:.1} grains in 100 g, in {}",
-            set.grains_in_100_g(),
-            arguments.out.display()
-        ));
+    let made = Made {
+        scenario: scenario.name,
+        grains: set.grains.len(),
+        mass_g: to_g(set.mass()),
+        solids_volume_cm3: to_cm3(set.volume()),
+        grains_in_100_g: set.grains_in_100_g(),
+        files,
+    };
+    let mut text = format!(
+        "{}: {} grains, {:.1} g, {:.1} cm³ of solids, {:.1} grains in 100 g\n",
+        made.scenario, made.grains, made.mass_g, made.solids_volume_cm3, made.grains_in_100_g
+    );
+    for file in &made.files {
+        text += &format!("{}\n", file.display());
     }
-    Ok(Ended::Well)
+    context.print(&text, &made)?;
+    Ok(ExitStatus::Done)
 }

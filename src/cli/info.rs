@@ -1,39 +1,56 @@
-//! `pluvia info`
+//! `pluvia info`.
 
-use serde_json::json;
+use std::thread::available_parallelism;
 
-use super::{CliError, Context, Ended, cores, print, print_json};
+use clap::Args;
+use serde::Serialize;
+
+use super::{CliError, Context, ExitStatus};
 use crate::scenario::Backend;
+use crate::world::{self, BackendInfo};
 
-/// Print versions, the engine with its precision, and the number of cores.
-#[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  pluvia info --json")]
-pub struct Arguments {}
+/// Print versions, Bullet's version and precision, features, number of cores
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  pluvia info --json")]
+pub(super) struct InfoArgs {}
 
-pub(super) fn run(context: &Context) -> Result<Ended, CliError> {
-    let engine = crate::world::info(Backend::Bullet);
-    let features: &[&str] =
-        if cfg!(feature = "double-precision") { &["double-precision"] } else { &[] };
-    if context.json {
-        print_json(&json!({
-            "pluvia": env!("CARGO_PKG_VERSION"),
-            "backends": [engine],
-            "features": features,
-            "target": format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
-            "cores": cores(),
-        }));
-    } else {
-        print(&format!(
-            "pluvia    {}\nengine    {} {}, {} precision\nfeatures  {}\nmachine   {} {}, {} cores",
-            env!("CARGO_PKG_VERSION"),
-            engine.name,
-            engine.version,
-            engine.precision,
-            if features.is_empty() { "none".to_owned() } else { features.join(", ") },
-            std::env::consts::ARCH,
-            std::env::consts::OS,
-            cores()
-        ));
+#[derive(Serialize)]
+struct Info {
+    /// Version of the program.
+    pluvia: &'static str,
+    /// The engines it can use.
+    backends: Vec<BackendInfo>,
+    /// Cargo features it was built with.
+    features: Vec<&'static str>,
+    /// Processor and operating system it was built for.
+    target: String,
+    /// Threads that can run at the same time.
+    cores: usize,
+}
+
+pub(super) fn run(_: &InfoArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let mut features = Vec::new();
+    if cfg!(feature = "double-precision") {
+        features.push("double-precision");
     }
-    Ok(Ended::Well)
+    let info = Info {
+        pluvia: env!("CARGO_PKG_VERSION"),
+        backends: vec![world::info(Backend::Bullet)],
+        features,
+        target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
+        cores: available_parallelism().map_or(1, usize::from),
+    };
+    let mut text = format!("pluvia    {} for {}\n", info.pluvia, info.target);
+    for backend in &info.backends {
+        text += &format!(
+            "backend   {} {}, {} precision\n",
+            backend.name, backend.version, backend.precision
+        );
+    }
+    let features = if info.features.is_empty() { "none".into() } else { info.features.join(", ") };
+    text += &format!("features  {features}\ncores     {}\n", info.cores);
+    context.print(&text, &info)?;
+    Ok(ExitStatus::Done)
 }

@@ -1,146 +1,110 @@
-//! The command line: one file a subcommand.
+//! The command line: one file a subcommand, each a function of its arguments
+//! and a [`Context`].
 
+mod context;
 mod error;
 mod grains;
 mod info;
+mod output_folder;
 mod progress;
 mod reproduce;
 mod run;
 mod schema;
+mod stop;
 mod table;
 
-pub use error::CliError;
+pub use context::Context;
+pub use error::{CliError, ExitStatus};
 
-use std::{
-    path::Path,
-    process::ExitCode,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
-};
+use std::process::ExitCode;
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 
-use crate::protocol::{Progress, Silent};
-use crate::record::{FileError, create_folder};
-use crate::scenario::Backend;
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 done, but --strict found an expectation missed; 2 wrong usage or a fault in
+the scenario; 3 the simulation failed, its last good state is kept; 4 files could not be read or
+written; 130 stopped by Ctrl-C.
 
-/// Simulates granular soil as rigid convex polyhedra: how grains pack, pour and settle.
+Example:
+  pluvia run scenarios/quick/pluviation.json --out out/first";
+
+/// Granular soil as rigid convex stones: pour, shake and measure it.
 #[derive(Debug, Parser)]
-#[command(version, about, max_term_width = 100)]
-struct Arguments {
+#[command(name = "pluvia", version, about, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(flatten)]
+    global: Global,
     #[command(subcommand)]
     command: Command,
-    /// Print no progress.
+}
+
+/// Options of every subcommand.
+#[derive(Debug, Clone, Copy, Args)]
+struct Global {
+    /// Show no progress
     #[arg(long, global = true)]
     quiet: bool,
-    /// Print results as JSON.
+    /// Print results as JSON
     #[arg(long, global = true)]
     json: bool,
+    /// Say more of what is done; twice for still more
+    #[arg(short, long, action = clap::ArgAction::Count, global = true)]
+    verbose: u8,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Reproduce(reproduce::Arguments),
-    Run(run::Arguments),
-    Grains(grains::Arguments),
-    Schema(schema::Arguments),
-    Info(info::Arguments),
+    Reproduce(reproduce::ReproduceArgs),
+    Run(run::RunArgs),
+    Grains(grains::GrainsArgs),
+    Schema(schema::SchemaArgs),
+    Info(info::InfoArgs),
 }
 
-/// Engines as typed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum BackendName {
-    /// Debian's Bullet.
-    Bullet,
-}
-
-impl From<BackendName> for Backend {
-    fn from(name: BackendName) -> Self {
-        match name {
-            BackendName::Bullet => Self::Bullet,
-        }
-    }
-}
-
-/// What every subcommand is given.
-struct Context {
-    json: bool,
-    cancel: Arc<AtomicBool>,
-    progress: Arc<dyn Progress>,
-}
-
-/// How a command that did its work ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Ended {
-    /// As expected.
-    Well,
-    /// With an expectation missed (exit code 1).
-    Missed,
-}
-
-/// Reads the command line, carries it out, and gives the process's exit code:
-/// 0 done, 1 done with an expectation missed, 2 bad usage or scenario, 3 the
-/// simulation failed, 4 files could not be read or written, 130 interrupted.
+/// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
-    // clap prints its own message and exits with 2 on bad usage.
-    let arguments = Arguments::parse();
-    let cancel = Arc::new(AtomicBool::new(false));
-    listen_for_interrupts(&cancel);
-    let progress: Arc<dyn Progress> =
-        if arguments.quiet { Arc::new(Silent) } else { Arc::new(progress::Terminal::new()) };
-    let context = Context { json: arguments.json, cancel, progress };
-    let result = match arguments.command {
-        Command::Reproduce(a) => reproduce::run(&a, &context),
-        Command::Run(a) => run::run(&a, &context),
-        Command::Grains(a) => grains::run(&a, &context),
-        Command::Schema(_) => schema::run(),
-        Command::Info(_) => info::run(&context),
-    };
-    match result {
-        Ok(Ended::Well) => ExitCode::SUCCESS,
-        Ok(Ended::Missed) => ExitCode::from(1),
+    let cli = Cli::parse();
+    match command(&cli) {
+        Ok(status) => status.into(),
         Err(error) => {
-            eprintln!("pluvia: {error}");
-            ExitCode::from(error.exit_code())
+            context::say(&format!("error: {error}"));
+            error.exit_code().into()
         }
     }
 }
 
-/// The first Ctrl-C asks the work to stop where it can go on later, the second ends at once.
-fn listen_for_interrupts(cancel: &Arc<AtomicBool>) {
-    let cancel = cancel.clone();
-    let set = ctrlc::set_handler(move || {
-        if cancel.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
-    if let Err(error) = set {
-        eprintln!("pluvia: Ctrl-C will end the program at once: {error}");
+fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
+    let context = Context::new(cli.global.quiet, cli.global.json, cli.global.verbose);
+    match &cli.command {
+        Command::Reproduce(args) => reproduce::run(args, &context),
+        Command::Run(args) => run::run(args, &context),
+        Command::Grains(args) => grains::run(args, &context),
+        Command::Schema(args) => schema::run(args, &context),
+        Command::Info(args) => info::run(args, &context),
     }
 }
 
-/// Creates the output folder and finds out whether files can be written there,
-/// before anything is computed.
-fn usable_folder(path: &Path) -> Result<(), CliError> {
-    create_folder(path)?;
-    tempfile::tempfile_in(path).map_err(|e| FileError::new("write into the folder", path, e))?;
-    Ok(())
-}
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
 
-/// Number of threads to use when none is given: one a core.
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
-}
+    use super::*;
 
-/// Prints to stdout. A reader that has gone away, as `head` does, is no error of ours.
-fn print(text: &str) {
-    use std::io::Write as _;
-    let _ = writeln!(std::io::stdout(), "{text}");
-}
+    #[test]
+    fn the_command_line_is_sound() {
+        Cli::command().debug_assert();
+    }
 
-/// Prints a value as indented JSON.
-fn print_json(value: &impl serde::Serialize) {
-    print(&serde_json::to_string_pretty(value).unwrap_or_default());
+    #[test]
+    fn every_subcommand_shows_an_example() {
+        let cli = Cli::command();
+        let mut count = 0;
+        for command in cli.get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let example = format!("pluvia {}", command.get_name());
+            assert!(help.contains(&example), "`{example} --help` shows no example");
+            count += 1;
+        }
+        assert!(count >= 5, "expected at least five subcommands, found {count}");
+    }
 }

@@ -1,72 +1,65 @@
-//! `pluvia reproduce`
+//! `pluvia reproduce`.
 
-use std::path::PathBuf;
+use std::{path::PathBuf, thread::available_parallelism};
 
-use serde_json::json;
+use clap::Args;
+use serde_json::Value;
 
-use super::{
-    BackendName, CliError, Context, Ended, cores, print, print_json, table, usable_folder,
-};
+use super::{CliError, Context, ExitStatus, output_folder, run::backend, table};
+use crate::record::read_json;
+use crate::scenario::Backend;
 use crate::study::{ReproduceOptions, reproduce};
 
-/// Run the paper's whole experimental programme and hold it against the paper's claims.
-///
-/// What is finished in the output folder is not done again: a study that was
-/// stopped or killed goes on where it was.
-#[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:
+/// Run the whole paper and compare its claims
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Leaves report.html, claims.json, figures/ and runs/ in DIR. What is already done there is not done
+again, so that an interrupted command goes on where it stopped.
+
+Examples:
   pluvia reproduce --quick --out out/quick
-  pluvia reproduce --configurations 3 --out out/reproduce")]
-pub struct Arguments {
-    /// Folder for report.html, claims.json, figures/ and runs/.
-    #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
-    out: PathBuf,
-    /// A few hundred grains and short vibrations: the same pipeline in a minute or two.
+  pluvia reproduce --configurations 3 --jobs 4 --strict --out out/reproduce")]
+pub(super) struct ReproduceArgs {
+    /// A few hundred grains instead of 1456, and shorter vibration
     #[arg(long)]
     quick: bool,
-    /// Number of mixings of the same grains [default: 3, with --quick 1].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
-    configurations: Option<u32>,
-    /// Stages carried out at a time [default: one a core].
+    /// Number of initial configurations, each the same grains mixed anew
+    #[arg(long, value_name = "N", default_value_t = 3,
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    configurations: u32,
+    /// Stages carried out at the same time [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Engine that carries the grains.
-    #[arg(long, value_enum, default_value = "bullet")]
-    backend: BackendName,
-    /// Exit with 1 when a claim of the paper is missed.
+    /// Physics engine
+    #[arg(long, value_name = "B", default_value = "bullet", value_parser = backend)]
+    backend: Backend,
+    /// End with exit code 1 when a claim of the paper is missed
     #[arg(long)]
     strict: bool,
+    /// Folder for the results; it is made if needed
+    #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
+    out: PathBuf,
 }
 
-pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<Ended, CliError> {
-    usable_folder(&arguments.out)?;
-    let configurations = arguments.configurations.unwrap_or(if arguments.quick { 1 } else { 3 });
+pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    output_folder::prepare(&args.out)?;
+    context.stop_on_ctrl_c();
+    let cores = || available_parallelism().map_or(1, usize::from);
     let outcome = reproduce(&ReproduceOptions {
-        out: arguments.out.clone(),
-        quick: arguments.quick,
-        configurations,
-        jobs: arguments.jobs.map_or_else(cores, usize::from),
-        backend: arguments.backend.into(),
+        out: args.out.clone(),
+        quick: args.quick,
+        configurations: args.configurations,
+        jobs: args.jobs.map_or_else(cores, usize::from),
+        backend: args.backend,
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),
     })?;
-    if context.json {
-        print_json(&json!({
-            "claims_within": outcome.claims_within,
-            "claims_outside": outcome.claims_outside,
-            "claims_not_stated": outcome.claims_not_stated,
-            "report": outcome.report,
-        }));
-    } else {
-        print(&table::runs(&outcome.runs));
-        print(&format!(
-            "claims of the paper: {} within, {} outside, {} without a number in the text\nreport in {}",
-            outcome.claims_within,
-            outcome.claims_outside,
-            outcome.claims_not_stated,
-            outcome.report.display()
-        ));
+    let claims: Vec<Value> = read_json(&args.out.join("claims.json"))?;
+    let mut text = table::of_claims(&claims);
+    text += &format!("report in {}\n", args.out.join("report.html").display());
+    context.print(&text, &claims)?;
+    if args.strict && outcome.claims_outside > 0 {
+        return Ok(ExitStatus::ExpectationMissed);
     }
-    let missed = arguments.strict && outcome.claims_outside > 0;
-    Ok(if missed { Ended::Missed } else { Ended::Well })
+    Ok(ExitStatus::Done)
 }

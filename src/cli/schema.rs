@@ -1,13 +1,22 @@
-//! `pluvia schema`
+//! `pluvia schema`.
 
-use super::{CliError, Ended, print_json};
+use clap::Args;
 
-/// Print the JSON Schema of the scenario file.
-#[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  pluvia schema > scenario.schema.json")]
-pub struct Arguments {}
+use super::{CliError, Context, ExitStatus};
+use crate::scenario;
 
-pub(super) fn run() -> Result<Ended, CliError> {
-    print_json(&crate::scenario::schema());
-    Ok(Ended::Well)
+/// Print the JSON Schema of the scenario file
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Editors use it to check and complete scenarios: name it in their settings, or in a scenario's
+own \"$schema\".
+
+Example:
+  pluvia schema > scenario.schema.json")]
+pub(super) struct SchemaArgs {}
+
+pub(super) fn run(_: &SchemaArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let schema = scenario::schema();
+    context.print(&format!("{schema:#}"), &schema)?;
+    Ok(ExitStatus::Done)
 }

@@ -1,64 +1,240 @@
-//! Results as plain text for people.
+//! Results as compact tables for people.
 
-use crate::record::{RunRecord, Summary};
+use serde_json::Value;
 
-/// The figures of one run, a line each.
-pub(super) fn summary(s: &Summary) -> String {
-    let mut lines = vec![
-        ("grains in the cylinder", format!("{} of {}", s.grains.in_cylinder, s.grains.count)),
-        (
-            "standing height",
-            format!(
-                "{:.1} mm (mean surface), {:.1} mm (95th percentile), {:.1} mm (highest grain)",
-                s.standing_height_mm.mean_surface,
-                s.standing_height_mm.p95,
-                s.standing_height_mm.highest
-            ),
-        ),
-        ("void ratio", format!("{:.3} (porosity {:.3})", s.void_ratio, s.porosity)),
-    ];
-    if let Some(settlement) = &s.settlement_mm {
-        let share = settlement
-            .share_after_5_s
-            .map_or(String::new(), |share| format!(", {:.0} % of it after 5 s", 100.0 * share));
-        lines.push(("plate settlement", format!("{:.1} mm{share}", settlement.final_mm)));
+use crate::record::{Settlement, StandingHeight, Summary};
+
+/// A length of time for people.
+pub(super) fn duration(seconds: f64) -> String {
+    let whole = seconds.round().max(0.0) as u64;
+    match (whole / 3600, whole / 60 % 60, whole % 60) {
+        (0, 0, s) => format!("{s} s"),
+        (0, m, s) => format!("{m} min {s} s"),
+        (h, m, _) => format!("{h} h {m} min"),
     }
-    lines.push((
-        "overlap",
-        format!(
-            "{:.2} % mean, {:.2} % 99th percentile",
-            s.overlap.mean_percent, s.overlap.p99_percent
-        ),
-    ));
-    if let Some(creep) = s.creep_um_per_s {
-        lines.push(("creep at rest", format!("{creep:.0} µm/s")));
-    }
-    let standard = if s.meets_standard { "met" } else { "not met" };
-    lines.push(("accuracy standard", standard.to_owned()));
-    let mut text: Vec<String> =
-        lines.into_iter().map(|(name, value)| format!("{name:<24}{value}")).collect();
-    text.extend(s.warnings.iter().map(|w| format!("warning: {w}")));
-    text.join("\n")
 }
 
-/// One line a run.
-pub(super) fn runs(records: &[RunRecord]) -> String {
-    let header = format!(
-        "{:<30} {:>9} {:>7} {:>11} {:>9} {:>10}",
-        "run", "height mm", "void e", "settled mm", "overlap %", "creep µm/s"
-    );
-    let line = |r: &RunRecord| {
-        let s = &r.summary;
-        let number = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1}"));
+/// Rows of a name and what is to be said of it.
+#[derive(Default)]
+struct Rows(Vec<(String, String)>);
+
+impl Rows {
+    fn add(&mut self, name: &str, text: String) {
+        self.0.push((name.to_owned(), text));
+    }
+
+    fn aligned(&self) -> String {
+        let width = self.0.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        self.0.iter().map(|(name, text)| format!("  {name:width$}  {text}\n")).collect()
+    }
+}
+
+fn height(of: &StandingHeight) -> String {
+    format!(
+        "{:.1} mm mean surface, {:.1} mm 95th percentile, {:.1} mm highest",
+        of.mean_surface, of.p95, of.highest
+    )
+}
+
+fn settlement(of: &Settlement) -> String {
+    match (of.after_5_s, of.share_after_5_s) {
+        (Some(after), Some(share)) => {
+            format!("{:.2} mm; {after:.2} mm after 5 s ({:.0} %)", of.final_mm, share * 100.0)
+        }
+        _ => format!("{:.2} mm", of.final_mm),
+    }
+}
+
+/// The figures of a run.
+pub(super) fn of_summary(summary: &Summary) -> String {
+    let grains = &summary.grains;
+    let mut rows = Rows::default();
+    rows.add(
+        "engine",
         format!(
-            "{:<30} {:>9.1} {:>7.3} {:>11} {:>9.2} {:>10}",
-            r.name,
-            s.standing_height_mm.mean_surface,
-            s.void_ratio,
-            number(s.settlement_mm.as_ref().map(|x| x.final_mm)),
-            s.overlap.mean_percent,
-            number(s.creep_um_per_s)
-        )
+            "{} {}, {} precision, contacts by {}",
+            summary.backend.name,
+            summary.backend.version,
+            summary.backend.precision,
+            summary.contact_path
+        ),
+    );
+    rows.add("grains", format!("{}, {:.1} g", grains.count, grains.mass_g));
+    rows.add(
+        "",
+        format!(
+            "{} in the cylinder, {} spilled, {} left in the funnel, {} escaped through walls",
+            grains.in_cylinder, grains.spilled, grains.left_in_funnel, grains.escaped
+        ),
+    );
+    if let (Some(poured), Some(void_ratio)) = (&summary.poured_height_mm, summary.poured_void_ratio)
+    {
+        rows.add("poured height", height(poured));
+        rows.add("poured void ratio", format!("{void_ratio:.3}"));
+    }
+    rows.add("standing height", height(&summary.standing_height_mm));
+    rows.add("void ratio", format!("{:.3} (porosity {:.3})", summary.void_ratio, summary.porosity));
+    if let Some(of) = &summary.settlement_mm {
+        rows.add("settlement, plate", settlement(of));
+    }
+    if let Some(of) = &summary.surface_settlement_mm {
+        rows.add("settlement, surface", settlement(of));
+    }
+    let overlap = &summary.overlap;
+    rows.add(
+        "overlap",
+        format!(
+            "{:.2} % mean, {:.2} % 99th percentile, {:.2} % largest",
+            overlap.mean_percent, overlap.p99_percent, overlap.max_percent
+        ),
+    );
+    rows.add("coordination", format!("{:.2}", summary.coordination_number));
+    if let Some(creep) = summary.creep_um_per_s {
+        rows.add("creep at rest", format!("{creep:.1} µm/s"));
+    }
+    let standard = if summary.meets_standard { "met" } else { "NOT met (docs/accuracy.md)" };
+    rows.add("accuracy standard", standard.into());
+    rows.add(
+        "cost",
+        format!(
+            "{:.2} s simulated in {} steps and {}, {:.0} MiB",
+            summary.simulated_s,
+            summary.steps,
+            duration(summary.wall_s),
+            summary.peak_memory_mib
+        ),
+    );
+    let mut text = format!(
+        "{}, configuration {}, seed {}\n{}",
+        summary.scenario,
+        summary.configuration,
+        summary.seed,
+        rows.aligned()
+    );
+    for warning in &summary.warnings {
+        text += &format!("  warning: {warning}\n");
+    }
+    text
+}
+
+/// The entries of `claims.json`, one a line, and how many were met.
+pub(super) fn of_claims(claims: &[Value]) -> String {
+    let text = |value: &Value| match value {
+        Value::Null => "-".to_owned(),
+        Value::String(text) => text.clone(),
+        Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), three_digits),
+        other => other.to_string(),
     };
-    std::iter::once(header).chain(records.iter().map(line)).collect::<Vec<_>>().join("\n")
+    let header = ["verdict", "claim", "paper", "ours", "unit"].map(str::to_owned);
+    let mut rows = vec![header];
+    for claim in claims {
+        let paper = match &claim["paper"] {
+            Value::Object(stated) => match (stated.get("low"), stated.get("high")) {
+                (Some(low), Some(high)) => format!("{} to {}", text(low), text(high)),
+                _ => stated.get("value").map(text).unwrap_or_default(),
+            },
+            other => text(other),
+        };
+        let [verdict, id, ours, unit] = ["verdict", "id", "ours", "unit"].map(|f| text(&claim[f]));
+        rows.push([verdict, id, paper, ours, unit]);
+    }
+    let widths: Vec<usize> = (0..5)
+        .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
+        .collect();
+    let mut out = String::new();
+    for row in &rows {
+        let cells: Vec<String> =
+            row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
+        out += cells.join("  ").trim_end();
+        out.push('\n');
+    }
+    let count = |verdict: &str| claims.iter().filter(|c| c["verdict"] == verdict).count();
+    out += &format!(
+        "{} claims: {} within, {} outside, {} not stated\n",
+        claims.len(),
+        count("within"),
+        count("outside"),
+        count("not_stated")
+    );
+    out
+}
+
+/// A number with up to three decimals.
+fn three_digits(value: f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn durations_are_for_people() {
+        for (seconds, expected) in
+            [(0.4, "0 s"), (59.6, "1 min 0 s"), (125.0, "2 min 5 s"), (7384.0, "2 h 3 min")]
+        {
+            assert_eq!(duration(seconds), expected, "law: {seconds} s in words");
+        }
+    }
+
+    #[test]
+    fn claims_stand_in_columns() {
+        let claims = [
+            json!({ "id": "settlement", "paper": { "low": 14.0, "high": 19.61 }, "ours": 16.25,
+                    "unit": "mm", "verdict": "within" }),
+            json!({ "id": "grains", "paper": { "value": 1456 }, "ours": 1457, "unit": "",
+                    "verdict": "outside" }),
+            json!({ "id": "heights", "paper": null, "ours": null, "unit": "mm",
+                    "verdict": "not_stated" }),
+        ];
+        let table = of_claims(&claims);
+        let lines: Vec<&str> = table.lines().collect();
+        assert_eq!(lines.len(), 5, "a header, three claims and a sum: {table}");
+        assert_eq!(lines[1], "within      settlement  14 to 19.61  16.25  mm");
+        assert_eq!(lines[2], "outside     grains      1456         1457");
+        assert_eq!(lines[3], "not_stated  heights     -            -      mm");
+        assert_eq!(lines[4], "3 claims: 1 within, 1 outside, 1 not stated");
+    }
+
+    #[test]
+    fn summaries_show_what_applies() {
+        let value = json!({
+            "scenario": "a", "backend": { "name": "bullet", "version": "3.24", "precision": "double" },
+            "contact_path": "bullet", "seed": 1, "configuration": 2, "falling_height_mm": 50.0,
+            "grains": { "count": 364, "mass_g": 585.7, "solids_volume_cm3": 219.0,
+                "in_cylinder": 362, "mass_in_cylinder_g": 582.0, "escaped": 0, "spilled": 1,
+                "left_in_funnel": 1 },
+            "standing_height_mm": { "mean_surface": 101.2, "p95": 110.0, "highest": 115.0 },
+            "poured_height_mm": null, "void_ratio": 0.912, "poured_void_ratio": null,
+            "porosity": 0.477,
+            "settlement_mm": { "final": 10.0, "after_5_s": 8.0, "share_after_5_s": 0.8,
+                "after_each_period": [10.0] },
+            "surface_settlement_mm": null,
+            "overlap": { "pairs": 900, "mean_percent": 0.2, "p99_percent": 1.0,
+                "max_percent": 2.0, "max_mm": 0.2 },
+            "coordination_number": 5.1, "creep_um_per_s": null, "control": null,
+            "meets_standard": false, "kinetic_energy_j": 0.0, "simulated_s": 6.0, "steps": 2880,
+            "wall_s": 61.0, "engine_s": 60.0, "peak_memory_mib": 55.0,
+            "warnings": ["1 grain hangs"],
+        });
+        let summary: Summary = serde_json::from_value(value).expect("a summary");
+        let text = of_summary(&summary);
+        for shown in [
+            "a, configuration 2",
+            "362 in the cylinder",
+            "8.00 mm after 5 s (80 %)",
+            "0.912",
+            "NOT met",
+            "1 min 1 s",
+            "warning: 1 grain hangs",
+        ] {
+            assert!(text.contains(shown), "`{shown}` is missing in:\n{text}");
+        }
+        for hidden in ["poured", "creep", "settlement, surface"] {
+            assert!(!text.contains(hidden), "`{hidden}` does not apply, in:\n{text}");
+        }
+    }
 }

@@ -58,16 +58,18 @@ impl FromStr for Override {
 }
 
 impl Override {
-    /// Sets a field of the scenario itself (`seed`, `name`, ...).
-    pub fn field(name: &str, value: Value) -> Self {
-        let text = format!("{name}={value}");
-        Self { path: vec![Step::Name(name.to_owned())], value, text }
+    /// Sets the field at the end of a chain of fields, `["engine", "backend"]`.
+    pub fn new(fields: &[&str], value: Value) -> Self {
+        let text = format!("{}={value}", fields.join("."));
+        let path = fields.iter().map(|name| Step::Name((*name).to_owned())).collect();
+        Self { path, value, text }
     }
 
     /// Lays the value over the document. A field that is not there is made;
     /// whether the scenario knows it is found when everything is checked.
     pub(super) fn apply(&self, document: &mut Document) -> Result<(), Fault> {
         let mut path = String::new();
+        let mut made = Vec::new();
         let mut at = &mut document.value;
         for step in &self.path {
             if at.is_null() {
@@ -90,6 +92,9 @@ impl Override {
                         }
                     };
                     path = field_path(&path, &name);
+                    if !map.contains_key(&name) {
+                        made.push(path.clone());
+                    }
                     map.entry(name).or_insert(Value::Null)
                 }
                 Value::Array(items) => {
@@ -115,7 +120,11 @@ impl Override {
             };
         }
         *at = self.value.clone();
-        document.set_origin(&path, &self.value, Origin::Set(self.text.clone()));
+        let origin = Origin::Set(self.text.clone());
+        for path in made {
+            document.set_origin(&path, &Value::Null, origin.clone());
+        }
+        document.set_origin(&path, &self.value, origin);
         Ok(())
     }
 }
@@ -128,7 +137,8 @@ mod tests {
     fn values_are_json_or_text() {
         for (text, expected) in [
             ("a=1", Value::from(1)),
-            ("a=1.5e2", Value::from(150.0)),
+            ("a=1.5e2", Value::from(150)),
+            ("a=0.5", Value::from(0.5)),
             ("a=true", Value::from(true)),
             ("a=full_stroke", Value::from("full_stroke")),
             ("a=\"1\"", Value::from("1")),

@@ -1,4 +1,6 @@
 //! Tests of the crate as a whole: its source, its documents, its files.
 
 mod architecture;
+mod cli;
 mod docs;
+mod scenario;

@@ -26,14 +26,13 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
         }
         let count = fraction.grain_count(sieved.total_mass_g, sieved.density_kg_per_m3);
         total += count;
-        if count < 0.5 {
+        if count < 1.0 {
             faults.push(fault(
                 &format!("grains.sieve_table[{i}].mass_percent"),
                 fraction.mass_percent,
-                format!("at least {} %", short(fraction.mass_percent * 0.5 / count)),
+                format!("at least {} %", short(fraction.mass_percent / count)),
                 format!(
-                    "the fraction {} to {} mm is lighter than half a grain of its mean size, it \
-                     would be empty",
+                    "the fraction {} to {} mm is lighter than one grain of its mean size",
                     fraction.passing_mm, fraction.retained_mm
                 ),
             ));

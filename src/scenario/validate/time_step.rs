@@ -48,7 +48,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
     else {
         return;
     };
-    let step = fastest.speed / rate;
+    let mut step = fastest.speed / rate;
     if let Some(size) = parts.finest_mm()
         && step > from_mm(size)
     {
@@ -60,6 +60,8 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
                 short(to_mm(step))
             ),
         );
+        // The walls are judged at the rate that is asked for.
+        step = from_mm(size);
     }
     // What is past the middle of a wall at the end of a step is pushed outwards.
     for (path, thickness) in walls(parts) {

@@ -1,0 +1,83 @@
+//! What every subcommand needs beside its own arguments.
+
+use std::{
+    io::{self, IsTerminal, Write},
+    sync::{Arc, atomic::AtomicBool},
+};
+
+use serde::Serialize;
+
+use super::{progress, stop};
+use crate::protocol::{Progress, Silent};
+
+/// How to tell of progress, print results, and stop.
+pub struct Context {
+    /// Print results as JSON.
+    pub json: bool,
+    /// Becomes true when the user asks to stop.
+    pub cancel: Arc<AtomicBool>,
+    /// Told of what goes on.
+    pub progress: Arc<dyn Progress>,
+}
+
+impl Context {
+    /// For the given global options. Messages go to the standard error, and
+    /// progress as bars where that is a terminal.
+    pub fn new(quiet: bool, json: bool, verbose: u8) -> Self {
+        log(verbose);
+        let progress: Arc<dyn Progress> = if quiet {
+            Arc::new(Silent)
+        } else if io::stderr().is_terminal() {
+            Arc::new(progress::Bars::default())
+        } else {
+            Arc::new(progress::Lines::new(io::stderr()))
+        };
+        Self { json, cancel: Arc::new(AtomicBool::new(false)), progress }
+    }
+
+    /// From here on, Ctrl-C sets [`Context::cancel`].
+    pub fn stop_on_ctrl_c(&self) {
+        stop::on_ctrl_c(self.cancel.clone(), self.progress.clone());
+    }
+
+    /// Prints a result: the text, or the value as JSON where that was asked for.
+    ///
+    /// # Errors
+    /// When the standard output cannot be written; a reader that closed it
+    /// early, as `head` does, is no error.
+    pub fn print(&self, text: &str, value: &impl Serialize) -> io::Result<()> {
+        let mut out = if self.json {
+            serde_json::to_string_pretty(value).map_err(io::Error::other)?
+        } else {
+            text.to_owned()
+        };
+        if !out.ends_with('\n') {
+            out.push('\n');
+        }
+        let mut stdout = io::stdout().lock();
+        match stdout.write_all(out.as_bytes()).and_then(|()| stdout.flush()) {
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            other => other,
+        }
+    }
+}
+
+/// Writes a line to the standard error; there is nobody left to tell when that fails.
+pub(super) fn say(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+fn log(verbose: u8) {
+    let level = match verbose {
+        0 => tracing::Level::WARN,
+        1 => tracing::Level::INFO,
+        2 => tracing::Level::DEBUG,
+        _ => tracing::Level::TRACE,
+    };
+    // A second context in one process keeps the log of the first.
+    let _ = tracing_subscriber::fmt()
+        .with_max_level(level)
+        .with_writer(io::stderr)
+        .with_target(false)
+        .try_init();
+}

@@ -1,0 +1,124 @@
+//! The program as a user meets it: what it prints, and its exit codes.
+
+use std::{fs, path::Path};
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+fn pluvia() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+/// Runs the program; gives its exit code, standard output and standard error.
+fn run(args: &[&str]) -> (Option<i32>, String, String) {
+    let output = pluvia().args(args).output().expect("the program starts");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+const SCENARIO: &str = "scenarios/quick/pluviation.json";
+
+#[test]
+fn schema_is_printed() {
+    let (code, out, _) = run(&["schema"]);
+    assert_eq!(code, Some(0));
+    let schema: Value = serde_json::from_str(&out).expect("the schema is JSON");
+    assert_eq!(schema, pluvia::scenario::schema());
+}
+
+#[test]
+fn info_names_the_engine() {
+    let (code, out, _) = run(&["info", "--json"]);
+    assert_eq!(code, Some(0));
+    let info: Value = serde_json::from_str(&out).expect("JSON");
+    assert_eq!(info["backends"][0]["name"], "bullet", "{out}");
+    assert!(info["cores"].as_u64().is_some_and(|cores| cores >= 1), "{out}");
+    let (_, text, _) = run(&["info"]);
+    let version = info["backends"][0]["version"].as_str().expect("a version");
+    assert!(text.contains(version), "the same version {version} in: {text}");
+}
+
+#[test]
+fn every_subcommand_shows_an_example() {
+    for command in ["reproduce", "run", "grains", "schema", "info"] {
+        let (code, out, _) = run(&[command, "--help"]);
+        assert_eq!(code, Some(0), "{command} --help");
+        assert!(out.contains(&format!("pluvia {command}")), "{command} --help: {out}");
+        assert!(out.contains("Example"), "{command} --help: {out}");
+    }
+}
+
+#[test]
+fn wrong_usage_ends_with_2() {
+    for args in [
+        &["bogus"][..],
+        &["run", SCENARIO],
+        &["run", SCENARIO, "--out", "x", "--backend", "abacus"],
+        &["run", SCENARIO, "--out", "x", "--set", "rate"],
+        &["run", SCENARIO, "--out", "x", "--seed", "-1"],
+        &["reproduce", "--configurations", "0"],
+        &["grains", SCENARIO, "--format", "dwg", "--out", "x"],
+    ] {
+        let (code, _, err) = run(args);
+        assert_eq!(code, Some(2), "{args:?} is wrong usage: {err}");
+        assert!(!err.is_empty(), "{args:?} is told why");
+    }
+}
+
+#[test]
+fn a_faulty_scenario_ends_with_2_and_all_its_faults() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("out");
+    let out = out.to_str().expect("UTF-8");
+    let args = ["run", SCENARIO, "--set", "engine.rate_hz=-1", "--set", "colour=red", "--out", out];
+    let (code, stdout, err) = run(&args);
+    assert_eq!(code, Some(2), "{err}");
+    for words in ["2 faults", "engine.rate_hz", "colour", "no such field"] {
+        assert!(err.contains(words), "`{words}` is missing in: {err}");
+    }
+    assert!(stdout.is_empty(), "nothing is printed as a result: {stdout}");
+    assert!(!Path::new(out).exists(), "nothing is written for a faulty scenario");
+}
+
+#[test]
+fn a_missing_scenario_ends_with_4() {
+    let (code, _, err) = run(&["run", "nowhere.json", "--out", "x"]);
+    assert_eq!(code, Some(4), "{err}");
+    assert!(err.contains("nowhere.json"), "{err}");
+}
+
+#[test]
+fn an_unwritable_output_folder_ends_with_4_before_anything_runs() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join("file");
+    fs::write(&file, "in the way").expect("a file");
+    let file = file.to_str().expect("UTF-8");
+    for command in [&["run", SCENARIO][..], &["grains", SCENARIO], &["reproduce", "--quick"]] {
+        let (code, _, err) = run(&[command, &["--out", file]].concat());
+        assert_eq!(code, Some(4), "{command:?}: {err}");
+        assert!(err.contains(file) && err.lines().count() == 1, "one message: {err}");
+    }
+}
+
+#[test]
+fn grains_are_written_in_every_format() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().to_str().expect("UTF-8");
+    for format in ["json", "obj", "stl", "ply"] {
+        let (code, text, err) =
+            run(&["grains", SCENARIO, "--format", format, "--json", "--out", out]);
+        assert_eq!(code, Some(0), "--format {format}: {err}");
+        let made: Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(made["grains"], 364, "a quarter of the paper's grains: {text}");
+        for file in made["files"].as_array().expect("a list") {
+            let path = Path::new(file.as_str().expect("a path"));
+            let size = fs::metadata(path).map_or(0, |m| m.len());
+            assert!(size > 100, "{} holds {size} bytes", path.display());
+        }
+    }
+    for file in ["grains.json", "sieve.csv", "grains.obj", "grains.stl", "grains.ply"] {
+        assert!(folder.path().join(file).exists(), "{file} is missing");
+    }
+}

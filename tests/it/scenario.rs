@@ -1,0 +1,613 @@
+//! Scenario files: those of the project load, and faulty ones are answered
+//! with every fault, its place and what is allowed there.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use pluvia::grains::ParticleSizeDistribution;
+use pluvia::scenario::{
+    Fault, GrainsSpec, Override, Scenario, ScenarioErrors, check, load, schema,
+};
+use serde_json::{Value, json};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Every file under `scenarios/`.
+fn files() -> Vec<PathBuf> {
+    fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).expect("scenarios/ can be listed") {
+            let path = entry.expect("a folder entry can be read").path();
+            if path.is_dir() { walk(&path, found) } else { found.push(path) }
+        }
+    }
+    let mut found = Vec::new();
+    walk(&root().join("scenarios"), &mut found);
+    found.sort();
+    assert!(found.len() >= 5, "expected the scenarios of the paper and the quick ones: {found:?}");
+    found
+}
+
+fn grain_count(scenario: &Scenario) -> usize {
+    let GrainsSpec::Sieved(sieved) = &scenario.grains else {
+        panic!("{} has grains from a file", scenario.name)
+    };
+    let distribution = ParticleSizeDistribution::new(sieved).expect("no fraction is empty");
+    distribution.fractions.iter().map(|f| f.grains).sum()
+}
+
+#[test]
+fn every_scenario_of_the_project_loads_and_says_its_choices() {
+    let validator = jsonschema::validator_for(&schema()).expect("a sound schema");
+    for file in files() {
+        let loaded = load(&file, &[]).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        let scenario = loaded.scenario;
+        assert!(!scenario.notes.is_empty(), "{} has no notes", file.display());
+        let expected = match file.parent().and_then(Path::file_name) {
+            Some(folder) if folder == "paper" => Some(1456),
+            Some(folder) if folder == "quick" => Some(364),
+            _ => None,
+        };
+        if let Some(expected) = expected {
+            let got = grain_count(&scenario);
+            assert_eq!(got, expected, "law: n = V / (π/6 d³) a fraction, in {}", file.display());
+        }
+        check(&scenario).unwrap_or_else(|e| panic!("{} as a value: {e}", file.display()));
+        let text = fs::read_to_string(&file).expect("it was read before");
+        let raw: Value = serde_json::from_str(&text).expect("it was parsed before");
+        let faults: Vec<_> = validator.iter_errors(&raw).map(|e| e.to_string()).collect();
+        assert!(faults.is_empty(), "{} and the schema disagree: {faults:?}", file.display());
+    }
+}
+
+#[test]
+fn quick_scenarios_end_within_a_minute() {
+    // 8 ms a step is what 364 grains take on one core.
+    for name in ["pluviation", "vibration"] {
+        let file = root().join(format!("scenarios/quick/{name}.json"));
+        let scenario = load(&file, &[]).expect("it loads").scenario;
+        let wall = scenario.longest() * scenario.engine.rate_hz * 0.008;
+        assert!(wall < 60.0, "quick/{name}.json takes up to {wall} s, allowed are 60 s");
+    }
+}
+
+#[test]
+fn extends_merges_objects_and_replaces_lists() {
+    let load = |path: &str| load(&root().join(path), &[]).expect("it loads");
+    let quick = load("scenarios/quick/vibration.json");
+    assert_eq!(quick.files.len(), 3, "vibration, pluviation and the paper's: {:?}", quick.files);
+    let scenario = quick.scenario;
+    assert_eq!(scenario.apparatus.cylinder.inner_diameter_mm, 72.5, "from quick/pluviation");
+    assert_eq!(scenario.apparatus.top_plate.thickness_mm, 10.0, "the default");
+    assert_eq!(scenario.apparatus.top_plate.mass_g, 41.0, "its own");
+    assert_eq!(scenario.stages.len(), 4, "the list of stages is its own");
+    let GrainsSpec::Sieved(sieved) = scenario.grains else { panic!("sieved grains") };
+    assert_eq!(sieved.density_kg_per_m3, 2673.9, "from paper/pluviation");
+}
+
+/// A sound scenario, for tests to spoil.
+fn sound() -> Value {
+    json!({
+        "name": "sound",
+        "grains": {
+            "total_mass_g": 500,
+            "density_kg_per_m3": 2650,
+            "sieve_table": [
+                { "passing_mm": 16, "retained_mm": 11.2, "mass_percent": 60 },
+                { "passing_mm": 11.2, "retained_mm": 8, "mass_percent": 40 },
+            ],
+        },
+        "stages": [
+            { "stage": "fill_funnel" },
+            { "stage": "pour", "falling_height_mm": 50 },
+        ],
+    })
+}
+
+/// A folder with the given files.
+fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).expect("a file in it");
+    }
+    folder
+}
+
+fn load_text(text: &str, overrides: &[&str]) -> Result<Scenario, ScenarioErrors> {
+    let folder = folder(&[("s.json", text)]);
+    let overrides: Vec<Override> =
+        overrides.iter().map(|o| o.parse().expect("an override")).collect();
+    load(&folder.path().join("s.json"), &overrides).map(|loaded| loaded.scenario)
+}
+
+fn faults(value: &Value) -> Vec<Fault> {
+    match load_text(&value.to_string(), &[]) {
+        Ok(_) => Vec::new(),
+        Err(errors) => errors.faults().to_vec(),
+    }
+}
+
+/// Spoils the sound scenario, and expects one fault at a path whose text holds the words.
+fn expect_one(spoil: impl FnOnce(&mut Value), path: &str, words: &[&str]) {
+    let mut value = sound();
+    assert_eq!(faults(&value), [], "the scenario is sound before it is spoiled");
+    spoil(&mut value);
+    let found = faults(&value);
+    assert_eq!(found.len(), 1, "one fault expected at {path}, got {found:#?}");
+    assert_eq!(found[0].path, path, "path of the fault {}", found[0]);
+    let text = found[0].to_string();
+    assert!(found[0].file.ends_with("s.json"), "the fault names its file: {text}");
+    assert_eq!(text.lines().count(), 1, "a fault is one line: {text}");
+    for word in words {
+        assert!(text.contains(word), "expected `{word}` in: {text}");
+    }
+}
+
+#[test]
+fn unknown_fields_are_named_with_what_is_known() {
+    expect_one(
+        |s| s["engine"] = json!({ "iteration": 50 }),
+        "engine.iteration",
+        &["no such field", "did you mean `iterations`", "found 50", "`rate_hz`"],
+    );
+    expect_one(|s| s["colour"] = json!("red"), "colour", &["no such field", "`gravity_m_per_s2`"]);
+    expect_one(
+        |s| s["grains"]["densty_kg_per_m3"] = json!(1),
+        "grains.densty_kg_per_m3",
+        &["did you mean `density_kg_per_m3`"],
+    );
+    expect_one(
+        |s| s["stages"][1]["height_mm"] = json!(1),
+        "stages[1].height_mm",
+        &["no such field", "`falling_height_mm`"],
+    );
+}
+
+#[test]
+fn unions_are_decided_before_they_are_checked() {
+    expect_one(
+        |s| s["grains"] = json!({ "file": "grains.json", "total_mass_g": 1 }),
+        "grains.total_mass_g",
+        &["no such field", "the field `file`"],
+    );
+    expect_one(|s| s["grains"] = json!({ "file": 7 }), "grains.file", &["wrong type", "a text"]);
+    expect_one(
+        |s| s["stages"][1]["stage"] = json!("poor"),
+        "stages[1].stage",
+        &["no such choice", "did you mean \"pour\"", "\"vibrate\""],
+    );
+    expect_one(
+        |s| s["stages"][1] = json!({ "stage": "pour" }),
+        "stages[1].falling_height_mm",
+        &["missing", "a number of at least 0 and at most 10000"],
+    );
+    expect_one(|s| s["stages"][1] = json!({}), "stages[1].stage", &["missing", "\"fill_funnel\""]);
+}
+
+#[test]
+fn wrong_types_and_missing_fields_are_named() {
+    expect_one(
+        |s| s["grains"]["total_mass_g"] = json!("much"),
+        "grains.total_mass_g",
+        &["wrong type", "found \"much\"", "a number above 0"],
+    );
+    expect_one(|s| s["engine"] = json!([]), "engine", &["wrong type", "an object"]);
+    expect_one(
+        |s| s["engine"] = json!({ "iterations": 20.5 }),
+        "engine.iterations",
+        &["wrong type", "20.5", "a whole number of at least 1"],
+    );
+    expect_one(
+        |s| s["gravity_m_per_s2"] = Value::Null,
+        "gravity_m_per_s2",
+        &["wrong type", "found null"],
+    );
+    expect_one(
+        |s| drop(s.as_object_mut().expect("an object").remove("grains")),
+        "grains",
+        &["missing", "`sieve_table`", "`file`"],
+    );
+    let mut whole = sound();
+    whole["engine"] = json!({ "iterations": 20.0 });
+    assert_eq!(faults(&whole), [], "20.0 is a whole number");
+}
+
+#[test]
+fn impossible_sizes_are_refused() {
+    expect_one(
+        |s| s["apparatus"] = json!({ "cylinder": { "height_mm": -200 } }),
+        "apparatus.cylinder.height_mm",
+        &["out of range", "found -200", "above 0"],
+    );
+    expect_one(
+        |s| s["grains"]["total_mass_g"] = json!(0),
+        "grains.total_mass_g",
+        &["out of range", "found 0", "above 0"],
+    );
+    expect_one(
+        |s| s["grains"]["density_kg_per_m3"] = json!(-2650),
+        "grains.density_kg_per_m3",
+        &["out of range"],
+    );
+    expect_one(
+        |s| s["gravity_m_per_s2"] = json!(0),
+        "gravity_m_per_s2",
+        &["out of range", "above 0"],
+    );
+    expect_one(
+        |s| s["engine"] = json!({ "length_scale": 1e6 }),
+        "engine.length_scale",
+        &["out of range", "10000"],
+    );
+}
+
+#[test]
+fn sieve_tables_that_make_no_sense_are_refused() {
+    expect_one(
+        |s| s["grains"]["sieve_table"].as_array_mut().expect("a list").reverse(),
+        "grains.sieve_table[1].passing_mm",
+        &["out of order", "from coarse to fine"],
+    );
+    expect_one(
+        |s| s["grains"]["sieve_table"][1]["passing_mm"] = json!(10),
+        "grains.sieve_table[1].passing_mm",
+        &["gap", "found 10", "allowed: 11.2"],
+    );
+    expect_one(
+        |s| s["grains"]["sieve_table"][1]["passing_mm"] = json!(12),
+        "grains.sieve_table[1].passing_mm",
+        &["overlap"],
+    );
+    expect_one(
+        |s| s["grains"]["sieve_table"][1]["retained_mm"] = json!(11.2),
+        "grains.sieve_table[1].retained_mm",
+        &["less than passing_mm"],
+    );
+    expect_one(
+        |s| s["grains"]["sieve_table"][1]["mass_percent"] = json!(39.98),
+        "grains.sieve_table",
+        &["do not add up", "99.98", "100 ± 0.01"],
+    );
+    expect_one(|s| s["grains"]["sieve_table"] = json!([]), "grains.sieve_table", &["too short"]);
+    let mut within = sound();
+    within["grains"]["sieve_table"][1]["mass_percent"] = json!(39.99);
+    assert_eq!(faults(&within), [], "a sum of 99.99 is within the tolerance");
+}
+
+#[test]
+fn numbers_of_grains_are_bounded() {
+    expect_one(
+        |s| {
+            s["grains"]["sieve_table"][0]["mass_percent"] = json!(99.9);
+            s["grains"]["sieve_table"][1]["mass_percent"] = json!(0.1);
+        },
+        "grains.sieve_table[1].mass_percent",
+        &["lighter than one grain", "at least"],
+    );
+    expect_one(
+        |s| {
+            s["grains"]["total_mass_g"] = json!(5e8);
+            s["apparatus"] = json!({ "cylinder": {
+                "inner_diameter_mm": 10000, "height_mm": 10000
+            } });
+            s["engine"] = json!({ "rate_hz": 5000 });
+        },
+        "grains.total_mass_g",
+        &["grains, more than 1000000"],
+    );
+}
+
+#[test]
+fn a_cylinder_narrower_than_a_grain_is_refused() {
+    // Little mass, so that the grains have room by their volume.
+    expect_one(
+        |s| {
+            s["grains"]["total_mass_g"] = json!(20);
+            s["apparatus"] = json!({
+                "cylinder": { "inner_diameter_mm": 30 },
+                "funnel": { "opening_diameter_mm": 30 },
+            });
+        },
+        "apparatus.cylinder.inner_diameter_mm",
+        &["narrower than a grain", "found 30", "at least 38.4 mm"],
+    );
+    expect_one(
+        |s| s["apparatus"] = json!({ "cylinder": { "height_mm": 15 } }),
+        "apparatus.cylinder.height_mm",
+        &["less room than the grains have volume"],
+    );
+}
+
+#[test]
+fn funnel_and_plate_must_fit() {
+    expect_one(
+        |s| s["apparatus"] = json!({ "funnel": { "opening_diameter_mm": 16 } }),
+        "apparatus.funnel.opening_diameter_mm",
+        &["no grain of the coarsest fraction", "more than 16 mm"],
+    );
+    expect_one(
+        |s| s["apparatus"] = json!({ "funnel": { "top_diameter_mm": 80 } }),
+        "apparatus.funnel.top_diameter_mm",
+        &["no wider at the top"],
+    );
+    expect_one(
+        |s| s["apparatus"] = json!({ "cylinder": { "inner_diameter_mm": 75 } }),
+        "apparatus.funnel.opening_diameter_mm",
+        &["wider than the cylinder"],
+    );
+    let plate = |s: &mut Value| s["apparatus"] = json!({ "top_plate": { "diameter_mm": 115 } });
+    let mut unused = sound();
+    plate(&mut unused);
+    assert_eq!(faults(&unused), [], "a plate that is not laid on may have any size");
+    expect_one(
+        |s| {
+            plate(s);
+            s["stages"].as_array_mut().expect("a list").push(json!({ "stage": "place_top_plate" }));
+        },
+        "apparatus.top_plate.diameter_mm",
+        &["does not fit", "less than 114.8 mm"],
+    );
+}
+
+fn with_stages(stages: &[&str]) -> impl FnOnce(&mut Value) {
+    let stages: Vec<Value> = stages
+        .iter()
+        .map(|name| match *name {
+            "pour" => json!({ "stage": "pour", "falling_height_mm": 50 }),
+            "rest" => json!({ "stage": "rest", "duration_s": 1 }),
+            "vibrate" => json!({
+                "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 25, "duration_s": 1
+            }),
+            name => json!({ "stage": name }),
+        })
+        .collect();
+    move |s| s["stages"] = Value::Array(stages)
+}
+
+#[test]
+fn stages_have_their_order() {
+    let mut value = sound();
+    let all =
+        ["fill_funnel", "rest", "pour", "rest", "place_top_plate", "vibrate", "rest", "vibrate"];
+    with_stages(&all)(&mut value);
+    assert_eq!(faults(&value), [], "{all:?} is in order");
+    let cases: [(&[&str], &str, &str); 6] = [
+        (&["pour"], "stages[0].stage", "the first stage fills the funnel"),
+        (&["fill_funnel", "fill_funnel"], "stages[1].stage", "twice"),
+        (&["fill_funnel", "pour", "pour"], "stages[2].stage", "twice"),
+        (&["fill_funnel", "vibrate", "pour"], "stages[1].stage", "before `pour`"),
+        (&["fill_funnel", "place_top_plate", "pour"], "stages[1].stage", "before `pour`"),
+        (
+            &["fill_funnel", "pour", "place_top_plate", "place_top_plate"],
+            "stages[3].stage",
+            "twice",
+        ),
+    ];
+    for (stages, path, words) in cases {
+        expect_one(with_stages(stages), path, &[words]);
+    }
+    expect_one(|s| s["stages"] = json!([]), "stages", &["too short"]);
+}
+
+#[test]
+fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
+    // 250 mm of fall: v = √(2·9.81·0.25) = 2.215 m/s, 8 mm in a step at 276.8 Hz.
+    expect_one(
+        |s| s["engine"] = json!({ "rate_hz": 276 }),
+        "engine.rate_hz",
+        &["cannot resolve the motion", "250 mm", "found 276", "at least 277 Hz"],
+    );
+    let mut enough = sound();
+    enough["engine"] = json!({ "rate_hz": 277 });
+    assert_eq!(faults(&enough), [], "277 Hz resolve the fall");
+    expect_one(
+        |s| {
+            with_stages(&["fill_funnel", "pour", "vibrate"])(s);
+            s["stages"][2]["frequency_hz"] = json!(15);
+            s["stages"][2]["amplitude_mm"] = json!(1);
+        },
+        "engine.rate_hz",
+        &["15 Hz has 32 steps a cycle", "at least 600 Hz"],
+    );
+    // 6 Hz and 200 mm: 7.54 m/s, faster than the fall.
+    expect_one(
+        |s| {
+            with_stages(&["fill_funnel", "pour", "vibrate"])(s);
+            s["stages"][2]["frequency_hz"] = json!(6);
+            s["stages"][2]["amplitude_mm"] = json!(200);
+        },
+        "engine.rate_hz",
+        &["the shaking table", "15.71 mm"],
+    );
+    expect_one(
+        |s| s["apparatus"] = json!({ "cylinder": { "wall_thickness_mm": 5 } }),
+        "apparatus.cylinder.wall_thickness_mm",
+        &["through which grains can pass", "at least 9.228 mm"],
+    );
+    expect_one(
+        |s| s["engine"] = json!({ "contact_threshold_mm": 8 }),
+        "engine.contact_threshold_mm",
+        &["longer than a grain", "8 mm"],
+    );
+}
+
+#[test]
+fn times_are_bounded() {
+    expect_one(
+        |s| {
+            with_stages(&["fill_funnel", "pour", "rest"])(s);
+            s["stages"][2]["duration_s"] = json!(3600);
+        },
+        "stages",
+        &["too long", "3600 s"],
+    );
+    expect_one(
+        |s| s["stages"][0]["time_limit_s"] = json!(0.2),
+        "stages[0].time_limit_s",
+        &["before anything can count as settled", "0.25"],
+    );
+}
+
+#[test]
+fn all_faults_come_at_once() {
+    let mut value = sound();
+    value["colour"] = json!("red");
+    value["grains"]["total_mass_g"] = json!(0);
+    value["grains"]["sieve_table"][1]["passing_mm"] = json!(10);
+    value["apparatus"] = json!({ "cylinder": { "inner_diameter_mm": "wide", "height_mm": -1 } });
+    value["engine"] = json!({ "rate_hz": 200, "iteration": 5 });
+    value["stages"][1]["falling_height_mm"] = json!(true);
+    let found = faults(&value);
+    let mut paths: Vec<&str> = found.iter().map(|f| f.path.as_str()).collect();
+    paths.sort_unstable();
+    let expected = [
+        "apparatus.cylinder.height_mm",
+        "apparatus.cylinder.inner_diameter_mm",
+        "colour",
+        "engine.iteration",
+        "engine.rate_hz",
+        "grains.sieve_table[1].passing_mm",
+        "grains.total_mass_g",
+        "stages[1].falling_height_mm",
+    ];
+    assert_eq!(paths, expected, "structure and meaning together, got {found:#?}");
+}
+
+#[test]
+fn text_that_is_no_json_is_located() {
+    let found = load_text("{\n  \"name\": \"a\",\n  oops\n}", &[]).expect_err("no JSON");
+    assert_eq!(found.faults()[0].path, "line 3, column 3", "{found}");
+    let found = load_text("{} {}", &[]).expect_err("two values");
+    assert!(found.to_string().contains("line 1"), "{found}");
+    let found = load_text("[1]", &[]).expect_err("a list");
+    assert!(found.to_string().contains("a scenario is an object"), "{found}");
+}
+
+#[test]
+fn fields_given_twice_are_refused() {
+    let text = sound().to_string();
+    let text = text.replacen("\"density_kg_per_m3\":2650", "\"total_mass_g\":7,$0", 1);
+    let text = text.replace("$0", "\"density_kg_per_m3\":2650");
+    let found = load_text(&text, &[]).expect_err("a field is given twice");
+    assert_eq!(found.faults().len(), 1, "{found}");
+    assert_eq!(found.faults()[0].path, "grains.total_mass_g");
+    assert!(found.to_string().contains("given twice"), "{found}");
+}
+
+#[test]
+fn faults_name_the_file_that_gives_the_value() {
+    let mut base = sound();
+    base["engine"] = json!({ "rate_hz": -1, "iterations": 20 });
+    let top = json!({ "extends": "base.json", "name": "top", "engine": { "iterations": 0 } });
+    let folder = folder(&[("base.json", &base.to_string()), ("top.json", &top.to_string())]);
+    let found = load(&folder.path().join("top.json"), &["seed=x".parse().expect("an override")])
+        .expect_err("three faults");
+    let mut files: Vec<(String, String)> = found
+        .faults()
+        .iter()
+        .map(|f| (f.path.clone(), f.file.rsplit('/').next().unwrap_or_default().to_owned()))
+        .collect();
+    files.sort();
+    let expected = [
+        ("engine.iterations", "top.json"),
+        ("engine.rate_hz", "base.json"),
+        ("seed", "--set seed=x"),
+    ];
+    assert_eq!(files, expected.map(|(p, f)| (p.to_owned(), f.to_owned())), "{found}");
+}
+
+#[test]
+fn circles_and_chains_of_extends_end() {
+    let folder_of = |files: &[(&str, &str)]| {
+        let folder = folder(files);
+        load(&folder.path().join("a.json"), &[]).expect_err("a fault")
+    };
+    let circle = folder_of(&[
+        ("a.json", r#"{ "extends": "b.json" }"#),
+        ("b.json", r#"{ "extends": "./a.json" }"#),
+    ]);
+    assert!(circle.to_string().contains("in a circle"), "{circle}");
+    let own = folder_of(&[("a.json", r#"{ "extends": "a.json" }"#)]);
+    assert!(own.to_string().contains("in a circle"), "{own}");
+    let missing = folder_of(&[("a.json", r#"{ "extends": "nowhere.json" }"#)]);
+    assert!(
+        matches!(&missing, ScenarioErrors::Unreadable { file, .. } if file.ends_with("nowhere.json")),
+        "{missing}"
+    );
+    assert!(missing.to_string().contains("a.json extends it"), "{missing}");
+    let names: Vec<String> =
+        (0..12).map(|i| if i == 0 { "a.json".into() } else { format!("{i}.json") }).collect();
+    let texts: Vec<String> =
+        (0..12).map(|i| format!(r#"{{ "extends": "{}.json" }}"#, i + 1)).collect();
+    let files: Vec<(&str, &str)> =
+        names.iter().map(String::as_str).zip(texts.iter().map(String::as_str)).collect();
+    let long = folder_of(&files);
+    assert!(long.to_string().contains("more than 8 files"), "{long}");
+}
+
+#[test]
+fn grains_files_are_found_beside_the_scenario() {
+    let mut base = sound();
+    base["grains"] = json!({ "file": "my/grains.json" });
+    let top = json!({ "extends": "base.json", "name": "top" });
+    let sieved = json!({ "extends": "base.json", "grains": sound()["grains"] });
+    let folder = folder(&[
+        ("base.json", &base.to_string()),
+        ("top.json", &top.to_string()),
+        ("sieved.json", &sieved.to_string()),
+    ]);
+    let load = |name: &str| load(&folder.path().join(name), &[]).expect("it loads").scenario;
+    let GrainsSpec::File(grains) = load("top.json").grains else { panic!("grains from a file") };
+    assert_eq!(Path::new(&grains.file), folder.path().join("my/grains.json"));
+    assert!(
+        matches!(load("sieved.json").grains, GrainsSpec::Sieved(_)),
+        "sieve data replace a file"
+    );
+}
+
+#[test]
+fn overrides_change_values() {
+    let text = sound().to_string();
+    let overrides = [
+        "engine.rate_hz=960",
+        "stages.1.falling_height_mm=200",
+        "stages[1].time_limit_s=8",
+        "name=other",
+    ];
+    let scenario = load_text(&text, &overrides).expect("sound overrides");
+    assert_eq!(scenario.engine.rate_hz, 960.0);
+    assert_eq!(scenario.engine.iterations, 20, "fields beside it keep their values");
+    assert_eq!(scenario.falling_height_mm(), Some(200.0));
+    assert_eq!(scenario.stages[1].longest(), 8.0);
+    assert_eq!(scenario.name, "other");
+    for (change, words) in [
+        ("engine.ratehz=960", "did you mean `rate_hz`"),
+        ("motor.rate_hz=960", "no such field"),
+        ("stages.7.falling_height_mm=1", "the path leads nowhere"),
+        ("stages.last.falling_height_mm=1", "the path leads nowhere"),
+        ("name.first=a", "the path leads nowhere"),
+        ("engine.rate_hz=fast", "wrong type"),
+        ("engine=960", "wrong type"),
+    ] {
+        let found = load_text(&text, &[change]).expect_err(change);
+        assert_eq!(found.faults().len(), 1, "{found}");
+        let said = found.to_string();
+        assert!(said.contains(words) && said.starts_with("--set "), "`{change}`: {said}");
+    }
+}
+
+#[test]
+fn scenarios_survive_the_round_trip_through_json() {
+    for file in files() {
+        let scenario = load(&file, &[]).expect("it loads").scenario;
+        let back = load_text(&scenario.canonical_json(), &[]).expect("its own JSON loads");
+        assert_eq!(back, scenario, "{} read, written and read again", file.display());
+    }
+    let mut unsound = load_text(&sound().to_string(), &[]).expect("it loads");
+    unsound.engine.rate_hz = f64::NAN;
+    let found = check(&unsound).expect_err("a rate that is no number");
+    assert_eq!(found.faults()[0].path, "engine.rate_hz", "{found}");
+}
