@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 /// A table that shakes along x in one or more periods of x(t) = A sin(2πft),
-/// with rests at x = 0 between them. Each period starts and ends at zero
-/// displacement when it holds a whole number of cycles, and starts with full
+/// with rests at x = 0 between them. Each period holds a whole number of cycles,
+/// so that it ends where it began, at zero displacement; it starts with full
 /// speed, as an oscillator does that is switched on at its middle position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableMotion {

@@ -23,10 +23,9 @@ pub(super) struct ReproduceArgs {
     /// A few hundred grains instead of 1456, and shorter vibration
     #[arg(long)]
     quick: bool,
-    /// Number of initial configurations, each the same grains mixed anew
-    #[arg(long, value_name = "N", default_value_t = 3,
-          value_parser = clap::value_parser!(u32).range(1..=1000))]
-    configurations: u32,
+    /// Number of initial configurations, each the same grains mixed anew [default: 3, with --quick 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    configurations: Option<u32>,
     /// Stages carried out at the same time [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
@@ -48,7 +47,7 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
     let outcome = reproduce(&ReproduceOptions {
         out: args.out.clone(),
         quick: args.quick,
-        configurations: args.configurations,
+        configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
         jobs: args.jobs.map_or_else(cores, usize::from),
         backend: args.backend,
         cancel: context.cancel.clone(),

@@ -117,14 +117,15 @@ impl Scenarios {
     }
 }
 
-/// The same vibration cut into the paper's four periods, rests between them
-/// in the paper's proportion of ours (a fifth of a period).
+/// The same vibration cut into the paper's four periods of whole cycles, with
+/// rests as long in proportion as those of the paper's scenario (a fifth of a period).
 fn intermittent_of(continuous: &Scenario) -> Scenario {
     let mut scenario = continuous.clone();
     scenario.name = format!("{}-intermittent", scenario.name);
     for stage in &mut scenario.stages {
-        if let StageSpec::Vibrate { duration_s, periods, rest_s, .. } = stage {
-            *duration_s /= 4.0;
+        if let StageSpec::Vibrate { frequency_hz, duration_s, periods, rest_s, .. } = stage {
+            let cycles = (*duration_s / 4.0 * *frequency_hz).round().max(1.0);
+            *duration_s = cycles / *frequency_hz;
             *periods = 4;
             *rest_s = *duration_s / 5.0;
         }

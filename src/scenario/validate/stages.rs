@@ -12,6 +12,7 @@ const LONGEST: f64 = 3600.0;
 pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
     check_order(parts, faults);
     check_time(parts, faults);
+    check_cycles(parts, faults);
 }
 
 fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
@@ -75,5 +76,30 @@ fn check_time(parts: &Parts, faults: &mut Vec<Fault>) {
             format!("at most {LONGEST} s"),
             "stages and control together take too long".into(),
         ));
+    }
+}
+
+/// How far a period may be from a whole number of cycles, in cycles: decimals
+/// of a fraction such as 0.6667 s at 3 Hz must do.
+const CYCLE_TOLERANCE: f64 = 1e-3;
+
+/// A table stopped away from its middle position would jump there in one step.
+fn check_cycles(parts: &Parts, faults: &mut Vec<Fault>) {
+    let specs = parts.stages.iter().enumerate().filter_map(|(i, s)| Some((i, s.spec.as_ref()?)));
+    for (i, spec) in specs {
+        let Some(motion) = spec.vibration() else { continue };
+        let cycles = motion.duration * motion.frequency;
+        if (cycles - cycles.round()).abs() > CYCLE_TOLERANCE || cycles.round() < 1.0 {
+            faults.push(fault(
+                &format!("stages[{i}].duration_s"),
+                motion.duration,
+                format!(
+                    "a whole number of cycles of {} s, as {}",
+                    short(1.0 / motion.frequency),
+                    short(cycles.round().max(1.0) / motion.frequency)
+                ),
+                "a period of vibration must end where it began, in the middle of the stroke".into(),
+            ));
+        }
     }
 }
