@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::{CliError, Context, ExitStatus, output_folder};
-use crate::grains::mesh;
+use crate::grains::{write_obj, write_ply, write_stl};
 use crate::record::{FileError, write_file};
 use crate::scenario::{GrainsSpec, load};
 use crate::study::{make_grains, write_grains};
@@ -68,9 +68,9 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
     let mut content = Vec::new();
     let written = match args.format {
         Format::Json => None,
-        Format::Obj => Some(("grains.obj", mesh::write_obj(&set, &mut content))),
-        Format::Stl => Some(("grains.stl", mesh::write_stl(&set, &mut content))),
-        Format::Ply => Some(("grains.ply", mesh::write_ply(&set, &mut content))),
+        Format::Obj => Some(("grains.obj", write_obj(&set, &mut content))),
+        Format::Stl => Some(("grains.stl", write_stl(&set, &mut content))),
+        Format::Ply => Some(("grains.ply", write_ply(&set, &mut content))),
     };
     if let Some((name, written)) = written {
         let path = args.out.join(name);
@@ -81,8 +81,8 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
     let made = Made {
         scenario: scenario.name,
         grains: set.grains.len(),
-        mass_g: to_g(set.mass()),
-        solids_volume_cm3: to_cm3(set.volume()),
+        mass_g: to_g(set.total_mass()),
+        solids_volume_cm3: to_cm3(set.total_volume()),
         grains_in_100_g: set.grains_in_100_g(),
         files,
     };

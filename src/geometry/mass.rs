@@ -83,3 +83,126 @@ impl MassProperties {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Translation3;
+
+    fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
+        assert!(
+            (got - expected).abs() <= tolerance,
+            "{law}: expected {expected:e}, got {got:e}, tolerance {tolerance:e}"
+        );
+    }
+
+    #[test]
+    fn the_helper_can_fail() {
+        for off in [-0.2, 0.2] {
+            assert!(std::panic::catch_unwind(|| near("", 1.0 + off, 1.0, 0.1)).is_err());
+        }
+        near("", 1.05, 1.0, 0.1);
+    }
+
+    fn poses() -> Vec<Pose> {
+        let turn = UnitQuaternion::from_euler_angles(0.7, -0.4, 2.1);
+        vec![
+            Pose::identity(),
+            Pose::from_parts(Translation3::new(0.3, -1.0, 2.0), turn),
+            // Far from the origin, where careless sums cancel.
+            Pose::from_parts(Translation3::new(100.0, 50.0, -70.0), turn.inverse()),
+        ]
+    }
+
+    fn regular_tetrahedron() -> ConvexPolyhedron {
+        ConvexPolyhedron::new(
+            vec![
+                Point::new(1.0, 1.0, 1.0),
+                Point::new(1.0, -1.0, -1.0),
+                Point::new(-1.0, 1.0, -1.0),
+                Point::new(-1.0, -1.0, 1.0),
+            ],
+            vec![vec![0, 1, 2], vec![0, 3, 1], vec![0, 2, 3], vec![1, 3, 2]],
+        )
+        .unwrap()
+    }
+
+    /// Expects a body's volume, a centroid at the origin and an inertia tensor
+    /// in its own frame, under every pose.
+    fn expect(body: &ConvexPolyhedron, volume: f64, inertia: Matrix3<f64>) {
+        for pose in poses() {
+            let moved = body.transformed(&pose);
+            moved.sanity_check().unwrap();
+            let got = MassProperties::of(&moved);
+            // Vertices rounded at a distance L carry errors of L·1e-16.
+            let rounding = 1e-13 * (1.0 + pose.translation.vector.norm());
+            near("volume", got.volume, volume, rounding * volume);
+            let centroid = Point::from(pose.translation.vector);
+            near("distance of the centroid", (got.centroid - centroid).norm(), 0.0, rounding);
+            let r = pose.rotation.to_rotation_matrix();
+            let expected = r * inertia * r.transpose();
+            let error = (got.inertia_per_density - expected).amax();
+            near("largest error of the inertia R·I·Rᵀ", error, 0.0, rounding * inertia.amax());
+        }
+    }
+
+    #[test]
+    fn cuboid_has_the_textbook_inertia() {
+        let (a, b, c) = (1.0, 2.0, 3.0);
+        let body = ConvexPolyhedron::cuboid(Vector::new(a, b, c)).unwrap();
+        let volume = a * b * c;
+        let diagonal = Vector::new(b * b + c * c, a * a + c * c, a * a + b * b) * (volume / 12.0);
+        expect(&body, volume, Matrix3::from_diagonal(&diagonal));
+    }
+
+    #[test]
+    fn regular_tetrahedron_has_the_textbook_inertia() {
+        // Edge s = 2√2: V = s³/(6√2), I = V·s²/20 about every axis through the centroid.
+        let s2: f64 = 8.0;
+        let volume = s2.powf(1.5) / (6.0 * 2.0_f64.sqrt());
+        expect(&regular_tetrahedron(), volume, Matrix3::identity() * (volume * s2 / 20.0));
+    }
+
+    #[test]
+    fn parts_add_up_by_the_parallel_axis_theorem() {
+        // A cuboid cut by an oblique plane into two prisms.
+        let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, 3.0), (0.0, 3.0)];
+        let part = |polygon: &[(f64, f64)]| {
+            MassProperties::of(&ConvexPolyhedron::prism(polygon, 0.0, 1.0).unwrap())
+        };
+        let whole = part(&corners);
+        let parts = [
+            part(&[corners[0], corners[1], (2.0, 1.0), (0.0, 0.5)]),
+            part(&[(0.0, 0.5), (2.0, 1.0), corners[2], corners[3]]),
+        ];
+        let mut inertia = Matrix3::zeros();
+        for p in &parts {
+            let d = p.centroid - whole.centroid;
+            let steiner = Matrix3::identity() * d.norm_squared() - d * d.transpose();
+            inertia += p.inertia_per_density + steiner * p.volume;
+        }
+        near("volumes add up", parts[0].volume + parts[1].volume, whole.volume, 1e-14);
+        let error = (inertia - whole.inertia_per_density).amax();
+        near("inertias add up with Steiner's terms", error, 0.0, 1e-13);
+    }
+
+    #[test]
+    fn principal_frame_is_right_handed_ascending_and_diagonal() {
+        let body = ConvexPolyhedron::cuboid(Vector::new(3.0, 1.0, 2.0)).unwrap();
+        for pose in poses() {
+            let moved = body.transformed(&pose);
+            let frame = MassProperties::of(&moved).principal_frame();
+            // Moments V/12·(sum of the squares of the other two sides).
+            for (got, expected) in frame.moments_per_density.iter().zip([2.5, 5.0, 6.5]) {
+                near("principal moment, ascending", *got, expected, 1e-11);
+            }
+            let rotation = frame.pose.rotation.to_rotation_matrix();
+            near("right-handed: determinant", rotation.matrix().determinant(), 1.0, 1e-14);
+            let own = MassProperties::of(&moved.transformed(&frame.pose.inverse()));
+            let diagonal = Matrix3::from_diagonal(&frame.moments_per_density);
+            let error = (own.inertia_per_density - diagonal).amax();
+            near("inertia in its principal frame is diagonal", error, 0.0, 1e-11);
+            near("centroid in its principal frame", own.centroid.coords.amax(), 0.0, 1e-12);
+        }
+    }
+}

@@ -1,162 +1,338 @@
-//! `grains.json`: grains as plain data, in the coordinates of their blocks.
+//! `grains.json`: the grains as a file that can be read back bit by bit.
+//!
+//! Lengths are in m, in one frame for the whole file: a block's points and
+//! vertices lie between `origin_m` and `origin_m + side_m`.
 
+use std::io::{Read, Write};
+
+use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-use super::{Block, GrainSet, GrainsError, make::grain};
-use crate::geometry::{ConvexPolyhedron, Point, Vector};
-use crate::units::{from_mm, to_mm};
+use super::{Block, GrainSet, GrainsError, psd::positive, sieve::sieve_size};
+use crate::{
+    geometry::{ConvexPolyhedron, MassProperties, Point, Vector},
+    units::{from_mm, to_mm},
+};
 
-/// Largest relative difference between a stated volume or mass and the one
-/// that the vertices give.
-const AGREEMENT: f64 = 1e-6;
+/// Relative difference between stated and computed properties that is
+/// accepted: files may hold rounded numbers, but not those of another grain.
+const STATED_TOLERANCE: f64 = 1e-6;
 
-/// The content of `grains.json`.
+/// Content of `grains.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GrainsJson {
-    /// Density of the solids in kg/m³.
-    pub density_kg_per_m3: f64,
+    /// Density of the solids; without it, it follows from masses and volumes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub density_kg_per_m3: Option<f64>,
     /// One block a sieve fraction.
     pub blocks: Vec<BlockJson>,
 }
 
-/// One block: a cube of a fraction's solid volume and the cells it was cut into.
+/// One cube and the cells cut from it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BlockJson {
-    /// The fraction's sieves.
+    /// The sieves between which its grains belong.
     pub sieve: SieveJson,
-    /// Side of the cube in m.
+    /// Side of the cube.
     pub side_m: f64,
-    /// Its lowest corner in m.
+    /// Lowest corner of the cube.
     pub origin_m: [f64; 3],
-    /// Points of the tessellation in m, one a cell.
+    /// Points of the tessellation, one a cell; none where the cells are no tessellation.
     pub points_m: Vec<[f64; 3]>,
-    /// The grains.
+    /// The cells.
     pub cells: Vec<CellJson>,
 }
 
-/// The two sieves of a fraction.
+/// Two successive sieves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SieveJson {
-    /// Opening of the sieve it passes, in mm.
+    /// Opening of the sieve the grains pass.
     pub passing_mm: f64,
-    /// Opening of the sieve that retains it, in mm.
+    /// Opening of the sieve that retains them.
     pub retained_mm: f64,
 }
 
 /// One grain.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CellJson {
-    /// Corners in m, in the block's coordinates.
+    /// Vertices.
     pub vertices_m: Vec<[f64; 3]>,
     /// Faces as loops of vertex indices, counter-clockwise seen from outside.
     pub faces: Vec<Vec<u32>>,
-    /// Volume in m³.
+    /// Volume.
     pub volume_m3: f64,
-    /// Centroid in m, in the block's coordinates.
+    /// Centre of mass, in the frame of the vertices.
     pub centroid_m: [f64; 3],
-    /// Mass in kg.
+    /// Mass.
     pub mass_kg: f64,
-    /// Inertia tensor about the centroid along the block's axes, in kg m².
+    /// Inertia tensor about the centroid, axes parallel to those of the vertices.
     pub inertia_kg_m2: [[f64; 3]; 3],
-    /// Mean of the openings of its fraction's sieves in mm.
+    /// Side of the smallest square opening the grain passes; not read back.
     pub sieve_size_mm: f64,
 }
 
-/// Grains as plain data.
-pub fn to_json(set: &GrainSet) -> GrainsJson {
-    let ends = set.blocks.iter().skip(1).map(|b| b.first_grain).chain([set.grains.len()]);
-    let blocks = set
-        .blocks
-        .iter()
-        .zip(ends)
-        .map(|(block, end)| {
-            let sieve_size_mm = to_mm((block.passing + block.retained) / 2.0);
-            let cells = set.grains[block.first_grain..end]
-                .iter()
-                .map(|g| {
-                    let axes = g.pose_in_block.rotation.to_rotation_matrix().into_inner();
-                    let inertia =
-                        axes * nalgebra::Matrix3::from_diagonal(&g.inertia) * axes.transpose();
-                    CellJson {
-                        vertices_m: g.cell.vertices().iter().map(|v| [v.x, v.y, v.z]).collect(),
-                        faces: g.cell.faces().to_vec(),
-                        volume_m3: g.volume,
-                        centroid_m: g.pose_in_block.translation.vector.into(),
-                        mass_kg: g.mass,
-                        inertia_kg_m2: std::array::from_fn(|i| {
-                            std::array::from_fn(|j| inertia[(i, j)])
-                        }),
-                        sieve_size_mm,
-                    }
-                })
-                .collect();
-            BlockJson {
-                sieve: SieveJson {
-                    passing_mm: to_mm(block.passing),
-                    retained_mm: to_mm(block.retained),
-                },
-                side_m: block.side,
-                origin_m: block.origin.into(),
-                points_m: block.points.iter().map(|&p| p.into()).collect(),
-                cells,
-            }
-        })
-        .collect();
-    GrainsJson { density_kg_per_m3: set.density, blocks }
+/// The file content of a grain set.
+pub fn to_json(grains: &GrainSet) -> GrainsJson {
+    let cell = |cell: &ConvexPolyhedron| {
+        let properties = MassProperties::of(cell);
+        let inertia = properties.inertia_per_density * grains.density;
+        CellJson {
+            vertices_m: cell.vertices().iter().map(|v| v.coords.into()).collect(),
+            faces: cell.faces().to_vec(),
+            volume_m3: properties.volume,
+            centroid_m: properties.centroid.coords.into(),
+            mass_kg: grains.density * properties.volume,
+            inertia_kg_m2: inertia.transpose().into(),
+            sieve_size_mm: to_mm(sieve_size(cell)),
+        }
+    };
+    let block = |block: &Block| BlockJson {
+        sieve: SieveJson { passing_mm: to_mm(block.passing), retained_mm: to_mm(block.retained) },
+        side_m: block.side,
+        origin_m: block.origin.into(),
+        points_m: block.points.iter().map(|&p| p.into()).collect(),
+        cells: block.cells.iter().map(cell).collect(),
+    };
+    GrainsJson {
+        density_kg_per_m3: Some(grains.density),
+        blocks: grains.blocks.iter().map(block).collect(),
+    }
 }
 
-/// Grains from plain data. Mass properties are computed from the vertices;
-/// stated volumes and masses must agree with them.
+/// The grain set of a file's content. Everything is computed from the meshes;
+/// what the file states beside them must agree.
 ///
 /// # Errors
-/// [`GrainsError::File`] naming block, cell and what is wrong with it.
+/// The first fault, with the numbers of block and cell.
 pub fn from_json(json: &GrainsJson) -> Result<GrainSet, GrainsError> {
-    let density = json.density_kg_per_m3;
-    if !(density.is_finite() && density > 0.0) {
-        return Err(fault("density_kg_per_m3", format!("{density} is not a positive number")));
+    let mut blocks = Vec::with_capacity(json.blocks.len());
+    for (index, block) in json.blocks.iter().enumerate() {
+        blocks.push(read_block(index, block)?);
     }
+    if blocks.iter().all(|b| b.cells.is_empty()) {
+        return Err(GrainsError::NoGrains);
+    }
+    let density = match json.density_kg_per_m3 {
+        Some(density) => density,
+        None => {
+            let stated = || json.blocks.iter().flat_map(|b| &b.cells);
+            stated().map(|c| c.mass_kg).sum::<f64>() / stated().map(|c| c.volume_m3).sum::<f64>()
+        }
+    };
+    positive("density of the solids, kg/m³", density)?;
     let mut set = GrainSet { grains: Vec::new(), blocks: Vec::new(), density };
-    for (b, block) in json.blocks.iter().enumerate() {
-        let numbers = [block.side_m, block.sieve.passing_mm, block.sieve.retained_mm];
-        if !numbers.iter().all(|n| n.is_finite() && *n > 0.0) {
-            return Err(fault(
-                &format!("blocks[{b}]"),
-                "side_m and the sieve's openings must be positive numbers".into(),
-            ));
+    for (index, (block, stated)) in blocks.into_iter().zip(&json.blocks).enumerate() {
+        for (cell, (shape, stated)) in block.cells.iter().zip(&stated.cells).enumerate() {
+            check_stated(index, cell, shape, density, stated)?;
         }
-        set.blocks.push(Block {
-            passing: from_mm(block.sieve.passing_mm),
-            retained: from_mm(block.sieve.retained_mm),
-            side: block.side_m,
-            origin: block.origin_m.into(),
-            points: block.points_m.iter().map(|&p| Vector::from(p)).collect(),
-            first_grain: set.grains.len(),
-        });
-        for (c, cell) in block.cells.iter().enumerate() {
-            let at = format!("blocks[{b}].cells[{c}]");
-            let vertices = cell.vertices_m.iter().map(|&v| Point::from(v)).collect();
-            let polyhedron = ConvexPolyhedron::new(vertices, cell.faces.clone())
-                .map_err(|reason| fault(&at, reason.to_string()))?;
-            let made = grain(polyhedron, density, b);
-            for (name, stated, computed) in
-                [("volume_m3", cell.volume_m3, made.volume), ("mass_kg", cell.mass_kg, made.mass)]
-            {
-                if !((stated / computed - 1.0).abs() <= AGREEMENT) {
-                    return Err(fault(
-                        &format!("{at}.{name}"),
-                        format!("{stated} is stated, the vertices give {computed}"),
-                    ));
-                }
-            }
-            set.grains.push(made);
-        }
-    }
-    if set.grains.is_empty() {
-        return Err(fault("blocks", "there is no grain in it".into()));
+        set.push_block(block);
     }
     Ok(set)
 }
 
-fn fault(path: &str, reason: String) -> GrainsError {
-    GrainsError::File { path: path.to_owned(), reason }
+/// Reads `grains.json`.
+///
+/// # Errors
+/// Text that is no such file, and the faults of [`from_json`].
+pub fn read_json(from: impl Read) -> Result<GrainSet, GrainsError> {
+    from_json(&serde_json::from_reader(std::io::BufReader::new(from))?)
+}
+
+/// Writes `grains.json`, ending in a line feed.
+///
+/// # Errors
+/// When writing fails.
+pub fn write_json(grains: &GrainSet, into: impl Write) -> Result<(), GrainsError> {
+    let mut out = std::io::BufWriter::new(into);
+    serde_json::to_writer(&mut out, &to_json(grains))?;
+    writeln!(out)?;
+    out.flush()?;
+    Ok(())
+}
+
+fn read_block(index: usize, json: &BlockJson) -> Result<Block, GrainsError> {
+    let fault = |reason: String| Err(GrainsError::BadBlock { block: index, reason });
+    let SieveJson { passing_mm, retained_mm } = json.sieve;
+    for (name, value) in
+        [("passing_mm", passing_mm), ("retained_mm", retained_mm), ("side_m", json.side_m)]
+    {
+        positive(&format!("{name} of block {index}"), value)?;
+    }
+    if passing_mm <= retained_mm {
+        return fault(format!("grains cannot pass {passing_mm} mm and stay on {retained_mm} mm"));
+    }
+    let (points, cells) = (json.points_m.len(), json.cells.len());
+    if points != cells && points != 0 {
+        return fault(format!("it has {points} points for {cells} cells"));
+    }
+    let origin = Vector::from(json.origin_m);
+    // Rounding of origin + side.
+    let slack = 1e-9 * json.side_m;
+    let inside = |p: &[f64; 3]| {
+        (Vector::from(*p) - origin).iter().all(|c| (-slack..=json.side_m + slack).contains(c))
+    };
+    if !origin.iter().all(|c| c.is_finite()) {
+        return fault("its origin is not finite".into());
+    }
+    if let Some(point) = json.points_m.iter().position(|p| !inside(p)) {
+        return fault(format!("point {point} does not lie in the block"));
+    }
+    let mut shapes = Vec::with_capacity(cells);
+    for (cell, stated) in json.cells.iter().enumerate() {
+        let vertices = stated.vertices_m.iter().map(|&v| Point::from(v)).collect();
+        shapes.push(
+            ConvexPolyhedron::new(vertices, stated.faces.clone())
+                .map_err(|source| GrainsError::BadShape { block: index, cell, source })?,
+        );
+    }
+    Ok(Block {
+        passing: from_mm(passing_mm),
+        retained: from_mm(retained_mm),
+        side: json.side_m,
+        origin,
+        points: json.points_m.iter().map(|&p| p.into()).collect(),
+        first_grain: 0,
+        cells: shapes,
+    })
+}
+
+fn check_stated(
+    block: usize,
+    cell: usize,
+    shape: &ConvexPolyhedron,
+    density: f64,
+    stated: &CellJson,
+) -> Result<(), GrainsError> {
+    let properties = MassProperties::of(shape);
+    let agree = |property, stated: f64, computed: f64, scale: f64| {
+        let tolerance = STATED_TOLERANCE * scale;
+        // Not `>`: a NaN agrees with nothing.
+        if (stated - computed).abs() <= tolerance {
+            return Ok(());
+        }
+        Err(GrainsError::Contradiction { block, cell, property, stated, computed, tolerance })
+    };
+    let mass = density * properties.volume;
+    agree("volume_m3", stated.volume_m3, properties.volume, properties.volume)?;
+    agree("mass_kg", stated.mass_kg, mass, mass)?;
+    let size = shape.equivalent_diameter();
+    for (stated, computed) in stated.centroid_m.iter().zip(properties.centroid.iter()) {
+        agree("centroid_m", *stated, *computed, size)?;
+    }
+    let inertia = properties.inertia_per_density * density;
+    let stated = Matrix3::from(stated.inertia_kg_m2).transpose();
+    for (stated, computed) in stated.iter().zip(inertia.iter()) {
+        agree("inertia_kg_m2", *stated, *computed, inertia.trace())?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grains::{generate, tests::few_grains};
+
+    fn written(grains: &GrainSet) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        write_json(grains, &mut bytes).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn what_is_read_back_is_what_was_written_bit_by_bit() {
+        let grains = generate(&few_grains(), 7).unwrap();
+        let bytes = written(&grains);
+        let back = read_json(&bytes[..]).unwrap();
+        assert_eq!(grains, back, "the grains read back are those written");
+        assert!(bytes == written(&back), "writing them again gives the same bytes");
+        for grain in &back.grains {
+            grain.shape.sanity_check().unwrap();
+        }
+    }
+
+    #[test]
+    fn the_fields_are_those_of_the_contract() {
+        let json = serde_json::to_value(to_json(&generate(&few_grains(), 1).unwrap())).unwrap();
+        let keys =
+            |v: &serde_json::Value| v.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+        let block = &json["blocks"][0];
+        assert_eq!(keys(block), ["sieve", "side_m", "origin_m", "points_m", "cells"]);
+        assert_eq!(keys(&block["sieve"]), ["passing_mm", "retained_mm"]);
+        assert_eq!(
+            keys(&block["cells"][0]),
+            [
+                "vertices_m",
+                "faces",
+                "volume_m3",
+                "centroid_m",
+                "mass_kg",
+                "inertia_kg_m2",
+                "sieve_size_mm"
+            ]
+        );
+        assert_eq!(block["points_m"][0].as_array().unwrap().len(), 3, "a point is [x, y, z]");
+        assert_eq!(block["sieve"]["passing_mm"], 16.0, "sieves survive the change of units");
+    }
+
+    #[test]
+    fn the_density_follows_from_the_masses_where_it_is_not_stated() {
+        let grains = generate(&few_grains(), 1).unwrap();
+        let json = GrainsJson { density_kg_per_m3: None, ..to_json(&grains) };
+        let got = from_json(&json).unwrap().density;
+        let expected = grains.density;
+        assert!(
+            (got - expected).abs() < 1e-9 * expected,
+            "density = mass / volume: expected {expected}, got {got} ± 1e-9 relative"
+        );
+    }
+
+    #[test]
+    fn faults_name_block_and_cell() {
+        let good = to_json(&generate(&few_grains(), 1).unwrap());
+        let fault = |change: &dyn Fn(&mut GrainsJson)| {
+            let mut json = good.clone();
+            change(&mut json);
+            from_json(&json).expect_err("the change must be noticed")
+        };
+        for off in [1.0 - 2e-6, 1.0 + 2e-6] {
+            for (name, e) in [
+                ("volume_m3", fault(&|j| j.blocks[1].cells[2].volume_m3 *= off)),
+                ("mass_kg", fault(&|j| j.blocks[1].cells[2].mass_kg *= off)),
+                ("centroid_m", fault(&|j| j.blocks[1].cells[2].centroid_m[0] *= off)),
+                (
+                    "inertia_kg_m2",
+                    fault(&|j| {
+                        j.blocks[1].cells[2].inertia_kg_m2.iter_mut().flatten().for_each(|i| {
+                            *i *= 1.0 + 5.0 * (off - 1.0);
+                        });
+                    }),
+                ),
+            ] {
+                assert!(
+                    matches!(e, GrainsError::Contradiction { block: 1, cell: 2, property, .. } if property == name),
+                    "{name} off by a factor {off}: {e}"
+                );
+            }
+        }
+        let e = fault(&|j| drop(j.blocks[1].cells[2].faces.pop()));
+        assert!(matches!(e, GrainsError::BadShape { block: 1, cell: 2, .. }), "open: {e}");
+        let e = fault(&|j| j.blocks[0].cells[1].faces.iter_mut().for_each(|f| f.reverse()));
+        assert!(matches!(e, GrainsError::BadShape { block: 0, cell: 1, .. }), "inside out: {e}");
+        let e = fault(&|j| j.blocks[0].cells[1].vertices_m[0][1] = f64::NAN);
+        assert!(matches!(e, GrainsError::BadShape { block: 0, cell: 1, .. }), "NaN: {e}");
+        let e = fault(&|j| j.blocks[1].points_m.truncate(1));
+        assert!(matches!(e, GrainsError::BadBlock { block: 1, .. }), "a point too few: {e}");
+        let e = fault(&|j| j.blocks[0].points_m[0][2] = 1.0);
+        assert!(matches!(e, GrainsError::BadBlock { block: 0, .. }), "a point outside: {e}");
+        let e = fault(&|j| j.blocks[0].sieve.passing_mm = 1.0);
+        assert!(matches!(e, GrainsError::BadBlock { block: 0, .. }), "sieves swapped: {e}");
+        let e = fault(&|j| j.blocks[0].origin_m[0] = f64::NAN);
+        assert!(matches!(e, GrainsError::BadBlock { block: 0, .. }), "origin NaN: {e}");
+        let e = fault(&|j| j.blocks[0].side_m = 0.0);
+        assert!(matches!(e, GrainsError::NotPositive { .. }), "no side: {e}");
+        let e = fault(&|j| j.density_kg_per_m3 = Some(-1.0));
+        assert!(matches!(e, GrainsError::NotPositive { .. }), "density: {e}");
+        assert!(matches!(fault(&|j| j.blocks.clear()), GrainsError::NoGrains));
+        assert!(matches!(read_json(&b"{}"[..]), Err(GrainsError::Json(_))));
+    }
 }

@@ -1,78 +1,198 @@
-//! Grains as triangle and polygon meshes, each at its place in its block, in m.
+//! The grains as meshes for other programs, each at its place in its block,
+//! in metres.
 
-use std::io::{self, Write};
+use std::io::{BufWriter, Write};
 
 use super::GrainSet;
+use crate::geometry::{ConvexPolyhedron, Point};
 
-/// Wavefront OBJ: one object a grain, polygon faces.
+fn cells(grains: &GrainSet) -> impl Iterator<Item = &ConvexPolyhedron> + '_ {
+    grains.blocks.iter().flat_map(|block| &block.cells)
+}
+
+/// Writes a Wavefront OBJ file: one object a grain, polygonal faces, metres.
 ///
 /// # Errors
-/// The writer's.
-pub fn write_obj(set: &GrainSet, mut out: impl Write) -> io::Result<()> {
+/// When writing fails.
+pub fn write_obj(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
+    let mut out = BufWriter::new(into);
+    writeln!(out, "# {} grains, lengths in metres", cells(grains).count())?;
+    // OBJ numbers vertices from 1, through the whole file.
     let mut first = 1;
-    for (index, grain) in set.grains.iter().enumerate() {
-        writeln!(out, "o grain_{index}")?;
-        for v in grain.cell.vertices() {
+    for (index, cell) in cells(grains).enumerate() {
+        writeln!(out, "o grain_{index:05}")?;
+        for v in cell.vertices() {
             writeln!(out, "v {} {} {}", v.x, v.y, v.z)?;
         }
-        for face in grain.cell.faces() {
+        for face in cell.faces() {
             write!(out, "f")?;
             for corner in face {
-                write!(out, " {}", *corner as usize + first)?;
+                write!(out, " {}", first + *corner as usize)?;
             }
             writeln!(out)?;
         }
-        first += grain.cell.vertices().len();
+        first += cell.vertices().len();
     }
-    Ok(())
+    out.flush()
 }
 
-/// Text STL: one solid a grain, faces cut into triangles.
+/// Writes a PLY file (text): all grains in one mesh with polygonal faces,
+/// each face with the number of its grain; metres.
 ///
 /// # Errors
-/// The writer's.
-pub fn write_stl(set: &GrainSet, mut out: impl Write) -> io::Result<()> {
-    for (index, grain) in set.grains.iter().enumerate() {
-        writeln!(out, "solid grain_{index}")?;
-        for [a, b, c] in grain.cell.triangles() {
-            let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
-            writeln!(out, "facet normal {} {} {}\nouter loop", normal.x, normal.y, normal.z)?;
-            for v in [a, b, c] {
-                writeln!(out, "vertex {} {} {}", v.x, v.y, v.z)?;
-            }
-            writeln!(out, "endloop\nendfacet")?;
-        }
-        writeln!(out, "endsolid grain_{index}")?;
-    }
-    Ok(())
-}
-
-/// Text PLY: all grains in one mesh, polygon faces with the number of their grain.
-///
-/// # Errors
-/// The writer's.
-pub fn write_ply(set: &GrainSet, mut out: impl Write) -> io::Result<()> {
-    let vertices: usize = set.grains.iter().map(|g| g.cell.vertices().len()).sum();
-    let faces: usize = set.grains.iter().map(|g| g.cell.faces().len()).sum();
+/// When writing fails.
+pub fn write_ply(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
+    let mut out = BufWriter::new(into);
+    let vertices: usize = cells(grains).map(|c| c.vertices().len()).sum();
+    let faces: usize = cells(grains).map(|c| c.faces().len()).sum();
     writeln!(
         out,
-        "ply\nformat ascii 1.0\ncomment lengths in m\nelement vertex {vertices}\n\
+        "ply\nformat ascii 1.0\ncomment {} grains, lengths in metres\nelement vertex {vertices}\n\
          property double x\nproperty double y\nproperty double z\nelement face {faces}\n\
-         property list uchar int vertex_indices\nproperty int grain\nend_header"
+         property list uchar int vertex_indices\nproperty int grain\nend_header",
+        cells(grains).count()
     )?;
-    for v in set.grains.iter().flat_map(|g| g.cell.vertices()) {
+    for v in cells(grains).flat_map(ConvexPolyhedron::vertices) {
         writeln!(out, "{} {} {}", v.x, v.y, v.z)?;
     }
     let mut first = 0;
-    for (index, grain) in set.grains.iter().enumerate() {
-        for face in grain.cell.faces() {
+    for (index, cell) in cells(grains).enumerate() {
+        for face in cell.faces() {
             write!(out, "{}", face.len())?;
             for corner in face {
-                write!(out, " {}", *corner as usize + first)?;
+                write!(out, " {}", first + *corner as usize)?;
             }
             writeln!(out, " {index}")?;
         }
-        first += grain.cell.vertices().len();
+        first += cell.vertices().len();
     }
-    Ok(())
+    out.flush()
+}
+
+/// Writes a binary STL file: the triangles of all grains, metres (STL itself
+/// knows no unit, and holds single precision).
+///
+/// # Errors
+/// When writing fails.
+pub fn write_stl(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
+    let mut out = BufWriter::new(into);
+    // Readers take a file for the text form if it begins with "solid".
+    let mut header = [b' '; 80];
+    let title = b"grains, lengths in metres";
+    header[..title.len()].copy_from_slice(title);
+    out.write_all(&header)?;
+    let triangles: usize = cells(grains).map(|c| c.triangles().count()).sum();
+    let triangles = u32::try_from(triangles)
+        .map_err(|_| std::io::Error::other("STL cannot hold more than 2³² triangles"))?;
+    out.write_all(&triangles.to_le_bytes())?;
+    for triangle in cells(grains).flat_map(ConvexPolyhedron::triangles) {
+        let [a, b, c] = triangle;
+        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
+        for point in [Point::from(normal), a, b, c] {
+            for coordinate in point.iter() {
+                out.write_all(&(*coordinate as f32).to_le_bytes())?;
+            }
+        }
+        out.write_all(&[0; 2])?;
+    }
+    out.flush()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grains::{generate, tests::few_grains};
+
+    fn numbers<T: std::str::FromStr>(line: &str) -> Vec<T> {
+        line.split_whitespace().filter_map(|w| w.parse().ok()).collect()
+    }
+
+    fn volume(points: &[Point], faces: &[Vec<usize>]) -> f64 {
+        let triangles = faces.iter().flat_map(|f| (1..f.len() - 1).map(|i| [f[0], f[i], f[i + 1]]));
+        triangles
+            .map(|t| t.map(|v| points[v].coords))
+            .map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0)
+            .sum()
+    }
+
+    fn same_volume(format: &str, got: f64, grains: &GrainSet, tolerance: f64) {
+        let expected = grains.total_volume();
+        assert!(
+            (got - expected).abs() < tolerance * expected,
+            "volume enclosed by the {format}: expected {expected:e} m³, got {got:e} ± {tolerance}"
+        );
+    }
+
+    #[test]
+    fn the_helper_can_fail() {
+        let grains = generate(&few_grains(), 1).unwrap();
+        for factor in [0.9, 1.1] {
+            let wrong = grains.total_volume() * factor;
+            assert!(std::panic::catch_unwind(|| same_volume("", wrong, &grains, 0.01)).is_err());
+        }
+    }
+
+    #[test]
+    fn obj_has_an_object_a_grain_and_all_the_volume() {
+        let grains = generate(&few_grains(), 1).unwrap();
+        let mut bytes = Vec::new();
+        write_obj(&grains, &mut bytes).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        let lines = |prefix: &'static str| text.lines().filter(move |l| l.starts_with(prefix));
+        assert_eq!(lines("o ").count(), grains.grains.len(), "one object a grain");
+        let points: Vec<Point> =
+            lines("v ").map(|l| Point::from_slice(&numbers::<f64>(l))).collect();
+        let faces: Vec<Vec<usize>> =
+            lines("f ").map(|l| numbers::<usize>(l).iter().map(|n| n - 1).collect()).collect();
+        same_volume("OBJ", volume(&points, &faces), &grains, 1e-12);
+    }
+
+    #[test]
+    fn ply_announces_what_it_holds() {
+        let grains = generate(&few_grains(), 1).unwrap();
+        let mut bytes = Vec::new();
+        write_ply(&grains, &mut bytes).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        let (header, body) = text.split_once("end_header\n").unwrap();
+        let announced = |what: &str| -> usize {
+            let line = header.lines().find(|l| l.starts_with(what)).unwrap();
+            numbers(line)[0]
+        };
+        let rows: Vec<&str> = body.lines().collect();
+        let (v, f) = (announced("element vertex"), announced("element face"));
+        assert_eq!(rows.len(), v + f, "rows after the header");
+        let points: Vec<Point> =
+            rows[..v].iter().map(|l| Point::from_slice(&numbers::<f64>(l))).collect();
+        let faces: Vec<Vec<usize>> = rows[v..]
+            .iter()
+            .map(|l| {
+                let row = numbers::<usize>(l);
+                assert_eq!(row.len(), row[0] + 2, "count, corners, grain: {l}");
+                row[1..=row[0]].to_vec()
+            })
+            .collect();
+        same_volume("PLY", volume(&points, &faces), &grains, 1e-12);
+    }
+
+    #[test]
+    fn stl_has_the_announced_length_and_outward_normals() {
+        let grains = generate(&few_grains(), 1).unwrap();
+        let mut bytes = Vec::new();
+        write_stl(&grains, &mut bytes).unwrap();
+        let count = u32::from_le_bytes(bytes[80..84].try_into().unwrap()) as usize;
+        assert_eq!(bytes.len(), 84 + 50 * count, "84 bytes and 50 a triangle");
+        let mut volume = 0.0;
+        for record in bytes[84..].chunks(50) {
+            let f: Vec<f64> = record[..48]
+                .chunks(4)
+                .map(|b| f64::from(f32::from_le_bytes(b.try_into().unwrap())))
+                .collect();
+            let [n, a, b, c] =
+                [0, 3, 6, 9].map(|i| nalgebra::Vector3::from_row_slice(&f[i..i + 3]));
+            let area = (b - a).cross(&(c - a));
+            assert!(n.dot(&area) >= 0.0, "normal {n} against the winding {area}");
+            volume += a.dot(&b.cross(&c)) / 6.0;
+        }
+        same_volume("STL", volume, &grains, 1e-5);
+    }
 }

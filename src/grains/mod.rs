@@ -1,25 +1,34 @@
 //! Grains: particle size distribution, Voronoi cells, mixing, `grains.json`.
+//!
+//! [`generate`] turns a sieve table into a [`GrainSet`]; [`mix`] and [`rain`]
+//! put it into another order, other orientations and apart from each other,
+//! ready to fall; [`read_json`] and [`write_json`] keep it in a file.
 
+mod complex;
+mod error;
 mod file;
-mod gradation;
-mod make;
-pub mod mesh;
+mod generate;
+mod mesh;
 mod mixing;
-mod psd;
-mod streams;
-#[cfg(test)]
-mod tests;
-mod voronoi;
-
-pub use file::{BlockJson, CellJson, GrainsJson, SieveJson, from_json, to_json};
-pub use gradation::{Gradation, SieveRow};
-pub use make::generate;
-pub use mixing::{Mixing, mix, rain};
-pub use psd::{Fraction, ParticleSizeDistribution};
+pub mod psd;
+mod sieve;
+pub mod streams;
+pub mod voronoi;
 
 use std::sync::Arc;
 
-use crate::geometry::{ConvexPolyhedron, PolyhedronError, Pose, Vector};
+pub use complex::MERGE_DISTANCE;
+pub use error::GrainsError;
+pub use file::{
+    BlockJson, CellJson, GrainsJson, SieveJson, from_json, read_json, to_json, write_json,
+};
+pub use generate::generate;
+pub use mesh::{write_obj, write_ply, write_stl};
+pub use mixing::{Mixing, RAIN_CLEARANCE, mix, rain};
+pub use psd::{Fraction, ParticleSizeDistribution, UscsClass};
+pub use sieve::{sieve_csv, sieve_size};
+
+use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 
 /// The grains of an experiment, in the order in which the tessellation made them.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +56,9 @@ pub struct Block {
     pub points: Vec<Vector>,
     /// Index of the block's first grain in the grain set.
     pub first_grain: usize,
+    /// The cells in the coordinates of `origin` and `points`, in m, one a
+    /// grain: what the grains are computed from and what files hold.
+    pub cells: Vec<ConvexPolyhedron>,
 }
 
 /// One grain: a rigid homogeneous convex polyhedron.
@@ -55,8 +67,6 @@ pub struct Grain {
     /// Shape with the centroid at the origin and the principal axes of
     /// inertia along x, y, z, in m; moments ascending.
     pub shape: Arc<ConvexPolyhedron>,
-    /// The same in the block's coordinates, as it was cut.
-    pub cell: Arc<ConvexPolyhedron>,
     /// Maps the principal frame to the block's coordinates.
     pub pose_in_block: Pose,
     /// Volume in m³.
@@ -71,68 +81,27 @@ pub struct Grain {
     pub fraction: usize,
 }
 
-/// Why grains could not be made, read or placed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum GrainsError {
-    /// A fraction's mass makes no whole grain of its size.
-    #[error(
-        "the fraction {passing_mm}-{retained_mm} mm does not hold a single grain of its mean size"
-    )]
-    EmptyFraction {
-        /// Opening of the sieve it passes, in mm.
-        passing_mm: f64,
-        /// Opening of the sieve that retains it, in mm.
-        retained_mm: f64,
-    },
-    /// A point of the tessellation cannot be used.
-    #[error("tessellation point {index}: {reason}")]
-    Points {
-        /// Index of the point.
-        index: usize,
-        /// Why.
-        reason: &'static str,
-    },
-    /// A cell is no sound polyhedron.
-    #[error("cell {cell}: {reason}")]
-    Cell {
-        /// Index of the cell in its block.
-        cell: usize,
-        /// What is wrong with it.
-        reason: PolyhedronError,
-    },
-    /// Grains in a file are not sound.
-    #[error("{path}: {reason}")]
-    File {
-        /// Path of the value in the file.
-        path: String,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// A grain does not fit where it should be placed.
-    #[error("grain {grain} with a bounding radius of {radius} m does not fit into {room} m")]
-    TooNarrow {
-        /// Index of the grain.
-        grain: usize,
-        /// Its bounding radius in m.
-        radius: f64,
-        /// The room there is, in m.
-        room: f64,
-    },
-}
-
 impl GrainSet {
     /// Mass of all grains in kg.
-    pub fn mass(&self) -> f64 {
+    pub fn total_mass(&self) -> f64 {
         self.grains.iter().map(|g| g.mass).sum()
     }
 
-    /// Volume of all grains in m³.
-    pub fn volume(&self) -> f64 {
+    /// Solid volume of all grains in m³.
+    pub fn total_volume(&self) -> f64 {
         self.grains.iter().map(|g| g.volume).sum()
     }
 
-    /// Mean number of grains in 100 g.
+    /// Mean number of grains in 100 g (paper, section 3: 55 to 65); NaN without grains.
     pub fn grains_in_100_g(&self) -> f64 {
-        self.grains.len() as f64 * 0.1 / self.mass()
+        self.grains.len() as f64 * 0.1 / self.total_mass()
+    }
+
+    /// Largest distance in m of any grain's vertex from its centroid; 0 without grains.
+    pub fn largest_bounding_radius(&self) -> f64 {
+        self.grains.iter().map(|g| g.shape.radius_about_origin()).fold(0.0, f64::max)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,85 +1,432 @@
-//! Particle size distribution: from sieve data to numbers of grains.
+//! The particle size distribution of a sieve analysis and what follows from it.
 
-use std::f64::consts::PI;
+use super::{GrainSet, GrainsError};
+use crate::{
+    scenario::{SieveFraction, SievedGrains},
+    units::{from_g, from_mm, to_cm3, to_mm},
+};
 
-use super::GrainsError;
-use crate::scenario::SievedGrains;
-use crate::units::{from_g, from_mm, to_mm};
+/// Largest number of grains the program makes.
+pub const MOST_GRAINS: usize = 1_000_000;
 
-/// One sieve fraction in SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fraction {
-    /// Opening of the sieve it passes, in m.
-    pub passing: f64,
-    /// Opening of the sieve that retains it, in m.
-    pub retained: f64,
-    /// Mass in kg.
-    pub mass: f64,
-    /// Volume of its solids in m³.
-    pub volume: f64,
-    /// Mean of the two openings in m: the average size of its grains (paper, section 3).
-    pub mean_size: f64,
-    /// Number of grains: its volume over that of a sphere of the mean size.
-    pub grains: usize,
-}
+/// How far the percentages of a sieve table may be from 100 together: lab
+/// sheets round each of a few rows to 0.1 %. The rows are scaled to 100 exactly.
+const PERCENT_TOLERANCE: f64 = 0.2;
 
-/// Sieve fractions, coarsest first.
+/// Opening of the No. 4 sieve in m, which parts gravel from sand (ASTM D2487).
+const NO_4_SIEVE: f64 = 4.75e-3;
+
+/// Opening of the No. 200 sieve in m, which parts sand from fines (ASTM D2487).
+const NO_200_SIEVE: f64 = 0.075e-3;
+
+/// A validated sieve table with the number of grains of each fraction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParticleSizeDistribution {
-    /// The fractions.
+    /// Fractions, coarsest first.
     pub fractions: Vec<Fraction>,
     /// Density of the solids in kg/m³.
     pub density: f64,
 }
 
-impl ParticleSizeDistribution {
-    /// From sieve data.
-    ///
-    /// # Errors
-    /// [`GrainsError::EmptyFraction`] for a fraction whose mass makes less than half a grain.
-    pub fn new(spec: &SievedGrains) -> Result<Self, GrainsError> {
-        let total = from_g(spec.total_mass_g);
-        let mut fractions: Vec<Fraction> = spec
-            .sieve_table
-            .iter()
-            .map(|f| {
-                let mass = total * f.mass_percent / 100.0;
-                Fraction {
-                    passing: from_mm(f.passing_mm),
-                    retained: from_mm(f.retained_mm),
-                    mass,
-                    volume: mass / spec.density_kg_per_m3,
-                    mean_size: from_mm((f.passing_mm + f.retained_mm) / 2.0),
-                    grains: 0,
-                }
-            })
-            .collect();
-        apportion(&mut fractions);
-        if let Some(f) = fractions.iter().find(|f| f.grains == 0) {
-            return Err(GrainsError::EmptyFraction {
-                passing_mm: to_mm(f.passing),
-                retained_mm: to_mm(f.retained),
-            });
-        }
-        Ok(Self { fractions, density: spec.density_kg_per_m3 })
+/// What passes one sieve and stays on the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fraction {
+    /// Opening of the sieve the fraction passes, in m.
+    pub passing: f64,
+    /// Opening of the sieve that retains the fraction, in m.
+    pub retained: f64,
+    /// Share of the total mass, in percent; the shares add up to 100.
+    pub mass_percent: f64,
+    /// Mass in kg.
+    pub mass: f64,
+    /// Solid volume in m³.
+    pub volume: f64,
+    /// Mean size in m.
+    pub mean_size: f64,
+    /// Number of grains.
+    pub grains: usize,
+}
+
+/// Class of a clean coarse soil in the Unified Soil Classification System.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UscsClass {
+    /// Well-graded gravel.
+    Gw,
+    /// Poorly graded gravel.
+    Gp,
+    /// Well-graded sand.
+    Sw,
+    /// Poorly graded sand.
+    Sp,
+}
+
+impl std::fmt::Display for UscsClass {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Gw => "GW",
+            Self::Gp => "GP",
+            Self::Sw => "SW",
+            Self::Sp => "SP",
+        })
     }
 }
 
-/// Numbers of grains by the method of largest remainders: the whole specimen
-/// gets the rounded total, each fraction its whole part, and the fractions
-/// with the largest remainders one grain more. Rounding each fraction by
-/// itself would let the total drift by half a grain a fraction.
-fn apportion(fractions: &mut [Fraction]) {
-    let exact: Vec<f64> =
-        fractions.iter().map(|f| f.volume / (PI / 6.0 * f.mean_size.powi(3))).collect();
-    let total = exact.iter().sum::<f64>().round() as usize;
-    for (f, exact) in fractions.iter_mut().zip(&exact) {
-        f.grains = exact.floor() as usize;
+impl ParticleSizeDistribution {
+    /// Validates a sieve table and counts the grains of each fraction.
+    ///
+    /// Paper, section 3: the mass on each sieve and the density give the
+    /// fraction's solid volume V; "the average size of polyhedrons ... was set
+    /// by the average mesh openings of the two successive sieves". The size d
+    /// is read as the diameter of the sphere of the grain's mean volume, so
+    /// that n = V / (π/6·d³): with sieves of 8, 10, 12.5 and 16 mm this can
+    /// give the paper's 1456 grains, d as the edge of a cube cannot.
+    ///
+    /// These n are made whole by largest remainders, so that the total is Σn
+    /// rounded: each n is rounded down, and the fractions with the largest
+    /// remainders get one grain more until the total is reached. (Rounding
+    /// each n alone lets the errors of several fractions add up; for the
+    /// paper's table it gives 1457 where Σn is 1456.05.)
+    ///
+    /// # Errors
+    /// Values that are not positive, rows out of order, percentages that do
+    /// not add up to 100, fractions of less than half a grain, and more than
+    /// [`MOST_GRAINS`] grains.
+    pub fn new(spec: &SievedGrains) -> Result<Self, GrainsError> {
+        positive("total_mass_g", spec.total_mass_g)?;
+        positive("density_kg_per_m3", spec.density_kg_per_m3)?;
+        check_table(&spec.sieve_table)?;
+        let sum: f64 = spec.sieve_table.iter().map(|row| row.mass_percent).sum();
+        let mut fractions = Vec::with_capacity(spec.sieve_table.len());
+        let mut quotas = Vec::with_capacity(spec.sieve_table.len());
+        for row in &spec.sieve_table {
+            let mass = from_g(spec.total_mass_g) * row.mass_percent / sum;
+            let volume = mass / spec.density_kg_per_m3;
+            let mean_size = from_mm((row.passing_mm + row.retained_mm) / 2.0);
+            let quota = volume / (std::f64::consts::FRAC_PI_6 * mean_size.powi(3));
+            if quota < 0.5 {
+                return Err(GrainsError::EmptyFraction {
+                    passing_mm: row.passing_mm,
+                    retained_mm: row.retained_mm,
+                    volume_cm3: to_cm3(volume),
+                });
+            }
+            quotas.push(quota);
+            fractions.push(Fraction {
+                passing: from_mm(row.passing_mm),
+                retained: from_mm(row.retained_mm),
+                mass_percent: row.mass_percent * 100.0 / sum,
+                mass,
+                volume,
+                mean_size,
+                grains: 0,
+            });
+        }
+        let grains: f64 = quotas.iter().sum();
+        // A division by the cube of a tiny size may give infinity or NaN.
+        if !grains.is_finite() || grains > MOST_GRAINS as f64 {
+            return Err(GrainsError::TooManyGrains { grains, limit: MOST_GRAINS });
+        }
+        for (fraction, count) in fractions.iter_mut().zip(whole_numbers(&quotas)) {
+            fraction.grains = count;
+        }
+        Ok(Self { fractions, density: spec.density_kg_per_m3 })
     }
-    let mut order: Vec<usize> = (0..fractions.len()).collect();
-    order.sort_by(|&a, &b| exact[b].fract().total_cmp(&exact[a].fract()));
-    let given: usize = fractions.iter().map(|f| f.grains).sum();
-    for &index in order.iter().take(total.saturating_sub(given)) {
-        fractions[index].grains += 1;
+
+    /// The distribution that grains have by the sieves of their blocks.
+    ///
+    /// # Errors
+    /// No grains, a block without grains, or blocks that do not run from the
+    /// coarsest sieve to the finest without gaps.
+    pub fn of(grains: &GrainSet) -> Result<Self, GrainsError> {
+        let total_mass = grains.total_mass();
+        if grains.grains.is_empty() {
+            return Err(GrainsError::NoGrains);
+        }
+        let mut fractions = Vec::with_capacity(grains.blocks.len());
+        let mut table = Vec::with_capacity(grains.blocks.len());
+        for (index, block) in grains.blocks.iter().enumerate() {
+            let own = || grains.grains.iter().filter(|g| g.fraction == index);
+            let mass: f64 = own().map(|g| g.mass).sum();
+            let fraction = Fraction {
+                passing: block.passing,
+                retained: block.retained,
+                mass_percent: mass / total_mass * 100.0,
+                mass,
+                volume: own().map(|g| g.volume).sum(),
+                mean_size: (block.passing + block.retained) / 2.0,
+                grains: own().count(),
+            };
+            table.push(SieveFraction {
+                passing_mm: to_mm(fraction.passing),
+                retained_mm: to_mm(fraction.retained),
+                mass_percent: fraction.mass_percent,
+            });
+            fractions.push(fraction);
+        }
+        check_table(&table)?;
+        Ok(Self { fractions, density: grains.density })
+    }
+
+    /// Number of grains of all fractions.
+    pub fn grains(&self) -> usize {
+        self.fractions.iter().map(|f| f.grains).sum()
+    }
+
+    /// The curve of the grain size distribution (paper, Figure 1) as points
+    /// (sieve opening in mm, percent of mass finer), finest sieve first.
+    pub fn passing_curve(&self) -> Vec<(f64, f64)> {
+        let mut finer = 0.0;
+        let mut curve: Vec<(f64, f64)> = Vec::with_capacity(self.fractions.len() + 1);
+        for fraction in self.fractions.iter().rev() {
+            curve.push((to_mm(fraction.retained), finer));
+            finer += fraction.mass_percent;
+        }
+        // The shares add up to 100 but for rounding.
+        curve.push((to_mm(self.fractions[0].passing), 100.0));
+        curve
+    }
+
+    /// Percent of mass finer than a size in m: linear in the logarithm of the
+    /// size between two sieves; 0 and 100 outside the table.
+    pub fn percent_finer(&self, size: f64) -> f64 {
+        let curve = self.passing_curve();
+        let size_mm = to_mm(size);
+        if size_mm <= curve[0].0 {
+            return 0.0;
+        }
+        curve
+            .windows(2)
+            .find(|w| size_mm <= w[1].0)
+            .map_or(100.0, |w| w[0].1 + (w[1].1 - w[0].1) * log_share(size_mm, w[0].0, w[1].0))
+    }
+
+    /// Size in m than which the given percent of the mass is finer (D₁₀, D₃₀,
+    /// ...): linear in the logarithm of the size between two sieves, as the
+    /// curve is drawn (Das, "Principles of Geotechnical Engineering", chapter
+    /// on grain size). Percentages outside 0..100 give the finest or coarsest sieve.
+    pub fn size_at_percent(&self, percent: f64) -> f64 {
+        let curve = self.passing_curve();
+        let Some(w) = curve.windows(2).find(|w| percent <= w[1].1) else {
+            return self.fractions[0].passing;
+        };
+        let share = ((percent - w[0].1) / (w[1].1 - w[0].1)).max(0.0);
+        from_mm(w[0].0 * (w[1].0 / w[0].0).powf(share))
+    }
+
+    /// Coefficient of uniformity, D₆₀ / D₁₀.
+    pub fn uniformity(&self) -> f64 {
+        self.size_at_percent(60.0) / self.size_at_percent(10.0)
+    }
+
+    /// Coefficient of curvature (gradation), D₃₀² / (D₆₀·D₁₀).
+    pub fn curvature(&self) -> f64 {
+        let [d10, d30, d60] = [10.0, 30.0, 60.0].map(|p| self.size_at_percent(p));
+        d30 * d30 / (d60 * d10)
+    }
+
+    /// Class in the Unified Soil Classification System (ASTM D2487, table 1):
+    /// gravel if more than half of the coarse fraction stays on the 4.75 mm
+    /// sieve, else sand; well graded if 1 ≤ Cc ≤ 3 and Cu ≥ 4 (gravel) or
+    /// Cu ≥ 6 (sand), else poorly graded. `None` where 5 % or more are finer
+    /// than 0.075 mm: the class then depends on the fines' plasticity.
+    pub fn uscs(&self) -> Option<UscsClass> {
+        let fines = self.percent_finer(NO_200_SIEVE);
+        if fines >= 5.0 {
+            return None;
+        }
+        let gravel = 100.0 - self.percent_finer(NO_4_SIEVE) > (100.0 - fines) / 2.0;
+        let least_uniformity = if gravel { 4.0 } else { 6.0 };
+        let well_graded =
+            self.uniformity() >= least_uniformity && (1.0..=3.0).contains(&self.curvature());
+        Some(match (gravel, well_graded) {
+            (true, true) => UscsClass::Gw,
+            (true, false) => UscsClass::Gp,
+            (false, true) => UscsClass::Sw,
+            (false, false) => UscsClass::Sp,
+        })
+    }
+}
+
+/// Makes quotas of at least one half whole by the method of largest
+/// remainders; none becomes zero.
+fn whole_numbers(quotas: &[f64]) -> Vec<usize> {
+    let mut counts: Vec<usize> = quotas.iter().map(|q| (q.floor() as usize).max(1)).collect();
+    let total = quotas.iter().sum::<f64>().round() as usize;
+    let mut order: Vec<usize> = (0..quotas.len()).filter(|&i| quotas[i] >= 1.0).collect();
+    order.sort_by(|&a, &b| quotas[b].fract().total_cmp(&quotas[a].fract()));
+    let missing = total.saturating_sub(counts.iter().sum());
+    for &i in order.iter().take(missing) {
+        counts[i] += 1;
+    }
+    counts
+}
+
+/// Where `x` lies between `low` and `high` on a logarithmic axis, 0 to 1.
+fn log_share(x: f64, low: f64, high: f64) -> f64 {
+    (x / low).ln() / (high / low).ln()
+}
+
+pub(super) fn positive(what: &str, value: f64) -> Result<(), GrainsError> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(GrainsError::NotPositive { what: what.into(), value })
+}
+
+fn check_table(table: &[SieveFraction]) -> Result<(), GrainsError> {
+    if table.is_empty() {
+        return Err(GrainsError::EmptySieveTable);
+    }
+    for (i, row) in table.iter().enumerate() {
+        let fault = |reason: String| Err(GrainsError::BadSieveTable { row: i + 1, reason });
+        for (name, value) in [
+            ("passing_mm", row.passing_mm),
+            ("retained_mm", row.retained_mm),
+            ("mass_percent", row.mass_percent),
+        ] {
+            positive(&format!("{name} of row {} of the sieve table", i + 1), value)?;
+        }
+        if row.passing_mm <= row.retained_mm {
+            return fault(format!(
+                "the fraction passes {} mm and stays on {} mm, which is not finer",
+                row.passing_mm, row.retained_mm
+            ));
+        }
+        if i > 0 && (row.passing_mm - table[i - 1].retained_mm).abs() > 1e-9 * row.passing_mm {
+            return fault(format!(
+                "the fraction passes {} mm, the one above it stays on {} mm; rows run from the \
+                 coarsest to the finest without gaps",
+                row.passing_mm,
+                table[i - 1].retained_mm
+            ));
+        }
+    }
+    let sum: f64 = table.iter().map(|row| row.mass_percent).sum();
+    if (sum - 100.0).abs() > PERCENT_TOLERANCE {
+        return Err(GrainsError::PercentSum { sum });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grains::tests::{paper_grains, table};
+
+    fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
+        assert!(
+            (got - expected).abs() <= tolerance,
+            "{law}: expected {expected}, got {got}, tolerance {tolerance}"
+        );
+    }
+
+    #[test]
+    fn the_helper_can_fail() {
+        for off in [-0.2, 0.2] {
+            assert!(std::panic::catch_unwind(|| near("", 1.0 + off, 1.0, 0.1)).is_err());
+        }
+        near("", 1.05, 1.0, 0.1);
+    }
+
+    #[test]
+    fn the_paper_s_mass_gives_1456_grains() {
+        let psd = ParticleSizeDistribution::new(&paper_grains()).unwrap();
+        let counts: Vec<usize> = psd.fractions.iter().map(|f| f.grains).collect();
+        assert_eq!(counts, [87, 610, 759], "n = V / (π/6·d³) by fraction");
+        assert_eq!(psd.grains(), 1456, "number of grains (paper, section 3)");
+        let volume: f64 = psd.fractions.iter().map(|f| f.volume).sum();
+        near("solids = 2343 g / 2673.9 kg/m³, m³", volume, 2.343 / 2673.9, 1e-18);
+    }
+
+    #[test]
+    fn whole_numbers_keep_the_total_and_stay_next_to_their_quota() {
+        for quotas in
+            [vec![86.75, 610.6, 758.7], vec![0.6, 0.7], vec![3.0], vec![0.5; 5], vec![2.5; 4]]
+        {
+            let counts = whole_numbers(&quotas);
+            for (count, quota) in counts.iter().zip(&quotas) {
+                let off = (*count as f64 - quota).abs();
+                assert!(off < 1.0 && *count > 0, "quota {quota} of {quotas:?} became {count}");
+            }
+        }
+        assert_eq!(whole_numbers(&[86.75, 610.6, 758.7]), [87, 610, 759]);
+        assert_eq!(whole_numbers(&[2.5; 4]), [3, 3, 2, 2], "4 × 2.5 = 10");
+        assert_eq!(whole_numbers(&[0.6, 5.0]), [1, 5], "half a grain and more is a grain");
+    }
+
+    #[test]
+    fn characteristic_sizes_lie_on_the_log_linear_curve() {
+        let psd = ParticleSizeDistribution::new(&paper_grains()).unwrap();
+        let curve = psd.passing_curve();
+        let expected = [(8.0, 0.0), (10.0, 33.05), (12.5, 85.0), (16.0, 100.0)];
+        for (got, expected) in curve.iter().zip(expected) {
+            near("sieve opening, mm", got.0, expected.0, 1e-12);
+            near("percent finer", got.1, expected.1, 1e-12);
+        }
+        assert_eq!(curve.len(), 4);
+        let d10 = 8.0 * (10.0_f64 / 8.0).powf(10.0 / 33.05);
+        let d30 = 8.0 * (10.0_f64 / 8.0).powf(30.0 / 33.05);
+        let d60 = 10.0 * (12.5_f64 / 10.0).powf((60.0 - 33.05) / 51.95);
+        near("D10, mm", to_mm(psd.size_at_percent(10.0)), d10, 1e-12);
+        near("D60, mm", to_mm(psd.size_at_percent(60.0)), d60, 1e-12);
+        near("Cu = D60/D10", psd.uniformity(), d60 / d10, 1e-12);
+        near("Cc = D30²/(D60·D10)", psd.curvature(), d30 * d30 / d60 / d10, 1e-12);
+        near("D0 is the finest sieve, mm", to_mm(psd.size_at_percent(0.0)), 8.0, 1e-12);
+        near("D100 is the coarsest, mm", to_mm(psd.size_at_percent(100.0)), 16.0, 1e-12);
+        for percent in [0.5, 10.0, 33.05, 50.0, 85.0, 99.0] {
+            let back = psd.percent_finer(psd.size_at_percent(percent));
+            near("percent finer than D_p is p", back, percent, 1e-9);
+        }
+    }
+
+    #[test]
+    fn uscs_classes() {
+        let class = |rows: &[(f64, f64, f64)]| {
+            let mut spec = table(rows);
+            spec.total_mass_g = 500.0;
+            ParticleSizeDistribution::new(&spec).unwrap().uscs()
+        };
+        let paper = ParticleSizeDistribution::new(&paper_grains()).unwrap();
+        assert_eq!(paper.uscs(), Some(UscsClass::Gp), "paper, section 2: USCS GP");
+        assert_eq!(paper.uscs().unwrap().to_string(), "GP");
+        let wide = [(40.0, 20.0, 45.0), (20.0, 10.0, 30.0), (10.0, 5.0, 10.0), (5.0, 2.5, 15.0)];
+        assert_eq!(class(&wide), Some(UscsClass::Gw), "Cu ≈ 5.4, Cc ≈ 1.5: GW");
+        let hollow = [(40.0, 20.0, 40.0), (20.0, 10.0, 25.0), (10.0, 5.0, 17.0), (5.0, 2.5, 18.0)];
+        assert_eq!(class(&hollow), Some(UscsClass::Gp), "Cu ≈ 5.4, Cc ≈ 0.9: GP");
+        let sand = [(5.0, 4.5, 40.0), (4.5, 4.0, 60.0)];
+        assert_eq!(class(&sand), Some(UscsClass::Sp), "all but a fifth passes 4.75 mm: SP");
+    }
+
+    #[test]
+    fn faults_are_named() {
+        let fault = |spec: &SievedGrains| ParticleSizeDistribution::new(spec).unwrap_err();
+        let good = paper_grains();
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let spec = SievedGrains { total_mass_g: bad, ..good.clone() };
+            assert!(matches!(fault(&spec), GrainsError::NotPositive { .. }), "mass {bad}");
+            let spec = SievedGrains { density_kg_per_m3: bad, ..good.clone() };
+            assert!(matches!(fault(&spec), GrainsError::NotPositive { .. }), "density {bad}");
+            let spec = table(&[(16.0, 8.0, bad)]);
+            assert!(matches!(fault(&spec), GrainsError::NotPositive { .. }), "percent {bad}");
+        }
+        assert!(matches!(fault(&table(&[])), GrainsError::EmptySieveTable));
+        let e = fault(&table(&[(8.0, 10.0, 100.0)]));
+        assert!(matches!(e, GrainsError::BadSieveTable { row: 1, .. }), "upside down: {e}");
+        let e = fault(&table(&[(16.0, 12.0, 50.0), (10.0, 8.0, 50.0)]));
+        assert!(matches!(e, GrainsError::BadSieveTable { row: 2, .. }), "gap: {e}");
+        let e = fault(&table(&[(16.0, 12.0, 50.0), (12.0, 8.0, 49.0)]));
+        assert!(matches!(e, GrainsError::PercentSum { .. }), "99 %: {e}");
+        let e = fault(&table(&[(160.0, 120.0, 50.0), (120.0, 100.0, 50.0)]));
+        assert!(matches!(e, GrainsError::EmptyFraction { passing_mm: 160.0, .. }), "{e}");
+        let e = fault(&table(&[(1e-3, 1e-200, 100.0)]));
+        assert!(matches!(e, GrainsError::TooManyGrains { .. }), "dust: {e}");
+    }
+
+    #[test]
+    fn rounded_percentages_keep_the_total_mass() {
+        let spec = table(&[(16.0, 12.0, 33.3), (12.0, 10.0, 33.3), (10.0, 8.0, 33.3)]);
+        let psd = ParticleSizeDistribution::new(&spec).unwrap();
+        let mass: f64 = psd.fractions.iter().map(|f| f.mass).sum();
+        near("total mass, kg", mass, spec.total_mass_g / 1e3, 1e-15);
     }
 }

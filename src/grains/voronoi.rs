@@ -1,30 +1,143 @@
-//! Voronoi cells of a cube as closed convex polyhedra.
+//! Voronoi cells of points in a cube, as closed convex polyhedra.
+
+use std::collections::HashMap;
 
 use meshless_voronoi::{Dimensionality, VoronoiIntegrator};
+use rand_pcg::Pcg64;
 
-use super::GrainsError;
-use crate::geometry::{ConvexPolyhedron, Point, PolyhedronError, Vector};
+use super::{
+    GrainsError,
+    complex::{CellComplex, MERGE_DISTANCE, SharedVertex},
+    psd::positive,
+    streams::{stream, uniform},
+};
+use crate::geometry::{ConvexPolyhedron, Point, Vector};
 
-/// Distances in m below which two corners of a cell are taken as one, tried
-/// in this order until the cell passes every check. Voronoi cells have corners
-/// as close as 1e-8 m, whose faces rounding can leave without area.
-const MERGE: [f64; 6] = [0.0, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7];
+/// Least distance between two points, as a fraction of the cube's side. The
+/// tessellation rounds coordinates to about 2⁻⁵⁰ of the side where it decides
+/// close calls exactly, and panics on points that coincide.
+const LEAST_DISTANCE: f64 = 1e-9;
 
-/// Cuts the cube [0, side]³ into the Voronoi cells of points within it; cells
-/// in the order of the points, in the same coordinates, in m.
+/// Relative loss of volume above which a tessellation is rejected; rounding
+/// leaves about 1e-14.
+const VOLUME_TOLERANCE: f64 = 1e-9;
+
+/// How often a block's points are drawn anew when their cells come out
+/// degenerate. No draw in some 10⁵ cells needed it.
+const ATTEMPTS: u32 = 8;
+
+/// Points in a cube and their Voronoi cells, in the same order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tessellation {
+    /// Points in m.
+    pub points: Vec<Vector>,
+    /// Cells in m.
+    pub cells: Vec<ConvexPolyhedron>,
+}
+
+/// Cuts a cube into the Voronoi cells of uniformly random points, drawn from
+/// the random stream `name`. The cube has the given side (m) and lowest
+/// corner `origin` (m).
 ///
 /// # Errors
-/// [`GrainsError::Points`] when a point is not inside the cube or stands
-/// twice; [`GrainsError::Cell`] when a cell is no sound polyhedron.
-pub fn cells(side: f64, points: &[Vector]) -> Result<Vec<ConvexPolyhedron>, GrainsError> {
-    check(side, points)?;
-    if points.len() == 1 {
-        let cube = ConvexPolyhedron::frustum(square(side, 0.0), square(side, side));
-        return Ok(vec![cube.map_err(|reason| GrainsError::Cell { cell: 0, reason })?]);
+/// A side that is not positive; the last attempt's fault, if every attempt
+/// gave degenerate cells.
+pub fn random_cells(
+    count: usize,
+    side: f64,
+    origin: Vector,
+    seed: u64,
+    name: &str,
+) -> Result<Tessellation, GrainsError> {
+    let mut attempt = 0;
+    loop {
+        let mut rng = match attempt {
+            0 => stream(seed, name),
+            n => stream(seed, &format!("{name}, attempt {n}")),
+        };
+        attempt += 1;
+        let points = random_points(count, &mut rng);
+        match cells(&points, side, origin) {
+            Ok(cells) => {
+                let points = points.iter().map(|p| origin + p * side).collect();
+                return Ok(Tessellation { points, cells });
+            }
+            Err(error @ (GrainsError::NotPositive { .. } | GrainsError::NoGrains)) => {
+                return Err(error);
+            }
+            Err(error) if attempt == ATTEMPTS => return Err(error),
+            Err(error) => tracing::debug!(%error, name, attempt, "points drawn anew"),
+        }
     }
-    // In units of the cube: the tessellation's own tolerances are made for that.
-    let generators: Vec<_> = points.iter().map(|p| (p / side).into_glam()).collect();
-    let voronoi = VoronoiIntegrator::build(
+}
+
+fn random_points(count: usize, rng: &mut Pcg64) -> Vec<Vector> {
+    (0..count).map(|_| Vector::from_fn(|_, _| uniform(rng))).collect()
+}
+
+/// The Voronoi cells of points inside a cube with the given side (m) and
+/// lowest corner `origin` (m); the points are given in units of the side,
+/// 0 to 1. Nearly coincident vertices are merged ([`MERGE_DISTANCE`]).
+///
+/// # Errors
+/// No points, points outside the cube or nearer to each other than 1e-9 of
+/// its side, and cells that are no convex polyhedra or do not fill the cube.
+pub fn cells(
+    points: &[Vector],
+    side: f64,
+    origin: Vector,
+) -> Result<Vec<ConvexPolyhedron>, GrainsError> {
+    positive("side of a block, m", side)?;
+    check_points(points)?;
+    let mut complex = tessellate(points, side, origin);
+    complex.merge_short_edges(MERGE_DISTANCE);
+    let cells = complex.into_polyhedra()?;
+    let cells_m3: f64 = cells.iter().map(ConvexPolyhedron::signed_volume).sum();
+    let block_m3 = side.powi(3);
+    let lost = (cells_m3 - block_m3).abs();
+    if !lost.is_finite() || lost > VOLUME_TOLERANCE * block_m3 {
+        return Err(GrainsError::VolumeLost { block_m3, cells_m3 });
+    }
+    Ok(cells)
+}
+
+/// Guards the tessellation, which panics on points that are not finite or
+/// coincide and silently accepts points outside the cube.
+fn check_points(points: &[Vector]) -> Result<(), GrainsError> {
+    let fault = |point: usize, reason: &str| {
+        Err(GrainsError::BadPoint { point, reason: reason.to_owned() })
+    };
+    if points.is_empty() {
+        return Err(GrainsError::NoGrains);
+    }
+    if let Some(point) = points.iter().position(|p| !p.iter().all(|c| (0.0..=1.0).contains(c))) {
+        return fault(point, "does not lie in the block");
+    }
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_by(|&a, &b| points[a].x.total_cmp(&points[b].x));
+    for (i, &a) in order.iter().enumerate() {
+        for &b in &order[i + 1..] {
+            if points[b].x - points[a].x > LEAST_DISTANCE {
+                break;
+            }
+            if (points[a] - points[b]).norm() <= LEAST_DISTANCE {
+                return fault(a.max(b), "coincides with another one");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Computes the cells in the unit cube, where the tessellation's absolute
+/// error bounds (1e-13) fit, and scales them.
+///
+/// A Voronoi vertex is named by the four things equally far from it: points,
+/// or sides of the cube. Cells that share it compute it independently; by its
+/// name they agree, and the position is the one of the first cell.
+fn tessellate(points: &[Vector], side: f64, origin: Vector) -> CellComplex {
+    // `into`: the vector type belongs to a crate that is not re-exported.
+    let generators: Vec<_> = points.iter().map(|p| [p.x, p.y, p.z].into()).collect();
+    let tessellation = VoronoiIntegrator::build(
         &generators,
         None,
         [0.0; 3].into(),
@@ -33,108 +146,240 @@ pub fn cells(side: f64, points: &[Vector]) -> Result<Vec<ConvexPolyhedron>, Grai
         false,
     )
     .with_faces();
-    voronoi
-        .cells_iter()
-        .enumerate()
-        .map(|(cell, c)| {
-            let point = |v: &[f64; 3]| Point::from(Vector::from(*v) * side);
-            let corners: Vec<Point> = c.vertices.iter().map(|v| point(&v.loc.to_array())).collect();
-            let faces: Vec<&[usize]> = (0..c.face_count()).map(|f| c.face_vertices(f)).collect();
-            polyhedron(&corners, &faces, &point(&c.loc.to_array()))
-                .map_err(|reason| GrainsError::Cell { cell, reason })
-        })
-        .collect()
-}
 
-fn square(side: f64, z: f64) -> Vec<Point> {
-    [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)].map(|(x, y)| Point::new(x, y, z)).to_vec()
-}
-
-fn check(side: f64, points: &[Vector]) -> Result<(), GrainsError> {
-    let inside = |p: &Vector| p.iter().all(|&c| c > 0.0 && c < side);
-    if let Some(index) = points.iter().position(|p| !inside(p)) {
-        return Err(GrainsError::Points { index, reason: "it does not lie inside the cube" });
-    }
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|&a, &b| {
-        points[a]
+    let mut number_of: HashMap<[usize; 4], u32> = HashMap::new();
+    let mut vertices = Vec::new();
+    let mut cells = Vec::with_capacity(points.len());
+    for cell in tessellation.cells_iter() {
+        let numbers: Vec<u32> = cell
+            .vertices
             .iter()
-            .zip(points[b].iter())
-            .fold(std::cmp::Ordering::Equal, |o, (x, y)| o.then(x.total_cmp(y)))
-    });
-    match order.windows(2).find(|w| points[w[0]] == points[w[1]]) {
-        Some(w) => Err(GrainsError::Points { index: w[1], reason: "it stands twice" }),
-        None => Ok(()),
+            .map(|vertex| {
+                let [i, j, k] = vertex.dual.map(|plane| {
+                    cell.clipping_planes[plane].right_idx.unwrap_or(points.len() + plane)
+                });
+                let mut name = [cell.idx, i, j, k];
+                name.sort_unstable();
+                *number_of.entry(name).or_insert_with(|| {
+                    let at = [vertex.loc.x, vertex.loc.y, vertex.loc.z];
+                    let sides = vertex.dual.iter().filter(|&&plane| plane < 6);
+                    vertices.push(place(at, sides.copied(), side, origin));
+                    vertices.len() as u32 - 1
+                })
+            })
+            .collect();
+        let mut faces: Vec<Vec<u32>> = (0..cell.face_count())
+            .map(|face| cell.face_vertices(face).iter().map(|&v| numbers[v]).collect())
+            .collect();
+        if volume(&faces, &vertices) < 0.0 {
+            faces.iter_mut().for_each(|face| face.reverse());
+        }
+        cells.push(faces);
     }
+    CellComplex::new(vertices, cells)
 }
 
-/// The polyhedron of a cell's corners and faces around an inner point.
-fn polyhedron(
-    corners: &[Point],
-    faces: &[&[usize]],
-    inner: &Point,
-) -> Result<ConvexPolyhedron, PolyhedronError> {
-    let mut last = None;
-    for tolerance in MERGE {
-        match merged(corners, faces, inner, tolerance) {
-            Ok(polyhedron) => return Ok(polyhedron),
-            Err(error) => last = Some(error),
-        }
+/// Scales a vertex from the unit cube, putting it exactly on the sides it
+/// lies on. The cube's sides are numbered x = 0, x = 1, y = 0, ... as the
+/// first six clipping planes of every cell are.
+fn place(
+    mut at: [f64; 3],
+    on: impl Iterator<Item = usize>,
+    side: f64,
+    origin: Vector,
+) -> SharedVertex {
+    let mut sides = 0;
+    for plane in on {
+        at[plane / 2] = (plane % 2) as f64;
+        sides |= 1 << plane;
     }
-    Err(last.unwrap_or(PolyhedronError::TooSmall { vertices: 0, faces: 0 }))
+    SharedVertex { position: Point::from(origin + Vector::from(at) * side), sides }
 }
 
-/// The polyhedron after corners closer than the tolerance have become one.
-fn merged(
-    corners: &[Point],
-    faces: &[&[usize]],
-    inner: &Point,
-    tolerance: f64,
-) -> Result<ConvexPolyhedron, PolyhedronError> {
-    let mut kept: Vec<Point> = Vec::new();
-    let mut name = vec![0_u32; corners.len()];
-    for (i, corner) in corners.iter().enumerate() {
-        let same = kept.iter().position(|k| tolerance > 0.0 && (k - corner).norm() <= tolerance);
-        name[i] = same.unwrap_or_else(|| {
-            kept.push(*corner);
-            kept.len() - 1
-        }) as u32;
-    }
-    let mut loops = Vec::with_capacity(faces.len());
-    for face in faces {
-        let mut corners: Vec<u32> = face.iter().map(|&c| name[c]).collect();
-        corners.dedup();
-        while corners.len() > 1 && corners.first() == corners.last() {
-            corners.pop();
+/// Signed volume enclosed by face loops, to tell which way round they run.
+fn volume(faces: &[Vec<u32>], vertices: &[SharedVertex]) -> f64 {
+    let at = |v: u32| vertices[v as usize].position;
+    let origin = at(faces[0][0]);
+    faces
+        .iter()
+        .flat_map(|f| (1..f.len() - 1).map(move |i| [f[0], f[i], f[i + 1]]))
+        .map(|t| {
+            let [a, b, c] = t.map(|v| at(v) - origin);
+            a.dot(&b.cross(&c)) / 6.0
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn check(cells: &[ConvexPolyhedron], side: f64) -> Result<(), String> {
+        for (i, cell) in cells.iter().enumerate() {
+            cell.sanity_check().map_err(|e| format!("cell {i}: {e}"))?;
         }
-        if corners.len() >= 3 {
-            if !outward(&kept, &corners, inner) {
-                corners.reverse();
+        let (got, expected) =
+            (cells.iter().map(ConvexPolyhedron::signed_volume).sum::<f64>(), side.powi(3));
+        if (got - expected).abs() > 1e-12 * expected {
+            return Err(format!("cells fill the block: expected {expected:e} m³, got {got:e}"));
+        }
+        Ok(())
+    }
+
+    fn shortest_edge(cell: &ConvexPolyhedron) -> f64 {
+        let at = |v: u32| cell.vertices()[v as usize];
+        cell.edges().iter().map(|&(a, b)| (at(a) - at(b)).norm()).fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn the_helper_can_fail() {
+        let unit = |side| ConvexPolyhedron::cuboid(Vector::repeat(side)).unwrap();
+        assert!(check(&[unit(1.0)], 1.0).is_ok());
+        assert!(check(&[unit(1.0 + 1e-11)], 1.0).is_err(), "too large");
+        assert!(check(&[unit(1.0 - 1e-11)], 1.0).is_err(), "too small");
+    }
+
+    #[test]
+    fn one_point_gives_the_cube_and_two_give_its_halves() {
+        let origin = Vector::new(0.3, -0.1, 0.2);
+        let one = cells(&[Vector::repeat(0.5)], 0.02, origin).unwrap();
+        assert_eq!((one[0].vertices().len(), one[0].faces().len()), (8, 6), "a cube");
+        check(&one, 0.02).unwrap();
+        let halves =
+            cells(&[Vector::new(0.25, 0.5, 0.5), Vector::new(0.75, 0.5, 0.5)], 0.02, origin)
+                .unwrap();
+        check(&halves, 0.02).unwrap();
+        for (half, low) in halves.iter().zip([0.3, 0.31]) {
+            let (lo, hi) = half.bounding_box();
+            assert!(
+                (lo.x - low).abs() < 1e-15 && (hi.x - low - 0.01).abs() < 1e-15,
+                "half from x = {low} to {}: got {} to {}",
+                low + 0.01,
+                lo.x,
+                hi.x
+            );
+        }
+    }
+
+    #[test]
+    fn every_place_belongs_to_the_nearest_point() {
+        // The law that defines the tessellation, at places drawn at random.
+        let tessellation = random_cells(60, 0.04, Vector::new(0.1, 0.0, 0.0), 11, "law").unwrap();
+        let mut rng = stream(12, "places");
+        for _ in 0..300 {
+            let place = Vector::new(0.1, 0.0, 0.0) + random_points(1, &mut rng)[0] * 0.04;
+            let distance = |i: &usize| (tessellation.points[*i] - place).norm();
+            let nearest = (0..60).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+            let cell = &tessellation.cells[nearest];
+            let outside = (0..cell.faces().len())
+                .map(|f| cell.plane(f).unwrap())
+                .map(|(normal, offset)| normal.dot(&place) - offset)
+                .fold(f64::NEG_INFINITY, f64::max);
+            assert!(
+                outside < MERGE_DISTANCE,
+                "place {place:?} is nearest to point {nearest}, but {outside:e} m outside its cell"
+            );
+        }
+    }
+
+    #[test]
+    fn regular_grids_of_points_are_no_obstacle() {
+        // Eight points are equally far from every vertex: the tie of all ties.
+        let n = 4;
+        let points: Vec<Vector> = (0..n * n * n)
+            .map(|i| {
+                let index = [i % n, i / n % n, i / n / n];
+                Vector::from(index.map(|k| (k as f64 + 0.5) / n as f64))
+            })
+            .collect();
+        let cells = cells(&points, 0.04, Vector::zeros()).unwrap();
+        check(&cells, 0.04).unwrap();
+        for cell in &cells {
+            let got = cell.signed_volume();
+            assert!((got - 1e-6).abs() < 1e-18, "each cell is a 1 cm cube, got {got:e} m³");
+        }
+    }
+
+    #[test]
+    fn ten_thousand_cells_are_sound_and_without_tiny_edges() {
+        let mut shortest = f64::INFINITY;
+        for seed in 0..10 {
+            let side = 0.0854;
+            // Not `random_cells`, which would draw again: the first draw must do.
+            let points = random_points(1000, &mut stream(seed, "many"));
+            let cells = cells(&points, side, Vector::zeros()).unwrap();
+            check(&cells, side).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
+            for cell in &cells {
+                shortest = shortest.min(shortest_edge(cell));
             }
-            loops.push(corners);
+        }
+        assert!(
+            shortest > 5e-8,
+            "shortest edge after merging: expected > 5e-8 m, got {shortest:e}"
+        );
+    }
+
+    #[test]
+    fn merging_nearly_coincident_vertices_loses_nothing() {
+        // A grid shaken by a millionth of its spacing: around each of its
+        // vertices, inside and on the sides of the block, lie several
+        // vertices a hundredth of a micrometre apart.
+        let n = 4;
+        let mut rng = stream(3, "nearly regular");
+        let points: Vec<Vector> = random_points(n * n * n, &mut rng)
+            .iter()
+            .enumerate()
+            .map(|(i, shake)| {
+                let index = [i % n, i / n % n, i / n / n].map(|k| k as f64 + 0.5);
+                (Vector::from(index) + shake * 1e-6) / n as f64
+            })
+            .collect();
+        let mut complex = tessellate(&points, 0.04, Vector::zeros());
+        let mergers = complex.merge_short_edges(MERGE_DISTANCE);
+        assert!(mergers > 100, "most of 125 clusters have vertices to merge, merged {mergers}");
+        let cells = complex.into_polyhedra().unwrap();
+        check(&cells, 0.04).unwrap();
+        for (i, cell) in cells.iter().enumerate() {
+            // Slivers along an edge leave a vertex where they tapered to a point.
+            assert_eq!(cell.faces().len(), 6, "cell {i} has the faces of a cube again");
+            let shortest = shortest_edge(cell);
+            assert!(shortest > 1e-6, "cell {i} has an edge of {shortest:e} m left");
+            let inside = |v: &Point| v.iter().all(|c| (0.0..=0.04).contains(c));
+            assert!(cell.vertices().iter().all(inside), "cell {i} lies in the block");
         }
     }
-    ConvexPolyhedron::new(kept, loops)
-}
 
-/// Whether a face's corners run counter-clockwise seen from outside.
-fn outward(points: &[Point], face: &[u32], inner: &Point) -> bool {
-    let origin = points[face[0] as usize];
-    let mut normal = Vector::zeros();
-    for i in 1..face.len() - 1 {
-        normal +=
-            (points[face[i] as usize] - origin).cross(&(points[face[i + 1] as usize] - origin));
+    #[test]
+    fn bad_points_are_refused() {
+        let good = Vector::repeat(0.5);
+        for bad in [f64::NAN, f64::INFINITY, -0.1, 1.1] {
+            let error = cells(&[good, Vector::new(0.2, bad, 0.2)], 1.0, Vector::zeros());
+            assert!(matches!(error, Err(GrainsError::BadPoint { point: 1, .. })), "{error:?}");
+        }
+        let close = good + Vector::new(0.0, 1e-10, 0.0);
+        let error = cells(&[good, Vector::zeros(), close], 1.0, Vector::zeros());
+        assert!(matches!(error, Err(GrainsError::BadPoint { point: 2, .. })), "{error:?}");
+        assert!(matches!(cells(&[], 1.0, Vector::zeros()), Err(GrainsError::NoGrains)));
+        for side in [0.0, -1.0, f64::NAN] {
+            let error = cells(&[good], side, Vector::zeros());
+            assert!(matches!(error, Err(GrainsError::NotPositive { .. })), "{error:?}");
+        }
     }
-    normal.dot(&(origin - inner)) > 0.0
-}
 
-/// To the vector type of the tessellation's library.
-trait IntoGlam {
-    fn into_glam<T: From<[f64; 3]>>(self) -> T;
-}
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
 
-impl IntoGlam for Vector {
-    fn into_glam<T: From<[f64; 3]>>(self) -> T {
-        T::from([self.x, self.y, self.z])
+        #[test]
+        fn cells_fill_any_block(
+            seed: u64, count in 1_usize..120, side in 1e-3..1.0, x in -2.0..2.0,
+        ) {
+            let origin = Vector::new(x, 0.0, 0.5);
+            let tessellation = random_cells(count, side, origin, seed, "any").unwrap();
+            prop_assert_eq!(tessellation.cells.len(), count);
+            prop_assert_eq!(check(&tessellation.cells, side), Ok(()));
+            let again = random_cells(count, side, origin, seed, "any").unwrap();
+            prop_assert_eq!(tessellation, again);
+        }
     }
 }

@@ -157,7 +157,6 @@ pub fn grain(shape: &ConvexPolyhedron) -> (Grain, Pose) {
     let frame = properties.principal_frame();
     let grain = Grain {
         shape: Arc::new(shape.transformed(&frame.pose.inverse())),
-        cell: Arc::new(shape.clone()),
         pose_in_block: Pose::identity(),
         volume: properties.volume,
         mass: properties.volume * DENSITY,

@@ -90,7 +90,6 @@ impl Laboratory<'_> {
             &mixing,
             bare.top_radius - COLLAR_CLEARANCE,
             bare.top_height,
-            self.setup.seed,
         )
         .map_err(|error| StageError::Placing(error.to_string()))?;
         let highest = poses

@@ -14,12 +14,12 @@ use super::{
     run::{make_grains, write_grains, write_run},
     summarise::grains_hash,
 };
-use crate::grains::{Gradation, GrainSet, ParticleSizeDistribution};
+use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
 use crate::protocol::{Progress, table_motion};
 use crate::record::{RunKind, RunRecord, StageStore, create_folder, write_json};
 use crate::scenario::{Backend, GrainsSpec, Scenario, StageSpec};
-use crate::units::{to_cm3, to_g};
+use crate::units::{to_cm3, to_g, to_mm};
 
 /// Falling heights in mm (paper, section 2: "FH of 0, 5, 10 and 20 cm").
 const FALLING_HEIGHTS_MM: [f64; 4] = [0.0, 50.0, 100.0, 200.0];
@@ -198,7 +198,6 @@ fn study_view<'a>(
         return Err(StudyError::Scenario("the paper's grains come from a sieve table".into()));
     };
     let distribution = ParticleSizeDistribution::new(sieved).map_err(StudyError::grains)?;
-    let gradation = Gradation::of(&distribution);
     let motion = scenarios.intermittent.stages.iter().find_map(table_motion);
     let intermittent =
         motion.map_or(Intermittent { period_s: 0.0, periods: 0, rest_s: 0.0 }, |m| Intermittent {
@@ -209,18 +208,18 @@ fn study_view<'a>(
     Ok(StudyView {
         runs,
         configurations: options.configurations,
-        sieve: gradation.curve.clone(),
+        sieve: distribution.passing_curve(),
         sieved_grains: Vec::new(),
         grain_count: grains.grains.len(),
-        total_mass_g: to_g(grains.mass()),
-        solids_volume_cm3: to_cm3(grains.volume()),
+        total_mass_g: to_g(grains.total_mass()),
+        solids_volume_cm3: to_cm3(grains.total_volume()),
         gradation: paper::Gradation {
-            d10_mm: gradation.d10_mm,
-            d30_mm: gradation.d30_mm,
-            d60_mm: gradation.d60_mm,
-            cu: gradation.coefficient_of_uniformity,
-            cc: gradation.coefficient_of_curvature,
-            uscs: gradation.uscs.to_owned(),
+            d10_mm: to_mm(distribution.size_at_percent(10.0)),
+            d30_mm: to_mm(distribution.size_at_percent(30.0)),
+            d60_mm: to_mm(distribution.size_at_percent(60.0)),
+            cu: distribution.uniformity(),
+            cc: distribution.curvature(),
+            uscs: distribution.uscs().map_or_else(|| "not coarse".into(), |class| class.to_string()),
         },
         intermittent,
         repose: None,

@@ -13,7 +13,7 @@ use super::{
     plan::{Plan, PlannedRun, RunNodes},
     summarise::{Summarised, grains_hash, summarise},
 };
-use crate::grains::{self, GrainSet, ParticleSizeDistribution, SieveRow};
+use crate::grains::{self, GrainSet, ParticleSizeDistribution};
 use crate::protocol::Progress;
 use crate::record::{
     FileError, RunKind, RunRecord, StageStore, StoredStage, create_folder, grains_csv, read_json,
@@ -90,7 +90,8 @@ pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(
     if let GrainsSpec::Sieved(sieved) = &scenario.grains {
         let distribution = ParticleSizeDistribution::new(sieved).map_err(StudyError::grains)?;
         let path = out.join("sieve.csv");
-        let content = to_csv(SieveRow::rows(&distribution, set))
+        let mut content = Vec::new();
+        grains::sieve_csv(&distribution, set, &mut content)
             .map_err(|e| FileError::new("write", &path, e))?;
         write_file(&path, &content)?;
     }

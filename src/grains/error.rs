@@ -1,0 +1,145 @@
+//! What can go wrong in making, reading and placing grains.
+
+use crate::geometry::PolyhedronError;
+
+/// What can go wrong in making, reading and placing grains.
+#[derive(Debug, thiserror::Error)]
+pub enum GrainsError {
+    /// A quantity is not a positive finite number.
+    #[error("{what} is {value}, it must be a positive finite number")]
+    NotPositive {
+        /// The quantity, with its unit.
+        what: String,
+        /// The value given.
+        value: f64,
+    },
+    /// A row of the sieve table contradicts itself or its neighbour.
+    #[error("sieve table, row {row}: {reason}")]
+    BadSieveTable {
+        /// Row, counted from 1.
+        row: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The sieve table has no rows.
+    #[error("the sieve table has no rows")]
+    EmptySieveTable,
+    /// The mass percentages do not add up.
+    #[error("the mass percentages of the sieve table add up to {sum}, not to 100")]
+    PercentSum {
+        /// Their sum.
+        sum: f64,
+    },
+    /// A fraction's mass is less than half a grain.
+    #[error(
+        "the fraction {retained_mm}-{passing_mm} mm holds {volume_cm3:.4} cm³ of solids, which is \
+         less than half a grain of its mean size: raise its mass or leave it out"
+    )]
+    EmptyFraction {
+        /// Opening of the sieve it passes, in mm.
+        passing_mm: f64,
+        /// Opening of the sieve that retains it, in mm.
+        retained_mm: f64,
+        /// Its solid volume in cm³.
+        volume_cm3: f64,
+    },
+    /// More grains than the program is made for.
+    #[error("the sieve table asks for {grains} grains, at most {limit} are possible")]
+    TooManyGrains {
+        /// Number asked for.
+        grains: f64,
+        /// Largest number possible.
+        limit: usize,
+    },
+    /// Points that no tessellation can be made from.
+    #[error("point {point} of the tessellation {reason}")]
+    BadPoint {
+        /// Index of the point.
+        point: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A cell of the tessellation is no valid polyhedron.
+    #[error("cell {cell} of the tessellation is invalid: {source}")]
+    BadCell {
+        /// Index of the cell.
+        cell: usize,
+        /// What is wrong with it.
+        source: PolyhedronError,
+    },
+    /// The cells of a block do not fill it.
+    #[error("the cells of a block of {block_m3:e} m³ hold {cells_m3:e} m³: the tessellation leaks")]
+    VolumeLost {
+        /// Volume of the block in m³.
+        block_m3: f64,
+        /// Volume of its cells in m³.
+        cells_m3: f64,
+    },
+    /// A grain read from a file is no valid polyhedron.
+    #[error("block {block}, cell {cell}: {source}")]
+    BadShape {
+        /// Index of the block in the file.
+        block: usize,
+        /// Index of the cell in the block.
+        cell: usize,
+        /// What is wrong with it.
+        source: PolyhedronError,
+    },
+    /// A stated property of a grain contradicts its mesh.
+    #[error(
+        "block {block}, cell {cell}: the file states {property} {stated:e}, its mesh gives \
+         {computed:e} (they may differ by {tolerance:e})"
+    )]
+    Contradiction {
+        /// Index of the block in the file.
+        block: usize,
+        /// Index of the cell in the block.
+        cell: usize,
+        /// The property, with its unit.
+        property: &'static str,
+        /// Value in the file.
+        stated: f64,
+        /// Value from the mesh.
+        computed: f64,
+        /// Largest difference accepted.
+        tolerance: f64,
+    },
+    /// Something about a whole block of a file is wrong.
+    #[error("block {block}: {reason}")]
+    BadBlock {
+        /// Index of the block in the file.
+        block: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The file holds no grains.
+    #[error("there are no grains")]
+    NoGrains,
+    /// A grain does not fit into the region where it should be placed.
+    #[error(
+        "grain {grain} needs a sphere of radius {radius_m} m, the region's radius is {region_m} m"
+    )]
+    DoesNotFit {
+        /// Index of the grain.
+        grain: usize,
+        /// Radius of its bounding sphere with clearance, in m.
+        radius_m: f64,
+        /// Radius of the region in m.
+        region_m: f64,
+    },
+    /// A mixing made for other grains.
+    #[error("the mixing is not a permutation of the {grains} grains")]
+    ForeignMixing {
+        /// Number of grains.
+        grains: usize,
+    },
+    /// Text that is no `grains.json`.
+    #[error("not a grains.json: {0}")]
+    Json(#[from] serde_json::Error),
+    /// A file could not be read or written.
+    #[error("reading or writing grains failed: {0}")]
+    Io(#[from] std::io::Error),
+    /// A CSV table could not be written.
+    #[error("writing a table of grains failed: {0}")]
+    Csv(#[from] csv::Error),
+}

@@ -1,0 +1,74 @@
+//! From a sieve table, or from polyhedra, to grains.
+
+use std::sync::Arc;
+
+use super::{
+    Block, Grain, GrainSet, GrainsError, psd::ParticleSizeDistribution, voronoi::random_cells,
+};
+use crate::{
+    geometry::{ConvexPolyhedron, MassProperties, Vector},
+    scenario::SievedGrains,
+};
+
+/// Gap in m between the blocks, which lie side by side along x.
+const BLOCK_GAP: f64 = 0.01;
+
+/// Makes the grains of a sieve table (paper, section 3): for every fraction a
+/// cube of its solid volume, cut into as many Voronoi cells of uniformly
+/// random points as the fraction has grains. The same table and seed give the
+/// same bits.
+///
+/// # Errors
+/// The faults of the sieve table ([`ParticleSizeDistribution::new`]).
+pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError> {
+    let psd = ParticleSizeDistribution::new(spec)?;
+    let mut set = GrainSet { grains: Vec::new(), blocks: Vec::new(), density: psd.density };
+    let mut x = 0.0;
+    for (index, fraction) in psd.fractions.iter().enumerate() {
+        let side = fraction.volume.cbrt();
+        let origin = Vector::new(x, 0.0, 0.0);
+        let name = format!("points of block {index}");
+        let tessellation = random_cells(fraction.grains, side, origin, seed, &name)?;
+        set.push_block(Block {
+            passing: fraction.passing,
+            retained: fraction.retained,
+            side,
+            origin,
+            points: tessellation.points,
+            first_grain: 0,
+            cells: tessellation.cells,
+        });
+        x += side + BLOCK_GAP;
+    }
+    Ok(set)
+}
+
+impl GrainSet {
+    /// Adds a block and the grains of its cells. Generation and reading from
+    /// a file both come through here, so that both give the same grains.
+    pub(super) fn push_block(&mut self, mut block: Block) {
+        let fraction = self.blocks.len();
+        block.first_grain = self.grains.len();
+        let density = self.density;
+        self.grains.extend(block.cells.iter().map(|cell| Grain::of_cell(cell, density, fraction)));
+        self.blocks.push(block);
+    }
+}
+
+impl Grain {
+    /// The grain of a cell in block coordinates (m), of a density in kg/m³,
+    /// in the sieve fraction of that index.
+    pub fn of_cell(cell: &ConvexPolyhedron, density: f64, fraction: usize) -> Self {
+        let properties = MassProperties::of(cell);
+        let principal = properties.principal_frame();
+        Self {
+            shape: Arc::new(cell.transformed(&principal.pose.inverse())),
+            pose_in_block: principal.pose,
+            volume: properties.volume,
+            mass: density * properties.volume,
+            inertia: density * principal.moments_per_density,
+            equivalent_diameter: (6.0 * properties.volume / std::f64::consts::PI).cbrt(),
+            fraction,
+        }
+    }
+}
