@@ -74,39 +74,3 @@ impl StudyError {
         Self::Measure(error.to_string())
     }
 }
-
-/// STAND-IN until `reproduce.rs` compiles: the types the command line is
-/// written against. Replace by `mod reproduce; pub use reproduce::{...};`.
-mod reproduce_standin {
-    use super::StudyError;
-
-    /// As in `reproduce.rs`.
-    pub struct ReproduceOptions {
-        /// Folder for results.
-        pub out: std::path::PathBuf,
-        /// Few grains.
-        pub quick: bool,
-        /// Number of configurations.
-        pub configurations: u32,
-        /// Threads.
-        pub jobs: usize,
-        /// Engine.
-        pub backend: crate::scenario::Backend,
-        /// Set to stop.
-        pub cancel: std::sync::Arc<std::sync::atomic::AtomicBool>,
-        /// Told of what goes on.
-        pub progress: std::sync::Arc<dyn crate::protocol::Progress>,
-    }
-
-    /// As in `reproduce.rs`.
-    pub struct ReproduceOutcome {
-        /// Claims missed.
-        pub claims_outside: usize,
-    }
-
-    /// Not there yet: always an error.
-    pub fn reproduce(_: &ReproduceOptions) -> Result<ReproduceOutcome, StudyError> {
-        Err(StudyError::Scenario("`reproduce` is not in this build".into()))
-    }
-}
-pub use reproduce_standin::{ReproduceOptions, ReproduceOutcome, reproduce};
