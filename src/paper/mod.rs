@@ -1,1 +1,23 @@
-//! paper
+//! What the paper states, with section and figure, and how each statement is
+//! held against the runs of a study.
+//!
+//! The paper is Izadi & Bezuijen (2014), "Simulation of granular soil
+//! behaviour using the Bullet physics library". Only its text is at hand: what
+//! stood in its figures alone (sieve curve, laboratory bands of Figures 7 and
+//! 10, size of the funnel) is lost, and no value is put in its place.
+
+pub mod bands;
+#[cfg(test)]
+pub(crate) mod canned;
+mod claim;
+mod claims;
+pub mod constants;
+mod fluctuation;
+pub(crate) mod text;
+mod view;
+
+pub use bands::{Band, Interval, PaperValue};
+pub use claim::{Claim, Verdict};
+pub use claims::claims;
+pub(crate) use view::settlement_curve;
+pub use view::{Gradation, Intermittent, Repose, StudyView};

@@ -1,0 +1,171 @@
+//! A statement of the paper beside what a study found.
+
+use serde::Serialize;
+
+use super::bands::{Band, Interval, PaperValue};
+use crate::record::RunRecord;
+
+/// Whether a statement was met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Ours lies in the interval in which the paper's statement is read.
+    Within,
+    /// It does not, or the runs that would show it are missing.
+    Outside,
+    /// The paper's text gives nothing to hold it against.
+    NotStated,
+}
+
+/// One entry of `claims.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Claim {
+    /// Stable name, for scripts.
+    pub id: String,
+    /// Section and figure of the paper.
+    pub source: String,
+    /// What the paper says, in a sentence.
+    pub statement: String,
+    /// Its number; null where the text has none.
+    pub paper: Option<PaperValue>,
+    /// What the runs show; null where they are missing.
+    pub ours: Option<f64>,
+    /// Unit of both.
+    pub unit: String,
+    /// Whether the statement was met.
+    pub verdict: Verdict,
+    /// Names of the runs it was read from.
+    pub runs: Vec<String>,
+    /// The interval in which the paper's number counts as met.
+    pub read_as: Option<Interval>,
+    /// Smallest and largest of our values, where several make `ours`.
+    pub spread: Option<Interval>,
+    /// How number and statement are read, what is missing, what to mind.
+    pub note: String,
+}
+
+/// Said where runs are missing.
+const NOT_RUN: &str = "Not run.";
+/// Said where runs are there, but do not tell.
+const NOT_MEASURED: &str = "Not measured.";
+
+/// A claim in the making; [`Draft::judge`] gives the verdict.
+pub(super) struct Draft(Claim);
+
+impl Draft {
+    pub(super) fn new(id: impl Into<String>, source: &str, statement: impl Into<String>) -> Self {
+        Self(Claim {
+            id: id.into(),
+            source: source.to_owned(),
+            statement: statement.into(),
+            paper: None,
+            ours: None,
+            unit: String::new(),
+            verdict: Verdict::NotStated,
+            runs: Vec::new(),
+            read_as: None,
+            spread: None,
+            note: String::new(),
+        })
+    }
+
+    /// What the paper states; without it the verdict is "not stated".
+    pub(super) fn paper(mut self, band: Band) -> Self {
+        self.0.paper = Some(band.paper);
+        self.0.read_as = Some(band.read_as);
+        self.note(&band.reading)
+    }
+
+    /// What the runs show, and its unit; what is no number counts as missing.
+    pub(super) fn ours(mut self, value: Option<f64>, unit: &str) -> Self {
+        self.0.ours = value.filter(|v| v.is_finite());
+        self.0.unit = unit.to_owned();
+        self
+    }
+
+    pub(super) fn runs<'a>(mut self, runs: impl IntoIterator<Item = &'a RunRecord>) -> Self {
+        self.0.runs.extend(runs.into_iter().map(|r| r.name.clone()));
+        self
+    }
+
+    pub(super) fn spread(mut self, values: impl IntoIterator<Item = f64>) -> Self {
+        self.0.spread = Interval::of(values);
+        self
+    }
+
+    /// Adds a sentence to the note.
+    pub(super) fn note(mut self, sentence: impl AsRef<str>) -> Self {
+        let sentence = sentence.as_ref();
+        if !sentence.is_empty() {
+            if !self.0.note.is_empty() {
+                self.0.note.push(' ');
+            }
+            self.0.note.push_str(sentence);
+        }
+        self
+    }
+
+    /// Gives the verdict. What was not run never reads as within.
+    pub(super) fn judge(mut self) -> Claim {
+        self.0.verdict = match (self.0.read_as, self.0.ours) {
+            (None, _) => Verdict::NotStated,
+            (Some(_), None) => Verdict::Outside,
+            (Some(band), Some(ours)) if band.contains(ours) => Verdict::Within,
+            (Some(_), Some(_)) => Verdict::Outside,
+        };
+        if self.0.ours.is_none() {
+            let why = if self.0.runs.is_empty() { NOT_RUN } else { NOT_MEASURED };
+            self = self.note(why);
+        }
+        self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn judged(band: Option<Band>, ours: Option<f64>) -> Claim {
+        let draft = Draft::new("id", "section 4", "statement").ours(ours, "mm");
+        match band {
+            Some(band) => draft.paper(band),
+            None => draft,
+        }
+        .judge()
+    }
+
+    #[test]
+    fn verdicts_follow_the_rule() {
+        let band = || Some(Band::range(14.0, 19.61));
+        for (band, ours, expected) in [
+            (band(), Some(16.0), Verdict::Within),
+            (band(), Some(13.9), Verdict::Outside),
+            (band(), Some(20.0), Verdict::Outside),
+            (band(), None, Verdict::Outside),
+            (band(), Some(f64::NAN), Verdict::Outside),
+            (None, Some(16.0), Verdict::NotStated),
+            (None, None, Verdict::NotStated),
+        ] {
+            let claim = judged(band, ours);
+            assert_eq!(claim.verdict, expected, "expected right for ours = {ours:?}: {claim:?}");
+        }
+    }
+
+    #[test]
+    fn what_was_not_run_says_so() {
+        let claim = judged(Some(Band::range(1.0, 2.0)), None);
+        assert!(claim.note.ends_with(NOT_RUN), "expected \"{NOT_RUN}\" in {:?}", claim.note);
+        let claim = judged(Some(Band::range(1.0, 2.0)), Some(1.5));
+        assert!(!claim.note.contains(NOT_RUN), "it was run: {:?}", claim.note);
+    }
+
+    #[test]
+    fn looks_as_scripts_expect() {
+        let json = serde_json::to_value(judged(None, None)).expect("serialises");
+        for field in ["id", "source", "statement", "paper", "ours", "unit", "verdict", "runs"] {
+            assert!(json.get(field).is_some(), "`{field}` is missing in {json}");
+        }
+        assert!(json["paper"].is_null() && json["ours"].is_null(), "null, not left out: {json}");
+        assert_eq!(json["verdict"], "not_stated");
+    }
+}

@@ -1,0 +1,185 @@
+//! Claims on pluviation: section 4, Figure 7.
+
+use crate::paper::text::number;
+use crate::paper::{
+    Band, Claim, StudyView, bands::Interval, claim::Draft, claims::list,
+    constants::FALLING_HEIGHTS_MM,
+};
+use crate::record::{RunKind, RunRecord};
+
+const SOURCE: &str = "Section 4, Figure 7";
+
+/// How "height" is read, said once.
+const HEIGHT: &str = "Height is the mean of the surface over the cylinder's area; the paper does \
+                      not say how it was read.";
+
+/// Standing height of a run in mm: the mean surface.
+pub(super) fn height_mm(run: &RunRecord) -> f64 {
+    run.summary.standing_height_mm.mean_surface
+}
+
+pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
+    vec![falls(study), monotone(study), slope(study), within_laboratory(study), reproducible(study)]
+}
+
+/// (falling height in mm, standing height in mm) of a configuration, ascending.
+fn curve(study: &StudyView, configuration: u32) -> Vec<(f64, f64)> {
+    study
+        .falling_heights_mm()
+        .into_iter()
+        .filter_map(|fh| Some((fh, height_mm(study.pluviation(configuration, fh)?))))
+        .filter(|p| p.1.is_finite())
+        .collect()
+}
+
+fn falls(study: &StudyView) -> Claim {
+    let (lowest, highest) = (FALLING_HEIGHTS_MM[0], FALLING_HEIGHTS_MM[3]);
+    let known_height = |r: &&RunRecord| height_mm(r).is_finite();
+    let end = |c, fh| study.pluviation(c, fh).filter(known_height);
+    let ends = |c| Some((end(c, lowest)?, end(c, highest)?));
+    let known: Vec<(u32, &RunRecord, &RunRecord)> =
+        study.configurations().filter_map(|c| ends(c).map(|(a, b)| (c, a, b))).collect();
+    let missing: Vec<u32> = study.configurations().filter(|&c| ends(c).is_none()).collect();
+    let drop = |a: &RunRecord, b: &RunRecord| height_mm(a) - height_mm(b);
+    let falling = known.iter().filter(|(_, a, b)| drop(a, b) > 0.0).count();
+    let mut draft = Draft::new(
+        "standing-height-falls",
+        SOURCE,
+        "As the falling height increases, the standing height decreases: lower at 20 cm than at \
+         0 in every configuration.",
+    )
+    .paper(Band::count(study.configurations as usize))
+    .ours((!known.is_empty()).then_some(falling as f64), "configurations")
+    .runs(known.iter().flat_map(|(_, a, b)| [*a, *b]))
+    .note("The paper has three configurations; the number expected is that of this study.");
+    let drops: Vec<String> = known
+        .iter()
+        .map(|(c, a, b)| format!("{} mm (configuration {c})", number(drop(a, b), 1)))
+        .collect();
+    if !drops.is_empty() {
+        draft = draft.note(format!("From 0 to 20 cm it falls by {}.", drops.join(", ")));
+    }
+    if !missing.is_empty() && !known.is_empty() {
+        draft = draft.note(format!("Not run: {}.", list(&missing)));
+    }
+    draft.note(HEIGHT).judge()
+}
+
+fn monotone(study: &StudyView) -> Claim {
+    let curves: Vec<Vec<(f64, f64)>> =
+        study.configurations().map(|c| curve(study, c)).filter(|c| c.len() >= 2).collect();
+    let count = curves.iter().filter(|c| c.windows(2).all(|w| w[1].1 < w[0].1)).count();
+    Draft::new(
+        "standing-height-monotone",
+        SOURCE,
+        "The standing height decreases from each falling height to the next (0, 5, 10, 20 cm).",
+    )
+    .ours((!curves.is_empty()).then_some(count as f64), "configurations")
+    .runs(study.of_kind(RunKind::Pluviation))
+    .note(format!(
+        "Of {}. The text states the trend, not that every step follows it; one step is of the \
+         size of the scatter.",
+        curves.len()
+    ))
+    .judge()
+}
+
+/// Slope of the least squares line through points; `None` without two distinct abscissae.
+fn least_squares_slope(points: &[(f64, f64)]) -> Option<f64> {
+    let n = points.len() as f64;
+    let (mx, my) =
+        (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
+    let sxx: f64 = points.iter().map(|p| (p.0 - mx).powi(2)).sum();
+    let sxy: f64 = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
+    (sxx > 0.0).then(|| sxy / sxx)
+}
+
+fn slope(study: &StudyView) -> Claim {
+    const MM_IN_CM: f64 = 10.0;
+    let slopes: Vec<f64> = study
+        .configurations()
+        .filter_map(|c| least_squares_slope(&curve(study, c)))
+        .map(|s| s * MM_IN_CM)
+        .collect();
+    let mean = (!slopes.is_empty()).then(|| slopes.iter().sum::<f64>() / slopes.len() as f64);
+    Draft::new(
+        "standing-height-slope",
+        SOURCE,
+        "As the falling height increases, the standing height decreases.",
+    )
+    .ours(mean, "mm per cm of falling height")
+    .spread(slopes)
+    .runs(study.of_kind(RunKind::Pluviation))
+    .note(
+        "Least squares line of each configuration, then their mean. The text gives the sign of \
+         the slope only: negative.",
+    )
+    .judge()
+}
+
+fn within_laboratory(study: &StudyView) -> Claim {
+    let heights: Vec<f64> =
+        study.of_kind(RunKind::Pluviation).map(height_mm).filter(|h| h.is_finite()).collect();
+    let mean = (!heights.is_empty()).then(|| heights.iter().sum::<f64>() / heights.len() as f64);
+    Draft::new(
+        "standing-height-in-laboratory-range",
+        SOURCE,
+        "The simulated standing heights of all three configurations are within the range of the \
+         laboratory results.",
+    )
+    .ours(mean, "mm")
+    .spread(heights)
+    .runs(study.of_kind(RunKind::Pluviation))
+    .note("The laboratory's range stood in Figure 7 only and is lost; ours is the mean and range.")
+    .note(HEIGHT)
+    .judge()
+}
+
+fn reproducible(study: &StudyView) -> Claim {
+    let ranges: Vec<(f64, f64)> = study
+        .falling_heights_mm()
+        .into_iter()
+        .filter_map(|fh| {
+            let heights: Vec<f64> = study
+                .configurations()
+                .filter_map(|c| study.pluviation(c, fh).map(height_mm))
+                .filter(|h| h.is_finite())
+                .collect();
+            let range = Interval::of(heights.iter().copied())?;
+            (heights.len() >= 2).then_some((fh, range.high - range.low))
+        })
+        .collect();
+    let each: Vec<String> = ranges
+        .iter()
+        .map(|(fh, r)| format!("{} mm at {} cm", number(*r, 1), number(fh / 10.0, 0)))
+        .collect();
+    let mut draft = Draft::new(
+        "standing-height-reproducible",
+        SOURCE,
+        "The results of the simulations are reproducible with regard to the configurations of \
+         the gravel.",
+    )
+    .ours(ranges.iter().map(|r| r.1).reduce(f64::max), "mm")
+    .spread(ranges.iter().map(|r| r.1))
+    .runs(study.of_kind(RunKind::Pluviation))
+    .note("Ours is the largest range of the standing height over the configurations.");
+    if !each.is_empty() {
+        draft = draft.note(format!("By falling height: {}.", each.join(", ")));
+    }
+    draft.judge()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_has_its_slope() {
+        let line: Vec<(f64, f64)> =
+            [0.0, 50.0, 100.0, 200.0].iter().map(|x| (*x, 163.0 - 0.04 * x)).collect();
+        let got = least_squares_slope(&line).expect("a slope");
+        assert!((got + 0.04).abs() < 1e-12, "slope of 163 − 0.04 x: expected −0.04, got {got}");
+        assert_eq!(least_squares_slope(&[(1.0, 2.0)]), None, "one point has no slope");
+        assert_eq!(least_squares_slope(&[(1.0, 2.0), (1.0, 3.0)]), None, "nor a vertical line");
+    }
+}

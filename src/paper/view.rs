@@ -1,0 +1,135 @@
+//! A study as claims and report see it: plain data.
+
+use crate::record::{RunKind, RunRecord};
+
+/// What a study found, and what it set out to do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyView<'a> {
+    /// The finished runs; runs that are missing are simply not among them.
+    pub runs: &'a [RunRecord],
+    /// Number of configurations asked for; they are counted from 1.
+    pub configurations: u32,
+    /// Grain size distribution the grains were made from: sieve opening in mm
+    /// and percent of the mass that passes, from fine to coarse.
+    pub sieve: Vec<(f64, f64)>,
+    /// The same of the generated grains, sieved virtually; empty where that was not done.
+    pub sieved_grains: Vec<(f64, f64)>,
+    /// Number of grains generated.
+    pub grain_count: usize,
+    /// Their mass in g.
+    pub total_mass_g: f64,
+    /// Their solid volume in cm³.
+    pub solids_volume_cm3: f64,
+    /// What soil mechanics reads off the grain size distribution.
+    pub gradation: Gradation,
+    /// How the intermittent vibration was carried out.
+    pub intermittent: Intermittent,
+    /// Angle of repose, where a pile was simulated.
+    pub repose: Option<Repose>,
+    /// Whether this is the small, quick study, whose specimen is not the paper's.
+    pub quick: bool,
+}
+
+/// Characteristic sizes in mm and the class of a grain size distribution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gradation {
+    /// Size that 10 % of the mass is finer than, in mm.
+    pub d10_mm: f64,
+    /// Size that 30 % of the mass is finer than, in mm.
+    pub d30_mm: f64,
+    /// Size that 60 % of the mass is finer than, in mm.
+    pub d60_mm: f64,
+    /// Coefficient of uniformity D60 / D10.
+    pub cu: f64,
+    /// Coefficient of curvature D30² / (D10 · D60).
+    pub cc: f64,
+    /// Group symbol of the Unified Soil Classification System, such as `GP`.
+    pub uscs: String,
+}
+
+/// How the intermittent vibration was carried out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Intermittent {
+    /// Length of one period in s.
+    pub period_s: f64,
+    /// Number of periods.
+    pub periods: u32,
+    /// Rest between two periods in s.
+    pub rest_s: f64,
+}
+
+impl Intermittent {
+    /// Start and end of every period in s since the beginning of vibration.
+    pub fn bounds(&self) -> Vec<(f64, f64)> {
+        (0..self.periods)
+            .map(|p| f64::from(p) * (self.period_s + self.rest_s))
+            .map(|start| (start, start + self.period_s))
+            .collect()
+    }
+}
+
+/// A simulated pile.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Repose {
+    /// Angle of repose in degrees.
+    pub angle_deg: f64,
+    /// Name of the run.
+    pub run: String,
+}
+
+impl StudyView<'_> {
+    /// The runs of a kind, in the order of the study.
+    pub fn of_kind(&self, kind: RunKind) -> impl Iterator<Item = &RunRecord> {
+        self.runs.iter().filter(move |r| r.kind == kind)
+    }
+
+    /// The vibration run of a kind and a configuration, if it was done.
+    pub fn vibration(&self, kind: RunKind, configuration: u32) -> Option<&RunRecord> {
+        self.of_kind(kind).find(|r| r.configuration == configuration)
+    }
+
+    /// The pluviation run of a configuration from a falling height, if it was done.
+    pub fn pluviation(&self, configuration: u32, falling_height_mm: f64) -> Option<&RunRecord> {
+        self.of_kind(RunKind::Pluviation).find(|r| {
+            r.configuration == configuration
+                && (r.falling_height_mm - falling_height_mm).abs() < 0.5
+        })
+    }
+
+    /// The configurations asked for.
+    pub fn configurations(&self) -> impl Iterator<Item = u32> + use<> {
+        1..=self.configurations
+    }
+
+    /// Falling heights in mm that occur in the pluviation runs, ascending.
+    pub fn falling_heights_mm(&self) -> Vec<f64> {
+        let mut heights: Vec<f64> = self
+            .of_kind(RunKind::Pluviation)
+            .map(|r| r.falling_height_mm)
+            .filter(|h| h.is_finite())
+            .collect();
+        heights.sort_by(f64::total_cmp);
+        heights.dedup_by(|a, b| (*a - *b).abs() < 0.5);
+        heights
+    }
+}
+
+/// Settlement of the plate (or of the surface) over the time since vibration
+/// began: (s, mm), of the rows that have it.
+pub(crate) fn settlement_curve(
+    run: &RunRecord,
+    settlement_mm: impl Fn(&crate::record::SeriesRow) -> Option<f64>,
+) -> Vec<(f64, f64)> {
+    let vibrating = |r: &&crate::record::SeriesRow| {
+        r.settlement_mm.is_some() || r.surface_settlement_mm.is_some()
+    };
+    let Some(start) = run.series.iter().find(vibrating).map(|r| r.time_s) else {
+        return Vec::new();
+    };
+    run.series
+        .iter()
+        .filter(vibrating)
+        .filter_map(|r| Some((r.time_s - start, settlement_mm(r)?)))
+        .filter(|(t, s)| t.is_finite() && s.is_finite())
+        .collect()
+}
