@@ -13,9 +13,11 @@ mod claim;
 mod claims;
 pub mod constants;
 mod fluctuation;
+pub(crate) mod text;
 mod view;
 
 pub use bands::{Band, Interval, PaperValue};
 pub use claim::{Claim, Verdict};
 pub use claims::claims;
+pub(crate) use view::settlement_curve;
 pub use view::{Gradation, Intermittent, Repose, StudyView};

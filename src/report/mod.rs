@@ -1,7 +1,93 @@
-//! report
+//! What readers see of a study: figures as SVG, PNG and CSV, and one page that
+//! needs nothing else.
+
+mod axis;
+mod choices;
+mod figures;
+mod html;
+mod plot;
+mod png;
+mod quality;
+mod sections;
+mod shortfalls;
+mod style;
+mod summary;
+
+#[cfg(test)]
+mod tests;
+
+use std::{collections::BTreeMap, path::Path};
+
+use crate::{
+    paper::{Claim, StudyView},
+    record::{FileError, RunRecord, create_folder, write_file},
+    world::EffectiveSettings,
+};
+
+pub use choices::{Choice, choices};
+pub use figures::Figure;
+pub use quality::Standard;
+
+/// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]
-#[error("x")]
-pub struct ReportError;
-pub fn run_figures(_: &std::path::Path, _: &crate::record::RunRecord) -> Result<(), ReportError> {
+pub enum ReportError {
+    /// A file could not be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A figure could not be drawn.
+    #[error("the figure `{figure}` cannot be drawn: {reason}")]
+    Figure {
+        /// Name of its files.
+        figure: String,
+        /// What went wrong.
+        reason: String,
+    },
+}
+
+/// Everything a report is made from.
+#[derive(Debug, Clone)]
+pub struct ReportInput<'a> {
+    /// What the study found.
+    pub study: StudyView<'a>,
+    /// The claims, judged.
+    pub claims: &'a [Claim],
+    /// Values the paper does not give, and why they were chosen.
+    pub choices: &'a [Choice],
+    /// The accuracy standard that runs are held against.
+    pub standard: Standard,
+    /// Versions, seed, commands: names and values in words.
+    pub provenance: &'a BTreeMap<String, String>,
+    /// Engine settings as read back from the engine.
+    pub effective: &'a EffectiveSettings,
+    /// Findings of the study itself that a reader must know; those of runs
+    /// are taken from their summaries.
+    pub warnings: &'a [String],
+}
+
+/// Writes `figures/*.{svg,png,csv}` and then `report.html` into a folder. Each
+/// file is written whole or not at all.
+///
+/// # Errors
+/// [`ReportError`] naming the file or the figure.
+pub fn write(out: &Path, input: &ReportInput) -> Result<(), ReportError> {
+    let figures = figures::of_study(&input.study, &input.standard)?;
+    for figure in &figures {
+        figure.write(&out.join("figures"))?;
+    }
+    let page = html::page(input, &figures);
+    write_file(&out.join("report.html"), page.as_bytes())?;
+    Ok(())
+}
+
+/// Writes the figures of a single run into a folder: `heights`, `energy` and,
+/// where it was vibrated, `settlement`, each as SVG, PNG and CSV.
+///
+/// # Errors
+/// [`ReportError`] naming the file or the figure.
+pub fn run_figures(folder: &Path, run: &RunRecord) -> Result<(), ReportError> {
+    create_folder(folder)?;
+    for figure in figures::of_run(run)? {
+        figure.write(folder)?;
+    }
     Ok(())
 }

@@ -24,9 +24,10 @@ const ROWS: [&[&str]; 9] = [
 ];
 
 /// Uses allowed within a row, as (user, used).
-const SAME_ROW: [(&str, &str); 5] = [
+const SAME_ROW: [(&str, &str); 6] = [
     ("geometry", "units"),
     ("specimen", "world"),
+    ("paper", "record"),
     ("report", "record"),
     ("report", "paper"),
     ("main", "cli"),

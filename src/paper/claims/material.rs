@@ -1,6 +1,6 @@
 //! Claims on the grains: sections 2 and 3, Figure 1.
 
-use crate::paper::{Band, Claim, StudyView, bands, claim::Draft, claims::number, constants};
+use crate::paper::{Band, Claim, StudyView, bands, claim::Draft, constants, text::number};
 
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
     let mut claims = vec![

@@ -26,14 +26,6 @@ pub fn claims(study: &StudyView) -> Vec<Claim> {
     claims
 }
 
-/// A number for the reader; a dash for what is none.
-fn number(value: f64, decimals: usize) -> String {
-    if !value.is_finite() {
-        return "–".to_owned();
-    }
-    format!("{value:.decimals$}").replace('-', "\u{2212}")
-}
-
 /// "configurations 1, 3" for the reader.
 fn list(configurations: &[u32]) -> String {
     let numbers: Vec<String> = configurations.iter().map(u32::to_string).collect();

@@ -1,10 +1,8 @@
 //! Claims on pluviation: section 4, Figure 7.
 
+use crate::paper::text::number;
 use crate::paper::{
-    Band, Claim, StudyView,
-    bands::Interval,
-    claim::Draft,
-    claims::{list, number},
+    Band, Claim, StudyView, bands::Interval, claim::Draft, claims::list,
     constants::FALLING_HEIGHTS_MM,
 };
 use crate::record::{RunKind, RunRecord};

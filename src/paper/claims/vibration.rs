@@ -1,9 +1,10 @@
 //! Claims on vibration: section 4, Figures 8, 9 and 10.
 
+use crate::paper::text::number;
 use crate::paper::{
     Band, Claim, StudyView, bands,
     claim::Draft,
-    claims::{list, number},
+    claims::list,
     constants::{FREQUENCY_HZ, MONITORING_INTERVAL_S, ONE_CASE_BELOW_MINIMUM_PERCENT},
     fluctuation::rms_about_running_mean,
     view::settlement_curve,

@@ -1,0 +1,57 @@
+//! Numbers for readers.
+
+/// A number with a fixed count of decimals; a dash for what is none.
+pub(crate) fn number(value: f64, decimals: usize) -> String {
+    if !value.is_finite() {
+        return "–".to_owned();
+    }
+    let text = format!("{value:.decimals$}");
+    // −0.0 is no finding.
+    let zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+    if zero { text.replace('-', "") } else { text.replace('-', "\u{2212}") }
+}
+
+/// A number with four digits that count, five from 1000 on, without trailing zeros.
+pub(crate) fn compact(value: f64) -> String {
+    if !value.is_finite() {
+        return "–".to_owned();
+    }
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = value.abs().log10().floor();
+    if magnitude < -4.0 {
+        return format!("{value:.2e}").replace('-', "\u{2212}");
+    }
+    let decimals = (if magnitude >= 3.0 { 4.0 } else { 3.0 } - magnitude).clamp(0.0, 8.0) as usize;
+    let text = number(value, decimals);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_honest() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (3.0, "3"),
+            (19.61, "19.61"),
+            (2673.9, "2673.9"),
+            (1456.0, "1456"),
+            (-0.4, "\u{2212}0.4"),
+            (0.792_590_233, "0.7926"),
+            (123_456.7, "123457"),
+            (1.234e-6, "1.23e\u{2212}6"),
+            (f64::NAN, "–"),
+        ] {
+            assert_eq!(compact(value), expected, "{value} for the reader (got left)");
+        }
+        assert_eq!(number(-0.04, 1), "0.0", "no negative zero");
+        assert_eq!(number(-0.06, 1), "\u{2212}0.1");
+    }
+}

@@ -1,0 +1,113 @@
+//! The figures: the paper's, drawn from our runs, and those that show how far
+//! the runs can be trusted.
+
+mod grain_size;
+mod of_run;
+mod quality;
+mod settlement;
+mod standing_height;
+
+use std::path::Path;
+
+use super::{ReportError, Standard, plot::Plot, png};
+use crate::{
+    paper::StudyView,
+    record::{FileError, create_folder, write_file},
+};
+
+pub(super) use of_run::of_run;
+
+/// A figure with the numbers it shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Name of its files, without extension.
+    pub stem: String,
+    /// Title.
+    pub title: String,
+    /// What is to be seen, and how it is read.
+    pub caption: String,
+    /// The drawing.
+    pub svg: String,
+    /// The numbers, as CSV with a header row.
+    pub csv: Vec<u8>,
+}
+
+impl Figure {
+    fn new(
+        stem: &str,
+        title: &str,
+        caption: String,
+        plot: &Plot,
+        table: &Table,
+    ) -> Result<Self, ReportError> {
+        let fail = |reason: String| ReportError::Figure { figure: stem.to_owned(), reason };
+        Ok(Self {
+            stem: stem.to_owned(),
+            title: title.to_owned(),
+            caption,
+            svg: plot.svg().map_err(fail)?,
+            csv: table.csv().map_err(|e| fail(e.to_string()))?,
+        })
+    }
+
+    /// Writes `STEM.svg`, `STEM.png` and `STEM.csv` into a folder, which is
+    /// made where it is missing.
+    ///
+    /// # Errors
+    /// [`ReportError`] naming the file or the figure.
+    pub fn write(&self, folder: &Path) -> Result<(), ReportError> {
+        create_folder(folder)?;
+        let png = png::render(&self.svg)
+            .map_err(|reason| ReportError::Figure { figure: self.stem.clone(), reason })?;
+        let parts: [(&str, &[u8]); 3] =
+            [("svg", self.svg.as_bytes()), ("png", &png), ("csv", &self.csv)];
+        for (extension, content) in parts {
+            write_file(&folder.join(format!("{}.{extension}", self.stem)), content)
+                .map_err(|e: FileError| ReportError::File(e))?;
+        }
+        Ok(())
+    }
+}
+
+/// The figures of a study, in the order of the paper.
+///
+/// # Errors
+/// [`ReportError::Figure`].
+pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Figure>, ReportError> {
+    Ok(vec![
+        grain_size::figure(study)?,
+        standing_height::figure(study)?,
+        settlement::continuous(study)?,
+        settlement::intermittent(study)?,
+        quality::creep(study, standard)?,
+        quality::overlap(study, standard)?,
+    ])
+}
+
+/// The numbers behind a figure.
+struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn new(header: &[&str]) -> Self {
+        Self { rows: vec![header.iter().map(|h| (*h).to_owned()).collect()] }
+    }
+
+    fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+        self.rows.push(cells.into_iter().collect());
+    }
+
+    fn csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for row in &self.rows {
+            writer.write_record(row)?;
+        }
+        writer.into_inner().map_err(|e| e.into_error().into())
+    }
+}
+
+/// A number for CSV: empty where there is none.
+fn cell(value: impl Into<Option<f64>>) -> String {
+    value.into().filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string())
+}

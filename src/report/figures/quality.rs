@@ -1,0 +1,138 @@
+//! Creep and overlap of every run beside the accuracy standard.
+
+use super::{Figure, Table, cell};
+use crate::{
+    paper::{Interval, StudyView, text::number},
+    record::RunRecord,
+    report::{
+        ReportError, Standard,
+        axis::Axis,
+        plot::{Look, Mark, Plot, Series},
+        style,
+    },
+};
+
+/// Height given to a run, in SVG units.
+const ROW: u32 = 66;
+
+/// A plot with one line a run, the first on top.
+fn by_run(runs: &[RunRecord], x: Axis) -> Plot {
+    let count = runs.len().max(1);
+    let ticks: Vec<f64> = (0..count).map(|i| i as f64).collect();
+    let y = Axis {
+        name: String::new(),
+        from: count as f64 - 0.4,
+        to: -0.6,
+        log: false,
+        ticks,
+        minor: Vec::new(),
+    };
+    let mut plot = Plot::new(x, y);
+    plot.y_names = Some(runs.iter().map(|r| r.name.clone()).collect());
+    plot.frame_height = (ROW * count as u32).max(3 * ROW);
+    plot
+}
+
+fn dots(
+    runs: &[RunRecord],
+    n: usize,
+    label: &str,
+    value: impl Fn(&RunRecord) -> Option<f64>,
+) -> Series {
+    Series {
+        label: label.to_owned(),
+        look: Look {
+            colour: style::colour(n),
+            line: None,
+            width: style::CURVE,
+            marker: Some(style::marker(n)),
+            marker_spacing: None,
+        },
+        points: runs.iter().enumerate().filter_map(|(i, r)| Some((value(r)?, i as f64))).collect(),
+    }
+}
+
+pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, ReportError> {
+    let runs = study.runs;
+    let limit = standard.creep_um_per_s;
+    let values = || runs.iter().filter_map(|r| r.summary.creep_um_per_s);
+    let x = Axis::linear("Creep of the resting specimen (µm/s)", values().chain([-limit, limit]));
+    let mut plot = by_run(runs, x);
+    plot.marks.push(Mark {
+        label: format!("Standard: within ±{limit} µm/s"),
+        at: limit,
+        upright: true,
+    });
+    plot.marks.push(Mark { label: String::new(), at: -limit, upright: true });
+    let label = "Sinking rate of the mean grain height";
+    plot.series.push(dots(runs, 0, label, |r| r.summary.creep_um_per_s));
+    let mut table = Table::new(&[
+        "run",
+        "creep_um_per_s",
+        "control_s",
+        "mean_grain_height_drop_mm",
+        "mean_surface_drop_mm",
+        "plate_drop_mm",
+    ]);
+    for r in runs {
+        let c = r.summary.control;
+        table.row([
+            r.name.clone(),
+            cell(r.summary.creep_um_per_s),
+            cell(c.map(|c| c.duration_s)),
+            cell(c.map(|c| c.mean_grain_height_drop_mm)),
+            cell(c.map(|c| c.mean_surface_drop_mm)),
+            cell(c.and_then(|c| c.plate_drop_mm)),
+        ]);
+    }
+    let found = match Interval::of(values()) {
+        Some(i) => format!("Found: {} to {} µm/s.", number(i.low, 1), number(i.high, 1)),
+        None => "No run had a control.".to_owned(),
+    };
+    let caption = format!(
+        "Creep in the control: each finished specimen is left alone, nothing moves, and its mean \
+         grain height should stay where it is. Dotted: the accuracy standard, ±{limit} µm/s, which \
+         is {} mm in 20 s. {found}",
+        number(limit * 20e-3, 1)
+    );
+    Figure::new("quality-creep", "Creep of the specimens at rest", caption, &plot, &table)
+}
+
+pub(super) fn overlap(study: &StudyView, standard: &Standard) -> Result<Figure, ReportError> {
+    let runs = study.runs;
+    let (mean_limit, p99_limit) = (standard.overlap_mean_percent, standard.overlap_p99_percent);
+    let values = runs
+        .iter()
+        .map(|r| r.summary.overlap)
+        .flat_map(|o| [o.mean_percent, o.p99_percent, o.max_percent])
+        .chain([mean_limit, p99_limit]);
+    let x = Axis::logarithmic("Overlap (% of the equivalent diameter)", values);
+    let mut plot = by_run(runs, x);
+    for (label, at) in [("mean", mean_limit), ("99th percentile", p99_limit)] {
+        let label = format!("Standard: {label} below {at} %");
+        plot.marks.push(Mark { label, at, upright: true });
+    }
+    plot.series.push(dots(runs, 0, "Mean", |r| Some(r.summary.overlap.mean_percent)));
+    plot.series.push(dots(runs, 1, "99th percentile", |r| Some(r.summary.overlap.p99_percent)));
+    plot.series.push(dots(runs, 5, "Largest", |r| Some(r.summary.overlap.max_percent)));
+    let mut table =
+        Table::new(&["run", "pairs", "mean_percent", "p99_percent", "max_percent", "max_mm"]);
+    for r in runs {
+        let o = r.summary.overlap;
+        table.row([
+            r.name.clone(),
+            o.pairs.to_string(),
+            cell(o.mean_percent),
+            cell(o.p99_percent),
+            cell(o.max_percent),
+            cell(o.max_mm),
+        ]);
+    }
+    let caption = format!(
+        "Overlap of touching grains at the end of each run, measured outside the engine from the \
+         exact shapes: penetration depth over the mean equivalent diameter of the two grains. \
+         Dotted: the accuracy standard, {mean_limit} % for the mean and {p99_limit} % for the 99th \
+         percentile."
+    );
+    Figure::new("quality-overlap", "Overlap of the grains", caption, &plot, &table)
+}

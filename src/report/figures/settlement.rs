@@ -1,0 +1,175 @@
+//! Figures 9 and 10: settlement of the top plate over time.
+
+use super::{Figure, Table, cell};
+use crate::{
+    paper::{Interval, StudyView, bands, settlement_curve, text::number},
+    record::{RunKind, RunRecord},
+    report::{
+        ReportError,
+        axis::Axis,
+        plot::{BandArea, Look, Mark, Plot, Series},
+        style,
+    },
+};
+
+/// Distance between markers along a curve, in SVG units.
+const MARKER_SPACING: f64 = 170.0;
+
+pub(super) fn continuous(study: &StudyView) -> Result<Figure, ReportError> {
+    let runs: Vec<&RunRecord> = study.of_kind(RunKind::VibrationContinuous).collect();
+    let band = bands::final_settlement_mm().read_as;
+    let (mut plot, table) = curves(&runs, Some(band), 20.0);
+    plot.bands.push(BandArea {
+        label: "Laboratory, range of the final settlement".into(),
+        between: (band.low, band.high),
+    });
+    let caption = format!(
+        "Settlement of the top plate under continuous vibration. Hatched: the laboratory's range of \
+         the final settlement, {} to {} mm, as the text gives it; it belongs to the end of the \
+         curves, for the plate could not be read during vibration. Thin and dashed: the mean \
+         surface of the grains below the plate, which tilts on the highest grains and moves \
+         differently. {}",
+        band.low,
+        band.high,
+        finals(&runs)
+    );
+    Figure::new(
+        "figure-09-continuous-vibration",
+        "Figure 9. Settlement of the top plate under continuous vibration",
+        caption,
+        &plot,
+        &table,
+    )
+}
+
+pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
+    let runs: Vec<&RunRecord> = study.of_kind(RunKind::VibrationIntermittent).collect();
+    let bounds = study.intermittent.bounds();
+    let end = bounds.last().map_or(20.0, |b| b.1);
+    let (mut plot, table) = curves(&runs, None, end);
+    let mut edges: Vec<f64> = bounds.iter().flat_map(|b| [b.0, b.1]).collect();
+    edges.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    for (i, at) in edges.into_iter().enumerate() {
+        let label = if i == 0 { "Start and end of a period" } else { "" };
+        plot.marks.push(Mark { label: label.into(), at, upright: true });
+    }
+    let rest = number(study.intermittent.rest_s, 1);
+    let caption = format!(
+        "Settlement of the top plate under intermittent vibration: {} periods of {} s, with rests \
+         of {rest} s between them (the length of the rests is ours). Dotted: start and end of each \
+         period. Thin and dashed: the mean surface of the grains. The laboratory's range was a \
+         grey area in the paper's figure only; it is lost, and none is drawn. {}",
+        study.intermittent.periods,
+        number(study.intermittent.period_s, 0),
+        finals(&runs)
+    );
+    Figure::new(
+        "figure-10-intermittent-vibration",
+        "Figure 10. Settlement of the top plate under intermittent vibration",
+        caption,
+        &plot,
+        &table,
+    )
+}
+
+/// The settlement of one run, for its own folder; `None` where it was not vibrated.
+pub(super) fn of_run(run: &RunRecord) -> Result<Option<Figure>, ReportError> {
+    if !run.series.iter().any(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some()) {
+        return Ok(None);
+    }
+    let (plot, table) = curves(&[run], None, 0.0);
+    let caption = format!("Settlement under vibration. {}", finals(&[run]));
+    Figure::new("settlement", "Settlement under vibration", caption, &plot, &table).map(Some)
+}
+
+/// Plate and surface of every run; `at_least_s` is the least length of the time axis.
+fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot, Table) {
+    let curves: Vec<_> = runs
+        .iter()
+        .map(|r| {
+            let plate = settlement_curve(r, |row| row.settlement_mm);
+            (r, plate, settlement_curve(r, |row| row.surface_settlement_mm))
+        })
+        .collect();
+    let points = || curves.iter().flat_map(|(_, plate, surface)| plate.iter().chain(surface));
+    let times = points().map(|p| p.0).chain([0.0, at_least_s]);
+    // Settlement is drawn downwards, the way the plate goes.
+    let depths =
+        points().map(|p| p.1).chain([0.0]).chain(band.into_iter().flat_map(|b| [b.low, b.high]));
+    let x = Axis::linear("Time since vibration began (s)", times);
+    let y = Axis::linear("Settlement (mm)", depths).reversed();
+    let mut plot = Plot::new(x, y);
+    let mut table = Table::new(&[
+        "run",
+        "configuration",
+        "time_s",
+        "plate_settlement_mm",
+        "surface_settlement_mm",
+    ]);
+    for (n, (run, plate, surface)) in curves.iter().enumerate() {
+        let look = Look {
+            colour: style::colour(n),
+            line: Some(style::SOLID),
+            width: style::CURVE,
+            marker: Some(style::marker(n)),
+            marker_spacing: Some(MARKER_SPACING),
+        };
+        let thin = Look { line: Some(style::DASHED), width: style::THIN, marker: None, ..look };
+        plot.series.push(Series { label: String::new(), look: thin, points: surface.clone() });
+        let label = format!("Configuration {}, plate", run.configuration);
+        plot.series.push(Series { label, look, points: plate.clone() });
+        let start = run
+            .series
+            .iter()
+            .find(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some())
+            .map_or(0.0, |r| r.time_s);
+        for row in &run.series {
+            if row.settlement_mm.is_some() || row.surface_settlement_mm.is_some() {
+                table.row([
+                    run.name.clone(),
+                    run.configuration.to_string(),
+                    cell(row.time_s - start),
+                    cell(row.settlement_mm),
+                    cell(row.surface_settlement_mm),
+                ]);
+            }
+        }
+    }
+    if !runs.is_empty() {
+        plot.series.push(Series {
+            label: "Mean surface (same colours)".into(),
+            look: Look {
+                colour: style::INK,
+                line: Some(style::DASHED),
+                width: style::THIN,
+                marker: None,
+                marker_spacing: None,
+            },
+            points: Vec::new(),
+        });
+    }
+    (plot, table)
+}
+
+/// The final settlements in a sentence.
+fn finals(runs: &[&RunRecord]) -> String {
+    let of = |plate: bool| {
+        let values = runs.iter().filter_map(|r| {
+            let s = &r.summary;
+            let s = if plate { &s.settlement_mm } else { &s.surface_settlement_mm };
+            s.as_ref().map(|s| s.final_mm)
+        });
+        Interval::of(values).map(|i| {
+            let (low, high) = (number(i.low, 1), number(i.high, 1));
+            if low == high { format!("{low} mm") } else { format!("{low} to {high} mm") }
+        })
+    };
+    match (of(true), of(false)) {
+        (Some(plate), Some(surface)) => {
+            format!("Final settlement of the plate: {plate}; of the mean surface: {surface}.")
+        }
+        (Some(plate), None) => format!("Final settlement of the plate: {plate}."),
+        (None, Some(surface)) => format!("Final settlement of the mean surface: {surface}."),
+        (None, None) => "No such run was done.".to_owned(),
+    }
+}

@@ -1,0 +1,110 @@
+//! `report.html`: one page that needs nothing else.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::{Figure, ReportInput, sections, shortfalls, summary};
+
+const CSS: &str = include_str!("report.css");
+
+/// The page.
+pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
+    let title = if input.study.quick {
+        "Gravel poured and vibrated: quick study"
+    } else {
+        "Gravel poured and vibrated: the paper's programme simulated"
+    };
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(CSS)) }
+            }
+            body {
+                header {
+                    h1 { (title) }
+                    p.soft {
+                        "Held against Izadi & Bezuijen (2014), “Simulation of granular soil "
+                        "behaviour using the Bullet physics library”, whose text is at hand and "
+                        "whose figures are lost."
+                    }
+                    @if input.study.quick {
+                        p.banner {
+                            "This is the quick study: fewer grains than the paper's. It shows that "
+                            "everything works; its heights and settlements are not comparable."
+                        }
+                    }
+                    p.lead { (summary::paragraph(input)) }
+                    (contents())
+                }
+                main {
+                    section id="claims" {
+                        h2 { "What the paper states, and what was found" }
+                        (sections::claims(input.claims))
+                    }
+                    section id="figures" {
+                        h2 { "Figures" }
+                        @for figure in figures { (figure_block(figure)) }
+                    }
+                    section id="runs" {
+                        h2 { "Runs" }
+                        (sections::runs(&input.study))
+                    }
+                    section id="shortfalls" {
+                        h2 { "What falls short" }
+                        (list(&shortfalls::list(input)))
+                    }
+                    section id="choices" {
+                        h2 { "Parameters the paper does not give" }
+                        (sections::choices(input.choices))
+                    }
+                    section id="provenance" {
+                        h2 { "Provenance" }
+                        (sections::provenance(input))
+                    }
+                }
+            }
+        }
+    }
+    .into_string()
+}
+
+fn contents() -> Markup {
+    let entries = [
+        ("claims", "Claims"),
+        ("figures", "Figures"),
+        ("runs", "Runs"),
+        ("shortfalls", "What falls short"),
+        ("choices", "Our choices"),
+        ("provenance", "Provenance"),
+    ];
+    html! {
+        nav aria-label="Contents" {
+            ul { @for (id, name) in entries { li { a href={ "#" (id) } { (name) } } } }
+        }
+    }
+}
+
+fn list(items: &[String]) -> Markup {
+    html! { ul { @for item in items { li { (item) } } } }
+}
+
+fn figure_block(figure: &Figure) -> Markup {
+    let file = |extension: &str| format!("figures/{}.{extension}", figure.stem);
+    html! {
+        figure id=(figure.stem) {
+            h3 { (figure.title) }
+            div.sheet role="img" aria-label=(figure.title) { (PreEscaped(figure.svg.as_str())) }
+            figcaption {
+                (figure.caption) " "
+                span.soft.files {
+                    a href=(file("svg")) { "SVG" } " · "
+                    a href=(file("png")) { "PNG" } " · "
+                    a href=(file("csv")) { "numbers (CSV)" }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! SVG to PNG, alike on every machine: the font is part of the program.
+
+use std::sync::{Arc, OnceLock};
+
+use resvg::{
+    tiny_skia::{Pixmap, Transform},
+    usvg::{Options, Tree, fontdb},
+};
+
+/// DejaVu Sans alone, as the font for every family.
+fn fonts() -> Arc<fontdb::Database> {
+    static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
+    FONTS
+        .get_or_init(|| {
+            let mut fonts = fontdb::Database::new();
+            fonts.load_font_data(dejavu::sans::regular().to_vec());
+            fonts.set_sans_serif_family("DejaVu Sans");
+            Arc::new(fonts)
+        })
+        .clone()
+}
+
+/// Renders an SVG at its own size.
+///
+/// # Errors
+/// A sentence on what is wrong with the SVG or its size.
+pub fn render(svg: &str) -> Result<Vec<u8>, String> {
+    let options =
+        Options { fontdb: fonts(), font_family: "DejaVu Sans".to_owned(), ..Options::default() };
+    let tree = Tree::from_str(svg, &options).map_err(|e| e.to_string())?;
+    let size = tree.size().to_int_size();
+    let mut pixels = Pixmap::new(size.width(), size.height())
+        .ok_or_else(|| format!("no picture of {} × {}", size.width(), size.height()))?;
+    resvg::render(&tree, Transform::identity(), &mut pixels.as_mut());
+    pixels.encode_png().map_err(|e| e.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dark_pixels(svg: &str) -> usize {
+        let png = render(svg).expect("rendered");
+        let pixels = Pixmap::decode_png(&png).expect("a PNG");
+        assert_eq!((pixels.width(), pixels.height()), (80, 40), "the SVG's own size");
+        pixels.pixels().iter().filter(|p| p.red() < 128 && p.alpha() > 128).count()
+    }
+
+    #[test]
+    fn text_is_drawn_without_fonts_of_the_system() {
+        let svg = |text: &str| {
+            format!(
+                r#"<svg xmlns="http://www.w3.org/2000/svg" width="80" height="40"><rect
+                width="80" height="40" fill="white"/><text x="5" y="30" font-size="24"
+                font-family="sans-serif">{text}</text></svg>"#
+            )
+        };
+        assert_eq!(dark_pixels(&svg("")), 0, "no text, no ink");
+        for text in ["Hg", "−5", "µm", "10⁻⁷"] {
+            let ink = dark_pixels(&svg(text));
+            assert!(ink > 30, "\"{text}\": expected ink, got {ink} dark pixels");
+        }
+    }
+
+    #[test]
+    fn what_is_no_svg_is_refused() {
+        assert!(render("<svg").is_err(), "half a tag is no SVG");
+    }
+}

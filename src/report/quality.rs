@@ -1,0 +1,76 @@
+//! How good a run is as a simulation, whatever it shows.
+
+use crate::record::{RunKind, RunRecord};
+
+/// The accuracy standard (`docs/accuracy.md`): what a run must stay below.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standard {
+    /// Mean overlap in percent of the equivalent diameter.
+    pub overlap_mean_percent: f64,
+    /// 99th percentile of the overlap in percent of the equivalent diameter.
+    pub overlap_p99_percent: f64,
+    /// Creep in the no-shake control in µm/s, up or down.
+    pub creep_um_per_s: f64,
+}
+
+/// Creep of a run's control over the length of a vibration, beside the
+/// settlement it may be taken for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CreepShare {
+    /// Creep times the length of the vibration, in mm.
+    pub creep_mm: f64,
+    /// The settlement of the plate, in mm.
+    pub settlement_mm: f64,
+}
+
+impl CreepShare {
+    /// Of a vibrated run with a control; `vibration_s` is the time from the
+    /// beginning to the end of vibration.
+    pub fn of(run: &RunRecord, vibration_s: f64) -> Option<Self> {
+        let creep = run.summary.creep_um_per_s?;
+        let settlement_mm = run.summary.settlement_mm.as_ref()?.final_mm;
+        let creep_mm = 1e-3 * creep * vibration_s;
+        (run.kind != RunKind::Pluviation && creep_mm.is_finite() && settlement_mm.is_finite())
+            .then_some(Self { creep_mm, settlement_mm })
+    }
+
+    /// The one over the other, in percent.
+    pub fn percent(&self) -> f64 {
+        100.0 * self.creep_mm / self.settlement_mm
+    }
+}
+
+/// Time in s from the beginning to the end of vibration, from a run's series.
+pub fn vibration_s(run: &RunRecord) -> Option<f64> {
+    let mut vibrated = run
+        .series
+        .iter()
+        .filter(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some())
+        .map(|r| r.time_s);
+    let first = vibrated.next()?;
+    Some(vibrated.next_back()? - first).filter(|t| *t > 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::canned;
+
+    #[test]
+    fn creep_is_held_against_the_settlement() {
+        let runs = canned::runs();
+        // Configuration 3: 45 µm/s over 20 s are 0.9 mm of 20 mm.
+        let run = runs
+            .iter()
+            .find(|r| r.kind == RunKind::VibrationContinuous && r.configuration == 3)
+            .expect("a run");
+        let seconds = vibration_s(run).expect("vibrated");
+        assert!((seconds - 20.0).abs() < 1e-9, "20 s of rows: got {seconds}");
+        let share = CreepShare::of(run, seconds).expect("a control");
+        assert!((share.creep_mm - 0.9).abs() < 1e-9, "45 µm/s × 20 s: got {}", share.creep_mm);
+        assert!((share.percent() - 4.5).abs() < 1e-9, "0.9 of 20 mm: got {} %", share.percent());
+        let poured = runs.iter().find(|r| r.kind == RunKind::Pluviation).expect("a run");
+        assert_eq!(CreepShare::of(poured, 20.0), None, "nothing settles in a pluviation run");
+        assert_eq!(vibration_s(poured), None);
+    }
+}

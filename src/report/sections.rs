@@ -1,0 +1,215 @@
+//! The tables of the report.
+
+use maud::{Markup, html};
+
+use super::{Choice, ReportInput};
+use crate::{
+    paper::{
+        Claim, PaperValue, StudyView, Verdict,
+        text::{compact, number},
+    },
+    record::{RunRecord, Settlement},
+};
+
+/// Class and name of a verdict.
+fn verdict(verdict: Verdict) -> (&'static str, &'static str) {
+    match verdict {
+        Verdict::Within => ("within", "✓ within"),
+        Verdict::Outside => ("outside", "✗ outside"),
+        Verdict::NotStated => ("not_stated", "– not stated"),
+    }
+}
+
+fn badge(claim: &Claim) -> Markup {
+    let (class, name) = match verdict(claim.verdict) {
+        // What is missing and what misses are not the same.
+        ("outside", _) if claim.ours.is_none() => ("outside", "✗ not run"),
+        other => other,
+    };
+    html! { span.verdict.(class) { (name) } }
+}
+
+/// The claims as a table, with a tally above.
+pub(super) fn claims(claims: &[Claim]) -> Markup {
+    let count = |v| claims.iter().filter(|c| c.verdict == v).count();
+    html! {
+        ul.tally {
+            @for v in [Verdict::Within, Verdict::Outside, Verdict::NotStated] {
+                @let (class, name) = verdict(v);
+                li { span.verdict.(class) { (name) ": " (count(v)) } }
+            }
+        }
+        p.soft {
+            "“Within”: our number lies where the paper's is read to lie. “Outside”: it does not, or "
+            "the run is missing. “Not stated”: the text gives no number; ours is for information."
+        }
+        table.claims.cards {
+            thead { tr {
+                th { "Statement" } th.n { "Paper" } th.n { "Ours" } th { "Verdict" }
+            } }
+            tbody { @for claim in claims { (claim_row(claim)) } }
+        }
+    }
+}
+
+fn claim_row(claim: &Claim) -> Markup {
+    let paper = match claim.paper {
+        None => "–".to_owned(),
+        Some(PaperValue::Value { value }) => compact(value),
+        Some(PaperValue::Range(i)) => format!("{} to {}", compact(i.low), compact(i.high)),
+    };
+    // The interval is worth a line where it is not what the paper prints.
+    let read_as = claim.read_as.filter(|i| {
+        i.high - i.low > 1e-3 * i.high.abs() && !matches!(claim.paper, Some(PaperValue::Range(_)))
+    });
+    html! {
+        tr id={ "claim-" (claim.id) } {
+            td {
+                (claim.statement) " " span.soft { (claim.source) }
+                @if !claim.note.is_empty() || !claim.runs.is_empty() {
+                    details {
+                        summary { "How read" }
+                        span.soft {
+                            (claim.note)
+                            @if !claim.runs.is_empty() { " Runs: " (claim.runs.join(", ")) "." }
+                        }
+                    }
+                }
+            }
+            td.n data-label="Paper" {
+                (paper)
+                @if let Some(i) = read_as {
+                    " " span.unit { "(read as " (compact(i.low)) " to " (compact(i.high)) ")" }
+                }
+            }
+            td.n data-label="Ours" {
+                @match claim.ours {
+                    None => { "–" }
+                    Some(ours) => {
+                        (compact(ours)) " " span.unit { (claim.unit) }
+                        @if let Some(s) = claim.spread {
+                            @if s.high > s.low {
+                                " " span.unit { "[" (compact(s.low)) " … " (compact(s.high)) "]" }
+                            }
+                        }
+                    }
+                }
+            }
+            td { (badge(claim)) }
+        }
+    }
+}
+
+/// One line a run.
+pub(super) fn runs(study: &StudyView) -> Markup {
+    html! {
+        @if study.runs.is_empty() {
+            p { "No run is finished." }
+        } @else {
+            p.soft {
+                "Heights in mm above the floor: mean of the surface, its 95th percentile, highest "
+                "point of any grain. e: void ratio to the mean surface. Settlement in mm at the end, "
+                "of the plate and of the mean surface, and the plate's share after 5 s. Overlap in % of "
+                "the equivalent diameter. Creep in µm/s, and the drop of the mean grain height in the "
+                "control in µm over its length. Z: mean number of grains touching a grain. Grains "
+                "through a wall / over the rim / left in the funnel."
+            }
+            div.scroll { table {
+                thead { tr {
+                    th { "Run" } th.n { "FH, cm" }
+                    th.n { "Mean" } th.n { "p95" } th.n { "Highest" } th.n { "e" }
+                    th.n { "Plate" } th.n { "Surface" } th.n { "In 5 s" }
+                    th.n { "Overlap mean" } th.n { "p99" } th.n { "max" }
+                    th.n { "Creep" } th.n { "Control" } th.n { "Z" }
+                    th.n { "Lost" } th { "Standard" } th.n { "Wall time" }
+                } }
+                tbody { @for run in study.runs { (run_row(run)) } }
+            } }
+        }
+    }
+}
+
+fn run_row(run: &RunRecord) -> Markup {
+    let s = &run.summary;
+    let optional = |v: Option<f64>, decimals| v.map_or("–".to_owned(), |v| number(v, decimals));
+    let end = |s: &Option<Settlement>| optional(s.as_ref().map(|s| s.final_mm), 2);
+    let share = s.settlement_mm.as_ref().and_then(|s| s.share_after_5_s).map(|s| 100.0 * s);
+    let control = s.control.map_or("–".to_owned(), |c| {
+        let um = 1e3 * c.mean_grain_height_drop_mm;
+        format!("{} in {} s", number(um, 1), number(c.duration_s, 1))
+    });
+    let (class, met) =
+        if s.meets_standard { ("within", "✓ met") } else { ("outside", "✗ not met") };
+    html! {
+        tr {
+            th scope="row" { (run.name) }
+            td.n { (number(run.falling_height_mm / 10.0, 0)) }
+            td.n { (number(s.standing_height_mm.mean_surface, 1)) }
+            td.n { (number(s.standing_height_mm.p95, 1)) }
+            td.n { (number(s.standing_height_mm.highest, 1)) }
+            td.n { (number(s.void_ratio, 3)) }
+            td.n { (end(&s.settlement_mm)) }
+            td.n { (end(&s.surface_settlement_mm)) }
+            td.n { (optional(share, 0)) @if share.is_some() { " %" } }
+            td.n { (number(s.overlap.mean_percent, 2)) }
+            td.n { (number(s.overlap.p99_percent, 2)) }
+            td.n { (number(s.overlap.max_percent, 2)) }
+            td.n { (optional(s.creep_um_per_s, 1)) }
+            td.n { (control) }
+            td.n { (number(s.coordination_number, 2)) }
+            td.n { (s.grains.escaped) " / " (s.grains.spilled) " / " (s.grains.left_in_funnel) }
+            td { span.verdict.(class) { (met) } }
+            td.n { (wall_time(s.wall_s)) }
+        }
+    }
+}
+
+/// Wall time in the unit a person would use.
+fn wall_time(seconds: f64) -> String {
+    match seconds {
+        s if s < 100.0 => format!("{} s", number(s, 1)),
+        s if s < 6000.0 => format!("{} min", number(s / 60.0, 1)),
+        s => format!("{} h", number(s / 3600.0, 1)),
+    }
+}
+
+/// What was chosen where the paper is silent.
+pub(super) fn choices(choices: &[Choice]) -> Markup {
+    html! {
+        table.cards {
+            thead { tr { th { "Parameter" } th { "Value" } th { "Why" } th { "What it moves" } } }
+            tbody { @for c in choices { tr {
+                td { strong { (c.parameter) } }
+                td data-label="Value" { (c.value) }
+                td data-label="Why" { (c.reason) }
+                td data-label="What it moves" { (c.sensitivity) }
+            } } }
+        }
+    }
+}
+
+/// Versions, settings, warnings.
+pub(super) fn provenance(input: &ReportInput) -> Markup {
+    let mut warnings: Vec<(&str, String)> =
+        input.warnings.iter().map(|w| ("study", w.clone())).collect();
+    for run in input.study.runs {
+        warnings.extend(run.summary.warnings.iter().map(|w| (run.name.as_str(), w.clone())));
+    }
+    html! {
+        table.cards { tbody { @for (name, value) in input.provenance {
+            tr { td { strong { (name) } } td { code { (value) } } }
+        } } }
+        details {
+            summary { "Engine settings, as read back from the engine (" (input.effective.len()) ")" }
+            table { tbody { @for (name, value) in input.effective {
+                tr { td { code { (name) } } td { code { (value.to_string()) } } }
+            } } }
+        }
+        h3 { "Warnings" }
+        @if warnings.is_empty() {
+            p { "None." }
+        } @else {
+            ul { @for (source, text) in &warnings { li { strong { (source) } ": " (text) } } }
+        }
+    }
+}

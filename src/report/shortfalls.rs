@@ -1,0 +1,215 @@
+//! What falls short, said from the data.
+
+use std::collections::BTreeMap;
+
+use super::{
+    ReportInput, Standard,
+    quality::{CreepShare, vibration_s},
+};
+use crate::{
+    paper::{StudyView, Verdict, constants::FALLING_HEIGHTS_MM, text::compact, text::number},
+    record::{RunKind, RunRecord},
+};
+
+/// One sentence or two a shortfall; never empty, for what the paper lost is
+/// always lost.
+pub(super) fn list(input: &ReportInput) -> Vec<String> {
+    let study = &input.study;
+    let mut found = Vec::new();
+    found.extend(missing(study));
+    found.extend(claims_missed(input));
+    found.extend(creep(study, &input.standard));
+    found.extend(creep_beside_settlement(study));
+    found.extend(overlap(study, &input.standard));
+    found.extend(grains_lost(study));
+    found.extend(plate_and_surface(study));
+    found.push(
+        "The paper's figures are lost. Its laboratory ranges of the standing height (Figure 7) and \
+         of the intermittent settlement (Figure 10), its sieve curve and its funnel are therefore \
+         not compared with anything; the claims that need them read “not stated”."
+            .to_owned(),
+    );
+    found
+}
+
+fn names(runs: &[&RunRecord]) -> String {
+    const MOST: usize = 6;
+    let mut names: Vec<&str> = runs.iter().take(MOST).map(|r| r.name.as_str()).collect();
+    let more = format!("{} more", runs.len().saturating_sub(MOST));
+    if runs.len() > MOST {
+        names.push(&more);
+    }
+    names.join(", ")
+}
+
+fn missing(study: &StudyView) -> Option<String> {
+    let heights =
+        if study.quick { study.falling_heights_mm() } else { FALLING_HEIGHTS_MM.to_vec() };
+    let mut missing = Vec::new();
+    for c in study.configurations() {
+        for &fh in &heights {
+            if study.pluviation(c, fh).is_none() {
+                let fh = number(fh / 10.0, 0);
+                missing.push(format!("pluviation from {fh} cm (configuration {c})"));
+            }
+        }
+        for (kind, name) in [
+            (RunKind::VibrationContinuous, "continuous"),
+            (RunKind::VibrationIntermittent, "intermittent"),
+        ] {
+            if study.vibration(kind, c).is_none() {
+                missing.push(format!("{name} vibration (configuration {c})"));
+            }
+        }
+    }
+    (!missing.is_empty()).then(|| format!("Not run: {}.", missing.join("; ")))
+}
+
+fn claims_missed(input: &ReportInput) -> Vec<String> {
+    input
+        .claims
+        .iter()
+        .filter(|c| c.verdict == Verdict::Outside)
+        .filter_map(|c| {
+            let ours = compact(c.ours?);
+            let band = c.read_as?;
+            let expected = if band.low == band.high {
+                compact(band.low)
+            } else {
+                format!("{} to {}", compact(band.low), compact(band.high))
+            };
+            let statement = c.statement.trim_end_matches('.');
+            Some(format!("{statement}: expected {expected}, found {ours} {}.", c.unit))
+        })
+        .collect()
+}
+
+fn creep(study: &StudyView, standard: &Standard) -> Vec<String> {
+    let mut found = Vec::new();
+    let without: Vec<&RunRecord> =
+        study.runs.iter().filter(|r| r.summary.creep_um_per_s.is_none()).collect();
+    if !without.is_empty() {
+        found.push(format!(
+            "Without a control, and so without a measure of creep: {}.",
+            names(&without)
+        ));
+    }
+    let limit = standard.creep_um_per_s;
+    let of = |r: &RunRecord| r.summary.creep_um_per_s.unwrap_or(0.0);
+    // Written so that NaN counts as too much.
+    let beyond: Vec<&RunRecord> = study.runs.iter().filter(|r| !(of(r).abs() < limit)).collect();
+    if let Some(worst) = beyond.iter().max_by(|a, b| of(a).abs().total_cmp(&of(b).abs())) {
+        found.push(format!(
+            "{} of {} runs creep at rest beyond the standard of {limit} µm/s ({} in 20 s): {}; the \
+             worst is {} with {} µm/s.",
+            beyond.len(),
+            study.runs.len(),
+            format_args!("{} mm", number(20e-3 * limit, 1)),
+            names(&beyond),
+            worst.name,
+            number(of(worst), 1),
+        ));
+    }
+    found
+}
+
+fn creep_beside_settlement(study: &StudyView) -> Option<String> {
+    let shares: Vec<(&RunRecord, CreepShare)> =
+        study.runs.iter().filter_map(|r| Some((r, CreepShare::of(r, vibration_s(r)?)?))).collect();
+    let (run, share) =
+        shares.iter().max_by(|a, b| a.1.percent().abs().total_cmp(&b.1.percent().abs()))?;
+    let mm = number(share.creep_mm, 3);
+    Some(format!(
+        "How much of the settlement could be creep: at most {mm} mm of {} mm, {} %, in {} (creep \
+         of the resting specimen times the length of the vibration). Creep under vibration may be \
+         larger than at rest; no control shows that.",
+        number(share.settlement_mm, 2),
+        number(share.percent(), 2),
+        run.name,
+    ))
+}
+
+fn overlap(study: &StudyView, standard: &Standard) -> Option<String> {
+    let beyond: Vec<&RunRecord> = study
+        .runs
+        .iter()
+        .filter(|r| {
+            let o = &r.summary.overlap;
+            !(o.mean_percent < standard.overlap_mean_percent
+                && o.p99_percent < standard.overlap_p99_percent)
+        })
+        .collect();
+    let of = |r: &RunRecord| r.summary.overlap;
+    let worst = beyond.iter().max_by(|a, b| of(a).p99_percent.total_cmp(&of(b).p99_percent))?;
+    let o = of(worst);
+    Some(format!(
+        "{} of {} runs overlap beyond the standard (mean {} %, 99th percentile {} %): {}; the \
+         worst is {} with {} % and {} %, at most {} mm.",
+        beyond.len(),
+        study.runs.len(),
+        standard.overlap_mean_percent,
+        standard.overlap_p99_percent,
+        names(&beyond),
+        worst.name,
+        number(o.mean_percent, 2),
+        number(o.p99_percent, 2),
+        number(o.max_mm, 2),
+    ))
+}
+
+fn grains_lost(study: &StudyView) -> Vec<String> {
+    let total = |of: fn(&RunRecord) -> usize| {
+        let runs: Vec<&RunRecord> = study.runs.iter().filter(|r| of(r) > 0).collect();
+        (runs.iter().map(|r| of(r)).sum::<usize>(), runs)
+    };
+    let mut found = Vec::new();
+    let (escaped, runs) = total(|r| r.summary.grains.escaped);
+    if escaped > 0 {
+        let what = if escaped == 1 { "grain" } else { "grains" };
+        found.push(format!(
+            "{escaped} {what} passed through a wall or the floor, which no grain should: {}.",
+            names(&runs)
+        ));
+    }
+    let mut by_fate = BTreeMap::new();
+    by_fate.insert("fell over the rim", total(|r| r.summary.grains.spilled));
+    by_fate.insert("stayed in the funnel", total(|r| r.summary.grains.left_in_funnel));
+    for (fate, (count, runs)) in by_fate {
+        if count > 0 {
+            let what = if count == 1 { "grain" } else { "grains" };
+            let each = runs
+                .iter()
+                .map(|r| &r.summary.grains)
+                .map(|g| g.mass_g - g.mass_in_cylinder_g)
+                .fold(0.0, f64::max);
+            found.push(format!(
+                "{count} {what} {fate} ({} of {} runs); a cylinder lacks at most {} g of its \
+                 grains. Void ratios count only what is in the cylinder.",
+                runs.len(),
+                study.runs.len(),
+                number(each, 1)
+            ));
+        }
+    }
+    found
+}
+
+/// The two ways to read a settlement differ; by how much.
+fn plate_and_surface(study: &StudyView) -> Option<String> {
+    let difference = |r: &RunRecord| {
+        let s = &r.summary;
+        let (plate, surface) = (s.settlement_mm.as_ref()?, s.surface_settlement_mm.as_ref()?);
+        Some(plate.final_mm - surface.final_mm).filter(|d| d.is_finite())
+    };
+    let (run, largest) = study
+        .runs
+        .iter()
+        .filter_map(|r| Some((r, difference(r)?)))
+        .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    Some(format!(
+        "The plate's settlement and that of the mean surface differ by up to {} mm ({}): the plate \
+         rests tilted on the highest grains, so that how it was laid down moves its settlement.",
+        number(largest.abs(), 1),
+        run.name
+    ))
+}

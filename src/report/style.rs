@@ -1,0 +1,104 @@
+//! How figures look: a journal's style, white ground, thin axes, curves that
+//! can be told apart without colour.
+
+use plotters::style::RGBColor;
+
+/// Width of a figure in SVG units, and of its PNG in pixels. The engine of the
+/// SVG rounds to whole units; at this size a unit is a third of a point in a
+/// printed column.
+pub const WIDTH: u32 = 2000;
+/// Height of the plotted frame.
+pub const FRAME_HEIGHT: u32 = 1060;
+/// Space left of the frame, for numbers and the vertical axis' name.
+pub const LEFT: i32 = 210;
+/// Space right of the frame.
+pub const RIGHT: i32 = 50;
+/// Space above the frame.
+pub const TOP: i32 = 50;
+/// Space below the frame for numbers and the horizontal axis' name.
+pub const BELOW: i32 = 170;
+
+/// Size of numbers, in SVG units.
+pub const NUMBERS: f64 = 44.0;
+/// Size of axis names.
+pub const NAMES: f64 = 48.0;
+/// Width of axes and ticks.
+pub const THIN: u32 = 3;
+/// Width of curves.
+pub const CURVE: u32 = 6;
+/// Length of a tick.
+pub const TICK: i32 = 16;
+/// Half the size of a marker.
+pub const MARKER: i32 = 15;
+
+/// Axes, text.
+pub const INK: RGBColor = RGBColor(25, 25, 25);
+/// Grid lines.
+pub const GRID: RGBColor = RGBColor(228, 228, 228);
+/// Ground of a laboratory band.
+pub const BAND: RGBColor = RGBColor(222, 222, 222);
+/// Hatching of a laboratory band.
+pub const HATCH: RGBColor = RGBColor(150, 150, 150);
+/// Lines of limits and of events.
+pub const LIMIT: RGBColor = RGBColor(110, 110, 110);
+
+/// Colours that colour-blind readers tell apart (Okabe & Ito 2008), the
+/// darkest first.
+const COLOURS: [RGBColor; 6] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 130, 95),
+    RGBColor(170, 70, 130),
+    RGBColor(0, 0, 0),
+    RGBColor(190, 135, 0),
+];
+
+/// The colour of the n-th curve, counted from 0.
+pub fn colour(n: usize) -> RGBColor {
+    COLOURS[n % COLOURS.len()]
+}
+
+/// The shape of the n-th curve's markers.
+pub fn marker(n: usize) -> Marker {
+    const MARKERS: [Marker; 6] = [
+        Marker::Disc,
+        Marker::Square,
+        Marker::Triangle,
+        Marker::Diamond,
+        Marker::Cross,
+        Marker::Ring,
+    ];
+    MARKERS[n % MARKERS.len()]
+}
+
+/// Shape of a marker.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marker {
+    /// Filled circle.
+    Disc,
+    /// Filled square.
+    Square,
+    /// Filled triangle.
+    Triangle,
+    /// Filled square on its corner.
+    Diamond,
+    /// Two lines.
+    Cross,
+    /// Open circle.
+    Ring,
+}
+
+/// Dash pattern of a curve: lengths drawn and left out, in SVG units; empty is solid.
+pub type Dash = &'static [f64];
+/// A line without gaps.
+pub const SOLID: Dash = &[];
+/// For what goes with a solid curve.
+pub const DASHED: Dash = &[28.0, 18.0];
+/// For limits.
+pub const DOTTED: Dash = &[6.0, 12.0];
+
+/// Width of a text in SVG units. Estimated for DejaVu Sans, whose mean
+/// character is 0.6 of its size; wide rather than narrow.
+pub fn text_width(text: &str, size: f64) -> f64 {
+    0.6 * size * text.chars().count() as f64
+}

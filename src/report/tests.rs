@@ -1,0 +1,180 @@
+//! Reports of made-up studies.
+
+use std::{collections::BTreeMap, fs, path::Path};
+
+use serde_json::json;
+
+use super::*;
+use crate::{
+    paper::{StudyView, canned, claims},
+    record::RunRecord,
+};
+
+const STANDARD: Standard =
+    Standard { overlap_mean_percent: 0.5, overlap_p99_percent: 3.0, creep_um_per_s: 5.0 };
+
+fn write_report(out: &Path, study: StudyView, choices: &[Choice]) -> String {
+    let claims = claims(&study);
+    let provenance: BTreeMap<String, String> =
+        [("pluvia", "0.1.0"), ("command", "pluvia reproduce --set a=<b>&c")]
+            .map(|(k, v)| (k.to_owned(), v.to_owned()))
+            .into();
+    let effective = EffectiveSettings::from([("rate_hz".to_owned(), json!(480.0))]);
+    let input = ReportInput {
+        study,
+        claims: &claims,
+        choices,
+        standard: STANDARD,
+        provenance: &provenance,
+        effective: &effective,
+        warnings: &["<script>alert(1)</script>".to_owned()],
+    };
+    write(out, &input).expect("a report");
+    fs::read_to_string(out.join("report.html")).expect("the page")
+}
+
+fn a_choice() -> Vec<Choice> {
+    let scenario = serde_json::from_str(
+        r#"{"name": "s", "grains": {"total_mass_g": 2343, "density_kg_per_m3": 2673.9,
+        "sieve_table": [{"passing_mm": 16, "retained_mm": 12.5, "mass_percent": 15},
+        {"passing_mm": 12.5, "retained_mm": 10, "mass_percent": 51.95},
+        {"passing_mm": 10, "retained_mm": 8, "mass_percent": 33.05}]},
+        "stages": [{"stage": "place_top_plate"}, {"stage": "vibrate", "frequency_hz": 3,
+        "amplitude_mm": 25, "duration_s": 5, "periods": 4, "rest_s": 1}]}"#,
+    )
+    .expect("a scenario");
+    choices(&scenario)
+}
+
+#[test]
+fn a_whole_study_is_shown_whole() {
+    let out = tempfile::tempdir().expect("a folder");
+    let runs = canned::runs();
+    let page = write_report(out.path(), canned::study(&runs), &a_choice());
+    for stem in [
+        "figure-01-grain-size-distribution",
+        "figure-07-standing-height",
+        "figure-09-continuous-vibration",
+        "figure-10-intermittent-vibration",
+        "quality-creep",
+        "quality-overlap",
+    ] {
+        for extension in ["svg", "png", "csv"] {
+            let path = out.path().join(format!("figures/{stem}.{extension}"));
+            let size = fs::metadata(&path).map(|m| m.len()).unwrap_or(0);
+            assert!(
+                size > 100,
+                "{}: expected a file with content, got {size} bytes",
+                path.display()
+            );
+        }
+        assert!(page.contains(&format!("id=\"{stem}\"")), "{stem} is not on the page");
+    }
+    for run in &runs {
+        assert!(page.contains(&run.name), "{} is not on the page", run.name);
+    }
+    // Configuration 3 creeps by 45 µm/s: 0.9 mm of 20 mm in 20 s.
+    for said in ["6 of 18 runs creep", "45.0 µm/s", "What falls short", "not_stated"] {
+        assert!(page.contains(said), "the page does not say \"{said}\"");
+    }
+}
+
+#[test]
+fn the_page_needs_no_network_and_escapes_what_it_shows() {
+    let out = tempfile::tempdir().expect("a folder");
+    let runs = canned::runs();
+    let page = write_report(out.path(), canned::study(&runs), &[]);
+    for banned in ["<script", "http://", "https://", "<link", "@import", "url("] {
+        let elsewhere = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!elsewhere.contains(banned), "the page contains `{banned}`");
+    }
+    assert!(page.contains("&lt;script&gt;alert(1)"), "warnings are escaped, not dropped");
+    assert!(page.contains("a=&lt;b&gt;&amp;c"), "provenance is escaped");
+}
+
+#[test]
+fn numbers_of_a_figure_are_those_of_the_runs() {
+    let out = tempfile::tempdir().expect("a folder");
+    let runs = canned::runs();
+    write_report(out.path(), canned::study(&runs), &[]);
+    let path = out.path().join("figures/figure-07-standing-height.csv");
+    let mut reader = csv::Reader::from_path(path).expect("a table");
+    let rows: Vec<csv::StringRecord> = reader.records().map(|r| r.expect("a row")).collect();
+    assert_eq!(rows.len(), 12, "three configurations from four heights");
+    for row in &rows {
+        let run = runs.iter().find(|r| r.name == row[0]).expect("a run of that name");
+        let got: f64 = row[3].parse().expect("a number");
+        let expected = run.summary.standing_height_mm.mean_surface;
+        assert_eq!(got, expected, "standing height of {}", run.name);
+    }
+}
+
+#[test]
+fn missing_runs_and_broken_numbers_do_not_stop_the_report() {
+    let none: Vec<RunRecord> = Vec::new();
+    let mut broken = canned::runs();
+    for run in &mut broken {
+        run.summary.standing_height_mm.mean_surface = f64::NAN;
+        run.summary.creep_um_per_s = None;
+        run.summary.overlap.mean_percent = 0.0;
+        run.summary.overlap.p99_percent = f64::INFINITY;
+        if run.configuration == 2 {
+            run.series.clear();
+        }
+        for row in &mut run.series {
+            row.settlement_mm = row.settlement_mm.map(|_| f64::NAN);
+            row.kinetic_energy_j = 0.0;
+        }
+    }
+    let one: Vec<RunRecord> = canned::runs().into_iter().take(1).collect();
+    for (what, runs) in [("none", none), ("broken", broken), ("one", one)] {
+        let out = tempfile::tempdir().expect("a folder");
+        let mut study = canned::study(&runs);
+        study.quick = true;
+        if what == "none" {
+            study.sieve.clear();
+            study.sieved_grains.clear();
+        }
+        let page = write_report(out.path(), study, &[]);
+        assert!(!page.contains("NaN") && !page.contains("inf "), "{what}: NaN on the page");
+        assert!(page.contains("quick study"), "{what}: says that it is the quick study");
+        if let Some(run) = runs.last() {
+            run_figures(&out.path().join("run"), run).expect("figures of a run");
+        }
+    }
+}
+
+#[test]
+fn a_run_has_its_own_figures() {
+    let out = tempfile::tempdir().expect("a folder");
+    let runs = canned::runs();
+    let names = |folder: &Path| {
+        let mut names: Vec<String> = fs::read_dir(folder)
+            .expect("a folder")
+            .map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names.join(" ")
+    };
+    let [poured, vibrated] = [out.path().join("p"), out.path().join("v")];
+    run_figures(&poured, &runs[0]).expect("figures");
+    run_figures(&vibrated, &runs[4]).expect("figures");
+    assert_eq!(
+        names(&poured),
+        "energy.csv energy.png energy.svg heights.csv heights.png heights.svg"
+    );
+    assert!(names(&vibrated).contains("settlement.svg"), "got {}", names(&vibrated));
+}
+
+/// Writes a report to look at: `PLUVIA_LOOK=folder cargo test --lib look -- --ignored`.
+#[test]
+#[ignore = "writes pictures for people to look at"]
+fn look() {
+    let Some(out) = std::env::var_os("PLUVIA_LOOK").map(std::path::PathBuf::from) else { return };
+    fs::create_dir_all(&out).expect("a folder");
+    let runs = canned::runs();
+    write_report(&out, canned::study(&runs), &a_choice());
+    run_figures(&out.join("run"), &runs[4]).expect("figures");
+    fs::create_dir_all(out.join("empty")).expect("a folder");
+    write_report(&out.join("empty"), canned::study(&[]), &[]);
+}
