@@ -2,6 +2,7 @@
 //! height, and the specimens poured from 5 cm shaken in both modes.
 
 use std::{
+    collections::BTreeMap,
     path::PathBuf,
     sync::{Arc, atomic::AtomicBool},
 };
@@ -12,14 +13,16 @@ use super::{
     plan::{Plan, PlannedRun},
     presets::preset,
     run::{make_grains, write_grains, write_run},
-    summarise::grains_hash,
+    summarise::{STANDARD, grains_hash},
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
 use crate::protocol::{Progress, table_motion};
 use crate::record::{RunKind, RunRecord, StageStore, create_folder, write_json};
+use crate::report::{self, ReportInput, Standard};
 use crate::scenario::{Backend, GrainsSpec, Scenario, StageSpec};
 use crate::units::{to_cm3, to_g, to_mm};
+use crate::world::EffectiveSettings;
 
 /// Falling heights in mm (paper, section 2: "FH of 0, 5, 10 and 20 cm").
 const FALLING_HEIGHTS_MM: [f64; 4] = [0.0, 50.0, 100.0, 200.0];
@@ -86,7 +89,7 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
         let folder = options.out.join("runs").join(&run.name);
         records.push(write_run(&folder, run, &plan, nodes, &done)?);
     }
-    finish(options, &scenarios, &grains, records)
+    finish(options, &scenarios, &grains, records, &done[0].record.effective)
 }
 
 /// The three scenarios of the programme.
@@ -171,20 +174,49 @@ fn finish(
     scenarios: &Scenarios,
     grains: &GrainSet,
     records: Vec<RunRecord>,
+    effective: &EffectiveSettings,
 ) -> Result<ReproduceOutcome, StudyError> {
-    let view = study_view(options, scenarios, grains, &records)?;
-    let claims = paper::claims(&view);
+    let study = study_view(options, scenarios, grains, &records)?;
+    let claims = paper::claims(&study);
     write_json(&options.out.join("claims.json"), &claims)?;
+    let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
+    report::write(
+        &options.out,
+        &ReportInput {
+            study,
+            claims: &claims,
+            // The shaken scenario has every choice of the poured one, and more.
+            choices: &report::choices(&scenarios.intermittent),
+            standard: Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s },
+            provenance: &provenance(options, scenarios),
+            effective,
+            warnings: &[],
+        },
+    )?;
     let count = |verdict| claims.iter().filter(|c| c.verdict == verdict).count();
-    let (claims_within, claims_outside, claims_not_stated) =
-        (count(Verdict::Within), count(Verdict::Outside), count(Verdict::NotStated));
     Ok(ReproduceOutcome {
-        claims_within,
-        claims_outside,
-        claims_not_stated,
+        claims_within: count(Verdict::Within),
+        claims_outside: count(Verdict::Outside),
+        claims_not_stated: count(Verdict::NotStated),
         report: options.out.join("report.html"),
         runs: records,
     })
+}
+
+/// Where the results come from, in words.
+fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<String, String> {
+    let engine = crate::world::info(options.backend);
+    let target = format!("{} {}", std::env::consts::ARCH, std::env::consts::OS);
+    let mode = if options.quick { " --quick" } else { "" };
+    [
+        ("Pluvia", env!("CARGO_PKG_VERSION").to_owned()),
+        ("Engine", format!("{} {}, {} precision", engine.name, engine.version, engine.precision)),
+        ("Machine", target),
+        ("Command", format!("pluvia reproduce{mode} --configurations {}", options.configurations)),
+        ("Seed", scenarios.pluviation.seed.to_string()),
+    ]
+    .map(|(name, value)| (name.to_owned(), value))
+    .into()
 }
 
 /// The study as claims and report see it.
@@ -219,7 +251,9 @@ fn study_view<'a>(
             d60_mm: to_mm(distribution.size_at_percent(60.0)),
             cu: distribution.uniformity(),
             cc: distribution.curvature(),
-            uscs: distribution.uscs().map_or_else(|| "not coarse".into(), |class| class.to_string()),
+            uscs: distribution
+                .uscs()
+                .map_or_else(|| "not coarse".into(), |class| class.to_string()),
         },
         intermittent,
         repose: None,
