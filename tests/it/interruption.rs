@@ -63,8 +63,7 @@ fn assert_same(a: &Path, b: &Path, what: &str) {
 
 fn stages(out: &Path) -> usize {
     let named = |e: &fs::DirEntry| !e.file_name().to_string_lossy().starts_with('.');
-    fs::read_dir(out.join("stages"))
-        .map_or(0, |entries| entries.flatten().filter(named).count())
+    fs::read_dir(out.join("stages")).map_or(0, |entries| entries.flatten().filter(named).count())
 }
 
 #[test]
