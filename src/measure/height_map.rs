@@ -316,21 +316,4 @@ mod tests {
         let got = HeightMap::of(&specimen, &flat, DEFAULT_CELL);
         assert!(matches!(got, Err(MeasureError::BadContainer { .. })));
     }
-
-    /// Not a law: prints the time for a bed like the paper's, to be read by eye.
-    #[test]
-    #[ignore = "timing, run by hand"]
-    fn time_of_a_full_specimen() {
-        let specimen = dense_bed(1456);
-        let cup = Container { centre_x: 0.0, radius: 0.0575, height: 0.2 };
-        let mut times = vec![];
-        for _ in 0..300 {
-            let start = std::time::Instant::now();
-            let map = HeightMap::of(&specimen, &cup, DEFAULT_CELL).unwrap();
-            assert!(map.standing_height().mean_surface > 0.1);
-            times.push(start.elapsed());
-        }
-        times.sort();
-        println!("best {:?}, median {:?}", times[0], times[times.len() / 2]);
-    }
 }

@@ -137,35 +137,4 @@ mod tests {
         assert_eq!(touching(&[0, 2]), []);
         assert_eq!(touching(&[]), []);
     }
-
-    /// Not a law: prints the time for a bed like the paper's, to be read by eye.
-    #[test]
-    #[ignore = "timing, run by hand"]
-    fn time_of_a_full_specimen() {
-        let specimen = dense_bed(1456);
-        let grains: Vec<usize> = specimen.present().collect();
-        let vertices: usize = specimen.grains.grains.iter().map(|g| g.shape.vertices().len()).sum();
-        for _ in 0..5 {
-            let start = std::time::Instant::now();
-            let hulls: Vec<WorldHull> = grains
-                .iter()
-                .map(|&i| {
-                    let pose = &specimen.state.bodies[i].body.pose;
-                    WorldHull::new(&specimen.grains.grains[i].shape, pose)
-                })
-                .collect();
-            let prepared = start.elapsed();
-            let near = candidates(&hulls, TOUCHING_GAP).len();
-            let swept = start.elapsed();
-            let pairs = pairs_within(&specimen, &grains, TOUCHING_GAP);
-            let overlapping = pairs.iter().filter(|p| p.gap < 0.0).count();
-            println!(
-                "{} vertices a grain; hulls {prepared:?}, sweep {:?}, {near} candidates, {} touching, {overlapping} overlapping, all {:?}",
-                vertices / grains.len(),
-                swept - prepared,
-                pairs.len(),
-                start.elapsed() - swept,
-            );
-        }
-    }
 }

@@ -49,6 +49,7 @@ fn plan(runs: &[PlannedRun]) -> Plan {
 type Done = Result<Vec<Arc<StoredStage>>, StudyError>;
 
 fn carry_out(plan: &Plan, folder: &Path, jobs: usize) -> Done {
+    let _turn = crate::world::shared_turn();
     let store = StageStore::open(folder).expect("a store");
     execute(plan, &store, jobs, &crate::world::create, &AtomicBool::new(false), &Silent)
 }

@@ -8,6 +8,8 @@ pub mod bullet;
 mod guard;
 pub mod scripted;
 
+#[cfg(test)]
+pub(crate) use bullet::tests::shared_turn;
 pub use guard::{Guard, GuardLimits};
 
 use std::sync::Arc;

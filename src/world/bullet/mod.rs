@@ -10,7 +10,7 @@
 mod constants;
 mod ffi;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use std::{collections::HashMap, sync::Arc};
 

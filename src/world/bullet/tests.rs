@@ -1,17 +1,22 @@
 //! The backend against laws that hold in any engine.
 
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use super::*;
 use crate::geometry::MassProperties;
 use crate::world::Material;
 
-/// Bullet keeps the contact threshold once a process: tests that make worlds
-/// with different ones take turns.
-static PROCESS: Mutex<()> = Mutex::new(());
+/// Bullet keeps the contact threshold once a process: tests with the default
+/// one share the process, those with others have it for themselves.
+static PROCESS: RwLock<()> = RwLock::new(());
 
-fn turn() -> MutexGuard<'static, ()> {
-    PROCESS.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+/// For tests whose worlds have the default contact threshold and length scale.
+pub(crate) fn shared_turn() -> RwLockReadGuard<'static, ()> {
+    PROCESS.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn exclusive_turn() -> RwLockWriteGuard<'static, ()> {
+    PROCESS.write().unwrap_or_else(PoisonError::into_inner)
 }
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
@@ -62,7 +67,7 @@ fn precision(double: f64, single: f64) -> f64 {
 
 #[test]
 fn settings_are_read_back_from_the_engine() {
-    let _turn = turn();
+    let _turn = shared_turn();
     let settings = EngineSettings { rate_hz: 960.0, iterations: 37, ..Default::default() };
     let mut world = world(&settings);
     world.add(&free_box(Vector::repeat(0.01), Vector::zeros())).expect("added");
@@ -92,7 +97,7 @@ fn settings_are_read_back_from_the_engine() {
 
 #[test]
 fn free_fall_is_the_discrete_solution_at_every_length_scale() {
-    let _turn = turn();
+    let _turn = exclusive_turn();
     for length_scale in [1.0, 10.0, 100.0, 1000.0] {
         let settings = EngineSettings { length_scale, ..Default::default() };
         let mut world = world(&settings);
@@ -119,7 +124,7 @@ fn free_fall_is_the_discrete_solution_at_every_length_scale() {
 fn torque_free_spin_keeps_the_given_inertia() {
     // An uneven box spinning freely keeps its angular momentum only if the
     // engine holds the inertia it was given, in the right axes.
-    let _turn = turn();
+    let _turn = shared_turn();
     let settings = EngineSettings { rate_hz: 1000.0, ..Default::default() };
     let mut world = BulletBackend::new(&settings, Vector::zeros(), &pairs()).expect("a world");
     let mut body = free_box(Vector::new(0.01, 0.014, 0.02), Vector::zeros());
@@ -140,7 +145,7 @@ fn torque_free_spin_keeps_the_given_inertia() {
 
 #[test]
 fn a_pair_gets_the_coefficients_of_its_materials() {
-    let _turn = turn();
+    let _turn = shared_turn();
     let mut table = pairs();
     let expected = PairCoefficients { friction: 0.793, restitution: 0.315 };
     table.set(Material::Grain, Material::Wall, expected);
@@ -161,7 +166,7 @@ fn a_pair_gets_the_coefficients_of_its_materials() {
 
 #[test]
 fn a_driven_body_is_where_it_was_driven_and_carries_by_friction() {
-    let _turn = turn();
+    let _turn = shared_turn();
     let mut world = world(&EngineSettings::default());
     let table = world.add(&slab(Motion::Driven)).expect("added");
     let grain = world
@@ -186,7 +191,7 @@ fn a_driven_body_is_where_it_was_driven_and_carries_by_friction() {
 
 #[test]
 fn contacts_carry_the_weight() {
-    let _turn = turn();
+    let _turn = shared_turn();
     let mut world = world(&EngineSettings::default());
     let floor = world.add(&slab(Motion::Static)).expect("added");
     let body = free_box(Vector::repeat(0.02), Vector::new(0.0, 0.0, 0.01));
@@ -217,7 +222,7 @@ fn contacts_carry_the_weight() {
 
 #[test]
 fn a_removed_body_is_gone_and_its_number_stays_unused() {
-    let _turn = turn();
+    let _turn = shared_turn();
     let mut world = world(&EngineSettings::default());
     let first = world.add(&free_box(Vector::repeat(0.01), Vector::zeros())).expect("added");
     world.remove(first).expect("removed");
@@ -235,7 +240,7 @@ fn a_removed_body_is_gone_and_its_number_stays_unused() {
 
 #[test]
 fn refuses_what_no_engine_should_see() {
-    let _turn = turn();
+    let _turn = shared_turn();
     let mut world = world(&EngineSettings::default());
     let mut bad = free_box(Vector::repeat(0.01), Vector::zeros());
     bad.state.linear_velocity.x = f64::NAN;
@@ -255,7 +260,7 @@ fn refuses_what_no_engine_should_see() {
 
 #[test]
 fn worlds_with_different_process_wide_settings_do_not_live_together() {
-    let _turn = turn();
+    let _turn = exclusive_turn();
     let first = world(&EngineSettings::default());
     let other = EngineSettings { contact_threshold_mm: 0.5, ..Default::default() };
     assert!(matches!(
@@ -268,7 +273,7 @@ fn worlds_with_different_process_wide_settings_do_not_live_together() {
 
 #[test]
 fn two_worlds_in_two_threads_give_the_bits_of_one() {
-    let _turn = turn();
+    let _turn = shared_turn();
     let tumble = || {
         let mut world = world(&EngineSettings::default());
         world.add(&slab(Motion::Static)).expect("added");
