@@ -340,7 +340,7 @@ impl Pen<'_, '_> {
         for &(x, y) in points {
             if x >= next {
                 next = look.marker_spacing.map_or(f64::NEG_INFINITY, |spacing| x + spacing);
-                self.marker(marker, (x.round() as i32, y.round() as i32), look.colour)?;
+                self.marker(marker, (x.round() as i32, y.round() as i32), look)?;
             }
         }
         Ok(())
@@ -355,8 +355,10 @@ impl Pen<'_, '_> {
         Ok(())
     }
 
-    fn marker(&self, marker: Marker, (x, y): (i32, i32), colour: RGBColor) -> Result<(), Failure> {
-        let r = style::MARKER;
+    fn marker(&self, marker: Marker, (x, y): (i32, i32), look: &Look) -> Result<(), Failure> {
+        let colour = look.colour;
+        // Thin curves have small markers.
+        let r = if look.width > style::THIN { style::MARKER } else { style::SMALL_MARKER };
         let polygon =
             |points: Vec<(i32, i32)>| self.root.draw(&Polygon::new(points, colour.filled()));
         match marker {
@@ -369,10 +371,10 @@ impl Pen<'_, '_> {
                 polygon(vec![(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)])
             }
             Marker::Triangle => {
-                polygon(vec![(x, y - r - 4), (x + r + 3, y + r), (x - r - 3, y + r)])
+                polygon(vec![(x, y - r * 5 / 4), (x + r * 6 / 5, y + r), (x - r * 6 / 5, y + r)])
             }
             Marker::Diamond => {
-                let d = r + 6;
+                let d = r * 7 / 5;
                 polygon(vec![(x, y - d), (x + d, y), (x, y + d), (x - d, y)])
             }
             Marker::Cross => {
@@ -399,7 +401,7 @@ impl Pen<'_, '_> {
                         let line = Look { marker: None, ..look };
                         self.look(&line, &[(from, y0), (to, y0)])?;
                         if let Some(marker) = look.marker {
-                            self.marker(marker, (x + KEY_WIDTH / 2, y), look.colour)?;
+                            self.marker(marker, (x + KEY_WIDTH / 2, y), &look)?;
                         }
                     }
                 }

@@ -60,7 +60,8 @@ fn claim_row(claim: &Claim) -> Markup {
     };
     // The interval is worth a line where it is not what the paper prints.
     let read_as = claim.read_as.filter(|i| {
-        i.high - i.low > 1e-3 * i.high.abs() && !matches!(claim.paper, Some(PaperValue::Range(_)))
+        i.high - i.low > 1e-3 * i.high.abs().max(1.0)
+            && !matches!(claim.paper, Some(PaperValue::Range(_)))
     });
     html! {
         tr id={ "claim-" (claim.id) } {
@@ -86,7 +87,8 @@ fn claim_row(claim: &Claim) -> Markup {
                 @match claim.ours {
                     None => { "–" }
                     Some(ours) => {
-                        (compact(ours)) " " span.unit { (claim.unit) }
+                        (compact(ours)) " "
+                        @if claim.unit != "–" { span.unit { (claim.unit) } }
                         @if let Some(s) = claim.spread {
                             @if s.high > s.low {
                                 " " span.unit { "[" (compact(s.low)) " … " (compact(s.high)) "]" }

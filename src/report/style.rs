@@ -30,6 +30,8 @@ pub const CURVE: u32 = 6;
 pub const TICK: i32 = 16;
 /// Half the size of a marker.
 pub const MARKER: i32 = 15;
+/// The same on thin curves.
+pub const SMALL_MARKER: i32 = 10;
 
 /// Axes, text.
 pub const INK: RGBColor = RGBColor(25, 25, 25);

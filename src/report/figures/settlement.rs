@@ -114,7 +114,12 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
             marker: Some(style::marker(n)),
             marker_spacing: Some(MARKER_SPACING),
         };
-        let thin = Look { line: Some(style::DASHED), width: style::THIN, marker: None, ..look };
+        let thin = Look {
+            line: Some(style::DASHED),
+            width: style::THIN,
+            marker_spacing: Some(2.5 * MARKER_SPACING),
+            ..look
+        };
         plot.series.push(Series { label: String::new(), look: thin, points: surface.clone() });
         let label = format!("Configuration {}, plate", run.configuration);
         plot.series.push(Series { label, look, points: plate.clone() });
