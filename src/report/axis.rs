@@ -122,7 +122,7 @@ impl Axis {
 
 fn log_number(tick: f64) -> String {
     let exponent = tick.log10().round() as i32;
-    if (-3..=4).contains(&exponent) {
+    if (-2..=3).contains(&exponent) {
         let decimals = usize::try_from(-(tick.log10() + 1e-9).floor() as i32).unwrap_or(0);
         return format!("{tick:.decimals$}");
     }

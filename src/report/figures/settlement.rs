@@ -91,11 +91,15 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
             (r, plate, settlement_curve(r, |row| row.surface_settlement_mm))
         })
         .collect();
+    // An empty figure still has the laboratory's scale.
+    let least_depth = if runs.is_empty() { 20.0 } else { 0.0 };
     let points = || curves.iter().flat_map(|(_, plate, surface)| plate.iter().chain(surface));
     let times = points().map(|p| p.0).chain([0.0, at_least_s]);
     // Settlement is drawn downwards, the way the plate goes.
-    let depths =
-        points().map(|p| p.1).chain([0.0]).chain(band.into_iter().flat_map(|b| [b.low, b.high]));
+    let depths = points()
+        .map(|p| p.1)
+        .chain([0.0, least_depth])
+        .chain(band.into_iter().flat_map(|b| [b.low, b.high]));
     let x = Axis::linear("Time since vibration began (s)", times);
     let y = Axis::linear("Settlement (mm)", depths).reversed();
     let mut plot = Plot::new(x, y);
