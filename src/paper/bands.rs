@@ -90,8 +90,8 @@ impl Band {
             paper: PaperValue::Value { value },
             read_as: Interval::new(value - half_width, value + half_width),
             reading: format!(
-                "\"About {value}\" is read as ±{half_width} {unit}; the width is ours, the paper \
-                 gives none."
+                "The paper gives about {value}; read as ±{half_width} {unit}. The width is ours, the \
+                 paper gives none."
             ),
         }
     }

@@ -17,6 +17,9 @@ pub struct Axis {
     pub minor: Vec<f64>,
 }
 
+/// Share of the distance between ticks that values may stand over the end.
+const HAIR: f64 = 5e-3;
+
 impl Axis {
     /// A linear axis that holds all finite values, its ends on round numbers.
     /// Without values it runs from 0 to 1.
@@ -30,7 +33,9 @@ impl Axis {
             (low - pad, high + pad)
         };
         let step = round_step((high - low) / 6.0);
-        let (first, last) = ((low / step).floor() as i64, (high / step).ceil() as i64);
+        // What passes a round number by a hair does not lengthen the axis.
+        let (first, last) =
+            ((low / step + HAIR).floor() as i64, (high / step - HAIR).ceil() as i64);
         let ticks: Vec<f64> = (first..=last).map(|i| i as f64 * step).collect();
         Self {
             name: name.to_owned(),
@@ -117,7 +122,7 @@ impl Axis {
 
 fn log_number(tick: f64) -> String {
     let exponent = tick.log10().round() as i32;
-    if (-3..=4).contains(&exponent) {
+    if (-2..=3).contains(&exponent) {
         let decimals = usize::try_from(-(tick.log10() + 1e-9).floor() as i32).unwrap_or(0);
         return format!("{tick:.decimals$}");
     }
@@ -158,6 +163,8 @@ mod tests {
         let axis = Axis::linear("h", [152.3, 163.9]);
         assert_eq!((axis.from, axis.to), (152.0, 164.0), "round ends around 152.3 to 163.9");
         assert_eq!(axis.number(154.0), "154");
+        let axis = Axis::linear("t", [0.0, 20.000_000_1]);
+        assert_eq!((axis.from, axis.to), (0.0, 20.0), "rounding does not lengthen the axis");
         assert_eq!(Axis::linear("h", [0.0, 0.5]).number(0.1), "0.1");
         assert_eq!(Axis::linear("h", [-3.0, 3.0]).number(-2.0), "\u{2212}2");
     }

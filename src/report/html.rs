@@ -36,7 +36,7 @@ pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
                             "everything works; its heights and settlements are not comparable."
                         }
                     }
-                    p.lead { (summary::paragraph(input)) }
+                    p.lead { (glue(&summary::paragraph(input))) }
                     (contents())
                 }
                 main {
@@ -71,6 +71,14 @@ pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
     .into_string()
 }
 
+/// Keeps numbers and their units on one line.
+pub(super) fn glue(text: &str) -> String {
+    const UNITS: [&str; 6] = [" %", " mm", " cm", " s ", " g ", " µm"];
+    UNITS.iter().fold(text.to_owned(), |text, unit| {
+        text.replace(unit, &format!("\u{a0}{}", unit.trim_start()))
+    })
+}
+
 fn contents() -> Markup {
     let entries = [
         ("claims", "Claims"),
@@ -88,7 +96,7 @@ fn contents() -> Markup {
 }
 
 fn list(items: &[String]) -> Markup {
-    html! { ul { @for item in items { li { (item) } } } }
+    html! { ul { @for item in items { li { (glue(item)) } } } }
 }
 
 fn figure_block(figure: &Figure) -> Markup {
@@ -98,7 +106,7 @@ fn figure_block(figure: &Figure) -> Markup {
             h3 { (figure.title) }
             div.sheet role="img" aria-label=(figure.title) { (PreEscaped(figure.svg.as_str())) }
             figcaption {
-                (figure.caption) " "
+                (glue(&figure.caption)) " "
                 span.soft.files {
                     a href=(file("svg")) { "SVG" } " · "
                     a href=(file("png")) { "PNG" } " · "

@@ -3,6 +3,7 @@
 
 mod axis;
 mod choices;
+mod dash;
 mod figures;
 mod html;
 mod plot;

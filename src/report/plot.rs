@@ -11,6 +11,7 @@ use plotters::{
 
 use super::{
     axis::Axis,
+    dash::dashes,
     style::{self, Dash, INK, Marker},
 };
 
@@ -25,8 +26,7 @@ pub struct Look {
     pub width: u32,
     /// Shape of the markers; `None` without.
     pub marker: Option<Marker>,
-    /// A marker at the first point and then at every so many SVG units along
-    /// x; `None` marks every point.
+    /// A marker at every so many SVG units along x; `None` marks every point.
     pub marker_spacing: Option<f64>,
 }
 
@@ -108,15 +108,20 @@ impl Plot {
         Ok(svg)
     }
 
+    /// What stands at the i-th tick of the vertical axis.
+    fn y_number(&self, i: usize) -> String {
+        match &self.y_names {
+            Some(names) => names.get(i).cloned().unwrap_or_default(),
+            None => self.y.ticks.get(i).map_or(String::new(), |t| self.y.number(*t)),
+        }
+    }
+
     fn draw(&self, svg: &mut String) -> Result<(), Failure> {
-        let left = match &self.y_names {
-            Some(names) => {
-                let widest =
-                    names.iter().map(|n| style::text_width(n, style::NUMBERS)).fold(0.0, f64::max);
-                (widest as i32 + 60).max(style::LEFT)
-            }
-            None => style::LEFT,
-        };
+        let widest = (0..self.y.ticks.len())
+            .map(|i| style::text_width(&self.y_number(i), style::NUMBERS))
+            .fold(0.0, f64::max);
+        let name = if self.y.name.is_empty() { 0 } else { style::UPRIGHT_NAME };
+        let left = (widest as i32 + name + 50).max(style::LEFT);
         let frame = Frame {
             left,
             right: style::WIDTH as i32 - style::RIGHT,
@@ -312,10 +317,7 @@ impl Pen<'_, '_> {
             let Some(y) = self.y(*tick) else { continue };
             let y = y as i32;
             self.line((left, y), (left + style::TICK, y), INK, style::THIN)?;
-            let number = match &self.plot.y_names {
-                Some(names) => names.get(i).cloned().unwrap_or_default(),
-                None => self.plot.y.number(*tick),
-            };
+            let number = self.plot.y_number(i);
             self.text(&number, (left - 20, y), style::NUMBERS, (HPos::Right, VPos::Center))?;
         }
         let middle = ((left + right) / 2, bottom + 92);
@@ -336,11 +338,13 @@ impl Pen<'_, '_> {
             self.dashed(points, dash, look.colour.stroke_width(look.width))?;
         }
         let Some(marker) = look.marker else { return Ok(()) };
-        let mut next = f64::NEG_INFINITY;
+        // Curves begin in one point; their markers do not.
+        let first = points.first().zip(look.marker_spacing).map(|(p, spacing)| p.0 + 0.5 * spacing);
+        let mut next = first.unwrap_or(f64::NEG_INFINITY);
         for &(x, y) in points {
             if x >= next {
                 next = look.marker_spacing.map_or(f64::NEG_INFINITY, |spacing| x + spacing);
-                self.marker(marker, (x.round() as i32, y.round() as i32), look.colour)?;
+                self.marker(marker, (x.round() as i32, y.round() as i32), look)?;
             }
         }
         Ok(())
@@ -355,8 +359,10 @@ impl Pen<'_, '_> {
         Ok(())
     }
 
-    fn marker(&self, marker: Marker, (x, y): (i32, i32), colour: RGBColor) -> Result<(), Failure> {
-        let r = style::MARKER;
+    fn marker(&self, marker: Marker, (x, y): (i32, i32), look: &Look) -> Result<(), Failure> {
+        let colour = look.colour;
+        // Thin curves have small markers.
+        let r = if look.width > style::THIN { style::MARKER } else { style::SMALL_MARKER };
         let polygon =
             |points: Vec<(i32, i32)>| self.root.draw(&Polygon::new(points, colour.filled()));
         match marker {
@@ -369,10 +375,10 @@ impl Pen<'_, '_> {
                 polygon(vec![(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)])
             }
             Marker::Triangle => {
-                polygon(vec![(x, y - r - 4), (x + r + 3, y + r), (x - r - 3, y + r)])
+                polygon(vec![(x, y - r * 5 / 4), (x + r * 6 / 5, y + r), (x - r * 6 / 5, y + r)])
             }
             Marker::Diamond => {
-                let d = r + 6;
+                let d = r * 7 / 5;
                 polygon(vec![(x, y - d), (x + d, y), (x, y + d), (x - d, y)])
             }
             Marker::Cross => {
@@ -399,7 +405,7 @@ impl Pen<'_, '_> {
                         let line = Look { marker: None, ..look };
                         self.look(&line, &[(from, y0), (to, y0)])?;
                         if let Some(marker) = look.marker {
-                            self.marker(marker, (x + KEY_WIDTH / 2, y), look.colour)?;
+                            self.marker(marker, (x + KEY_WIDTH / 2, y), &look)?;
                         }
                     }
                 }
@@ -422,59 +428,9 @@ fn font(size: f64, anchor: (HPos, VPos), transform: FontTransform) -> TextStyle<
         .pos(Pos::new(anchor.0, anchor.1))
 }
 
-/// Cuts a path into the pieces that a dash pattern leaves of it.
-fn dashes(points: &[(f64, f64)], dash: Dash) -> Vec<Vec<(f64, f64)>> {
-    if dash.is_empty() || dash.iter().any(|d| *d <= 0.0) {
-        return if points.len() > 1 { vec![points.to_vec()] } else { Vec::new() };
-    }
-    let mut pieces = Vec::new();
-    let mut piece: Vec<(f64, f64)> = points.first().copied().into_iter().collect();
-    let (mut index, mut left) = (0usize, dash[0]);
-    for w in points.windows(2) {
-        let (mut a, b) = (w[0], w[1]);
-        loop {
-            let length = (b.0 - a.0).hypot(b.1 - a.1);
-            let drawn = index % 2 == 0;
-            if length <= left {
-                left -= length;
-                if drawn {
-                    piece.push(b);
-                }
-                break;
-            }
-            let share = left / length;
-            let cut = (a.0 + share * (b.0 - a.0), a.1 + share * (b.1 - a.1));
-            if drawn {
-                piece.push(cut);
-                pieces.push(std::mem::take(&mut piece));
-            } else {
-                piece = vec![cut];
-            }
-            index += 1;
-            left = dash[index % dash.len()];
-            a = cut;
-        }
-    }
-    if piece.len() > 1 && index % 2 == 0 {
-        pieces.push(piece);
-    }
-    pieces
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn dashes_follow_the_path_round_its_corners() {
-        let path = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)];
-        let got = dashes(&path, &[6.0, 6.0]);
-        let expected = vec![vec![(0.0, 0.0), (6.0, 0.0)], vec![(10.0, 2.0), (10.0, 8.0)]];
-        assert_eq!(got, expected, "6 on, 6 off along 20 (got left, expected right)");
-        assert_eq!(dashes(&path, style::SOLID), vec![path.to_vec()], "solid is one piece");
-        assert!(dashes(&[(1.0, 1.0)], style::SOLID).is_empty(), "a point is no line");
-        assert!(dashes(&[], &[6.0, 6.0]).is_empty());
-    }
 
     #[test]
     fn nothing_to_draw_is_still_a_plot() {

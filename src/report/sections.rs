@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{Choice, ReportInput};
+use super::{Choice, ReportInput, html::glue};
 use crate::{
     paper::{
         Claim, PaperValue, StudyView, Verdict,
@@ -60,7 +60,8 @@ fn claim_row(claim: &Claim) -> Markup {
     };
     // The interval is worth a line where it is not what the paper prints.
     let read_as = claim.read_as.filter(|i| {
-        i.high - i.low > 1e-3 * i.high.abs() && !matches!(claim.paper, Some(PaperValue::Range(_)))
+        i.high - i.low > 1e-3 * i.high.abs().max(1.0)
+            && !matches!(claim.paper, Some(PaperValue::Range(_)))
     });
     html! {
         tr id={ "claim-" (claim.id) } {
@@ -70,7 +71,7 @@ fn claim_row(claim: &Claim) -> Markup {
                     details {
                         summary { "How read" }
                         span.soft {
-                            (claim.note)
+                            (glue(&claim.note))
                             @if !claim.runs.is_empty() { " Runs: " (claim.runs.join(", ")) "." }
                         }
                     }
@@ -86,7 +87,8 @@ fn claim_row(claim: &Claim) -> Markup {
                 @match claim.ours {
                     None => { "–" }
                     Some(ours) => {
-                        (compact(ours)) " " span.unit { (claim.unit) }
+                        (compact(ours)) " "
+                        @if claim.unit != "–" { span.unit { (claim.unit) } }
                         @if let Some(s) = claim.spread {
                             @if s.high > s.low {
                                 " " span.unit { "[" (compact(s.low)) " … " (compact(s.high)) "]" }
@@ -112,14 +114,14 @@ pub(super) fn runs(study: &StudyView) -> Markup {
                 "of the plate and of the mean surface, and the plate's share after 5 s. Overlap in % of "
                 "the equivalent diameter. Creep in µm/s, and the drop of the mean grain height in the "
                 "control in µm over its length. Z: mean number of grains touching a grain. Grains "
-                "through a wall / over the rim / left in the funnel."
+                "through a wall / over the rim / left in the funnel are listed as lost."
             }
             div.scroll { table {
                 thead { tr {
                     th { "Run" } th.n { "FH, cm" }
                     th.n { "Mean" } th.n { "p95" } th.n { "Highest" } th.n { "e" }
-                    th.n { "Plate" } th.n { "Surface" } th.n { "In 5 s" }
-                    th.n { "Overlap mean" } th.n { "p99" } th.n { "max" }
+                    th.n { "Plate" } th.n { "Surface" } th.n { "In 5 s" }
+                    th.n { "Overlap mean / p99 / max" }
                     th.n { "Creep" } th.n { "Control" } th.n { "Z" }
                     th.n { "Lost" } th { "Standard" } th.n { "Wall time" }
                 } }
@@ -138,6 +140,8 @@ fn run_row(run: &RunRecord) -> Markup {
         let um = 1e3 * c.mean_grain_height_drop_mm;
         format!("{} in {} s", number(um, 1), number(c.duration_s, 1))
     });
+    let o = s.overlap;
+    let overlaps = [o.mean_percent, o.p99_percent, o.max_percent].map(|v| number(v, 2));
     let (class, met) =
         if s.meets_standard { ("within", "✓ met") } else { ("outside", "✗ not met") };
     html! {
@@ -151,9 +155,7 @@ fn run_row(run: &RunRecord) -> Markup {
             td.n { (end(&s.settlement_mm)) }
             td.n { (end(&s.surface_settlement_mm)) }
             td.n { (optional(share, 0)) @if share.is_some() { " %" } }
-            td.n { (number(s.overlap.mean_percent, 2)) }
-            td.n { (number(s.overlap.p99_percent, 2)) }
-            td.n { (number(s.overlap.max_percent, 2)) }
+            td.n { (overlaps.join(" / ")) }
             td.n { (optional(s.creep_um_per_s, 1)) }
             td.n { (control) }
             td.n { (number(s.coordination_number, 2)) }

@@ -9,8 +9,10 @@ use plotters::style::RGBColor;
 pub const WIDTH: u32 = 2000;
 /// Height of the plotted frame.
 pub const FRAME_HEIGHT: u32 = 1060;
-/// Space left of the frame, for numbers and the vertical axis' name.
+/// Least space left of the frame, for numbers and the vertical axis' name.
 pub const LEFT: i32 = 210;
+/// Space that the vertical axis' name takes.
+pub const UPRIGHT_NAME: i32 = 70;
 /// Space right of the frame.
 pub const RIGHT: i32 = 50;
 /// Space above the frame.
@@ -30,6 +32,8 @@ pub const CURVE: u32 = 6;
 pub const TICK: i32 = 16;
 /// Half the size of a marker.
 pub const MARKER: i32 = 15;
+/// The same on thin curves.
+pub const SMALL_MARKER: i32 = 10;
 
 /// Axes, text.
 pub const INK: RGBColor = RGBColor(25, 25, 25);

@@ -13,14 +13,19 @@ use crate::{
 const STANDARD: Standard =
     Standard { overlap_mean_percent: 0.5, overlap_p99_percent: 3.0, creep_um_per_s: 5.0 };
 
-fn write_report(out: &Path, study: StudyView, choices: &[Choice]) -> String {
+/// Hands the report's input of a study to a function.
+fn with_input<T>(
+    study: StudyView,
+    choices: &[Choice],
+    use_it: impl FnOnce(&ReportInput) -> T,
+) -> T {
     let claims = claims(&study);
     let provenance: BTreeMap<String, String> =
         [("pluvia", "0.1.0"), ("command", "pluvia reproduce --set a=<b>&c")]
             .map(|(k, v)| (k.to_owned(), v.to_owned()))
             .into();
     let effective = EffectiveSettings::from([("rate_hz".to_owned(), json!(480.0))]);
-    let input = ReportInput {
+    use_it(&ReportInput {
         study,
         claims: &claims,
         choices,
@@ -28,9 +33,20 @@ fn write_report(out: &Path, study: StudyView, choices: &[Choice]) -> String {
         provenance: &provenance,
         effective: &effective,
         warnings: &["<script>alert(1)</script>".to_owned()],
-    };
-    write(out, &input).expect("a report");
+    })
+}
+
+fn write_report(out: &Path, study: StudyView, choices: &[Choice]) -> String {
+    with_input(study, choices, |input| write(out, input)).expect("a report");
     fs::read_to_string(out.join("report.html")).expect("the page")
+}
+
+/// The page and its figures, without files.
+fn make_report(study: StudyView, choices: &[Choice]) -> (String, Vec<Figure>) {
+    with_input(study, choices, |input| {
+        let figures = figures::of_study(&input.study, &input.standard).expect("figures");
+        (html::page(input, &figures), figures)
+    })
 }
 
 fn a_choice() -> Vec<Choice> {
@@ -73,6 +89,7 @@ fn a_whole_study_is_shown_whole() {
     for run in &runs {
         assert!(page.contains(&run.name), "{} is not on the page", run.name);
     }
+    let page = page.replace('\u{a0}', " ");
     // Configuration 3 creeps by 45 µm/s: 0.9 mm of 20 mm in 20 s.
     for said in ["6 of 18 runs creep", "45.0 µm/s", "What falls short", "not_stated"] {
         assert!(page.contains(said), "the page does not say \"{said}\"");
@@ -81,9 +98,8 @@ fn a_whole_study_is_shown_whole() {
 
 #[test]
 fn the_page_needs_no_network_and_escapes_what_it_shows() {
-    let out = tempfile::tempdir().expect("a folder");
     let runs = canned::runs();
-    let page = write_report(out.path(), canned::study(&runs), &[]);
+    let (page, _) = make_report(canned::study(&runs), &[]);
     for banned in ["<script", "http://", "https://", "<link", "@import", "url("] {
         let elsewhere = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!elsewhere.contains(banned), "the page contains `{banned}`");
@@ -94,11 +110,10 @@ fn the_page_needs_no_network_and_escapes_what_it_shows() {
 
 #[test]
 fn numbers_of_a_figure_are_those_of_the_runs() {
-    let out = tempfile::tempdir().expect("a folder");
     let runs = canned::runs();
-    write_report(out.path(), canned::study(&runs), &[]);
-    let path = out.path().join("figures/figure-07-standing-height.csv");
-    let mut reader = csv::Reader::from_path(path).expect("a table");
+    let (_, figures) = make_report(canned::study(&runs), &[]);
+    let figure = figures.iter().find(|f| f.stem.starts_with("figure-07")).expect("Figure 7");
+    let mut reader = csv::Reader::from_reader(figure.csv.as_slice());
     let rows: Vec<csv::StringRecord> = reader.records().map(|r| r.expect("a row")).collect();
     assert_eq!(rows.len(), 12, "three configurations from four heights");
     for row in &rows {
@@ -128,18 +143,18 @@ fn missing_runs_and_broken_numbers_do_not_stop_the_report() {
     }
     let one: Vec<RunRecord> = canned::runs().into_iter().take(1).collect();
     for (what, runs) in [("none", none), ("broken", broken), ("one", one)] {
-        let out = tempfile::tempdir().expect("a folder");
         let mut study = canned::study(&runs);
         study.quick = true;
         if what == "none" {
             study.sieve.clear();
             study.sieved_grains.clear();
         }
-        let page = write_report(out.path(), study, &[]);
+        let (page, figures) = make_report(study, &[]);
         assert!(!page.contains("NaN") && !page.contains("inf "), "{what}: NaN on the page");
         assert!(page.contains("quick study"), "{what}: says that it is the quick study");
-        if let Some(run) = runs.last() {
-            run_figures(&out.path().join("run"), run).expect("figures of a run");
+        let of_runs = runs.iter().flat_map(|r| figures::of_run(r).expect("figures of a run"));
+        for figure in of_runs.chain(figures) {
+            assert!(!figure.svg.contains("NaN"), "{what}: NaN in {}", figure.stem);
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::paper::text::number;
 use crate::paper::{
-    Band, Claim, StudyView, bands,
+    Band, Claim, StudyView,
+    bands::{self, Interval},
     claim::Draft,
     claims::list,
     constants::{FREQUENCY_HZ, MONITORING_INTERVAL_S, ONE_CASE_BELOW_MINIMUM_PERCENT},
@@ -14,7 +15,7 @@ use crate::record::{RunKind, RunRecord, Settlement};
 const CONTINUOUS: &str = "Section 4, Figure 9";
 const INTERMITTENT: &str = "Section 4, Figure 10";
 
-/// Time in s to either side of a period's start and end that counts as "right
+/// Time in s after a period's start and before its end that counts as "right
 /// at the end and at the beginning". Ours: one and a half cycles.
 const EDGE_S: f64 = 0.5;
 
@@ -44,6 +45,19 @@ fn curve(run: &RunRecord) -> Vec<(f64, f64)> {
     settlement_curve(run, |r| r.settlement_mm)
 }
 
+/// "It changes by 1 to 2 mm." in the reader's numbers; empty without values.
+fn between(
+    what: &str,
+    decimals: usize,
+    unit: &str,
+    values: impl IntoIterator<Item = f64>,
+) -> String {
+    Interval::of(values).map_or(String::new(), |i| {
+        let (low, high) = (number(i.low, decimals), number(i.high, decimals));
+        format!("{what} {low} to {high}{unit}.")
+    })
+}
+
 /// A statement that every vibration run shows or not. `shows` is `None` where
 /// the run does not tell.
 fn every_run(study: &StudyView, draft: Draft, shows: impl Fn(&RunRecord) -> Option<bool>) -> Draft {
@@ -64,14 +78,15 @@ fn every_run(study: &StudyView, draft: Draft, shows: impl Fn(&RunRecord) -> Opti
 
 fn denser(study: &StudyView) -> Claim {
     let before_after = |r: &RunRecord| Some((r.summary.poured_void_ratio?, r.summary.void_ratio));
+    let change = |r: &RunRecord| before_after(r).map(|(before, after)| after - before);
     let draft = Draft::new(
         "denser-after-vibration",
         "Section 4, Figure 8",
         "A denser configuration of gravels is achieved after vibration.",
     );
     every_run(study, draft, |r| before_after(r).map(|(before, after)| after < before))
-        .spread(vibrated(study).filter_map(|r| before_after(r).map(|(b, a)| a - b)))
-        .note("Density is read from the void ratio; the spread is that of its change.")
+        .note("Density is read from the void ratio.")
+        .note(between("It changes by", 3, "", vibrated(study).filter_map(change)))
         .judge()
 }
 
@@ -81,9 +96,9 @@ fn plate_down(study: &StudyView) -> Claim {
         "Section 4, Figure 8",
         "Downward displacement of the top plate is quite evident.",
     );
+    let finals = vibrated(study).filter_map(|r| plate(r).map(|s| s.final_mm));
     every_run(study, draft, |r| plate(r).map(|s| s.final_mm > 0.0))
-        .spread(vibrated(study).filter_map(|r| plate(r).map(|s| s.final_mm)))
-        .note("The spread is that of the plate's final settlement in mm.")
+        .note(between("It settles by", 1, " mm", finals))
         .judge()
 }
 
@@ -283,12 +298,13 @@ fn below_minimum(study: &StudyView) -> Claim {
     draft.judge()
 }
 
-/// Fluctuation near the starts and ends of the periods over that in their middle.
+/// Fluctuation at the starts and ends of the periods over that in their middle.
 fn edge_ratio(study: &StudyView, run: &RunRecord) -> Option<f64> {
     let bounds = study.intermittent.bounds();
     let curve = curve(run);
-    let near =
-        |t: f64| bounds.iter().any(|&(a, b)| (t - a).abs() <= EDGE_S || (t - b).abs() <= EDGE_S);
+    let near = |t: f64| {
+        bounds.iter().any(|&(a, b)| t - a <= EDGE_S && t >= a || b - t <= EDGE_S && t <= b)
+    };
     let shaken = |t: f64| bounds.iter().any(|&(a, b)| (a..=b).contains(&t));
     let window = 1.0 / FREQUENCY_HZ;
     let edge = rms_about_running_mean(&curve, window, near)?;
@@ -310,12 +326,12 @@ fn edges(study: &StudyView) -> Claim {
     )
     .paper(Band::count(study.configurations as usize))
     .ours((!ratios.is_empty()).then_some(more.len() as f64), "configurations")
-    .spread(ratios.iter().map(|r| r.1))
     .runs(ratios.iter().map(|r| r.0))
     .note(format!(
-        "Counted are the runs whose fluctuation within {EDGE_S} s of the starts and ends of the \
-         periods exceeds that in their middle; the spread is that of the ratio of the two."
-    ));
+        "Counted are the runs whose fluctuation in the first and last {EDGE_S} s of the periods \
+         exceeds that in their middle."
+    ))
+    .note(between("The ratio of the two is", 2, "", ratios.iter().map(|r| r.1)));
     if !more.is_empty() {
         draft = draft.note(format!("So in {}.", list(&more)));
     }

@@ -91,11 +91,15 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
             (r, plate, settlement_curve(r, |row| row.surface_settlement_mm))
         })
         .collect();
+    // An empty figure still has the laboratory's scale.
+    let least_depth = if runs.is_empty() { 20.0 } else { 0.0 };
     let points = || curves.iter().flat_map(|(_, plate, surface)| plate.iter().chain(surface));
     let times = points().map(|p| p.0).chain([0.0, at_least_s]);
     // Settlement is drawn downwards, the way the plate goes.
-    let depths =
-        points().map(|p| p.1).chain([0.0]).chain(band.into_iter().flat_map(|b| [b.low, b.high]));
+    let depths = points()
+        .map(|p| p.1)
+        .chain([0.0, least_depth])
+        .chain(band.into_iter().flat_map(|b| [b.low, b.high]));
     let x = Axis::linear("Time since vibration began (s)", times);
     let y = Axis::linear("Settlement (mm)", depths).reversed();
     let mut plot = Plot::new(x, y);
@@ -114,7 +118,12 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
             marker: Some(style::marker(n)),
             marker_spacing: Some(MARKER_SPACING),
         };
-        let thin = Look { line: Some(style::DASHED), width: style::THIN, marker: None, ..look };
+        let thin = Look {
+            line: Some(style::DASHED),
+            width: style::THIN,
+            marker_spacing: Some(2.5 * MARKER_SPACING),
+            ..look
+        };
         plot.series.push(Series { label: String::new(), look: thin, points: surface.clone() });
         let label = format!("Configuration {}, plate", run.configuration);
         plot.series.push(Series { label, look, points: plate.clone() });

@@ -52,7 +52,7 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
             marker: Some(style::marker(n)),
             marker_spacing: None,
         };
-        let thin = Look { line: Some(style::DASHED), width: style::THIN, marker: None, ..look };
+        let thin = Look { line: Some(style::DASHED), width: style::THIN, ..look };
         plot.series.push(Series { label: String::new(), look: thin, points: points(&p95) });
         let label = format!("Configuration {configuration}");
         plot.series.push(Series { label, look, points: points(&mean) });
