@@ -180,16 +180,3 @@ fn a_run_has_its_own_figures() {
     );
     assert!(names(&vibrated).contains("settlement.svg"), "got {}", names(&vibrated));
 }
-
-/// Writes a report to look at: `PLUVIA_LOOK=folder cargo test --lib look -- --ignored`.
-#[test]
-#[ignore = "writes pictures for people to look at"]
-fn look() {
-    let Some(out) = std::env::var_os("PLUVIA_LOOK").map(std::path::PathBuf::from) else { return };
-    fs::create_dir_all(&out).expect("a folder");
-    let runs = canned::runs();
-    write_report(&out, canned::study(&runs), &a_choice());
-    run_figures(&out.join("run"), &runs[4]).expect("figures");
-    fs::create_dir_all(out.join("empty")).expect("a folder");
-    write_report(&out.join("empty"), canned::study(&[]), &[]);
-}
