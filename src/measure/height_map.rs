@@ -132,7 +132,7 @@ fn empty(container: &Container, cell: f64) -> Result<Surface, MeasureError> {
 #[cfg(test)]
 mod tests {
     use super::super::testing::{
-        assert_near, cube, dense_bed, random, random_polyhedron, random_rotation, specimen_of,
+        assert_near, cube, random, random_polyhedron, random_rotation, specimen_of,
     };
     use super::*;
     use crate::{
