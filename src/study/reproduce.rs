@@ -15,7 +15,7 @@ use super::{
     run::{make_grains, write_grains, write_run},
     summarise::{STANDARD, grains_hash},
 };
-use crate::grains::{GrainSet, ParticleSizeDistribution};
+use crate::grains::{GrainSet, ParticleSizeDistribution, sieve_size};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
 use crate::protocol::{Progress, table_motion};
 use crate::record::{RunKind, RunRecord, StageStore, create_folder, write_json};
@@ -241,7 +241,7 @@ fn study_view<'a>(
         runs,
         configurations: options.configurations,
         sieve: distribution.passing_curve(),
-        sieved_grains: Vec::new(),
+        sieved_grains: sieved(grains),
         grain_count: grains.grains.len(),
         total_mass_g: to_g(grains.total_mass()),
         solids_volume_cm3: to_cm3(grains.total_volume()),
@@ -259,4 +259,22 @@ fn study_view<'a>(
         repose: None,
         quick: options.quick,
     })
+}
+
+/// Curve of the generated grains in a virtual sieve: size in mm and percent of
+/// the mass that passes, one point for every fiftieth of the grains.
+fn sieved(grains: &GrainSet) -> Vec<(f64, f64)> {
+    let mut sizes: Vec<(f64, f64)> =
+        grains.grains.iter().map(|g| (to_mm(sieve_size(&g.shape)), g.mass)).collect();
+    sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (total, every) = (grains.total_mass(), sizes.len().div_ceil(50).max(1));
+    let mut passed = 0.0;
+    let mut curve = Vec::new();
+    for (index, (size, mass)) in sizes.iter().enumerate() {
+        passed += mass;
+        if index % every == 0 || index + 1 == sizes.len() {
+            curve.push((*size, 100.0 * passed / total));
+        }
+    }
+    curve
 }

@@ -24,7 +24,7 @@ fn write_scenario(folder: &Path) -> PathBuf {
             { "stage": "fill_funnel" },
             { "stage": "pour", "falling_height_mm": 0 },
             { "stage": "place_top_plate" },
-            { "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 10, "duration_s": 0.5 },
+            { "stage": "vibrate", "frequency_hz": 4, "amplitude_mm": 10, "duration_s": 0.5 },
         ],
         "control_s": 0.2
     });
