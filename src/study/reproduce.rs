@@ -241,7 +241,7 @@ fn study_view<'a>(
         runs,
         configurations: options.configurations,
         sieve: distribution.passing_curve(),
-        sieved_grains: sieved(grains),
+        sieved_grains: sieved_curve(grains),
         grain_count: grains.grains.len(),
         total_mass_g: to_g(grains.total_mass()),
         solids_volume_cm3: to_cm3(grains.total_volume()),
@@ -263,7 +263,7 @@ fn study_view<'a>(
 
 /// Curve of the generated grains in a virtual sieve: size in mm and percent of
 /// the mass that passes, one point for every fiftieth of the grains.
-fn sieved(grains: &GrainSet) -> Vec<(f64, f64)> {
+fn sieved_curve(grains: &GrainSet) -> Vec<(f64, f64)> {
     let mut sizes: Vec<(f64, f64)> =
         grains.grains.iter().map(|g| (to_mm(sieve_size(&g.shape)), g.mass)).collect();
     sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
