@@ -262,12 +262,12 @@ fn study_view<'a>(
 }
 
 /// Curve of the generated grains in a virtual sieve: size in mm and percent of
-/// the mass that passes, one point for every fiftieth of the grains.
+/// the mass that passes, one point for every twentieth of the grains.
 fn sieved_curve(grains: &GrainSet) -> Vec<(f64, f64)> {
     let mut sizes: Vec<(f64, f64)> =
         grains.grains.iter().map(|g| (to_mm(sieve_size(&g.shape)), g.mass)).collect();
     sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (total, every) = (grains.total_mass(), sizes.len().div_ceil(50).max(1));
+    let (total, every) = (grains.total_mass(), sizes.len().div_ceil(20).max(1));
     let mut passed = 0.0;
     let mut curve = Vec::new();
     for (index, (size, mass)) in sizes.iter().enumerate() {
