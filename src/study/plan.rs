@@ -185,7 +185,7 @@ fn stage_label(stage: &StageSpec) -> String {
         StageSpec::Pour { falling_height_mm, .. } => format!("pour from {falling_height_mm} mm"),
         StageSpec::PlaceTopPlate { .. } => "place the top plate".into(),
         StageSpec::Vibrate { duration_s, periods, .. } => {
-            format!("vibrate {periods} × {duration_s} s")
+            format!("vibrate {periods} × {} s", (duration_s * 100.0).round() / 100.0)
         }
         StageSpec::Rest { duration_s } => format!("no-shake control, {duration_s} s"),
     }

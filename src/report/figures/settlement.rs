@@ -60,7 +60,7 @@ pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
          period. Thin and dashed: the mean surface of the grains. The laboratory's range was a \
          grey area in the paper's figure only; it is lost, and none is drawn. {}",
         study.intermittent.periods,
-        number(study.intermittent.period_s, 0),
+        (study.intermittent.period_s * 100.0).round() / 100.0,
         finals(&runs)
     );
     Figure::new(
