@@ -16,4 +16,5 @@ pub mod scenario;
 pub mod specimen;
 pub mod study;
 pub mod units;
+pub mod verify;
 pub mod world;

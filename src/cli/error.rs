@@ -5,6 +5,7 @@ use std::{io, process::ExitCode};
 use crate::record::FileError;
 use crate::scenario::ScenarioErrors;
 use crate::study::StudyError;
+use crate::verify::{SuiteError, VerifyError};
 
 /// How a command ended that did what it was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,6 +34,15 @@ pub enum CliError {
     /// The study did not finish.
     #[error(transparent)]
     Study(#[from] StudyError),
+    /// A built-in verification case has a fault.
+    #[error(transparent)]
+    Case(#[from] VerifyError),
+    /// The verification did not finish.
+    #[error(transparent)]
+    Suite(#[from] SuiteError),
+    /// An option names something that is not there.
+    #[error("{0}")]
+    Usage(String),
     /// A file could not be read or written.
     #[error(transparent)]
     File(#[from] FileError),
@@ -49,6 +59,12 @@ impl CliError {
             Self::Scenario(ScenarioErrors::Faults(_)) => 2,
             Self::Scenario(ScenarioErrors::Unreadable { .. }) => 4,
             Self::File(_) | Self::Output(_) => 4,
+            Self::Usage(_) | Self::Case(_) => 2,
+            Self::Suite(error) => match error {
+                SuiteError::File(_) | SuiteError::Report(_) => 4,
+                SuiteError::Threads(_) => 3,
+                SuiteError::Cancelled => 130,
+            },
             Self::Study(error) => match error {
                 StudyError::Scenario(_) | StudyError::Stage { .. } => 2,
                 StudyError::Simulation { .. } | StudyError::Measure(_) => 3,

@@ -104,6 +104,11 @@ impl<W: Write> LinesState<W> {
 }
 
 impl<W: Write + Send> Progress for Lines<W> {
+    // Each piece says a line of its own.
+    fn begin_pieces(&self, _: u64, name: &str, pieces: usize) {
+        lock(&self.state).line(&format!("{name}: {pieces} to do"));
+    }
+
     fn begin_stage(&self, id: u64, name: &str, expected: f64) {
         let mut state = lock(&self.state);
         state.line(&format!("{name}: begins, about {expected:.1} s to simulate"));

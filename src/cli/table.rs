@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use crate::record::{Settlement, StandingHeight, Summary};
+use crate::verify::{Status, Verdict, tally};
 
 /// A length of time for people.
 pub(super) fn duration(seconds: f64) -> String {
@@ -138,16 +139,7 @@ pub(super) fn of_claims(claims: &[Value]) -> String {
         let [verdict, id, ours, unit] = ["verdict", "id", "ours", "unit"].map(|f| text(&claim[f]));
         rows.push([verdict, id, paper, ours, unit]);
     }
-    let widths: Vec<usize> = (0..5)
-        .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
-        .collect();
-    let mut out = String::new();
-    for row in &rows {
-        let cells: Vec<String> =
-            row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
-        out += cells.join("  ").trim_end();
-        out.push('\n');
-    }
+    let mut out = columns(&rows);
     let count = |verdict: &str| claims.iter().filter(|c| c["verdict"] == verdict).count();
     out += &format!(
         "{} claims: {} within, {} outside, {} not stated\n",
@@ -155,6 +147,60 @@ pub(super) fn of_claims(claims: &[Value]) -> String {
         count("within"),
         count("outside"),
         count("not_stated")
+    );
+    out
+}
+
+/// Rows of cells in columns of their widest cell.
+fn columns<const N: usize>(rows: &[[String; N]]) -> String {
+    let widths: Vec<usize> = (0..N)
+        .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
+        .collect();
+    let mut out = String::new();
+    for row in rows {
+        let cells: Vec<String> =
+            row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
+        out += cells.join("  ").trim_end();
+        out.push('\n');
+    }
+    out
+}
+
+/// The verdicts of a verification, one a line, and how many there are of each.
+pub(super) fn of_verdicts(verdicts: &[Verdict]) -> String {
+    let number = |value: f64| {
+        if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
+            format!("{value:.2e}")
+        } else {
+            three_digits(value)
+        }
+    };
+    let header = ["verdict", "case", "setting", "expected", "got", "tolerance", "unit"];
+    let mut rows = vec![header.map(str::to_owned)];
+    for v in verdicts {
+        rows.push([
+            v.status.words().to_owned(),
+            v.id.clone(),
+            v.setting.clone(),
+            number(v.expected),
+            v.got.map_or_else(|| "-".to_owned(), number),
+            number(v.tolerance),
+            v.unit.clone(),
+        ]);
+    }
+    let mut out = columns(&rows);
+    for v in verdicts.iter().filter(|v| !v.pass) {
+        let why = v.known_reason.iter().chain(&v.note).cloned().collect::<Vec<_>>().join("; ");
+        out += &format!("{} on {}: {why}\n", v.id, v.setting);
+    }
+    let count = |status| tally(verdicts, status);
+    out += &format!(
+        "{} experiments: {} pass, {} known failures, {} fail, {} pass unexpectedly\n",
+        verdicts.len(),
+        count(Status::Pass),
+        count(Status::KnownFailure),
+        count(Status::Fail),
+        count(Status::UnexpectedPass)
     );
     out
 }

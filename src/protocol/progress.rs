@@ -4,6 +4,11 @@
 pub trait Progress: Send + Sync {
     /// A stage begins; `expected` is the simulated time in s it is expected to take.
     fn begin_stage(&self, id: u64, name: &str, expected: f64);
+    /// Work begins that is counted in pieces, not in simulated time; it is
+    /// updated and ended like a stage.
+    fn begin_pieces(&self, id: u64, name: &str, pieces: usize) {
+        self.begin_stage(id, name, pieces as f64);
+    }
     /// A stage has reached a simulated time in s; the note says what matters most just now.
     fn update(&self, id: u64, simulated: f64, note: &str);
     /// A stage has ended.

@@ -6,6 +6,7 @@ mod choices;
 mod dash;
 mod figures;
 mod html;
+mod laws;
 mod plot;
 mod png;
 mod quality;
@@ -27,6 +28,7 @@ use crate::{
 
 pub use choices::{Choice, choices};
 pub use figures::Figure;
+pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use quality::Standard;
 
 /// Why a report could not be written.

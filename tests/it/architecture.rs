@@ -19,7 +19,7 @@ const ROWS: [&[&str]; 9] = [
     &["protocol"],
     &["measure"],
     &["record", "paper", "report"],
-    &["study"],
+    &["study", "verify"],
     &["cli", "main"],
 ];
 

@@ -5,3 +5,4 @@ mod cli;
 mod docs;
 mod interruption;
 mod scenario;
+mod verification;

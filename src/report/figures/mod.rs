@@ -2,6 +2,7 @@
 //! the runs can be trusted.
 
 mod grain_size;
+mod laws;
 mod of_run;
 mod quality;
 mod settlement;
@@ -15,6 +16,7 @@ use crate::{
     record::{FileError, create_folder, write_file},
 };
 
+pub(super) use laws::of_law;
 pub(super) use of_run::of_run;
 
 /// A figure with the numbers it shows.

@@ -1,0 +1,87 @@
+//! `pluvia verify`.
+
+use std::{path::PathBuf, thread::available_parallelism};
+
+use clap::Args;
+
+use super::{CliError, Context, ExitStatus, output_folder, run::backend, table};
+use crate::scenario::Backend;
+use crate::verify::{SuiteOptions, Verdict, builtin, run_suite, settings};
+use crate::world;
+
+/// Hold the engines against exact laws
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Leaves verify.json, report.html with a figure a case, and figures/ in DIR. What an engine is known
+to miss is shown as a known failure with its reason, and is no surprise; exit code 1 means that a
+case came out otherwise than expected.
+
+Examples:
+  pluvia verify --out out/verify
+  pluvia verify --backend bullet --case incline-holds --case rebound")]
+pub(super) struct VerifyArgs {
+    /// Only this engine [default: all that are built in]
+    #[arg(long, value_name = "B", value_parser = backend)]
+    backend: Option<Backend>,
+    /// Only this setting, by its name in the table (repeatable)
+    #[arg(long, value_name = "NAME")]
+    setting: Vec<String>,
+    /// Only this case (repeatable)
+    #[arg(long, value_name = "ID")]
+    case: Vec<String>,
+    /// Experiments at the same time [default: the number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Folder for the results; it is made if needed
+    #[arg(long, value_name = "DIR", default_value = "out/verify")]
+    out: PathBuf,
+}
+
+/// Keeps what was named; names that nothing has are an error that lists those there are.
+fn choose<T>(
+    what: &str,
+    all: Vec<T>,
+    named: &[String],
+    name: impl Fn(&T) -> &str,
+) -> Result<Vec<T>, CliError> {
+    let known: Vec<String> = all.iter().map(|t| name(t).to_owned()).collect();
+    let missing: Vec<&str> =
+        named.iter().filter(|n| !known.contains(n)).map(String::as_str).collect();
+    if !missing.is_empty() {
+        return Err(CliError::Usage(format!(
+            "there is no {what} {}; there are: {}",
+            missing.join(", "),
+            known.join(", ")
+        )));
+    }
+    Ok(all.into_iter().filter(|t| named.is_empty() || named.iter().any(|n| n == name(t))).collect())
+}
+
+pub(super) fn run(args: &VerifyArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let cases = choose("case", builtin()?, &args.case, |c| &c.id)?;
+    let offered = settings()
+        .into_iter()
+        .filter(|s| args.backend.is_none_or(|b| s.engine.backend == b))
+        .collect();
+    let settings = choose("setting", offered, &args.setting, |s| &s.name)?;
+    output_folder::prepare(&args.out)?;
+    context.stop_on_ctrl_c();
+    let cores = || available_parallelism().map_or(1, usize::from);
+    let options = SuiteOptions {
+        cases,
+        settings,
+        out: Some(args.out.clone()),
+        jobs: args.jobs.map_or_else(cores, usize::from),
+        cancel: context.cancel.clone(),
+        progress: context.progress.clone(),
+    };
+    let verdicts = run_suite(&options, &world::create)?;
+    let mut text = table::of_verdicts(&verdicts);
+    text += &format!("report in {}\n", args.out.join("report.html").display());
+    context.print(&text, &verdicts)?;
+    let surprise = |v: &Verdict| !v.status.as_expected();
+    if verdicts.iter().any(surprise) {
+        return Ok(ExitStatus::ExpectationMissed);
+    }
+    Ok(ExitStatus::Done)
+}

@@ -1,0 +1,77 @@
+//! What an experiment runs on: an engine's settings, how its worlds are made,
+//! and how the whole laboratory is turned in space.
+
+use nalgebra::UnitQuaternion;
+
+use super::{VerifyError, scene::Scene};
+use crate::geometry::Vector;
+use crate::scenario::EngineSettings;
+use crate::world::{PairTable, World, WorldError};
+
+/// Makes an empty world of settings, gravity (m/s²) and coefficients of pairs.
+pub type Maker<'a> = &'a (
+        dyn Fn(&EngineSettings, Vector, &PairTable) -> Result<Box<dyn World + Send>, WorldError>
+            + Sync
+    );
+
+/// Gravitational acceleration of the experiments in m/s², as in the scenarios.
+pub const GRAVITY: f64 = 9.81;
+
+/// An engine to experiment on.
+#[derive(Clone)]
+pub struct Bench<'a> {
+    /// The engine's settings.
+    pub engine: EngineSettings,
+    /// How the laboratory is turned: every position, velocity and the
+    /// gravity of an experiment pass through this rotation.
+    pub frame: UnitQuaternion<f64>,
+    make: Maker<'a>,
+}
+
+impl<'a> Bench<'a> {
+    /// An upright laboratory.
+    pub fn new(engine: EngineSettings, make: Maker<'a>) -> Self {
+        Self { engine, frame: UnitQuaternion::identity(), make }
+    }
+
+    /// The same at another rate in steps a second.
+    pub fn at_rate(&self, rate_hz: f64) -> Self {
+        let mut other = self.clone();
+        other.engine.rate_hz = rate_hz;
+        other
+    }
+
+    /// The same with the laboratory turned.
+    pub fn turned(&self, frame: UnitQuaternion<f64>) -> Self {
+        Self { frame, ..self.clone() }
+    }
+
+    /// The same with another length scale inside the engine.
+    pub fn at_length_scale(&self, length_scale: f64) -> Self {
+        let mut other = self.clone();
+        other.engine.length_scale = length_scale;
+        other
+    }
+
+    /// Length of a step in s.
+    pub fn time_step(&self) -> f64 {
+        1.0 / self.engine.rate_hz
+    }
+
+    /// An empty scene under gravity along −z of the laboratory.
+    ///
+    /// # Errors
+    /// [`VerifyError::World`].
+    pub fn scene(&self, pairs: &PairTable) -> Result<Scene, VerifyError> {
+        self.scene_under(Vector::new(0.0, 0.0, -GRAVITY), pairs)
+    }
+
+    /// An empty scene under a gravity (m/s²) given in the laboratory's axes.
+    ///
+    /// # Errors
+    /// [`VerifyError::World`].
+    pub fn scene_under(&self, gravity: Vector, pairs: &PairTable) -> Result<Scene, VerifyError> {
+        let world = (self.make)(&self.engine, self.frame * gravity, pairs)?;
+        Ok(Scene::new(world, self.frame))
+    }
+}

@@ -1,0 +1,251 @@
+//! Bodies that touch nothing, or only each other.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Point3, UnitQuaternion};
+
+use super::{Bench, Outcome, Tumbling, VerifyError};
+use crate::geometry::{Pose, Vector};
+use crate::units::{from_mm, to_mm};
+use crate::verify::bench::GRAVITY;
+use crate::verify::scene::{block, grain_body, grains, mass_of, uniform};
+use crate::world::BodyState;
+
+const CUBE: f64 = 0.01;
+
+pub(super) fn free_fall(bench: &Bench, height: f64, duration: f64) -> Result<Outcome, VerifyError> {
+    flight(bench, Vector::new(0.0, 0.0, from_mm(height)), Vector::zeros(), duration)
+}
+
+pub(super) fn projectile(
+    bench: &Bench,
+    velocity: Vector,
+    duration: f64,
+) -> Result<Outcome, VerifyError> {
+    flight(bench, Vector::zeros(), velocity, duration)
+}
+
+/// Against x₀ + v t − g h²·n(n+1)/2 for n steps of h: velocity first, then
+/// position, once a step or once a sub-step where the engine has those.
+fn flight(
+    bench: &Bench,
+    from: Vector,
+    velocity: Vector,
+    duration: f64,
+) -> Result<Outcome, VerifyError> {
+    let mut scene = bench.scene(&uniform(0.0, 0.0))?;
+    let mut body = block(Vector::repeat(CUBE), from)?;
+    body.state.linear_velocity = velocity;
+    let id = scene.add(&body)?;
+    let substeps = scene.integration_substeps();
+    let law = |time: f64| {
+        let h = bench.time_step() / substeps;
+        let n = (time / h).round();
+        from + velocity * time - Vector::z() * (GRAVITY * h * h * n * (n + 1.0) / 2.0)
+    };
+    let mut outcome = Outcome::new("Time (s)", "Height (mm)");
+    let (mut measured, mut stated, mut off) = (Vec::new(), Vec::new(), 0.0);
+    for _ in 0..scene.steps_in(duration) {
+        scene.step()?;
+        let at = scene.state(id)?.pose.translation.vector;
+        let expected = law(scene.time());
+        off = to_mm((at - expected).norm());
+        measured.push((scene.time(), to_mm(at.z)));
+        stated.push((scene.time(), to_mm(expected.z)));
+    }
+    outcome.measured("Engine", measured);
+    outcome.law("Discrete solution", stated);
+    Ok(outcome.got(off))
+}
+
+/// Angular momentum about the centroid, and kinetic energy of turning.
+fn spin(state: &BodyState, inertia: &Vector) -> (Vector, f64) {
+    let rotation = state.pose.rotation;
+    let omega = rotation.inverse() * state.angular_velocity;
+    let momentum = inertia.component_mul(&omega);
+    (rotation * momentum, 0.5 * omega.dot(&momentum))
+}
+
+pub(super) fn tumbling(
+    bench: &Bench,
+    spin_rate: Vector,
+    duration: f64,
+    quantity: Tumbling,
+) -> Result<Outcome, VerifyError> {
+    let set = grains(20, 3)?;
+    let mut body = grain_body(&set.grains[0], Pose::identity());
+    body.state.angular_velocity = spin_rate;
+    let (_, inertia) = mass_of(&body);
+    let mut scene = bench.scene_under(Vector::zeros(), &uniform(0.0, 0.0))?;
+    let id = scene.add(&body)?;
+    let (momentum, energy) = spin(&body.state, &inertia);
+    let mut outcome = Outcome::new("Time (s)", "Relative change (%)");
+    let (mut curve, mut worst) = (Vec::new(), 0.0_f64);
+    for _ in 0..scene.steps_in(duration) {
+        scene.step()?;
+        let (l, e) = spin(&scene.state(id)?, &inertia);
+        let change = 100.0
+            * match quantity {
+                Tumbling::AngularMomentum => (l - momentum).norm() / momentum.norm(),
+                Tumbling::Energy => e / energy - 1.0,
+            };
+        worst = if change.abs() > worst.abs() || change.is_nan() { change } else { worst };
+        curve.push((scene.time(), change));
+    }
+    let end = scene.time();
+    outcome.measured("Engine", curve);
+    outcome.law("Law", vec![(0.0, 0.0), (end, 0.0)]);
+    Ok(outcome.got(worst))
+}
+
+/// Spin about each body axis by Euler's equations, integrated by the classical
+/// Runge-Kutta method in steps small enough to count as exact.
+fn euler_equations(inertia: &Vector, start: Vector, end: f64) -> Vec<(f64, Vector)> {
+    const STEP: f64 = 1e-5;
+    let rate = |w: Vector| {
+        Vector::new(
+            (inertia.y - inertia.z) / inertia.x * w.y * w.z,
+            (inertia.z - inertia.x) / inertia.y * w.z * w.x,
+            (inertia.x - inertia.y) / inertia.z * w.x * w.y,
+        )
+    };
+    let mut curve = vec![(0.0, start)];
+    let mut w = start;
+    for n in 1..=(end / STEP).round() as u64 {
+        let k1 = rate(w);
+        let k2 = rate(w + k1 * (STEP / 2.0));
+        let k3 = rate(w + k2 * (STEP / 2.0));
+        let k4 = rate(w + k3 * STEP);
+        w += (k1 + 2.0 * k2 + 2.0 * k3 + k4) * (STEP / 6.0);
+        if n.is_multiple_of(100) {
+            curve.push((n as f64 * STEP, w));
+        }
+    }
+    curve
+}
+
+/// First time at which a curve changes its sign, between its points.
+fn first_crossing(curve: &[(f64, f64)]) -> Option<f64> {
+    curve.windows(2).find(|w| w[0].1.signum() != w[1].1.signum()).map(|w| {
+        let [(t0, y0), (t1, y1)] = [w[0], w[1]];
+        t0 + (t1 - t0) * y0 / (y0 - y1)
+    })
+}
+
+pub(super) fn flip(
+    bench: &Bench,
+    spin_rate: f64,
+    disturbance: f64,
+) -> Result<Outcome, VerifyError> {
+    // Moments ∝ 356, 292, 136: the middle axis is y.
+    let mut body = block(Vector::new(0.006, 0.010, 0.016), Vector::zeros())?;
+    let start = spin_rate * Vector::new(disturbance, 1.0, 0.0);
+    body.state.angular_velocity = start;
+    let (_, inertia) = mass_of(&body);
+    // The disturbance grows no faster than the spin: ten turns are enough for e-fold growth
+    // from a thousandth.
+    let end = 10.0 * TAU / spin_rate;
+    let law: Vec<(f64, f64)> =
+        euler_equations(&inertia, start, end).into_iter().map(|(t, w)| (t, w.y)).collect();
+    let mut scene = bench.scene_under(Vector::zeros(), &uniform(0.0, 0.0))?;
+    let id = scene.add(&body)?;
+    let mut curve = vec![(0.0, spin_rate)];
+    for _ in 0..scene.steps_in(end) {
+        scene.step()?;
+        let state = scene.state(id)?;
+        curve.push((scene.time(), (state.pose.rotation.inverse() * state.angular_velocity).y));
+    }
+    let expected = first_crossing(&law).ok_or(VerifyError::NoEvent("a flip in the law itself"))?;
+    let got = first_crossing(&curve).unwrap_or(f64::INFINITY);
+    let mut outcome = Outcome::new("Time (s)", "Spin about the middle axis (rad/s)");
+    outcome.note =
+        Some(format!("first flip after {got:.4} s, by Euler's equations {expected:.4} s"));
+    outcome.measured("Engine", curve);
+    outcome.law("Euler's equations", law);
+    Ok(outcome.got(got / expected))
+}
+
+/// Two irregular grains meet off their centres, each spinning.
+pub(super) fn collision(
+    bench: &Bench,
+    speed: f64,
+    friction: f64,
+    restitution: f64,
+) -> Result<Outcome, VerifyError> {
+    let set = grains(20, 3)?;
+    let mut scene = bench.scene_under(Vector::zeros(), &uniform(friction, restitution))?;
+    let mut bodies = Vec::new();
+    for (index, side) in [-1.0, 1.0].into_iter().enumerate() {
+        let grain = &set.grains[index];
+        let at = Vector::new(side * 0.02, side * 0.0015, 0.0);
+        let pose = Pose::from_parts(at.into(), UnitQuaternion::from_euler_angles(side, 0.5, 0.2));
+        let mut body = grain_body(grain, pose);
+        body.state.linear_velocity = Vector::new(-side * speed, 0.0, 0.1 * side * speed);
+        body.state.angular_velocity = Vector::new(5.0, side * 3.0, 8.0);
+        bodies.push((scene.add(&body)?, mass_of(&body), body.state));
+    }
+    let totals = |states: &[BodyState]| {
+        let mut linear = Vector::zeros();
+        let mut angular = Vector::zeros();
+        for (state, (_, (mass, inertia), _)) in states.iter().zip(&bodies) {
+            let momentum = *mass * state.linear_velocity;
+            linear += momentum;
+            angular += Point3::from(state.pose.translation.vector).coords.cross(&momentum)
+                + spin(state, inertia).0;
+        }
+        (linear, angular)
+    };
+    let before: Vec<BodyState> = bodies.iter().map(|b| b.2).collect();
+    let (linear, angular) = totals(&before);
+    // What flows through the contact: the scale on which a change counts.
+    let scale = bodies[0].1.0 * speed;
+    let ids: Vec<_> = bodies.iter().map(|b| b.0).collect();
+    let mut outcome = Outcome::new("Time (s)", "Change of momentum (% of one grain's)");
+    let (mut of_linear, mut of_angular, mut worst) = (Vec::new(), Vec::new(), 0.0_f64);
+    let mut met = false;
+    for _ in 0..scene.steps_in(0.06 / speed) {
+        scene.step()?;
+        met |= scene.contacts().iter().any(|c| c.impulse.norm() > 0.0);
+        let (l, a) = totals(&scene.states(&ids)?);
+        let change =
+            (100.0 * (l - linear).norm() / scale, 100.0 * (a - angular).norm() / (scale * CUBE));
+        of_linear.push((scene.time(), change.0));
+        of_angular.push((scene.time(), change.1));
+        worst = worst.max(change.0).max(change.1);
+    }
+    if !met {
+        return Err(VerifyError::NoEvent("a collision"));
+    }
+    outcome.measured("Linear", of_linear);
+    outcome.measured("Angular, over 10 mm", of_angular);
+    outcome.law("Law", vec![(0.0, 0.0), (scene.time(), 0.0)]);
+    Ok(outcome.got(worst))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eulers_equations_keep_energy_and_momentum() {
+        let inertia = Vector::new(3.0, 2.0, 1.0);
+        let curve = euler_equations(&inertia, Vector::new(0.1, 5.0, 0.2), 3.0);
+        let energy = |w: &Vector| w.dot(&inertia.component_mul(w));
+        let momentum = |w: &Vector| inertia.component_mul(w).norm();
+        let (first, last) = (curve[0].1, curve.last().expect("points").1);
+        for (law, before, after) in [
+            ("energy is constant", energy(&first), energy(&last)),
+            ("|L| is constant", momentum(&first), momentum(&last)),
+        ] {
+            let change = (after / before - 1.0).abs();
+            assert!(change < 1e-10, "law: {law}, expected change 0, got {change}, tolerance 1e-10");
+        }
+    }
+
+    #[test]
+    fn crossings_are_found_between_points() {
+        let got = first_crossing(&[(0.0, 2.0), (1.0, 1.0), (2.0, -3.0), (3.0, 1.0)]);
+        assert_eq!(got, Some(1.25), "law: the line through (1, 1) and (2, -3) meets 0 at 1.25");
+        assert_eq!(first_crossing(&[(0.0, 1.0), (1.0, 0.5)]), None);
+    }
+}

@@ -1,0 +1,64 @@
+//! Changes that should not matter.
+
+use nalgebra::UnitQuaternion;
+use serde::{Deserialize, Serialize};
+
+use super::{Bench, Experiment, Outcome, VerifyError};
+
+/// What is changed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "change", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Change {
+    /// The whole laboratory is turned: gravity, motion and bodies.
+    Frame {
+        /// Turns as roll, pitch and yaw in degrees.
+        turns_deg: Vec<[f64; 3]>,
+    },
+    /// Lengths inside the engine.
+    LengthScale {
+        /// Engine units in a metre.
+        scales: Vec<f64>,
+    },
+}
+
+pub(super) fn invariance(
+    bench: &Bench,
+    over: &Change,
+    of: &Experiment,
+) -> Result<Outcome, VerifyError> {
+    let benches: Vec<(String, Bench)> = match over {
+        Change::Frame { turns_deg } => turns_deg
+            .iter()
+            .map(|turn| {
+                let [roll, pitch, yaw] = turn.map(f64::to_radians);
+                let frame = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+                (format!("{}°, {}°, {}°", turn[0], turn[1], turn[2]), bench.turned(frame))
+            })
+            .collect(),
+        Change::LengthScale { scales } => {
+            scales.iter().map(|s| (format!("{s} units/m"), bench.at_length_scale(*s))).collect()
+        }
+    };
+    let mut outcome = Outcome::default();
+    let mut values = Vec::new();
+    for (name, bench) in benches {
+        let inner = of.run(&bench)?;
+        (outcome.x, outcome.y) = (inner.x, inner.y);
+        // One curve a change, and the law once.
+        if let Some(law) = inner.curves.iter().find(|c| c.law)
+            && values.is_empty()
+        {
+            outcome.law(law.name.clone(), law.points.clone());
+        }
+        if let Some(curve) = inner.curves.into_iter().find(|c| !c.law) {
+            outcome.measured(format!("{name}: {:.4}", inner.got), curve.points);
+        }
+        values.push(inner.got);
+    }
+    let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    outcome.note = Some(format!("from {lowest:.4} to {highest:.4}, mean {mean:.4}"));
+    // NaN in any value makes the mean NaN, and with it the difference.
+    Ok(outcome.got(highest - lowest + 0.0 * mean))
+}

@@ -1,0 +1,220 @@
+//! The experiments, each a function of its numbers and a bench.
+
+mod flight;
+mod friction;
+mod invariance;
+mod mass;
+mod packing;
+mod packing_stability;
+mod rebound;
+mod resting;
+mod table;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Bench, VerifyError};
+
+/// What an experiment measured, and the curves to show.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Outcome {
+    /// The measured value, in the unit of the case.
+    pub got: f64,
+    /// What else is to be said.
+    pub note: Option<String>,
+    /// Name and unit of the horizontal axis.
+    pub x: String,
+    /// Name and unit of the vertical axis.
+    pub y: String,
+    /// Curves: what was measured, and what the law says.
+    pub curves: Vec<Curve>,
+}
+
+/// A curve of the figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Its name.
+    pub name: String,
+    /// Whether it is the law's, not the engine's.
+    pub law: bool,
+    /// Points.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Outcome {
+    fn new(x: &str, y: &str) -> Self {
+        Self { x: x.to_owned(), y: y.to_owned(), ..Self::default() }
+    }
+
+    fn measured(&mut self, name: impl Into<String>, points: Vec<(f64, f64)>) {
+        self.curves.push(Curve { name: name.into(), law: false, points });
+    }
+
+    fn law(&mut self, name: impl Into<String>, points: Vec<(f64, f64)>) {
+        self.curves.push(Curve { name: name.into(), law: true, points });
+    }
+
+    fn got(mut self, got: f64) -> Self {
+        self.got = got;
+        self
+    }
+}
+
+/// An experiment with its numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum Experiment {
+    /// Known polyhedra turned, scaled and moved: largest relative error of
+    /// volume, centroid and inertia.
+    MassProperties,
+    /// A cube let go: distance from the discrete solution at the end, in mm.
+    FreeFall { height_mm: f64, duration_s: f64 },
+    /// A cube thrown: distance from the discrete solution at the end, in mm.
+    Projectile { speed_m_per_s: [f64; 3], duration_s: f64 },
+    /// An irregular grain turning freely.
+    Tumbling { spin_rad_per_s: [f64; 3], duration_s: f64, quantity: Tumbling },
+    /// A box spun about its middle axis: time of the first flip over that of
+    /// Euler's equations.
+    Flip { spin_rad_per_s: f64, disturbance: f64 },
+    /// Two grains collide without gravity: relative change of momentum, in %.
+    Collision { speed_m_per_s: f64, friction: f64, restitution: f64 },
+    /// A block on a slope of a share of the friction angle.
+    Incline {
+        friction: f64,
+        share_of_friction_angle: f64,
+        headings_deg: Vec<f64>,
+        duration_s: f64,
+        quantity: Incline,
+    },
+    /// A block slides to rest: distance over v²/2μg, the worst heading.
+    SlideStops {
+        speed_m_per_s: f64,
+        friction: f64,
+        headings_deg: Vec<f64>,
+        plate: bool,
+        start_gap_um: f64,
+    },
+    /// A block on a shaking table: largest distance in mm between its travel
+    /// on the table and the law's.
+    BlockOnTable { friction: f64, frequency_hz: f64, amplitude_mm: f64, duration_s: f64 },
+    /// A cube dropped flat: restitution from the rebound height, the rate
+    /// with the largest error.
+    Rebound { restitution: f64, height_mm: f64, rates_hz: Vec<f64> },
+    /// A body at rest: distance it moves in mm.
+    Rests { body: RestingBody, settle_s: f64, duration_s: f64 },
+    /// Grains heaped three below, one above: largest movement in mm.
+    GrainOnThree { settle_s: f64, duration_s: f64 },
+    /// Cubes on top of each other, guided by walls or not: height lost in mm.
+    Cubes { count: u32, guided: bool, duration_s: f64 },
+    /// Grains in a box: vertical force on the floor over their weight.
+    FloorForce { grains: usize, settle_s: f64, duration_s: f64 },
+    /// A packing of grains in a box.
+    Packing { grains: usize, settle_s: f64, duration_s: f64, quantity: packing::Quantity },
+    /// Another experiment under changes that should not matter: largest
+    /// difference between the values got.
+    Invariance { over: invariance::Change, of: Box<Experiment> },
+}
+
+/// What is watched of a tumbling grain; largest relative change, in %.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Tumbling {
+    /// Angular momentum.
+    AngularMomentum,
+    /// Kinetic energy.
+    Energy,
+}
+
+/// What is watched of a block on a slope, the worst heading counting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Incline {
+    /// Distance moved, in mm.
+    Drift,
+    /// Acceleration over g (sin θ − μ cos θ).
+    Acceleration,
+}
+
+/// A body to lie still.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RestingBody {
+    /// A cube of 10 mm.
+    Cube,
+    /// An irregular grain.
+    Grain,
+}
+
+impl Experiment {
+    /// Whether it changes what the engine keeps for the whole process.
+    pub fn needs_the_process(&self) -> bool {
+        matches!(self, Self::Invariance { over: invariance::Change::LengthScale { .. }, .. })
+    }
+
+    /// Carries it out.
+    ///
+    /// # Errors
+    /// [`VerifyError`] when the engine fails or the event waited for does not come.
+    pub fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+        match self {
+            Self::MassProperties => mass::properties(),
+            Self::FreeFall { height_mm, duration_s } => {
+                flight::free_fall(bench, *height_mm, *duration_s)
+            }
+            Self::Projectile { speed_m_per_s, duration_s } => {
+                flight::projectile(bench, (*speed_m_per_s).into(), *duration_s)
+            }
+            Self::Tumbling { spin_rad_per_s, duration_s, quantity } => {
+                flight::tumbling(bench, (*spin_rad_per_s).into(), *duration_s, *quantity)
+            }
+            Self::Flip { spin_rad_per_s, disturbance } => {
+                flight::flip(bench, *spin_rad_per_s, *disturbance)
+            }
+            Self::Collision { speed_m_per_s, friction, restitution } => {
+                flight::collision(bench, *speed_m_per_s, *friction, *restitution)
+            }
+            Self::Incline {
+                friction,
+                share_of_friction_angle,
+                headings_deg,
+                duration_s,
+                quantity,
+            } => {
+                let slope = friction::Slope {
+                    friction: *friction,
+                    angle: share_of_friction_angle * friction.atan(),
+                };
+                friction::incline(bench, slope, headings_deg, *duration_s, *quantity)
+            }
+            Self::SlideStops { speed_m_per_s, friction, headings_deg, plate, start_gap_um } => {
+                let start = friction::Start {
+                    speed: *speed_m_per_s,
+                    gap: start_gap_um * 1e-6,
+                    plate: *plate,
+                };
+                friction::slide_stops(bench, start, *friction, headings_deg)
+            }
+            Self::BlockOnTable { friction, frequency_hz, amplitude_mm, duration_s } => {
+                table::block_on_table(bench, *friction, *frequency_hz, *amplitude_mm, *duration_s)
+            }
+            Self::Rebound { restitution, height_mm, rates_hz } => {
+                rebound::rebound(bench, *restitution, *height_mm, rates_hz)
+            }
+            Self::Rests { body, settle_s, duration_s } => {
+                resting::rests(bench, *body, *settle_s, *duration_s)
+            }
+            Self::GrainOnThree { settle_s, duration_s } => {
+                resting::grain_on_three(bench, *settle_s, *duration_s)
+            }
+            Self::Cubes { count, guided, duration_s } => {
+                resting::cubes(bench, *count, *guided, *duration_s)
+            }
+            Self::FloorForce { grains, settle_s, duration_s } => {
+                resting::floor_force(bench, *grains, *settle_s, *duration_s)
+            }
+            Self::Packing { grains, settle_s, duration_s, quantity } => {
+                packing::packing(bench, *grains, *settle_s, *duration_s, *quantity)
+            }
+            Self::Invariance { over, of } => invariance::invariance(bench, over, of),
+        }
+    }
+}

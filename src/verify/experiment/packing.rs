@@ -1,0 +1,267 @@
+//! A packing of grains in a box, small enough to be run often.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Bench, Outcome, VerifyError, packing_stability};
+use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::grains::{GrainSet, streams};
+use crate::units::to_mm;
+use crate::verify::bench::GRAVITY;
+use crate::verify::scene::{Scene, floor, grain_body, grains, uniform, wall};
+use crate::world::{Body, BodyId, BodyState, Material, Motion, PairCoefficients};
+
+/// Friction and restitution of the gravel (paper, section 4).
+const FRICTION: f64 = 0.793;
+const RESTITUTION: f64 = 0.315;
+/// Inner width of the box in m: about four grains.
+pub(super) const WIDTH: f64 = 0.04;
+const WALL: f64 = 0.02;
+const SEED: u64 = 11;
+
+/// What is measured of a packing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Change of the mean grain height over the duration, in mm, after settling.
+    Creep,
+    /// Grains still in the box after the duration of shaking at the paper's
+    /// amplitude, over those put in; 1 only if their mass is there as well.
+    GrainsKept,
+    /// Largest rise of the total energy above its lowest value so far, in % of
+    /// what the fall sets free, from the start to the end of the settling time.
+    EnergyGain,
+    /// Furthest that a vertex gets beyond a wall's inner face while shaken, in mm.
+    BeyondWalls,
+    /// Mean grain height with the grains added in other orders over that in
+    /// the first order.
+    OtherOrders,
+    /// Difference of mean grain height in mm, after the duration, between
+    /// going on and going on from poses and velocities alone.
+    Reload,
+    /// Mean grain height after settling, in mm.
+    MeanHeight,
+}
+
+/// Grains in a box.
+pub(super) struct Heap {
+    pub scene: Scene,
+    pub floor: BodyId,
+    pub ids: Vec<BodyId>,
+    pub bodies: Vec<Body>,
+    walls: Vec<(BodyId, Pose)>,
+}
+
+/// Coefficients of a heap; the box's sides are of the plate's material, so
+/// that they can have a friction of their own.
+pub(super) fn pairs(side_friction: f64) -> crate::world::PairTable {
+    let mut pairs = uniform(FRICTION, RESTITUTION);
+    let side = PairCoefficients { friction: side_friction, restitution: RESTITUTION };
+    pairs.set(Material::Grain, Material::Plate, side);
+    pairs
+}
+
+impl Heap {
+    /// Grains in loose layers above the floor, each turned at random; the
+    /// order in which they are added is the `order`-th shuffle.
+    pub fn new(
+        bench: &Bench,
+        count: usize,
+        order: u64,
+        side_friction: f64,
+    ) -> Result<Self, VerifyError> {
+        let set = grains(count, SEED)?;
+        let mut bodies = laid_out(&set);
+        if order > 0 {
+            streams::shuffle(&mut streams::stream(SEED, &format!("order {order}")), &mut bodies);
+        }
+        Self::of(bench, bodies, side_friction)
+    }
+
+    /// The bodies as they are.
+    pub fn of(bench: &Bench, bodies: Vec<Body>, side_friction: f64) -> Result<Self, VerifyError> {
+        let mut scene = bench.scene(&pairs(side_friction))?;
+        let highest = bodies.iter().map(|b| b.state.pose.translation.z).fold(0.0, f64::max);
+        let height = highest + 0.05;
+        let base = floor(WIDTH, Motion::Driven)?;
+        let floor = scene.add(&base)?;
+        let mut walls = vec![(floor, base.state.pose)];
+        let off = (WIDTH + WALL) / 2.0;
+        for side in [-1.0, 1.0] {
+            for (sides, at) in [
+                (
+                    Vector::new(WALL, 2.0 * WIDTH, height),
+                    Vector::new(side * off, 0.0, height / 2.0),
+                ),
+                (
+                    Vector::new(2.0 * WIDTH, WALL, height),
+                    Vector::new(0.0, side * off, height / 2.0),
+                ),
+            ] {
+                let mut body = wall(sides, at, Motion::Driven)?;
+                body.material = Material::Plate;
+                walls.push((scene.add(&body)?, body.state.pose));
+            }
+        }
+        let ids = bodies.iter().map(|b| scene.add(b)).collect::<Result<_, _>>()?;
+        Ok(Self { scene, floor, ids, bodies, walls })
+    }
+
+    /// Mass of all grains in kg.
+    pub fn mass(&self) -> f64 {
+        self.bodies.iter().map(mass).sum()
+    }
+
+    /// Moves the whole box to a displacement along x (m) at the end of the next step.
+    pub fn drive(&mut self, x: f64) -> Result<(), VerifyError> {
+        for (id, pose) in &self.walls {
+            let mut pose = *pose;
+            pose.translation.vector.x += x;
+            self.scene.drive(*id, &pose)?;
+        }
+        Ok(())
+    }
+
+    /// States of the grains.
+    pub fn states(&mut self) -> Result<Vec<BodyState>, VerifyError> {
+        self.scene.states(&self.ids)
+    }
+
+    /// Mean height of the grains' centroids in m.
+    pub fn mean_height(&mut self) -> Result<f64, VerifyError> {
+        let states = self.states()?;
+        Ok(states.iter().map(|s| s.pose.translation.z).sum::<f64>() / states.len() as f64)
+    }
+
+    /// Kinetic and potential energy of all grains in J.
+    pub fn energy(&mut self) -> Result<f64, VerifyError> {
+        let states = self.states()?;
+        Ok(states
+            .iter()
+            .zip(&self.bodies)
+            .map(|(s, body)| {
+                let Motion::Free { mass, inertia } = body.motion else { return 0.0 };
+                let omega = s.pose.rotation.inverse() * s.angular_velocity;
+                0.5 * mass * s.linear_velocity.norm_squared()
+                    + 0.5 * omega.dot(&inertia.component_mul(&omega))
+                    + mass * GRAVITY * s.pose.translation.z
+            })
+            .sum())
+    }
+
+    /// The grains as they are now.
+    pub fn as_now(&mut self) -> Result<Vec<Body>, VerifyError> {
+        let states = self.states()?;
+        let bodies = self.bodies.iter().zip(states);
+        Ok(bodies.map(|(body, state)| Body { state, ..body.clone() }).collect())
+    }
+}
+
+pub(super) fn mass(body: &Body) -> f64 {
+    match body.motion {
+        Motion::Free { mass, .. } => mass,
+        _ => 0.0,
+    }
+}
+
+/// Vertices of a shape at a pose.
+pub(super) fn corners<'a>(
+    shape: &'a ConvexPolyhedron,
+    pose: &'a Pose,
+) -> impl Iterator<Item = Vector> + 'a {
+    shape.vertices().iter().map(move |v| (pose * v).coords)
+}
+
+fn laid_out(set: &GrainSet) -> Vec<Body> {
+    let reach = set.largest_bounding_radius();
+    let across = (WIDTH / (2.0 * reach)).floor().max(1.0) as usize;
+    let pitch = WIDTH / across as f64;
+    set.grains
+        .iter()
+        .enumerate()
+        .map(|(n, grain)| {
+            let layer = n / (across * across);
+            let (i, j) = (n % across, n / across % across);
+            let centre = |i: usize| (i as f64 + 0.5) * pitch - WIDTH / 2.0;
+            let at = Vector::new(centre(i), centre(j), (2.0 * layer as f64 + 1.0) * reach);
+            let rotation = streams::rotation(&mut streams::stream(SEED, &format!("grain {n}")));
+            grain_body(grain, Pose::from_parts(at.into(), rotation))
+        })
+        .collect()
+}
+
+pub(super) fn packing(
+    bench: &Bench,
+    count: usize,
+    settle: f64,
+    duration: f64,
+    quantity: Quantity,
+) -> Result<Outcome, VerifyError> {
+    match quantity {
+        Quantity::Creep => packing_stability::creep(bench, count, settle, duration),
+        Quantity::Reload => packing_stability::reload(bench, count, settle, duration),
+        Quantity::GrainsKept => packing_stability::shaken(bench, count, settle, duration, true),
+        Quantity::BeyondWalls => packing_stability::shaken(bench, count, settle, duration, false),
+        Quantity::EnergyGain => energy_gain(bench, count, settle),
+        Quantity::OtherOrders => other_orders(bench, count, settle),
+        Quantity::MeanHeight => {
+            let (curve, height) = settled(&mut Heap::new(bench, count, 0, FRICTION)?, settle)?;
+            let mut outcome = Outcome::new("Time (s)", "Mean grain height (mm)");
+            outcome.measured("Engine", curve);
+            Ok(outcome.got(to_mm(height)))
+        }
+    }
+}
+
+/// Lets a heap settle; the mean height in mm over time, and in m at the end.
+fn settled(heap: &mut Heap, settle: f64) -> Result<(Vec<(f64, f64)>, f64), VerifyError> {
+    let steps = heap.scene.steps_in(settle);
+    let mut curve = Vec::new();
+    for n in 1..=steps {
+        heap.scene.step()?;
+        if n % (steps / 300).max(1) == 0 || n == steps {
+            curve.push((heap.scene.time(), to_mm(heap.mean_height()?)));
+        }
+    }
+    Ok((curve, heap.mean_height()?))
+}
+
+/// The heap with the friction of the gravel on every surface.
+pub(super) fn rough(bench: &Bench, count: usize) -> Result<Heap, VerifyError> {
+    Heap::new(bench, count, 0, FRICTION)
+}
+
+/// The same from bodies.
+pub(super) fn rough_of(bench: &Bench, bodies: Vec<Body>) -> Result<Heap, VerifyError> {
+    Heap::of(bench, bodies, FRICTION)
+}
+
+fn energy_gain(bench: &Bench, count: usize, settle: f64) -> Result<Outcome, VerifyError> {
+    let mut heap = rough(bench, count)?;
+    let start = heap.energy()?;
+    let mut outcome = Outcome::new("Time (s)", "Energy of the grains (J)");
+    let (mut curve, mut lowest, mut gain) = (vec![(0.0, start)], start, 0.0_f64);
+    for _ in 0..heap.scene.steps_in(settle) {
+        heap.scene.step()?;
+        let now = heap.energy()?;
+        gain = gain.max(now - lowest);
+        lowest = lowest.min(now);
+        curve.push((heap.scene.time(), now));
+    }
+    outcome.measured("Kinetic and potential", curve);
+    Ok(outcome.got(100.0 * gain / (start - lowest)))
+}
+
+fn other_orders(bench: &Bench, count: usize, settle: f64) -> Result<Outcome, VerifyError> {
+    const ORDERS: u64 = 4;
+    let mut outcome = Outcome::new("Time (s)", "Mean grain height (mm)");
+    let mut heights = Vec::new();
+    for order in 0..=ORDERS {
+        let mut heap = Heap::new(bench, count, order, FRICTION)?;
+        let (curve, height) = settled(&mut heap, settle)?;
+        let name = if order == 0 { "As cut".into() } else { format!("Order {order}") };
+        outcome.measured(name, curve);
+        heights.push(height);
+    }
+    let others = heights[1..].iter().sum::<f64>() / ORDERS as f64;
+    Ok(outcome.got(others / heights[0]))
+}

@@ -1,0 +1,31 @@
+//! The engines and settings on which every case is run.
+
+use crate::scenario::{Backend, EngineSettings};
+use crate::world;
+
+/// An engine with its settings, under a name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Name, as case files use it: the engine, and the rate where it is not
+    /// the default; single precision is named, double is not.
+    pub name: String,
+    /// What the name stands for.
+    pub engine: EngineSettings,
+}
+
+/// The settings of this build: Bullet's own contacts at the default rate and
+/// at twice that.
+pub fn settings() -> Vec<Setting> {
+    let stock = EngineSettings::default();
+    let bullet = match world::info(Backend::Bullet).precision.as_str() {
+        "single" => "bullet-single",
+        _ => "bullet",
+    };
+    vec![
+        Setting { name: bullet.to_owned(), engine: stock.clone() },
+        Setting {
+            name: format!("{bullet}-960"),
+            engine: EngineSettings { rate_hz: 960.0, ..stock },
+        },
+    ]
+}

@@ -1,0 +1,155 @@
+//! The suite: cases times settings, in parallel, into a file and a page.
+
+use std::{
+    path::PathBuf,
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Instant,
+};
+
+use rayon::prelude::*;
+
+use super::{Case, Maker, Setting, Status, Verdict, verify};
+use crate::protocol::Progress;
+use crate::record::{FileError, write_json};
+use crate::report::{LawCase, LawCurve, LawRow, ReportError, write_laws};
+
+/// The suite's name to whoever shows progress.
+const SUITE: u64 = 0;
+
+/// What to run and where to.
+pub struct SuiteOptions {
+    /// The cases.
+    pub cases: Vec<Case>,
+    /// The engines and settings.
+    pub settings: Vec<Setting>,
+    /// Folder for `verify.json`, `report.html` and `figures/`; `None` writes nothing.
+    pub out: Option<PathBuf>,
+    /// Experiments at the same time.
+    pub jobs: usize,
+    /// Becomes true to stop: what is running ends, nothing more begins.
+    pub cancel: Arc<AtomicBool>,
+    /// Told of what goes on.
+    pub progress: Arc<dyn Progress>,
+}
+
+/// Why the suite did not finish.
+#[derive(Debug, thiserror::Error)]
+pub enum SuiteError {
+    /// A file could not be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The page could not be written.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// No threads.
+    #[error("no threads could be started: {0}")]
+    Threads(String),
+    /// Asked to stop.
+    #[error("stopped; nothing of the suite is kept")]
+    Cancelled,
+}
+
+/// Runs every case on every setting; the verdicts, case by case.
+///
+/// # Errors
+/// [`SuiteError`]. A case that fails is no error.
+pub fn run_suite(options: &SuiteOptions, make: Maker) -> Result<Vec<Verdict>, SuiteError> {
+    let todo: Vec<(&Case, &Setting)> =
+        options.cases.iter().flat_map(|c| options.settings.iter().map(move |s| (c, s))).collect();
+    let done: Mutex<Vec<Option<Verdict>>> = Mutex::new(vec![None; todo.len()]);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.jobs.max(1))
+        .build()
+        .map_err(|e| SuiteError::Threads(e.to_string()))?;
+    options.progress.begin_pieces(SUITE, "experiments", todo.len());
+    pool.install(|| {
+        // One at a time from the front: the order of the table is that of the work.
+        todo.par_iter().with_max_len(1).enumerate().for_each(|(index, (case, setting))| {
+            if options.cancel.load(Ordering::Relaxed) {
+                return;
+            }
+            let began = Instant::now();
+            let mut verdict = verify(case, setting, make);
+            verdict.wall_s = began.elapsed().as_secs_f64();
+            let words = in_words(&verdict);
+            let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+            done[index] = Some(verdict);
+            let count = done.iter().flatten().count();
+            options.progress.message(&format!(
+                "{count}/{}  {} on {}: {words}",
+                todo.len(),
+                case.id,
+                setting.name
+            ));
+            options.progress.update(SUITE, count as f64, &case.id);
+        });
+    });
+    options.progress.end_stage(SUITE);
+    let done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let verdicts: Option<Vec<Verdict>> = done.into_iter().collect();
+    let verdicts = verdicts.ok_or(SuiteError::Cancelled)?;
+    if let Some(out) = &options.out {
+        write_json(&out.join("verify.json"), &verdicts)?;
+        write_laws(out, &pages(&options.cases, &verdicts))?;
+    }
+    Ok(verdicts)
+}
+
+fn in_words(verdict: &Verdict) -> String {
+    let got = verdict.got.map_or_else(|| "nothing".to_owned(), |g| format!("{g:.4}"));
+    format!("{}, got {got} {}", verdict.status.words(), verdict.unit)
+}
+
+fn pages(cases: &[Case], verdicts: &[Verdict]) -> Vec<LawCase> {
+    cases
+        .iter()
+        .map(|case| {
+            let of_case: Vec<&Verdict> = verdicts.iter().filter(|v| v.id == case.id).collect();
+            let axes = of_case.iter().find_map(|v| v.outcome.as_ref());
+            LawCase {
+                id: case.id.clone(),
+                title: case.title.clone(),
+                law: case.law.clone(),
+                source: case.source.clone(),
+                quantity: case.quantity.clone(),
+                x: axes.map(|o| o.x.clone()).unwrap_or_default(),
+                y: axes.map(|o| o.y.clone()).unwrap_or_default(),
+                rows: of_case.iter().map(|v| row(v)).collect(),
+                curves: of_case.iter().flat_map(|v| curves(v)).collect(),
+            }
+        })
+        .collect()
+}
+
+fn row(verdict: &Verdict) -> LawRow {
+    LawRow {
+        setting: verdict.setting.clone(),
+        engine: format!("{} {}, {}", verdict.backend, verdict.version, verdict.precision),
+        expected: verdict.expected,
+        got: verdict.got,
+        tolerance: verdict.tolerance,
+        unit: verdict.unit.clone(),
+        verdict: verdict.status.words().to_owned(),
+        met: verdict.pass,
+        as_expected: verdict.status.as_expected(),
+        remarks: verdict.known_reason.iter().chain(&verdict.note).cloned().collect(),
+    }
+}
+
+fn curves(verdict: &Verdict) -> Vec<LawCurve> {
+    let all = verdict.outcome.iter().flat_map(|o| &o.curves);
+    all.map(|c| LawCurve {
+        setting: (!c.law).then(|| verdict.setting.clone()),
+        name: c.name.clone(),
+        points: c.points.clone(),
+    })
+    .collect()
+}
+
+/// How many verdicts have each status.
+pub fn tally(verdicts: &[Verdict], status: Status) -> usize {
+    verdicts.iter().filter(|v| v.status == status).count()
+}

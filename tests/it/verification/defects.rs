@@ -1,0 +1,111 @@
+//! Wrong physics, put between the experiments and the engine.
+
+use pluvia::geometry::{Pose, Vector};
+use pluvia::scenario::EngineSettings;
+use pluvia::world::{
+    Body, BodyId, Contact, EffectiveSettings, Motion, PairCoefficients, PairTable, Snapshot, World,
+    WorldError, create,
+};
+
+/// What is wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Defect {
+    /// Free bodies get the inertia of their bounding box, as engines made for
+    /// games give it.
+    BoundingBoxInertia,
+    /// The coefficients of a pair are multiplied with themselves.
+    ProductRule,
+    /// Friction acts along one direction of the contact plane only.
+    OneFrictionDirection,
+    /// Every free body seems to sink, ever so slowly.
+    Drift,
+}
+
+/// Apparent sinking in m/s: 0.2 mm in 20 s, twice what a packing is allowed.
+const DRIFT: f64 = 2e-4 / 20.0;
+
+/// A maker of worlds with a defect.
+pub fn made_with(
+    defect: Defect,
+) -> impl Fn(&EngineSettings, Vector, &PairTable) -> Result<Box<dyn World + Send>, WorldError> + Sync
+{
+    move |settings, gravity, pairs| {
+        let (mut settings, mut pairs) = (settings.clone(), pairs.clone());
+        if defect == Defect::ProductRule {
+            for pair in pairs.0.iter_mut().flatten() {
+                pair.friction *= pair.friction;
+                pair.restitution *= pair.restitution;
+            }
+        }
+        if defect == Defect::OneFrictionDirection {
+            settings.friction_directions = 1;
+        }
+        let down = gravity.normalize();
+        let inner = create(&settings, gravity, &pairs)?;
+        Ok(Box::new(Defective { inner, defect, down, steps: 0, free: Vec::new() }))
+    }
+}
+
+struct Defective {
+    inner: Box<dyn World + Send>,
+    defect: Defect,
+    down: Vector,
+    steps: u32,
+    free: Vec<bool>,
+}
+
+impl World for Defective {
+    fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
+        let mut body = body.clone();
+        if let (Defect::BoundingBoxInertia, Motion::Free { mass, inertia }) =
+            (self.defect, &mut body.motion)
+        {
+            let (low, high) = body.shape.bounding_box();
+            let s = (high - low).component_mul(&(high - low));
+            *inertia = *mass / 12.0 * Vector::new(s.y + s.z, s.x + s.z, s.x + s.y);
+        }
+        self.free.push(matches!(body.motion, Motion::Free { .. }));
+        self.inner.add(&body)
+    }
+
+    fn remove(&mut self, id: BodyId) -> Result<(), WorldError> {
+        self.inner.remove(id)
+    }
+
+    fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
+        self.inner.drive(id, pose)
+    }
+
+    fn step(&mut self) -> Result<(), WorldError> {
+        self.steps += 1;
+        self.inner.step()
+    }
+
+    fn time_step(&self) -> f64 {
+        self.inner.time_step()
+    }
+
+    fn read(&self, into: &mut Snapshot) {
+        self.inner.read(into);
+        if self.defect == Defect::Drift {
+            let sunk = self.down * (DRIFT * f64::from(self.steps) * self.time_step());
+            for (body, free) in into.iter_mut().zip(&self.free) {
+                if let (Some(state), true) = (body, free) {
+                    state.pose.translation.vector += sunk;
+                }
+            }
+        }
+    }
+
+    fn contacts(&self, into: &mut Vec<Contact>) {
+        self.inner.contacts(into);
+    }
+
+    fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {
+        self.inner.pair_coefficients(a, b)
+    }
+
+    fn effective(&self) -> EffectiveSettings {
+        self.inner.effective()
+    }
+}

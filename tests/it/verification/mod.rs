@@ -1,0 +1,120 @@
+//! Every verification case on every setting of this build, by the same code
+//! as `pluvia verify`; and wrong physics, put in on purpose, that must be found.
+
+mod defects;
+
+use std::sync::{Arc, atomic::AtomicBool};
+
+use defects::{Defect, made_with};
+use pluvia::protocol::Silent;
+use pluvia::verify::{Case, Setting, SuiteOptions, Verdict, builtin, run_suite, settings, verify};
+
+fn case(id: &str) -> Case {
+    let mut cases = builtin().expect("the built-in cases are sound");
+    let at = cases.iter().position(|c| c.id == id).unwrap_or_else(|| panic!("no case {id}"));
+    cases.swap_remove(at)
+}
+
+fn setting(name: &str) -> Setting {
+    let known: Vec<String> = settings().into_iter().map(|s| s.name).collect();
+    settings()
+        .into_iter()
+        .find(|s| s.name == name)
+        .unwrap_or_else(|| panic!("no setting {name} among {known:?}"))
+}
+
+/// What came out otherwise than the case says, one a line.
+fn surprises(verdicts: &[Verdict]) -> String {
+    verdicts
+        .iter()
+        .filter(|v| !v.status.as_expected())
+        .map(|v| {
+            format!(
+                "{} on {}: {}: law {}: expected {} {}, got {:?}, tolerance {} {}\n",
+                v.id,
+                v.setting,
+                v.status.words(),
+                v.law,
+                v.expected,
+                v.unit,
+                v.got,
+                v.tolerance,
+                v.note.as_deref().unwrap_or_default()
+            )
+        })
+        .collect()
+}
+
+#[test]
+fn every_case_comes_out_as_it_says_on_every_setting() {
+    let verdicts = run_suite(
+        &SuiteOptions {
+            cases: builtin().expect("the built-in cases are sound"),
+            settings: settings(),
+            out: None,
+            jobs: std::thread::available_parallelism().map_or(1, usize::from),
+            cancel: Arc::new(AtomicBool::new(false)),
+            progress: Arc::new(Silent),
+        },
+        &pluvia::world::create,
+    )
+    .expect("the suite runs");
+    let surprises = surprises(&verdicts);
+    assert!(surprises.is_empty(), "cases that came out otherwise than they say:\n{surprises}");
+}
+
+#[test]
+fn every_known_failure_names_a_setting_that_exists_somewhere() {
+    // Names of both precisions and of engines that may be left out of a build.
+    let beginnings = ["bullet", "bullet-single", "rapier"];
+    for case in builtin().expect("sound") {
+        for known in &case.known_failures {
+            let name = known.setting.trim_end_matches('*');
+            assert!(
+                beginnings.iter().any(|b| name.starts_with(b)),
+                "{}: `{}` is no setting",
+                case.id,
+                known.setting
+            );
+            assert!(known.reason.len() > 20, "{}: the reason must be said", case.id);
+        }
+    }
+}
+
+/// Expects the case to pass with right physics and to fail with the defect,
+/// on Bullet's own contacts at the default rate or another one.
+fn finds(defect: Defect, id: &str, rate: &str) {
+    // Where single precision is linked, names say so.
+    let single = settings().iter().any(|s| s.name.starts_with("bullet-single"));
+    let name = if single { format!("bullet-single{rate}") } else { format!("bullet{rate}") };
+    let (case, setting) = (case(id), setting(&name));
+    let right = verify(&case, &setting, &pluvia::world::create);
+    assert!(right.pass, "{id} passes with right physics, got {:?} {:?}", right.got, right.note);
+    let wrong = verify(&case, &setting, &made_with(defect));
+    assert!(
+        !wrong.pass,
+        "{id} must find {defect:?}: expected to miss {} ± {}, got {:?}",
+        wrong.expected, wrong.tolerance, wrong.got
+    );
+}
+
+#[test]
+fn the_inertia_of_the_bounding_box_is_found() {
+    finds(Defect::BoundingBoxInertia, "tumbling-momentum", "-960");
+}
+
+#[test]
+fn friction_as_a_product_is_found() {
+    finds(Defect::ProductRule, "slide-pair-friction", "");
+}
+
+#[test]
+fn a_single_friction_direction_is_found() {
+    finds(Defect::OneFrictionDirection, "incline-holds", "");
+}
+
+#[test]
+fn a_drifting_solver_is_found() {
+    finds(Defect::Drift, "cube-rests", "");
+    finds(Defect::Drift, "incline-holds", "");
+}
