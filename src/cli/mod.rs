@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each a function of its arguments
 //! and a [`Context`].
 
+mod compare;
 mod context;
 mod error;
 mod grains;
@@ -22,7 +23,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 done, but verify or --strict found an expectation missed; 2 wrong usage or a fault in
+Exit codes: 0 done; 1 done, but verify, compare or --strict found an expectation missed; 2 wrong usage or a fault in
 the scenario; 3 the simulation failed, its last good state is kept; 4 files could not be read or
 written; 130 stopped by Ctrl-C.
 
@@ -58,6 +59,7 @@ enum Command {
     Reproduce(reproduce::ReproduceArgs),
     Run(run::RunArgs),
     Grains(grains::GrainsArgs),
+    Compare(compare::CompareArgs),
     Verify(verify::VerifyArgs),
     Schema(schema::SchemaArgs),
     Info(info::InfoArgs),
@@ -81,6 +83,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Reproduce(args) => reproduce::run(args, &context),
         Command::Run(args) => run::run(args, &context),
         Command::Grains(args) => grains::run(args, &context),
+        Command::Compare(args) => compare::run(args, &context),
         Command::Verify(args) => verify::run(args, &context),
         Command::Schema(args) => schema::run(args, &context),
         Command::Info(args) => info::run(args, &context),

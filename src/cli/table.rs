@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use crate::record::{Settlement, StandingHeight, Summary};
+use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
 
 /// A length of time for people.
@@ -152,18 +153,47 @@ pub(super) fn of_claims(claims: &[Value]) -> String {
 }
 
 /// Rows of cells in columns of their widest cell.
-fn columns<const N: usize>(rows: &[[String; N]]) -> String {
-    let widths: Vec<usize> = (0..N)
-        .map(|column| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0))
+fn columns<R: AsRef<[String]>>(rows: &[R]) -> String {
+    let count = rows.iter().map(|row| row.as_ref().len()).max().unwrap_or(0);
+    let cell = |row: &R, column: usize| row.as_ref().get(column).map_or(0, |c| c.chars().count());
+    let widths: Vec<usize> = (0..count)
+        .map(|column| rows.iter().map(|row| cell(row, column)).max().unwrap_or(0))
         .collect();
     let mut out = String::new();
     for row in rows {
-        let cells: Vec<String> =
-            row.iter().zip(&widths).map(|(cell, width)| format!("{cell:width$}")).collect();
+        let cells: Vec<String> = row
+            .as_ref()
+            .iter()
+            .zip(&widths)
+            .map(|(cell, width)| format!("{cell:width$}"))
+            .collect();
         out += cells.join("  ").trim_end();
         out.push('\n');
     }
     out
+}
+
+/// The quantities of a comparison, one a line, and what agrees.
+pub(super) fn of_comparison(record: &CompareRecord) -> String {
+    let names: Vec<String> = record.runs.iter().map(|r| r.name.clone()).collect();
+    let mut rows = vec![[vec!["quantity".to_owned()], names, vec!["unit".to_owned()]].concat()];
+    for q in &record.quantities {
+        let values = q.values.iter().map(|v| v.map_or_else(|| "-".to_owned(), three_digits));
+        let verdict = match q.within_band {
+            Some(true) => " (agree)",
+            Some(false) => " (DIFFER)",
+            None => "",
+        };
+        let mut row = vec![q.quantity.clone()];
+        row.extend(values);
+        row.push(format!("{}{verdict}", q.unit));
+        rows.push(row);
+    }
+    let met = |s: &Summary| if s.meets_standard { "met" } else { "NOT met" };
+    let mut row = vec!["accuracy standard".to_owned()];
+    row.extend(record.runs.iter().map(|r| met(&r.summary).to_owned()));
+    rows.push(row);
+    columns(&rows)
 }
 
 /// The verdicts of a verification, one a line, and how many there are of each.

@@ -99,7 +99,7 @@ fn list(items: &[String]) -> Markup {
     html! { ul { @for item in items { li { (glue(item)) } } } }
 }
 
-fn figure_block(figure: &Figure) -> Markup {
+pub(super) fn figure_block(figure: &Figure) -> Markup {
     let file = |extension: &str| format!("figures/{}.{extension}", figure.stem);
     html! {
         figure id=(figure.stem) {

@@ -3,6 +3,7 @@
 
 mod axis;
 mod choices;
+mod comparison;
 mod dash;
 mod figures;
 mod html;
@@ -27,6 +28,7 @@ use crate::{
 };
 
 pub use choices::{Choice, choices};
+pub use comparison::{ComparedQuantity, ComparedRun, Comparison, write_comparison};
 pub use figures::Figure;
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use quality::Standard;

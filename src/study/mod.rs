@@ -1,5 +1,6 @@
 //! Many runs, one answer.
 
+mod compare;
 mod execute;
 mod plan;
 mod presets;
@@ -10,6 +11,7 @@ mod summarise;
 #[cfg(test)]
 mod tests;
 
+pub use compare::{CompareRecord, CompareRun, HEIGHT_BAND, VOID_RATIO_BAND, compare};
 pub use presets::preset;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
 pub use run::{RunOptions, make_grains, run_scenario, write_grains};

@@ -33,6 +33,18 @@ pub struct PlannedRun {
     pub scenario: Scenario,
     /// Its grains, shared by runs that have the same.
     pub grains: Arc<GrainSet>,
+    /// Stages carried out by another engine than the scenario's, for runs that
+    /// begin with a specimen which that one made.
+    pub prepared: Option<Prepared>,
+}
+
+/// The beginning of a run by another engine.
+#[derive(Debug, Clone)]
+pub struct Prepared {
+    /// How many of the first stages.
+    pub stages: usize,
+    /// The engine.
+    pub engine: EngineSettings,
 }
 
 /// One stage of a plan.
@@ -93,6 +105,19 @@ struct Determinants<'a> {
     stage: &'a StageSpec,
 }
 
+/// A scenario with its laboratory built.
+struct Laboratory {
+    scenario: Scenario,
+    setup: Arc<Setup>,
+}
+
+impl Laboratory {
+    fn new(scenario: &Scenario) -> Result<Self, StudyError> {
+        let setup = Arc::new(Setup::new(scenario).map_err(StudyError::apparatus)?);
+        Ok(Self { scenario: scenario.clone(), setup })
+    }
+}
+
 impl Plan {
     /// Plans runs; `grains_hash` names the grains of each.
     ///
@@ -102,17 +127,26 @@ impl Plan {
         let mut plan = Self { nodes: Vec::new(), runs: Vec::new() };
         let mut known: HashMap<String, usize> = HashMap::new();
         for run in runs {
-            let setup = Arc::new(Setup::new(&run.scenario).map_err(StudyError::apparatus)?);
+            let own = Laboratory::new(&run.scenario)?;
+            let other = run.prepared.as_ref().map(|p| {
+                let scenario = Scenario { engine: p.engine.clone(), ..run.scenario.clone() };
+                Ok::<_, StudyError>((p.stages, Laboratory::new(&scenario)?))
+            });
+            let other = other.transpose()?;
+            let by = |index: usize| match &other {
+                Some((stages, laboratory)) if index < *stages => laboratory,
+                _ => &own,
+            };
             let mut parent = None;
             let mut stages = Vec::new();
-            for stage in &run.scenario.stages {
-                let node = plan.add(&mut known, run, &setup, grains_hash, parent, stage);
+            for (index, stage) in run.scenario.stages.iter().enumerate() {
+                let node = plan.add(&mut known, run, by(index), grains_hash, parent, stage);
                 stages.push(node);
                 parent = Some(node);
             }
             let control = (run.scenario.control_s > 0.0).then(|| {
                 let rest = StageSpec::Rest { duration_s: run.scenario.control_s };
-                plan.add(&mut known, run, &setup, grains_hash, parent, &rest)
+                plan.add(&mut known, run, &own, grains_hash, parent, &rest)
             });
             plan.runs.push(RunNodes { stages, control });
         }
@@ -130,22 +164,23 @@ impl Plan {
         &mut self,
         known: &mut HashMap<String, usize>,
         run: &PlannedRun,
-        setup: &Arc<Setup>,
+        laboratory: &Laboratory,
         grains_hash: &str,
         parent: Option<usize>,
         stage: &StageSpec,
     ) -> usize {
+        let scenario = &laboratory.scenario;
         let key = hash_json(&Determinants {
             format: FORMAT,
             version: env!("CARGO_PKG_VERSION"),
-            backend: &crate::world::info(run.scenario.engine.backend),
-            apparatus: &run.scenario.apparatus,
-            contact: &run.scenario.contact,
-            engine: &run.scenario.engine,
-            settle: &run.scenario.settle,
-            gravity_m_per_s2: run.scenario.gravity_m_per_s2,
-            seed: run.scenario.seed,
-            configuration: run.scenario.configuration,
+            backend: &crate::world::info(scenario.engine.backend),
+            apparatus: &scenario.apparatus,
+            contact: &scenario.contact,
+            engine: &scenario.engine,
+            settle: &scenario.settle,
+            gravity_m_per_s2: scenario.gravity_m_per_s2,
+            seed: scenario.seed,
+            configuration: scenario.configuration,
             parent: parent.map_or(grains_hash, |p| &self.nodes[p].key),
             stage,
         });
@@ -157,7 +192,7 @@ impl Plan {
             key: key.clone(),
             parent,
             stage: stage.clone(),
-            setup: setup.clone(),
+            setup: laboratory.setup.clone(),
             grains: run.grains.clone(),
             label: format!("configuration {}, {}", run.scenario.configuration, stage_label(stage)),
             expected,

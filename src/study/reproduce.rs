@@ -9,16 +9,15 @@ use std::{
 
 use super::{
     StudyError,
-    execute::execute,
-    plan::{Plan, PlannedRun},
+    plan::PlannedRun,
     presets::preset,
-    run::{make_grains, write_grains, write_run},
-    summarise::{STANDARD, grains_hash},
+    run::{CarriedOut, RunOptions, carry_out, make_grains, write_grains},
+    summarise::STANDARD,
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution, sieve_size};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
 use crate::protocol::{Progress, table_motion};
-use crate::record::{RunKind, RunRecord, StageStore, create_folder, write_json};
+use crate::record::{RunKind, RunRecord, create_folder, write_json};
 use crate::report::{self, ReportInput, Standard};
 use crate::scenario::{Backend, GrainsSpec, Scenario, StageSpec};
 use crate::units::{to_cm3, to_g, to_mm};
@@ -74,22 +73,15 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     write_grains(&options.out, &scenarios.pluviation, &grains)?;
     let runs = programme(&scenarios, &grains, options.configurations);
-    let plan = Plan::new(&runs, &grains_hash(&grains))?;
-    let store = StageStore::open(&options.out.join("stages"))?;
-    let done = execute(
-        &plan,
-        &store,
-        options.jobs,
-        &crate::world::create,
-        &options.cancel,
-        options.progress.as_ref(),
-    )?;
-    let mut records = Vec::new();
-    for (run, nodes) in runs.iter().zip(&plan.runs) {
-        let folder = options.out.join("runs").join(&run.name);
-        records.push(write_run(&folder, run, &plan, nodes, &done)?);
-    }
-    finish(options, &scenarios, &grains, records, &done[0].record.effective)
+    let how = RunOptions {
+        out: options.out.clone(),
+        jobs: options.jobs,
+        cancel: options.cancel.clone(),
+        progress: options.progress.clone(),
+    };
+    let folder = |run: &PlannedRun| options.out.join("runs").join(&run.name);
+    let CarriedOut { records, effective } = carry_out(&runs, &grains, &how, folder)?;
+    finish(options, &scenarios, &grains, records, &effective)
 }
 
 /// The three scenarios of the programme.
@@ -152,7 +144,7 @@ fn programme(
                     *falling_height_mm = falling_height;
                 }
             }
-            runs.push(PlannedRun { name, kind, scenario, grains: grains.clone() });
+            runs.push(PlannedRun { name, kind, scenario, grains: grains.clone(), prepared: None });
         };
         for height in FALLING_HEIGHTS_MM {
             let name = format!("pluviation-c{configuration}-fh{height:03}");

@@ -20,6 +20,7 @@ use crate::record::{
     to_csv, write_file, write_json,
 };
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
+use crate::world::EffectiveSettings;
 
 /// How to carry out a run.
 pub struct RunOptions {
@@ -48,8 +49,32 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
         kind: kind_of(scenario),
         scenario: scenario.clone(),
         grains: grains.clone(),
+        prepared: None,
     };
-    let plan = Plan::new(std::slice::from_ref(&run), &grains_hash(&grains))?;
+    let record = carry_out(std::slice::from_ref(&run), &grains, options, |_| options.out.clone())?
+        .records
+        .remove(0);
+    crate::report::run_figures(&options.out.join("figures"), &record)?;
+    Ok(record)
+}
+
+/// Runs carried out together.
+pub(super) struct CarriedOut {
+    /// In the order of the runs.
+    pub records: Vec<RunRecord>,
+    /// The engine's settings as read back in the first stage.
+    pub effective: EffectiveSettings,
+}
+
+/// Carries out runs on the same grains, taking from the store in the output
+/// folder what is there, and writes each run's files into its folder.
+pub(super) fn carry_out(
+    runs: &[PlannedRun],
+    grains: &GrainSet,
+    options: &RunOptions,
+    folder: impl Fn(&PlannedRun) -> PathBuf,
+) -> Result<CarriedOut, StudyError> {
+    let plan = Plan::new(runs, &grains_hash(grains))?;
     let store = StageStore::open(&options.out.join("stages"))?;
     let done = execute(
         &plan,
@@ -59,9 +84,13 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
         &options.cancel,
         options.progress.as_ref(),
     )?;
-    let record = write_run(&options.out, &run, &plan, &plan.runs[0], &done)?;
-    crate::report::run_figures(&options.out.join("figures"), &record)?;
-    Ok(record)
+    let records = runs
+        .iter()
+        .zip(&plan.runs)
+        .map(|(run, nodes)| write_run(&folder(run), run, &plan, nodes, &done))
+        .collect::<Result<_, _>>()?;
+    let effective = done.first().map(|d| d.record.effective.clone()).unwrap_or_default();
+    Ok(CarriedOut { records, effective })
 }
 
 /// The grains of a scenario: cut from its sieve data, or read from its file.
@@ -99,7 +128,7 @@ pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(
 }
 
 /// What a scenario is in the paper's programme, by its stages.
-fn kind_of(scenario: &Scenario) -> RunKind {
+pub(super) fn kind_of(scenario: &Scenario) -> RunKind {
     let periods: u32 = scenario
         .stages
         .iter()
@@ -116,7 +145,7 @@ fn kind_of(scenario: &Scenario) -> RunKind {
 }
 
 /// Measures a finished run and writes its files into a folder.
-pub(super) fn write_run(
+fn write_run(
     out: &Path,
     run: &PlannedRun,
     plan: &Plan,

@@ -39,7 +39,7 @@ fn scenario(falling_height_mm: f64) -> Scenario {
 fn planned(scenario: Scenario) -> PlannedRun {
     let GrainsSpec::Sieved(spec) = &scenario.grains else { panic!("sieved") };
     let grains = Arc::new(generate(spec, scenario.seed).expect("grains"));
-    PlannedRun { name: "test".into(), kind: RunKind::Pluviation, scenario, grains }
+    PlannedRun { name: "test".into(), kind: RunKind::Pluviation, scenario, grains, prepared: None }
 }
 
 fn plan(runs: &[PlannedRun]) -> Plan {

@@ -1,6 +1,7 @@
 //! The figures: the paper's, drawn from our runs, and those that show how far
 //! the runs can be trusted.
 
+mod comparison;
 mod grain_size;
 mod laws;
 mod of_run;
@@ -16,6 +17,7 @@ use crate::{
     record::{FileError, create_folder, write_file},
 };
 
+pub(super) use comparison::of_comparison;
 pub(super) use laws::of_law;
 pub(super) use of_run::of_run;
 

@@ -1,0 +1,64 @@
+//! `pluvia compare`.
+
+use std::{path::PathBuf, thread::available_parallelism};
+
+use clap::Args;
+
+use super::{CliError, Context, ExitStatus, output_folder, run::backend, table};
+use crate::scenario::{Backend, Override, load};
+use crate::study::{RunOptions, compare};
+
+/// Carry out one scenario in several engines
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Every engine gets the same grains in the same places; then the specimen of the first is handed to
+the others. Leaves compare.json, report.html, figures/ and runs/ in DIR. Exit code 1 means that the
+engines differ by more than the stated bands. Interrupted, the same command goes on where it
+stopped.
+
+Examples:
+  pluvia compare scenarios/quick/vibration.json --out out/compare
+  pluvia compare scenarios/paper/vibration-continuous.json --backends bullet,rapier --out out/full")]
+pub(super) struct CompareArgs {
+    /// The scenario file
+    #[arg(value_name = "SCENARIO.json")]
+    scenario: PathBuf,
+    /// The engines; the specimen of the first is handed to the others
+    #[arg(long, value_name = "B,B", value_delimiter = ',', default_value = "bullet,rapier",
+          value_parser = backend)]
+    backends: Vec<Backend>,
+    /// Change one value of the scenario (repeatable)
+    #[arg(long, value_name = "path=value")]
+    set: Vec<Override>,
+    /// Stages carried out at the same time [default: the number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Folder for the results; it is made if needed
+    #[arg(long, value_name = "DIR", default_value = "out/compare")]
+    out: PathBuf,
+}
+
+pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let mut distinct = args.backends.clone();
+    distinct.dedup();
+    if distinct.len() < 2 {
+        return Err(CliError::Usage(
+            "--backends needs at least two different engines, as in bullet,rapier".to_owned(),
+        ));
+    }
+    let loaded = load(&args.scenario, &args.set)?;
+    output_folder::prepare(&args.out)?;
+    context.stop_on_ctrl_c();
+    let cores = || available_parallelism().map_or(1, usize::from);
+    let options = RunOptions {
+        out: args.out.clone(),
+        jobs: args.jobs.map_or_else(cores, usize::from),
+        cancel: context.cancel.clone(),
+        progress: context.progress.clone(),
+    };
+    let record = compare(&loaded.scenario, &distinct, &options)?;
+    let mut text = table::of_comparison(&record);
+    text += &format!("report in {}\n", args.out.join("report.html").display());
+    context.print(&text, &record)?;
+    if record.within_bands { Ok(ExitStatus::Done) } else { Ok(ExitStatus::ExpectationMissed) }
+}

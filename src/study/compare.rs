@@ -1,0 +1,302 @@
+//! The same grains and protocol in several engines.
+//!
+//! Every engine carries out the whole scenario from the same grains in the
+//! same places. Then the specimen that the first engine made is handed to the
+//! others for what comes after: the vibration where there is one, else the
+//! no-shake control. So differences of making and differences of carrying on
+//! are told apart.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::{
+    RunOptions, StudyError,
+    plan::{PlannedRun, Prepared},
+    run::{carry_out, kind_of, make_grains, write_grains},
+    summarise::STANDARD,
+};
+use crate::record::{RunRecord, Summary, create_folder, write_json};
+use crate::report::{self, ComparedQuantity, ComparedRun, Comparison, Standard};
+use crate::scenario::{Backend, Scenario, StageSpec};
+use crate::world::BackendInfo;
+
+/// Largest difference of standing height between two engines that is not a
+/// finding, as a fraction of the height: pours of a few hundred grains differ
+/// by up to 4 % from one mixing to the next, of 1456 grains by about 1 %
+/// (both measured), and 5 % is beyond both.
+pub const HEIGHT_BAND: f64 = 0.05;
+
+/// The same for the void ratio, which is height over the height of the solids
+/// less one: 5 % of the height are 0.05 (1 + e), 0.1 for e near 0.95.
+pub const VOID_RATIO_BAND: f64 = 0.1;
+
+/// `compare.json`.
+#[derive(Debug, Clone, Serialize)]
+pub struct CompareRecord {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// The engines, the first one's specimen being handed on.
+    pub backends: Vec<BackendInfo>,
+    /// Stages of the scenario carried out before the specimen is handed on.
+    pub handed_on_after_stages: usize,
+    /// One entry a run.
+    pub runs: Vec<CompareRun>,
+    /// One entry a quantity: the first engine's value and the others'.
+    pub quantities: Vec<ComparedQuantity>,
+    /// Whether every quantity with a band lies within it.
+    pub within_bands: bool,
+}
+
+/// One run of a comparison.
+#[derive(Debug, Clone, Serialize)]
+pub struct CompareRun {
+    /// Its name, also of its folder.
+    pub name: String,
+    /// The engine that carried it out, or its last part.
+    pub backend: String,
+    /// The engine that made the specimen it began with; null when it made its own.
+    pub specimen_by: Option<String>,
+    /// Wall time over simulated time.
+    pub wall_s_per_simulated_s: f64,
+    /// Its figures.
+    pub summary: Summary,
+}
+
+/// Carries out a comparison and writes `compare.json`, `report.html`,
+/// `figures/` and `runs/<name>/`.
+///
+/// # Errors
+/// [`StudyError`].
+pub fn compare(
+    scenario: &Scenario,
+    backends: &[Backend],
+    options: &RunOptions,
+) -> Result<CompareRecord, StudyError> {
+    create_folder(&options.out)?;
+    let grains = Arc::new(make_grains(scenario)?);
+    write_grains(&options.out, scenario, &grains)?;
+    let handed_on = scenario
+        .stages
+        .iter()
+        .position(|s| matches!(s, StageSpec::Vibrate { .. }))
+        .unwrap_or(scenario.stages.len());
+    let runs = planned(scenario, backends, &grains, handed_on);
+    let folder = |run: &PlannedRun| options.out.join("runs").join(&run.name);
+    let records = carry_out(&runs, &grains, options, folder)?.records;
+    for record in &records {
+        let folder = options.out.join("runs").join(&record.name).join("figures");
+        report::run_figures(&folder, record)?;
+    }
+    let compared: Vec<ComparedRun> = runs
+        .iter()
+        .zip(&records)
+        .map(|(run, record)| ComparedRun {
+            backend: name(run.scenario.engine.backend),
+            specimen_by: run.prepared.as_ref().map(|p| name(p.engine.backend)),
+            record: record.clone(),
+        })
+        .collect();
+    let quantities = quantities(&compared);
+    let within = quantities.iter().all(|q| q.within_band != Some(false));
+    let record = CompareRecord {
+        scenario: scenario.name.clone(),
+        backends: backends.iter().map(|b| crate::world::info(*b)).collect(),
+        handed_on_after_stages: handed_on,
+        runs: compared.iter().map(compare_run).collect(),
+        quantities: quantities.clone(),
+        within_bands: within,
+    };
+    write_json(&options.out.join("compare.json"), &record)?;
+    let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
+    report::write_comparison(
+        &options.out,
+        &Comparison {
+            scenario: scenario.name.clone(),
+            engines: record.backends.clone(),
+            vibrated: handed_on < scenario.stages.len(),
+            standard: Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s },
+            runs: compared,
+            quantities,
+        },
+    )?;
+    Ok(record)
+}
+
+fn name(backend: Backend) -> String {
+    crate::world::info(backend).name
+}
+
+fn planned(
+    scenario: &Scenario,
+    backends: &[Backend],
+    grains: &Arc<crate::grains::GrainSet>,
+    handed_on: usize,
+) -> Vec<PlannedRun> {
+    let with = |backend: Backend| {
+        let mut scenario = scenario.clone();
+        scenario.engine.backend = backend;
+        scenario
+    };
+    let run = |name: String, scenario, prepared| PlannedRun {
+        name,
+        kind: kind_of(&scenario),
+        scenario,
+        grains: grains.clone(),
+        prepared,
+    };
+    let mut runs: Vec<PlannedRun> =
+        backends.iter().map(|b| run(name(*b), with(*b), None)).collect();
+    if let Some((first, others)) = backends.split_first() {
+        let engine = with(*first).engine;
+        runs.extend(others.iter().map(|other| {
+            let title = format!("{}-from-{}-specimen", name(*other), name(*first));
+            let prepared = Prepared { stages: handed_on, engine: engine.clone() };
+            run(title, with(*other), Some(prepared))
+        }));
+    }
+    runs
+}
+
+fn wall_per_simulated(record: &RunRecord) -> f64 {
+    record.summary.wall_s / record.summary.simulated_s
+}
+
+fn compare_run(run: &ComparedRun) -> CompareRun {
+    CompareRun {
+        name: run.record.name.clone(),
+        backend: run.backend.clone(),
+        specimen_by: run.specimen_by.clone(),
+        wall_s_per_simulated_s: wall_per_simulated(&run.record),
+        summary: run.record.summary.clone(),
+    }
+}
+
+/// What is compared: name, unit, value of a run, and the band relative to the
+/// first engine's value, or absolute.
+struct Compared {
+    name: &'static str,
+    unit: &'static str,
+    value: fn(&RunRecord) -> Option<f64>,
+    band: Option<Band>,
+}
+
+enum Band {
+    Relative(f64),
+    Absolute(f64),
+}
+
+const QUANTITIES: [Compared; 13] = [
+    Compared {
+        name: "standing height after pouring, mean surface",
+        unit: "mm",
+        value: |r| {
+            let s = &r.summary;
+            Some(s.poured_height_mm.unwrap_or(s.standing_height_mm).mean_surface)
+        },
+        band: Some(Band::Relative(HEIGHT_BAND)),
+    },
+    Compared {
+        name: "void ratio after pouring",
+        unit: "",
+        value: |r| Some(r.summary.poured_void_ratio.unwrap_or(r.summary.void_ratio)),
+        band: Some(Band::Absolute(VOID_RATIO_BAND)),
+    },
+    Compared {
+        name: "standing height at the end, mean surface",
+        unit: "mm",
+        value: |r| Some(r.summary.standing_height_mm.mean_surface),
+        band: None,
+    },
+    Compared {
+        name: "void ratio at the end",
+        unit: "",
+        value: |r| Some(r.summary.void_ratio),
+        band: None,
+    },
+    Compared {
+        name: "settlement of the plate",
+        unit: "mm",
+        value: |r| r.summary.settlement_mm.as_ref().map(|s| s.final_mm),
+        band: None,
+    },
+    Compared {
+        name: "settlement of the surface",
+        unit: "mm",
+        value: |r| r.summary.surface_settlement_mm.as_ref().map(|s| s.final_mm),
+        band: None,
+    },
+    Compared {
+        name: "overlap, mean",
+        unit: "%",
+        value: |r| Some(r.summary.overlap.mean_percent),
+        band: None,
+    },
+    Compared {
+        name: "overlap, 99th percentile",
+        unit: "%",
+        value: |r| Some(r.summary.overlap.p99_percent),
+        band: None,
+    },
+    Compared {
+        name: "creep at rest",
+        unit: "µm/s",
+        value: |r| r.summary.creep_um_per_s,
+        band: None,
+    },
+    Compared {
+        name: "coordination number",
+        unit: "",
+        value: |r| Some(r.summary.coordination_number),
+        band: None,
+    },
+    Compared {
+        name: "grains in the cylinder",
+        unit: "",
+        value: |r| Some(r.summary.grains.in_cylinder as f64),
+        band: None,
+    },
+    Compared {
+        name: "grains through a wall",
+        unit: "",
+        value: |r| Some(r.summary.grains.escaped as f64),
+        band: None,
+    },
+    Compared {
+        name: "wall time per simulated second",
+        unit: "s",
+        value: |r| Some(wall_per_simulated(r)),
+        band: None,
+    },
+];
+
+fn quantities(runs: &[ComparedRun]) -> Vec<ComparedQuantity> {
+    QUANTITIES
+        .iter()
+        .map(|q| {
+            let values: Vec<Option<f64>> = runs.iter().map(|r| (q.value)(&r.record)).collect();
+            // A band holds between engines that made their own specimen.
+            let own: Vec<f64> = runs
+                .iter()
+                .zip(&values)
+                .filter(|(r, _)| r.specimen_by.is_none())
+                .filter_map(|(_, v)| *v)
+                .collect();
+            let band = match (&q.band, own.first()) {
+                (Some(Band::Relative(share)), Some(first)) => Some(share * first),
+                (Some(Band::Absolute(band)), _) => Some(*band),
+                _ => None,
+            };
+            let within = band.zip(own.split_first()).map(|(band, (first, others))| {
+                others.iter().all(|other| (other - first).abs() <= band)
+            });
+            ComparedQuantity {
+                quantity: q.name.to_owned(),
+                unit: q.unit.to_owned(),
+                values,
+                band,
+                within_band: within,
+            }
+        })
+        .collect()
+}
