@@ -79,6 +79,10 @@ pub struct RapierSettings {
     /// Solve friction also while overlaps are pushed apart, not only in the
     /// relaxing sweeps.
     pub friction_while_correcting: bool,
+    /// Clip contacts against the four corners that span a face. `false`, the
+    /// collision library's own: against the first four it has stored, which
+    /// leaves what lies on the rest of the face rocking on one point.
+    pub spanned_faces: bool,
     /// Keep the contact points of pairs that hardly moved.
     pub contact_recycling: bool,
     /// Relative movement in mm up to which they are kept. Smaller: contacts
@@ -103,6 +107,7 @@ impl Default for RapierSettings {
             corrective_speed_m_per_s: 3.0,
             friction_model: FrictionModel::Coulomb,
             friction_while_correcting: false,
+            spanned_faces: true,
             contact_recycling: true,
             recycling_distance_mm: 0.1,
         }

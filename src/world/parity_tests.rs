@@ -311,8 +311,7 @@ fn contacts_carry_the_weight_and_hold_by_friction() {
         }
         let force = total / (f64::from(count) * world.time_step());
         let expected = -gravity * mass(&body);
-        for (axis, (expected, got)) in
-            ["x", "y", "z"].iter().zip(expected.iter().zip(force.iter()))
+        for (axis, (expected, got)) in ["x", "y", "z"].iter().zip(expected.iter().zip(force.iter()))
         {
             // A hundredth of the weight: the block rocks by its own jitter.
             let tolerance = 0.01 * mass(&body) * 9.81;

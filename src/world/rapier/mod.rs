@@ -5,9 +5,7 @@
 //! apart through a damped spring, moves the bodies, and takes the speed of
 //! that pushing away again. Contacts are found once a step by the collision
 //! library parry: GJK and EPA give the normal, and the faces most against it
-//! are clipped. Of a face parry takes four corners at most (0.31,
-//! `ConvexPolyhedron::local_support_feature`), so that on larger faces some
-//! points of a manifold are missing; the deepest never is.
+//! are clipped, by four corners each that `manifolds` chooses.
 //!
 //! Bodies do not sleep, nothing is damped unless asked for, there is no
 //! continuous collision detection, and rotation is as fast as it comes. The
@@ -16,6 +14,7 @@
 
 mod contacts;
 mod convert;
+mod manifolds;
 mod pairs;
 mod settings;
 #[cfg(test)]
@@ -25,7 +24,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use rapier3d_f64::prelude::{
     ColliderBuilder, ColliderHandle, Group, InteractionGroups, InteractionTestMode, MassProperties,
-    PhysicsWorld, RigidBody, RigidBodyBuilder, RigidBodyHandle, SharedShape,
+    NarrowPhase, PhysicsWorld, RigidBody, RigidBodyBuilder, RigidBodyHandle, SharedShape,
 };
 
 use super::{
@@ -92,6 +91,11 @@ impl RapierBackend {
         let world = PhysicsWorld {
             gravity: units.length(&gravity),
             integration_parameters: settings::integration_parameters(settings, units)?,
+            narrow_phase: if settings.rapier.spanned_faces {
+                NarrowPhase::with_query_dispatcher(manifolds::SpannedFaces)
+            } else {
+                NarrowPhase::new()
+            },
             ..PhysicsWorld::new()
         };
         Ok(Self {
@@ -109,10 +113,7 @@ impl RapierBackend {
     }
 
     fn present(&self, id: BodyId) -> Result<&Present, WorldError> {
-        self.bodies
-            .get(id.0 as usize)
-            .and_then(Option::as_ref)
-            .ok_or(WorldError::NoSuchBody(id))
+        self.bodies.get(id.0 as usize).and_then(Option::as_ref).ok_or(WorldError::NoSuchBody(id))
     }
 
     fn shape(&mut self, shape: &Arc<ConvexPolyhedron>) -> Result<SharedShape, WorldError> {

@@ -61,7 +61,8 @@ impl Pairs {
             if material == Material::Wall && other == Material::Wall {
                 return false;
             }
-            let (a, b, exact) = (self.own(material), self.own(other), self.table.get(material, other));
+            let (a, b, exact) =
+                (self.own(material), self.own(other), self.table.get(material, other));
             let off = |a: f64, b: f64, exact: f64| ((a + b) / 2.0 - exact).abs() > ROUNDING;
             off(a.friction, b.friction, exact.friction)
                 || off(a.restitution, b.restitution, exact.restitution)
@@ -131,7 +132,8 @@ impl Pairs {
 
 impl PhysicsHooks for Pairs {
     fn modify_solver_contacts(&self, context: &mut ContactModificationContext) {
-        let (a, b) = (context.colliders.get(context.collider1), context.colliders.get(context.collider2));
+        let (a, b) =
+            (context.colliders.get(context.collider1), context.colliders.get(context.collider2));
         let exact = a.zip(b).and_then(|(a, b)| self.exact(a, b));
         if let (Some(exact), Some(manifold)) = (exact, context.rigid_mut()) {
             *manifold.friction = exact.friction;

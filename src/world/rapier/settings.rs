@@ -79,16 +79,11 @@ pub(super) fn integration_parameters(
         })
     };
     let prediction = from_mm(positive("rapier.prediction_mm", r.prediction_mm)?);
-    let correction =
-        positive("rapier.corrective_speed_m_per_s", r.corrective_speed_m_per_s)?;
+    let correction = positive("rapier.corrective_speed_m_per_s", r.corrective_speed_m_per_s)?;
     let recycling = from_mm(positive("rapier.recycling_distance_mm", r.recycling_distance_mm)?);
     Ok(IntegrationParameters {
         dt,
-        contact_softness: spring(
-            "contact",
-            r.contact_frequency_hz,
-            r.contact_damping_ratio,
-        )?,
+        contact_softness: spring("contact", r.contact_frequency_hz, r.contact_damping_ratio)?,
         static_contact_softness: spring(
             "wall_contact",
             r.wall_contact_frequency_hz,
