@@ -6,10 +6,9 @@ use clap::Args;
 use serde::Serialize;
 
 use super::{CliError, Context, ExitStatus};
-use crate::scenario::Backend;
 use crate::world::{self, BackendInfo};
 
-/// Print versions, Bullet's version and precision, features, number of cores
+/// Print versions, the engines with their precision, features, number of cores
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Example:
@@ -35,9 +34,12 @@ pub(super) fn run(_: &InfoArgs, context: &Context) -> Result<ExitStatus, CliErro
     if cfg!(feature = "double-precision") {
         features.push("double-precision");
     }
+    if cfg!(feature = "rapier") {
+        features.push("rapier");
+    }
     let info = Info {
         pluvia: env!("CARGO_PKG_VERSION"),
-        backends: vec![world::info(Backend::Bullet)],
+        backends: world::built_in().iter().map(|&backend| world::info(backend)).collect(),
         features,
         target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
         cores: available_parallelism().map_or(1, usize::from),

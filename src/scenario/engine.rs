@@ -1,7 +1,9 @@
 //! Engine settings as a person types them.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, ser};
+
+use super::RapierSettings;
 
 /// Which physics engine carries the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -9,6 +11,8 @@ use serde::{Deserialize, Serialize};
 pub enum Backend {
     /// Debian's Bullet.
     Bullet,
+    /// The Rust engine rapier, for comparison.
+    Rapier,
 }
 
 /// Who finds the contacts and who solves them.
@@ -22,7 +26,7 @@ pub enum ContactPath {
 /// Settings of the engine. Nothing is inherited silently: every value is set
 /// and read back into the manifest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, remote = "Self")]
 pub struct EngineSettings {
     /// The physics engine.
     pub backend: Backend,
@@ -65,6 +69,33 @@ pub struct EngineSettings {
     pub angular_damping: f64,
     /// Integrate the gyroscopic term of the rotation of uneven bodies.
     pub gyroscopic: bool,
+    /// What only rapier asks for.
+    pub rapier: RapierSettings,
+}
+
+// Serde's derive makes inherent functions for `remote = "Self"`, which these
+// traits call.
+impl<'de> Deserialize<'de> for EngineSettings {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::deserialize(deserializer)
+    }
+}
+
+/// Rapier's settings are left out where Bullet carries the grains and they
+/// are the defaults: stored stages are found again by what is written here,
+/// and what Bullet computes does not depend on them.
+impl Serialize for EngineSettings {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let written = Self::serialize(self, serde_json::value::Serializer);
+        let mut written = written.map_err(ser::Error::custom)?;
+        if self.backend == Backend::Bullet
+            && self.rapier == RapierSettings::default()
+            && let Some(fields) = written.as_object_mut()
+        {
+            fields.shift_remove("rapier");
+        }
+        written.serialize(serializer)
+    }
 }
 
 impl Default for EngineSettings {
@@ -84,6 +115,48 @@ impl Default for EngineSettings {
             linear_damping: 0.0,
             angular_damping: 0.0,
             gyroscopic: true,
+            rapier: RapierSettings::default(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As the version before rapier wrote the defaults: stages that it stored
+    /// are found by these bytes.
+    const BULLET_DEFAULTS: &str = "{\"backend\":\"bullet\",\"contact_path\":\"bullet\",\
+        \"rate_hz\":480.0,\"iterations\":20,\"length_scale\":100.0,\"friction_directions\":2,\
+        \"contact_threshold_mm\":1.0,\"error_reduction\":0.2,\"warm_start\":0.85,\
+        \"split_impulse\":false,\"restitution_velocity_threshold_m_per_s\":0.002,\
+        \"linear_damping\":0.0,\"angular_damping\":0.0,\"gyroscopic\":true}";
+
+    fn written(settings: &EngineSettings) -> String {
+        serde_json::to_string(settings).expect("settings have JSON")
+    }
+
+    #[test]
+    fn settings_of_bullet_are_written_as_before_rapier() {
+        assert_eq!(
+            written(&EngineSettings::default()),
+            BULLET_DEFAULTS,
+            "law: rapier's default settings change nothing in what is written for Bullet"
+        );
+    }
+
+    #[test]
+    fn settings_of_rapier_are_written_where_they_matter() {
+        let rapier = EngineSettings { backend: Backend::Rapier, ..Default::default() };
+        let chosen = RapierSettings { substeps: 17, ..Default::default() };
+        let bullet = EngineSettings { rapier: chosen, ..Default::default() };
+        for settings in [rapier, bullet] {
+            let text = written(&settings);
+            assert!(text.contains("\"rapier\":{"), "expected rapier's settings, got {text}");
+            let back: EngineSettings = serde_json::from_str(&text).expect("they can be read");
+            assert_eq!(back, settings, "law: settings come back as they were written");
+        }
+        let unknown = serde_json::from_str::<EngineSettings>("{\"rapier\":{\"speed\":1}}");
+        assert!(unknown.is_err(), "a field that rapier does not have is refused");
     }
 }

@@ -10,6 +10,7 @@ mod engine;
 mod fault;
 mod load;
 mod overrides;
+mod rapier;
 mod schema;
 mod source;
 mod stages;
@@ -21,6 +22,7 @@ pub use engine::{Backend, ContactPath, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
 pub use load::{Loaded, check, load};
 pub use overrides::{NotAnOverride, Override};
+pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
 pub use stages::{StageSpec, StrokeReading};
 

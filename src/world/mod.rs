@@ -6,6 +6,10 @@
 
 pub mod bullet;
 mod guard;
+#[cfg(test)]
+mod parity_tests;
+#[cfg(feature = "rapier")]
+pub mod rapier;
 pub mod scripted;
 
 #[cfg(test)]
@@ -17,6 +21,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::scenario::{Backend, EngineSettings};
 
 /// What a surface is made of; the pair of two materials decides friction and restitution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -233,22 +238,46 @@ pub struct BackendInfo {
 /// Makes an empty world of the engine that the settings name; gravity in m/s².
 ///
 /// # Errors
-/// [`WorldError::BadSetting`] and [`WorldError::Engine`] as the engine has it.
+/// [`WorldError::BadSetting`] and [`WorldError::Engine`] as the engine has it;
+/// [`WorldError::BadSetting`] also for an engine this program was built without.
 pub fn create(
-    settings: &crate::scenario::EngineSettings,
+    settings: &EngineSettings,
     gravity: Vector,
     pairs: &PairTable,
 ) -> Result<Box<dyn World + Send>, WorldError> {
     match settings.backend {
-        crate::scenario::Backend::Bullet => {
-            Ok(Box::new(bullet::BulletBackend::new(settings, gravity, pairs)?))
-        }
+        Backend::Bullet => Ok(Box::new(bullet::BulletBackend::new(settings, gravity, pairs)?)),
+        #[cfg(feature = "rapier")]
+        Backend::Rapier => Ok(Box::new(rapier::RapierBackend::new(settings, gravity, pairs)?)),
+        #[cfg(not(feature = "rapier"))]
+        Backend::Rapier => Err(WorldError::BadSetting {
+            setting: "backend".into(),
+            reason: "this program was built without rapier; build it with the feature of that \
+                     name, which is on by default: cargo build --release --features rapier"
+                .into(),
+        }),
     }
 }
 
 /// Name, version and precision of an engine.
-pub fn info(backend: crate::scenario::Backend) -> BackendInfo {
+pub fn info(backend: Backend) -> BackendInfo {
     match backend {
-        crate::scenario::Backend::Bullet => bullet::info(),
+        Backend::Bullet => bullet::info(),
+        #[cfg(feature = "rapier")]
+        Backend::Rapier => rapier::info(),
+        #[cfg(not(feature = "rapier"))]
+        Backend::Rapier => BackendInfo {
+            name: "rapier".into(),
+            version: "not built in".into(),
+            precision: "none".into(),
+        },
     }
+}
+
+/// The engines this program was built with; the first is the default.
+pub fn built_in() -> &'static [Backend] {
+    #[cfg(feature = "rapier")]
+    return &[Backend::Bullet, Backend::Rapier];
+    #[cfg(not(feature = "rapier"))]
+    &[Backend::Bullet]
 }

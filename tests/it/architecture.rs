@@ -35,7 +35,9 @@ const SAME_ROW: [(&str, &str); 6] = [
 
 /// The only place for `unsafe`, for cxx and for Bullet's own names.
 const ENGINE_FOLDER: &str = "src/world/bullet/";
-/// The one file outside that may name what the engine's folder offers.
+/// The only place for rapier's own names.
+const RAPIER_FOLDER: &str = "src/world/rapier/";
+/// The one file outside that may name what the engines' folders offer.
 const SEAM: &str = "src/world/mod.rs";
 
 const LONGEST_RUST_FILE: usize = 500;
@@ -50,6 +52,7 @@ fn faults(path: &str, text: &str) -> Vec<String> {
     if path.ends_with(".rs") {
         let tokens = tokens(text);
         faults.extend(engine_names(path, &tokens));
+        faults.extend(rapier_names(path, &tokens));
         if path.starts_with("src/") {
             faults.extend(upward_imports(path, &tokens));
             if !text.starts_with("//!") {
@@ -104,6 +107,32 @@ fn engine_names(path: &str, tokens: &[Token]) -> Vec<String> {
         }
     }
     faults
+}
+
+/// Rapier is an ordinary crate: its names are those that come from its two
+/// crates, and the backend's.
+fn rapier_names(path: &str, tokens: &[Token]) -> Vec<String> {
+    if path.starts_with(RAPIER_FOLDER) {
+        return Vec::new();
+    }
+    let may_name_backend = path == SEAM || !path.starts_with("src/");
+    let foreign = |text: &str| {
+        text.starts_with("rapier3d")
+            || text.starts_with("parry3d")
+            || !may_name_backend && text.starts_with("RapierBackend")
+    };
+    let followed = |i: usize, next: &str| tokens.get(i + 1).is_some_and(|t| t.text == next);
+    let path_to_backend = |i: usize| {
+        let after_world = i >= 2 && tokens[i - 1].text == "::" && tokens[i - 2].text == "world";
+        tokens[i].text == "rapier" && followed(i, "::") && after_world
+    };
+    (0..tokens.len())
+        .filter(|&i| foreign(&tokens[i].text) || !may_name_backend && path_to_backend(i))
+        .map(|i| {
+            let Token { text, line, .. } = &tokens[i];
+            format!("{path}:{line}: `{text}` belongs under {RAPIER_FOLDER}")
+        })
+        .collect()
 }
 
 fn capital_follows(word: &str, prefix: &str) -> bool {
@@ -281,6 +310,24 @@ mod tests {
         }
         // What a person chooses in a scenario is no engine's name.
         expect(0, "src/study/mod.rs", "fn f() { (Backend::Bullet, bt, \"bullet\"); /* unsafe */ }");
+    }
+
+    #[test]
+    fn rapiers_names_stay_in_its_folder() {
+        for code in ["use rapier3d_f64::prelude::*;", "fn f(s: parry3d_f64::shape::Ball) {}"] {
+            expect(0, "src/world/rapier/mod.rs", code);
+            expect(1, "src/world/mod.rs", code);
+            expect(1, "src/world/bullet/mod.rs", code);
+            expect(1, "src/scenario/rapier.rs", code);
+            expect(1, "tests/it/main.rs", code);
+        }
+        for code in ["use crate::world::rapier::info;", "fn f(world: RapierBackend) {}"] {
+            expect(0, "src/world/mod.rs", code);
+            expect(1, "src/protocol/mod.rs", code);
+        }
+        // What a person chooses in a scenario is no engine's name.
+        expect(0, "src/study/mod.rs", "fn f(e: &E) { (Backend::Rapier, e.rapier, \"rapier\"); }");
+        expect(0, "src/scenario/mod.rs", "mod rapier; pub use rapier::RapierSettings;");
     }
 
     #[test]

@@ -1,0 +1,115 @@
+//! Settings of the rapier engine as a person types them.
+//!
+//! Rapier's own defaults are made for bodies of a metre: with them, grains of
+//! 10 mm sink into each other. Every default here is set for such grains;
+//! `docs/parameters.md` holds what was measured.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How rapier resists sliding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FrictionModel {
+    /// Coulomb friction at every contact point.
+    Coulomb,
+    /// One friction constraint and one against twisting for all points of a
+    /// pair of bodies: faster, and exact only where one point bears the load.
+    Simplified,
+}
+
+/// What only rapier asks for. `rate_hz`, `gyroscopic` and the dampings of the
+/// engine settings apply to it too; `iterations` and the other fields there
+/// are Bullet's.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RapierSettings {
+    /// Sub-steps into which the solver divides a step (rapier's
+    /// `num_solver_iterations`); contacts are found once a step. Fewer:
+    /// contacts give way; more: slower, in proportion.
+    #[schemars(range(min = 1, max = 1000))]
+    pub substeps: u32,
+    /// Sweeps over all contacts a sub-step that push overlaps apart
+    /// (`num_internal_pgs_iterations`). Fewer: loads take longer to get
+    /// through the packing; more: slower.
+    #[schemars(range(min = 1, max = 1000))]
+    pub sweeps: u32,
+    /// Sweeps a sub-step that take the speed of that pushing away again and
+    /// solve friction (`num_internal_stabilization_iterations`). 0: pushing
+    /// apart leaves speed behind, which shakes the packing; more: slower.
+    #[schemars(range(min = 0, max = 1000))]
+    pub relaxing_sweeps: u32,
+    /// Natural frequency of the spring in a contact between free bodies, in
+    /// Hz. Lower: a body at rest sinks by g/(2πf)² for each layer above it;
+    /// higher than about half the rate of the sub-steps: no stiffer.
+    #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 1e6))]
+    pub contact_frequency_hz: f64,
+    /// Damping ratio of that spring. Lower: overlaps are pushed apart faster
+    /// than they were made; higher: slower, so that they last.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub contact_damping_ratio: f64,
+    /// Natural frequency of the spring in a contact with a body at rest for
+    /// ever (walls and floor that are not driven), in Hz.
+    #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 1e6))]
+    pub wall_contact_frequency_hz: f64,
+    /// Damping ratio of that spring.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub wall_contact_damping_ratio: f64,
+    /// Share of the last step's impulses, of friction too, with which the
+    /// solver starts. Lower: each step forgets the forces of the last, and
+    /// the packing creeps.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub warm_start: f64,
+    /// Length of one engine unit in mm. The collision library has tolerances
+    /// in engine units: it keeps contact points that shifted by up to a
+    /// thousandth of a unit. Longer: stale contacts; shorter: contacts are
+    /// found anew for nothing.
+    #[schemars(range(min = 0.01, max = 100_000.0))]
+    pub engine_unit_mm: f64,
+    /// Gap in mm up to which contacts are prepared in advance. Smaller:
+    /// grains sink in before they are met; larger: more contacts, slower.
+    #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 1000.0))]
+    pub prediction_mm: f64,
+    /// Largest speed in m/s at which an overlap is pushed apart. Lower:
+    /// overlaps made by impacts last; higher: they burst.
+    #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 1000.0))]
+    pub corrective_speed_m_per_s: f64,
+    /// How sliding is resisted.
+    pub friction_model: FrictionModel,
+    /// Solve friction also while overlaps are pushed apart, not only in the
+    /// relaxing sweeps.
+    pub friction_while_correcting: bool,
+    /// Clip contacts against the four corners that span a face. `false`, the
+    /// collision library's own: against the first four it has stored, which
+    /// leaves what lies on the rest of the face rocking on one point.
+    pub spanned_faces: bool,
+    /// Keep the contact points of pairs that hardly moved.
+    pub contact_recycling: bool,
+    /// Relative movement in mm up to which they are kept. Smaller: contacts
+    /// are found anew more often, which is slower; larger: they are stale.
+    #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 1000.0))]
+    pub recycling_distance_mm: f64,
+}
+
+impl Default for RapierSettings {
+    fn default() -> Self {
+        Self {
+            substeps: 4,
+            sweeps: 1,
+            relaxing_sweeps: 1,
+            contact_frequency_hz: 300.0,
+            contact_damping_ratio: 1.0,
+            wall_contact_frequency_hz: 600.0,
+            wall_contact_damping_ratio: 1.0,
+            warm_start: 1.0,
+            engine_unit_mm: 10.0,
+            prediction_mm: 1.0,
+            corrective_speed_m_per_s: 3.0,
+            friction_model: FrictionModel::Coulomb,
+            friction_while_correcting: false,
+            spanned_faces: true,
+            contact_recycling: true,
+            recycling_distance_mm: 0.1,
+        }
+    }
+}

@@ -1,0 +1,461 @@
+//! Laws that every engine has to keep: one body of code, run over all of
+//! them, operation by operation.
+
+use std::sync::Arc;
+
+use nalgebra::UnitQuaternion;
+
+use super::*;
+use crate::geometry::MassProperties;
+
+const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
+
+/// An engine under test.
+struct Engine {
+    backend: Backend,
+    settings: EngineSettings,
+}
+
+/// Runs a test over all engines that are built in.
+fn each(test: impl Fn(&Engine)) {
+    // Bullet holds settings for the whole process: take a turn with those who
+    // use the defaults.
+    let _turn = shared_turn();
+    for &backend in built_in() {
+        test(&Engine { backend, settings: EngineSettings { backend, ..Default::default() } });
+    }
+}
+
+impl Engine {
+    fn world(&self, table: &PairTable) -> Box<dyn World + Send> {
+        self.world_under(GRAVITY, table)
+    }
+
+    fn world_under(&self, gravity: Vector, table: &PairTable) -> Box<dyn World + Send> {
+        create(&self.settings, gravity, table).expect("a world")
+    }
+
+    /// Bullet moves bodies once a step, rapier once a sub-step.
+    fn moves_a_step(&self) -> u32 {
+        match self.backend {
+            Backend::Bullet => 1,
+            Backend::Rapier => self.settings.rapier.substeps,
+        }
+    }
+
+    /// `double` where rounding is that of double precision, else `single`.
+    fn precision(&self, double: f64, single: f64) -> f64 {
+        if info(self.backend).precision == "double" { double } else { single }
+    }
+
+    /// Fails unless `got` is within `tolerance` of `expected`.
+    fn expect(&self, law: &str, expected: f64, got: f64, tolerance: f64) {
+        assert!(
+            (got - expected).abs() <= tolerance,
+            "{:?}, law: {law}: expected {expected}, got {got}, tolerance {tolerance}",
+            self.backend
+        );
+    }
+}
+
+fn uniform(friction: f64, restitution: f64) -> PairTable {
+    PairTable::uniform(PairCoefficients { friction, restitution })
+}
+
+fn free_box(sides: Vector, at: Vector) -> Body {
+    let shape = ConvexPolyhedron::cuboid(sides).expect("a box");
+    let properties = MassProperties::of(&shape);
+    let density = 2673.9;
+    Body {
+        shape: Arc::new(shape),
+        motion: Motion::Free {
+            mass: density * properties.volume,
+            inertia: properties.inertia_per_density.diagonal() * density,
+        },
+        material: Material::Grain,
+        state: BodyState::at_rest(Pose::from_parts(at.into(), UnitQuaternion::identity())),
+    }
+}
+
+/// A slab whose upper face is the plane z = 0.
+fn slab(motion: Motion) -> Body {
+    let shape = ConvexPolyhedron::cuboid(Vector::new(0.4, 0.4, 0.02)).expect("a slab");
+    Body {
+        shape: Arc::new(shape),
+        motion,
+        material: Material::Wall,
+        state: BodyState::at_rest(Pose::translation(0.0, 0.0, -0.01)),
+    }
+}
+
+fn mass(body: &Body) -> f64 {
+    let Motion::Free { mass, .. } = body.motion else { panic!("a free body") };
+    mass
+}
+
+fn state(world: &dyn World, id: BodyId) -> BodyState {
+    let mut snapshot = Snapshot::new();
+    world.read(&mut snapshot);
+    snapshot[id.0 as usize].expect("a body")
+}
+
+fn steps(world: &mut dyn World, count: u32) {
+    for _ in 0..count {
+        world.step().expect("a step");
+    }
+}
+
+#[test]
+fn every_pair_has_the_coefficients_of_the_table() {
+    use Material::{Grain, Plate, Wall};
+    // No rule that combines one value of each body gives this table.
+    let pairs = [
+        (Grain, Grain, 0.793, 0.315),
+        (Grain, Wall, 0.2, 0.9),
+        (Grain, Plate, 0.6, 0.0),
+        (Wall, Plate, 0.05, 0.55),
+        (Plate, Plate, 1.3, 0.7),
+    ];
+    let mut table = uniform(0.0, 0.0);
+    for (a, b, friction, restitution) in pairs {
+        table.set(a, b, PairCoefficients { friction, restitution });
+    }
+    each(|engine| {
+        for touching in [false, true] {
+            for (first, second, friction, restitution) in pairs {
+                let mut world = engine.world_under(Vector::zeros(), &table);
+                let motion = |m| if m == Wall { Some(Motion::Static) } else { None };
+                let mut add = |material, x: f64| {
+                    let mut body = free_box(Vector::repeat(0.01), Vector::new(x, 0.0, 0.0));
+                    body.material = material;
+                    body.motion = motion(material).unwrap_or(body.motion);
+                    world.add(&body).expect("added")
+                };
+                let distance = if touching { 0.00999 } else { 1.0 };
+                let (a, b) = (add(first, 0.0), add(second, distance));
+                world.step().expect("a step");
+                let mut contacts = Vec::new();
+                world.contacts(&mut contacts);
+                assert_eq!(!contacts.is_empty(), touching, "{:?} finds contacts", engine.backend);
+                // Rounding of an average of two numbers near one.
+                let tolerance = engine.precision(1e-15, 1e-7);
+                for (a, b) in [(a, b), (b, a)] {
+                    let got = world.pair_coefficients(a, b).expect("both are there");
+                    let law = |what| {
+                        format!("{what} of {first:?} on {second:?}, touching: {touching}, is typed")
+                    };
+                    engine.expect(&law("friction"), friction, got.friction, tolerance);
+                    engine.expect(&law("restitution"), restitution, got.restitution, tolerance);
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn pairs_that_cannot_be_are_refused() {
+    each(|engine| {
+        for (friction, restitution) in [(-0.1, 0.0), (f64::NAN, 0.0), (0.5, 1.1), (0.5, -0.1)] {
+            let made = create(&engine.settings, GRAVITY, &uniform(friction, restitution));
+            assert!(
+                matches!(made, Err(WorldError::BadSetting { .. })),
+                "{:?} must refuse friction {friction}, restitution {restitution}",
+                engine.backend
+            );
+        }
+    });
+}
+
+#[test]
+fn a_body_falls_as_the_discrete_solution_says() {
+    each(|engine| {
+        let mut world = engine.world(&uniform(0.5, 0.0));
+        let body = free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 5.0));
+        let id = world.add(&body).expect("added");
+        let count = 240;
+        steps(world.as_mut(), count);
+        let moves = f64::from(count * engine.moves_a_step());
+        let dt = world.time_step() / f64::from(engine.moves_a_step());
+        engine.expect(
+            "semi-implicit Euler, z0 - g dt² n (n+1) / 2",
+            5.0 - 9.81 * dt * dt * moves * (moves + 1.0) / 2.0,
+            state(world.as_ref(), id).pose.translation.z,
+            engine.precision(1e-12, 2e-5),
+        );
+    });
+}
+
+#[test]
+fn a_driven_wall_gives_its_velocity_to_what_lies_on_it() {
+    each(|engine| {
+        let mut world = engine.world(&uniform(0.5, 0.0));
+        let table = world.add(&slab(Motion::Driven)).expect("added");
+        let body = free_box(Vector::new(0.02, 0.02, 0.01), Vector::new(0.0, 0.0, 0.005));
+        let grain = world.add(&body).expect("added");
+        let velocity = Vector::new(0.1, 0.0, 0.05);
+        let dt = world.time_step();
+        for step in 1..=480 {
+            let at = velocity * (dt * f64::from(step)) - Vector::z() * 0.01;
+            world.drive(table, &Pose::translation(at.x, at.y, at.z)).expect("driven");
+            world.step().expect("a step");
+        }
+        let time = 480.0 * dt;
+        let (table_at, grain_now) =
+            (state(world.as_ref(), table).pose, state(world.as_ref(), grain));
+        let exact = engine.precision(1e-12, 1e-6);
+        engine.expect("driven along x", velocity.x * time, table_at.translation.x, exact);
+        engine.expect("driven along z", velocity.z * time - 0.01, table_at.translation.z, exact);
+        // What the solver leaves at a contact: below 1 % of the speed.
+        engine.expect("carried by friction", velocity.x, grain_now.linear_velocity.x, 1e-3);
+        engine.expect("lifted by the contact", velocity.z, grain_now.linear_velocity.z, 1e-3);
+        // The blow that lifts it, w in speed, gives it μ w along the table at
+        // once; it then slides until it has the table's speed, by
+        // (v - μ w)² / 2μg, give or take a step's way.
+        let slid = velocity.x * time - grain_now.pose.translation.x;
+        let behind = velocity.x - 0.5 * velocity.z;
+        let expected = behind * behind / (2.0 * 0.5 * 9.81);
+        engine.expect("slides until it is caught", expected, slid, velocity.x * dt);
+        // Nothing drives it any more: it stays, and so does what lies on it.
+        steps(world.as_mut(), 240);
+        engine.expect(
+            "a driven body stays where it was driven",
+            velocity.x * time,
+            state(world.as_ref(), table).pose.translation.x,
+            exact,
+        );
+        let speed = state(world.as_ref(), grain).linear_velocity.norm();
+        engine.expect("and holds what lies on it", 0.0, speed, 1e-3);
+    });
+}
+
+#[test]
+fn a_sliding_block_stops_by_coulombs_law() {
+    each(|engine| {
+        for heading in [0.0, 0.4, 0.8_f64] {
+            let (friction, speed) = (0.5, 0.5);
+            let fast = EngineSettings { rate_hz: 1920.0, ..engine.settings.clone() };
+            let mut world = create(&fast, GRAVITY, &uniform(friction, 0.0)).expect("a world");
+            world.add(&slab(Motion::Static)).expect("added");
+            let mut body = free_box(Vector::new(0.03, 0.03, 0.01), Vector::new(0.0, 0.0, 0.005));
+            let direction = Vector::new(heading.cos(), heading.sin(), 0.0);
+            body.state.linear_velocity = direction * speed;
+            let block = world.add(&body).expect("added");
+            steps(world.as_mut(), 960);
+            let end = state(world.as_ref(), block);
+            let way = end.pose.translation.vector;
+            // The speed falls in steps: the way is off by half a step's. The
+            // first contacts bear more or less than the weight until the
+            // block has sunk in: another step's way and a half.
+            let step = 2.0 * speed * world.time_step();
+            engine.expect(
+                &format!("stops after v²/2μg, heading {heading}"),
+                speed * speed / (2.0 * friction * 9.81),
+                way.dot(&direction),
+                step,
+            );
+            let aside = Vector::z().cross(&direction).dot(&way);
+            engine.expect(&format!("straight on, heading {heading}"), 0.0, aside, step);
+            engine.expect("and rests", 0.0, end.linear_velocity.norm(), 1e-3);
+        }
+    });
+}
+
+#[test]
+fn a_body_rebounds_with_the_pairs_restitution() {
+    each(|engine| {
+        let (restitution, impact) = (0.5, 1.0);
+        let mut world = engine.world_under(Vector::zeros(), &uniform(0.5, restitution));
+        world.add(&slab(Motion::Static)).expect("added");
+        let mut body = free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.0251));
+        body.state.linear_velocity.z = -impact;
+        let grain = world.add(&body).expect("added");
+        steps(world.as_mut(), 48);
+        let got = state(world.as_ref(), grain).linear_velocity.z / impact;
+        // Bullet lets a body that comes near close the gap in one step and
+        // takes restitution from what is left of the approach: up to one
+        // step's way over the gap at which contacts are made too much or too
+        // little. Rapier takes the speed of approach itself, and sweeps once
+        // over the four corners, of which the later take from the earlier.
+        let tolerance = match engine.backend {
+            Backend::Bullet => 0.25,
+            Backend::Rapier => 0.02,
+        };
+        engine.expect("rebounds at e times the speed", restitution, got, tolerance);
+    });
+}
+
+#[test]
+fn contacts_carry_the_weight_and_hold_by_friction() {
+    each(|engine| {
+        // On a slope of 20°, told by gravity; tan 20° = 0.364 < 0.5.
+        let slope = 20_f64.to_radians();
+        let gravity = Vector::new(slope.sin(), 0.0, -slope.cos()) * 9.81;
+        let mut world = engine.world_under(gravity, &uniform(0.5, 0.0));
+        let floor = world.add(&slab(Motion::Static)).expect("added");
+        let body = free_box(Vector::repeat(0.02), Vector::new(0.0, 0.0, 0.01));
+        let grain = world.add(&body).expect("added");
+        let (mut contacts, mut total, count) = (Vec::new(), Vector::zeros(), 480);
+        steps(world.as_mut(), count);
+        for _ in 0..count {
+            world.step().expect("a step");
+            world.contacts(&mut contacts);
+            for c in &contacts {
+                assert!([c.a, c.b].contains(&floor) && [c.a, c.b].contains(&grain), "{c:?}");
+                let on_grain = if c.a == grain { 1.0 } else { -1.0 };
+                total += c.impulse * on_grain;
+                engine.expect("the normal points from b to a", 1.0, c.normal.z * on_grain, 1e-6);
+                // A cube's contacts lie below it, hardly sunk in: 1 % of it.
+                engine.expect("the point is on the floor", 0.0, c.point.z, 2e-4);
+                engine.expect("the gap is small", 0.0, c.gap, 2e-4);
+            }
+        }
+        let force = total / (f64::from(count) * world.time_step());
+        let expected = -gravity * mass(&body);
+        for (axis, (expected, got)) in ["x", "y", "z"].iter().zip(expected.iter().zip(force.iter()))
+        {
+            // A hundredth of the weight: the block rocks by its own jitter.
+            let tolerance = 0.01 * mass(&body) * 9.81;
+            engine.expect(&format!("floor force along {axis}"), *expected, *got, tolerance);
+        }
+        // Creep down the slope, if there is any, is not friction's failure.
+        let way = state(world.as_ref(), grain).pose.translation.x;
+        engine.expect("and the block stays", 0.0, way, 1e-3);
+    });
+}
+
+#[test]
+fn an_uneven_body_keeps_its_angular_momentum() {
+    // It does only if the engine holds the inertia it was given, in the right
+    // axes, and has the gyroscopic term.
+    each(|engine| {
+        let mut engine = Engine { backend: engine.backend, settings: engine.settings.clone() };
+        engine.settings.rate_hz = 1000.0;
+        let mut world = engine.world_under(Vector::zeros(), &uniform(0.5, 0.0));
+        let mut body = free_box(Vector::new(0.01, 0.014, 0.02), Vector::zeros());
+        body.state.angular_velocity = Vector::new(5.0, 30.0, 3.0);
+        let Motion::Free { inertia, .. } = body.motion else { panic!("free") };
+        let momentum = |s: &BodyState| {
+            let own = s.pose.rotation.inverse() * s.angular_velocity;
+            s.pose.rotation * inertia.component_mul(&own)
+        };
+        let id = world.add(&body).expect("added");
+        let before = momentum(&body.state);
+        steps(world.as_mut(), 500);
+        let after = momentum(&state(world.as_ref(), id));
+        // A first-order integration turns by half a step too much or too
+        // little: |ω| dt = 3 %, and it stays below that.
+        let drift = (after - before).norm() / before.norm();
+        engine.expect("angular momentum is constant (drift)", 0.0, drift, 0.02);
+    });
+}
+
+#[test]
+fn walls_do_not_meet_each_other() {
+    each(|engine| {
+        let mut world = engine.world(&uniform(0.5, 0.0));
+        for motion in [Motion::Static, Motion::Driven, Motion::Static] {
+            world.add(&slab(motion)).expect("added");
+        }
+        steps(world.as_mut(), 10);
+        let mut contacts = Vec::new();
+        world.contacts(&mut contacts);
+        assert!(contacts.is_empty(), "{:?}: walls meet: {contacts:?}", engine.backend);
+    });
+}
+
+#[test]
+fn a_removed_body_is_gone_and_its_number_stays_unused() {
+    each(|engine| {
+        let mut world = engine.world(&uniform(0.5, 0.0));
+        let floor = world.add(&slab(Motion::Static)).expect("added");
+        let body = |z| free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, z));
+        let first = world.add(&body(0.005)).expect("added");
+        steps(world.as_mut(), 48);
+        let high = state(world.as_ref(), first).pose.translation.z;
+        engine.expect("the floor holds the body", 0.005, high, 1e-4);
+        world.remove(floor).expect("removed");
+        steps(world.as_mut(), 48);
+        let fallen = state(world.as_ref(), first).pose.translation.z;
+        // 0.1 s of free fall, plus or minus a step.
+        engine.expect("without it the body falls by g t²/2", 0.005 - 0.049, fallen, 0.003);
+        let mut contacts = Vec::new();
+        world.contacts(&mut contacts);
+        assert!(contacts.is_empty(), "{:?}: no contacts are left", engine.backend);
+
+        let second = world.add(&body(0.1)).expect("added");
+        assert_eq!(second, BodyId(2), "{:?}: numbers go on", engine.backend);
+        let mut snapshot = Snapshot::new();
+        world.read(&mut snapshot);
+        let present: Vec<bool> = snapshot.iter().map(Option::is_some).collect();
+        assert_eq!(present, [false, true, true], "{:?}", engine.backend);
+        assert!(matches!(world.remove(floor), Err(WorldError::NoSuchBody(id)) if id == floor));
+        let nowhere = Pose::identity();
+        assert!(matches!(world.drive(second, &nowhere), Err(WorldError::NotDriven(_))));
+        assert!(matches!(world.drive(BodyId(9), &nowhere), Err(WorldError::NoSuchBody(_))));
+        assert!(world.pair_coefficients(floor, second).is_err());
+    });
+}
+
+#[test]
+fn bad_bodies_and_settings_are_refused() {
+    each(|engine| {
+        let mut world = engine.world(&uniform(0.5, 0.0));
+        type Change = fn(&mut Body);
+        let changes: [Change; 5] = [
+            |b| b.state.linear_velocity.x = f64::NAN,
+            |b| b.state.pose.translation.vector.y = f64::INFINITY,
+            |b| b.motion = Motion::Free { mass: 0.0, inertia: Vector::repeat(1.0) },
+            |b| b.motion = Motion::Free { mass: f64::NAN, inertia: Vector::repeat(1.0) },
+            |b| b.motion = Motion::Free { mass: 1.0, inertia: Vector::new(1.0, 0.0, 1.0) },
+        ];
+        for (number, change) in changes.iter().enumerate() {
+            let mut bad = free_box(Vector::repeat(0.01), Vector::zeros());
+            change(&mut bad);
+            assert!(
+                matches!(world.add(&bad), Err(WorldError::BadBody { .. })),
+                "{:?} must refuse bad body {number}",
+                engine.backend
+            );
+        }
+        let good = world.add(&free_box(Vector::repeat(0.01), Vector::zeros())).expect("added");
+        assert_eq!(good, BodyId(0), "{:?}: a refused body takes no number", engine.backend);
+        let bad = EngineSettings { rate_hz: 0.0, ..engine.settings.clone() };
+        let made = create(&bad, GRAVITY, &uniform(0.5, 0.0));
+        assert!(matches!(made, Err(WorldError::BadSetting { .. })), "{:?}", engine.backend);
+        let sideways = Vector::new(f64::NAN, 0.0, 0.0);
+        let made = create(&engine.settings, sideways, &uniform(0.5, 0.0));
+        assert!(matches!(made, Err(WorldError::BadSetting { .. })), "{:?}", engine.backend);
+    });
+}
+
+#[test]
+fn the_same_input_gives_the_same_bits_on_any_thread() {
+    each(|engine| {
+        let tumble = || {
+            let mut world = engine.world(&uniform(0.5, 0.3));
+            world.add(&slab(Motion::Static)).expect("added");
+            let ids: Vec<_> = (0..8)
+                .map(|i| {
+                    let i = f64::from(i);
+                    let at = Vector::new(0.001 * i, 0.0, 0.03 + 0.025 * i);
+                    let mut body = free_box(Vector::new(0.01, 0.013, 0.016), at);
+                    body.state.angular_velocity = Vector::new(3.0, i, 1.0);
+                    world.add(&body).expect("added")
+                })
+                .collect();
+            steps(world.as_mut(), 480);
+            ids.into_iter().map(|id| state(world.as_ref(), id)).collect::<Vec<_>>()
+        };
+        let alone = tumble();
+        let (one, two) = std::thread::scope(|scope| {
+            let (one, two) = (scope.spawn(tumble), scope.spawn(tumble));
+            (one.join().expect("no panic"), two.join().expect("no panic"))
+        });
+        assert!(alone == one && alone == two, "{:?}: same input, same bits", engine.backend);
+        assert!(
+            alone.iter().all(|s| s.pose.translation.z > 0.0),
+            "{:?}: the slab holds them all",
+            engine.backend
+        );
+    });
+}

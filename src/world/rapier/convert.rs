@@ -1,0 +1,80 @@
+//! Between SI in nalgebra's types and engine units in rapier's.
+
+use std::sync::Arc;
+
+use nalgebra::{Quaternion, UnitQuaternion};
+use rapier3d_f64::{math, prelude::SharedShape};
+
+use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+
+/// The length of an engine unit. Mass stays in kg and time in s, so that
+/// speed, acceleration and impulse scale like length, inertia like its square.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Units {
+    /// Engine units in a metre.
+    per_metre: f64,
+}
+
+impl Units {
+    pub(super) fn new(per_metre: f64) -> Self {
+        Self { per_metre }
+    }
+
+    pub(super) fn per_metre(self) -> f64 {
+        self.per_metre
+    }
+
+    /// A length, or what scales like one, to engine units.
+    pub(super) fn length(self, metres: &Vector) -> math::Vector {
+        vector(&(metres * self.per_metre))
+    }
+
+    pub(super) fn inertia(self, si: &Vector) -> math::Vector {
+        vector(&(si * (self.per_metre * self.per_metre)))
+    }
+
+    pub(super) fn pose(self, pose: &Pose) -> math::Pose {
+        let q = pose.rotation.coords;
+        math::Pose::from_parts(
+            self.length(&pose.translation.vector),
+            math::Rotation::from_xyzw(q.x, q.y, q.z, q.w),
+        )
+    }
+
+    /// A length, or what scales like one, from engine units.
+    pub(super) fn metres(self, units: math::Vector) -> Vector {
+        plain(units) / self.per_metre
+    }
+
+    pub(super) fn metres_pose(self, pose: &math::Pose) -> Pose {
+        let q = pose.rotation;
+        Pose::from_parts(
+            self.metres(pose.translation).into(),
+            UnitQuaternion::new_normalize(Quaternion::new(q.w, q.x, q.y, q.z)),
+        )
+    }
+}
+
+/// A vector as it is, to rapier's type.
+pub(super) fn vector(v: &Vector) -> math::Vector {
+    math::Vector::new(v.x, v.y, v.z)
+}
+
+/// A vector as it is, from rapier's type.
+pub(super) fn plain(v: math::Vector) -> Vector {
+    Vector::new(v.x, v.y, v.z)
+}
+
+/// The polyhedron in engine units; `None` where parry's own checks fail.
+///
+/// Its faces are given as fans of triangles, which parry joins again where
+/// their normals agree to 1.7e-4 rad (`from_convex_mesh`, 0.31).
+pub(super) fn shape(units: Units, polyhedron: &Arc<ConvexPolyhedron>) -> Option<SharedShape> {
+    let points = polyhedron.vertices().iter().map(|p| units.length(&p.coords)).collect();
+    let triangles: Vec<[u32; 3]> = polyhedron
+        .faces()
+        .iter()
+        .flat_map(|face| face[1..].windows(2).map(|pair| [face[0], pair[0], pair[1]]))
+        .collect();
+    SharedShape::convex_mesh(points, &triangles)
+}
