@@ -275,18 +275,21 @@ EdgeContact edge_contact(const HullData &a, int edge_a, const HullData &b, int e
     pose.apply(local, from_b);
     vertex(b, ends_b.to, local);
     pose.apply(local, to_b);
-    // The points of two skew lines that face each other (Ericson, "Real-Time
-    // Collision Detection", 2005, section 5.1.8), moved to the ends if beyond.
+    // Where two segments come closest (Ericson, "Real-Time Collision
+    // Detection", 2005, section 5.1.9): the points of the lines that face each
+    // other, moved to the ends where they lie beyond, one after the other, so
+    // that edges that are nearly parallel meet beside each other.
     double apart[3], span_a[3], span_b[3], turned[3];
     minus(from_b, from_a, apart);
     minus(to_a, from_a, span_a);
     minus(to_b, from_b, span_b);
+    const double length_a = std::max(0.0, dot(span_a, along_a));
+    const double length_b = std::max(0.0, dot(span_b, along_b));
+    const double cosine = dot(along_a, along_b);
     cross(apart, along_b, turned);
-    double at_a = dot(turned, n) / square;
-    cross(apart, along_a, turned);
-    double at_b = dot(turned, n) / square;
-    at_a = std::clamp(at_a, 0.0, std::max(0.0, dot(span_a, along_a)));
-    at_b = std::clamp(at_b, 0.0, std::max(0.0, dot(span_b, along_b)));
+    double at_a = std::clamp(dot(turned, n) / square, 0.0, length_a);
+    const double at_b = std::clamp(at_a * cosine - dot(apart, along_b), 0.0, length_b);
+    at_a = std::clamp(at_b * cosine + dot(apart, along_a), 0.0, length_a);
     for (int i = 0; i < 3; ++i) {
         out.axis[i] = n[i] / length;
         out.on_a[i] = from_a[i] + at_a * along_a[i];

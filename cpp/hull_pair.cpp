@@ -206,11 +206,7 @@ class Pair {
         out_.count = 1;
         pose_a_.turn(edge.axis, out_.normal);
         PairPoint &point = out_.points[0];
-        // On A straight below the point on B, also where the edges do not
-        // quite face each other.
-        for (int i = 0; i < 3; ++i) {
-            point.on_a[i] = edge.on_b[i] - edge.gap * edge.axis[i];
-        }
+        std::copy(edge.on_a, edge.on_a + 3, point.on_a);
         b_to_a_.inverse().apply(edge.on_b, point.on_b);
         point.gap = edge.gap;
         point.id = FROM_EDGES | (static_cast<std::uint32_t>(memory_.first) & 0x3fffU) << 14 |
