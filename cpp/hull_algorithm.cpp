@@ -47,11 +47,9 @@ btScalar match_distance(double scale) { return static_cast<btScalar>(MATCH * sca
 void collide_into(HullCollision &shared, const HullData &a, const HullData &b,
                   const btTransform &pose_a, const btTransform &pose_b, PairMemory &memory,
                   btPersistentManifold &manifold) {
-    std::uint32_t known[4];
-    const int known_count = held_ids(manifold, known);
     PairContact contact;
-    collide(*shared.kernels, a, b, rigid(pose_a), rigid(pose_b), shared.settings, known,
-            known_count, memory, shared.scratch, contact);
+    collide(*shared.kernels, a, b, rigid(pose_a), rigid(pose_b), shared.settings, memory,
+            shared.scratch, contact);
     write_manifold(contact, pose_a, pose_b, shared.match, manifold);
 }
 
@@ -71,11 +69,9 @@ void HullAlgorithm::processCollision(const btCollisionObjectWrapper *a,
     const auto &hull_b = static_cast<const TightHull *>(b->getCollisionShape())->data();
     const btTransform &pose_a = a->getWorldTransform();
     const btTransform &pose_b = b->getWorldTransform();
-    std::uint32_t known[4];
-    const int known_count = manifold_ != nullptr ? held_ids(*manifold_, known) : 0;
     PairContact contact;
-    collide(*shared_.kernels, hull_a, hull_b, rigid(pose_a), rigid(pose_b), shared_.settings, known,
-            known_count, memory_, shared_.scratch, contact);
+    collide(*shared_.kernels, hull_a, hull_b, rigid(pose_a), rigid(pose_b), shared_.settings,
+            memory_, shared_.scratch, contact);
     if (contact.count == 0) {
         release();
         return;

@@ -83,7 +83,7 @@ Rigid Rigid::between(const Rigid &from, const Rigid &to) {
     return out;
 }
 
-int incident_face(const HullData &incident, const double normal[3], int before, double slack) {
+Incident incident_face(const HullData &incident, const double normal[3], int before, double slack) {
     const auto height = [&](int v) {
         return normal[0] * incident.vx[v] + normal[1] * incident.vy[v] + normal[2] * incident.vz[v];
     };
@@ -105,11 +105,11 @@ int incident_face(const HullData &incident, const double normal[3], int before, 
     if (before >= 0 && before != best && facing(before) <= facing(best) + OPPOSITE_SLACK) {
         for (int k = incident.loop_start[before]; k < incident.loop_start[before + 1]; ++k) {
             if (height(incident.loop_vertex[k]) <= low + slack) {
-                return before;
+                return {before, low};
             }
         }
     }
-    return best;
+    return {best, low};
 }
 
 void clip_face(const HullData &reference, int reference_face, const HullData &incident,

@@ -54,12 +54,16 @@ struct ClipScratch {
     std::vector<ClipPoint> points;
 };
 
-// The face of `incident` that meets a reference face with outward normal
-// `normal` (in the frame of `incident`): of the faces around its lowest vertex
-// the one that looks most against the normal. `before` (-1: none), the one of
-// the last step, is kept while it is nearly as good: its lowest corner not
-// `slack` higher, its direction not much less opposite.
-int incident_face(const HullData &incident, const double normal[3], int before, double slack);
+// The face of a hull that meets a reference face with outward normal `normal`
+// (in the frame of `incident`): of the faces around its lowest vertex the one
+// that looks most against the normal. `before` (-1: none), the one of the last
+// step, is kept while it is nearly as good: its lowest corner not `slack`
+// higher, its direction not much less opposite.
+struct Incident {
+    int face;
+    double lowest; // of the whole hull along the normal
+};
+Incident incident_face(const HullData &incident, const double normal[3], int before, double slack);
 
 // Fills `scratch.points` with all corners of the incident face inside the
 // sides of the reference face that are at most `reach` above it. `pose` leads

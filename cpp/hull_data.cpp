@@ -82,6 +82,7 @@ HullData::HullData(const double *coordinates, std::size_t vertex_count,
         vx[v] = static_cast<float>(coordinates[3 * v]);
         vy[v] = static_cast<float>(coordinates[3 * v + 1]);
         vz[v] = static_cast<float>(coordinates[3 * v + 2]);
+        radius = std::max(radius, std::sqrt(vx[v] * vx[v] + vy[v] * vy[v] + vz[v] * vz[v]));
     }
     std::vector<std::vector<std::uint16_t>> around(vertex_count);
     for (std::size_t f = 0; f <= face_count; ++f) {

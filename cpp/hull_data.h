@@ -38,6 +38,7 @@ class HullData {
     int vertices = 0;
     int faces = 0;
     int edges = 0;
+    float radius = 0;      // of the sphere about the origin that holds the hull
     std::size_t bytes = 0; // of the block that holds all arrays
 
     // Vertices; the padding repeats the first.

@@ -16,101 +16,72 @@ btVector3 vector(const double x[3]) {
                      static_cast<btScalar>(x[2]));
 }
 
-// The manifold has no room for a second pool of points: four are copied out.
-struct Old {
-    btVector3 on_a, on_b, normal;
-    btScalar impulse, lateral_1, lateral_2;
-    btVector3 direction_1, direction_2;
-    int id, age;
-    bool free;
+// What a point hands on.
+struct Heritage {
+    btScalar impulse = 0, lateral_1 = 0, lateral_2 = 0;
+    btVector3 direction_1{0, 0, 0}, direction_2{0, 0, 0};
+    int age = 0;
 };
 
-void carry_over(const Old &old, btManifoldPoint &point) {
-    point.m_lifeTime = old.age + 1;
-    const auto cosine = static_cast<double>(old.normal.dot(point.m_normalWorldOnB));
-    if (cosine >= SAME_NORMAL) {
-        point.m_appliedImpulse = old.impulse;
-        point.m_appliedImpulseLateral1 = old.lateral_1;
-        point.m_appliedImpulseLateral2 = old.lateral_2;
-        point.m_lateralFrictionDir1 = old.direction_1;
-        point.m_lateralFrictionDir2 = old.direction_2;
-        return;
+Heritage heritage(const btManifoldPoint &old, const btVector3 &normal) {
+    Heritage out;
+    out.age = old.m_lifeTime + 1;
+    if (static_cast<double>(old.m_normalWorldOnB.dot(normal)) >= SAME_NORMAL) {
+        out.impulse = old.m_appliedImpulse;
+        out.lateral_1 = old.m_appliedImpulseLateral1;
+        out.lateral_2 = old.m_appliedImpulseLateral2;
+        out.direction_1 = old.m_lateralFrictionDir1;
+        out.direction_2 = old.m_lateralFrictionDir2;
+        return out;
     }
-    const btVector3 whole = old.normal * old.impulse + old.direction_1 * old.lateral_1 +
-                            old.direction_2 * old.lateral_2;
-    const btScalar along = whole.dot(point.m_normalWorldOnB);
-    if (along <= 0) {
-        return;
-    }
-    const btVector3 rest = whole - point.m_normalWorldOnB * along;
-    const btScalar size = rest.length();
-    point.m_appliedImpulse = along;
-    if (size > 0) {
-        point.m_lateralFrictionDir1 = rest / size;
-        point.m_lateralFrictionDir2 = point.m_normalWorldOnB.cross(point.m_lateralFrictionDir1);
-        point.m_appliedImpulseLateral1 = size;
-    }
-}
-
-} // namespace
-
-int held_ids(const btPersistentManifold &manifold, std::uint32_t ids[4]) {
-    const int count = manifold.getNumContacts();
-    for (int i = 0; i < count; ++i) {
-        ids[i] = static_cast<std::uint32_t>(manifold.getContactPoint(i).m_index0);
-    }
-    return count;
-}
-
-void write_manifold(const PairContact &contact, const btTransform &pose_a,
-                    const btTransform &pose_b, btScalar match, btPersistentManifold &manifold) {
-    Old old[4];
-    const int held = manifold.getNumContacts();
-    for (int i = 0; i < held; ++i) {
-        const btManifoldPoint &p = manifold.getContactPoint(i);
-        old[i] = {p.m_localPointA,
-                  p.m_localPointB,
-                  p.m_normalWorldOnB,
-                  p.m_appliedImpulse,
-                  p.m_appliedImpulseLateral1,
-                  p.m_appliedImpulseLateral2,
-                  p.m_lateralFrictionDir1,
-                  p.m_lateralFrictionDir2,
-                  p.m_index0,
-                  p.m_lifeTime,
-                  true};
-    }
-    btManifoldPoint fresh[4];
-    bool matched[4] = {false, false, false, false};
-    const btVector3 normal = -vector(contact.normal);
-    for (int i = 0; i < contact.count; ++i) {
-        const PairPoint &from = contact.points[i];
-        fresh[i] = btManifoldPoint(vector(from.on_a), vector(from.on_b), normal,
-                                   static_cast<btScalar>(from.gap));
-        btManifoldPoint &point = fresh[i];
-        point.m_positionWorldOnA = pose_a(point.m_localPointA);
-        point.m_positionWorldOnB = pose_b(point.m_localPointB);
-        point.m_index0 = static_cast<int>(from.id);
-        for (int k = 0; k < held && !matched[i]; ++k) {
-            if (old[k].free && old[k].id == point.m_index0) {
-                carry_over(old[k], point);
-                old[k].free = false;
-                matched[i] = true;
-            }
+    const btVector3 whole = old.m_normalWorldOnB * old.m_appliedImpulse +
+                            old.m_lateralFrictionDir1 * old.m_appliedImpulseLateral1 +
+                            old.m_lateralFrictionDir2 * old.m_appliedImpulseLateral2;
+    const btScalar along = whole.dot(normal);
+    if (along > 0) {
+        const btVector3 rest = whole - normal * along;
+        const btScalar size = rest.length();
+        out.impulse = along;
+        if (size > 0) {
+            out.direction_1 = rest / size;
+            out.direction_2 = normal.cross(out.direction_1);
+            out.lateral_1 = size;
         }
     }
+    return out;
+}
+
+// For each new point the old one that it continues, or -1.
+void match_points(const PairContact &contact, const btPersistentManifold &manifold, btScalar match,
+                  int from[4]) {
+    const int held = manifold.getNumContacts();
+    bool taken[4] = {false, false, false, false};
+    int left = 0;
+    for (int i = 0; i < contact.count; ++i) {
+        from[i] = -1;
+        for (int k = 0; k < held && from[i] < 0; ++k) {
+            if (!taken[k] &&
+                manifold.getContactPoint(k).m_index0 == static_cast<int>(contact.points[i].id)) {
+                from[i] = k;
+                taken[k] = true;
+            }
+        }
+        left += from[i] < 0;
+    }
     // What is left: nearest first, so that the result does not hang on the order.
-    for (;;) {
+    while (left > 0) {
         btScalar nearest = match * match;
         int new_point = -1;
         int old_point = -1;
         for (int i = 0; i < contact.count; ++i) {
             for (int k = 0; k < held; ++k) {
-                if (matched[i] || !old[k].free) {
+                if (from[i] >= 0 || taken[k]) {
                     continue;
                 }
-                const btScalar distance = std::min(old[k].on_a.distance2(fresh[i].m_localPointA),
-                                                   old[k].on_b.distance2(fresh[i].m_localPointB));
+                const btManifoldPoint &old = manifold.getContactPoint(k);
+                const btScalar distance =
+                    std::min(old.m_localPointA.distance2(vector(contact.points[i].on_a)),
+                             old.m_localPointB.distance2(vector(contact.points[i].on_b)));
                 if (distance < nearest) {
                     nearest = distance;
                     new_point = i;
@@ -119,11 +90,50 @@ void write_manifold(const PairContact &contact, const btTransform &pose_a,
             }
         }
         if (new_point < 0) {
-            break;
+            return;
         }
-        carry_over(old[old_point], fresh[new_point]);
-        old[old_point].free = false;
-        matched[new_point] = true;
+        from[new_point] = old_point;
+        taken[old_point] = true;
+        --left;
+    }
+}
+
+// Where each new point goes: to the place of the old one if there is room.
+void assign_places(const int from[4], int count, int place[4]) {
+    bool used[4] = {false, false, false, false};
+    for (int i = 0; i < count; ++i) {
+        place[i] = from[i] >= 0 && from[i] < count ? from[i] : -1;
+        if (place[i] >= 0) {
+            used[place[i]] = true;
+        }
+    }
+    int next = 0;
+    for (int i = 0; i < count; ++i) {
+        if (place[i] < 0) {
+            while (used[next]) {
+                ++next;
+            }
+            place[i] = next;
+            used[next] = true;
+        }
+    }
+}
+
+} // namespace
+
+void write_manifold(const PairContact &contact, const btTransform &pose_a,
+                    const btTransform &pose_b, btScalar match, btPersistentManifold &manifold) {
+    int from[4];
+    int place[4];
+    match_points(contact, manifold, match, from);
+    assign_places(from, contact.count, place);
+    const btVector3 normal = -vector(contact.normal);
+    // All of it before the first point is overwritten.
+    Heritage heritages[4];
+    for (int i = 0; i < contact.count; ++i) {
+        if (from[i] >= 0) {
+            heritages[i] = heritage(manifold.getContactPoint(from[i]), normal);
+        }
     }
     const btCollisionObject *body_a = manifold.getBody0();
     const btCollisionObject *body_b = manifold.getBody1();
@@ -131,9 +141,25 @@ void write_manifold(const PairContact &contact, const btTransform &pose_a,
     const btScalar restitution = gCalculateCombinedRestitutionCallback(body_a, body_b);
     manifold.setNumContacts(contact.count);
     for (int i = 0; i < contact.count; ++i) {
-        fresh[i].m_combinedFriction = friction;
-        fresh[i].m_combinedRestitution = restitution;
-        manifold.getContactPoint(i) = fresh[i];
+        btManifoldPoint &point = manifold.getContactPoint(place[i]);
+        if (place[i] != from[i]) {
+            point = btManifoldPoint(btVector3(0, 0, 0), btVector3(0, 0, 0), normal, 0);
+        }
+        point.m_localPointA = vector(contact.points[i].on_a);
+        point.m_localPointB = vector(contact.points[i].on_b);
+        point.m_positionWorldOnA = pose_a(point.m_localPointA);
+        point.m_positionWorldOnB = pose_b(point.m_localPointB);
+        point.m_normalWorldOnB = normal;
+        point.m_distance1 = static_cast<btScalar>(contact.points[i].gap);
+        point.m_index0 = static_cast<int>(contact.points[i].id);
+        point.m_combinedFriction = friction;
+        point.m_combinedRestitution = restitution;
+        point.m_appliedImpulse = heritages[i].impulse;
+        point.m_appliedImpulseLateral1 = heritages[i].lateral_1;
+        point.m_appliedImpulseLateral2 = heritages[i].lateral_2;
+        point.m_lateralFrictionDir1 = heritages[i].direction_1;
+        point.m_lateralFrictionDir2 = heritages[i].direction_2;
+        point.m_lifeTime = heritages[i].age;
     }
 }
 

@@ -9,16 +9,14 @@
 
 namespace pluvia {
 
-// Ids of the points that a manifold holds, at most four; returns their number.
-int held_ids(const btPersistentManifold &manifold, std::uint32_t ids[4]);
-
 // Puts the points of a pair into its manifold, in place of those it held.
 //
 // A new point takes over the impulses and the age of the old one with the same
 // id, or else of the nearest one left over that is closer than `match` (a
 // length, in the frame of either body). Where the normal has turned by more
 // than eight degrees, the whole impulse, as a vector in the world, is split
-// anew into normal and friction; a part that would pull is dropped.
+// anew into normal and friction; a part that would pull is dropped. A point
+// that goes on keeps its place among the points, as far as their number allows.
 //
 // Of a point: m_normalWorldOnB leads from B to A; m_distance1 is the gap,
 // negative for overlap; m_appliedImpulse and the two lateral impulses are

@@ -28,11 +28,18 @@ struct PairSettings {
 
 // What a pair remembers.
 struct PairMemory {
-    Feature feature = Feature::None;
-    std::int32_t first = -1;   // the face, or the edge of A
-    std::int32_t second = -1;  // the incident face, or the edge of B
-    bool has_axis = false;     // an axis along which the pair was apart
-    float axis[3] = {0, 0, 0}; // in A's frame, out of A
+    Feature feature = Feature::None; // of the last step
+    bool has_axis = false;           // an axis along which the pair was apart
+    std::int32_t first = -1;         // the face, or the edge of A
+    std::int32_t second = -1;        // the incident face, or the edge of B
+    float axis[3] = {0, 0, 0};       // in A's frame, out of A
+    // Of the last whole search: no axis had a wider gap than this when B was
+    // here in A's frame, or A in B's, whichever is the smaller body.
+    float widest = 0;
+    Relative pose = {};
+    // Ids of the last step's points.
+    std::int32_t known_count = 0;
+    std::uint32_t known[4] = {0, 0, 0, 0};
 };
 
 struct PairPoint {
@@ -53,10 +60,9 @@ struct PairScratch {
     ClipScratch clip;
 };
 
-// Finds the contact of two hulls at their world poses. `known` are the ids of
-// the points of the last step.
+// Finds the contact of two hulls at their world poses.
 void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
-             const Rigid &pose_b, const PairSettings &settings, const std::uint32_t *known,
-             int known_count, PairMemory &memory, PairScratch &scratch, PairContact &out);
+             const Rigid &pose_b, const PairSettings &settings, PairMemory &memory,
+             PairScratch &scratch, PairContact &out);
 
 } // namespace pluvia

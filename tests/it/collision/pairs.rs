@@ -178,6 +178,38 @@ fn face_to_face(
     UnitQuaternion::from_rotation_matrix(&(tilt * spin * flat))
 }
 
+/// Moves B in small and large steps, and back to where it touches A.
+pub struct Motion {
+    rng: Pcg64Mcg,
+    stride: f64,
+}
+
+impl Motion {
+    /// From a micrometre to some millimetres a step, by number.
+    pub fn new(number: u64) -> Self {
+        let stride = [1e-6, 1e-5, 1e-4, 1e-3, 3e-3][(number % 5) as usize];
+        Self { rng: Pcg64Mcg::seed_from_u64(number), stride }
+    }
+
+    pub fn advance(&mut self, case: &mut Case, hull_a: &WorldHull) {
+        let rng = &mut self.rng;
+        let radius = case.b.radius_about_origin().min(0.02);
+        let turn = UnitQuaternion::from_axis_angle(
+            &Unit::new_normalize(direction(rng)),
+            rng.random_range(0.0..1.0) * self.stride / radius,
+        );
+        let step = direction(rng) * self.stride;
+        let place = case.pose_b.translation.vector + step;
+        case.pose_b = Pose::from_parts(place.into(), turn * case.pose_b.rotation);
+        let found = separation(hull_a, &WorldHull::new(&case.b, &case.pose_b));
+        // Neither far apart nor deeper than grains ever are.
+        if found.gap > 3.0 * self.stride || found.gap < -3.0 * self.stride {
+            let wanted = -self.stride * rng.random_range(0.0..1.0);
+            case.pose_b.translation.vector += found.axis * (wanted - found.gap);
+        }
+    }
+}
+
 impl Iterator for Cases {
     type Item = Case;
 
