@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 13] = [
+const SHIMS: [&str; 14] = [
     "convert",
     "globals",
     "hull_data",
@@ -18,6 +18,7 @@ const SHIMS: [&str; 13] = [
     "hull_pair",
     "hull_manifold",
     "hull_algorithm",
+    "hull_dispatcher",
     "hull_probe",
     "shapes",
     "bodies",

@@ -47,6 +47,10 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     }
     void getAllContactManifolds(btManifoldArray &manifolds) override;
 
+    // One step of the pair; both shapes are TightHulls.
+    void update(const btCollisionObject &a, const btCollisionObject &b);
+    bool holds_contacts() const { return manifold_ != nullptr; }
+
   private:
     HullCollision &shared_;
     btPersistentManifold *manifold_ = nullptr;

@@ -44,13 +44,16 @@ class Pair {
             return;
         }
         const float depth = fresh ? -1 : std::max(bound, -widest);
-        find_edges(widest + preference(), depth);
+        find_edges(widest, depth);
         if (edges_.edge_a >= 0 && edges_.gap > reach()) {
             part(edges_.axis);
             return;
         }
-        memory_.widest = edges_.edge_a >= 0 ? edges_.gap : widest + preference();
+        memory_.widest = edges_.edge_a >= 0 ? edges_.gap : widest;
         memory_.pose = smaller_pose();
+        if (edges_.gap <= widest + preference()) {
+            edges_.edge_a = -1;
+        }
         if (fresh || !keep(edges_.edge_a >= 0 ? edges_.gap : widest)) {
             choose(is_a, widest, depth);
         }
@@ -104,8 +107,9 @@ class Pair {
     }
 
     // How far any point of one body can have come, in the frame of the other,
-    // since the last whole search: |t - t'| + |R - R'| radius. A gap along an
-    // axis changes by no more, so the widest does not either.
+    // since the last whole search: |t - t'| + |R - R'| radius, the norm of the
+    // difference of two rotations being its Frobenius norm over the root of 2.
+    // A gap along an axis changes by no more, so the widest does not either.
     float moved() const {
         const Relative now = smaller_pose();
         const Relative &then = memory_.pose;
@@ -117,7 +121,7 @@ class Pair {
         for (int i = 0; i < 3; ++i) {
             shift += (now.t[i] - then.t[i]) * (now.t[i] - then.t[i]);
         }
-        return std::sqrt(shift) + std::sqrt(turn) * std::min(a_.radius, b_.radius);
+        return std::sqrt(shift) + std::sqrt(turn / 2) * std::min(a_.radius, b_.radius);
     }
 
     void find_edges(float best, float depth) {

@@ -3,8 +3,7 @@
 #include "bodies.h"
 #include "convert.h"
 #include "globals.h"
-#include "hull_algorithm.h"
-#include "pairs.h"
+#include "hull_dispatcher.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "shapes.h"
 
@@ -61,9 +60,7 @@ class BulletWorld::Impl {
           globals(global_settings(units, definition)),
           hull_collision(definition.own_collision ? make_hull_collision(units, definition)
                                                   : nullptr),
-          create_hull_algorithm(hull_collision ? std::make_unique<HullCreateFunc>(*hull_collision)
-                                               : nullptr),
-          configuration(pool_sizes()), dispatcher(&configuration),
+          configuration(pool_sizes()), dispatcher(&configuration, hull_collision.get()),
           world(&dispatcher, &broadphase, &solver, &configuration) {
         world.setGravity(units.length(definition.gravity));
         // A relative threshold of a percent of the grain's size destroys
@@ -71,12 +68,6 @@ class BulletWorld::Impl {
         dispatcher.setDispatcherFlags(
             dispatcher.getDispatcherFlags() &
             ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
-        dispatcher.setNearCallback(&near_callback);
-        if (create_hull_algorithm) {
-            dispatcher.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE,
-                                                   CONVEX_HULL_SHAPE_PROXYTYPE,
-                                                   create_hull_algorithm.get());
-        }
         auto &dispatch = world.getDispatchInfo();
         dispatch.m_useContinuous = false;
         dispatch.m_enableSatConvex = false;
@@ -124,9 +115,8 @@ class BulletWorld::Impl {
     std::vector<std::unique_ptr<btRigidBody>> bodies;
     // Of Pluvia's own hull–hull test; null where Bullet finds the contacts.
     std::unique_ptr<HullCollision> hull_collision;
-    std::unique_ptr<HullCreateFunc> create_hull_algorithm;
     btDefaultCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher;
+    HullDispatcher dispatcher;
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
     btDiscreteDynamicsWorld world;
@@ -213,7 +203,7 @@ void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
     const auto &dispatcher = impl_->dispatcher;
     for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
         const btPersistentManifold *manifold =
-            const_cast<btCollisionDispatcher &>(dispatcher).getManifoldByIndexInternal(m);
+            const_cast<HullDispatcher &>(dispatcher).getManifoldByIndexInternal(m);
         for (int p = 0; p < manifold->getNumContacts(); ++p) {
             const btManifoldPoint &point = manifold->getContactPoint(p);
             const btVector3 middle =
