@@ -9,7 +9,22 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 6] = ["convert", "globals", "shapes", "bodies", "pairs", "world"];
+const SHIMS: [&str; 14] = [
+    "convert",
+    "globals",
+    "hull_data",
+    "hull_axis",
+    "hull_clip",
+    "hull_pair",
+    "hull_manifold",
+    "hull_algorithm",
+    "hull_dispatcher",
+    "hull_probe",
+    "shapes",
+    "bodies",
+    "pairs",
+    "world",
+];
 
 fn main() {
     for shim in SHIMS {
@@ -17,6 +32,7 @@ fn main() {
         println!("cargo::rerun-if-changed=cpp/{shim}.cpp");
     }
     println!("cargo::rerun-if-changed=cpp/constants.h");
+    println!("cargo::rerun-if-changed=cpp/hull_axis_kernels.h");
     println!("cargo::rerun-if-changed=build.rs");
 
     let bullet = find_bullet();
@@ -67,6 +83,8 @@ fn compile_shims(bullet: &pkg_config::Library) {
         // a*b+c must not be fused differently from machine to machine.
         .flag("-ffp-contract=off")
         .flag("-fno-math-errno")
+        // Vectors of eight stay inside one source file (cpp/hull_axis.cpp).
+        .flag("-Wno-psabi")
         .warnings(true)
         .extra_warnings(true);
     if let Err(error) = build.try_compile("pluvia_shims") {

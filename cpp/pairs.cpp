@@ -12,11 +12,12 @@ namespace {
 
 // Bullet has grown both boxes by the contact threshold already
 // (btCollisionWorld::updateSingleAabb, 3.24): boxes of bodies within reach
-// overlap by at least one threshold.
+// overlap by at least what both have grown, less the reach.
 bool boxes_within_reach(const btBroadphaseProxy &a, const btBroadphaseProxy &b, btScalar reach) {
+    const btScalar least = 2 * gContactBreakingThreshold - reach;
     for (int axis = 0; axis < 3; ++axis) {
-        if (a.m_aabbMax[axis] - b.m_aabbMin[axis] < reach ||
-            b.m_aabbMax[axis] - a.m_aabbMin[axis] < reach) {
+        if (a.m_aabbMax[axis] - b.m_aabbMin[axis] < least ||
+            b.m_aabbMax[axis] - a.m_aabbMin[axis] < least) {
             return false;
         }
     }
@@ -47,16 +48,18 @@ bool holds_contacts(btCollisionAlgorithm &algorithm) {
 
 } // namespace
 
-void near_callback(btBroadphasePair &pair, btCollisionDispatcher &dispatcher,
-                   const btDispatcherInfo &info) {
+bool within_reach(const btBroadphasePair &pair, btScalar reach) {
     const btBroadphaseProxy &a = *pair.m_pProxy0;
     const btBroadphaseProxy &b = *pair.m_pProxy1;
-    const btScalar reach = gContactBreakingThreshold;
-    const bool within_reach =
-        boxes_within_reach(a, b, reach) &&
-        spheres_within_reach(*static_cast<const btCollisionObject *>(a.m_clientObject),
-                             *static_cast<const btCollisionObject *>(b.m_clientObject), reach);
-    if (within_reach || (pair.m_algorithm && holds_contacts(*pair.m_algorithm))) {
+    return boxes_within_reach(a, b, reach) &&
+           spheres_within_reach(*static_cast<const btCollisionObject *>(a.m_clientObject),
+                                *static_cast<const btCollisionObject *>(b.m_clientObject), reach);
+}
+
+void near_callback(btBroadphasePair &pair, btCollisionDispatcher &dispatcher,
+                   const btDispatcherInfo &info) {
+    if (within_reach(pair, gContactBreakingThreshold) ||
+        (pair.m_algorithm && holds_contacts(*pair.m_algorithm))) {
         btCollisionDispatcher::defaultNearCallback(pair, dispatcher, info);
     }
 }

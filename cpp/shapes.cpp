@@ -1,6 +1,7 @@
 #include "shapes.h"
 
 #include <stdexcept>
+#include <vector>
 
 namespace pluvia {
 
@@ -25,14 +26,22 @@ void TightHull::set_radius() {
     }
 }
 
-std::unique_ptr<TightHull> make_hull(const Units &units, const double *coordinates,
-                                     std::size_t count) {
+std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &p) {
+    std::vector<double> scaled(p.coordinates, p.coordinates + 3 * p.vertices);
+    for (double &x : scaled) {
+        x *= units.scale();
+    }
+    return std::make_unique<const HullData>(scaled.data(), p.vertices, p.face_starts, p.faces,
+                                            p.face_vertices);
+}
+
+std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron) {
     auto hull = std::make_unique<TightHull>();
     // Before the box is computed: Bullet's cached box keeps the margin that
     // the shape had at that moment (btPolyhedralConvexShape.cpp, 3.24).
     hull->setMargin(0);
-    for (std::size_t i = 0; i < count; ++i) {
-        const double *p = coordinates + 3 * i;
+    for (std::size_t i = 0; i < polyhedron.vertices; ++i) {
+        const double *p = polyhedron.coordinates + 3 * i;
         hull->addPoint(units.length({p[0], p[1], p[2]}), false);
     }
     hull->recalcLocalAabb();
@@ -40,9 +49,10 @@ std::unique_ptr<TightHull> make_hull(const Units &units, const double *coordinat
     if (hull->getMargin() != btScalar(0)) {
         throw std::runtime_error("Bullet did not keep the zero collision margin of a hull");
     }
-    if (static_cast<std::size_t>(hull->getNumPoints()) != count) {
+    if (static_cast<std::size_t>(hull->getNumPoints()) != polyhedron.vertices) {
         throw std::runtime_error("Bullet did not keep every vertex of a hull");
     }
+    hull->set_data(make_hull_data(units, polyhedron));
     return hull;
 }
 

@@ -2,11 +2,14 @@
 #pragma once
 
 #include "convert.h"
+#include "hull_data.h"
 
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <utility>
 
 namespace pluvia {
 
@@ -21,13 +24,32 @@ class TightHull final : public btConvexHullShape {
     btScalar radius() const { return radius_; }
     void set_radius();
 
+    // Faces, edges and vertices in engine units, for Pluvia's own hull–hull test.
+    const HullData &data() const { return *data_; }
+    void set_data(std::unique_ptr<const HullData> data) { data_ = std::move(data); }
+
   private:
     btScalar radius_ = 0;
+    std::unique_ptr<const HullData> data_;
 };
 
-// A hull over `count` vertices (x, y, z in metres, one after the other).
-// Throws std::runtime_error when Bullet does not keep the zero margin.
-std::unique_ptr<TightHull> make_hull(const Units &units, const double *coordinates,
-                                     std::size_t count);
+// A polyhedron as it crosses the bridge: x, y, z of each vertex in metres; the
+// corners of face f are face_vertices[face_starts[f]] up to
+// face_vertices[face_starts[f + 1]], counter-clockwise seen from outside.
+struct Polyhedron {
+    const double *coordinates;
+    std::size_t vertices;
+    const std::uint32_t *face_starts; // faces + 1 entries
+    std::size_t faces;
+    const std::uint32_t *face_vertices;
+};
+
+// The polyhedron in engine units for the narrow phase. Throws
+// std::runtime_error when its surface is not closed.
+std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &polyhedron);
+
+// A hull over the polyhedron's vertices. Throws std::runtime_error when Bullet
+// does not keep the zero margin or a vertex.
+std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron);
 
 } // namespace pluvia

@@ -3,13 +3,14 @@
 #include "bodies.h"
 #include "convert.h"
 #include "globals.h"
-#include "pairs.h"
+#include "hull_dispatcher.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "shapes.h"
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <btBulletDynamicsCommon.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@ btDefaultCollisionConstructionInfo pool_sizes() {
     // Bullet falls back to the heap when a pool is full, which is slow. A
     // dense specimen of 1456 grains holds about 20 000 pairs.
     btDefaultCollisionConstructionInfo info;
+    info.m_customCollisionAlgorithmMaxElementSize = static_cast<int>(sizeof(HullAlgorithm));
     info.m_defaultMaxPersistentManifoldPoolSize = 32768;
     info.m_defaultMaxCollisionAlgorithmPoolSize = 32768;
     return info;
@@ -29,6 +31,19 @@ btDefaultCollisionConstructionInfo pool_sizes() {
 
 GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
     return {units.length(d.contact_threshold), units.length(d.broadphase_margin)};
+}
+
+// Contact points are kept up to this gap at most: with whole manifolds every
+// step, a point need not be foreseen long before it touches.
+constexpr double LARGEST_REACH = 0.5e-3; // m
+
+std::unique_ptr<HullCollision> make_hull_collision(const Units &units, const WorldDefinition &d) {
+    auto collision = std::make_unique<HullCollision>();
+    const double reach = std::min(d.contact_threshold, LARGEST_REACH);
+    collision->settings = pair_settings(reach * units.scale(), units.scale());
+    collision->match = match_distance(units.scale());
+    collision->kernels = &axis_kernels();
+    return collision;
 }
 
 } // namespace
@@ -42,15 +57,17 @@ class BulletWorld::Impl {
           body_settings{static_cast<btScalar>(definition.linear_damping),
                         static_cast<btScalar>(definition.angular_damping), definition.gyroscopic},
           materials{definition.materials, {pairs.begin(), pairs.end()}},
-          globals(global_settings(units, definition)), configuration(pool_sizes()),
-          dispatcher(&configuration), world(&dispatcher, &broadphase, &solver, &configuration) {
+          globals(global_settings(units, definition)),
+          hull_collision(definition.own_collision ? make_hull_collision(units, definition)
+                                                  : nullptr),
+          configuration(pool_sizes()), dispatcher(&configuration, hull_collision.get()),
+          world(&dispatcher, &broadphase, &solver, &configuration) {
         world.setGravity(units.length(definition.gravity));
         // A relative threshold of a percent of the grain's size destroys
         // manifolds: the absolute one is used for all pairs.
         dispatcher.setDispatcherFlags(
             dispatcher.getDispatcherFlags() &
             ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
-        dispatcher.setNearCallback(&near_callback);
         auto &dispatch = world.getDispatchInfo();
         dispatch.m_useContinuous = false;
         dispatch.m_enableSatConvex = false;
@@ -96,8 +113,10 @@ class BulletWorld::Impl {
     GlobalsHold globals;
     std::vector<std::unique_ptr<TightHull>> shapes;
     std::vector<std::unique_ptr<btRigidBody>> bodies;
+    // Of Pluvia's own hull–hull test; null where Bullet finds the contacts.
+    std::unique_ptr<HullCollision> hull_collision;
     btDefaultCollisionConfiguration configuration;
-    btCollisionDispatcher dispatcher;
+    HullDispatcher dispatcher;
     btDbvtBroadphase broadphase;
     btSequentialImpulseConstraintSolver solver;
     btDiscreteDynamicsWorld world;
@@ -118,9 +137,13 @@ BulletWorld::~BulletWorld() {
     impl_.reset();
 }
 
-std::uint32_t BulletWorld::add_shape(rust::Slice<const double> coordinates) {
+std::uint32_t BulletWorld::add_shape(rust::Slice<const double> coordinates,
+                                     rust::Slice<const std::uint32_t> face_starts,
+                                     rust::Slice<const std::uint32_t> face_vertices) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
-    impl_->shapes.push_back(make_hull(impl_->units, coordinates.data(), coordinates.size() / 3));
+    impl_->shapes.push_back(
+        make_hull(impl_->units, {coordinates.data(), coordinates.size() / 3, face_starts.data(),
+                                 face_starts.size() - 1, face_vertices.data()}));
     return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
 }
 
@@ -180,7 +203,7 @@ void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
     const auto &dispatcher = impl_->dispatcher;
     for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
         const btPersistentManifold *manifold =
-            const_cast<btCollisionDispatcher &>(dispatcher).getManifoldByIndexInternal(m);
+            const_cast<HullDispatcher &>(dispatcher).getManifoldByIndexInternal(m);
         for (int p = 0; p < manifold->getNumContacts(); ++p) {
             const btManifoldPoint &point = manifold->getContactPoint(p);
             const btVector3 middle =
@@ -250,6 +273,13 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
     put("continuous_collision", dispatch.m_useContinuous);
     put("separating_axis_test_for_hulls", dispatch.m_enableSatConvex);
     put("speculative_contact_restitution", world.getApplySpeculativeContactRestitution());
+    if (impl_->hull_collision) {
+        const HullCollision &collision = *impl_->hull_collision;
+        put("manifold_reach_m", collision.settings.reach / units.scale());
+        put("manifold_hysteresis_m", collision.settings.hysteresis / units.scale());
+        put("manifold_face_preference_m", collision.settings.face_preference / units.scale());
+        put("manifold_match_m", units.metres(collision.match));
+    }
     for (const auto &body : impl_->bodies) {
         if (body && !body->isStaticOrKinematicObject()) {
             // Every free body is made alike; the first one speaks for all.

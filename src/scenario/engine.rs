@@ -21,6 +21,9 @@ pub enum Backend {
 pub enum ContactPath {
     /// Bullet's own collision algorithms and sequential impulse solver.
     Bullet,
+    /// Full manifolds with memory from our own hull–hull test, and the solver
+    /// that goes with them.
+    Manifold,
 }
 
 /// Settings of the engine. Nothing is inherited silently: every value is set

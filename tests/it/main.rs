@@ -2,6 +2,7 @@
 
 mod architecture;
 mod cli;
+mod collision;
 mod docs;
 mod interruption;
 mod scenario;

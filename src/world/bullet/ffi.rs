@@ -43,6 +43,8 @@ mod bridge {
         gyroscopic: bool,
         /// Number of materials; the pair table has its square.
         materials: usize,
+        /// Contacts of Pluvia's own hull–hull test instead of Bullet's.
+        own_collision: bool,
     }
 
     /// Friction and restitution of a pair of materials.
@@ -91,6 +93,40 @@ mod bridge {
         impulse: [f64; 3],
     }
 
+    /// Where a probed hull is.
+    struct HullProbePose {
+        /// In m.
+        position: [f64; 3],
+        /// x, y, z, w.
+        rotation: [f64; 4],
+    }
+
+    /// A contact point of a probed pair.
+    struct HullProbePoint {
+        gap: f64,
+        /// From `b` to `a`.
+        normal: [f64; 3],
+        on_a: [f64; 3],
+        on_b: [f64; 3],
+        id: u32,
+        /// Steps since the point appeared.
+        age: i32,
+        /// Normal impulse carried over, in N s.
+        impulse: f64,
+        /// Friction impulse carried over, in N s.
+        friction: [f64; 3],
+    }
+
+    /// The widest gap of a probed pair.
+    struct HullProbeGap {
+        /// In m.
+        gap: f64,
+        /// Unit vector from `a` to `b`.
+        axis: [f64; 3],
+        /// Whether it is the common normal of two edges.
+        edges: bool,
+    }
+
     /// A setting as Bullet holds it.
     struct EngineSetting {
         name: String,
@@ -106,7 +142,14 @@ mod bridge {
             definition: &WorldDefinition,
             pairs: &[PairValue],
         ) -> Result<UniquePtr<BulletWorld>>;
-        fn add_shape(self: Pin<&mut BulletWorld>, coordinates: &[f64]) -> Result<u32>;
+        /// `coordinates`: x, y, z of every vertex in m. Corners of face f:
+        /// `face_vertices[face_starts[f]..face_starts[f + 1]]`, counter-clockwise from outside.
+        fn add_shape(
+            self: Pin<&mut BulletWorld>,
+            coordinates: &[f64],
+            face_starts: &[u32],
+            face_vertices: &[u32],
+        ) -> Result<u32>;
         fn add_body(self: Pin<&mut BulletWorld>, definition: &BodyDefinition) -> Result<u32>;
         fn remove_body(self: Pin<&mut BulletWorld>, id: u32) -> Result<()>;
         fn drive_body(
@@ -120,6 +163,47 @@ mod bridge {
         fn read_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
         fn pair_value(self: &BulletWorld, a: u32, b: u32) -> Result<PairValue>;
         fn effective(self: &BulletWorld) -> Vec<EngineSetting>;
+
+        include!("pluvia/cpp/hull_probe.h");
+
+        type HullProbe;
+
+        fn new_hull_probe(
+            scale: f64,
+            reach: f64,
+            portable: bool,
+            coordinates_a: &[f64],
+            face_starts_a: &[u32],
+            face_vertices_a: &[u32],
+            coordinates_b: &[f64],
+            face_starts_b: &[u32],
+            face_vertices_b: &[u32],
+        ) -> Result<UniquePtr<HullProbe>>;
+        fn step(
+            self: Pin<&mut HullProbe>,
+            a: &HullProbePose,
+            b: &HullProbePose,
+        ) -> Vec<HullProbePoint>;
+        fn set_impulse(
+            self: Pin<&mut HullProbe>,
+            point: usize,
+            normal: f64,
+            friction: &[f64; 3],
+        ) -> Result<()>;
+        fn forget(self: Pin<&mut HullProbe>);
+        fn widest_gap(
+            self: Pin<&mut HullProbe>,
+            a: &HullProbePose,
+            b: &HullProbePose,
+            all_edges: bool,
+        ) -> HullProbeGap;
+        fn time_steps(
+            self: Pin<&mut HullProbe>,
+            poses: &[HullProbePose],
+            rounds: usize,
+            remember: bool,
+        ) -> f64;
+        fn bytes(self: &HullProbe) -> usize;
     }
 }
 

@@ -9,6 +9,7 @@
 
 mod constants;
 mod ffi;
+pub mod probe;
 #[cfg(test)]
 pub(crate) mod tests;
 
@@ -69,7 +70,6 @@ impl BulletBackend {
         gravity: Vector,
         pairs: &PairTable,
     ) -> Result<Self, WorldError> {
-        let ContactPath::Bullet = settings.contact_path;
         let definition = definition(settings, gravity)?;
         let pair_values: Vec<ffi::PairValue> = pairs
             .0
@@ -138,10 +138,34 @@ impl BulletBackend {
         if let Some((index, _)) = self.shapes.get(&key) {
             return Ok(*index);
         }
-        let coordinates: Vec<f64> = shape.vertices().iter().flat_map(|v| [v.x, v.y, v.z]).collect();
-        let index = self.world.pin_mut().add_shape(&coordinates).map_err(engine)?;
+        let flat = Flat::of(shape);
+        let index = self
+            .world
+            .pin_mut()
+            .add_shape(&flat.coordinates, &flat.face_starts, &flat.face_vertices)
+            .map_err(engine)?;
         self.shapes.insert(key, (index, Arc::clone(shape)));
         Ok(index)
+    }
+}
+
+/// A polyhedron as it crosses the bridge.
+struct Flat {
+    coordinates: Vec<f64>,
+    face_starts: Vec<u32>,
+    face_vertices: Vec<u32>,
+}
+
+impl Flat {
+    fn of(shape: &ConvexPolyhedron) -> Self {
+        let mut face_starts = vec![0];
+        let mut face_vertices = vec![];
+        for face in shape.faces() {
+            face_vertices.extend_from_slice(face);
+            face_starts.push(face_vertices.len() as u32);
+        }
+        let coordinates = shape.vertices().iter().flat_map(|v| [v.x, v.y, v.z]).collect();
+        Self { coordinates, face_starts, face_vertices }
     }
 }
 
@@ -193,6 +217,10 @@ fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinitio
         angular_damping: s.angular_damping,
         gyroscopic: s.gyroscopic,
         materials: 3,
+        own_collision: match s.contact_path {
+            ContactPath::Bullet => false,
+            ContactPath::Manifold => true,
+        },
     })
 }
 

@@ -25,6 +25,12 @@ fn pairs() -> PairTable {
     PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.0 })
 }
 
+const PATHS: [ContactPath; 2] = [ContactPath::Bullet, ContactPath::Manifold];
+
+fn on(contact_path: ContactPath) -> EngineSettings {
+    EngineSettings { contact_path, ..Default::default() }
+}
+
 fn world(settings: &EngineSettings) -> BulletBackend {
     BulletBackend::new(settings, GRAVITY, &pairs()).expect("a world")
 }
@@ -167,57 +173,61 @@ fn a_pair_gets_the_coefficients_of_its_materials() {
 #[test]
 fn a_driven_body_is_where_it_was_driven_and_carries_by_friction() {
     let _turn = shared_turn();
-    let mut world = world(&EngineSettings::default());
-    let table = world.add(&slab(Motion::Driven)).expect("added");
-    let grain = world
-        .add(&free_box(Vector::new(0.02, 0.02, 0.01), Vector::new(0.0, 0.0, 0.005)))
-        .expect("added");
-    let dt = world.time_step();
-    let speed = 0.1;
-    for step in 1..=480 {
-        let x = speed * dt * f64::from(step);
-        world.drive(table, &Pose::translation(x, 0.0, -0.01)).expect("driven");
-        world.step().expect("a step");
+    for path in PATHS {
+        let mut world = world(&on(path));
+        let table = world.add(&slab(Motion::Driven)).expect("added");
+        let grain = world
+            .add(&free_box(Vector::new(0.02, 0.02, 0.01), Vector::new(0.0, 0.0, 0.005)))
+            .expect("added");
+        let dt = world.time_step();
+        let speed = 0.1;
+        for step in 1..=480 {
+            let x = speed * dt * f64::from(step);
+            world.drive(table, &Pose::translation(x, 0.0, -0.01)).expect("driven");
+            world.step().expect("a step");
+        }
+        let got = state(&world, table).pose.translation.x;
+        assert!((got - 0.1).abs() < precision(1e-12, 1e-6), "driven to 0.1 m, got {got}");
+        let carried = state(&world, grain).linear_velocity.x;
+        assert!(
+            (carried - speed).abs() < 1e-3,
+            "law: Coulomb friction brings the box to the table's speed, expected {speed}, got \
+             {carried}, tolerance 1e-3"
+        );
     }
-    let got = state(&world, table).pose.translation.x;
-    assert!((got - 0.1).abs() < precision(1e-12, 1e-6), "driven to 0.1 m, got {got}");
-    let carried = state(&world, grain).linear_velocity.x;
-    assert!(
-        (carried - speed).abs() < 1e-3,
-        "law: Coulomb friction brings the box to the table's speed, expected {speed}, got \
-         {carried}, tolerance 1e-3"
-    );
 }
 
 #[test]
 fn contacts_carry_the_weight() {
     let _turn = shared_turn();
-    let mut world = world(&EngineSettings::default());
-    let floor = world.add(&slab(Motion::Static)).expect("added");
-    let body = free_box(Vector::repeat(0.02), Vector::new(0.0, 0.0, 0.01));
-    let Motion::Free { mass, .. } = body.motion else { panic!("free") };
-    let grain = world.add(&body).expect("added");
-    let (mut contacts, mut total, steps) = (Vec::new(), 0.0, 480);
-    for step in 0..2 * steps {
-        world.step().expect("a step");
-        if step < steps {
-            continue;
+    for path in PATHS {
+        let mut world = world(&on(path));
+        let floor = world.add(&slab(Motion::Static)).expect("added");
+        let body = free_box(Vector::repeat(0.02), Vector::new(0.0, 0.0, 0.01));
+        let Motion::Free { mass, .. } = body.motion else { panic!("free") };
+        let grain = world.add(&body).expect("added");
+        let (mut contacts, mut total, steps) = (Vec::new(), 0.0, 480);
+        for step in 0..2 * steps {
+            world.step().expect("a step");
+            if step < steps {
+                continue;
+            }
+            world.contacts(&mut contacts);
+            for c in &contacts {
+                assert!([c.a, c.b].contains(&floor) && [c.a, c.b].contains(&grain), "{c:?}");
+                let upwards = if c.a == grain { c.impulse.z } else { -c.impulse.z };
+                total += upwards;
+                let outwards = if c.a == grain { c.normal.z } else { -c.normal.z };
+                assert!(outwards > 0.99, "the normal points from b to a: {c:?}");
+            }
         }
-        world.contacts(&mut contacts);
-        for c in &contacts {
-            assert!([c.a, c.b].contains(&floor) && [c.a, c.b].contains(&grain), "{c:?}");
-            let upwards = if c.a == grain { c.impulse.z } else { -c.impulse.z };
-            total += upwards;
-            let outwards = if c.a == grain { c.normal.z } else { -c.normal.z };
-            assert!(outwards > 0.99, "the normal points from b to a: {c:?}");
-        }
+        let got = total / (f64::from(steps) * world.time_step());
+        let expected = mass * 9.81;
+        assert!(
+            (got / expected - 1.0).abs() < 0.01,
+            "law: floor force equals weight, expected {expected} N, got {got} N, tolerance 1 %"
+        );
     }
-    let got = total / (f64::from(steps) * world.time_step());
-    let expected = mass * 9.81;
-    assert!(
-        (got / expected - 1.0).abs() < 0.01,
-        "law: floor force equals weight, expected {expected} N, got {got} N, tolerance 1 %"
-    );
 }
 
 #[test]
@@ -274,8 +284,8 @@ fn worlds_with_different_process_wide_settings_do_not_live_together() {
 #[test]
 fn two_worlds_in_two_threads_give_the_bits_of_one() {
     let _turn = shared_turn();
-    let tumble = || {
-        let mut world = world(&EngineSettings::default());
+    let tumble = |path| {
+        let mut world = world(&on(path));
         world.add(&slab(Motion::Static)).expect("added");
         let ids: Vec<_> = (0..8)
             .map(|i| {
@@ -293,11 +303,39 @@ fn two_worlds_in_two_threads_give_the_bits_of_one() {
         }
         ids.into_iter().map(|id| state(&world, id)).collect::<Vec<_>>()
     };
-    let alone = tumble();
-    let (one, two) = std::thread::scope(|scope| {
-        let (one, two) = (scope.spawn(tumble), scope.spawn(tumble));
-        (one.join().expect("no panic"), two.join().expect("no panic"))
-    });
-    assert!(alone == one && alone == two, "law: same input, same bits, on any thread");
-    assert!(alone.iter().all(|s| s.pose.translation.z > 0.0), "and the slab holds them all");
+    for path in PATHS {
+        let alone = tumble(path);
+        let (one, two) = std::thread::scope(|scope| {
+            let (one, two) = (scope.spawn(|| tumble(path)), scope.spawn(|| tumble(path)));
+            (one.join().expect("no panic"), two.join().expect("no panic"))
+        });
+        assert!(alone == one && alone == two, "law: same input, same bits, on any thread");
+        assert!(alone.iter().all(|s| s.pose.translation.z > 0.0), "and the slab holds them all");
+    }
+}
+
+#[test]
+fn the_manifold_path_holds_a_box_at_its_four_corners() {
+    let _turn = shared_turn();
+    let mut world = world(&on(ContactPath::Manifold));
+    let floor = world.add(&slab(Motion::Static)).expect("added");
+    let grain =
+        world.add(&free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.005))).expect("added");
+    for step in 0..200 {
+        world.step().expect("a step");
+        let mut contacts = Vec::new();
+        world.contacts(&mut contacts);
+        let pair = contacts
+            .iter()
+            .filter(|c| [c.a, c.b] == [grain, floor] || [c.a, c.b] == [floor, grain]);
+        assert_eq!(pair.count(), 4, "law: a box lies on four corners, at step {step}");
+    }
+    world.remove(grain).expect("removed");
+    world.step().expect("a step");
+    let mut contacts = Vec::new();
+    world.contacts(&mut contacts);
+    assert!(contacts.is_empty(), "law: contacts go with their body, left are {contacts:?}");
+    let held = world.effective();
+    let reach = held["manifold_reach_m"].as_f64().expect("a number");
+    assert!((reach - 0.5e-3).abs() < 1e-9, "reach: expected 0.5e-3 m, got {reach}");
 }

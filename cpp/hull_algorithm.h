@@ -1,0 +1,77 @@
+// Pluvia's hull–hull test in Bullet's dispatcher.
+#pragma once
+
+#include "hull_pair.h"
+
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
+#include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+namespace pluvia {
+
+// What all pairs of a world share.
+struct HullCollision {
+    PairSettings settings;
+    btScalar match; // distance up to which points of successive steps are taken for the same
+    const AxisKernels *kernels;
+    PairScratch scratch;
+};
+
+// Settings for a world: `reach` is the gap up to which contact points are
+// kept; both in engine units, `scale` in engine units per metre.
+PairSettings pair_settings(double reach, double scale);
+btScalar match_distance(double scale);
+
+Rigid rigid(const btTransform &pose);
+
+// One step of a pair: from the poses, and what pair and manifold remember, to
+// the points in the manifold.
+void collide_into(HullCollision &shared, const HullData &a, const HullData &b,
+                  const btTransform &pose_a, const btTransform &pose_b, PairMemory &memory,
+                  btPersistentManifold &manifold);
+
+// One for each pair in the broadphase; holds the pair's memory, and its
+// manifold while there are contact points.
+class HullAlgorithm final : public btCollisionAlgorithm {
+  public:
+    HullAlgorithm(const btCollisionAlgorithmConstructionInfo &info, HullCollision &shared)
+        : btCollisionAlgorithm(info), shared_(shared) {}
+    ~HullAlgorithm() override;
+
+    void processCollision(const btCollisionObjectWrapper *a, const btCollisionObjectWrapper *b,
+                          const btDispatcherInfo &info, btManifoldResult *result) override;
+    // Bodies are not swept: the step ends where contacts begin.
+    btScalar calculateTimeOfImpact(btCollisionObject *, btCollisionObject *,
+                                   const btDispatcherInfo &, btManifoldResult *) override {
+        return 1;
+    }
+    void getAllContactManifolds(btManifoldArray &manifolds) override;
+
+    // One step of the pair; both shapes are TightHulls.
+    void update(const btCollisionObject &a, const btCollisionObject &b);
+    bool holds_contacts() const { return manifold_ != nullptr; }
+
+  private:
+    HullCollision &shared_;
+    btPersistentManifold *manifold_ = nullptr;
+    PairMemory memory_;
+
+    void release();
+};
+
+// Makes the algorithm; register it for (CONVEX_HULL, CONVEX_HULL) where every
+// such shape is a TightHull. The pool of collision algorithms must have
+// elements of sizeof(HullAlgorithm) at least
+// (btDefaultCollisionConstructionInfo::m_customCollisionAlgorithmMaxElementSize).
+class HullCreateFunc final : public btCollisionAlgorithmCreateFunc {
+  public:
+    explicit HullCreateFunc(HullCollision &shared) : shared_(shared) {}
+    btCollisionAlgorithm *CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo &info,
+                                                   const btCollisionObjectWrapper *a,
+                                                   const btCollisionObjectWrapper *b) override;
+
+  private:
+    HullCollision &shared_;
+};
+
+} // namespace pluvia

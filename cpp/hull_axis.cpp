@@ -1,0 +1,76 @@
+#include "hull_axis.h"
+
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+#include <new>
+
+namespace pluvia {
+
+namespace {
+constexpr std::size_t ALIGNMENT = 32;
+} // namespace
+
+AxisScratch::~AxisScratch() { ::operator delete(block_, std::align_val_t(ALIGNMENT)); }
+
+void AxisScratch::grow(const HullData &a, const HullData &b) {
+    for (const HullData *hull : {&a, &b}) {
+        vertices_ = hull->vertices > vertices_ ? hull->vertices : vertices_;
+        faces_ = hull->faces > faces_ ? hull->faces : faces_;
+        edges_ = hull->edges > edges_ ? hull->edges : edges_;
+    }
+    const auto v = static_cast<std::size_t>(padded(vertices_));
+    const auto f = static_cast<std::size_t>(padded(faces_));
+    const auto e = static_cast<std::size_t>(padded(edges_));
+    stride = static_cast<int>(e);
+    ::operator delete(block_, std::align_val_t(ALIGNMENT));
+    block_ = nullptr;
+    // Four bytes an entry throughout; the lists of two-byte entries fit with room to spare.
+    block_ = ::operator new(sizeof(float) * (5 * v + 6 * f + 26 * e), std::align_val_t(ALIGNMENT));
+    float *next = static_cast<float *>(block_);
+    const auto take = [&next](std::size_t count) {
+        float *taken = next;
+        next += count;
+        return taken;
+    };
+    bx = take(v), by = take(v), bz = take(v);
+    bnx = take(f), bny = take(f), bnz = take(f), boffset = take(f);
+    gap_a = take(f), gap_b = take(f);
+    near_a = reinterpret_cast<std::int32_t *>(take(v));
+    near_b = reinterpret_cast<std::int32_t *>(take(v));
+    edges_a = take(12 * e), edges_b = take(12 * e);
+    list_a = reinterpret_cast<std::uint16_t *>(take(e));
+    list_b = reinterpret_cast<std::uint16_t *>(take(e));
+}
+
+// Vectors wider than the processor's are split by the compiler; none crosses
+// a function that is not inlined.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace portable {
+#include "hull_axis_kernels.h"
+const AxisKernels KERNELS{&gap_along, &faces, &edges, "portable"};
+} // namespace portable
+
+#if defined(__x86_64__)
+#pragma GCC push_options
+#pragma GCC target("avx2")
+namespace avx2 {
+#include "hull_axis_kernels.h"
+const AxisKernels KERNELS{&gap_along, &faces, &edges, "avx2"};
+} // namespace avx2
+#pragma GCC pop_options
+#endif
+
+const AxisKernels &portable_axis_kernels() { return portable::KERNELS; }
+
+const AxisKernels &axis_kernels() {
+#if defined(__x86_64__)
+    static const bool wide = __builtin_cpu_supports("avx2");
+    return wide ? avx2::KERNELS : portable::KERNELS;
+#else
+    return portable::KERNELS;
+#endif
+}
+
+} // namespace pluvia

@@ -1,0 +1,224 @@
+#include "hull_data.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <new>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace pluvia {
+
+namespace {
+
+constexpr std::size_t ALIGNMENT = 32;
+constexpr std::size_t MOST = std::numeric_limits<std::uint16_t>::max();
+
+// Cosine between an edge and the normals of its faces up to which the edge's
+// end points are taken to say its direction. Vertices are merged at 1e-6 of
+// the grain's size, so that an edge hardly longer than that may point anywhere.
+constexpr double SKEW = 1e-4;
+// Sine of the angle between two face normals from which their cross product
+// says the direction of the edge where its end points do not.
+constexpr double SHARP = 1e-2;
+
+using Vec = std::array<double, 3>;
+
+Vec operator-(const Vec &a, const Vec &b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+double dot(const Vec &a, const Vec &b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec cross(const Vec &a, const Vec &b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+// Unit vector, or zero for a zero vector.
+Vec unit(const Vec &a) {
+    const double length = std::sqrt(dot(a, a));
+    return length > 0 ? Vec{a[0] / length, a[1] / length, a[2] / length} : Vec{0, 0, 0};
+}
+
+std::size_t aligned(std::size_t bytes) { return (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT; }
+
+// An edge found while walking round the faces.
+struct Half {
+    std::uint16_t face;
+    std::size_t place; // in loop_vertex
+};
+
+} // namespace
+
+HullData::HullData(const double *coordinates, std::size_t vertex_count,
+                   const std::uint32_t *face_starts, std::size_t face_count,
+                   const std::uint32_t *face_vertices) {
+    const std::size_t loop_length = face_starts[face_count];
+    if (vertex_count > MOST || face_count > MOST || loop_length > MOST) {
+        throw std::runtime_error("a hull has more than 65535 vertices, faces or corners of faces");
+    }
+    // Every edge is met twice, once in each direction.
+    std::map<std::pair<std::uint32_t, std::uint32_t>, Half> halves;
+    for (std::size_t f = 0; f < face_count; ++f) {
+        for (std::uint32_t k = face_starts[f]; k < face_starts[f + 1]; ++k) {
+            const std::uint32_t next = k + 1 < face_starts[f + 1] ? k + 1 : face_starts[f];
+            const bool fresh = halves
+                                   .insert({{face_vertices[k], face_vertices[next]},
+                                            {static_cast<std::uint16_t>(f), k}})
+                                   .second;
+            if (!fresh || face_vertices[k] >= vertex_count) {
+                throw std::runtime_error("the faces of a hull do not form a closed surface");
+            }
+        }
+    }
+    for (const auto &half : halves) {
+        if (halves.count({half.first.second, half.first.first}) == 0) {
+            throw std::runtime_error("the faces of a hull do not form a closed surface");
+        }
+    }
+    vertices = static_cast<int>(vertex_count);
+    faces = static_cast<int>(face_count);
+    edges = static_cast<int>(loop_length / 2);
+    allocate(static_cast<int>(loop_length));
+    for (int v = 0; v < vertices; ++v) {
+        vx[v] = static_cast<float>(coordinates[3 * v]);
+        vy[v] = static_cast<float>(coordinates[3 * v + 1]);
+        vz[v] = static_cast<float>(coordinates[3 * v + 2]);
+        radius = std::max(radius, std::sqrt(vx[v] * vx[v] + vy[v] * vy[v] + vz[v] * vz[v]));
+    }
+    std::vector<std::vector<std::uint16_t>> around(vertex_count);
+    for (std::size_t f = 0; f <= face_count; ++f) {
+        loop_start[f] = static_cast<std::uint16_t>(face_starts[f]);
+    }
+    for (std::size_t f = 0; f < face_count; ++f) {
+        for (std::uint32_t k = face_starts[f]; k < face_starts[f + 1]; ++k) {
+            loop_vertex[k] = static_cast<std::uint16_t>(face_vertices[k]);
+            around[face_vertices[k]].push_back(static_cast<std::uint16_t>(f));
+        }
+    }
+    std::uint16_t e = 0;
+    for (const auto &[ends, half] : halves) {
+        if (ends.first < ends.second) {
+            const Half &back = halves.at({ends.second, ends.first});
+            edge[e] = {static_cast<std::uint16_t>(ends.first),
+                       static_cast<std::uint16_t>(ends.second), half.face, back.face};
+            loop_edge[half.place] = loop_edge[back.place] = e;
+            ++e;
+        }
+    }
+    std::uint16_t filled = 0;
+    for (std::size_t v = 0; v < vertex_count; ++v) {
+        around_start[v] = filled;
+        for (const std::uint16_t f : around[v]) {
+            around_face[filled++] = f;
+        }
+    }
+    around_start[vertex_count] = filled;
+    set_planes();
+    set_edge_directions();
+    pad();
+}
+
+HullData::~HullData() { ::operator delete(block_, std::align_val_t(ALIGNMENT)); }
+
+void HullData::allocate(int loop_length) {
+    const auto reals = [](int n) { return aligned(sizeof(float) * static_cast<std::size_t>(n)); };
+    const auto words = [](int n) {
+        return aligned(sizeof(std::uint16_t) * static_cast<std::size_t>(n));
+    };
+    const int v = padded(vertices);
+    const int f = padded(faces);
+    const int e = padded(edges);
+    bytes = 3 * reals(v) + 4 * reals(f) + 3 * reals(e) + words(4 * edges) + words(faces + 1) +
+            3 * words(loop_length) + words(vertices + 1);
+    block_ = ::operator new(bytes, std::align_val_t(ALIGNMENT));
+    char *next = static_cast<char *>(block_);
+    const auto take = [&next](auto *&array, std::size_t size) {
+        array = reinterpret_cast<std::remove_reference_t<decltype(array)>>(next);
+        next += size;
+    };
+    for (float **array : {&vx, &vy, &vz}) {
+        take(*array, reals(v));
+    }
+    for (float **array : {&nx, &ny, &nz, &offset}) {
+        take(*array, reals(f));
+    }
+    for (float **array : {&ex, &ey, &ez}) {
+        take(*array, reals(e));
+    }
+    take(edge, words(4 * edges));
+    take(loop_start, words(faces + 1));
+    take(loop_vertex, words(loop_length));
+    take(loop_edge, words(loop_length));
+    take(around_start, words(vertices + 1));
+    take(around_face, words(loop_length));
+}
+
+void HullData::set_planes() {
+    const auto vertex = [this](int v) -> Vec { return {vx[v], vy[v], vz[v]}; };
+    for (int f = 0; f < faces; ++f) {
+        // Newell's normal: an area-weighted mean over all corners.
+        const int begin = loop_start[f];
+        const int end = loop_start[f + 1];
+        const Vec origin = vertex(loop_vertex[begin]);
+        Vec sum{0, 0, 0};
+        for (int k = begin; k < end; ++k) {
+            const int next = k + 1 < end ? k + 1 : begin;
+            const Vec c =
+                cross(vertex(loop_vertex[k]) - origin, vertex(loop_vertex[next]) - origin);
+            sum = {sum[0] + c[0], sum[1] + c[1], sum[2] + c[2]};
+        }
+        const Vec n = unit(sum);
+        if (!(dot(n, n) > 0)) {
+            throw std::runtime_error("a face of a hull has no area");
+        }
+        nx[f] = static_cast<float>(n[0]);
+        ny[f] = static_cast<float>(n[1]);
+        nz[f] = static_cast<float>(n[2]);
+        double farthest = -std::numeric_limits<double>::infinity();
+        for (int v = 0; v < vertices; ++v) {
+            farthest = std::max(farthest, dot({nx[f], ny[f], nz[f]}, vertex(v)));
+        }
+        offset[f] = static_cast<float>(farthest);
+    }
+}
+
+void HullData::set_edge_directions() {
+    const auto normal = [this](int f) -> Vec { return {nx[f], ny[f], nz[f]}; };
+    for (int e = 0; e < edges; ++e) {
+        const HullEdge &ends = edge[e];
+        const Vec left = normal(ends.left);
+        const Vec right = normal(ends.right);
+        Vec direction = unit({static_cast<double>(vx[ends.to]) - vx[ends.from],
+                              static_cast<double>(vy[ends.to]) - vy[ends.from],
+                              static_cast<double>(vz[ends.to]) - vz[ends.from]});
+        const bool known =
+            dot(direction, direction) > 0 &&
+            std::max(std::abs(dot(direction, left)), std::abs(dot(direction, right))) <= SKEW;
+        if (!known) {
+            const Vec along = cross(left, right);
+            // Nearly in one plane and nearly without length: the faces that
+            // meet here are all that can be felt of it.
+            direction = std::sqrt(dot(along, along)) >= SHARP ? unit(along) : Vec{0, 0, 0};
+        }
+        ex[e] = static_cast<float>(direction[0]);
+        ey[e] = static_cast<float>(direction[1]);
+        ez[e] = static_cast<float>(direction[2]);
+    }
+}
+
+void HullData::pad() {
+    for (int v = vertices; v < padded(vertices); ++v) {
+        vx[v] = vx[0];
+        vy[v] = vy[0];
+        vz[v] = vz[0];
+    }
+    for (int f = faces; f < padded(faces); ++f) {
+        nx[f] = ny[f] = nz[f] = 0;
+        // Finite, so that no arithmetic on it makes a NaN.
+        offset[f] = 1e30F;
+    }
+    for (int e = edges; e < padded(edges); ++e) {
+        ex[e] = ey[e] = ez[e] = 0;
+    }
+}
+
+} // namespace pluvia

@@ -1,0 +1,346 @@
+#include "hull_pair.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pluvia {
+
+namespace {
+
+// The highest bits of a point's id say which kind of feature it came from.
+constexpr std::uint32_t FROM_FACE_OF_B = 1U << 30;
+constexpr std::uint32_t FROM_EDGES = 3U << 28;
+
+// Everything about the pair at hand.
+class Pair {
+  public:
+    Pair(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
+         const Rigid &pose_b, const PairSettings &settings, PairMemory &memory,
+         PairScratch &scratch, PairContact &out)
+        : kernels_(kernels), a_(a), b_(b), pose_a_(pose_a), pose_b_(pose_b), settings_(settings),
+          memory_(memory), scratch_(scratch), out_(out) {}
+
+    void run() {
+        out_.count = 0;
+        const bool fresh = memory_.feature == Feature::None;
+        if (fresh && memory_.has_axis && still_apart()) {
+            return;
+        }
+        b_to_a_ = Rigid::between(pose_b_, pose_a_);
+        a_to_b_ = b_to_a_.inverse();
+        // No axis can have a wider gap now than this.
+        const float bound = fresh ? 0 : memory_.widest + moved();
+        if (!fresh && keep(bound)) {
+            return;
+        }
+        std::copy(b_to_a_.r, b_to_a_.r + 9, relative_.r);
+        std::copy(b_to_a_.t, b_to_a_.t + 3, relative_.t);
+        scratch_.axis.fit(a_, b_);
+        kernels_.faces(a_, b_, relative_, scratch_.axis, faces_);
+        const bool is_a = faces_.gap_a >= faces_.gap_b;
+        const float widest = is_a ? faces_.gap_a : faces_.gap_b;
+        if (widest > reach()) {
+            part_along_face();
+            return;
+        }
+        const float depth = fresh ? -1 : std::max(bound, -widest);
+        find_edges(widest, depth);
+        if (edges_.edge_a >= 0 && edges_.gap > reach()) {
+            part(edges_.axis);
+            return;
+        }
+        memory_.widest = edges_.edge_a >= 0 ? edges_.gap : widest;
+        memory_.pose = smaller_pose();
+        if (edges_.gap <= widest + preference()) {
+            edges_.edge_a = -1;
+        }
+        if (fresh || !keep(edges_.edge_a >= 0 ? edges_.gap : widest)) {
+            choose(is_a, widest, depth);
+        }
+    }
+
+  private:
+    const AxisKernels &kernels_;
+    const HullData &a_;
+    const HullData &b_;
+    const Rigid &pose_a_;
+    const Rigid &pose_b_;
+    const PairSettings &settings_;
+    PairMemory &memory_;
+    PairScratch &scratch_;
+    PairContact &out_;
+    Rigid b_to_a_;
+    Rigid a_to_b_;
+    Relative relative_;
+    FaceGaps faces_;
+    EdgeGap edges_;
+    int incident_ = -1;  // the face found last to meet a reference face
+    double deepest_ = 0; // of the points made last
+
+    float reach() const { return static_cast<float>(settings_.reach); }
+    float preference() const { return static_cast<float>(settings_.face_preference); }
+
+    bool still_apart() {
+        const double axis[3] = {memory_.axis[0], memory_.axis[1], memory_.axis[2]};
+        double world[3];
+        pose_a_.turn(axis, world);
+        const double *r = pose_b_.r;
+        float axis_b[3];
+        double shift = 0;
+        for (int i = 0; i < 3; ++i) {
+            axis_b[i] =
+                static_cast<float>(r[i] * world[0] + r[3 + i] * world[1] + r[6 + i] * world[2]);
+            shift += world[i] * (pose_b_.t[i] - pose_a_.t[i]);
+        }
+        return kernels_.gap_along(a_, b_, memory_.axis, axis_b, static_cast<float>(shift)) >
+               reach();
+    }
+
+    // Where the smaller body is in the frame of the larger: the bound on its
+    // motion is the tighter one.
+    Relative smaller_pose() const {
+        const Rigid &pose = b_.radius <= a_.radius ? b_to_a_ : a_to_b_;
+        Relative out;
+        std::copy(pose.r, pose.r + 9, out.r);
+        std::copy(pose.t, pose.t + 3, out.t);
+        return out;
+    }
+
+    // How far any point of one body can have come, in the frame of the other,
+    // since the last whole search: |t - t'| + |R - R'| radius, the norm of the
+    // difference of two rotations being its Frobenius norm over the root of 2.
+    // A gap along an axis changes by no more, so the widest does not either.
+    float moved() const {
+        const Relative now = smaller_pose();
+        const Relative &then = memory_.pose;
+        float turn = 0;
+        float shift = 0;
+        for (int i = 0; i < 9; ++i) {
+            turn += (now.r[i] - then.r[i]) * (now.r[i] - then.r[i]);
+        }
+        for (int i = 0; i < 3; ++i) {
+            shift += (now.t[i] - then.t[i]) * (now.t[i] - then.t[i]);
+        }
+        return std::sqrt(shift) + std::sqrt(turn / 2) * std::min(a_.radius, b_.radius);
+    }
+
+    void find_edges(float best, float depth) {
+        kernels_.edges(a_, b_, relative_, faces_, best, reach(), depth, scratch_.axis, edges_);
+    }
+
+    // Apart by more than the reach along an axis.
+    void part(const float axis[3]) {
+        memory_.feature = Feature::None;
+        memory_.has_axis = true;
+        std::copy(axis, axis + 3, memory_.axis);
+    }
+
+    void part_along_face() {
+        if (faces_.gap_a >= faces_.gap_b) {
+            const int f = faces_.face_a;
+            const float axis[3] = {a_.nx[f], a_.ny[f], a_.nz[f]};
+            part(axis);
+        } else {
+            const AxisScratch &s = scratch_.axis;
+            const int f = faces_.face_b;
+            const float axis[3] = {-s.bnx[f], -s.bny[f], -s.bnz[f]};
+            part(axis);
+        }
+    }
+
+    // Goes on with the feature of the last step if it is nearly the best and
+    // its points bear it out.
+    bool keep(double best) {
+        const double least = best - settings_.hysteresis;
+        const double slack = settings_.hysteresis;
+        if (memory_.feature == Feature::Edges) {
+            const EdgeContact edge = edge_contact(a_, memory_.first, b_, memory_.second, b_to_a_);
+            if (!edge.defined || edge.off > slack) {
+                return false;
+            }
+            const double gap = gap_along(edge.axis);
+            if (gap < least || edge.gap > gap + slack) {
+                return false;
+            }
+            take(edge);
+            return true;
+        }
+        const bool is_a = memory_.feature == Feature::FaceOfA;
+        const double gap = meet_face(is_a, memory_.first, memory_.second);
+        if (gap < least) {
+            return false;
+        }
+        take_face(is_a, memory_.first);
+        return out_.count > 0 && deepest_ <= gap + slack;
+    }
+
+    // The best feature, whatever was before.
+    void choose(bool is_a, float widest, float depth) {
+        if (edges_.edge_a >= 0 && take_edges()) {
+            return;
+        }
+        const int face = is_a ? faces_.face_a : faces_.face_b;
+        meet_face(is_a, face, -1);
+        take_face(is_a, face);
+        if (out_.count > 0 && deepest_ <= static_cast<double>(widest) + settings_.face_preference) {
+            return;
+        }
+        // The face's plane is as good as any axis, but no face of the other
+        // body lies against it: edges that are hardly worse, then.
+        find_edges(widest - preference(), depth);
+        if (edges_.edge_a >= 0 && edges_.gap > reach()) {
+            out_.count = 0;
+            part(edges_.axis);
+            return;
+        }
+        if (edges_.edge_a >= 0 && take_edges()) {
+            return;
+        }
+        if (out_.count == 0 && widest < 0) {
+            take_lowest(is_a, face);
+        }
+        if (out_.count == 0) {
+            memory_.feature = Feature::None;
+            memory_.has_axis = false;
+        }
+    }
+
+    double gap_along(const double axis[3]) const {
+        const float axis_a[3] = {static_cast<float>(axis[0]), static_cast<float>(axis[1]),
+                                 static_cast<float>(axis[2])};
+        const double *r = b_to_a_.r;
+        float axis_b[3];
+        double shift = 0;
+        for (int i = 0; i < 3; ++i) {
+            axis_b[i] =
+                static_cast<float>(r[i] * axis[0] + r[3 + i] * axis[1] + r[6 + i] * axis[2]);
+            shift += axis[i] * b_to_a_.t[i];
+        }
+        return kernels_.gap_along(a_, b_, axis_a, axis_b, static_cast<float>(shift));
+    }
+
+    void remember(Feature feature, int first, int second) {
+        memory_.feature = feature;
+        memory_.first = first;
+        memory_.second = second;
+    }
+
+    // Makes the edges found last the contact. False where they are not what
+    // is highest and lowest along their axis: edges that are nearly parallel
+    // may have an axis close to that of a face, where others are.
+    bool take_edges() {
+        const EdgeContact edge = edge_contact(a_, edges_.edge_a, b_, edges_.edge_b, b_to_a_);
+        const double highest =
+            std::min(static_cast<double>(edges_.gap) + settings_.face_preference, settings_.reach);
+        if (!edge.defined || edge.gap > highest) {
+            return false;
+        }
+        remember(Feature::Edges, edges_.edge_a, edges_.edge_b);
+        take(edge);
+        return true;
+    }
+
+    void take(const EdgeContact &edge) {
+        out_.count = 1;
+        pose_a_.turn(edge.axis, out_.normal);
+        PairPoint &point = out_.points[0];
+        std::copy(edge.on_a, edge.on_a + 3, point.on_a);
+        a_to_b_.apply(edge.on_b, point.on_b);
+        point.gap = edge.gap;
+        point.id = FROM_EDGES | (static_cast<std::uint32_t>(memory_.first) & 0x3fffU) << 14 |
+                   (static_cast<std::uint32_t>(memory_.second) & 0x3fffU);
+        deepest_ = edge.gap;
+    }
+
+    const Rigid &from_incident(bool is_a) const { return is_a ? b_to_a_ : a_to_b_; }
+    const Rigid &to_incident(bool is_a) const { return is_a ? a_to_b_ : b_to_a_; }
+
+    // Finds the incident face of a reference face; `before` is kept while it
+    // will do. Returns the gap above the reference face.
+    double meet_face(bool is_a, int face, int before) {
+        const HullData &reference = is_a ? a_ : b_;
+        const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
+        double seen[3];
+        to_incident(is_a).turn(normal, seen);
+        const Incident found = incident_face(is_a ? b_ : a_, seen, before, settings_.hysteresis);
+        incident_ = found.face;
+        const double *t = from_incident(is_a).t;
+        return found.lowest + normal[0] * t[0] + normal[1] * t[1] + normal[2] * t[2] -
+               static_cast<double>(reference.offset[face]);
+    }
+
+    // Points of a reference face and the incident face found for it.
+    void take_face(bool is_a, int face) {
+        const HullData &reference = is_a ? a_ : b_;
+        auto &points = scratch_.clip.points;
+        clip_face(reference, face, is_a ? b_ : a_, incident_, from_incident(is_a), settings_.reach,
+                  scratch_.clip);
+        const std::uint32_t mark = is_a ? 0 : FROM_FACE_OF_B;
+        deepest_ = settings_.reach;
+        for (ClipPoint &point : points) {
+            point.id |= mark;
+            deepest_ = std::min(deepest_, point.gap);
+        }
+        const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
+        const int count = reduce_points(points, normal, settings_.reach, settings_.hysteresis,
+                                        memory_.known, memory_.known_count);
+        put(is_a, normal, points.data(), count);
+        remember(is_a ? Feature::FaceOfA : Feature::FaceOfB, face, incident_);
+    }
+
+    // The lowest vertex above a reference face, wherever it lies beside it.
+    void take_lowest(bool is_a, int face) {
+        const HullData &reference = is_a ? a_ : b_;
+        const HullData &incident = is_a ? b_ : a_;
+        const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
+        ClipPoint lowest{{0, 0, 0}, 1e300, 0};
+        for (int v = 0; v < incident.vertices; ++v) {
+            const double local[3] = {incident.vx[v], incident.vy[v], incident.vz[v]};
+            double x[3];
+            from_incident(is_a).apply(local, x);
+            const double gap = normal[0] * x[0] + normal[1] * x[1] + normal[2] * x[2] -
+                               static_cast<double>(reference.offset[face]);
+            if (gap < lowest.gap) {
+                lowest = {{x[0], x[1], x[2]},
+                          gap,
+                          (static_cast<std::uint32_t>(v) & 0x3fffU) | (is_a ? 0 : FROM_FACE_OF_B)};
+            }
+        }
+        put(is_a, normal, &lowest, 1);
+        deepest_ = lowest.gap;
+    }
+
+    void put(bool is_a, const double normal[3], const ClipPoint *points, int count) {
+        out_.count = count;
+        double turned[3];
+        (is_a ? pose_a_ : pose_b_).turn(normal, turned);
+        for (int i = 0; i < 3; ++i) {
+            out_.normal[i] = is_a ? turned[i] : -turned[i];
+        }
+        for (int k = 0; k < count; ++k) {
+            PairPoint &point = out_.points[k];
+            point.gap = points[k].gap;
+            point.id = points[k].id;
+            double *on_reference = is_a ? point.on_a : point.on_b;
+            double *on_incident = is_a ? point.on_b : point.on_a;
+            for (int i = 0; i < 3; ++i) {
+                on_reference[i] = points[k].x[i] - points[k].gap * normal[i];
+            }
+            to_incident(is_a).apply(points[k].x, on_incident);
+        }
+    }
+};
+
+} // namespace
+
+void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
+             const Rigid &pose_b, const PairSettings &settings, PairMemory &memory,
+             PairScratch &scratch, PairContact &out) {
+    Pair(kernels, a, b, pose_a, pose_b, settings, memory, scratch, out).run();
+    memory.known_count = out.count;
+    for (int i = 0; i < out.count; ++i) {
+        memory.known[i] = out.points[i].id;
+    }
+}
+
+} // namespace pluvia

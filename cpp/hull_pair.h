@@ -1,0 +1,68 @@
+// The contact of one pair of hulls, from their poses to at most four points,
+// with a memory from step to step.
+//
+// A pure computation: reads two hulls and two poses, writes the pair's own
+// memory and result, and may therefore run for many pairs at once.
+#pragma once
+
+#include "hull_axis.h"
+#include "hull_clip.h"
+
+namespace pluvia {
+
+// What touches.
+enum class Feature : std::uint8_t { None, FaceOfA, FaceOfB, Edges };
+
+// Lengths in engine units.
+struct PairSettings {
+    // Points are kept up to this gap.
+    double reach;
+    // Last step's feature is kept while no other has a gap wider by this.
+    // Without it, features of nearly equal depth alternate, the solver's
+    // impulses are thrown away, and a packing at rest creeps.
+    double hysteresis;
+    // A pair of edges must beat the best face by this: a face gives up to
+    // four points, edges give one.
+    double face_preference;
+};
+
+// What a pair remembers.
+struct PairMemory {
+    Feature feature = Feature::None; // of the last step
+    bool has_axis = false;           // an axis along which the pair was apart
+    std::int32_t first = -1;         // the face, or the edge of A
+    std::int32_t second = -1;        // the incident face, or the edge of B
+    float axis[3] = {0, 0, 0};       // in A's frame, out of A
+    // Of the last whole search: no axis had a wider gap than this when B was
+    // here in A's frame, or A in B's, whichever is the smaller body.
+    float widest = 0;
+    Relative pose = {};
+    // Ids of the last step's points.
+    std::int32_t known_count = 0;
+    std::uint32_t known[4] = {0, 0, 0, 0};
+};
+
+struct PairPoint {
+    double on_a[3]; // in A's frame
+    double on_b[3]; // in B's frame
+    double gap;
+    std::uint32_t id;
+};
+
+struct PairContact {
+    int count = 0;
+    double normal[3] = {0, 0, 0}; // out of A towards B, in the world
+    PairPoint points[4];
+};
+
+struct PairScratch {
+    AxisScratch axis;
+    ClipScratch clip;
+};
+
+// Finds the contact of two hulls at their world poses.
+void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
+             const Rigid &pose_b, const PairSettings &settings, PairMemory &memory,
+             PairScratch &scratch, PairContact &out);
+
+} // namespace pluvia

@@ -1,0 +1,62 @@
+// One pair of hulls outside any world: what the narrow phase finds for given
+// poses, step after step. Tests compare it with exact references, benchmarks
+// time it.
+#pragma once
+
+#include "convert.h"
+#include "hull_algorithm.h"
+#include "rust/cxx.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+namespace pluvia {
+
+struct HullProbeGap;
+struct HullProbePoint;
+struct HullProbePose;
+
+class HullProbe {
+  public:
+    HullProbe(double scale, double reach, bool portable, std::unique_ptr<const HullData> a,
+              std::unique_ptr<const HullData> b);
+
+    // One step: the contact at these poses, remembering the steps before.
+    rust::Vec<HullProbePoint> step(const HullProbePose &a, const HullProbePose &b);
+    // What the solver would leave behind in a point.
+    void set_impulse(std::size_t point, double normal, const std::array<double, 3> &friction);
+    // Forgets the steps before.
+    void forget();
+    // The widest gap and its axis, with all pairs of edges or only those that
+    // the pruning leaves.
+    HullProbeGap widest_gap(const HullProbePose &a, const HullProbePose &b, bool all_edges);
+    // Mean time in ns of a step over `rounds` runs through all poses of B, A
+    // standing at the origin; with `remember` off each step forgets the one before.
+    double time_steps(rust::Slice<const HullProbePose> poses, std::size_t rounds, bool remember);
+    // Bytes of both hulls' data.
+    std::size_t bytes() const { return a_->bytes + b_->bytes; }
+
+  private:
+    Units units_;
+    HullCollision collision_;
+    std::unique_ptr<const HullData> a_, b_;
+    btCollisionObject body_a_, body_b_;
+    PairMemory memory_;
+    btPersistentManifold manifold_;
+};
+
+// `scale`: engine units in a metre; `reach` in m; coordinates in metres, faces
+// as in BulletWorld::add_shape.
+std::unique_ptr<HullProbe> new_hull_probe(double scale, double reach, bool portable,
+                                          rust::Slice<const double> coordinates_a,
+                                          rust::Slice<const std::uint32_t> face_starts_a,
+                                          rust::Slice<const std::uint32_t> face_vertices_a,
+                                          rust::Slice<const double> coordinates_b,
+                                          rust::Slice<const std::uint32_t> face_starts_b,
+                                          rust::Slice<const std::uint32_t> face_vertices_b);
+
+} // namespace pluvia

@@ -1,0 +1,151 @@
+//! One pair of hulls outside any world: what the manifold contact path finds
+//! for given poses, step after step.
+//!
+//! For tests, which compare it with exact references, and for benchmarks.
+
+use nalgebra::Vector3;
+
+use super::{Flat, engine, ffi, rotation_array};
+use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::world::WorldError;
+
+/// How a pair is probed.
+#[derive(Debug, Clone, Copy)]
+pub struct ProbeSettings {
+    /// Engine length units in a metre.
+    pub length_scale: f64,
+    /// Gap in m up to which contact points are kept.
+    pub reach: f64,
+    /// Use the code that runs on every processor instead of the fastest.
+    pub portable: bool,
+}
+
+impl Default for ProbeSettings {
+    fn default() -> Self {
+        Self { length_scale: 100.0, reach: 0.5e-3, portable: false }
+    }
+}
+
+/// A contact point, all in SI units and world axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProbePoint {
+    /// Gap along the normal in m; negative where the bodies overlap.
+    pub gap: f64,
+    /// Unit normal pointing from B to A.
+    pub normal: Vector,
+    /// Point on A's surface in m.
+    pub on_a: Vector,
+    /// Point on B's surface in m.
+    pub on_b: Vector,
+    /// Name of the features that meet; the same from step to step.
+    pub id: u32,
+    /// Steps since the point appeared; 0 when it is new.
+    pub age: i32,
+    /// Normal impulse of the last step, carried over, in N s.
+    pub impulse: f64,
+    /// Friction impulse of the last step, carried over, in N s.
+    pub friction: Vector,
+}
+
+/// The widest gap over all axes of the separating axis test.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProbeGap {
+    /// Gap in m, negative for overlap.
+    pub gap: f64,
+    /// Unit vector from A to B.
+    pub axis: Vector,
+    /// Whether it is the common normal of two edges.
+    pub of_edges: bool,
+}
+
+/// Two hulls and what their pair remembers.
+pub struct HullPair(cxx::UniquePtr<ffi::HullProbe>);
+
+fn pose(pose: &Pose) -> ffi::HullProbePose {
+    ffi::HullProbePose { position: pose.translation.vector.into(), rotation: rotation_array(pose) }
+}
+
+impl HullPair {
+    /// Prepares two shapes.
+    ///
+    /// # Errors
+    /// [`WorldError::Engine`] for a shape the engine cannot take.
+    pub fn new(
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        settings: ProbeSettings,
+    ) -> Result<Self, WorldError> {
+        let (a, b) = (Flat::of(a), Flat::of(b));
+        ffi::new_hull_probe(
+            settings.length_scale,
+            settings.reach,
+            settings.portable,
+            &a.coordinates,
+            &a.face_starts,
+            &a.face_vertices,
+            &b.coordinates,
+            &b.face_starts,
+            &b.face_vertices,
+        )
+        .map(Self)
+        .map_err(engine)
+    }
+
+    /// The contact at these poses, remembering the steps before.
+    pub fn step(&mut self, a: &Pose, b: &Pose) -> Vec<ProbePoint> {
+        self.0
+            .pin_mut()
+            .step(&pose(a), &pose(b))
+            .into_iter()
+            .map(|p| ProbePoint {
+                gap: p.gap,
+                normal: p.normal.into(),
+                on_a: p.on_a.into(),
+                on_b: p.on_b.into(),
+                id: p.id,
+                age: p.age,
+                impulse: p.impulse,
+                friction: p.friction.into(),
+            })
+            .collect()
+    }
+
+    /// Leaves impulses (N s) behind in a point as a solver does; `friction` in world axes.
+    ///
+    /// # Errors
+    /// [`WorldError::Engine`] when there is no such point.
+    pub fn set_impulse(
+        &mut self,
+        point: usize,
+        normal: f64,
+        friction: &Vector,
+    ) -> Result<(), WorldError> {
+        let friction: &Vector3<f64> = friction;
+        self.0.pin_mut().set_impulse(point, normal, &(*friction).into()).map_err(engine)
+    }
+
+    /// Forgets the steps before.
+    pub fn forget(&mut self) {
+        self.0.pin_mut().forget();
+    }
+
+    /// The widest gap; `all_edges` looks at every pair of edges, else only at
+    /// those near the faces that are closest. Both agree wherever the bodies
+    /// overlap.
+    pub fn widest_gap(&mut self, a: &Pose, b: &Pose, all_edges: bool) -> ProbeGap {
+        let found = self.0.pin_mut().widest_gap(&pose(a), &pose(b), all_edges);
+        ProbeGap { gap: found.gap, axis: found.axis.into(), of_edges: found.edges }
+    }
+
+    /// Mean time in ns of a step, over `rounds` times all poses of B, with A
+    /// at the origin; without `remember` every step is the first.
+    pub fn time_steps(&mut self, poses: &[Pose], rounds: usize, remember: bool) -> f64 {
+        let poses: Vec<_> = poses.iter().map(pose).collect();
+        self.0.pin_mut().time_steps(&poses, rounds, remember)
+    }
+
+    /// Bytes of both shapes' data.
+    pub fn bytes(&self) -> usize {
+        self.0.bytes()
+    }
+}
