@@ -9,7 +9,11 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 14] = [
+const SHIMS: [&str; 18] = [
+    "contact_batches",
+    "contact_iterations",
+    "contact_rows",
+    "contact_solver",
     "convert",
     "globals",
     "hull_data",
@@ -32,6 +36,7 @@ fn main() {
         println!("cargo::rerun-if-changed=cpp/{shim}.cpp");
     }
     println!("cargo::rerun-if-changed=cpp/constants.h");
+    println!("cargo::rerun-if-changed=cpp/lanes.h");
     println!("cargo::rerun-if-changed=cpp/hull_axis_kernels.h");
     println!("cargo::rerun-if-changed=build.rs");
 

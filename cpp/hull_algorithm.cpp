@@ -6,6 +6,7 @@
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <new>
 
@@ -53,6 +54,17 @@ void collide_into(HullCollision &shared, const HullData &a, const HullData &b,
     write_manifold(contact, pose_a, pose_b, shared.match, manifold);
 }
 
+btScalar approach_in_step(const btCollisionObject &a, const btCollisionObject &b, btScalar step) {
+    const btRigidBody *body_a = btRigidBody::upcast(&a);
+    const btRigidBody *body_b = btRigidBody::upcast(&b);
+    const auto turning = [](const btRigidBody &body) {
+        return body.getAngularVelocity().length() *
+               static_cast<const TightHull *>(body.getCollisionShape())->radius();
+    };
+    const btVector3 relative = body_a->getLinearVelocity() - body_b->getLinearVelocity();
+    return step * (relative.length() + turning(*body_a) + turning(*body_b));
+}
+
 HullAlgorithm::~HullAlgorithm() { release(); }
 
 void HullAlgorithm::release() {
@@ -73,9 +85,11 @@ void HullAlgorithm::update(const btCollisionObject &a, const btCollisionObject &
     const auto &hull_b = static_cast<const TightHull *>(b.getCollisionShape())->data();
     const btTransform &pose_a = a.getWorldTransform();
     const btTransform &pose_b = b.getWorldTransform();
+    PairSettings settings = shared_.settings;
+    settings.reach += static_cast<double>(approach_in_step(a, b, shared_.step));
     PairContact contact;
-    collide(*shared_.kernels, hull_a, hull_b, rigid(pose_a), rigid(pose_b), shared_.settings,
-            memory_, shared_.scratch, contact);
+    collide(*shared_.kernels, hull_a, hull_b, rigid(pose_a), rigid(pose_b), settings, memory_,
+            shared_.scratch, contact);
     if (contact.count == 0) {
         release();
         return;

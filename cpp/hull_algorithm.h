@@ -14,6 +14,7 @@ struct HullCollision {
     PairSettings settings;
     btScalar match; // distance up to which points of successive steps are taken for the same
     const AxisKernels *kernels;
+    btScalar step = 0; // length of a step, for which fast pairs are foreseen
     PairScratch scratch;
 };
 
@@ -23,6 +24,11 @@ PairSettings pair_settings(double reach, double scale);
 btScalar match_distance(double scale);
 
 Rigid rigid(const btTransform &pose);
+
+// A length by which points of two bodies can come closer within a step. A
+// pair that may meet within the step has its contact points before it meets,
+// so that it is stopped at the surface and not beyond.
+btScalar approach_in_step(const btCollisionObject &a, const btCollisionObject &b, btScalar step);
 
 // One step of a pair: from the poses, and what pair and manifold remember, to
 // the points in the manifold.

@@ -12,8 +12,11 @@ void hull_near_callback(btBroadphasePair &pair, btCollisionDispatcher &dispatche
                         const btDispatcherInfo &info) {
     auto *algorithm = static_cast<HullAlgorithm *>(pair.m_algorithm);
     if (algorithm == nullptr || !algorithm->holds_contacts()) {
-        const auto &own = static_cast<HullDispatcher &>(dispatcher);
-        if (!within_reach(pair, static_cast<btScalar>(own.collision()->settings.reach))) {
+        const HullCollision &own = *static_cast<HullDispatcher &>(dispatcher).collision();
+        const btScalar approach = approach_in_step(
+            *static_cast<const btCollisionObject *>(pair.m_pProxy0->m_clientObject),
+            *static_cast<const btCollisionObject *>(pair.m_pProxy1->m_clientObject), own.step);
+        if (!within_reach(pair, static_cast<btScalar>(own.settings.reach) + approach)) {
             return;
         }
     }

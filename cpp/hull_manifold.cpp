@@ -20,12 +20,14 @@ btVector3 vector(const double x[3]) {
 struct Heritage {
     btScalar impulse = 0, lateral_1 = 0, lateral_2 = 0;
     btVector3 direction_1{0, 0, 0}, direction_2{0, 0, 0};
+    btScalar arrival = 0; // the solver's, in m_contactMotion1
     int age = 0;
 };
 
 Heritage heritage(const btManifoldPoint &old, const btVector3 &normal) {
     Heritage out;
     out.age = old.m_lifeTime + 1;
+    out.arrival = old.m_contactMotion1;
     if (static_cast<double>(old.m_normalWorldOnB.dot(normal)) >= SAME_NORMAL) {
         out.impulse = old.m_appliedImpulse;
         out.lateral_1 = old.m_appliedImpulseLateral1;
@@ -159,6 +161,7 @@ void write_manifold(const PairContact &contact, const btTransform &pose_a,
         point.m_appliedImpulseLateral2 = heritages[i].lateral_2;
         point.m_lateralFrictionDir1 = heritages[i].direction_1;
         point.m_lateralFrictionDir2 = heritages[i].direction_2;
+        point.m_contactMotion1 = heritages[i].arrival;
         point.m_lifeTime = heritages[i].age;
     }
 }

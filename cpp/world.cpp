@@ -1,6 +1,7 @@
 #include "world.h"
 
 #include "bodies.h"
+#include "contact_solver.h"
 #include "convert.h"
 #include "globals.h"
 #include "hull_dispatcher.h"
@@ -8,6 +9,7 @@
 #include "shapes.h"
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -43,7 +45,21 @@ std::unique_ptr<HullCollision> make_hull_collision(const Units &units, const Wor
     collision->settings = pair_settings(reach * units.scale(), units.scale());
     collision->match = match_distance(units.scale());
     collision->kernels = &axis_kernels();
+    collision->step = static_cast<btScalar>(d.time_step);
     return collision;
+}
+
+// A hundredth of a millimetre: contacts closer than that touch.
+constexpr double CLOSED_GAP = 0.01e-3; // m
+
+std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const WorldDefinition &d) {
+    const double scale = units.scale();
+    const ContactLaw law{d.contact_stiffness, d.contact_damping_ratio, d.push_out_speed * scale,
+                         d.restitution_velocity_threshold * scale, CLOSED_GAP * scale};
+    const Sweep sweep = d.contacts_at_once == 1 ? Sweep::OneByOne
+                        : has_avx2()            ? Sweep::Avx2
+                                                : Sweep::Portable;
+    return std::make_unique<ContactSolver>(law, sweep, d.gyroscopic);
 }
 
 } // namespace
@@ -61,7 +77,11 @@ class BulletWorld::Impl {
           hull_collision(definition.own_collision ? make_hull_collision(units, definition)
                                                   : nullptr),
           configuration(pool_sizes()), dispatcher(&configuration, hull_collision.get()),
-          world(&dispatcher, &broadphase, &solver, &configuration) {
+          contact_solver(definition.own_collision ? make_contact_solver(units, definition)
+                                                  : nullptr),
+          world(&dispatcher, &broadphase, solver(), &configuration) {
+        // One call of our solver a step, with all contacts.
+        world.getSimulationIslandManager()->setSplitIslands(contact_solver == nullptr);
         world.setGravity(units.length(definition.gravity));
         // A relative threshold of a percent of the grain's size destroys
         // manifolds: the absolute one is used for all pairs.
@@ -69,7 +89,8 @@ class BulletWorld::Impl {
             dispatcher.getDispatcherFlags() &
             ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
         auto &dispatch = world.getDispatchInfo();
-        dispatch.m_useContinuous = false;
+        // Boxes of where a body is and where it will be: pairs are foreseen.
+        dispatch.m_useContinuous = definition.own_collision;
         dispatch.m_enableSatConvex = false;
         auto &info = world.getSolverInfo();
         info.m_numIterations = definition.iterations;
@@ -106,6 +127,13 @@ class BulletWorld::Impl {
         return *bodies[id];
     }
 
+    btConstraintSolver *solver() {
+        if (contact_solver) {
+            return contact_solver.get();
+        }
+        return &bullet_solver;
+    }
+
     Units units;
     btScalar time_step;
     DampingAndSpin body_settings;
@@ -118,7 +146,9 @@ class BulletWorld::Impl {
     btDefaultCollisionConfiguration configuration;
     HullDispatcher dispatcher;
     btDbvtBroadphase broadphase;
-    btSequentialImpulseConstraintSolver solver;
+    // Ours where the contacts are ours; null where they are Bullet's.
+    std::unique_ptr<ContactSolver> contact_solver;
+    btSequentialImpulseConstraintSolver bullet_solver;
     btDiscreteDynamicsWorld world;
 };
 
@@ -179,6 +209,9 @@ void BulletWorld::drive_body(std::uint32_t id, const std::array<double, 3> &posi
 void BulletWorld::step() {
     // No sub-steps: the step is the one that was asked for.
     impl_->world.stepSimulation(impl_->time_step, 0, impl_->time_step);
+    if (impl_->contact_solver) {
+        impl_->contact_solver->after_step();
+    }
 }
 
 void BulletWorld::read_bodies(rust::Vec<BodyRead> &out) const {
@@ -279,6 +312,15 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
         put("manifold_hysteresis_m", collision.settings.hysteresis / units.scale());
         put("manifold_face_preference_m", collision.settings.face_preference / units.scale());
         put("manifold_match_m", units.metres(collision.match));
+    }
+    if (impl_->contact_solver) {
+        const ContactLaw &law = impl_->contact_solver->law();
+        put("contact_stiffness_n_per_m", law.stiffness);
+        put("contact_damping_ratio", law.damping_ratio);
+        put("push_out_speed_m_per_s", law.push_out_speed / units.scale());
+        put("restitution_speed_m_per_s", law.restitution_speed / units.scale());
+        put("closed_gap_m", law.closed_gap / units.scale());
+        put("contacts_at_once", impl_->contact_solver->sweep() == Sweep::OneByOne ? 1 : 8);
     }
     for (const auto &body : impl_->bodies) {
         if (body && !body->isStaticOrKinematicObject()) {

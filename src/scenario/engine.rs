@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, ser};
 
-use super::RapierSettings;
+use super::{ManifoldSettings, RapierSettings};
 
 /// Which physics engine carries the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -72,6 +72,8 @@ pub struct EngineSettings {
     pub angular_damping: f64,
     /// Integrate the gyroscopic term of the rotation of uneven bodies.
     pub gyroscopic: bool,
+    /// What only the contact path `manifold` asks for.
+    pub manifold: ManifoldSettings,
     /// What only rapier asks for.
     pub rapier: RapierSettings,
 }
@@ -84,18 +86,23 @@ impl<'de> Deserialize<'de> for EngineSettings {
     }
 }
 
-/// Rapier's settings are left out where Bullet carries the grains and they
-/// are the defaults: stored stages are found again by what is written here,
+/// Rapier's settings are left out where Bullet carries the grains, those of
+/// the contact path `manifold` where contacts are Bullet's, if they are the
+/// defaults: stored stages are found again by what is written here,
 /// and what Bullet computes does not depend on them.
 impl Serialize for EngineSettings {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let written = Self::serialize(self, serde_json::value::Serializer);
         let mut written = written.map_err(ser::Error::custom)?;
-        if self.backend == Backend::Bullet
-            && self.rapier == RapierSettings::default()
-            && let Some(fields) = written.as_object_mut()
-        {
-            fields.shift_remove("rapier");
+        if let Some(fields) = written.as_object_mut() {
+            if self.backend == Backend::Bullet && self.rapier == RapierSettings::default() {
+                fields.shift_remove("rapier");
+            }
+            if self.contact_path == ContactPath::Bullet
+                && self.manifold == ManifoldSettings::default()
+            {
+                fields.shift_remove("manifold");
+            }
         }
         written.serialize(serializer)
     }
@@ -118,6 +125,7 @@ impl Default for EngineSettings {
             linear_damping: 0.0,
             angular_damping: 0.0,
             gyroscopic: true,
+            manifold: ManifoldSettings::default(),
             rapier: RapierSettings::default(),
         }
     }

@@ -50,6 +50,7 @@ impl<'a> Bench<'a> {
     pub fn at_length_scale(&self, length_scale: f64) -> Self {
         let mut other = self.clone();
         other.engine.length_scale = length_scale;
+        other.engine.rapier.engine_unit_mm = 1e3 / length_scale;
         other
     }
 

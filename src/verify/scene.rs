@@ -83,11 +83,7 @@ impl Scene {
     /// Steps of integration inside one step of the engine, as it says itself;
     /// 1 for engines that integrate once a step.
     pub fn integration_substeps(&self) -> f64 {
-        self.world
-            .effective()
-            .get("integration_substeps")
-            .and_then(serde_json::Value::as_f64)
-            .unwrap_or(1.0)
+        self.world.effective().get("substeps").and_then(serde_json::Value::as_f64).unwrap_or(1.0)
     }
 
     /// State of a body in laboratory axes.

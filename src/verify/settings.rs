@@ -1,6 +1,6 @@
 //! The engines and settings on which every case is run.
 
-use crate::scenario::{Backend, EngineSettings};
+use crate::scenario::{Backend, ContactPath, EngineSettings};
 use crate::world;
 
 /// An engine with its settings, under a name.
@@ -14,18 +14,36 @@ pub struct Setting {
 }
 
 /// The settings of this build: Bullet's own contacts at the default rate and
-/// at twice that.
+/// at twice that, the contact path `manifold` at three rates, and rapier where
+/// it is built in.
 pub fn settings() -> Vec<Setting> {
     let stock = EngineSettings::default();
     let bullet = match world::info(Backend::Bullet).precision.as_str() {
         "single" => "bullet-single",
         _ => "bullet",
     };
-    vec![
+    let mut settings = vec![
         Setting { name: bullet.to_owned(), engine: stock.clone() },
         Setting {
             name: format!("{bullet}-960"),
-            engine: EngineSettings { rate_hz: 960.0, ..stock },
+            engine: EngineSettings { rate_hz: 960.0, ..stock.clone() },
         },
-    ]
+    ];
+    for rate_hz in [240.0, 480.0, 1000.0] {
+        settings.push(Setting {
+            name: format!("{}-{rate_hz}", bullet.replace("bullet", "manifold")),
+            engine: EngineSettings {
+                contact_path: ContactPath::Manifold,
+                rate_hz,
+                ..stock.clone()
+            },
+        });
+    }
+    if world::built_in().contains(&Backend::Rapier) {
+        settings.push(Setting {
+            name: "rapier".to_owned(),
+            engine: EngineSettings { backend: Backend::Rapier, ..stock },
+        });
+    }
+    settings
 }

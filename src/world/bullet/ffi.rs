@@ -45,6 +45,13 @@ mod bridge {
         materials: usize,
         /// Contacts of Pluvia's own hull–hull test instead of Bullet's.
         own_collision: bool,
+        /// Of a contact point of Pluvia's own solver, in N/m.
+        contact_stiffness: f64,
+        contact_damping_ratio: f64,
+        /// In m/s.
+        push_out_speed: f64,
+        /// 8 in single precision, or 1 in double.
+        contacts_at_once: u32,
     }
 
     /// Friction and restitution of a pair of materials.

@@ -221,6 +221,16 @@ fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinitio
             ContactPath::Bullet => false,
             ContactPath::Manifold => true,
         },
+        contact_stiffness: positive(
+            "manifold.contact_stiffness_n_per_m",
+            s.manifold.contact_stiffness_n_per_m,
+        )?,
+        contact_damping_ratio: s.manifold.contact_damping_ratio,
+        push_out_speed: positive(
+            "manifold.push_out_speed_m_per_s",
+            s.manifold.push_out_speed_m_per_s,
+        )?,
+        contacts_at_once: s.manifold.contacts_at_once,
     })
 }
 

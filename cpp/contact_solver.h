@@ -1,0 +1,63 @@
+// Pluvia's contact solver in the place of Bullet's.
+#pragma once
+
+#include "contact_iterations.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletDynamics/ConstraintSolver/btConstraintSolver.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <vector>
+
+namespace pluvia {
+
+// Solves all contacts of a step at once: projected Gauss–Seidel that begins
+// with the whole of the last step's impulses, friction within its cone,
+// normals as implicit springs, restitution as typed. The world must not split
+// islands (btSimulationIslandManager::setSplitIslands(false)), so that there
+// is one call a step, and must hold no joints.
+class ContactSolver final : public btConstraintSolver {
+  public:
+    // `gyroscopic`: uneven bodies turn by Euler's equations.
+    ContactSolver(const ContactLaw &law, Sweep sweep, bool gyroscopic)
+        : law_(law), sweep_(sweep), gyroscopic_(gyroscopic) {}
+
+    btScalar solveGroup(btCollisionObject **bodies, int body_count, btPersistentManifold **manifolds,
+                        int manifold_count, btTypedConstraint **constraints, int constraint_count,
+                        const btContactSolverInfo &info, btIDebugDraw *drawer,
+                        btDispatcher *dispatcher) override;
+    void reset() override {}
+    btConstraintSolverType getSolverType() const override { return BT_SEQUENTIAL_IMPULSE_SOLVER; }
+
+    // To be called when the step has moved the bodies: gives each the spin
+    // that its angular momentum has in the orientation it has come to.
+    void after_step();
+
+    const ContactLaw &law() const { return law_; }
+    Sweep sweep() const { return sweep_; }
+    int rows() const { return static_cast<int>(rows_.size()); }
+
+  private:
+    // A body that turns freely, with its angular momentum in world axes.
+    struct Turning {
+        btRigidBody *body;
+        Three<double> momentum;
+    };
+
+    ContactLaw law_;
+    Sweep sweep_;
+    bool gyroscopic_;
+    std::vector<SolverBody> solver_bodies_;
+    std::vector<btRigidBody *> bodies_; // by solver body; null for the world
+    std::vector<ContactRow> rows_;
+    std::vector<Turning> turning_;
+    Iterations iterations_;
+
+    void take_bodies(btCollisionObject **bodies, int count);
+    void make_rows(btPersistentManifold **manifolds, int count, double step);
+    void apply_forces(double step);
+    void give_back(double step);
+    int index_of(const btCollisionObject *body) const;
+};
+
+} // namespace pluvia
