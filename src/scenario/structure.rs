@@ -310,8 +310,11 @@ mod tests {
         });
         for (path, expected) in [
             ("engine.rate_hz", "a number of at least 30 and at most 100000"),
-            ("engine.backend", "\"bullet\""),
+            ("engine.backend", "\"bullet\" or \"rapier\""),
             ("engine.gyroscopic", "true or false"),
+            ("engine.rapier.substeps", "a whole number of at least 1 and at most 1000"),
+            ("engine.rapier.contact_frequency_hz", "a number above 0 and at most 1000000"),
+            ("engine.rapier.friction_model", "\"coulomb\" or \"simplified\""),
             ("grains.sieve_table[0].passing_mm", "a number above 0 and at most 10000"),
             ("stages[0].periods", "a whole number of at least 1 and at most 1000"),
             ("stages[0].stroke", "\"half_stroke\" or \"full_stroke\""),

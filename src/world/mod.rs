@@ -96,6 +96,32 @@ pub struct Body {
     pub state: BodyState,
 }
 
+impl Body {
+    /// Whether an engine may see it: numbers that are finite, masses that are positive.
+    fn check(&self) -> Result<(), WorldError> {
+        let state = &self.state;
+        let finite = state.pose.translation.vector.iter().all(|x| x.is_finite())
+            && state.pose.rotation.coords.iter().all(|x| x.is_finite())
+            && state.linear_velocity.iter().all(|x| x.is_finite())
+            && state.angular_velocity.iter().all(|x| x.is_finite());
+        let refuse = |reason: String| Err(WorldError::BadBody { reason });
+        if !finite {
+            return refuse("its pose or velocity is not finite".into());
+        }
+        if let Motion::Free { mass, inertia } = self.motion {
+            if !(mass.is_finite() && mass > 0.0) {
+                return refuse(format!("its mass {mass} kg is not positive"));
+            }
+            if !inertia.iter().all(|i| i.is_finite() && *i > 0.0) {
+                return refuse(format!(
+                    "its moments of inertia {inertia:?} kg m² are not positive"
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Pose and velocity of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BodyState {

@@ -5,7 +5,7 @@ mod markdown;
 
 use std::{collections::BTreeSet, fs, path::Path};
 
-use pluvia::scenario::{EngineSettings, Scenario};
+use pluvia::scenario::{EngineSettings, RapierSettings, Scenario};
 use serde_json::Value;
 
 use markdown::{anchors, blocks, links, make_targets};
@@ -160,10 +160,16 @@ fn paths<'a>(prefix: &str, value: &'a Value) -> Box<dyn Iterator<Item = String> 
 #[test]
 fn engine_settings_are_explained_with_their_defaults() {
     let table = read("docs/parameters.md");
-    let defaults = serde_json::to_value(EngineSettings::default()).expect("settings have JSON");
-    for (field, default) in defaults.as_object().expect("settings are an object") {
-        let row = format!("| `{field}` | `{default}` | ");
-        assert!(table.contains(&row), "docs/parameters.md has no row that begins {row}");
+    let settings = [
+        ("", serde_json::to_value(EngineSettings::default())),
+        ("rapier.", serde_json::to_value(RapierSettings::default())),
+    ];
+    for (prefix, defaults) in settings {
+        let defaults = defaults.expect("settings have JSON");
+        for (field, default) in defaults.as_object().expect("settings are an object") {
+            let row = format!("| `{prefix}{field}` | `{default}` | ");
+            assert!(table.contains(&row), "docs/parameters.md has no row that begins {row}");
+        }
     }
 }
 

@@ -234,28 +234,6 @@ fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinitio
     })
 }
 
-/// What no engine should see: numbers that are not finite, masses that are not positive.
-fn check(body: &Body) -> Result<(), WorldError> {
-    let state = &body.state;
-    let finite = state.pose.translation.vector.iter().all(|x| x.is_finite())
-        && state.pose.rotation.coords.iter().all(|x| x.is_finite())
-        && state.linear_velocity.iter().all(|x| x.is_finite())
-        && state.angular_velocity.iter().all(|x| x.is_finite());
-    let refuse = |reason: String| Err(WorldError::BadBody { reason });
-    if !finite {
-        return refuse("its pose or velocity is not finite".into());
-    }
-    if let Motion::Free { mass, inertia } = body.motion {
-        if !(mass.is_finite() && mass > 0.0) {
-            return refuse(format!("its mass {mass} kg is not positive"));
-        }
-        if !inertia.iter().all(|i| i.is_finite() && *i > 0.0) {
-            return refuse(format!("its moments of inertia {inertia:?} kg m² are not positive"));
-        }
-    }
-    Ok(())
-}
-
 fn rotation_array(pose: &Pose) -> [f64; 4] {
     let q = pose.rotation.coords;
     [q.x, q.y, q.z, q.w]
@@ -263,7 +241,7 @@ fn rotation_array(pose: &Pose) -> [f64; 4] {
 
 impl World for BulletBackend {
     fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
-        check(body)?;
+        body.check()?;
         let shape = self.shape(&body.shape)?;
         let (kind, mass, inertia) = match body.motion {
             Motion::Static => (ffi::BodyKind::Static, 0.0, Vector::zeros()),

@@ -61,6 +61,8 @@ pub struct RapierBackend {
     /// Shapes already known to the engine, by address; the `Arc`s keep the
     /// addresses from being used again.
     shapes: HashMap<usize, (SharedShape, Arc<ConvexPolyhedron>)>,
+    /// Which dispatcher the world was given; rapier cannot be asked.
+    spanned_faces: bool,
     gyroscopic: bool,
     /// Damping of velocity and of angular velocity, in 1/s.
     damping: (f64, f64),
@@ -104,6 +106,7 @@ impl RapierBackend {
             pairs: Pairs::new(pairs)?,
             bodies: Vec::new(),
             shapes: HashMap::new(),
+            spanned_faces: settings.rapier.spanned_faces,
             gyroscopic: settings.gyroscopic,
             damping: (
                 settings::damping("linear_damping", settings.linear_damping)?,
@@ -163,31 +166,9 @@ impl RapierBackend {
     }
 }
 
-/// What no engine should see: numbers that are not finite, masses that are not positive.
-fn check(body: &Body) -> Result<(), WorldError> {
-    let state = &body.state;
-    let finite = state.pose.translation.vector.iter().all(|x| x.is_finite())
-        && state.pose.rotation.coords.iter().all(|x| x.is_finite())
-        && state.linear_velocity.iter().all(|x| x.is_finite())
-        && state.angular_velocity.iter().all(|x| x.is_finite());
-    let refuse = |reason: String| Err(WorldError::BadBody { reason });
-    if !finite {
-        return refuse("its pose or velocity is not finite".into());
-    }
-    if let Motion::Free { mass, inertia } = body.motion {
-        if !(mass.is_finite() && mass > 0.0) {
-            return refuse(format!("its mass {mass} kg is not positive"));
-        }
-        if !inertia.iter().all(|i| i.is_finite() && *i > 0.0) {
-            return refuse(format!("its moments of inertia {inertia:?} kg m² are not positive"));
-        }
-    }
-    Ok(())
-}
-
 impl World for RapierBackend {
     fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
-        check(body)?;
+        body.check()?;
         let shape = self.shape(&body.shape)?;
         let (own, meets) = match body.motion {
             Motion::Free { .. } => (FREE, FREE | WALL),
@@ -273,6 +254,6 @@ impl World for RapierBackend {
     }
 
     fn effective(&self) -> EffectiveSettings {
-        settings::effective(&self.world, self.units)
+        settings::effective(&self.world, self.units, self.spanned_faces)
     }
 }

@@ -123,7 +123,11 @@ pub(super) fn integration_parameters(
 }
 
 /// What rapier holds, in SI.
-pub(super) fn effective(world: &PhysicsWorld, units: Units) -> EffectiveSettings {
+pub(super) fn effective(
+    world: &PhysicsWorld,
+    units: Units,
+    spanned_faces: bool,
+) -> EffectiveSettings {
     let p = &world.integration_parameters;
     let gravity = units.metres(world.gravity);
     let metres = |length: f64| length / units.per_metre();
@@ -153,6 +157,7 @@ pub(super) fn effective(world: &PhysicsWorld, units: Units) -> EffectiveSettings
         ("speed_limit", json!(p.max_linear_velocity() != f64::MAX)),
         ("continuous_collision_substeps", json!(p.max_ccd_substeps)),
         ("continuous_collision_shortest_step_s", json!(p.min_ccd_dt)),
+        ("spanned_faces", json!(spanned_faces)),
         ("contact_clustering", json!(p.contact_clustering)),
         ("contact_recycling", json!(p.contact_recycling)),
         ("recycling_distance_m", json!(metres(p.contact_recycle_distance()))),

@@ -1,7 +1,62 @@
 //! What is rapier's alone; laws that hold for every engine are in
-//! `world/parity_tests.rs`.
+//! `world/parity_tests/`.
 
 use super::*;
+use crate::geometry::MassProperties as Exact;
+use crate::scenario::{Backend, FrictionModel, RapierSettings};
+use crate::world::Material;
+
+const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
+
+fn settings(rapier: RapierSettings) -> EngineSettings {
+    EngineSettings { backend: Backend::Rapier, rapier, ..Default::default() }
+}
+
+fn uniform(friction: f64, restitution: f64) -> PairTable {
+    PairTable::uniform(PairCoefficients { friction, restitution })
+}
+
+fn world(rapier: RapierSettings) -> RapierBackend {
+    RapierBackend::new(&settings(rapier), GRAVITY, &uniform(0.5, 0.0)).expect("a world")
+}
+
+fn body(shape: ConvexPolyhedron, at: Vector, free: bool) -> Body {
+    let exact = Exact::of(&shape);
+    let density = 2673.9;
+    let inertia = exact.inertia_per_density.diagonal() * density;
+    Body {
+        shape: Arc::new(shape),
+        motion: if free {
+            Motion::Free { mass: density * exact.volume, inertia }
+        } else {
+            Motion::Static
+        },
+        material: if free { Material::Grain } else { Material::Wall },
+        state: BodyState::at_rest(Pose::translation(at.x, at.y, at.z)),
+    }
+}
+
+fn cuboid(sides: Vector, at: Vector, free: bool) -> Body {
+    body(ConvexPolyhedron::cuboid(sides).expect("a box"), at, free)
+}
+
+/// A prism whose end faces have many corners, of which parry takes four.
+fn disc(radius: f64, height: f64, corners: u32, at: Vector, free: bool) -> Body {
+    let ring = |z: f64| {
+        (0..corners)
+            .map(|i| std::f64::consts::TAU * f64::from(i) / f64::from(corners))
+            .map(|angle| crate::geometry::Point::new(radius * angle.cos(), radius * angle.sin(), z))
+            .collect()
+    };
+    let shape = ConvexPolyhedron::frustum(ring(-height / 2.0), ring(height / 2.0));
+    body(shape.expect("a prism"), at, free)
+}
+
+fn step(world: &mut RapierBackend, count: u32) {
+    for _ in 0..count {
+        world.step().expect("a step");
+    }
+}
 
 #[test]
 fn the_version_is_the_one_locked() {
@@ -10,4 +65,199 @@ fn the_version_is_the_one_locked() {
     let mut lines = lock.lines().skip_while(|line| *line != "name = \"rapier3d-f64\"");
     let locked = lines.nth(1).unwrap_or_default();
     assert_eq!(locked, format!("version = \"{VERSION}\""), "Cargo.lock (left), VERSION (right)");
+}
+
+#[test]
+fn every_setting_is_read_back_from_the_engine() {
+    // Each value unlike its default, so that none can pass by chance.
+    let chosen = RapierSettings {
+        substeps: 7,
+        sweeps: 3,
+        relaxing_sweeps: 5,
+        contact_frequency_hz: 123.0,
+        contact_damping_ratio: 0.7,
+        wall_contact_frequency_hz: 234.0,
+        wall_contact_damping_ratio: 0.9,
+        warm_start: 0.5,
+        engine_unit_mm: 2.0,
+        prediction_mm: 0.4,
+        corrective_speed_m_per_s: 1.5,
+        friction_model: FrictionModel::Simplified,
+        friction_while_correcting: true,
+        spanned_faces: false,
+        contact_recycling: false,
+        recycling_distance_mm: 0.05,
+    };
+    let asked = EngineSettings {
+        rate_hz: 960.0,
+        linear_damping: 0.1,
+        angular_damping: 0.2,
+        gyroscopic: false,
+        ..settings(chosen)
+    };
+    let mut world = RapierBackend::new(&asked, GRAVITY, &uniform(0.5, 0.0)).expect("a world");
+    world.add(&cuboid(Vector::repeat(0.01), Vector::zeros(), true)).expect("added");
+    let held = world.effective();
+    for (name, expected) in [
+        ("time_step_s", 1.0 / 960.0),
+        ("gravity_z_m_per_s2", -9.81),
+        ("substeps", 7.0),
+        ("sweeps", 3.0),
+        ("relaxing_sweeps", 5.0),
+        ("contact_frequency_hz", 123.0),
+        ("contact_damping_ratio", 0.7),
+        ("wall_contact_frequency_hz", 234.0),
+        ("wall_contact_damping_ratio", 0.9),
+        ("warm_start", 0.5),
+        ("length_scale_units_per_m", 500.0),
+        ("prediction_m", 0.4e-3),
+        ("corrective_speed_m_per_s", 1.5),
+        ("recycling_distance_m", 0.05e-3),
+        ("broadphase_margin_m", 0.5e-3),
+        ("allowed_linear_error_m", 0.0),
+        ("continuous_collision_substeps", 0.0),
+        // Of exp(-c t), which is to be 0.9 and 0.8 after a second.
+        ("linear_damping_per_s", 0.105_360_515_657_826_3),
+        ("angular_damping_per_s", 0.223_143_551_314_209_76),
+    ] {
+        let got = held.get(name).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
+        assert!(
+            (got - expected).abs() <= 1e-12 * expected.abs(),
+            "setting {name}: expected {expected}, got {got}, tolerance 1e-12 of it"
+        );
+    }
+    for (name, expected) in [
+        ("speed_limit", false),
+        ("contact_clustering", false),
+        ("contact_recycling", false),
+        ("friction_while_correcting", true),
+        ("spanned_faces", false),
+        ("gyroscopic", false),
+        ("sleeping", false),
+        ("fast_rotation", true),
+    ] {
+        assert_eq!(held.get(name), Some(&expected.into()), "setting {name}");
+    }
+    assert_eq!(held.get("friction_model"), Some(&"simplified".into()));
+}
+
+#[test]
+fn settings_out_of_range_are_refused() {
+    type Change = fn(&mut EngineSettings);
+    let changes: [(&str, Change); 8] = [
+        ("rapier.substeps", |s| s.rapier.substeps = 0),
+        ("rapier.sweeps", |s| s.rapier.sweeps = 0),
+        ("rapier.contact_frequency_hz", |s| s.rapier.contact_frequency_hz = 0.0),
+        ("rapier.wall_contact_damping_ratio", |s| s.rapier.wall_contact_damping_ratio = -1.0),
+        ("rapier.warm_start", |s| s.rapier.warm_start = 1.1),
+        ("rapier.engine_unit_mm", |s| s.rapier.engine_unit_mm = f64::NAN),
+        ("rapier.prediction_mm", |s| s.rapier.prediction_mm = f64::INFINITY),
+        ("linear_damping", |s| s.linear_damping = 1.0),
+    ];
+    for (name, change) in changes {
+        let mut asked = settings(RapierSettings::default());
+        change(&mut asked);
+        let made = RapierBackend::new(&asked, GRAVITY, &uniform(0.5, 0.0));
+        assert!(
+            matches!(&made, Err(WorldError::BadSetting { setting, .. }) if setting == name),
+            "{name} must be refused by name"
+        );
+    }
+}
+
+#[test]
+fn the_engine_holds_mass_and_inertia_as_given() {
+    let mut world = world(RapierSettings::default());
+    let grain = cuboid(Vector::new(0.01, 0.014, 0.02), Vector::zeros(), true);
+    let Motion::Free { mass, inertia } = grain.motion else { panic!("free") };
+    world.add(&grain).expect("added");
+    step(&mut world, 1);
+    let (_, held) = world.world.bodies.iter().next().expect("a body");
+    let own = &held.mass_properties().local_mprops;
+    let scale = world.units.per_metre().powi(2);
+    let got = convert::plain(own.principal_inertia()) / scale;
+    assert!((own.mass() / mass - 1.0).abs() < 1e-14, "mass {mass}, got {}", own.mass());
+    assert!(
+        (got - inertia).norm() < 1e-13 * inertia.norm(),
+        "principal inertia: expected {inertia:?}, got {got:?}, tolerance 1e-13 of it"
+    );
+}
+
+#[test]
+fn a_hook_is_used_only_where_averages_fail() {
+    let hooks = |table: &PairTable| {
+        let pairs = Pairs::new(table).expect("a sound table");
+        let shape = SharedShape::ball(1.0);
+        let of = |material| pairs.apply(ColliderBuilder::new(shape.clone()), material).build();
+        [Material::Grain, Material::Wall, Material::Plate].map(|m| !of(m).active_hooks().is_empty())
+    };
+    assert_eq!(hooks(&uniform(0.5, 0.3)), [false; 3], "one value for all is an average");
+    let mut table = uniform(0.5, 0.3);
+    table.set(
+        Material::Wall,
+        Material::Plate,
+        PairCoefficients { friction: 0.2, restitution: 0.3 },
+    );
+    assert_eq!(hooks(&table), [false, false, true], "the plate's hook sets what is none");
+}
+
+#[test]
+fn what_lies_on_a_round_floor_does_not_rock() {
+    // Off the middle, where parry's own four corners of the floor are not.
+    let rocking = |spanned_faces| {
+        let mut world = world(RapierSettings { spanned_faces, ..Default::default() });
+        let floor = disc(0.05, 0.01, 48, Vector::new(0.0, 0.0, -0.005), false);
+        world.add(&floor).expect("added");
+        let at = Vector::new(-0.02, -0.01, 0.0051);
+        let id = world.add(&disc(0.01, 0.01, 6, at, true)).expect("added");
+        step(&mut world, 480);
+        let mut snapshot = Snapshot::new();
+        let mut fastest = 0.0_f64;
+        for _ in 0..480 {
+            step(&mut world, 1);
+            world.read(&mut snapshot);
+            let state = snapshot[id.0 as usize].expect("the body");
+            fastest = fastest.max(state.angular_velocity.norm());
+        }
+        let mut contacts = Vec::new();
+        world.contacts(&mut contacts);
+        (fastest, contacts.len())
+    };
+    let (still, points) = rocking(true);
+    assert!(still < 1e-3, "expected rest, got {still} rad/s, tolerance 1e-3");
+    assert!(points >= 3, "a face on a face has three points or more, got {points}");
+    let (_, points) = rocking(false);
+    assert!(points < 3, "parry's own corners leave fewer than three points, got {points}");
+}
+
+#[test]
+fn the_simplified_friction_is_read_out_too() {
+    let slope = 20_f64.to_radians();
+    let gravity = Vector::new(slope.sin(), 0.0, -slope.cos()) * 9.81;
+    let simplified =
+        RapierSettings { friction_model: FrictionModel::Simplified, ..Default::default() };
+    let mut world =
+        RapierBackend::new(&settings(simplified), gravity, &uniform(0.5, 0.0)).expect("a world");
+    let floor = cuboid(Vector::new(0.4, 0.4, 0.02), Vector::new(0.0, 0.0, -0.01), false);
+    let block = cuboid(Vector::repeat(0.02), Vector::new(0.0, 0.0, 0.01), true);
+    let Motion::Free { mass, .. } = block.motion else { panic!("free") };
+    world.add(&floor).expect("added");
+    let block = world.add(&block).expect("added");
+    step(&mut world, 480);
+    let (mut contacts, mut total, count) = (Vec::new(), Vector::zeros(), 240);
+    for _ in 0..count {
+        step(&mut world, 1);
+        world.contacts(&mut contacts);
+        total += contacts
+            .iter()
+            .map(|c| if c.a == block { c.impulse } else { -c.impulse })
+            .sum::<Vector>();
+    }
+    let got = total / (f64::from(count) * world.time_step());
+    let expected = -gravity * mass;
+    assert!(
+        (got - expected).norm() < 0.02 * expected.norm(),
+        "law: the floor's force equals the weight, expected {expected:?} N, got {got:?} N, \
+         tolerance 2 % (friction is an estimate in this model)"
+    );
 }
