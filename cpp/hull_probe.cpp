@@ -134,26 +134,17 @@ double HullProbe::time_steps(rust::Slice<const HullProbePose> poses, std::size_t
 
 namespace {
 
-std::unique_ptr<const HullData> hull(double scale, rust::Slice<const double> coordinates,
-                                     rust::Slice<const std::uint32_t> face_starts,
-                                     rust::Slice<const std::uint32_t> face_vertices) {
-    return make_hull_data(Units(scale),
-                          {coordinates.data(), coordinates.size() / 3, face_starts.data(),
-                           face_starts.size() - 1, face_vertices.data()});
+std::unique_ptr<const HullData> hull(double scale, const HullProbeShape &shape) {
+    return make_hull_data(Units(scale), {shape.coordinates.data(), shape.coordinates.size() / 3,
+                                         shape.face_starts.data(), shape.face_starts.size() - 1,
+                                         shape.face_vertices.data()});
 }
 
 } // namespace
 
 std::unique_ptr<HullProbe> new_hull_probe(double scale, double reach, bool portable,
-                                          rust::Slice<const double> coordinates_a,
-                                          rust::Slice<const std::uint32_t> face_starts_a,
-                                          rust::Slice<const std::uint32_t> face_vertices_a,
-                                          rust::Slice<const double> coordinates_b,
-                                          rust::Slice<const std::uint32_t> face_starts_b,
-                                          rust::Slice<const std::uint32_t> face_vertices_b) {
-    return std::make_unique<HullProbe>(scale, reach, portable,
-                                       hull(scale, coordinates_a, face_starts_a, face_vertices_a),
-                                       hull(scale, coordinates_b, face_starts_b, face_vertices_b));
+                                          const HullProbeShape &a, const HullProbeShape &b) {
+    return std::make_unique<HullProbe>(scale, reach, portable, hull(scale, a), hull(scale, b));
 }
 
 } // namespace pluvia

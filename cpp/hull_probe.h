@@ -19,6 +19,7 @@ namespace pluvia {
 struct HullProbeGap;
 struct HullProbePoint;
 struct HullProbePose;
+struct HullProbeShape;
 
 class HullProbe {
   public:
@@ -49,14 +50,9 @@ class HullProbe {
     btPersistentManifold manifold_;
 };
 
-// `scale`: engine units in a metre; `reach` in m; coordinates in metres, faces
-// as in BulletWorld::add_shape.
+// `scale`: engine units in a metre; `reach` in m. Throws std::runtime_error
+// when a surface is not closed.
 std::unique_ptr<HullProbe> new_hull_probe(double scale, double reach, bool portable,
-                                          rust::Slice<const double> coordinates_a,
-                                          rust::Slice<const std::uint32_t> face_starts_a,
-                                          rust::Slice<const std::uint32_t> face_vertices_a,
-                                          rust::Slice<const double> coordinates_b,
-                                          rust::Slice<const std::uint32_t> face_starts_b,
-                                          rust::Slice<const std::uint32_t> face_vertices_b);
+                                          const HullProbeShape &a, const HullProbeShape &b);
 
 } // namespace pluvia

@@ -100,6 +100,13 @@ mod bridge {
         impulse: [f64; 3],
     }
 
+    /// A probed hull, as in `BulletWorld::add_shape`.
+    struct HullProbeShape {
+        coordinates: Vec<f64>,
+        face_starts: Vec<u32>,
+        face_vertices: Vec<u32>,
+    }
+
     /// Where a probed hull is.
     struct HullProbePose {
         /// In m.
@@ -179,12 +186,8 @@ mod bridge {
             scale: f64,
             reach: f64,
             portable: bool,
-            coordinates_a: &[f64],
-            face_starts_a: &[u32],
-            face_vertices_a: &[u32],
-            coordinates_b: &[f64],
-            face_starts_b: &[u32],
-            face_vertices_b: &[u32],
+            a: &HullProbeShape,
+            b: &HullProbeShape,
         ) -> Result<UniquePtr<HullProbe>>;
         fn step(
             self: Pin<&mut HullProbe>,

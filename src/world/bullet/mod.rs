@@ -138,7 +138,7 @@ impl BulletBackend {
         if let Some((index, _)) = self.shapes.get(&key) {
             return Ok(*index);
         }
-        let flat = Flat::of(shape);
+        let flat = flat(shape);
         let index = self
             .world
             .pin_mut()
@@ -150,23 +150,15 @@ impl BulletBackend {
 }
 
 /// A polyhedron as it crosses the bridge.
-struct Flat {
-    coordinates: Vec<f64>,
-    face_starts: Vec<u32>,
-    face_vertices: Vec<u32>,
-}
-
-impl Flat {
-    fn of(shape: &ConvexPolyhedron) -> Self {
-        let mut face_starts = vec![0];
-        let mut face_vertices = vec![];
-        for face in shape.faces() {
-            face_vertices.extend_from_slice(face);
-            face_starts.push(face_vertices.len() as u32);
-        }
-        let coordinates = shape.vertices().iter().flat_map(|v| [v.x, v.y, v.z]).collect();
-        Self { coordinates, face_starts, face_vertices }
+fn flat(shape: &ConvexPolyhedron) -> ffi::HullProbeShape {
+    let mut face_starts = vec![0];
+    let mut face_vertices = vec![];
+    for face in shape.faces() {
+        face_vertices.extend_from_slice(face);
+        face_starts.push(face_vertices.len() as u32);
     }
+    let coordinates = shape.vertices().iter().flat_map(|v| [v.x, v.y, v.z]).collect();
+    ffi::HullProbeShape { coordinates, face_starts, face_vertices }
 }
 
 fn engine(error: cxx::Exception) -> WorldError {

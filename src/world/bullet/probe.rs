@@ -3,9 +3,7 @@
 //!
 //! For tests, which compare it with exact references, and for benchmarks.
 
-use nalgebra::Vector3;
-
-use super::{Flat, engine, ffi, rotation_array};
+use super::{engine, ffi, flat, rotation_array};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 use crate::world::WorldError;
 
@@ -75,17 +73,12 @@ impl HullPair {
         b: &ConvexPolyhedron,
         settings: ProbeSettings,
     ) -> Result<Self, WorldError> {
-        let (a, b) = (Flat::of(a), Flat::of(b));
         ffi::new_hull_probe(
             settings.length_scale,
             settings.reach,
             settings.portable,
-            &a.coordinates,
-            &a.face_starts,
-            &a.face_vertices,
-            &b.coordinates,
-            &b.face_starts,
-            &b.face_vertices,
+            &flat(a),
+            &flat(b),
         )
         .map(Self)
         .map_err(engine)
@@ -120,7 +113,6 @@ impl HullPair {
         normal: f64,
         friction: &Vector,
     ) -> Result<(), WorldError> {
-        let friction: &Vector3<f64> = friction;
         self.0.pin_mut().set_impulse(point, normal, &(*friction).into()).map_err(engine)
     }
 
