@@ -3,6 +3,7 @@
 mod architecture;
 mod cli;
 mod collision;
+mod compare;
 mod docs;
 mod interruption;
 mod scenario;

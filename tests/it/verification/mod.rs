@@ -66,7 +66,7 @@ fn every_case_comes_out_as_it_says_on_every_setting() {
 #[test]
 fn every_known_failure_names_a_setting_that_exists_somewhere() {
     // Names of both precisions and of engines that may be left out of a build.
-    let beginnings = ["bullet", "bullet-single", "rapier"];
+    let beginnings = ["bullet", "manifold", "rapier"];
     for case in builtin().expect("sound") {
         for known in &case.known_failures {
             let name = known.setting.trim_end_matches('*');

@@ -1,0 +1,97 @@
+//! Two engines on the same grains and the same specimen.
+
+use std::{fs, path::Path, process::Command};
+
+use serde_json::{Value, json};
+
+/// Thirty grams of gravel, poured and shaken for a moment.
+fn write_scenario(folder: &Path) -> std::path::PathBuf {
+    let path = folder.join("small.json");
+    let scenario = json!({
+        "name": "small",
+        "grains": {
+            "total_mass_g": 30, "density_kg_per_m3": 2673.9,
+            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+        },
+        "stages": [
+            { "stage": "fill_funnel" },
+            { "stage": "pour", "falling_height_mm": 0 },
+            { "stage": "place_top_plate" },
+            { "stage": "vibrate", "frequency_hz": 4, "amplitude_mm": 10, "duration_s": 0.25 },
+        ],
+        "control_s": 0.2
+    });
+    fs::write(&path, scenario.to_string()).expect("a scenario file");
+    path
+}
+
+fn compare(scenario: &Path, backends: &str, out: &Path) -> std::process::Output {
+    Command::new(env!("CARGO_BIN_EXE_pluvia"))
+        .args(["compare", "--quiet", "--json", "--backends", backends, "--out"])
+        .arg(out)
+        .arg(scenario)
+        .output()
+        .expect("the program starts")
+}
+
+#[test]
+fn engines_get_the_same_grains_and_the_specimen_is_handed_on() {
+    if !cfg!(feature = "rapier") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let out = folder.path().join("out");
+    let output = compare(&scenario, "bullet,rapier", &out);
+    let code = output.status.code();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(matches!(code, Some(0 | 1)), "done, with or without agreement, got {code:?}: {said}");
+    let record: Value =
+        serde_json::from_slice(&output.stdout).expect("JSON on the standard output");
+    let written = fs::read(out.join("compare.json")).expect("compare.json");
+    let written: Value = serde_json::from_slice(&written).expect("JSON");
+    assert_eq!(record["runs"], written["runs"], "what is printed is what is written");
+    assert_eq!(code == Some(0), record["within_bands"] == json!(true), "the exit code says so");
+    let names: Vec<&str> = record["runs"]
+        .as_array()
+        .expect("runs")
+        .iter()
+        .filter_map(|r| r["name"].as_str())
+        .collect();
+    assert_eq!(names, ["bullet", "rapier", "rapier-from-bullet-specimen"]);
+
+    // The handed specimen: the rows before the vibration are Bullet's own.
+    let heights = |run: &str| -> Vec<String> {
+        let text =
+            fs::read_to_string(out.join("runs").join(run).join("series.csv")).expect("a series");
+        let mut rows = csv_rows(&text);
+        let stage = rows[0].iter().position(|h| h == "stage").expect("a column for the stage");
+        let height =
+            rows[0].iter().position(|h| h == "mean_grain_height_mm").expect("a column for it");
+        rows.remove(0);
+        rows.into_iter().filter(|r| r[stage] != "3").map(|r| r[height].clone()).collect()
+    };
+    let (own, handed, other) =
+        (heights("bullet"), heights("rapier-from-bullet-specimen"), heights("rapier"));
+    assert!(own == handed, "law: the handed specimen is the first engine's to the last bit");
+    assert!(own != other, "and the other engine's own is another");
+    for file in ["report.html", "figures/compare-height.svg", "figures/compare-plate.csv"] {
+        assert!(out.join(file).is_file(), "{file} is written");
+    }
+}
+
+fn csv_rows(text: &str) -> Vec<Vec<String>> {
+    text.lines().map(|l| l.split(',').map(str::to_owned).collect()).collect()
+}
+
+#[test]
+fn one_engine_alone_is_no_comparison() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let out = folder.path().join("out");
+    let output = compare(&scenario, "bullet,bullet", &out);
+    assert_eq!(output.status.code(), Some(2), "law: wrong usage ends with 2");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("--backends"), "the option is named: {said}");
+    assert!(!out.exists(), "and nothing is written");
+}
