@@ -43,11 +43,17 @@ void AxisScratch::grow(const HullData &a, const HullData &b) {
     list_b = reinterpret_cast<std::uint16_t *>(take(e));
 }
 
-// Vectors wider than the processor's are split by the compiler; none crosses
-// a function that is not inlined.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace portable {
+constexpr int WIDTH = 4; // every 64-bit processor has vectors of 16 bytes
+using Vector = float __attribute__((vector_size(16), may_alias));
+using Mask = std::int32_t __attribute__((vector_size(16), may_alias));
+static inline Vector smaller(Vector a, Vector b) { return a < b ? a : b; }
+static inline float smallest(Vector v) {
+    v = smaller(v, __builtin_shuffle(v, Mask{2, 3, 0, 1}));
+    v = smaller(v, __builtin_shuffle(v, Mask{1, 0, 3, 2}));
+    return v[0];
+}
+static inline bool any(Mask m) { return (m[0] | m[1] | m[2] | m[3]) != 0; }
 #include "hull_axis_kernels.h"
 const AxisKernels KERNELS{&gap_along, &faces, &edges, "portable"};
 } // namespace portable
@@ -56,6 +62,21 @@ const AxisKernels KERNELS{&gap_along, &faces, &edges, "portable"};
 #pragma GCC push_options
 #pragma GCC target("avx2")
 namespace avx2 {
+constexpr int WIDTH = 8;
+using Vector = float __attribute__((vector_size(32), may_alias));
+using Mask = std::int32_t __attribute__((vector_size(32), may_alias));
+static inline Vector smaller(Vector a, Vector b) { return a < b ? a : b; }
+static inline float smallest(Vector v) {
+    v = smaller(v, __builtin_shuffle(v, Mask{4, 5, 6, 7, 0, 1, 2, 3}));
+    v = smaller(v, __builtin_shuffle(v, Mask{2, 3, 0, 1, 6, 7, 4, 5}));
+    v = smaller(v, __builtin_shuffle(v, Mask{1, 0, 3, 2, 5, 4, 7, 6}));
+    return v[0];
+}
+static inline bool any(Mask m) {
+    using Half = std::int64_t __attribute__((vector_size(32), may_alias));
+    const Half h = reinterpret_cast<Half>(m);
+    return (h[0] | h[1] | h[2] | h[3]) != 0;
+}
 #include "hull_axis_kernels.h"
 const AxisKernels KERNELS{&gap_along, &faces, &edges, "avx2"};
 } // namespace avx2

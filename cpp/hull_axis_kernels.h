@@ -1,40 +1,25 @@
-// The kernels of hull_axis.h in vectors of eight. Included once for each kind
-// of processor by hull_axis.cpp, in a namespace of its own; there is no guard.
+// The kernels of hull_axis.h. Included once for each kind of processor by
+// hull_axis.cpp, in a namespace of its own that defines the vector types of
+// WIDTH lanes, `smallest` and `any`; there is no guard.
 //
-// Without fused operations, and with minima and maxima that do not depend on
-// their order, every processor gives the same bits.
-
-using Vector = float __attribute__((vector_size(4 * LANES), may_alias));
-using Mask = std::int32_t __attribute__((vector_size(4 * LANES), may_alias));
+// Without fused operations, with minima and maxima that do not depend on their
+// order, and with candidates examined one after the other, every width gives
+// the same bits.
 
 static inline Vector &at(float *p) { return *reinterpret_cast<Vector *>(p); }
 static inline const Vector &at(const float *p) { return *reinterpret_cast<const Vector *>(p); }
-static inline Vector smaller(Vector a, Vector b) { return a < b ? a : b; }
 static inline Vector larger(Vector a, Vector b) { return a > b ? a : b; }
 static inline Vector dot(float x, float y, float z, Vector vx, Vector vy, Vector vz) {
     return x * vx + y * vy + z * vz;
 }
-static inline Vector all(float x) { return Vector{x, x, x, x, x, x, x, x}; }
-
-static inline float smallest(Vector v) {
-    v = smaller(v, __builtin_shuffle(v, Mask{4, 5, 6, 7, 0, 1, 2, 3}));
-    v = smaller(v, __builtin_shuffle(v, Mask{2, 3, 0, 1, 6, 7, 4, 5}));
-    v = smaller(v, __builtin_shuffle(v, Mask{1, 0, 3, 2, 5, 4, 7, 6}));
-    return v[0];
-}
+static inline Vector all(float x) { return x - Vector{}; }
 static inline float largest(Vector v) { return -smallest(-v); }
-
-static inline bool any(Mask m) {
-    using Half = std::int64_t __attribute__((vector_size(4 * LANES), may_alias));
-    const Half h = reinterpret_cast<Half>(m);
-    return (h[0] | h[1] | h[2] | h[3]) != 0;
-}
 
 // Highest point of a set along an axis.
 static inline float highest(const float *x, const float *y, const float *z, int count,
                             const float n[3]) {
     Vector best = dot(n[0], n[1], n[2], at(x), at(y), at(z));
-    for (int i = LANES; i < count; i += LANES) {
+    for (int i = WIDTH; i < count; i += WIDTH) {
         best = larger(best, dot(n[0], n[1], n[2], at(x + i), at(y + i), at(z + i)));
     }
     return largest(best);
@@ -43,7 +28,7 @@ static inline float highest(const float *x, const float *y, const float *z, int 
 static inline float lowest(const float *x, const float *y, const float *z, int count,
                            const float n[3]) {
     Vector best = dot(n[0], n[1], n[2], at(x), at(y), at(z));
-    for (int i = LANES; i < count; i += LANES) {
+    for (int i = WIDTH; i < count; i += WIDTH) {
         best = smaller(best, dot(n[0], n[1], n[2], at(x + i), at(y + i), at(z + i)));
     }
     return smallest(best);
@@ -67,8 +52,8 @@ static inline void turn(const float *r, Vector x, Vector y, Vector z, Vector &ox
 static void plane_gaps(const float *nx, const float *ny, const float *nz, const float *offset,
                        int planes, const float *x, const float *y, const float *z, int points,
                        float *gaps) {
-    for (int f = 0; f < planes; f += 2 * LANES) {
-        const int g = f + LANES < planes ? f + LANES : f;
+    for (int f = 0; f < planes; f += 2 * WIDTH) {
+        const int g = f + WIDTH < planes ? f + WIDTH : f;
         const Vector fx = at(nx + f), fy = at(ny + f), fz = at(nz + f);
         const Vector gx = at(nx + g), gy = at(ny + g), gz = at(nz + g);
         Vector low_f = fx * x[0] + fy * y[0] + fz * z[0];
@@ -84,7 +69,7 @@ static void plane_gaps(const float *nx, const float *ny, const float *nz, const 
 
 static inline void widest(const float *gaps, int count, float &gap, int &index) {
     Vector best = at(gaps);
-    for (int i = LANES; i < count; i += LANES) {
+    for (int i = WIDTH; i < count; i += WIDTH) {
         best = larger(best, at(gaps + i));
     }
     gap = largest(best);
@@ -96,14 +81,14 @@ static inline void widest(const float *gaps, int count, float &gap, int &index) 
 
 static void faces(const HullData &a, const HullData &b, const Relative &pose, AxisScratch &s,
                   FaceGaps &out) {
-    for (int i = 0; i < b.vertices; i += LANES) {
+    for (int i = 0; i < b.vertices; i += WIDTH) {
         turn(pose.r, at(b.vx + i), at(b.vy + i), at(b.vz + i), at(s.bx + i), at(s.by + i),
              at(s.bz + i));
         at(s.bx + i) += pose.t[0];
         at(s.by + i) += pose.t[1];
         at(s.bz + i) += pose.t[2];
     }
-    for (int i = 0; i < b.faces; i += LANES) {
+    for (int i = 0; i < b.faces; i += WIDTH) {
         turn(pose.r, at(b.nx + i), at(b.ny + i), at(b.nz + i), at(s.bnx + i), at(s.bny + i),
              at(s.bnz + i));
         at(s.boffset + i) = at(b.offset + i) + dot(pose.t[0], pose.t[1], pose.t[2], at(s.bnx + i),
@@ -120,7 +105,7 @@ static void faces(const HullData &a, const HullData &b, const Relative &pose, Ax
 static inline void mark(const float *x, const float *y, const float *z, int count,
                         const float own[4], float low, const float other[4], float high,
                         std::int32_t *marks) {
-    for (int i = 0; i < count; i += LANES) {
+    for (int i = 0; i < count; i += WIDTH) {
         const Vector vx = at(x + i), vy = at(y + i), vz = at(z + i);
         const Mask upper = dot(own[0], own[1], own[2], vx, vy, vz) >= all(own[3] + low);
         const Mask lower = dot(other[0], other[1], other[2], vx, vy, vz) <= all(other[3] + high);
@@ -178,7 +163,7 @@ static inline void gather_b(const HullData &b, const Relative &pose, const AxisS
             o[k][i] = 0; // no direction: parallel to every edge
         }
     }
-    for (int i = 0; i < count; i += LANES) {
+    for (int i = 0; i < count; i += WIDTH) {
         turn(pose.r, at(o[3] + i), at(o[4] + i), at(o[5] + i), at(o[3] + i), at(o[4] + i),
              at(o[5] + i));
     }
@@ -239,7 +224,7 @@ static void edges(const HullData &a, const HullData &b, const Relative &pose, co
     for (int i = 0; i < count_a; ++i) {
         const float *e = s.edges_a + 12 * i;
         const float sum[3] = {e[6] + e[9], e[7] + e[10], e[8] + e[11]};
-        for (int j = 0; j < count_b; j += LANES) {
+        for (int j = 0; j < count_b; j += WIDTH) {
             const float *f = o + j;
             const Vector px = at(f), py = at(f + k), pz = at(f + 2 * k);
             const Vector dx = at(f + 3 * k), dy = at(f + 4 * k), dz = at(f + 5 * k);
@@ -265,13 +250,15 @@ static void edges(const HullData &a, const HullData &b, const Relative &pose, co
             const Mask better = (sides <= SAME_SIDE) & (square >= PARALLEL) &
                                 (signed_apart * size > limit * square);
             if (__builtin_expect(any(better), 0)) {
-                for (int lane = 0; lane < LANES; ++lane) {
-                    if (better[lane]) {
+                for (int lane = 0; lane < WIDTH; ++lane) {
+                    // The best may have changed since.
+                    const float now = best < 0 ? -best * best : best * best;
+                    if (better[lane] && signed_apart[lane] * size[lane] > now * square[lane]) {
                         examine(a, b, s, i, j + lane, best, out);
+                        if (best > enough) {
+                            return;
+                        }
                     }
-                }
-                if (best > enough) {
-                    return;
                 }
             }
         }

@@ -13,7 +13,7 @@
 
 namespace pluvia {
 
-// Lanes of the vectors that walk over the arrays; lengths are padded to it.
+// Lanes of the widest vectors that walk over the arrays; lengths are padded to it.
 constexpr int LANES = 8;
 constexpr int padded(int count) { return (count + LANES - 1) / LANES * LANES; }
 
