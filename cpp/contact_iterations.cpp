@@ -75,8 +75,7 @@ template <class L> PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b)
     const L scale = most / larger(L(most), larger(size, L(zero + typename Lane<L>::Number(1e-30))));
     next_1 = next_1 * scale;
     next_2 = next_2 * scale;
-    push(a, b, c,
-         c.tangent_1 * L(next_1 - c.impulse_1) + c.tangent_2 * L(next_2 - c.impulse_2));
+    push(a, b, c, c.tangent_1 * L(next_1 - c.impulse_1) + c.tangent_2 * L(next_2 - c.impulse_2));
     c.impulse_1 = next_1;
     c.impulse_2 = next_2;
 
@@ -95,8 +94,7 @@ PLUVIA_INLINE void sweep(std::vector<Batch<L>> &batches, int iterations,
     for (Batch<L> &c : batches) {
         gather(body, c.a, a);
         gather(body, c.b, b);
-        push(a, b, c,
-             c.normal * c.impulse + c.tangent_1 * c.impulse_1 + c.tangent_2 * c.impulse_2);
+        push(a, b, c, c.normal * c.impulse + c.tangent_1 * c.impulse_1 + c.tangent_2 * c.impulse_2);
         scatter(a, c.a, body);
         scatter(b, c.b, body);
     }
@@ -128,8 +126,7 @@ __attribute__((target("avx2"))) void sweep_avx2(std::vector<Batch<Float8>> &batc
 }
 #endif
 
-template <class L>
-void set_three(Three<L> &lanes, int i, const Three<double> &value) {
+template <class L> void set_three(Three<L> &lanes, int i, const Three<double> &value) {
     using N = typename Lane<L>::Number;
     Lane<L>::set(lanes.x, i, static_cast<N>(value.x));
     Lane<L>::set(lanes.y, i, static_cast<N>(value.y));
@@ -175,8 +172,9 @@ void pack(const std::vector<SolverBody> &bodies, std::vector<PackedBody<N>> &pac
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const SolverBody &b = bodies[i];
         const Symmetric<double> &m = b.inverse_inertia;
-        const double all[13] = {b.velocity.x, b.velocity.y, b.velocity.z,   b.spin.x, b.spin.y,
-                                b.spin.z,     b.inverse_mass, m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
+        const double all[13] = {b.velocity.x, b.velocity.y,   b.velocity.z, b.spin.x, b.spin.y,
+                                b.spin.z,     b.inverse_mass, m.xx,         m.yy,     m.zz,
+                                m.xy,         m.xz,           m.yz};
         N *const to = packed[i].velocity;
         for (int k = 0; k < 13; ++k) {
             to[k] = static_cast<N>(all[k]);

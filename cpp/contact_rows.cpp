@@ -29,8 +29,7 @@ void tangents(const Three<double> &n, Three<double> &t1, Three<double> &t2) {
 // Relative speed of two directions at the contact per unit of impulse.
 double compliance(const SolverBody &body, const Three<double> &arm, const Three<double> &d,
                   const Three<double> &e) {
-    return body.inverse_mass * d.dot(e) +
-           arm.cross(d).dot(body.inverse_inertia * arm.cross(e));
+    return body.inverse_mass * d.dot(e) + arm.cross(d).dot(body.inverse_inertia * arm.cross(e));
 }
 
 // Speed at the contact of a body that moves as it is told; 0 of every other.
@@ -50,8 +49,8 @@ Three<double> driven_speed(const SolverBody &body, const Three<double> &arm) {
 // (Catto 2011, "Soft constraints"): stiffness k, damping c = 2 ζ √(k m),
 // yield γ = 1/(h (c + h k)), share of the overlap to remove in a step
 // β = h k/(c + h k).
-void set_target(const ContactLaw &law, double step, double mass, btManifoldPoint &point,
-                double gap, double approach, ContactRow &row) {
+void set_target(const ContactLaw &law, double step, double mass, btManifoldPoint &point, double gap,
+                double approach, ContactRow &row) {
     double arrival = std::max(approach, static_cast<double>(point.m_contactMotion1));
     row.yield = 0;
     if (gap > law.closed_gap) {
@@ -90,8 +89,8 @@ ContactRow make_row(const ContactLaw &law, double step, int a, int b, const Solv
         return compliance(body_a, row.arm_a, d, e) + compliance(body_b, row.arm_b, d, e);
     };
     const double mass = 1 / between(row.normal, row.normal);
-    const Three<double> speed = body_a.velocity + body_a.spin.cross(row.arm_a) -
-                                body_b.velocity - body_b.spin.cross(row.arm_b);
+    const Three<double> speed = body_a.velocity + body_a.spin.cross(row.arm_a) - body_b.velocity -
+                                body_b.spin.cross(row.arm_b);
     // Driven bodies are where they will be at the end of the step, all others
     // where they were at its beginning: the gap is that of the beginning.
     double gap = static_cast<double>(point.m_distance1);
@@ -115,8 +114,9 @@ ContactRow make_row(const ContactLaw &law, double step, int a, int b, const Solv
     // The last step's impulses, whole: what is thrown away has to be found
     // again in a few iterations, and the packing creeps while it is not.
     row.impulse = std::max(0.0, static_cast<double>(point.m_appliedImpulse));
-    const Three<double> rubbed = three(point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
-                                       point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2);
+    const Three<double> rubbed =
+        three(point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+              point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2);
     row.impulse_1 = rubbed.dot(row.tangent_1);
     row.impulse_2 = rubbed.dot(row.tangent_2);
     return row;

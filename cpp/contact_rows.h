@@ -35,11 +35,11 @@ struct ContactRow {
     btManifoldPoint *point;
     Three<double> normal, tangent_1, tangent_2, arm_a, arm_b;
     double friction;
-    double normal_mass;                      // with the spring's yield in it
-    double yield;                            // gamma: speed per impulse
-    double target;                           // normal speed to reach, positive apart
-    double tangent_mass;                     // of the direction that resists sliding least
-    double impulse, impulse_1, impulse_2;    // accumulated
+    double normal_mass;                   // with the spring's yield in it
+    double yield;                         // gamma: speed per impulse
+    double target;                        // normal speed to reach, positive apart
+    double tangent_mass;                  // of the direction that resists sliding least
+    double impulse, impulse_1, impulse_2; // accumulated
 };
 
 // Sets up a row. `step` is the length of the step; velocities are those before

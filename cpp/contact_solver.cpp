@@ -56,7 +56,8 @@ int ContactSolver::index_of(const btCollisionObject *body) const {
 btScalar ContactSolver::solveGroup(btCollisionObject **bodies, int body_count,
                                    btPersistentManifold **manifolds, int manifold_count,
                                    btTypedConstraint **, int constraint_count,
-                                   const btContactSolverInfo &info, btIDebugDraw *, btDispatcher *) {
+                                   const btContactSolverInfo &info, btIDebugDraw *,
+                                   btDispatcher *) {
     if (constraint_count != 0) {
         throw std::logic_error("the contact solver does not know joints");
     }
@@ -116,10 +117,9 @@ void ContactSolver::make_rows(btPersistentManifold **manifolds, int count, doubl
             continue;
         }
         for (int p = 0; p < manifold.getNumContacts(); ++p) {
-            rows_.push_back(make_row(law_, step, a, b, body_a, body_b,
-                                     on_a->getWorldTransform().getOrigin(),
-                                     on_b->getWorldTransform().getOrigin(),
-                                     manifold.getContactPoint(p)));
+            rows_.push_back(
+                make_row(law_, step, a, b, body_a, body_b, on_a->getWorldTransform().getOrigin(),
+                         on_b->getWorldTransform().getOrigin(), manifold.getContactPoint(p)));
         }
     }
 }

@@ -22,8 +22,9 @@ class ContactSolver final : public btConstraintSolver {
     ContactSolver(const ContactLaw &law, Sweep sweep, bool gyroscopic)
         : law_(law), sweep_(sweep), gyroscopic_(gyroscopic) {}
 
-    btScalar solveGroup(btCollisionObject **bodies, int body_count, btPersistentManifold **manifolds,
-                        int manifold_count, btTypedConstraint **constraints, int constraint_count,
+    btScalar solveGroup(btCollisionObject **bodies, int body_count,
+                        btPersistentManifold **manifolds, int manifold_count,
+                        btTypedConstraint **constraints, int constraint_count,
                         const btContactSolverInfo &info, btIDebugDraw *drawer,
                         btDispatcher *dispatcher) override;
     void reset() override {}
