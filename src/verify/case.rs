@@ -65,7 +65,9 @@ impl Case {
         let case: Self = serde_path_to_error::deserialize(&mut reader)
             .map_err(|e| fault(format!("{}: {}", e.path(), e.inner())))?;
         reader.end().map_err(|e| fault(e.to_string()))?;
-        if !case.expected.is_finite() || !(case.tolerance >= 0.0 && case.tolerance.is_finite()) {
+        let sound =
+            case.expected.is_finite() && case.tolerance.is_finite() && case.tolerance >= 0.0;
+        if !sound {
             return Err(fault(format!(
                 "expected {} and tolerance {} must be finite, the tolerance not negative",
                 case.expected, case.tolerance
