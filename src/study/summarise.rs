@@ -26,6 +26,9 @@ use crate::units::{from_mm, to_cm3, to_g, to_mm};
 /// µm/s, which is 0.1 mm in 20 s.
 pub const STANDARD: (f64, f64, f64) = (0.5, 3.0, 5.0);
 
+/// Times in s that differ by less are the same.
+const ROUNDING: f64 = 1e-9;
+
 /// A finished run: its summary, its specimen and its series.
 pub struct Summarised {
     /// The figures.
@@ -208,7 +211,8 @@ fn settlement(
     let heights: Vec<HeightSample> = series
         .iter()
         .filter(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some())
-        .filter(|r| r.time_s >= first.start)
+        // The sum that gave the start may be a rounding above the first row's time.
+        .filter(|r| r.time_s >= first.start - ROUNDING)
         .filter_map(|r| Some(HeightSample { time: r.time_s, height: from_mm(height_mm(r)?) }))
         .collect();
     if heights.is_empty() {
@@ -257,4 +261,45 @@ fn peak_memory_mib() -> f64 {
         .find_map(|line| line.strip_prefix("VmHWM:"))
         .and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok())
         .map_or(0.0, |kib| kib / 1024.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(time_s: f64, plate_height_mm: f64) -> SeriesRow {
+        SeriesRow {
+            time_s,
+            stage: 3,
+            plate_height_mm: Some(plate_height_mm),
+            settlement_mm: Some(178.0 - plate_height_mm),
+            surface_settlement_mm: None,
+            kinetic_energy_j: 0.0,
+            table_x_mm: 0.0,
+            mean_surface_mm: 0.0,
+            mean_grain_height_mm: 0.0,
+            grains_in_cylinder: 0,
+            plate_tilt_deg: None,
+            largest_speed_m_per_s: 0.0,
+        }
+    }
+
+    #[test]
+    fn the_first_row_counts_though_the_period_seems_to_begin_a_rounding_later() {
+        // A vibration that began at 2.58333… s was measured from its second
+        // row on, 2.3 mm short.
+        let first = 2.583_333_333_333_333_5_f64;
+        let start = f64::from_bits(first.to_bits() + 2);
+        let rows = [row(first, 178.0), row(first + 0.08, 175.7), row(first + 5.0, 163.0)];
+        let periods = [Period { start, end: first + 5.0 }];
+        let got = settlement(&rows, &periods, |r| r.plate_height_mm)
+            .expect("it can be measured")
+            .expect("it was vibrated")
+            .final_mm;
+        assert!(
+            (got - 15.0).abs() < 1e-9,
+            "law: settlement = height at the beginning - height at the end, expected 15 mm, got \
+             {got} mm, tolerance 1e-9 mm"
+        );
+    }
 }
