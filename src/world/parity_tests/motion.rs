@@ -83,10 +83,11 @@ fn a_sliding_block_stops_by_coulombs_law() {
             steps(world.as_mut(), 240);
             let end = state(world.as_ref(), block);
             let way = end.pose.translation.vector;
-            // The speed falls in steps: the way is off by half a step's. The
-            // first contacts bear more or less than the weight until the
-            // block has sunk in: another step's way and a half.
-            let step = 2.0 * speed * world.time_step();
+            // The speed falls in steps: the way is off by half a step's, 0.5 %
+            // here. While the block tips on to its front edge it bears more
+            // than its weight, early, where that costs most way: Bullet's
+            // comes 2.1 % short. A wrong rule of friction is off by 20 %.
+            let step = 3.0 * speed * world.time_step();
             engine.expect(
                 &format!("stops after v²/2μg, heading {heading}"),
                 speed * speed / (2.0 * friction * 9.81),

@@ -82,7 +82,7 @@ fn every_setting_is_read_back_from_the_engine() {
         engine_unit_mm: 2.0,
         prediction_mm: 0.4,
         corrective_speed_m_per_s: 1.5,
-        friction_model: FrictionModel::Simplified,
+        friction_model: FrictionModel::Coulomb,
         friction_while_correcting: true,
         spanned_faces: false,
         contact_recycling: false,
@@ -138,7 +138,7 @@ fn every_setting_is_read_back_from_the_engine() {
     ] {
         assert_eq!(held.get(name), Some(&expected.into()), "setting {name}");
     }
-    assert_eq!(held.get("friction_model"), Some(&"simplified".into()));
+    assert_eq!(held.get("friction_model"), Some(&"coulomb".into()));
 }
 
 #[test]
@@ -230,34 +230,84 @@ fn what_lies_on_a_round_floor_does_not_rock() {
     assert!(points < 3, "parry's own corners leave fewer than three points, got {points}");
 }
 
+fn with_friction(friction_model: FrictionModel) -> EngineSettings {
+    settings(RapierSettings { friction_model, ..Default::default() })
+}
+
+fn floor() -> Body {
+    cuboid(Vector::new(0.4, 0.4, 0.02), Vector::new(0.0, 0.0, -0.01), false)
+}
+
 #[test]
-fn the_simplified_friction_is_read_out_too() {
-    let slope = 20_f64.to_radians();
-    let gravity = Vector::new(slope.sin(), 0.0, -slope.cos()) * 9.81;
-    let simplified =
-        RapierSettings { friction_model: FrictionModel::Simplified, ..Default::default() };
-    let mut world =
-        RapierBackend::new(&settings(simplified), gravity, &uniform(0.5, 0.0)).expect("a world");
-    let floor = cuboid(Vector::new(0.4, 0.4, 0.02), Vector::new(0.0, 0.0, -0.01), false);
-    let block = cuboid(Vector::repeat(0.02), Vector::new(0.0, 0.0, 0.01), true);
-    let Motion::Free { mass, .. } = block.motion else { panic!("free") };
-    world.add(&floor).expect("added");
-    let block = world.add(&block).expect("added");
-    step(&mut world, 480);
-    let (mut contacts, mut total, count) = (Vec::new(), Vector::zeros(), 240);
-    for _ in 0..count {
-        step(&mut world, 1);
-        world.contacts(&mut contacts);
-        total += contacts
-            .iter()
-            .map(|c| if c.a == block { c.impulse } else { -c.impulse })
-            .sum::<Vector>();
+fn friction_is_read_out_in_both_models() {
+    for model in [FrictionModel::Coulomb, FrictionModel::Simplified] {
+        let slope = 20_f64.to_radians();
+        let gravity = Vector::new(slope.sin(), 0.0, -slope.cos()) * 9.81;
+        let mut world = RapierBackend::new(&with_friction(model), gravity, &uniform(0.5, 0.0))
+            .expect("a world");
+        let block = cuboid(Vector::repeat(0.02), Vector::new(0.0, 0.0, 0.01), true);
+        let Motion::Free { mass, .. } = block.motion else { panic!("free") };
+        world.add(&floor()).expect("added");
+        let block = world.add(&block).expect("added");
+        step(&mut world, 480);
+        let (mut contacts, mut total, count) = (Vec::new(), Vector::zeros(), 240);
+        for _ in 0..count {
+            step(&mut world, 1);
+            world.contacts(&mut contacts);
+            total += contacts
+                .iter()
+                .map(|c| if c.a == block { c.impulse } else { -c.impulse })
+                .sum::<Vector>();
+        }
+        let got = total / (f64::from(count) * world.time_step());
+        let expected = -gravity * mass;
+        assert!(
+            (got - expected).norm() < 0.01 * expected.norm(),
+            "law: the floor's force equals the weight, {model:?}: expected {expected:?} N, got \
+             {got:?} N, tolerance 1 %"
+        );
     }
-    let got = total / (f64::from(count) * world.time_step());
-    let expected = -gravity * mass;
+}
+
+/// How far a block sliding at 0.5 m/s on friction 0.5 comes, along its first
+/// direction and aside, over v²/2μg.
+fn slide(model: FrictionModel, sides: Vector, heading: f64) -> (f64, f64) {
+    let asked = EngineSettings { rate_hz: 1920.0, ..with_friction(model) };
+    let mut world = RapierBackend::new(&asked, GRAVITY, &uniform(0.5, 0.0)).expect("a world");
+    world.add(&floor()).expect("added");
+    let mut block = cuboid(sides, Vector::new(0.0, 0.0, sides.z / 2.0), true);
+    let direction = Vector::new(heading.cos(), heading.sin(), 0.0);
+    block.state.linear_velocity = direction * 0.5;
+    let id = world.add(&block).expect("added");
+    step(&mut world, 960);
+    let mut snapshot = Snapshot::new();
+    world.read(&mut snapshot);
+    let way = snapshot[id.0 as usize].expect("the block").pose.translation.vector;
+    let law = 0.5 * 0.5 / (2.0 * 0.5 * 9.81);
+    (way.dot(&direction) / law, Vector::z().cross(&direction).dot(&way) / law)
+}
+
+/// Known faults of rapier 0.36: the reason for the default, and what it still
+/// gets wrong. A version that mends them fails here, and is to be welcomed.
+#[test]
+fn friction_is_turned_away_from_the_direction_of_sliding() {
+    let square = Vector::new(0.03, 0.03, 0.01);
+    let (along, _) = slide(FrictionModel::Coulomb, square, 0.0);
     assert!(
-        (got - expected).norm() < 0.02 * expected.norm(),
-        "law: the floor's force equals the weight, expected {expected:?} N, got {got:?} N, \
-         tolerance 2 % (friction is an estimate in this model)"
+        (1.10..1.16).contains(&along),
+        "known fault: with `coulomb` a block slides 1.13 times too far, got {along}"
+    );
+    let (along, aside) = slide(FrictionModel::Simplified, square, 0.3);
+    assert!(
+        (along - 1.0).abs() < 0.01 && aside.abs() < 0.01,
+        "law: a square block slides v²/2μg, straight on: expected 1 and 0, got {along} and \
+         {aside}, tolerance 0.01"
+    );
+    let long = Vector::new(0.05, 0.02, 0.01);
+    let (along, aside) = slide(FrictionModel::Simplified, long, 0.8);
+    assert!((along - 1.0).abs() < 0.02, "a long block slides v²/2μg to 2 %, got {along} of it");
+    assert!(
+        (0.05..0.12).contains(&aside),
+        "known fault: a long block slides 9 % of its way aside, got {aside}"
     );
 }
