@@ -4,7 +4,7 @@ use std::{path::PathBuf, thread::available_parallelism};
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, output_folder, run::backend, table};
+use super::{CliError, Context, ExitStatus, changes::backend, output_folder, table};
 use crate::scenario::{Backend, Override, load};
 use crate::study::{RunOptions, compare};
 

@@ -66,6 +66,8 @@ impl CliError {
                 SuiteError::Cancelled => 130,
             },
             Self::Study(error) => match error {
+                StudyError::Faults(ScenarioErrors::Unreadable { .. }) => 4,
+                StudyError::Faults(ScenarioErrors::Faults(_)) => 2,
                 StudyError::Scenario(_) | StudyError::Stage { .. } => 2,
                 StudyError::Simulation { .. } | StudyError::Measure(_) => 3,
                 StudyError::File(_) | StudyError::Report(_) => 4,

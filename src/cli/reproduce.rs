@@ -5,20 +5,22 @@ use std::{path::PathBuf, thread::available_parallelism};
 use clap::Args;
 use serde_json::Value;
 
-use super::{CliError, Context, ExitStatus, output_folder, run::backend, table};
+use super::{CliError, Context, ExitStatus, changes::Changes, output_folder, table};
 use crate::record::read_json;
-use crate::scenario::Backend;
 use crate::study::{ReproduceOptions, reproduce};
 
 /// Run the whole paper and compare its claims
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Leaves report.html, claims.json, figures/ and runs/ in DIR. What is already done there is not done
-again, so that an interrupted command goes on where it stopped.
+again, so that an interrupted command goes on where it stopped. What other engines and settings
+made of the same programme in DIR stands beside it in the report.
 
 Examples:
   pluvia reproduce --quick --out out/quick
-  pluvia reproduce --configurations 3 --jobs 4 --strict --out out/reproduce")]
+  pluvia reproduce --configurations 3 --jobs 4 --strict --out out/reproduce
+  pluvia reproduce --backend rapier --out out/reproduce
+  pluvia reproduce --set engine.contact_path=manifold --out out/reproduce")]
 pub(super) struct ReproduceArgs {
     /// A few hundred grains instead of 1456, and shorter vibration
     #[arg(long)]
@@ -29,9 +31,8 @@ pub(super) struct ReproduceArgs {
     /// Stages carried out at the same time [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Physics engine
-    #[arg(long, value_name = "B", default_value = "bullet", value_parser = backend)]
-    backend: Backend,
+    #[command(flatten)]
+    changes: Changes,
     /// End with exit code 1 when a claim of the paper is missed
     #[arg(long)]
     strict: bool,
@@ -49,7 +50,7 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
         jobs: args.jobs.map_or_else(cores, usize::from),
-        backend: args.backend,
+        changes: args.changes.overrides(),
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),
     })?;

@@ -4,7 +4,7 @@ use std::{path::PathBuf, thread::available_parallelism};
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, output_folder, run::backend, table};
+use super::{CliError, Context, ExitStatus, changes::backend, output_folder, table};
 use crate::scenario::Backend;
 use crate::verify::{SuiteOptions, Verdict, builtin, run_suite, settings};
 use crate::world;

@@ -1,12 +1,12 @@
 //! A statement of the paper beside what a study found.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::bands::{Band, Interval, PaperValue};
 use crate::record::RunRecord;
 
 /// Whether a statement was met.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Ours lies in the interval in which the paper's statement is read.

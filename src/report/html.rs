@@ -42,7 +42,7 @@ pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
                 main {
                     section id="claims" {
                         h2 { "What the paper states, and what was found" }
-                        (sections::claims(input.claims))
+                        (sections::claims(input.claims, input.beside))
                     }
                     section id="figures" {
                         h2 { "Figures" }

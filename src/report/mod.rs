@@ -2,6 +2,7 @@
 //! needs nothing else.
 
 mod axis;
+mod beside;
 mod choices;
 mod comparison;
 mod dash;
@@ -27,6 +28,7 @@ use crate::{
     world::EffectiveSettings,
 };
 
+pub use beside::{Column, Finding};
 pub use choices::{Choice, choices};
 pub use comparison::{ComparedQuantity, ComparedRun, Comparison, write_comparison};
 pub use figures::Figure;
@@ -56,6 +58,8 @@ pub struct ReportInput<'a> {
     pub study: StudyView<'a>,
     /// The claims, judged.
     pub claims: &'a [Claim],
+    /// What other engines and settings made of the same programme.
+    pub beside: &'a [Column],
     /// Values the paper does not give, and why they were chosen.
     pub choices: &'a [Choice],
     /// The accuracy standard that runs are held against.

@@ -2,10 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::{Choice, ReportInput, html::glue};
+use super::{Choice, Column, ReportInput, html::glue};
 use crate::{
     paper::{
-        Claim, PaperValue, StudyView, Verdict,
+        Claim, Interval, PaperValue, StudyView, Verdict,
         text::{compact, number},
     },
     record::{RunRecord, Settlement},
@@ -29,8 +29,9 @@ fn badge(claim: &Claim) -> Markup {
     html! { span.verdict.(class) { (name) } }
 }
 
-/// The claims as a table, with a tally above.
-pub(super) fn claims(claims: &[Claim]) -> Markup {
+/// The claims as a table, with a tally above; what other engines made of them
+/// in a column each.
+pub(super) fn claims(claims: &[Claim], beside: &[Column]) -> Markup {
     let count = |v| claims.iter().filter(|c| c.verdict == v).count();
     html! {
         ul.tally {
@@ -42,17 +43,21 @@ pub(super) fn claims(claims: &[Claim]) -> Markup {
         p.soft {
             "“Within”: our number lies where the paper's is read to lie. “Outside”: it does not, or "
             "the run is missing. “Not stated”: the text gives no number; ours is for information."
+            @if !beside.is_empty() {
+                " The last columns are the same programme by other engines or settings."
+            }
         }
         table.claims.cards {
             thead { tr {
                 th { "Statement" } th.n { "Paper" } th.n { "Ours" } th { "Verdict" }
+                @for column in beside { th.n { (column.label) } }
             } }
-            tbody { @for claim in claims { (claim_row(claim)) } }
+            tbody { @for claim in claims { (claim_row(claim, beside)) } }
         }
     }
 }
 
-fn claim_row(claim: &Claim) -> Markup {
+fn claim_row(claim: &Claim, beside: &[Column]) -> Markup {
     let paper = match claim.paper {
         None => "–".to_owned(),
         Some(PaperValue::Value { value }) => compact(value),
@@ -84,20 +89,43 @@ fn claim_row(claim: &Claim) -> Markup {
                 }
             }
             td.n data-label="Ours" {
-                @match claim.ours {
-                    None => { "–" }
-                    Some(ours) => {
-                        (compact(ours)) " "
-                        @if claim.unit != "–" { span.unit { (claim.unit) } }
-                        @if let Some(s) = claim.spread {
-                            @if s.high > s.low {
-                                " " span.unit { "[" (compact(s.low)) " … " (compact(s.high)) "]" }
+                (value(claim.ours, &claim.unit, claim.spread))
+            }
+            td { (badge(claim)) }
+            @for column in beside {
+                td.n data-label=(column.label) {
+                    @match column.claims.get(&claim.id) {
+                        None => { "–" }
+                        Some(found) => {
+                            (value(found.ours, &claim.unit, found.spread)) " "
+                            @let (class, name) = verdict(found.verdict);
+                            @if found.ours.is_some() && found.verdict != Verdict::NotStated {
+                                span.verdict.(class) title=(name) {
+                                    (name.chars().take(1).collect::<String>())
+                                }
                             }
                         }
                     }
                 }
             }
-            td { (badge(claim)) }
+        }
+    }
+}
+
+/// A value with its unit and, where several make it, its spread.
+fn value(value: Option<f64>, unit: &str, spread: Option<Interval>) -> Markup {
+    html! {
+        @match value {
+            None => { "–" }
+            Some(value) => {
+                (compact(value)) " "
+                @if unit != "–" { span.unit { (unit) } }
+                @if let Some(s) = spread {
+                    @if s.high > s.low {
+                        " " span.unit { "[" (compact(s.low)) " … " (compact(s.high)) "]" }
+                    }
+                }
+            }
         }
     }
 }

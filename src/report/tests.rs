@@ -28,6 +28,7 @@ fn with_input<T>(
     use_it(&ReportInput {
         study,
         claims: &claims,
+        beside: &[],
         choices,
         standard: STANDARD,
         provenance: &provenance,

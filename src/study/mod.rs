@@ -1,5 +1,6 @@
 //! Many runs, one answer.
 
+mod beside;
 mod compare;
 mod execute;
 mod plan;
@@ -24,6 +25,7 @@ use crate::grains::GrainsError;
 use crate::measure::MeasureError;
 use crate::record::FileError;
 use crate::report::ReportError;
+use crate::scenario::ScenarioErrors;
 
 /// Why a study did not finish.
 #[derive(Debug, thiserror::Error)]
@@ -31,6 +33,9 @@ pub enum StudyError {
     /// The scenario asks for something that cannot be made.
     #[error("{0}")]
     Scenario(String),
+    /// A built-in scenario has faults after what was changed in it.
+    #[error(transparent)]
+    Faults(#[from] ScenarioErrors),
     /// A stage does not fit where it stands.
     #[error("{stage}: {what}")]
     Stage {

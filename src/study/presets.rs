@@ -2,7 +2,7 @@
 
 use super::StudyError;
 use crate::record::{FileError, create_folder, write_file};
-use crate::scenario::{Scenario, load};
+use crate::scenario::{Override, Scenario, load};
 
 /// The files under `scenarios/` that `reproduce` uses.
 const FILES: [(&str, &str); 5] = [
@@ -22,11 +22,11 @@ const FILES: [(&str, &str); 5] = [
 /// Loads one of the built-in scenarios, by its path under `scenarios/`.
 ///
 /// They are written to a temporary folder and read like any other, so that
-/// `extends` and validation treat them alike.
+/// `extends` and validation treat them alike; `changes` are laid over it.
 ///
 /// # Errors
-/// When the temporary folder cannot be used.
-pub fn preset(name: &str) -> Result<Scenario, StudyError> {
+/// When the temporary folder cannot be used, or a change does not fit.
+pub fn preset(name: &str, changes: &[Override]) -> Result<Scenario, StudyError> {
     let folder = tempfile::tempdir()
         .map_err(|e| FileError::new("create a temporary folder in", &std::env::temp_dir(), e))?;
     for (path, content) in FILES {
@@ -36,7 +36,5 @@ pub fn preset(name: &str) -> Result<Scenario, StudyError> {
         }
         write_file(&path, content.as_bytes())?;
     }
-    let loaded = load(&folder.path().join(name), &[])
-        .map_err(|e| StudyError::Scenario(format!("built-in scenario {name}: {e}")))?;
-    Ok(loaded.scenario)
+    Ok(load(&folder.path().join(name), changes)?.scenario)
 }

@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::{
-    StudyError,
+    StudyError, beside,
     plan::PlannedRun,
     presets::preset,
     run::{CarriedOut, RunOptions, carry_out, make_grains, write_grains},
@@ -18,8 +18,8 @@ use crate::grains::{GrainSet, ParticleSizeDistribution, sieve_size};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
 use crate::protocol::{Progress, table_motion};
 use crate::record::{RunKind, RunRecord, create_folder, write_json};
-use crate::report::{self, ReportInput, Standard};
-use crate::scenario::{Backend, GrainsSpec, Scenario, StageSpec};
+use crate::report::{self, Column, ReportInput, Standard};
+use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
 use crate::units::{to_cm3, to_g, to_mm};
 use crate::world::EffectiveSettings;
 
@@ -39,8 +39,8 @@ pub struct ReproduceOptions {
     pub configurations: u32,
     /// Threads for stages that do not need each other.
     pub jobs: usize,
-    /// Engine that carries the grains.
-    pub backend: Backend,
+    /// What is changed in every scenario of the programme, the engine for one.
+    pub changes: Vec<Override>,
     /// Set to stop at the next check.
     pub cancel: Arc<AtomicBool>,
     /// Told of what goes on.
@@ -69,7 +69,7 @@ pub struct ReproduceOutcome {
 /// [`StudyError`].
 pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyError> {
     create_folder(&options.out)?;
-    let scenarios = Scenarios::load(options.quick, options.backend)?;
+    let scenarios = Scenarios::load(options.quick, &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     write_grains(&options.out, &scenarios.pluviation, &grains)?;
     let runs = programme(&scenarios, &grains, options.configurations);
@@ -92,8 +92,9 @@ struct Scenarios {
 }
 
 impl Scenarios {
-    fn load(quick: bool, backend: Backend) -> Result<Self, StudyError> {
-        let mut scenarios = if quick {
+    fn load(quick: bool, changes: &[Override]) -> Result<Self, StudyError> {
+        let preset = |name| preset(name, changes);
+        Ok(if quick {
             let continuous = preset("quick/vibration.json")?;
             let intermittent = intermittent_of(&continuous);
             Self { pluviation: preset("quick/pluviation.json")?, continuous, intermittent }
@@ -103,12 +104,15 @@ impl Scenarios {
                 continuous: preset("paper/vibration-continuous.json")?,
                 intermittent: preset("paper/vibration-intermittent.json")?,
             }
-        };
-        for s in [&mut scenarios.pluviation, &mut scenarios.continuous, &mut scenarios.intermittent]
-        {
-            s.engine.backend = backend;
-        }
-        Ok(scenarios)
+        })
+    }
+
+    fn all(&self) -> [&Scenario; 3] {
+        [&self.pluviation, &self.continuous, &self.intermittent]
+    }
+
+    fn engine(&self) -> &EngineSettings {
+        &self.pluviation.engine
     }
 }
 
@@ -144,6 +148,7 @@ fn programme(
                     *falling_height_mm = falling_height;
                 }
             }
+            let name = name + &beside::suffix(&scenario.engine);
             runs.push(PlannedRun { name, kind, scenario, grains: grains.clone(), prepared: None });
         };
         for height in FALLING_HEIGHTS_MM {
@@ -171,12 +176,19 @@ fn finish(
     let study = study_view(options, scenarios, grains, &records)?;
     let claims = paper::claims(&study);
     write_json(&options.out.join("claims.json"), &claims)?;
+    let column = Column::new(
+        &beside::label(scenarios.engine()),
+        &beside::programme_hash(&scenarios.all(), options.configurations),
+        &claims,
+    );
+    let beside = beside::keep_and_read(&options.out, scenarios.engine(), &column)?;
     let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
     report::write(
         &options.out,
         &ReportInput {
             study,
             claims: &claims,
+            beside: &beside,
             // The shaken scenario has every choice of the poured one, and more.
             choices: &report::choices(&scenarios.intermittent),
             standard: Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s },
@@ -197,12 +209,13 @@ fn finish(
 
 /// Where the results come from, in words.
 fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<String, String> {
-    let engine = crate::world::info(options.backend);
+    let engine = crate::world::info(scenarios.engine().backend);
     let target = format!("{} {}", std::env::consts::ARCH, std::env::consts::OS);
     let mode = if options.quick { " --quick" } else { "" };
     [
         ("Pluvia", env!("CARGO_PKG_VERSION").to_owned()),
         ("Engine", format!("{} {}, {} precision", engine.name, engine.version, engine.precision)),
+        ("Settings", beside::label(scenarios.engine())),
         ("Machine", target),
         ("Command", format!("pluvia reproduce{mode} --configurations {}", options.configurations)),
         ("Seed", scenarios.pluviation.seed.to_string()),

@@ -67,9 +67,8 @@ fn a_driven_wall_gives_its_velocity_to_what_lies_on_it() {
 #[test]
 fn a_sliding_block_stops_by_coulombs_law() {
     each(|engine| {
-        // Along the block's diagonals; along its edges rapier loses a tenth of
-        // the friction (verification case slide-stops).
-        for heading in [1.0, 3.0, 5.0_f64].map(|eighths| eighths * std::f64::consts::FRAC_PI_4) {
+        for heading in [0.0, 1.0, 2.5, 5.0_f64].map(|eighths| eighths * std::f64::consts::FRAC_PI_4)
+        {
             let (friction, speed) = (0.5, 0.5);
             let mut world = engine.world(&uniform(friction, 0.0));
             world.add(&slab(Motion::Static)).expect("added");
@@ -87,7 +86,7 @@ fn a_sliding_block_stops_by_coulombs_law() {
             // here. While the block tips on to its front edge it bears more
             // than its weight, early, where that costs most way: Bullet's
             // comes 2.1 % short. A wrong rule of friction is off by 20 %.
-            let step = 3.0 * speed * world.time_step();
+            let step = 2.0 * speed * world.time_step();
             engine.expect(
                 &format!("stops after v²/2μg, heading {heading}"),
                 speed * speed / (2.0 * friction * 9.81),

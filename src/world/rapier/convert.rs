@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Quaternion, UnitQuaternion};
-use rapier3d_f64::{math, prelude::SharedShape};
+use rapier3d_f64::{math, parry::transformation::try_convex_hull, prelude::SharedShape};
 
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 
@@ -65,16 +65,40 @@ pub(super) fn plain(v: math::Vector) -> Vector {
     Vector::new(v.x, v.y, v.z)
 }
 
+/// Shares of its size by which a polyhedron may be simplified before it is
+/// refused: at most a hundredth of a millimetre for a grain of 10 mm.
+const SIMPLIFIED_BY: [f64; 4] = [1e-6, 1e-5, 1e-4, 1e-3];
+
 /// The polyhedron in engine units; `None` where parry's own checks fail.
 ///
 /// Its faces are given as fans of triangles, which parry joins again where
-/// their normals agree to 1.7e-4 rad (`from_convex_mesh`, 0.31).
+/// their normals agree to 1.7e-4 rad (`from_convex_mesh`, 0.31). Where joining
+/// leaves a vertex with fewer than two faces, as it does beside edges of
+/// micrometres, parry refuses the mesh: then the hull of the vertices stands
+/// in, those that lie closer together than a share of the size taken as one.
 pub(super) fn shape(units: Units, polyhedron: &Arc<ConvexPolyhedron>) -> Option<SharedShape> {
-    let points = polyhedron.vertices().iter().map(|p| units.length(&p.coords)).collect();
+    let points: Vec<_> = polyhedron.vertices().iter().map(|p| units.length(&p.coords)).collect();
     let triangles: Vec<[u32; 3]> = polyhedron
         .faces()
         .iter()
         .flat_map(|face| face[1..].windows(2).map(|pair| [face[0], pair[0], pair[1]]))
         .collect();
-    SharedShape::convex_mesh(points, &triangles)
+    let size = polyhedron.equivalent_diameter() * units.per_metre();
+    SharedShape::convex_mesh(points.clone(), &triangles).or_else(|| {
+        SIMPLIFIED_BY.iter().find_map(|share| {
+            let (points, triangles) = try_convex_hull(&apart(&points, share * size)).ok()?;
+            SharedShape::convex_mesh(points, &triangles)
+        })
+    })
+}
+
+/// The points without those that lie closer than a distance to an earlier one.
+fn apart(points: &[math::Vector], distance: f64) -> Vec<math::Vector> {
+    let mut kept: Vec<math::Vector> = Vec::with_capacity(points.len());
+    for point in points {
+        if kept.iter().all(|k| (*k - *point).length() > distance) {
+            kept.push(*point);
+        }
+    }
+    kept
 }

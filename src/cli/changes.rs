@@ -1,0 +1,35 @@
+//! What options change in scenarios.
+
+use clap::Args;
+use serde_json::Value;
+
+use crate::scenario::{Backend, Override};
+
+/// Options of commands that carry out scenarios.
+#[derive(Debug, Args)]
+pub(super) struct Changes {
+    /// Physics engine, in place of the scenario's: bullet or rapier
+    #[arg(long, value_name = "B", value_parser = backend)]
+    backend: Option<Backend>,
+    /// Seed of the random streams, in place of the scenario's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Change one value of the scenario (repeatable)
+    #[arg(long, value_name = "path=value")]
+    set: Vec<Override>,
+}
+
+/// The engine of a name, as in scenario files.
+pub(super) fn backend(name: &str) -> Result<Backend, String> {
+    serde_json::from_value(Value::from(name)).map_err(|error| error.to_string())
+}
+
+impl Changes {
+    /// As changes of a scenario; `--set` has the last word.
+    pub(super) fn overrides(&self) -> Vec<Override> {
+        let backend = self.backend.and_then(|b| serde_json::to_value(b).ok());
+        let backend = backend.map(|b| Override::new(&["engine", "backend"], b));
+        let seed = self.seed.map(|n| Override::new(&["seed"], n.into()));
+        backend.into_iter().chain(seed).chain(self.set.iter().cloned()).collect()
+    }
+}

@@ -1,0 +1,158 @@
+//! What other engines and settings made of the same programme: kept in the
+//! output folder, so that the report of one shows the others.
+
+use std::{fs, path::Path};
+
+use serde_json::Value;
+
+use super::StudyError;
+use crate::record::{FileError, create_folder, hash_json, read_json, write_json};
+use crate::report::Column;
+use crate::scenario::{Backend, ContactPath, EngineSettings, Scenario};
+
+/// Folder of the columns in the output folder.
+const FOLDER: &str = "beside";
+
+/// The engine in words: who carries the grains and finds the contacts, and
+/// every setting that is not the default.
+pub(super) fn label(engine: &EngineSettings) -> String {
+    let who = match (engine.backend, engine.contact_path) {
+        (Backend::Rapier, _) => "rapier",
+        (Backend::Bullet, ContactPath::Bullet) => "bullet",
+        (Backend::Bullet, ContactPath::Manifold) => "manifold",
+    };
+    let default = EngineSettings {
+        backend: engine.backend,
+        contact_path: engine.contact_path,
+        ..EngineSettings::default()
+    };
+    let as_json = |e: &EngineSettings| serde_json::to_value(e).unwrap_or(Value::Null);
+    let mut changed = Vec::new();
+    differences(&as_json(&default), &as_json(engine), "", &mut changed);
+    std::iter::once(who.to_owned()).chain(changed).collect::<Vec<_>>().join(", ")
+}
+
+/// The leaves of `b` that are not those of `a`, as `path value`.
+fn differences(a: &Value, b: &Value, path: &str, found: &mut Vec<String>) {
+    match b {
+        Value::Object(fields) => {
+            for (name, value) in fields {
+                let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+                differences(&a[name], value, &path, found);
+            }
+        }
+        leaf if leaf != a => found.push(match leaf {
+            Value::String(text) => format!("{path} {text}"),
+            other => format!("{path} {other}"),
+        }),
+        _ => {}
+    }
+}
+
+/// What a programme is called in names of runs and files: nothing for the
+/// default engine, else its label with dashes.
+pub(super) fn suffix(engine: &EngineSettings) -> String {
+    if *engine == EngineSettings::default() {
+        return String::new();
+    }
+    let label = label(engine);
+    let letters = label.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
+    let mut name = String::from("-");
+    for letter in letters {
+        if !(letter == '-' && name.ends_with('-')) {
+            name.push(letter);
+        }
+    }
+    name
+}
+
+/// A hash of a programme without its engine.
+pub(super) fn programme_hash(scenarios: &[&Scenario], configurations: u32) -> String {
+    let without: Vec<Scenario> = scenarios
+        .iter()
+        .map(|s| Scenario { engine: EngineSettings::default(), ..(*s).clone() })
+        .collect();
+    hash_json(&(without, configurations))
+}
+
+/// Keeps a column, and gives those of the same programme by other engines, by
+/// label.
+///
+/// # Errors
+/// When the folder cannot be read or written.
+pub(super) fn keep_and_read(
+    out: &Path,
+    engine: &EngineSettings,
+    column: &Column,
+) -> Result<Vec<Column>, StudyError> {
+    let folder = out.join(FOLDER);
+    create_folder(&folder)?;
+    write_json(&folder.join(format!("claims{}.json", suffix(engine))), column)?;
+    let unreadable = |e: std::io::Error| FileError::new("read", &folder, e);
+    let mut columns = Vec::new();
+    for entry in fs::read_dir(&folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if path.extension().is_some_and(|e| e == "json") {
+            let other: Column = read_json(&path)?;
+            if other.programme == column.programme && other.label != column.label {
+                columns.push(other);
+            }
+        }
+    }
+    columns.sort_by(|a, b| a.label.cmp(&b.label));
+    Ok(columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(label: &str, programme: &str) -> Column {
+        Column::new(label, programme, &[])
+    }
+
+    #[test]
+    fn labels_name_who_and_what_is_not_default() {
+        let stock = EngineSettings::default();
+        let rapier = EngineSettings { backend: Backend::Rapier, ..stock.clone() };
+        let ours =
+            EngineSettings { contact_path: ContactPath::Manifold, rate_hz: 960.0, ..stock.clone() };
+        for (engine, words, name) in [
+            (&stock, "bullet", ""),
+            (&rapier, "rapier", "-rapier"),
+            (&ours, "manifold, rate_hz 960.0", "-manifold-rate-hz-960-0"),
+        ] {
+            assert_eq!(label(engine), words, "law: the label of {engine:?}");
+            assert_eq!(suffix(engine), name, "law: the name of {engine:?}");
+        }
+    }
+
+    #[test]
+    fn only_the_same_programme_stands_beside() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let stock = EngineSettings::default();
+        let engine = |rate_hz| EngineSettings { rate_hz, ..stock.clone() };
+        let keep = |rate, column: &Column| {
+            keep_and_read(folder.path(), &engine(rate), column).expect("kept")
+        };
+        assert!(keep(100.0, &column("a", "p")).is_empty(), "law: nothing beside the first");
+        assert!(keep(200.0, &column("b", "q")).is_empty(), "law: not another programme");
+        let beside = keep(300.0, &column("c", "p"));
+        assert_eq!(beside, [column("a", "p")], "law: the same programme by another engine");
+        let again = keep(100.0, &column("a", "p"));
+        assert_eq!(again, [column("c", "p")], "law: a column is not beside itself");
+    }
+
+    #[test]
+    fn the_hash_is_of_everything_but_the_engine() {
+        let scenario = super::super::preset("quick/pluviation.json", &[]).expect("a scenario");
+        let mut engine = scenario.clone();
+        engine.engine.rate_hz = 960.0;
+        let mut seed = scenario.clone();
+        seed.seed += 1;
+        let hash = |s: &Scenario, n| programme_hash(&[s], n);
+        assert_eq!(hash(&scenario, 3), hash(&engine, 3), "law: the engine does not count");
+        assert_ne!(hash(&scenario, 3), hash(&seed, 3), "law: the seed counts");
+        assert_ne!(hash(&scenario, 3), hash(&scenario, 2), "law: configurations count");
+    }
+}
