@@ -38,7 +38,7 @@ pub struct Case {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KnownFailure {
-    /// Name of a setting; a `*` at its end stands for anything.
+    /// Name of a setting; a `*` in it stands for anything.
     pub setting: String,
     /// Why it fails.
     pub reason: String,
@@ -47,8 +47,10 @@ pub struct KnownFailure {
 impl KnownFailure {
     /// Whether it is about this setting.
     pub fn covers(&self, setting: &str) -> bool {
-        match self.setting.strip_suffix('*') {
-            Some(beginning) => setting.starts_with(beginning),
+        match self.setting.split_once('*') {
+            Some((beginning, end)) => {
+                setting.strip_prefix(beginning).is_some_and(|rest| rest.ends_with(end))
+            }
             None => self.setting == setting,
         }
     }
@@ -172,9 +174,13 @@ mod tests {
     }
 
     #[test]
-    fn a_star_covers_every_ending() {
+    fn a_star_covers_anything() {
         let known = |setting: &str| KnownFailure { setting: setting.into(), reason: "".into() };
         assert!(known("bullet").covers("bullet") && !known("bullet").covers("bullet-1000"));
         assert!(known("bullet*").covers("bullet-1000") && !known("bullet*").covers("rapier"));
+        let single = known("bullet*-single");
+        assert!(single.covers("bullet-single") && single.covers("bullet-960-single"));
+        assert!(!single.covers("bullet") && !single.covers("manifold-single"));
+        assert!(!known("abc*cd").covers("abcd"), "law: the parts do not share letters");
     }
 }

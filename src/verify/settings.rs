@@ -18,20 +18,20 @@ pub struct Setting {
 /// it is built in.
 pub fn settings() -> Vec<Setting> {
     let stock = EngineSettings::default();
-    let bullet = match world::info(Backend::Bullet).precision.as_str() {
-        "single" => "bullet-single",
-        _ => "bullet",
+    let precision = match world::info(Backend::Bullet).precision.as_str() {
+        "single" => "-single",
+        _ => "",
     };
     let mut settings = vec![
-        Setting { name: bullet.to_owned(), engine: stock.clone() },
+        Setting { name: format!("bullet{precision}"), engine: stock.clone() },
         Setting {
-            name: format!("{bullet}-960"),
+            name: format!("bullet-960{precision}"),
             engine: EngineSettings { rate_hz: 960.0, ..stock.clone() },
         },
     ];
     for rate_hz in [240.0, 480.0, 1000.0] {
         settings.push(Setting {
-            name: format!("{}-{rate_hz}", bullet.replace("bullet", "manifold")),
+            name: format!("manifold-{rate_hz}{precision}"),
             engine: EngineSettings {
                 contact_path: ContactPath::Manifold,
                 rate_hz,
