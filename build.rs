@@ -9,9 +9,10 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 18] = [
+const SHIMS: [&str; 19] = [
     "contact_batches",
     "contact_iterations",
+    "contact_memory",
     "contact_rows",
     "contact_solver",
     "convert",
@@ -37,6 +38,7 @@ fn main() {
     }
     println!("cargo::rerun-if-changed=cpp/constants.h");
     println!("cargo::rerun-if-changed=cpp/lanes.h");
+    println!("cargo::rerun-if-changed=cpp/contact_kernels.h");
     println!("cargo::rerun-if-changed=cpp/hull_axis_kernels.h");
     println!("cargo::rerun-if-changed=build.rs");
 

@@ -13,19 +13,23 @@ namespace pluvia {
 template <class L> struct alignas(64) Batch {
     int a[Lane<L>::WIDTH], b[Lane<L>::WIDTH];
     int row[Lane<L>::WIDTH]; // -1 where padded
-    Three<L> normal, tangent_1, tangent_2, arm_a, arm_b;
-    L friction, normal_mass, yield, target;
-    L tangent_mass;
-    L impulse, impulse_1, impulse_2;
+    Three<L> normal, tangent_1, tangent_2;
+    Three<L> first_arm_a, first_arm_b; // when the step began
+    Three<L> arm_a, arm_b;             // in the sub-step
+    L friction, restitution, gap;
+    L mass, spring_mass, spring_yield, share, tangent_mass;
+    L arrival, struck;               // from sub-step to sub-step
+    L target, normal_mass, yield;    // of the sub-step
+    L impulse, impulse_1, impulse_2; // of the sub-step
+    L total, total_1, total_2;       // of the step
 };
 
-// Body state beside each other in memory.
-template <class N> struct PackedBody {
-    N velocity[3];
-    N spin[3];
-    N inverse_mass;
-    N inertia[6]; // xx, yy, zz, xy, xz, yz
-    N padding[3];
+// A body in records of eight numbers, which are moved as one.
+template <class N> struct alignas(32) PackedBody {
+    N motion[8];  // velocity, inverse mass, spin, 0
+    N inertia[8]; // inverse, in world axes: xx, yy, zz, xy, xz, yz, 0, 0
+    N way[8];     // gone since the step began: shift, -, turn (a rotation vector), -
+    N forced[8];  // what external forces add to the motion in a sub-step
 };
 
 // Assigns rows to batches, each to the first with room after those that hold
@@ -36,6 +40,8 @@ class Schedule {
     void assign(const std::vector<ContactRow> &rows, const std::vector<SolverBody> &bodies,
                 int width);
     int batches() const { return batches_; }
+    // Whether a body that moves has rows.
+    bool touched(std::size_t body) const { return after_[body] > 0; }
     // Batch and lane of each row.
     const std::vector<int> &batch() const { return batch_; }
     const std::vector<int> &lane() const { return lane_; }

@@ -1,130 +1,41 @@
 #include "contact_iterations.h"
 
+#include "contact_kernels.h"
+
 namespace pluvia {
 
 namespace {
 
-#define PLUVIA_INLINE inline __attribute__((always_inline))
-
-// The bodies of one side of a batch.
-template <class L> struct Side {
-    Three<L> velocity, spin;
-    L inverse_mass;
-    Symmetric<L> inertia;
-};
-
-template <class L>
-PLUVIA_INLINE void gather(const PackedBody<typename Lane<L>::Number> *bodies, const int *index,
-                          Side<L> &side) {
-    for (int i = 0; i < Lane<L>::WIDTH; ++i) {
-        const auto &body = bodies[index[i]];
-        Lane<L>::set(side.velocity.x, i, body.velocity[0]);
-        Lane<L>::set(side.velocity.y, i, body.velocity[1]);
-        Lane<L>::set(side.velocity.z, i, body.velocity[2]);
-        Lane<L>::set(side.spin.x, i, body.spin[0]);
-        Lane<L>::set(side.spin.y, i, body.spin[1]);
-        Lane<L>::set(side.spin.z, i, body.spin[2]);
-        Lane<L>::set(side.inverse_mass, i, body.inverse_mass);
-        Lane<L>::set(side.inertia.xx, i, body.inertia[0]);
-        Lane<L>::set(side.inertia.yy, i, body.inertia[1]);
-        Lane<L>::set(side.inertia.zz, i, body.inertia[2]);
-        Lane<L>::set(side.inertia.xy, i, body.inertia[3]);
-        Lane<L>::set(side.inertia.xz, i, body.inertia[4]);
-        Lane<L>::set(side.inertia.yz, i, body.inertia[5]);
+void step_single(std::vector<Batch<double>> &batches, const ContactLaw &law,
+                 const LaneLaw<double> &lanes, std::vector<PackedBody<double>> &bodies) {
+    for (int i = 0; i < law.substeps; ++i) {
+        substep(batches, law.sweeps, lanes, bodies);
     }
 }
 
-// What does not move may stand in several lanes; all write what was there.
-template <class L>
-PLUVIA_INLINE void scatter(const Side<L> &side, const int *index,
-                           PackedBody<typename Lane<L>::Number> *bodies) {
-    for (int i = 0; i < Lane<L>::WIDTH; ++i) {
-        auto &body = bodies[index[i]];
-        body.velocity[0] = Lane<L>::get(side.velocity.x, i);
-        body.velocity[1] = Lane<L>::get(side.velocity.y, i);
-        body.velocity[2] = Lane<L>::get(side.velocity.z, i);
-        body.spin[0] = Lane<L>::get(side.spin.x, i);
-        body.spin[1] = Lane<L>::get(side.spin.y, i);
-        body.spin[2] = Lane<L>::get(side.spin.z, i);
+void step_portable(std::vector<Batch<Float8>> &batches, const ContactLaw &law,
+                   const LaneLaw<float> &lanes, std::vector<PackedBody<float>> &bodies) {
+    for (int i = 0; i < law.substeps; ++i) {
+        substep(batches, law.sweeps, lanes, bodies);
     }
-}
-
-template <class L>
-PLUVIA_INLINE void push(Side<L> &a, Side<L> &b, const Batch<L> &c, const Three<L> &impulse) {
-    a.velocity = a.velocity + impulse * a.inverse_mass;
-    a.spin = a.spin + a.inertia * c.arm_a.cross(impulse);
-    b.velocity = b.velocity - impulse * b.inverse_mass;
-    b.spin = b.spin - b.inertia * c.arm_b.cross(impulse);
-}
-
-template <class L>
-PLUVIA_INLINE Three<L> relative(const Side<L> &a, const Side<L> &b, const Batch<L> &c) {
-    return a.velocity + a.spin.cross(c.arm_a) - b.velocity - b.spin.cross(c.arm_b);
-}
-
-// Friction first, within the cone that the normal impulse allows so far; the
-// normal last, since overlap is worse than a little sliding.
-template <class L> PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b) {
-    const L zero{};
-    Three<L> speed = relative(a, b, c);
-    L next_1 = c.impulse_1 - c.tangent_mass * speed.dot(c.tangent_1);
-    L next_2 = c.impulse_2 - c.tangent_mass * speed.dot(c.tangent_2);
-    const L most = c.friction * c.impulse;
-    const L size = root(L(next_1 * next_1 + next_2 * next_2));
-    // min(1, most/size), for size 0 as well.
-    const L scale = most / larger(L(most), larger(size, L(zero + typename Lane<L>::Number(1e-30))));
-    next_1 = next_1 * scale;
-    next_2 = next_2 * scale;
-    push(a, b, c, c.tangent_1 * L(next_1 - c.impulse_1) + c.tangent_2 * L(next_2 - c.impulse_2));
-    c.impulse_1 = next_1;
-    c.impulse_2 = next_2;
-
-    speed = relative(a, b, c);
-    const L error = speed.dot(c.normal) - c.target + c.yield * c.impulse;
-    const L next = larger(zero, L(c.impulse - c.normal_mass * error));
-    push(a, b, c, c.normal * L(next - c.impulse));
-    c.impulse = next;
-}
-
-template <class L>
-PLUVIA_INLINE void sweep(std::vector<Batch<L>> &batches, int iterations,
-                         std::vector<PackedBody<typename Lane<L>::Number>> &bodies) {
-    auto *const body = bodies.data();
-    Side<L> a, b;
-    for (Batch<L> &c : batches) {
-        gather(body, c.a, a);
-        gather(body, c.b, b);
-        push(a, b, c, c.normal * c.impulse + c.tangent_1 * c.impulse_1 + c.tangent_2 * c.impulse_2);
-        scatter(a, c.a, body);
-        scatter(b, c.b, body);
-    }
-    for (int i = 0; i < iterations; ++i) {
-        for (Batch<L> &c : batches) {
-            gather(body, c.a, a);
-            gather(body, c.b, b);
-            solve(c, a, b);
-            scatter(a, c.a, body);
-            scatter(b, c.b, body);
-        }
-    }
-}
-
-void sweep_single(std::vector<Batch<double>> &batches, int iterations,
-                  std::vector<PackedBody<double>> &bodies) {
-    sweep(batches, iterations, bodies);
-}
-
-void sweep_portable(std::vector<Batch<Float8>> &batches, int iterations,
-                    std::vector<PackedBody<float>> &bodies) {
-    sweep(batches, iterations, bodies);
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void sweep_avx2(std::vector<Batch<Float8>> &batches, int iterations,
-                                                std::vector<PackedBody<float>> &bodies) {
-    sweep(batches, iterations, bodies);
+__attribute__((target("avx2"))) void step_avx2(std::vector<Batch<Float8>> &batches,
+                                               const ContactLaw &law, const LaneLaw<float> &lanes,
+                                               std::vector<PackedBody<float>> &bodies) {
+    for (int i = 0; i < law.substeps; ++i) {
+        substep(batches, law.sweeps, lanes, bodies);
+    }
 }
 #endif
+
+template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double step) {
+    const double substep = step / law.substeps;
+    return {static_cast<N>(substep), static_cast<N>(1 / substep),
+            static_cast<N>(law.push_out_speed), static_cast<N>(law.restitution_speed),
+            static_cast<N>(law.closed_gap)};
+}
 
 template <class L> void set_three(Three<L> &lanes, int i, const Three<double> &value) {
     using N = typename Lane<L>::Number;
@@ -134,7 +45,7 @@ template <class L> void set_three(Three<L> &lanes, int i, const Three<double> &v
 }
 
 template <class L>
-void load(const std::vector<ContactRow> &rows, const Schedule &schedule,
+void load(const std::vector<ContactRow> &rows, const Schedule &schedule, int substeps,
           std::vector<Batch<L>> &batches) {
     using N = typename Lane<L>::Number;
     batches.assign(static_cast<std::size_t>(schedule.batches()), Batch<L>{});
@@ -147,61 +58,98 @@ void load(const std::vector<ContactRow> &rows, const Schedule &schedule,
         const ContactRow &row = rows[r];
         Batch<L> &c = batches[static_cast<std::size_t>(schedule.batch()[r])];
         const int i = schedule.lane()[r];
+        const auto put = [i](L &lanes, double value) {
+            Lane<L>::set(lanes, i, static_cast<N>(value));
+        };
         c.a[i] = row.a;
         c.b[i] = row.b;
         c.row[i] = static_cast<int>(r);
         set_three(c.normal, i, row.normal);
         set_three(c.tangent_1, i, row.tangent_1);
         set_three(c.tangent_2, i, row.tangent_2);
-        set_three(c.arm_a, i, row.arm_a);
-        set_three(c.arm_b, i, row.arm_b);
-        Lane<L>::set(c.friction, i, static_cast<N>(row.friction));
-        Lane<L>::set(c.normal_mass, i, static_cast<N>(row.normal_mass));
-        Lane<L>::set(c.yield, i, static_cast<N>(row.yield));
-        Lane<L>::set(c.target, i, static_cast<N>(row.target));
-        Lane<L>::set(c.tangent_mass, i, static_cast<N>(row.tangent_mass));
-        Lane<L>::set(c.impulse, i, static_cast<N>(row.impulse));
-        Lane<L>::set(c.impulse_1, i, static_cast<N>(row.impulse_1));
-        Lane<L>::set(c.impulse_2, i, static_cast<N>(row.impulse_2));
+        set_three(c.first_arm_a, i, row.arm_a);
+        set_three(c.first_arm_b, i, row.arm_b);
+        put(c.friction, row.friction);
+        put(c.restitution, row.restitution);
+        put(c.gap, row.gap);
+        put(c.mass, row.mass);
+        put(c.spring_mass, row.spring_mass);
+        put(c.spring_yield, row.spring_yield);
+        put(c.share, row.share);
+        put(c.tangent_mass, row.tangent_mass);
+        put(c.arrival, row.arrival);
+        put(c.impulse, row.impulse / substeps);
+        put(c.impulse_1, row.impulse_1 / substeps);
+        put(c.impulse_2, row.impulse_2 / substeps);
     }
 }
 
 template <class N>
-void pack(const std::vector<SolverBody> &bodies, std::vector<PackedBody<N>> &packed) {
-    packed.resize(bodies.size());
+void pack(const std::vector<SolverBody> &bodies, int substeps, double substep,
+          std::vector<PackedBody<N>> &packed) {
+    packed.assign(bodies.size(), PackedBody<N>{});
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const SolverBody &b = bodies[i];
         const Symmetric<double> &m = b.inverse_inertia;
-        const double all[13] = {b.velocity.x, b.velocity.y,   b.velocity.z, b.spin.x, b.spin.y,
-                                b.spin.z,     b.inverse_mass, m.xx,         m.yy,     m.zz,
-                                m.xy,         m.xz,           m.yz};
-        N *const to = packed[i].velocity;
-        for (int k = 0; k < 13; ++k) {
-            to[k] = static_cast<N>(all[k]);
+        Three<double> velocity = b.velocity;
+        Three<double> spin = b.spin;
+        if (b.inverse_mass == 0) {
+            // A driven body's velocity is its mean in the step.
+            const double before = substep * (substeps + 1) / 2;
+            velocity = velocity - b.acceleration * before;
+            spin = spin - b.spin_up * before;
+        }
+        const double motion[7] = {velocity.x, velocity.y, velocity.z, b.inverse_mass,
+                                  spin.x,     spin.y,     spin.z};
+        const double inertia[6] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
+        const Three<double> v = b.acceleration * substep;
+        const Three<double> w = b.spin_up * substep;
+        const double forced[7] = {v.x, v.y, v.z, 0, w.x, w.y, w.z};
+        for (int k = 0; k < 7; ++k) {
+            packed[i].motion[k] = static_cast<N>(motion[k]);
+            packed[i].forced[k] = static_cast<N>(forced[k]);
+        }
+        for (int k = 0; k < 6; ++k) {
+            packed[i].inertia[k] = static_cast<N>(inertia[k]);
         }
     }
 }
 
+// A step without contacts: the sum over its sub-steps.
+void fly(SolverBody &body, int substeps, double substep) {
+    const double step = substeps * substep;
+    const double mean = step * (substep * (substeps + 1) / 2);
+    body.shift = body.velocity * step + body.acceleration * mean;
+    body.turn = body.spin * step + body.spin_up * mean;
+    body.velocity = body.velocity + body.acceleration * step;
+    body.spin = body.spin + body.spin_up * step;
+}
+
 template <class L>
-void unload(const std::vector<Batch<L>> &batches,
-            const std::vector<PackedBody<typename Lane<L>::Number>> &packed,
+void unload(const std::vector<Batch<L>> &batches, const std::vector<Bodies<L>> &packed,
+            const Schedule &schedule, const ContactLaw &law, double substep,
             std::vector<ContactRow> &rows, std::vector<SolverBody> &bodies) {
     for (const Batch<L> &c : batches) {
         for (int i = 0; i < Lane<L>::WIDTH; ++i) {
             if (c.row[i] >= 0) {
                 ContactRow &row = rows[static_cast<std::size_t>(c.row[i])];
-                row.impulse = Lane<L>::get(c.impulse, i);
-                row.impulse_1 = Lane<L>::get(c.impulse_1, i);
-                row.impulse_2 = Lane<L>::get(c.impulse_2, i);
+                row.impulse = Lane<L>::get(c.total, i);
+                row.impulse_1 = Lane<L>::get(c.total_1, i);
+                row.impulse_2 = Lane<L>::get(c.total_2, i);
+                row.arrival = Lane<L>::get(c.arrival, i);
             }
         }
     }
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-        // What does not move keeps its velocity to the last bit.
-        if (bodies[i].inverse_mass > 0) {
-            const auto &p = packed[i];
-            bodies[i].velocity = {p.velocity[0], p.velocity[1], p.velocity[2]};
-            bodies[i].spin = {p.spin[0], p.spin[1], p.spin[2]};
+        if (!schedule.touched(i)) {
+            fly(bodies[i], law.substeps, substep);
+        } else {
+            const auto &m = packed[i].motion;
+            const auto &w = packed[i].way;
+            bodies[i].velocity = {m[0], m[1], m[2]};
+            bodies[i].spin = {m[4], m[5], m[6]};
+            bodies[i].shift = {w[0], w[1], w[2]};
+            bodies[i].turn = {w[4], w[5], w[6]};
         }
     }
 }
@@ -216,32 +164,31 @@ bool has_avx2() {
 #endif
 }
 
-void Iterations::run(Sweep how, int iterations, std::vector<ContactRow> &rows,
+void Iterations::run(Sweep how, const ContactLaw &law, double step, std::vector<ContactRow> &rows,
                      std::vector<SolverBody> &bodies) {
-    if (rows.empty()) {
-        return;
-    }
+    const double substep = step / law.substeps;
     if (how == Sweep::OneByOne) {
         schedule_.assign(rows, bodies, 1);
-        load(rows, schedule_, single_);
-        pack(bodies, single_bodies_);
-        sweep_single(single_, iterations, single_bodies_);
-        unload(single_, single_bodies_, rows, bodies);
+        load(rows, schedule_, law.substeps, single_);
+        pack(bodies, law.substeps, substep, single_bodies_);
+        step_single(single_, law, lane_law<double>(law, step), single_bodies_);
+        unload(single_, single_bodies_, schedule_, law, substep, rows, bodies);
         return;
     }
     schedule_.assign(rows, bodies, Lane<Float8>::WIDTH);
-    load(rows, schedule_, eight_);
-    pack(bodies, eight_bodies_);
+    load(rows, schedule_, law.substeps, eight_);
+    pack(bodies, law.substeps, substep, eight_bodies_);
+    const LaneLaw<float> lanes = lane_law<float>(law, step);
 #if defined(__x86_64__)
     if (how == Sweep::Avx2) {
-        sweep_avx2(eight_, iterations, eight_bodies_);
+        step_avx2(eight_, law, lanes, eight_bodies_);
     } else {
-        sweep_portable(eight_, iterations, eight_bodies_);
+        step_portable(eight_, law, lanes, eight_bodies_);
     }
 #else
-    sweep_portable(eight_, iterations, eight_bodies_);
+    step_portable(eight_, law, lanes, eight_bodies_);
 #endif
-    unload(eight_, eight_bodies_, rows, bodies);
+    unload(eight_, eight_bodies_, schedule_, law, substep, rows, bodies);
 }
 
 } // namespace pluvia

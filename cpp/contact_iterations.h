@@ -1,4 +1,4 @@
-// Projected Gauss–Seidel over contacts: the arithmetic of the solver.
+// Projected Gauss–Seidel over contacts in sub-steps: the arithmetic of the solver.
 #pragma once
 
 #include "contact_batches.h"
@@ -16,11 +16,19 @@ enum class Sweep {
 // Whether this machine has AVX2.
 bool has_avx2();
 
-// Applies the rows' accumulated impulses to the bodies, then sweeps over all
-// rows `iterations` times. Rows and bodies end with the result.
+// Carries bodies and contacts through a step of `law.substeps` sub-steps. In
+// each the gaps are what they have become, the external forces act, the
+// contacts begin with the impulses of the sub-step before (the first with its
+// share of those in the rows), and `law.sweeps` sweeps correct them. Normals
+// and arms are those of the beginning.
+//
+// Smaller steps of the solver do more for the same work than more sweeps
+// (Macklin et al. 2019, "Small steps in physics simulation"). Rows end with the
+// impulses of the whole step, bodies with their velocities at its end and the
+// way they have gone.
 class Iterations {
   public:
-    void run(Sweep sweep, int iterations, std::vector<ContactRow> &rows,
+    void run(Sweep sweep, const ContactLaw &law, double step, std::vector<ContactRow> &rows,
              std::vector<SolverBody> &bodies);
 
   private:

@@ -40,34 +40,15 @@ Three<double> driven_speed(const SolverBody &body, const Three<double> &arm) {
     return body.velocity + body.spin.cross(arm);
 }
 
-// The speed to reach along the normal, and how the row yields.
-//
-// A contact that is not closed yet is met exactly at the end of the step. One
-// that closes and came with a speed worth mentioning leaves with the coefficient
-// of restitution times that speed, which was remembered from the step in
-// which it was still free. Everything else is an implicit spring and damper
-// (Catto 2011, "Soft constraints"): stiffness k, damping c = 2 ζ √(k m),
-// yield γ = 1/(h (c + h k)), share of the overlap to remove in a step
-// β = h k/(c + h k).
-void set_target(const ContactLaw &law, double step, double mass, btManifoldPoint &point, double gap,
-                double approach, ContactRow &row) {
-    double arrival = std::max(approach, static_cast<double>(point.m_contactMotion1));
-    row.yield = 0;
-    if (gap > law.closed_gap) {
-        row.target = -gap / step;
-    } else if (arrival > law.restitution_speed && point.m_combinedRestitution > 0) {
-        row.target = static_cast<double>(point.m_combinedRestitution) * arrival;
-        arrival = 0;
-    } else {
-        const double damping = 2 * law.damping_ratio * std::sqrt(law.stiffness * mass);
-        const double sum = damping + step * law.stiffness;
-        const double share = step * law.stiffness / sum;
-        row.yield = 1 / (step * sum);
-        row.target = std::min(-share * gap / step, law.push_out_speed);
-        arrival = 0;
-    }
-    row.normal_mass = 1 / (1 / mass + row.yield);
-    point.m_contactMotion1 = static_cast<btScalar>(arrival);
+// The spring of a contact: stiffness k, damping c = 2 ζ √(k m), in a sub-step h
+// yield γ = 1/(h (c + h k)), share of the overlap to remove β = h k/(c + h k)
+// (Catto 2011, "Soft constraints").
+void set_spring(const ContactLaw &law, double substep, ContactRow &row) {
+    const double damping = 2 * law.damping_ratio * std::sqrt(law.stiffness * row.mass);
+    const double sum = damping + substep * law.stiffness;
+    row.share = substep * law.stiffness / sum;
+    row.spring_yield = 1 / (substep * sum);
+    row.spring_mass = 1 / (1 / row.mass + row.spring_yield);
 }
 
 } // namespace
@@ -88,15 +69,15 @@ ContactRow make_row(const ContactLaw &law, double step, int a, int b, const Solv
     const auto between = [&](const Three<double> &d, const Three<double> &e) {
         return compliance(body_a, row.arm_a, d, e) + compliance(body_b, row.arm_b, d, e);
     };
-    const double mass = 1 / between(row.normal, row.normal);
-    const Three<double> speed = body_a.velocity + body_a.spin.cross(row.arm_a) - body_b.velocity -
-                                body_b.spin.cross(row.arm_b);
+    row.restitution = static_cast<double>(point.m_combinedRestitution);
+    row.arrival = static_cast<double>(point.m_contactMotion1);
+    row.mass = 1 / between(row.normal, row.normal);
     // Driven bodies are where they will be at the end of the step, all others
     // where they were at its beginning: the gap is that of the beginning.
-    double gap = static_cast<double>(point.m_distance1);
-    gap -= step * driven_speed(body_a, row.arm_a).dot(row.normal);
-    gap += step * driven_speed(body_b, row.arm_b).dot(row.normal);
-    set_target(law, step, mass, point, gap, -speed.dot(row.normal), row);
+    row.gap = static_cast<double>(point.m_distance1);
+    row.gap -= step * driven_speed(body_a, row.arm_a).dot(row.normal);
+    row.gap += step * driven_speed(body_b, row.arm_b).dot(row.normal);
+    set_spring(law, step / law.substeps, row);
 
     const double k11 = between(row.tangent_1, row.tangent_1);
     const double k22 = between(row.tangent_2, row.tangent_2);
@@ -126,6 +107,7 @@ void write_row(const ContactRow &row) {
     btManifoldPoint &point = *row.point;
     const Three<double> rubbed = row.tangent_1 * row.impulse_1 + row.tangent_2 * row.impulse_2;
     const double size = std::sqrt(rubbed.dot(rubbed));
+    point.m_contactMotion1 = static_cast<btScalar>(row.arrival);
     point.m_appliedImpulse = static_cast<btScalar>(row.impulse);
     point.m_appliedImpulseLateral1 = static_cast<btScalar>(size);
     point.m_appliedImpulseLateral2 = 0;

@@ -13,6 +13,8 @@ namespace pluvia {
 
 // How contacts yield and rebound; engine units.
 struct ContactLaw {
+    int substeps;             // of a step
+    int sweeps;               // over all contacts in a sub-step
     double stiffness;         // of a contact point, N/m: mass over time squared, whatever the unit
     double damping_ratio;     // of the spring with the bodies it stands between
     double push_out_speed;    // largest speed at which overlap is pushed apart
@@ -26,6 +28,9 @@ struct SolverBody {
     Three<double> spin{0, 0, 0};
     double inverse_mass = 0;
     Symmetric<double> inverse_inertia{0, 0, 0, 0, 0, 0}; // in world axes
+    // By external forces, or of a driven body within the step.
+    Three<double> acceleration{0, 0, 0}, spin_up{0, 0, 0};
+    Three<double> shift{0, 0, 0}, turn{0, 0, 0}; // gone in the step
 };
 
 // One contact point. The normal leads from B to A; arms lead from the centre
@@ -34,17 +39,19 @@ struct ContactRow {
     int a, b;
     btManifoldPoint *point;
     Three<double> normal, tangent_1, tangent_2, arm_a, arm_b;
-    double friction;
-    double normal_mass;                   // with the spring's yield in it
-    double yield;                         // gamma: speed per impulse
-    double target;                        // normal speed to reach, positive apart
+    double friction, restitution;
+    double gap;                           // when the step began
+    double mass;                          // along the normal
+    double spring_mass;                   // the same with the spring's yield in it
+    double spring_yield;                  // gamma: speed per impulse
+    double share;                         // of the overlap, removed in a sub-step
     double tangent_mass;                  // of the direction that resists sliding least
-    double impulse, impulse_1, impulse_2; // accumulated
+    double arrival;                       // speed of approach, until they rebound
+    double impulse, impulse_1, impulse_2; // of the step
 };
 
-// Sets up a row. `step` is the length of the step; velocities are those before
-// gravity. Keeps in the point's m_contactMotion1 the speed at which the bodies
-// approached each other, until they rebound.
+// Sets up a row of a step of length `step`. The point's m_contactMotion1 holds
+// the speed at which the bodies approached each other, until they rebound.
 ContactRow make_row(const ContactLaw &law, double step, int a, int b, const SolverBody &body_a,
                     const SolverBody &body_b, const btVector3 &centre_a, const btVector3 &centre_b,
                     btManifoldPoint &point);

@@ -2,6 +2,7 @@
 
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 
+#include <cmath>
 #include <stdexcept>
 
 namespace pluvia {
@@ -66,10 +67,9 @@ btScalar ContactSolver::solveGroup(btCollisionObject **bodies, int body_count,
         return 0;
     }
     const double step = static_cast<double>(info.m_timeStep);
-    take_bodies(bodies, body_count);
+    take_bodies(bodies, body_count, step);
     make_rows(manifolds, manifold_count, step);
-    apply_forces(step);
-    iterations_.run(sweep_, info.m_numIterations, rows_, solver_bodies_);
+    iterations_.run(sweep_, law_, step, rows_, solver_bodies_);
     for (const ContactRow &row : rows_) {
         write_row(row);
     }
@@ -77,7 +77,7 @@ btScalar ContactSolver::solveGroup(btCollisionObject **bodies, int body_count,
     return 0;
 }
 
-void ContactSolver::take_bodies(btCollisionObject **bodies, int count) {
+void ContactSolver::take_bodies(btCollisionObject **bodies, int count, double step) {
     solver_bodies_.assign(1, SolverBody{});
     bodies_.assign(1, nullptr);
     for (int i = 0; i < count; ++i) {
@@ -93,11 +93,40 @@ void ContactSolver::take_bodies(btCollisionObject **bodies, int count) {
         if (!body->isKinematicObject()) {
             out.inverse_mass = static_cast<double>(body->getInvMass());
             out.inverse_inertia = symmetric(body->getInvInertiaTensorWorld());
+            out.acceleration = three(body->getTotalForce()) * out.inverse_mass;
+            out.spin_up = out.inverse_inertia * three(body->getTotalTorque());
+        } else {
+            accelerate_driven(body, step, out);
         }
         body->setCompanionId(static_cast<int>(solver_bodies_.size()));
         solver_bodies_.push_back(out);
         bodies_.push_back(body);
     }
+}
+
+namespace {
+
+// The smaller of two changes where they have one sign, else none.
+double steady(double a, double b) { return a * b <= 0 ? 0 : std::abs(a) < std::abs(b) ? a : b; }
+
+Three<double> steady(const Three<double> &a, const Three<double> &b) {
+    return {steady(a.x, b.x), steady(a.y, b.y), steady(a.z, b.z)};
+}
+
+} // namespace
+
+// Bullet knows a driven body's mean velocity in the step. Were it the velocity
+// of every sub-step, it would jump from step to step, and what rubs on the body
+// could not follow within one sub-step. So it changes steadily through the
+// step, as it has changed in the last two; where it did jump, it jumps.
+void ContactSolver::accelerate_driven(const btCollisionObject *body, double step,
+                                      SolverBody &driven) {
+    Drive &last = drives_[body];
+    const Three<double> change = driven.velocity - last.velocity;
+    const Three<double> spin_change = driven.spin - last.spin;
+    driven.acceleration = steady(change, last.change) * (1 / step);
+    driven.spin_up = steady(spin_change, last.spin_change) * (1 / step);
+    last = {driven.velocity, driven.spin, change, spin_change};
 }
 
 void ContactSolver::make_rows(btPersistentManifold **manifolds, int count, double step) {
@@ -124,51 +153,48 @@ void ContactSolver::make_rows(btPersistentManifold **manifolds, int count, doubl
     }
 }
 
-void ContactSolver::apply_forces(double step) {
-    for (std::size_t i = 1; i < bodies_.size(); ++i) {
-        SolverBody &body = solver_bodies_[i];
-        if (body.inverse_mass > 0) {
-            body.velocity =
-                body.velocity + three(bodies_[i]->getTotalForce()) * (body.inverse_mass * step);
-            body.spin =
-                body.spin + body.inverse_inertia * three(bodies_[i]->getTotalTorque()) * step;
-        }
-    }
-}
-
-// Bullet turns a body by the spin it is given. A free body's spin changes
-// while it turns; the spin it has half a step on, from its constant angular
-// momentum, turns it right to the second order (midpoint rule).
+// Bullet moves a body by its velocity and turns it by its spin, for a step:
+// they are given as what takes it the way it has gone. A free body's spin
+// changes while it turns; the spin it has half a step on, from the angular
+// momentum it had on average, turns it right to the second order (midpoint
+// rule).
 void ContactSolver::give_back(double step) {
-    turning_.clear();
+    moving_.clear();
+    const double rate = 1 / step;
     for (std::size_t i = 1; i < bodies_.size(); ++i) {
         const SolverBody &from = solver_bodies_[i];
         if (from.inverse_mass == 0) {
             continue;
         }
         btRigidBody &body = *bodies_[i];
-        body.setLinearVelocity(vector(from.velocity));
-        btVector3 spin = vector(from.spin);
+        Moving moving{&body, from.velocity, from.spin, false};
+        btVector3 spin = vector(from.turn * rate);
         const btVector3 inertia = moments(body);
         if (gyroscopic_ && !even(inertia)) {
             const btMatrix3x3 &basis = body.getWorldTransform().getBasis();
-            const btVector3 momentum = momentum_of(spin, inertia, basis);
-            turning_.push_back({&body, three(momentum)});
+            moving.spin = three(momentum_of(vector(from.spin), inertia, basis));
+            moving.is_momentum = true;
             const btScalar half = static_cast<btScalar>(step / 2);
-            spin = spin_of(momentum, body.getInvInertiaDiagLocal(), turned(basis, spin, half));
+            spin = spin_of(momentum_of(spin, inertia, basis), body.getInvInertiaDiagLocal(),
+                           turned(basis, spin, half));
         }
+        moving_.push_back(moving);
+        body.setLinearVelocity(vector(from.shift * rate));
         body.setAngularVelocity(spin);
         body.setCompanionId(-1);
     }
 }
 
 void ContactSolver::after_step() {
-    for (const Turning &turning : turning_) {
-        btRigidBody &body = *turning.body;
-        body.setAngularVelocity(spin_of(vector(turning.momentum), body.getInvInertiaDiagLocal(),
-                                        body.getWorldTransform().getBasis()));
+    for (const Moving &moving : moving_) {
+        btRigidBody &body = *moving.body;
+        body.setLinearVelocity(vector(moving.velocity));
+        body.setAngularVelocity(moving.is_momentum
+                                    ? spin_of(vector(moving.spin), body.getInvInertiaDiagLocal(),
+                                              body.getWorldTransform().getBasis())
+                                    : vector(moving.spin));
     }
-    turning_.clear();
+    moving_.clear();
 }
 
 } // namespace pluvia

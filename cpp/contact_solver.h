@@ -7,12 +7,13 @@
 #include <BulletDynamics/ConstraintSolver/btConstraintSolver.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <unordered_map>
 #include <vector>
 
 namespace pluvia {
 
-// Solves all contacts of a step at once: projected Gauss–Seidel that begins
-// with the whole of the last step's impulses, friction within its cone,
+// Solves all contacts of a step at once: projected Gauss–Seidel in sub-steps that
+// begins with the whole of the last step's impulses, friction within its cone,
 // normals as implicit springs, restitution as typed. The world must not split
 // islands (btSimulationIslandManager::setSplitIslands(false)), so that there
 // is one call a step, and must hold no joints.
@@ -30,8 +31,9 @@ class ContactSolver final : public btConstraintSolver {
     void reset() override {}
     btConstraintSolverType getSolverType() const override { return BT_SEQUENTIAL_IMPULSE_SOLVER; }
 
-    // To be called when the step has moved the bodies: gives each the spin
-    // that its angular momentum has in the orientation it has come to.
+    // To be called when the step has moved the bodies: gives each the velocity
+    // it has at its end, and the spin that its angular momentum has in the
+    // orientation it has come to.
     void after_step();
 
     const ContactLaw &law() const { return law_; }
@@ -39,10 +41,11 @@ class ContactSolver final : public btConstraintSolver {
     int rows() const { return static_cast<int>(rows_.size()); }
 
   private:
-    // A body that turns freely, with its angular momentum in world axes.
-    struct Turning {
+    // A body with its motion at the end of the step.
+    struct Moving {
         btRigidBody *body;
-        Three<double> momentum;
+        Three<double> velocity, spin;
+        bool is_momentum; // the spin stands for the angular momentum in world axes
     };
 
     ContactLaw law_;
@@ -51,12 +54,19 @@ class ContactSolver final : public btConstraintSolver {
     std::vector<SolverBody> solver_bodies_;
     std::vector<btRigidBody *> bodies_; // by solver body; null for the world
     std::vector<ContactRow> rows_;
-    std::vector<Turning> turning_;
+    std::vector<Moving> moving_;
+    // A driven body's velocities: of the last step, and their change from the
+    // one before.
+    struct Drive {
+        Three<double> velocity{0, 0, 0}, spin{0, 0, 0};
+        Three<double> change{0, 0, 0}, spin_change{0, 0, 0};
+    };
+    std::unordered_map<const btCollisionObject *, Drive> drives_;
     Iterations iterations_;
 
-    void take_bodies(btCollisionObject **bodies, int count);
+    void take_bodies(btCollisionObject **bodies, int count, double step);
+    void accelerate_driven(const btCollisionObject *body, double step, SolverBody &driven);
     void make_rows(btPersistentManifold **manifolds, int count, double step);
-    void apply_forces(double step);
     void give_back(double step);
     int index_of(const btCollisionObject *body) const;
 };

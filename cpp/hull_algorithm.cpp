@@ -96,6 +96,9 @@ void HullAlgorithm::update(const btCollisionObject &a, const btCollisionObject &
     }
     if (manifold_ == nullptr) {
         manifold_ = m_dispatcher->getNewManifold(&a, &b);
+        if (!shared_.recalled.empty()) {
+            shared_.recalled.give(contact, shared_.match, *manifold_);
+        }
     }
     write_manifold(contact, pose_a, pose_b, shared_.match, *manifold_);
 }

@@ -1,6 +1,7 @@
 // Pluvia's hull–hull test in Bullet's dispatcher.
 #pragma once
 
+#include "contact_memory.h"
 #include "hull_pair.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
@@ -16,6 +17,7 @@ struct HullCollision {
     const AxisKernels *kernels;
     btScalar step = 0; // length of a step, for which fast pairs are foreseen
     PairScratch scratch;
+    RecalledContacts recalled; // for new manifolds of the first step
 };
 
 // Settings for a world: `reach` is the gap up to which contact points are

@@ -1,6 +1,7 @@
 #include "world.h"
 
 #include "bodies.h"
+#include "contact_memory.h"
 #include "contact_solver.h"
 #include "convert.h"
 #include "globals.h"
@@ -54,8 +55,15 @@ constexpr double CLOSED_GAP = 0.01e-3; // m
 
 std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const WorldDefinition &d) {
     const double scale = units.scale();
-    const ContactLaw law{d.contact_stiffness, d.contact_damping_ratio, d.push_out_speed * scale,
-                         d.restitution_velocity_threshold * scale, CLOSED_GAP * scale};
+    // The sweeps of a step, shared among its sub-steps.
+    const int sweeps = (d.iterations + d.substeps - 1) / d.substeps;
+    const ContactLaw law{d.substeps,
+                         sweeps,
+                         d.contact_stiffness,
+                         d.contact_damping_ratio,
+                         d.push_out_speed * scale,
+                         d.restitution_velocity_threshold * scale,
+                         CLOSED_GAP * scale};
     const Sweep sweep = d.contacts_at_once == 1 ? Sweep::OneByOne
                         : has_avx2()            ? Sweep::Avx2
                                                 : Sweep::Portable;
@@ -212,6 +220,9 @@ void BulletWorld::step() {
     if (impl_->contact_solver) {
         impl_->contact_solver->after_step();
     }
+    if (impl_->hull_collision) {
+        impl_->hull_collision->recalled.forget();
+    }
 }
 
 void BulletWorld::read_bodies(rust::Vec<BodyRead> &out) const {
@@ -241,18 +252,32 @@ void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
             const btManifoldPoint &point = manifold->getContactPoint(p);
             const btVector3 middle =
                 (point.getPositionWorldOnA() + point.getPositionWorldOnB()) * btScalar(0.5);
-            const btVector3 impulse = point.m_normalWorldOnB * point.m_appliedImpulse +
-                                      point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
-                                      point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
             ContactRead read{};
             read.a = static_cast<std::uint32_t>(manifold->getBody0()->getUserIndex());
             read.b = static_cast<std::uint32_t>(manifold->getBody1()->getUserIndex());
             read.point = impl_->units.metres(middle);
             read.normal = array(point.m_normalWorldOnB);
             read.gap = impl_->units.metres(point.getDistance());
-            read.impulse = impl_->units.metres(impulse);
+            read.impulse = impl_->units.metres(impulse_of(point));
             out.push_back(read);
         }
+    }
+}
+
+void BulletWorld::remember_contacts(rust::Vec<ContactRead> &out) const {
+    out.clear();
+    if (!impl_->hull_collision) {
+        return; // Bullet's own contacts cannot be told anything
+    }
+    auto &dispatcher = impl_->dispatcher;
+    for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+        remember(impl_->units, *dispatcher.getManifoldByIndexInternal(m), out);
+    }
+}
+
+void BulletWorld::recall_contacts(rust::Slice<const ContactRead> contacts) {
+    if (impl_->hull_collision) {
+        impl_->hull_collision->recalled.take(impl_->units, contacts);
     }
 }
 
@@ -315,6 +340,8 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
     }
     if (impl_->contact_solver) {
         const ContactLaw &law = impl_->contact_solver->law();
+        put("substeps", law.substeps);
+        put("sweeps_in_a_substep", law.sweeps);
         put("contact_stiffness_n_per_m", law.stiffness);
         put("contact_damping_ratio", law.damping_ratio);
         put("push_out_speed_m_per_s", law.push_out_speed / units.scale());

@@ -32,6 +32,8 @@ class BulletWorld {
     void step();
     void read_bodies(rust::Vec<BodyRead> &out) const;
     void read_contacts(rust::Vec<ContactRead> &out) const;
+    void remember_contacts(rust::Vec<ContactRead> &out) const;
+    void recall_contacts(rust::Slice<const ContactRead> contacts);
     PairValue pair_value(std::uint32_t a, std::uint32_t b) const;
     rust::Vec<EngineSetting> effective() const;
 

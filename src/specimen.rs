@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{grains::GrainSet, world::BodyState};
+use crate::{geometry::Vector, grains::GrainSet, world::BodyState};
 
 /// Grains, their poses and the state of the apparatus: everything that one
 /// stage hands to the next, and nothing of an engine.
@@ -28,10 +28,47 @@ pub struct SpecimenState {
     pub cylinder: bool,
     /// Centroid pose and velocity of the top plate, once placed.
     pub top_plate: Option<BodyState>,
+    /// The loaded contacts, which engines that take them go on from; empty
+    /// where an engine gave none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<SavedContact>,
     /// Displacement of the shaking table along x in m.
     pub table_x: f64,
     /// Simulated time since the first stage began, in s.
     pub time: f64,
+}
+
+/// A contact that bears something.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SavedContact {
+    /// The two that touch.
+    pub between: [Party; 2],
+    /// Point midway between the surfaces, in m.
+    pub point_m: Vector,
+    /// Unit normal pointing from the second to the first.
+    pub normal: Vector,
+    /// Mean force of the last step on the first (opposite on the second), in N.
+    pub force_n: Vector,
+}
+
+/// Who takes part in a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Party {
+    /// A grain, by its number.
+    Grain(usize),
+    /// What is no grain.
+    Other(Other),
+}
+
+/// What grains touch beside each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Other {
+    /// The top plate.
+    TopPlate,
+    /// Cylinder, funnel or table.
+    Apparatus,
 }
 
 /// One grain's state.
@@ -89,6 +126,7 @@ impl SpecimenState {
             funnel: None,
             cylinder: false,
             top_plate: None,
+            contacts: Vec::new(),
             table_x: 0.0,
             time: 0.0,
         }

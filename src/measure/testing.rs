@@ -183,6 +183,7 @@ pub fn specimen_of(parts: Vec<(ConvexPolyhedron, Pose)>) -> Specimen {
             funnel: None,
             cylinder: true,
             top_plate: None,
+            contacts: Vec::new(),
             table_x: 0.0,
             time: 0.0,
         },

@@ -131,6 +131,9 @@ impl Laboratory<'_> {
         for state in specimen.state.bodies.iter_mut().filter(|s| s.fate == Fate::Present) {
             state.body.pose.translation.vector.z += opening_height - was;
         }
+        for contact in &mut specimen.state.contacts {
+            contact.point_m.z += opening_height - was;
+        }
         specimen.state.funnel = Some(FunnelState { opening_height, lid: false });
         specimen.state.cylinder = true;
 

@@ -1,6 +1,7 @@
 //! The test stand: a world built from a specimen, and the one loop that steps it.
 
 use std::{
+    collections::HashMap,
     sync::atomic::{AtomicBool, Ordering},
     time::{Duration, Instant},
 };
@@ -8,10 +9,10 @@ use std::{
 use super::{Moment, Observer, Setup, StageError, StageOutcome, whereabouts::Whereabouts};
 use crate::apparatus::{Funnel, Piece, TableMotion};
 use crate::geometry::{Pose, Vector};
-use crate::specimen::{Fate, Specimen};
+use crate::specimen::{Fate, Other, Party, SavedContact, Specimen};
 use crate::world::{
-    Body, BodyId, BodyState, Guard, GuardLimits, Material, Motion, PairTable, Snapshot, World,
-    WorldError,
+    Body, BodyId, BodyState, Guard, GuardLimits, Material, Motion, PairTable, RememberedContact,
+    Snapshot, World, WorldError,
 };
 
 /// Makes the empty world of a stage.
@@ -136,6 +137,8 @@ impl<'a> Stand<'a> {
             Ok((plate, grains))
         };
         let (plate, grains) = build().map_err(|source| fail(source, &specimen))?;
+        let remembered = remembered(&state.contacts, &grains, plate);
+        world.recall(&remembered).map_err(|source| fail(source, &specimen))?;
         let whereabouts = Whereabouts::new(
             grains.len(),
             state.cylinder.then_some(&setup.cylinder),
@@ -220,7 +223,8 @@ impl<'a> Stand<'a> {
     }
 
     /// Takes the specimen out of the world.
-    pub(super) fn finish(self) -> StageOutcome {
+    pub(super) fn finish(mut self) -> StageOutcome {
+        self.specimen.state.contacts = self.contacts();
         StageOutcome {
             simulated: self.steps as f64 * self.world.time_step(),
             effective: self.world.effective(),
@@ -229,6 +233,30 @@ impl<'a> Stand<'a> {
             engine_time: self.engine_time,
             warnings: self.warnings,
         }
+    }
+
+    /// The loaded contacts between what is still present.
+    fn contacts(&self) -> Vec<SavedContact> {
+        let mut contacts = Vec::new();
+        self.world.remember(&mut contacts);
+        let mut grain_of = HashMap::new();
+        for (grain, id) in self.grains.iter().enumerate() {
+            grain_of.extend(id.map(|id| (id, grain)));
+        }
+        let party = |body: Option<BodyId>| match body {
+            None => Some(Party::Other(Other::Apparatus)),
+            Some(id) if Some(id) == self.plate => Some(Party::Other(Other::TopPlate)),
+            Some(id) => grain_of.get(&id).map(|grain| Party::Grain(*grain)),
+        };
+        let saved = contacts.iter().filter_map(|c| {
+            Some(SavedContact {
+                between: [party(c.a)?, party(c.b)?],
+                point_m: c.point,
+                normal: c.normal,
+                force_n: c.force,
+            })
+        });
+        saved.collect()
     }
 
     /// Keeps a finding for the reader.
@@ -310,6 +338,30 @@ impl<'a> Stand<'a> {
             && (squares / f64::from(count)).sqrt() <= limits.rms_speed
             && largest.sqrt() <= limits.largest_speed
     }
+}
+
+/// Saved contacts in terms of a new world's bodies, without those of grains
+/// that are not in it.
+fn remembered(
+    contacts: &[SavedContact],
+    grains: &[Option<BodyId>],
+    plate: Option<BodyId>,
+) -> Vec<RememberedContact> {
+    let body = |party: Party| match party {
+        Party::Grain(grain) => grains.get(grain).copied().flatten().map(Some),
+        Party::Other(Other::TopPlate) => plate.map(Some),
+        Party::Other(Other::Apparatus) => Some(None),
+    };
+    let contacts = contacts.iter().filter_map(|c| {
+        Some(RememberedContact {
+            a: body(c.between[0])?,
+            b: body(c.between[1])?,
+            point: c.point_m,
+            normal: c.normal,
+            force: c.force_n,
+        })
+    });
+    contacts.collect()
 }
 
 fn wall_piece(piece: &Piece, motion: Motion) -> Body {

@@ -134,7 +134,7 @@ fn lead(of: &Comparison) -> String {
             .iter()
             .zip(&q.values)
             .filter(|(r, _)| r.specimen_by.is_none())
-            .map(|(_, v)| v.map_or_else(|| "–".to_owned(), |v| number(v, 3)))
+            .map(|(_, v)| v.map_or_else(|| "–".to_owned(), shown))
             .collect();
         sentences.push(format!(
             "They {verdict} on the {}: {}{unit}, band {}{unit}.",
@@ -144,6 +144,11 @@ fn lead(of: &Comparison) -> String {
         ));
     }
     sentences.join(" ")
+}
+
+/// Three decimals, none for counts.
+fn shown(value: f64) -> String {
+    number(value, if value.fract() == 0.0 { 0 } else { 3 })
 }
 
 fn table(of: &Comparison) -> Markup {
@@ -159,7 +164,7 @@ fn table(of: &Comparison) -> Markup {
                     th { (q.quantity) }
                     td { (q.unit) }
                     @for value in &q.values {
-                        td.n { @match value { Some(v) => (number(*v, 3)), None => "–" } }
+                        td.n { @match value { Some(v) => (shown(*v)), None => "–" } }
                     }
                     td.n { @match q.band { Some(b) => { "± " (number(b, 2)) }, None => "" } }
                     td { @match q.within_band {

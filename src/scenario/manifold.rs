@@ -9,6 +9,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ManifoldSettings {
+    /// Sub-steps of the solver in a step: contacts are found once a step,
+    /// and its iterations are shared among the sub-steps. Fewer: blows and
+    /// shaking are followed more coarsely; more: fewer iterations in each.
+    #[schemars(range(min = 1, max = 1000))]
+    pub substeps: u32,
     /// Stiffness of a contact point in N/m. Lower: grains sink in further, by
     /// their load over it; higher: more iterations are needed for the load to
     /// get through the packing. 5000 N/m make a grain of 1.6 g on four points
@@ -32,6 +37,7 @@ pub struct ManifoldSettings {
 impl Default for ManifoldSettings {
     fn default() -> Self {
         Self {
+            substeps: 4,
             contact_stiffness_n_per_m: 5000.0,
             contact_damping_ratio: 1.0,
             push_out_speed_m_per_s: 0.3,

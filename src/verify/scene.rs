@@ -9,8 +9,8 @@ use crate::geometry::{ConvexPolyhedron, MassProperties, Pose, Vector};
 use crate::grains::{Grain, GrainSet, generate};
 use crate::scenario::{SieveFraction, SievedGrains};
 use crate::world::{
-    Body, BodyId, BodyState, Contact, Material, Motion, PairCoefficients, PairTable, Snapshot,
-    World,
+    Body, BodyId, BodyState, Contact, Material, Motion, PairCoefficients, PairTable,
+    RememberedContact, Snapshot, World,
 };
 
 /// Density of the solids in kg/m³ (paper, section 3).
@@ -115,6 +115,18 @@ impl Scene {
             contact.impulse = back * contact.impulse;
         }
         contacts
+    }
+
+    /// What the world remembers of its contacts, in the world's own axes.
+    pub(super) fn remember(&self) -> Vec<RememberedContact> {
+        let mut contacts = Vec::new();
+        self.world.remember(&mut contacts);
+        contacts
+    }
+
+    /// Tells a new world of the same bodies what another remembered.
+    pub(super) fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), VerifyError> {
+        Ok(self.world.recall(contacts)?)
     }
 
     fn out(&self, state: &BodyState) -> BodyState {

@@ -162,6 +162,21 @@ pub struct Contact {
     pub impulse: Vector,
 }
 
+/// A loaded contact, as one world hands it to another that goes on from its state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RememberedContact {
+    /// First body; `None` for any that does not move freely.
+    pub a: Option<BodyId>,
+    /// Second body; `None` for any that does not move freely.
+    pub b: Option<BodyId>,
+    /// Point midway between the surfaces, in m.
+    pub point: Vector,
+    /// Unit normal pointing from `b` to `a`.
+    pub normal: Vector,
+    /// Mean force of the last step on `a` (opposite on `b`), in N, world axes.
+    pub force: Vector,
+}
+
 /// The state of all bodies, in order of [`BodyId`]; `None` where a body was removed.
 pub type Snapshot = Vec<Option<BodyState>>;
 
@@ -239,6 +254,21 @@ pub trait World {
 
     /// Reads all contact points into `into`, replacing its content.
     fn contacts(&self, into: &mut Vec<Contact>);
+
+    /// Reads the loaded contacts into `into`, replacing its content: what a new
+    /// world must know beside the bodies to go on without a jump. Empty for an
+    /// engine that cannot be told.
+    fn remember(&self, into: &mut Vec<RememberedContact>) {
+        into.clear();
+    }
+
+    /// Tells a new world, before its first step, which contacts its bodies bring.
+    ///
+    /// # Errors
+    /// [`WorldError::BadBody`] for values no engine should see.
+    fn recall(&mut self, _contacts: &[RememberedContact]) -> Result<(), WorldError> {
+        Ok(())
+    }
 
     /// The coefficients that a contact between these bodies gets.
     ///

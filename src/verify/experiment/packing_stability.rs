@@ -43,6 +43,7 @@ pub(super) fn reload(
     let mut heap = rough(bench, count)?;
     heap.scene.run(settle)?;
     let mut again = rough_of(bench, heap.as_now()?)?;
+    again.scene.recall(&heap.scene.remember())?;
     let start = heap.mean_height()?;
     let mut outcome = Outcome::new("Time since the restart (s)", "Mean grain height lost (mm)");
     let mut lost = Vec::new();

@@ -50,6 +50,8 @@ mod bridge {
         contact_damping_ratio: f64,
         /// In m/s.
         push_out_speed: f64,
+        /// Of Pluvia's own solver in a step.
+        substeps: i32,
         /// 8 in single precision, or 1 in double.
         contacts_at_once: u32,
     }
@@ -175,6 +177,11 @@ mod bridge {
         fn step(self: Pin<&mut BulletWorld>) -> Result<()>;
         fn read_bodies(self: &BulletWorld, out: &mut Vec<BodyRead>);
         fn read_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
+        /// Points that bear something, where they are now; `u32::MAX` names any
+        /// body that does not move freely. Empty with Bullet's own contacts.
+        fn remember_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
+        /// Hands a new world, before its first step, what another remembered.
+        fn recall_contacts(self: Pin<&mut BulletWorld>, contacts: &[ContactRead]) -> Result<()>;
         fn pair_value(self: &BulletWorld, a: u32, b: u32) -> Result<PairValue>;
         fn effective(self: &BulletWorld) -> Vec<EngineSetting>;
 

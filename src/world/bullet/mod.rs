@@ -19,7 +19,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::{
     BackendInfo, Body, BodyId, BodyState, Contact, EffectiveSettings, Motion, PairCoefficients,
-    PairTable, Snapshot, World, WorldError,
+    PairTable, RememberedContact, Snapshot, World, WorldError,
 };
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 use crate::scenario::{ContactPath, EngineSettings};
@@ -29,6 +29,9 @@ use crate::units::from_mm;
 /// when it has moved so far. Bullet's default is 0.05 length units whatever
 /// they are; half a millimetre is a twentieth of a grain.
 const BROADPHASE_MARGIN: f64 = 0.5e-3;
+
+/// Stands for any body that does not move freely (`RecalledContacts::ANY_WALL`).
+const ANY_WALL: u32 = u32::MAX;
 
 /// A Bullet world. See [`World`].
 pub struct BulletBackend {
@@ -222,6 +225,7 @@ fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinitio
             "manifold.push_out_speed_m_per_s",
             s.manifold.push_out_speed_m_per_s,
         )?,
+        substeps: i32::try_from(s.manifold.substeps.max(1)).unwrap_or(i32::MAX),
         contacts_at_once: s.manifold.contacts_at_once,
     })
 }
@@ -314,6 +318,44 @@ impl World for BulletBackend {
             gap: c.gap,
             impulse: c.impulse.into(),
         }));
+    }
+
+    fn remember(&self, into: &mut Vec<RememberedContact>) {
+        let mut contacts = Vec::new();
+        self.world.remember_contacts(&mut contacts);
+        let body = |id| (id != ANY_WALL).then_some(BodyId(id));
+        into.clear();
+        into.extend(contacts.iter().map(|c| RememberedContact {
+            a: body(c.a),
+            b: body(c.b),
+            point: c.point.into(),
+            normal: c.normal.into(),
+            force: Vector::from(c.impulse) / self.time_step,
+        }));
+    }
+
+    fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError> {
+        let finite = |c: &RememberedContact| {
+            [c.point, c.normal, c.force].iter().all(|v| v.iter().all(|x| x.is_finite()))
+        };
+        if let Some(bad) = contacts.iter().find(|c| !finite(c)) {
+            return Err(WorldError::BadBody {
+                reason: format!("a remembered contact is not finite: {bad:?}"),
+            });
+        }
+        let number = |body: Option<BodyId>| body.map_or(ANY_WALL, |id| id.0);
+        let contacts: Vec<ffi::ContactRead> = contacts
+            .iter()
+            .map(|c| ffi::ContactRead {
+                a: number(c.a),
+                b: number(c.b),
+                point: c.point.into(),
+                normal: c.normal.into(),
+                gap: 0.0,
+                impulse: (c.force * self.time_step).into(),
+            })
+            .collect();
+        self.world.pin_mut().recall_contacts(&contacts).map_err(engine)
     }
 
     fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {

@@ -3,8 +3,8 @@
 use pluvia::geometry::{Pose, Vector};
 use pluvia::scenario::EngineSettings;
 use pluvia::world::{
-    Body, BodyId, Contact, EffectiveSettings, Motion, PairCoefficients, PairTable, Snapshot, World,
-    WorldError, create,
+    Body, BodyId, Contact, EffectiveSettings, Motion, PairCoefficients, PairTable,
+    RememberedContact, Snapshot, World, WorldError, create,
 };
 
 /// What is wrong.
@@ -99,6 +99,14 @@ impl World for Defective {
 
     fn contacts(&self, into: &mut Vec<Contact>) {
         self.inner.contacts(into);
+    }
+
+    fn remember(&self, into: &mut Vec<RememberedContact>) {
+        self.inner.remember(into);
+    }
+
+    fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError> {
+        self.inner.recall(contacts)
     }
 
     fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {
