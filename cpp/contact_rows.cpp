@@ -32,14 +32,6 @@ double compliance(const SolverBody &body, const Three<double> &arm, const Three<
     return body.inverse_mass * d.dot(e) + arm.cross(d).dot(body.inverse_inertia * arm.cross(e));
 }
 
-// Speed at the contact of a body that moves as it is told; 0 of every other.
-Three<double> driven_speed(const SolverBody &body, const Three<double> &arm) {
-    if (body.inverse_mass > 0) {
-        return {0, 0, 0};
-    }
-    return body.velocity + body.spin.cross(arm);
-}
-
 // The spring of a contact: stiffness k, damping c = 2 ζ √(k m), in a sub-step h
 // yield γ = 1/(h (c + h k)), share of the overlap to remove β = h k/(c + h k)
 // (Catto 2011, "Soft constraints").
@@ -72,11 +64,7 @@ ContactRow make_row(const ContactLaw &law, double step, int a, int b, const Solv
     row.restitution = static_cast<double>(point.m_combinedRestitution);
     row.arrival = static_cast<double>(point.m_contactMotion1);
     row.mass = 1 / between(row.normal, row.normal);
-    // Driven bodies are where they will be at the end of the step, all others
-    // where they were at its beginning: the gap is that of the beginning.
     row.gap = static_cast<double>(point.m_distance1);
-    row.gap -= step * driven_speed(body_a, row.arm_a).dot(row.normal);
-    row.gap += step * driven_speed(body_b, row.arm_b).dot(row.normal);
     set_spring(law, step / law.substeps, row);
 
     const double k11 = between(row.tangent_1, row.tangent_1);

@@ -142,8 +142,37 @@ class BulletWorld::Impl {
         return &bullet_solver;
     }
 
+    // Contacts are found where bodies are at the beginning of the step, driven
+    // ones as all others: Bullet would have those where they end. It takes the
+    // velocity of a driven body from where it was a step ago, which is told so
+    // that the velocity is that of the way to come.
+    void begin_drives() {
+        for (const Drive &drive : drives) {
+            const btTransform &now = drive.body->getWorldTransform();
+            btTransform before;
+            before.setBasis(now.getBasis() * drive.end.getBasis().transpose() * now.getBasis());
+            before.setOrigin(now.getOrigin() * 2 - drive.end.getOrigin());
+            drive.body->setInterpolationWorldTransform(before);
+        }
+    }
+
+    void end_drives() {
+        for (const Drive &drive : drives) {
+            drive.body->setWorldTransform(drive.end);
+            drive.body->setInterpolationWorldTransform(drive.end);
+        }
+        drives.clear();
+    }
+
+    // Where a driven body is at the end of the step.
+    struct Drive {
+        btRigidBody *body;
+        btTransform end;
+    };
+
     Units units;
     btScalar time_step;
+    std::vector<Drive> drives; // of the step to come
     DampingAndSpin body_settings;
     Materials materials;
     GlobalsHold globals;
@@ -202,7 +231,12 @@ std::uint32_t BulletWorld::add_body(const BodyDefinition &definition) {
 
 void BulletWorld::remove_body(std::uint32_t id) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
-    impl_->world.removeRigidBody(&impl_->body(id));
+    btRigidBody *body = &impl_->body(id);
+    impl_->world.removeRigidBody(body);
+    impl_->drives.erase(
+        std::remove_if(impl_->drives.begin(), impl_->drives.end(),
+                       [body](const Impl::Drive &drive) { return drive.body == body; }),
+        impl_->drives.end());
     impl_->bodies[id].reset();
 }
 
@@ -211,12 +245,20 @@ void BulletWorld::drive_body(std::uint32_t id, const std::array<double, 3> &posi
     // Bullet takes a kinematic body's velocity from the difference to its
     // interpolation pose, which it then moves along (btRigidBody.cpp,
     // saveKinematicState, 3.24).
-    impl_->body(id).setWorldTransform(impl_->units.pose(position, rotation));
+    const btTransform pose = impl_->units.pose(position, rotation);
+    btRigidBody &body = impl_->body(id);
+    if (impl_->contact_solver) {
+        impl_->drives.push_back({&body, pose});
+    } else {
+        body.setWorldTransform(pose);
+    }
 }
 
 void BulletWorld::step() {
+    impl_->begin_drives();
     // No sub-steps: the step is the one that was asked for.
     impl_->world.stepSimulation(impl_->time_step, 0, impl_->time_step);
+    impl_->end_drives();
     if (impl_->contact_solver) {
         impl_->contact_solver->after_step();
     }
