@@ -32,9 +32,12 @@ __attribute__((target("avx2"))) void step_avx2(std::vector<Batch<Float8>> &batch
 
 template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double step) {
     const double substep = step / law.substeps;
-    return {static_cast<N>(substep), static_cast<N>(1 / substep),
-            static_cast<N>(law.push_out_speed), static_cast<N>(law.restitution_speed),
-            static_cast<N>(law.closed_gap)};
+    return {static_cast<N>(substep),
+            static_cast<N>(1 / substep),
+            static_cast<N>(law.push_out_speed),
+            static_cast<N>(law.restitution_speed),
+            static_cast<N>(law.closed_gap),
+            static_cast<N>(law.unsolved_gap / substep)};
 }
 
 template <class L> void set_three(Three<L> &lanes, int i, const Three<double> &value) {

@@ -14,7 +14,11 @@ namespace pluvia {
 template <class N> struct LaneLaw {
     N step, inverse_step; // of a sub-step
     N push_out_speed, restitution_speed, closed_gap;
+    N unsolved_speed; // approach that calls for another sweep
 };
+
+// Where a blow calls for more sweeps, at most so many times as many.
+constexpr int MOST_SWEEPS = 8;
 
 // What contacts ask of the bodies of one side of a batch.
 template <class L> struct Side {
@@ -63,6 +67,10 @@ PLUVIA_INLINE Three<L> relative(const Side<L> &a, const Side<L> &b, const Batch<
     return a.velocity + a.spin.cross(c.arm_a) - b.velocity - b.spin.cross(c.arm_b);
 }
 
+// Keeps quotients of nothing by nothing defined.
+template <class L>
+inline constexpr typename Lane<L>::Number TINY = static_cast<typename Lane<L>::Number>(1e-30);
+
 // A vector turned by a rotation vector, to the second order.
 template <class L> PLUVIA_INLINE Three<L> turned(const Three<L> &arm, const Three<L> &by) {
     const Three<L> first = by.cross(arm);
@@ -95,11 +103,13 @@ PLUVIA_INLINE void aim(Batch<L> &c, const LaneLaw<typename Lane<L>::Number> &law
     const Three<L> way =
         moved_a - moved_b + (turned_arm_a - c.first_arm_a) - (turned_arm_b - c.first_arm_b);
     const L gap = c.gap + way.dot(c.normal);
-    // Both bodies are pushed in one point, midway between the two surfaces:
-    // so the angular momentum is kept, however far they slid past each other.
-    const Three<L> half = (c.normal * c.gap + way) * L(zero + typename Lane<L>::Number(0.5));
-    c.arm_a = turned_arm_a - half;
-    c.arm_b = turned_arm_b + half;
+    // Both bodies are pushed in one point, nearer to the lighter one's: so the
+    // angular momentum is kept, however far they slid past each other, and a
+    // block stays on its corners wherever on the plane it is.
+    const Three<L> apart = c.normal * c.gap + way;
+    const L both = larger(L(a.inverse_mass + b.inverse_mass), L(zero + TINY<L>));
+    c.arm_a = turned_arm_a - apart * L(b.inverse_mass / both);
+    c.arm_b = turned_arm_b + apart * L(a.inverse_mass / both);
     const L arrival = larger(c.arrival, L(zero - relative(a, b, c).dot(c.normal)));
 
     const auto closed = gap <= zero + law.closed_gap;
@@ -122,8 +132,9 @@ PLUVIA_INLINE void aim(Batch<L> &c, const LaneLaw<typename Lane<L>::Number> &law
 }
 
 // Friction first, within the cone that the normal impulse allows so far; the
-// normal last, since overlap is worse than a little sliding.
-template <class L> PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b) {
+// normal last, since overlap is worse than a little sliding. `unsolved` gets the
+// fastest approach found, beyond what the contacts aim at.
+template <class L> PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b, L &unsolved) {
     const L zero{};
     Three<L> speed = relative(a, b, c);
     L next_1 = c.impulse_1 - c.tangent_mass * speed.dot(c.tangent_1);
@@ -131,7 +142,7 @@ template <class L> PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b)
     const L most = c.friction * c.impulse;
     const L size = root(L(next_1 * next_1 + next_2 * next_2));
     // min(1, most/size), for size 0 as well.
-    const L scale = most / larger(L(most), larger(size, L(zero + typename Lane<L>::Number(1e-30))));
+    const L scale = most / larger(L(most), larger(size, L(zero + TINY<L>)));
     next_1 = next_1 * scale;
     next_2 = next_2 * scale;
     push(a, b, c, c.tangent_1 * L(next_1 - c.impulse_1) + c.tangent_2 * L(next_2 - c.impulse_2));
@@ -140,9 +151,18 @@ template <class L> PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b)
 
     speed = relative(a, b, c);
     const L error = speed.dot(c.normal) - c.target + c.yield * c.impulse;
+    unsolved = larger(unsolved, L(zero - error));
     const L next = larger(zero, L(c.impulse - c.normal_mass * error));
     push(a, b, c, c.normal * L(next - c.impulse));
     c.impulse = next;
+}
+
+template <class L> PLUVIA_INLINE bool any_larger(const L &lanes, typename Lane<L>::Number least) {
+    bool any = false;
+    for (int i = 0; i < Lane<L>::WIDTH; ++i) {
+        any = any || Lane<L>::get(lanes, i) > least;
+    }
+    return any;
 }
 
 // One sub-step: external forces, the impulses with which it begins, the
@@ -168,13 +188,18 @@ PLUVIA_INLINE void substep(std::vector<Batch<L>> &batches, int sweeps,
         scatter_motion(a, c.a, body);
         scatter_motion(b, c.b, body);
     }
-    for (int i = 0; i < sweeps; ++i) {
+    // A blow to a heap takes more sweeps to get through it than its weight.
+    for (int i = 0; i < MOST_SWEEPS * sweeps; ++i) {
+        L unsolved{};
         for (Batch<L> &c : batches) {
             gather_all(body, c.a, a);
             gather_all(body, c.b, b);
-            solve(c, a, b);
+            solve(c, a, b, unsolved);
             scatter_motion(a, c.a, body);
             scatter_motion(b, c.b, body);
+        }
+        if (i + 1 >= sweeps && !any_larger(unsolved, law.unsolved_speed)) {
+            break;
         }
     }
     for (Batch<L> &c : batches) {

@@ -20,6 +20,7 @@ struct ContactLaw {
     double push_out_speed;    // largest speed at which overlap is pushed apart
     double restitution_speed; // approach speed below which nothing rebounds
     double closed_gap;        // gap up to which a contact counts as touching
+    double unsolved_gap;      // overlap that a sub-step may add before more sweeps are made
 };
 
 // A body in the solver; index 0 is the world at rest.

@@ -53,6 +53,9 @@ std::unique_ptr<HullCollision> make_hull_collision(const Units &units, const Wor
 // A hundredth of a millimetre: contacts closer than that touch.
 constexpr double CLOSED_GAP = 0.01e-3; // m
 
+// A fiftieth of a millimetre.
+constexpr double UNSOLVED_GAP = 0.02e-3; // m
+
 std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const WorldDefinition &d) {
     const double scale = units.scale();
     // The sweeps of a step, shared among its sub-steps.
@@ -63,7 +66,8 @@ std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const Wor
                          d.contact_damping_ratio,
                          d.push_out_speed * scale,
                          d.restitution_velocity_threshold * scale,
-                         CLOSED_GAP * scale};
+                         CLOSED_GAP * scale,
+                         UNSOLVED_GAP * scale};
     const Sweep sweep = d.contacts_at_once == 1 ? Sweep::OneByOne
                         : has_avx2()            ? Sweep::Avx2
                                                 : Sweep::Portable;
