@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 19] = [
+const SHIMS: [&str; 20] = [
     "contact_batches",
     "contact_iterations",
     "contact_memory",
@@ -25,6 +25,7 @@ const SHIMS: [&str; 19] = [
     "hull_algorithm",
     "hull_dispatcher",
     "hull_probe",
+    "workers",
     "shapes",
     "bodies",
     "pairs",

@@ -47,10 +47,10 @@ btScalar match_distance(double scale) { return static_cast<btScalar>(MATCH * sca
 
 void collide_into(HullCollision &shared, const HullData &a, const HullData &b,
                   const btTransform &pose_a, const btTransform &pose_b, PairMemory &memory,
-                  btPersistentManifold &manifold) {
+                  PairScratch &scratch, btPersistentManifold &manifold) {
     PairContact contact;
-    collide(*shared.kernels, a, b, rigid(pose_a), rigid(pose_b), shared.settings, memory,
-            shared.scratch, contact);
+    collide(*shared.kernels, a, b, rigid(pose_a), rigid(pose_b), shared.settings, memory, scratch,
+            contact);
     write_manifold(contact, pose_a, pose_b, shared.match, manifold);
 }
 
@@ -74,33 +74,48 @@ void HullAlgorithm::release() {
     }
 }
 
-void HullAlgorithm::processCollision(const btCollisionObjectWrapper *a,
-                                     const btCollisionObjectWrapper *b, const btDispatcherInfo &,
+// Only for who calls it by hand: the dispatcher goes to `find` at once.
+void HullAlgorithm::processCollision(const btCollisionObjectWrapper *on_a,
+                                     const btCollisionObjectWrapper *on_b, const btDispatcherInfo &,
                                      btManifoldResult *) {
-    update(*a->getCollisionObject(), *b->getCollisionObject());
+    const btCollisionObject &a = *on_a->getCollisionObject();
+    const btCollisionObject &b = *on_b->getCollisionObject();
+    PairScratch scratch;
+    PairContact contact;
+    if (find(a, b, scratch, contact)) {
+        change(a, b, contact);
+    }
 }
 
-void HullAlgorithm::update(const btCollisionObject &a, const btCollisionObject &b) {
+bool HullAlgorithm::find(const btCollisionObject &a, const btCollisionObject &b,
+                         PairScratch &scratch, PairContact &contact) {
     const auto &hull_a = static_cast<const TightHull *>(a.getCollisionShape())->data();
     const auto &hull_b = static_cast<const TightHull *>(b.getCollisionShape())->data();
     const btTransform &pose_a = a.getWorldTransform();
     const btTransform &pose_b = b.getWorldTransform();
     PairSettings settings = shared_.settings;
     settings.reach += static_cast<double>(approach_in_step(a, b, shared_.step));
-    PairContact contact;
     collide(*shared_.kernels, hull_a, hull_b, rigid(pose_a), rigid(pose_b), settings, memory_,
-            shared_.scratch, contact);
+            scratch, contact);
+    if (contact.count == 0 || manifold_ == nullptr) {
+        return (contact.count > 0) != (manifold_ != nullptr);
+    }
+    write_manifold(contact, pose_a, pose_b, shared_.match, *manifold_);
+    return false;
+}
+
+void HullAlgorithm::change(const btCollisionObject &a, const btCollisionObject &b,
+                           const PairContact &contact) {
     if (contact.count == 0) {
         release();
         return;
     }
-    if (manifold_ == nullptr) {
-        manifold_ = m_dispatcher->getNewManifold(&a, &b);
-        if (!shared_.recalled.empty()) {
-            shared_.recalled.give(contact, shared_.match, *manifold_);
-        }
+    manifold_ = m_dispatcher->getNewManifold(&a, &b);
+    if (!shared_.recalled.empty()) {
+        shared_.recalled.give(contact, shared_.match, *manifold_);
     }
-    write_manifold(contact, pose_a, pose_b, shared_.match, *manifold_);
+    write_manifold(contact, a.getWorldTransform(), b.getWorldTransform(), shared_.match,
+                   *manifold_);
 }
 
 void HullAlgorithm::getAllContactManifolds(btManifoldArray &manifolds) {

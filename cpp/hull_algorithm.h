@@ -15,8 +15,7 @@ struct HullCollision {
     PairSettings settings;
     btScalar match; // distance up to which points of successive steps are taken for the same
     const AxisKernels *kernels;
-    btScalar step = 0; // length of a step, for which fast pairs are foreseen
-    PairScratch scratch;
+    btScalar step = 0;         // length of a step, for which fast pairs are foreseen
     RecalledContacts recalled; // for new manifolds of the first step
 };
 
@@ -36,7 +35,7 @@ btScalar approach_in_step(const btCollisionObject &a, const btCollisionObject &b
 // the points in the manifold.
 void collide_into(HullCollision &shared, const HullData &a, const HullData &b,
                   const btTransform &pose_a, const btTransform &pose_b, PairMemory &memory,
-                  btPersistentManifold &manifold);
+                  PairScratch &scratch, btPersistentManifold &manifold);
 
 // One for each pair in the broadphase; holds the pair's memory, and its
 // manifold while there are contact points.
@@ -55,8 +54,13 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     }
     void getAllContactManifolds(btManifoldArray &manifolds) override;
 
-    // One step of the pair; both shapes are TightHulls.
-    void update(const btCollisionObject &a, const btCollisionObject &b);
+    // Finds the contact of the pair; both shapes are TightHulls. Writes only
+    // what belongs to the pair. True where its manifold must come, for the
+    // points in `contact`, or go: then `change` has to be called.
+    bool find(const btCollisionObject &a, const btCollisionObject &b, PairScratch &scratch,
+              PairContact &contact);
+    // Makes or releases the manifold; not from several threads at once.
+    void change(const btCollisionObject &a, const btCollisionObject &b, const PairContact &contact);
     bool holds_contacts() const { return manifold_ != nullptr; }
 
   private:

@@ -2,24 +2,54 @@
 #pragma once
 
 #include "hull_algorithm.h"
+#include "workers.h"
 
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
+#include <deque>
 #include <memory>
+#include <vector>
 
 namespace pluvia {
 
 class HullDispatcher final : public btCollisionDispatcher {
   public:
     // With `collision`, which must outlive the dispatcher, pairs of hulls are
-    // Pluvia's; with null they are Bullet's. Every shape must be a TightHull.
-    HullDispatcher(btCollisionConfiguration *configuration, HullCollision *collision);
+    // Pluvia's, on `threads` threads; with null they are Bullet's. Every shape
+    // must be a TightHull.
+    HullDispatcher(btCollisionConfiguration *configuration, HullCollision *collision, int threads);
 
     const HullCollision *collision() const { return collision_; }
+    int threads() const { return workers_ ? workers_->count() : 1; }
+
+    // Pairs are culled one after the other, computed by all threads, each
+    // writing only what belongs to its pair, and where manifolds come or go that
+    // is done one after the other again, in the order of the pairs: the result
+    // does not depend on the number of threads.
+    void dispatchAllCollisionPairs(btOverlappingPairCache *pairs, const btDispatcherInfo &info,
+                                   btDispatcher *dispatcher) override;
 
   private:
+    struct Work {
+        HullAlgorithm *algorithm;
+        const btCollisionObject *a, *b;
+    };
+    // A manifold that comes, with its points, or goes.
+    struct Change {
+        std::size_t work;
+        PairContact contact;
+    };
+
     HullCollision *collision_;
     std::unique_ptr<HullCreateFunc> create_;
+    std::unique_ptr<Workers> workers_;
+    std::vector<Work> work_;
+    std::deque<PairScratch> scratch_; // by thread
+    std::vector<std::vector<Change>> by_thread_;
+    std::vector<Change> changes_;
+
+    void take(btBroadphasePair &pair);
 };
 
 } // namespace pluvia

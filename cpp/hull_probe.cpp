@@ -37,7 +37,7 @@ HullProbe::HullProbe(double scale, double reach, bool portable, std::unique_ptr<
 rust::Vec<HullProbePoint> HullProbe::step(const HullProbePose &a, const HullProbePose &b) {
     const btTransform pose_a = units_.pose(a.position, a.rotation);
     const btTransform pose_b = units_.pose(b.position, b.rotation);
-    collide_into(collision_, *a_, *b_, pose_a, pose_b, memory_, manifold_);
+    collide_into(collision_, *a_, *b_, pose_a, pose_b, memory_, scratch_, manifold_);
     rust::Vec<HullProbePoint> out;
     for (int i = 0; i < manifold_.getNumContacts(); ++i) {
         const btManifoldPoint &p = manifold_.getContactPoint(i);
@@ -83,7 +83,7 @@ HullProbeGap HullProbe::widest_gap(const HullProbePose &a, const HullProbePose &
     Relative pose;
     std::copy(relative.r, relative.r + 9, pose.r);
     std::copy(relative.t, relative.t + 3, pose.t);
-    AxisScratch &scratch = collision_.scratch.axis;
+    AxisScratch &scratch = scratch_.axis;
     scratch.fit(*a_, *b_);
     FaceGaps faces;
     collision_.kernels->faces(*a_, *b_, pose, scratch, faces);
@@ -125,7 +125,7 @@ double HullProbe::time_steps(rust::Slice<const HullProbePose> poses, std::size_t
             if (!remember) {
                 forget();
             }
-            collide_into(collision_, *a_, *b_, origin, pose, memory_, manifold_);
+            collide_into(collision_, *a_, *b_, origin, pose, memory_, scratch_, manifold_);
         }
     }
     const std::chrono::duration<double, std::nano> spent = std::chrono::steady_clock::now() - begin;

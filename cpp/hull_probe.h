@@ -44,6 +44,7 @@ class HullProbe {
   private:
     Units units_;
     HullCollision collision_;
+    PairScratch scratch_;
     std::unique_ptr<const HullData> a_, b_;
     btCollisionObject body_a_, body_b_;
     PairMemory memory_;

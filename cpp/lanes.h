@@ -35,6 +35,7 @@ template <class B, class Index>
 inline __attribute__((always_inline)) void gather(const B *bodies, int offset, const Index *index,
                                                   double (&f)[8]) {
     const double *from = bodies[index[0]].motion + offset;
+#pragma GCC unroll 8
     for (int k = 0; k < 8; ++k) {
         f[k] = from[k];
     }
@@ -44,6 +45,7 @@ template <class B, class Index>
 inline __attribute__((always_inline)) void scatter(const double (&f)[8], const Index *index,
                                                    B *bodies, int offset) {
     double *to = bodies[index[0]].motion + offset;
+#pragma GCC unroll 8
     for (int k = 0; k < 8; ++k) {
         to[k] = f[k];
     }
@@ -52,16 +54,19 @@ inline __attribute__((always_inline)) void scatter(const double (&f)[8], const I
 // Rows become columns; done twice, everything is where it was.
 inline __attribute__((always_inline)) void transpose(Float8 (&r)[8]) {
     Float8 p[8], q[8];
+#pragma GCC unroll 4
     for (int i = 0; i < 8; i += 2) {
         p[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
         p[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
     }
+#pragma GCC unroll 2
     for (int i = 0; i < 8; i += 4) {
         q[i] = __builtin_shufflevector(p[i], p[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
         q[i + 1] = __builtin_shufflevector(p[i], p[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
         q[i + 2] = __builtin_shufflevector(p[i + 1], p[i + 3], 0, 1, 8, 9, 4, 5, 12, 13);
         q[i + 3] = __builtin_shufflevector(p[i + 1], p[i + 3], 2, 3, 10, 11, 6, 7, 14, 15);
     }
+#pragma GCC unroll 4
     for (int i = 0; i < 4; ++i) {
         r[i] = __builtin_shufflevector(q[i], q[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
         r[i + 4] = __builtin_shufflevector(q[i], q[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
@@ -71,6 +76,7 @@ inline __attribute__((always_inline)) void transpose(Float8 (&r)[8]) {
 template <class B, class Index>
 inline __attribute__((always_inline)) void gather(const B *bodies, int offset, const Index *index,
                                                   Float8 (&f)[8]) {
+#pragma GCC unroll 8
     for (int i = 0; i < 8; ++i) {
         f[i] = *reinterpret_cast<const Float8 *>(bodies[index[i]].motion + offset);
     }
@@ -81,10 +87,12 @@ template <class B, class Index>
 inline __attribute__((always_inline)) void scatter(const Float8 (&f)[8], const Index *index,
                                                    B *bodies, int offset) {
     Float8 rows[8];
+#pragma GCC unroll 8
     for (int i = 0; i < 8; ++i) {
         rows[i] = f[i];
     }
     transpose(rows);
+#pragma GCC unroll 8
     for (int i = 0; i < 8; ++i) {
         *reinterpret_cast<Float8 *>(bodies[index[i]].motion + offset) = rows[i];
     }
@@ -104,6 +112,7 @@ inline __attribute__((always_inline)) double root(const double &a) { return std:
 
 inline __attribute__((always_inline)) Float8 root(const Float8 &a) {
     Float8 out;
+#pragma GCC unroll 8
     for (int i = 0; i < 8; ++i) {
         out[i] = std::sqrt(a[i]);
     }

@@ -38,7 +38,7 @@ GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
 
 // Contact points are kept up to this gap at most: with whole manifolds every
 // step, a point need not be foreseen long before it touches.
-constexpr double LARGEST_REACH = 0.5e-3; // m
+constexpr double LARGEST_REACH = 0.2e-3; // m
 
 std::unique_ptr<HullCollision> make_hull_collision(const Units &units, const WorldDefinition &d) {
     auto collision = std::make_unique<HullCollision>();
@@ -88,7 +88,8 @@ class BulletWorld::Impl {
           globals(global_settings(units, definition)),
           hull_collision(definition.own_collision ? make_hull_collision(units, definition)
                                                   : nullptr),
-          configuration(pool_sizes()), dispatcher(&configuration, hull_collision.get()),
+          configuration(pool_sizes()),
+          dispatcher(&configuration, hull_collision.get(), definition.threads),
           contact_solver(definition.own_collision ? make_contact_solver(units, definition)
                                                   : nullptr),
           world(&dispatcher, &broadphase, solver(), &configuration) {
@@ -386,6 +387,7 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
     }
     if (impl_->contact_solver) {
         const ContactLaw &law = impl_->contact_solver->law();
+        put("threads", impl_->dispatcher.threads());
         put("substeps", law.substeps);
         put("sweeps_in_a_substep", law.sweeps);
         put("contact_stiffness_n_per_m", law.stiffness);

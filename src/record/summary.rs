@@ -69,7 +69,7 @@ pub struct Summary {
     pub overlap: Overlap,
     /// Mean number of grains touching a grain.
     pub coordination_number: f64,
-    /// Sinking rate of the mean grain height in the no-shake control, in µm/s; null where none was run.
+    /// Sinking rate of the mean grain height in the second half of the no-shake control, in µm/s; null where none was run.
     pub creep_um_per_s: Option<f64>,
     /// The control in full.
     pub control: Option<Control>,

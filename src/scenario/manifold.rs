@@ -28,6 +28,12 @@ pub struct ManifoldSettings {
     /// overlaps last; higher: they burst.
     #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 100.0))]
     pub push_out_speed_m_per_s: f64,
+    /// Threads that find contacts in one world. They change no bit of the
+    /// result, and are therefore left out of what is kept of a run; stages that
+    /// do not need each other already run at the same time (`--jobs`).
+    #[schemars(range(min = 1, max = 1024))]
+    #[serde(skip_serializing)]
+    pub threads: u32,
     /// Contacts solved at once: 8, in single precision, or 1, in double,
     /// which is slower and there to compare with.
     #[schemars(extend("enum" = [1, 8]))]
@@ -41,6 +47,7 @@ impl Default for ManifoldSettings {
             contact_stiffness_n_per_m: 5000.0,
             contact_damping_ratio: 1.0,
             push_out_speed_m_per_s: 0.3,
+            threads: 1,
             contacts_at_once: 8,
         }
     }

@@ -52,6 +52,8 @@ mod bridge {
         push_out_speed: f64,
         /// Of Pluvia's own solver in a step.
         substeps: i32,
+        /// That find contacts.
+        threads: i32,
         /// 8 in single precision, or 1 in double.
         contacts_at_once: u32,
     }

@@ -226,6 +226,7 @@ fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinitio
             s.manifold.push_out_speed_m_per_s,
         )?,
         substeps: i32::try_from(s.manifold.substeps.max(1)).unwrap_or(i32::MAX),
+        threads: i32::try_from(s.manifold.threads.clamp(1, 1024)).unwrap_or(1),
         contacts_at_once: s.manifold.contacts_at_once,
     })
 }

@@ -1,0 +1,44 @@
+// A few threads that share the work of one world.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace pluvia {
+
+// Runs one function on several threads, the caller's among them, and waits for
+// all of them. What it computes must not depend on who computes which part.
+class Workers {
+  public:
+    // `count`: threads in all, at least 1.
+    explicit Workers(int count);
+    ~Workers();
+    Workers(const Workers &) = delete;
+    Workers &operator=(const Workers &) = delete;
+
+    int count() const { return static_cast<int>(threads_.size()) + 1; }
+
+    // Calls `part(worker, begin, end)` for parts of 0 to `size`; `worker` is
+    // smaller than `count()` and no two calls at a time have the same.
+    void share(std::size_t size,
+               const std::function<void(int worker, std::size_t begin, std::size_t end)> &part);
+
+  private:
+    struct Job;
+
+    std::mutex mutex_;
+    std::condition_variable begin_, end_;
+    Job *job_ = nullptr;
+    unsigned long round_ = 0;
+    int busy_ = 0;
+    bool closing_ = false;
+    std::vector<std::thread> threads_;
+
+    void work(int worker);
+};
+
+} // namespace pluvia
