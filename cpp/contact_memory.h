@@ -2,6 +2,7 @@
 #pragma once
 
 #include "convert.h"
+#include "hull_pair.h"
 #include "rust/cxx.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
@@ -13,7 +14,6 @@
 namespace pluvia {
 
 struct ContactRead;
-struct PairContact;
 
 // The whole impulse of the last step on the manifold's first body.
 btVector3 impulse_of(const btManifoldPoint &point);
@@ -26,23 +26,26 @@ void remember(const Units &units, const btPersistentManifold &manifold,
 // Contacts of another world, until the first step of this one is over.
 class RecalledContacts {
   public:
-    // Bodies are named by their numbers in this world; ANY_WALL stands for
-    // whatever does not move freely.
-    static constexpr std::uint32_t ANY_WALL = UINT32_MAX;
-
     void take(const Units &units, rust::Slice<const ContactRead> contacts);
     bool empty() const { return by_pair_.empty(); }
     void forget() { by_pair_.clear(); }
 
-    // Gives a new manifold the points recalled of its pair that lie within
-    // `match` of a point of `contact`, as if they were those of the last step.
-    void give(const PairContact &contact, btScalar match, btPersistentManifold &manifold) const;
+    // Lets a pair remember the feature that touched.
+    void give(const btCollisionObject &a, const btCollisionObject &b, const HullData &hull_a,
+              const HullData &hull_b, PairMemory &memory) const;
+
+    // Gives a new manifold the points recalled of its pair, as if they were
+    // those of the last step.
+    void give(btPersistentManifold &manifold) const;
 
   private:
     struct Recalled {
         btVector3 point, normal, impulse; // in the world, on the first of the pair
+        std::uint32_t feature, id;
     };
     std::unordered_map<std::uint64_t, std::vector<Recalled>> by_pair_;
+
+    const std::vector<Recalled> *of(const btCollisionObject &a, const btCollisionObject &b) const;
 };
 
 } // namespace pluvia

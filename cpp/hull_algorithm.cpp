@@ -95,6 +95,9 @@ bool HullAlgorithm::find(const btCollisionObject &a, const btCollisionObject &b,
     const btTransform &pose_b = b.getWorldTransform();
     PairSettings settings = shared_.settings;
     settings.reach += static_cast<double>(approach_in_step(a, b, shared_.step));
+    if (!shared_.recalled.empty()) {
+        shared_.recalled.give(a, b, hull_a, hull_b, memory_);
+    }
     collide(*shared_.kernels, hull_a, hull_b, rigid(pose_a), rigid(pose_b), settings, memory_,
             scratch, contact);
     if (contact.count == 0 || manifold_ == nullptr) {
@@ -112,7 +115,7 @@ void HullAlgorithm::change(const btCollisionObject &a, const btCollisionObject &
     }
     manifold_ = m_dispatcher->getNewManifold(&a, &b);
     if (!shared_.recalled.empty()) {
-        shared_.recalled.give(contact, shared_.match, *manifold_);
+        shared_.recalled.give(*manifold_);
     }
     write_manifold(contact, a.getWorldTransform(), b.getWorldTransform(), shared_.match,
                    *manifold_);

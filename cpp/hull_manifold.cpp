@@ -154,6 +154,7 @@ void write_manifold(const PairContact &contact, const btTransform &pose_a,
         point.m_normalWorldOnB = normal;
         point.m_distance1 = static_cast<btScalar>(contact.points[i].gap);
         point.m_index0 = static_cast<int>(contact.points[i].id);
+        point.m_index1 = static_cast<int>(contact.feature);
         point.m_combinedFriction = friction;
         point.m_combinedRestitution = restitution;
         point.m_appliedImpulse = heritages[i].impulse;

@@ -21,7 +21,7 @@ namespace pluvia {
 // Of a point: m_normalWorldOnB leads from B to A; m_distance1 is the gap,
 // negative for overlap; m_appliedImpulse and the two lateral impulses are
 // those of the last step; m_lifeTime is the number of steps the point has
-// lived, 0 when it is new; m_index0 is its id.
+// lived, 0 when it is new; m_index0 is its id, m_index1 the pair's feature.
 void write_manifold(const PairContact &contact, const btTransform &pose_a,
                     const btTransform &pose_b, btScalar match, btPersistentManifold &manifold);
 

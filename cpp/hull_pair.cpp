@@ -333,10 +333,45 @@ class Pair {
 
 } // namespace
 
+namespace {
+
+// Bits of a face or an edge in a packed feature, as in the points' ids.
+constexpr std::uint32_t INDEX_BITS = 14;
+constexpr std::uint32_t INDEX = (1U << INDEX_BITS) - 1;
+
+} // namespace
+
+std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second) {
+    return static_cast<std::uint32_t>(feature) << 2 * INDEX_BITS |
+           (static_cast<std::uint32_t>(first) & INDEX) << INDEX_BITS |
+           (static_cast<std::uint32_t>(second) & INDEX);
+}
+
+void recall(const HullData &a, const HullData &b, std::uint32_t feature, const std::uint32_t *ids,
+            int count, PairMemory &memory) {
+    const std::uint32_t kind = feature >> 2 * INDEX_BITS;
+    const auto first = static_cast<std::int32_t>(feature >> INDEX_BITS & INDEX);
+    const auto second = static_cast<std::int32_t>(feature & INDEX);
+    const bool edges = kind == static_cast<std::uint32_t>(Feature::Edges);
+    const bool of_b = kind == static_cast<std::uint32_t>(Feature::FaceOfB);
+    const int firsts = edges ? a.edges : of_b ? b.faces : a.faces;
+    const int seconds = edges ? b.edges : of_b ? a.faces : b.faces;
+    if (kind == 0 || kind > 3 || first >= firsts || second >= seconds) {
+        return;
+    }
+    memory.feature = static_cast<Feature>(kind);
+    memory.first = first;
+    memory.second = second;
+    memory.widest = 1e30F; // unknown: the next search is a whole one
+    memory.known_count = count;
+    std::copy(ids, ids + count, memory.known);
+}
+
 void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
              const Rigid &pose_b, const PairSettings &settings, PairMemory &memory,
              PairScratch &scratch, PairContact &out) {
     Pair(kernels, a, b, pose_a, pose_b, settings, memory, scratch, out).run();
+    out.feature = out.count > 0 ? packed(memory.feature, memory.first, memory.second) : 0;
     memory.known_count = out.count;
     for (int i = 0; i < out.count; ++i) {
         memory.known[i] = out.points[i].id;

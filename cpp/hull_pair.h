@@ -49,8 +49,12 @@ struct PairPoint {
     std::uint32_t id;
 };
 
+// What touched in a step, in one number; 0 for nothing.
+std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second);
+
 struct PairContact {
     int count = 0;
+    std::uint32_t feature = 0;    // packed
     double normal[3] = {0, 0, 0}; // out of A towards B, in the world
     PairPoint points[4];
 };
@@ -59,6 +63,12 @@ struct PairScratch {
     AxisScratch axis;
     ClipScratch clip;
 };
+
+// Makes a pair that has no memory remember what touched, with the ids of its
+// points, as another pair of the same hulls found it. What does not fit the
+// hulls is not taken.
+void recall(const HullData &a, const HullData &b, std::uint32_t feature, const std::uint32_t *ids,
+            int count, PairMemory &memory);
 
 // Finds the contact of two hulls at their world poses.
 void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,

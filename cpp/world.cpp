@@ -45,7 +45,7 @@ std::unique_ptr<HullCollision> make_hull_collision(const Units &units, const Wor
     const double reach = std::min(d.contact_threshold, LARGEST_REACH);
     collision->settings = pair_settings(reach * units.scale(), units.scale());
     collision->match = match_distance(units.scale());
-    collision->kernels = &axis_kernels();
+    collision->kernels = d.portable ? &portable_axis_kernels() : &axis_kernels();
     collision->step = static_cast<btScalar>(d.time_step);
     return collision;
 }
@@ -68,9 +68,9 @@ std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const Wor
                          d.restitution_velocity_threshold * scale,
                          CLOSED_GAP * scale,
                          UNSOLVED_GAP * scale};
-    const Sweep sweep = d.contacts_at_once == 1 ? Sweep::OneByOne
-                        : has_avx2()            ? Sweep::Avx2
-                                                : Sweep::Portable;
+    const Sweep sweep = d.contacts_at_once == 1     ? Sweep::OneByOne
+                        : has_avx2() && !d.portable ? Sweep::Avx2
+                                                    : Sweep::Portable;
     return std::make_unique<ContactSolver>(law, sweep, d.gyroscopic);
 }
 
@@ -388,6 +388,7 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
     if (impl_->contact_solver) {
         const ContactLaw &law = impl_->contact_solver->law();
         put("threads", impl_->dispatcher.threads());
+        put("portable_instructions", impl_->contact_solver->sweep() == Sweep::Portable);
         put("substeps", law.substeps);
         put("sweeps_in_a_substep", law.sweeps);
         put("contact_stiffness_n_per_m", law.stiffness);

@@ -49,10 +49,13 @@ pub struct SavedContact {
     pub normal: Vector,
     /// Mean force of the last step on the first (opposite on the second), in N.
     pub force_n: Vector,
+    /// Which faces or edges touch, and which of their points this is, in the
+    /// engine's own numbers.
+    pub feature: [u32; 2],
 }
 
 /// Who takes part in a contact.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Party {
     /// A grain, by its number.
@@ -62,13 +65,15 @@ pub enum Party {
 }
 
 /// What grains touch beside each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Other {
     /// The top plate.
     TopPlate,
-    /// Cylinder, funnel or table.
-    Apparatus,
+    /// A piece of the cylinder, by its number.
+    Cylinder(usize),
+    /// A piece of the funnel, by its number; the lid is the last.
+    Funnel(usize),
 }
 
 /// One grain's state.

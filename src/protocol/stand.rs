@@ -46,6 +46,8 @@ pub(super) struct Stand<'a> {
     /// Bodies of the grains; `None` for those no longer present.
     grains: Vec<Option<BodyId>>,
     plate: Option<BodyId>,
+    /// Every body that is there, by what it is.
+    parties: HashMap<Party, BodyId>,
     /// Bodies standing on the table, with their poses at rest.
     on_table: Vec<(BodyId, Pose)>,
     whereabouts: Whereabouts,
@@ -92,19 +94,20 @@ impl<'a> Stand<'a> {
         let wall = crate::units::from_mm(setup.funnel.wall_thickness_mm);
 
         let mut on_table = Vec::new();
+        let mut parties = HashMap::new();
         let mut build = || -> Result<_, WorldError> {
             if state.cylinder {
-                for piece in &setup.cylinder.pieces {
+                for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
                     let id = world.add(&wall_piece(piece, Motion::Driven))?;
+                    parties.insert(Party::Other(Other::Cylinder(n)), id);
                     on_table.push((id, piece.pose));
                 }
             }
             if let Some((funnel, lid)) = &funnel {
-                for piece in &funnel.pieces {
-                    world.add(&wall_piece(piece, Motion::Static))?;
-                }
-                if *lid {
-                    world.add(&wall_piece(&funnel.lid, Motion::Static))?;
+                let lid = lid.then_some(&funnel.lid);
+                for (n, piece) in funnel.pieces.iter().chain(lid).enumerate() {
+                    let id = world.add(&wall_piece(piece, Motion::Static))?;
+                    parties.insert(Party::Other(Other::Funnel(n)), id);
                 }
             }
             let plate = state
@@ -137,7 +140,10 @@ impl<'a> Stand<'a> {
             Ok((plate, grains))
         };
         let (plate, grains) = build().map_err(|source| fail(source, &specimen))?;
-        let remembered = remembered(&state.contacts, &grains, plate);
+        parties.extend(plate.map(|id| (Party::Other(Other::TopPlate), id)));
+        let present = grains.iter().enumerate();
+        parties.extend(present.filter_map(|(n, id)| Some((Party::Grain(n), (*id)?))));
+        let remembered = remembered(&state.contacts, &parties);
         world.recall(&remembered).map_err(|source| fail(source, &specimen))?;
         let whereabouts = Whereabouts::new(
             grains.len(),
@@ -152,6 +158,7 @@ impl<'a> Stand<'a> {
             specimen,
             grains,
             plate,
+            parties,
             on_table,
             whereabouts,
             guard: Guard::new(GuardLimits {
@@ -239,21 +246,15 @@ impl<'a> Stand<'a> {
     fn contacts(&self) -> Vec<SavedContact> {
         let mut contacts = Vec::new();
         self.world.remember(&mut contacts);
-        let mut grain_of = HashMap::new();
-        for (grain, id) in self.grains.iter().enumerate() {
-            grain_of.extend(id.map(|id| (id, grain)));
-        }
-        let party = |body: Option<BodyId>| match body {
-            None => Some(Party::Other(Other::Apparatus)),
-            Some(id) if Some(id) == self.plate => Some(Party::Other(Other::TopPlate)),
-            Some(id) => grain_of.get(&id).map(|grain| Party::Grain(*grain)),
-        };
+        let of_body: HashMap<BodyId, Party> =
+            self.parties.iter().map(|(p, id)| (*id, *p)).collect();
         let saved = contacts.iter().filter_map(|c| {
             Some(SavedContact {
-                between: [party(c.a)?, party(c.b)?],
+                between: [*of_body.get(&c.a)?, *of_body.get(&c.b)?],
                 point_m: c.point,
                 normal: c.normal,
                 force_n: c.force,
+                feature: c.feature,
             })
         });
         saved.collect()
@@ -340,25 +341,20 @@ impl<'a> Stand<'a> {
     }
 }
 
-/// Saved contacts in terms of a new world's bodies, without those of grains
-/// that are not in it.
+/// Saved contacts in terms of a new world's bodies, without those of what is
+/// not in it.
 fn remembered(
     contacts: &[SavedContact],
-    grains: &[Option<BodyId>],
-    plate: Option<BodyId>,
+    parties: &HashMap<Party, BodyId>,
 ) -> Vec<RememberedContact> {
-    let body = |party: Party| match party {
-        Party::Grain(grain) => grains.get(grain).copied().flatten().map(Some),
-        Party::Other(Other::TopPlate) => plate.map(Some),
-        Party::Other(Other::Apparatus) => Some(None),
-    };
     let contacts = contacts.iter().filter_map(|c| {
         Some(RememberedContact {
-            a: body(c.between[0])?,
-            b: body(c.between[1])?,
+            a: *parties.get(&c.between[0])?,
+            b: *parties.get(&c.between[1])?,
             point: c.point_m,
             normal: c.normal,
             force: c.force_n,
+            feature: c.feature,
         })
     });
     contacts.collect()

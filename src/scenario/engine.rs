@@ -33,7 +33,7 @@ pub enum ContactPath {
 pub struct EngineSettings {
     /// The physics engine.
     pub backend: Backend,
-    /// Who finds and solves contacts.
+    /// Who finds and solves contacts on Bullet.
     pub contact_path: ContactPath,
     /// Steps per second of simulated time. Lower: grains sink into each
     /// other; higher: slower.
@@ -98,9 +98,9 @@ impl Serialize for EngineSettings {
             if self.backend == Backend::Bullet && self.rapier == RapierSettings::default() {
                 fields.shift_remove("rapier");
             }
-            if self.contact_path == ContactPath::Bullet
-                && self.manifold == ManifoldSettings::default()
-            {
+            let manifold =
+                self.backend == Backend::Bullet && self.contact_path == ContactPath::Manifold;
+            if !manifold && self.manifold == ManifoldSettings::default() {
                 fields.shift_remove("manifold");
             }
         }
@@ -112,7 +112,7 @@ impl Default for EngineSettings {
     fn default() -> Self {
         Self {
             backend: Backend::Bullet,
-            contact_path: ContactPath::Bullet,
+            contact_path: ContactPath::Manifold,
             rate_hz: 480.0,
             iterations: 20,
             length_scale: 100.0,
@@ -143,6 +143,10 @@ mod tests {
         \"split_impulse\":false,\"restitution_velocity_threshold_m_per_s\":0.002,\
         \"linear_damping\":0.0,\"angular_damping\":0.0,\"gyroscopic\":true}";
 
+    fn bullets_own() -> EngineSettings {
+        EngineSettings { contact_path: ContactPath::Bullet, ..Default::default() }
+    }
+
     fn written(settings: &EngineSettings) -> String {
         serde_json::to_string(settings).expect("settings have JSON")
     }
@@ -150,7 +154,7 @@ mod tests {
     #[test]
     fn settings_of_bullet_are_written_as_before_rapier() {
         assert_eq!(
-            written(&EngineSettings::default()),
+            written(&bullets_own()),
             BULLET_DEFAULTS,
             "law: rapier's default settings change nothing in what is written for Bullet"
         );
@@ -160,7 +164,7 @@ mod tests {
     fn settings_of_rapier_are_written_where_they_matter() {
         let rapier = EngineSettings { backend: Backend::Rapier, ..Default::default() };
         let chosen = RapierSettings { substeps: 17, ..Default::default() };
-        let bullet = EngineSettings { rapier: chosen, ..Default::default() };
+        let bullet = EngineSettings { rapier: chosen, ..bullets_own() };
         for settings in [rapier, bullet] {
             let text = written(&settings);
             assert!(text.contains("\"rapier\":{"), "expected rapier's settings, got {text}");

@@ -34,6 +34,10 @@ pub struct ManifoldSettings {
     #[schemars(range(min = 1, max = 1024))]
     #[serde(skip_serializing)]
     pub threads: u32,
+    /// Use the instructions that every processor has, not the fastest of this
+    /// one: slower, and the same bits.
+    #[serde(skip_serializing)]
+    pub portable: bool,
     /// Contacts solved at once: 8, in single precision, or 1, in double,
     /// which is slower and there to compare with.
     #[schemars(extend("enum" = [1, 8]))]
@@ -48,6 +52,7 @@ impl Default for ManifoldSettings {
             contact_damping_ratio: 1.0,
             push_out_speed_m_per_s: 0.3,
             threads: 1,
+            portable: false,
             contacts_at_once: 8,
         }
     }

@@ -113,14 +113,15 @@ mod tests {
 
     #[test]
     fn labels_name_who_and_what_is_not_default() {
-        let stock = EngineSettings::default();
+        let default = EngineSettings::default();
+        let stock = EngineSettings { contact_path: ContactPath::Bullet, ..default.clone() };
         let rapier = EngineSettings { backend: Backend::Rapier, ..stock.clone() };
-        let ours =
-            EngineSettings { contact_path: ContactPath::Manifold, rate_hz: 960.0, ..stock.clone() };
+        let faster = EngineSettings { rate_hz: 960.0, ..default.clone() };
         for (engine, words, name) in [
-            (&stock, "bullet", ""),
+            (&default, "manifold", ""),
+            (&stock, "bullet", "-bullet"),
             (&rapier, "rapier", "-rapier"),
-            (&ours, "manifold, rate_hz 960.0", "-manifold-rate-hz-960-0"),
+            (&faster, "manifold, rate_hz 960.0", "-manifold-rate-hz-960-0"),
         ] {
             assert_eq!(label(engine), words, "law: the label of {engine:?}");
             assert_eq!(suffix(engine), name, "law: the name of {engine:?}");

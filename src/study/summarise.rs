@@ -17,7 +17,7 @@ use crate::record::{
     Control, GrainsSummary, Overlap, SeriesRow, Settlement, StandingHeight, StoredStage, Summary,
     hash_json,
 };
-use crate::scenario::StageSpec;
+use crate::scenario::{Backend, EngineSettings, StageSpec};
 use crate::specimen::{Fate, Specimen, SpecimenState};
 use crate::units::{from_mm, to_cm3, to_g, to_mm};
 
@@ -107,10 +107,7 @@ pub fn summarise(
     let summary = Summary {
         scenario: scenario.name.clone(),
         backend: crate::world::info(scenario.engine.backend),
-        contact_path: serde_json::to_value(scenario.engine.contact_path)
-            .ok()
-            .and_then(|v| v.as_str().map(str::to_owned))
-            .unwrap_or_default(),
+        contact_path: contact_path(&scenario.engine),
         seed: scenario.seed,
         configuration: scenario.configuration,
         falling_height_mm: scenario.stages.iter().find_map(|s| match s {
@@ -225,6 +222,15 @@ fn settlement(
         share_after_5_s: s.share_after_5_s,
         after_each_period: s.after_each_period.into_iter().map(to_mm).collect(),
     }))
+}
+
+/// Who found and solved the contacts: a path on Bullet, or the other engine itself.
+fn contact_path(engine: &EngineSettings) -> String {
+    let name = match engine.backend {
+        Backend::Bullet => serde_json::to_value(engine.contact_path),
+        Backend::Rapier => serde_json::to_value(engine.backend),
+    };
+    name.ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 fn control(series: &[SeriesRow]) -> Option<Control> {

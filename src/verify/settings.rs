@@ -17,7 +17,7 @@ pub struct Setting {
 /// at twice that, the contact path `manifold` at three rates, and rapier where
 /// it is built in.
 pub fn settings() -> Vec<Setting> {
-    let stock = EngineSettings::default();
+    let stock = EngineSettings { contact_path: ContactPath::Bullet, ..EngineSettings::default() };
     let precision = match world::info(Backend::Bullet).precision.as_str() {
         "single" => "-single",
         _ => "",

@@ -165,16 +165,19 @@ pub struct Contact {
 /// A loaded contact, as one world hands it to another that goes on from its state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RememberedContact {
-    /// First body; `None` for any that does not move freely.
-    pub a: Option<BodyId>,
-    /// Second body; `None` for any that does not move freely.
-    pub b: Option<BodyId>,
+    /// First body, the one added earlier.
+    pub a: BodyId,
+    /// Second body.
+    pub b: BodyId,
     /// Point midway between the surfaces, in m.
     pub point: Vector,
     /// Unit normal pointing from `b` to `a`.
     pub normal: Vector,
     /// Mean force of the last step on `a` (opposite on `b`), in N, world axes.
     pub force: Vector,
+    /// Which faces or edges touch, and which of their points this is, in the
+    /// engine's own numbers.
+    pub feature: [u32; 2],
 }
 
 /// The state of all bodies, in order of [`BodyId`]; `None` where a body was removed.

@@ -54,6 +54,8 @@ mod bridge {
         substeps: i32,
         /// That find contacts.
         threads: i32,
+        /// Whether to use the instructions that every processor has.
+        portable: bool,
         /// 8 in single precision, or 1 in double.
         contacts_at_once: u32,
     }
@@ -102,6 +104,9 @@ mod bridge {
         gap: f64,
         /// On `a`, in N s.
         impulse: [f64; 3],
+        /// What touches, and which of its points this is; 0 unless remembered.
+        feature: u32,
+        id: u32,
     }
 
     /// A probed hull, as in `BulletWorld::add_shape`.
@@ -179,8 +184,7 @@ mod bridge {
         fn step(self: Pin<&mut BulletWorld>) -> Result<()>;
         fn read_bodies(self: &BulletWorld, out: &mut Vec<BodyRead>);
         fn read_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
-        /// Points that bear something, where they are now; `u32::MAX` names any
-        /// body that does not move freely. Empty with Bullet's own contacts.
+        /// Points that bear something, where they are now. Empty with Bullet's own contacts.
         fn remember_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
         /// Hands a new world, before its first step, what another remembered.
         fn recall_contacts(self: Pin<&mut BulletWorld>, contacts: &[ContactRead]) -> Result<()>;

@@ -9,6 +9,8 @@
 
 mod constants;
 mod ffi;
+#[cfg(test)]
+mod manifold_tests;
 pub mod probe;
 #[cfg(test)]
 pub(crate) mod tests;
@@ -29,9 +31,6 @@ use crate::units::from_mm;
 /// when it has moved so far. Bullet's default is 0.05 length units whatever
 /// they are; half a millimetre is a twentieth of a grain.
 const BROADPHASE_MARGIN: f64 = 0.5e-3;
-
-/// Stands for any body that does not move freely (`RecalledContacts::ANY_WALL`).
-const ANY_WALL: u32 = u32::MAX;
 
 /// A Bullet world. See [`World`].
 pub struct BulletBackend {
@@ -227,6 +226,7 @@ fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinitio
         )?,
         substeps: i32::try_from(s.manifold.substeps.max(1)).unwrap_or(i32::MAX),
         threads: i32::try_from(s.manifold.threads.clamp(1, 1024)).unwrap_or(1),
+        portable: s.manifold.portable,
         contacts_at_once: s.manifold.contacts_at_once,
     })
 }
@@ -324,14 +324,14 @@ impl World for BulletBackend {
     fn remember(&self, into: &mut Vec<RememberedContact>) {
         let mut contacts = Vec::new();
         self.world.remember_contacts(&mut contacts);
-        let body = |id| (id != ANY_WALL).then_some(BodyId(id));
         into.clear();
         into.extend(contacts.iter().map(|c| RememberedContact {
-            a: body(c.a),
-            b: body(c.b),
+            a: BodyId(c.a),
+            b: BodyId(c.b),
             point: c.point.into(),
             normal: c.normal.into(),
             force: Vector::from(c.impulse) / self.time_step,
+            feature: [c.feature, c.id],
         }));
     }
 
@@ -344,16 +344,17 @@ impl World for BulletBackend {
                 reason: format!("a remembered contact is not finite: {bad:?}"),
             });
         }
-        let number = |body: Option<BodyId>| body.map_or(ANY_WALL, |id| id.0);
         let contacts: Vec<ffi::ContactRead> = contacts
             .iter()
             .map(|c| ffi::ContactRead {
-                a: number(c.a),
-                b: number(c.b),
+                a: c.a.0,
+                b: c.b.0,
                 point: c.point.into(),
                 normal: c.normal.into(),
                 gap: 0.0,
                 impulse: (c.force * self.time_step).into(),
+                feature: c.feature[0],
+                id: c.feature[1],
             })
             .collect();
         self.world.pin_mut().recall_contacts(&contacts).map_err(engine)

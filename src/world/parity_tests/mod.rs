@@ -10,6 +10,7 @@ use nalgebra::UnitQuaternion;
 
 use super::*;
 use crate::geometry::MassProperties;
+use crate::scenario::ContactPath;
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
@@ -24,8 +25,13 @@ fn each(test: impl Fn(&Engine)) {
     // Bullet holds settings for the whole process: take a turn with those who
     // use the defaults.
     let _turn = shared_turn();
-    for &backend in built_in() {
-        test(&Engine { backend, settings: EngineSettings { backend, ..Default::default() } });
+    let manifold = EngineSettings::default();
+    let bullets_own = EngineSettings { contact_path: ContactPath::Bullet, ..manifold.clone() };
+    let rapier = EngineSettings { backend: Backend::Rapier, ..manifold.clone() };
+    for settings in [bullets_own, manifold, rapier] {
+        if built_in().contains(&settings.backend) {
+            test(&Engine { backend: settings.backend, settings });
+        }
     }
 }
 
@@ -38,11 +44,12 @@ impl Engine {
         create(&self.settings, gravity, table).expect("a world")
     }
 
-    /// Bullet moves bodies once a step, rapier once a sub-step.
+    /// Bullet's own solver moves bodies once a step, the others once a sub-step.
     fn moves_a_step(&self) -> u32 {
-        match self.backend {
-            Backend::Bullet => 1,
-            Backend::Rapier => self.settings.rapier.substeps,
+        match (self.backend, self.settings.contact_path) {
+            (Backend::Bullet, ContactPath::Bullet) => 1,
+            (Backend::Bullet, ContactPath::Manifold) => self.settings.manifold.substeps,
+            (Backend::Rapier, _) => self.settings.rapier.substeps,
         }
     }
 
@@ -55,8 +62,9 @@ impl Engine {
     fn expect(&self, law: &str, expected: f64, got: f64, tolerance: f64) {
         assert!(
             (got - expected).abs() <= tolerance,
-            "{:?}, law: {law}: expected {expected}, got {got}, tolerance {tolerance}",
-            self.backend
+            "{:?} {:?}, law: {law}: expected {expected}, got {got}, tolerance {tolerance}",
+            self.backend,
+            self.settings.contact_path
         );
     }
 }

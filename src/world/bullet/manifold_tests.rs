@@ -1,0 +1,123 @@
+//! The contact path `manifold`: the same bits whoever computes them, and a
+//! restart that goes on.
+
+use super::tests::{free_box, shared_turn, slab};
+use super::*;
+use crate::scenario::ManifoldSettings;
+
+const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
+
+fn world(manifold: ManifoldSettings) -> BulletBackend {
+    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.3 });
+    let settings = EngineSettings { manifold, ..Default::default() };
+    BulletBackend::new(&settings, GRAVITY, &pairs).expect("a world")
+}
+
+/// A table with a heap of boxes of several sizes, turned every which way.
+fn heap(world: &mut BulletBackend) -> BodyId {
+    let table = world.add(&slab(Motion::Driven)).expect("added");
+    for i in 0..120_u32 {
+        let (x, y, z) = (f64::from(i % 5), f64::from(i / 5 % 5), f64::from(i / 25));
+        let side = 0.008 + 0.0005 * f64::from(i % 7);
+        let at = Vector::new(0.013 * (x - 2.0), 0.013 * (y - 2.0), 0.01 + 0.014 * z);
+        let mut body = free_box(Vector::new(side, side * 0.8, side * 1.1), at);
+        let turn = Vector::new(x + 0.3 * z, 0.7 * y, 1.1 * z + 0.2 * x);
+        body.state.pose.rotation = UnitQuaternion::from_scaled_axis(turn);
+        world.add(&body).expect("added");
+    }
+    table
+}
+
+/// Falls for half a second, is shaken for another.
+fn shaken(world: &mut BulletBackend, table: BodyId) -> Snapshot {
+    for step in 0..480 {
+        let time = f64::from(step - 240) * world.time_step();
+        if time > 0.0 {
+            let x = 0.01 * (std::f64::consts::TAU * 3.0 * time).sin();
+            world.drive(table, &Pose::translation(x, 0.0, -0.01)).expect("driven");
+        }
+        world.step().expect("a step");
+    }
+    let mut snapshot = Snapshot::new();
+    world.read(&mut snapshot);
+    snapshot
+}
+
+fn run(manifold: ManifoldSettings) -> Snapshot {
+    let mut world = world(manifold);
+    let table = heap(&mut world);
+    shaken(&mut world, table)
+}
+
+#[test]
+fn threads_and_instructions_change_no_bit() {
+    let _turn = shared_turn();
+    let reference = run(ManifoldSettings::default());
+    for threads in [1, 2, 3] {
+        for portable in [false, true] {
+            let got = run(ManifoldSettings { threads, portable, ..Default::default() });
+            let same = reference == got;
+            assert!(same, "law: {threads} threads, portable {portable}: the same bits as one");
+        }
+    }
+    // The comparison can fail: one sub-step more is another result.
+    let other = ManifoldSettings { substeps: 5, ..Default::default() };
+    assert!(reference != run(other), "law: other settings, other bits");
+}
+
+#[test]
+fn a_world_told_of_its_contacts_goes_on_without_a_jump() {
+    let _turn = shared_turn();
+    let mut first = world(ManifoldSettings::default());
+    let table = heap(&mut first);
+    // Shaken together, then left at rest.
+    shaken(&mut first, table);
+    for _ in 0..960 {
+        first.step().expect("a step");
+    }
+    let mut at_rest = Snapshot::new();
+    first.read(&mut at_rest);
+    let mut remembered = Vec::new();
+    first.remember(&mut remembered);
+    let weight: f64 = remembered.iter().filter(|c| c.a == table).map(|c| -c.force.z).sum();
+    let fastest = |world: &mut BulletBackend| {
+        let (mut fastest, mut bodies) = (0.0_f64, Vec::new());
+        for _ in 0..5 {
+            world.step().expect("a step");
+            world.read(&mut bodies);
+            let speeds = bodies.iter().flatten().map(|b| b.linear_velocity.norm());
+            fastest = speeds.fold(fastest, f64::max);
+        }
+        1e3 * fastest
+    };
+    let went_on = fastest(&mut first);
+    let restarted = |told: bool| {
+        let mut world = world(ManifoldSettings::default());
+        world.add(&slab(Motion::Driven)).expect("added");
+        for (i, state) in at_rest.iter().enumerate().skip(1) {
+            let side = 0.008 + 0.0005 * f64::from((i as u32 - 1) % 7);
+            let mut body = free_box(Vector::new(side, side * 0.8, side * 1.1), Vector::zeros());
+            body.state = state.expect("a body");
+            world.add(&body).expect("added");
+        }
+        if told {
+            world.recall(&remembered).expect("recalled");
+        }
+        fastest(&mut world)
+    };
+    let (told, untold) = (restarted(true), restarted(false));
+    assert!(
+        told < went_on + 1.0,
+        "law: a restart goes on as it would have, at most {went_on} mm/s, got {told} mm/s"
+    );
+    assert!(
+        untold > 2.0 * told,
+        "law: without its contacts it jumps: expected more than twice {told} mm/s, got {untold}"
+    );
+    let side = |i: u32| 0.008 + 0.0005 * f64::from(i % 7);
+    let heap = (0..120).map(|i| 9.81 * 2673.9 * 0.88 * side(i).powi(3)).sum::<f64>();
+    assert!(
+        (weight / heap - 1.0).abs() < 0.02,
+        "law: the table carries the heap's weight to 2 %, {heap} N, got {weight} N"
+    );
+}
