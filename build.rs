@@ -9,11 +9,12 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 20] = [
+const SHIMS: [&str; 21] = [
     "contact_batches",
     "contact_iterations",
     "contact_memory",
     "contact_rows",
+    "contact_setup",
     "contact_solver",
     "convert",
     "globals",

@@ -2,7 +2,7 @@
 
 #include "bodies.h"
 #include "contact_memory.h"
-#include "contact_solver.h"
+#include "contact_setup.h"
 #include "convert.h"
 #include "globals.h"
 #include "hull_dispatcher.h"
@@ -34,44 +34,6 @@ btDefaultCollisionConstructionInfo pool_sizes() {
 
 GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
     return {units.length(d.contact_threshold), units.length(d.broadphase_margin)};
-}
-
-// Contact points are kept up to this gap at most: with whole manifolds every
-// step, a point need not be foreseen long before it touches.
-constexpr double LARGEST_REACH = 0.2e-3; // m
-
-std::unique_ptr<HullCollision> make_hull_collision(const Units &units, const WorldDefinition &d) {
-    auto collision = std::make_unique<HullCollision>();
-    const double reach = std::min(d.contact_threshold, LARGEST_REACH);
-    collision->settings = pair_settings(reach * units.scale(), units.scale());
-    collision->match = match_distance(units.scale());
-    collision->kernels = d.portable ? &portable_axis_kernels() : &axis_kernels();
-    collision->step = static_cast<btScalar>(d.time_step);
-    return collision;
-}
-
-// A hundredth of a millimetre: contacts closer than that touch.
-constexpr double CLOSED_GAP = 0.01e-3; // m
-
-// A fiftieth of a millimetre.
-constexpr double UNSOLVED_GAP = 0.02e-3; // m
-
-std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const WorldDefinition &d) {
-    const double scale = units.scale();
-    // The sweeps of a step, shared among its sub-steps.
-    const int sweeps = (d.iterations + d.substeps - 1) / d.substeps;
-    const ContactLaw law{d.substeps,
-                         sweeps,
-                         d.contact_stiffness,
-                         d.contact_damping_ratio,
-                         d.push_out_speed * scale,
-                         d.restitution_velocity_threshold * scale,
-                         CLOSED_GAP * scale,
-                         UNSOLVED_GAP * scale};
-    const Sweep sweep = d.contacts_at_once == 1     ? Sweep::OneByOne
-                        : has_avx2() && !d.portable ? Sweep::Avx2
-                                                    : Sweep::Portable;
-    return std::make_unique<ContactSolver>(law, sweep, d.gyroscopic);
 }
 
 } // namespace

@@ -167,7 +167,9 @@ fn engine_settings_are_explained_with_their_defaults() {
     ];
     for (prefix, defaults) in settings {
         let defaults = defaults.expect("settings have JSON");
-        for (field, default) in defaults.as_object().expect("settings are an object") {
+        // Settings of their own have rows of their own.
+        let own = defaults.as_object().expect("settings are an object").iter();
+        for (field, default) in own.filter(|(_, value)| !value.is_object()) {
             let row = format!("| `{prefix}{field}` | `{default}` | ");
             assert!(table.contains(&row), "docs/parameters.md has no row that begins {row}");
         }

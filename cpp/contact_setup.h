@@ -1,0 +1,18 @@
+// Pluvia's own contacts as a world's definition asks for them.
+#pragma once
+
+#include "contact_solver.h"
+#include "convert.h"
+#include "hull_algorithm.h"
+
+#include <memory>
+
+namespace pluvia {
+
+struct WorldDefinition;
+
+std::unique_ptr<HullCollision> make_hull_collision(const Units &units, const WorldDefinition &d);
+
+std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const WorldDefinition &d);
+
+} // namespace pluvia
