@@ -71,6 +71,34 @@ PLUVIA_INLINE Three<L> relative(const Side<L> &a, const Side<L> &b, const Batch<
 template <class L>
 inline constexpr typename Lane<L>::Number TINY = static_cast<typename Lane<L>::Number>(1e-30);
 
+// Relative speed along e per unit of impulse along d.
+template <class L>
+PLUVIA_INLINE L compliance(const Batch<L> &c, const Side<L> &a, const Side<L> &b, const Three<L> &d,
+                           const Three<L> &e) {
+    return (a.inverse_mass + b.inverse_mass) * d.dot(e) +
+           c.arm_a.cross(d).dot(a.inertia * c.arm_a.cross(e)) +
+           c.arm_b.cross(d).dot(b.inertia * c.arm_b.cross(e));
+}
+
+// The masses that the bodies show at the arms of the sub-step. With those of
+// the step's beginning a body that turns fast, and whose arms have grown, is
+// pushed by more than it needs, the more so in every sweep.
+template <class L> PLUVIA_INLINE void set_masses(Batch<L> &c, const Side<L> &a, const Side<L> &b) {
+    const L zero{};
+    const L one = zero + 1;
+    const L half = zero + typename Lane<L>::Number(0.5);
+    const auto filled = c.mass > zero; // what pads a batch has no mass
+    const L normal = compliance(c, a, b, c.normal, c.normal);
+    const L k11 = compliance(c, a, b, c.tangent_1, c.tangent_1);
+    const L k22 = compliance(c, a, b, c.tangent_2, c.tangent_2);
+    const L k12 = compliance(c, a, b, c.tangent_1, c.tangent_2);
+    const L apart = (k11 - k22) * half;
+    const L softest = (k11 + k22) * half + root(L(apart * apart + k12 * k12));
+    c.mass = filled ? L(one / (filled ? normal : one)) : zero;
+    c.spring_mass = filled ? L(one / (filled ? L(normal + c.spring_yield) : one)) : zero;
+    c.tangent_mass = filled ? L(one / (filled ? softest : one)) : zero;
+}
+
 // A vector turned by a rotation vector, to the second order.
 template <class L> PLUVIA_INLINE Three<L> turned(const Three<L> &arm, const Three<L> &by) {
     const Three<L> first = by.cross(arm);
@@ -91,8 +119,8 @@ PLUVIA_INLINE void aim(Batch<L> &c, const LaneLaw<typename Lane<L>::Number> &law
                        const Bodies<L> *bodies) {
     const L zero{};
     Side<L> a, b;
-    gather_motion(bodies, c.a, a);
-    gather_motion(bodies, c.b, b);
+    gather_all(bodies, c.a, a);
+    gather_all(bodies, c.b, b);
     L f[8], g[8];
     gather(bodies, 16, c.a, f);
     gather(bodies, 16, c.b, g);
@@ -110,6 +138,7 @@ PLUVIA_INLINE void aim(Batch<L> &c, const LaneLaw<typename Lane<L>::Number> &law
     const L both = larger(L(a.inverse_mass + b.inverse_mass), L(zero + TINY<L>));
     c.arm_a = turned_arm_a - apart * L(b.inverse_mass / both);
     c.arm_b = turned_arm_b + apart * L(a.inverse_mass / both);
+    set_masses(c, a, b);
     const L arrival = larger(c.arrival, L(zero - relative(a, b, c).dot(c.normal)));
 
     const auto closed = gap <= zero + law.closed_gap;
