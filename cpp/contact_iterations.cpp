@@ -76,10 +76,8 @@ void load(const std::vector<ContactRow> &rows, const Schedule &schedule, int sub
         put(c.restitution, row.restitution);
         put(c.gap, row.gap);
         put(c.mass, row.mass);
-        put(c.spring_mass, row.spring_mass);
         put(c.spring_yield, row.spring_yield);
         put(c.share, row.share);
-        put(c.tangent_mass, row.tangent_mass);
         put(c.arrival, row.arrival);
         put(c.impulse, row.impulse / substeps);
         put(c.impulse_1, row.impulse_1 / substeps);

@@ -40,7 +40,6 @@ void set_spring(const ContactLaw &law, double substep, ContactRow &row) {
     const double sum = damping + substep * law.stiffness;
     row.share = substep * law.stiffness / sum;
     row.spring_yield = 1 / (substep * sum);
-    row.spring_mass = 1 / (1 / row.mass + row.spring_yield);
 }
 
 } // namespace
@@ -58,27 +57,12 @@ ContactRow make_row(const ContactLaw &law, double step, int a, int b, const Solv
     row.arm_b = three(point.m_positionWorldOnB - centre_b);
     row.friction = static_cast<double>(point.m_combinedFriction);
 
-    const auto between = [&](const Three<double> &d, const Three<double> &e) {
-        return compliance(body_a, row.arm_a, d, e) + compliance(body_b, row.arm_b, d, e);
-    };
     row.restitution = static_cast<double>(point.m_combinedRestitution);
     row.arrival = static_cast<double>(point.m_contactMotion1);
-    row.mass = 1 / between(row.normal, row.normal);
+    row.mass = 1 / (compliance(body_a, row.arm_a, row.normal, row.normal) +
+                    compliance(body_b, row.arm_b, row.normal, row.normal));
     row.gap = static_cast<double>(point.m_distance1);
     set_spring(law, step / law.substeps, row);
-
-    const double k11 = between(row.tangent_1, row.tangent_1);
-    const double k22 = between(row.tangent_2, row.tangent_2);
-    const double k12 = between(row.tangent_1, row.tangent_2);
-    // One mass for all directions of the plane, the smallest: friction of a
-    // sliding contact then points against its speed. With the inverse of the
-    // 2 x 2 matrix it would point elsewhere at every corner of a body, and the
-    // parts that cancel out would use up the cone (a block that slides along
-    // its edges was found to lose 8 % of its friction).
-    const double half_trace = (k11 + k22) / 2;
-    const double determinant = k11 * k22 - k12 * k12;
-    row.tangent_mass =
-        1 / (half_trace + std::sqrt(std::max(0.0, half_trace * half_trace - determinant)));
 
     // The last step's impulses, whole: what is thrown away has to be found
     // again in a few iterations, and the packing creeps while it is not.

@@ -42,11 +42,9 @@ struct ContactRow {
     Three<double> normal, tangent_1, tangent_2, arm_a, arm_b;
     double friction, restitution;
     double gap;                           // when the step began
-    double mass;                          // along the normal
-    double spring_mass;                   // the same with the spring's yield in it
+    double mass;                          // along the normal, when the step began
     double spring_yield;                  // gamma: speed per impulse
     double share;                         // of the overlap, removed in a sub-step
-    double tangent_mass;                  // of the direction that resists sliding least
     double arrival;                       // speed of approach, until they rebound
     double impulse, impulse_1, impulse_2; // of the step
 };

@@ -20,7 +20,7 @@ Examples:
   pluvia reproduce --quick --out out/quick
   pluvia reproduce --configurations 3 --jobs 4 --strict --out out/reproduce
   pluvia reproduce --backend rapier --out out/reproduce
-  pluvia reproduce --set engine.contact_path=manifold --out out/reproduce")]
+  pluvia reproduce --set engine.contact_path=bullet --out out/reproduce")]
 pub(super) struct ReproduceArgs {
     /// A few hundred grains instead of 1456, and shorter vibration
     #[arg(long)]

@@ -235,7 +235,8 @@ fn manifold_contacts(e: &EngineSettings) -> Vec<Choice> {
             ),
             "Not in the paper, whose grains are rigid: soft enough for the solver, stiff enough \
              for overlaps of a hundredth of a millimetre.",
-            "Overlap falls in proportion to the stiffness.",
+            "At rest a point sinks in by its load over the stiffness; what else it moves is not \
+             measured yet.",
         ),
     ]
 }

@@ -52,10 +52,11 @@ fn differences(a: &Value, b: &Value, path: &str, found: &mut Vec<String>) {
 /// What a programme is called in names of runs and files: nothing for the
 /// default engine, else its label with dashes.
 pub(super) fn suffix(engine: &EngineSettings) -> String {
-    if *engine == EngineSettings::default() {
+    let label = label(engine);
+    // By label, not by settings: threads change no result, and no name.
+    if label == self::label(&EngineSettings::default()) {
         return String::new();
     }
-    let label = label(engine);
     let letters = label.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
     let mut name = String::from("-");
     for letter in letters {
@@ -117,8 +118,11 @@ mod tests {
         let stock = EngineSettings { contact_path: ContactPath::Bullet, ..default.clone() };
         let rapier = EngineSettings { backend: Backend::Rapier, ..stock.clone() };
         let faster = EngineSettings { rate_hz: 960.0, ..default.clone() };
+        let mut threads = default.clone();
+        threads.manifold.threads = 2;
         for (engine, words, name) in [
             (&default, "manifold", ""),
+            (&threads, "manifold", ""),
             (&stock, "bullet", "-bullet"),
             (&rapier, "rapier", "-rapier"),
             (&faster, "manifold, rate_hz 960.0", "-manifold-rate-hz-960-0"),
