@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 21] = [
+const SHIMS: [&str; 23] = [
     "contact_batches",
     "contact_iterations",
     "contact_memory",
@@ -20,6 +20,7 @@ const SHIMS: [&str; 21] = [
     "globals",
     "hull_data",
     "hull_axis",
+    "hull_bodies",
     "hull_clip",
     "hull_pair",
     "hull_manifold",
@@ -29,6 +30,7 @@ const SHIMS: [&str; 21] = [
     "workers",
     "shapes",
     "bodies",
+    "hull_world",
     "pairs",
     "world",
 ];

@@ -18,6 +18,7 @@ void Schedule::assign(const std::vector<ContactRow> &rows, const std::vector<Sol
                       int width) {
     const std::size_t count = rows.size();
     batches_ = 0;
+    first_ = 0;
     batch_.resize(count);
     lane_.resize(count);
     after_.assign(bodies.size(), 0);
@@ -26,27 +27,40 @@ void Schedule::assign(const std::vector<ContactRow> &rows, const std::vector<Sol
     for (std::size_t i = 0; i < next_.size(); ++i) {
         next_[i] = static_cast<int>(i);
     }
-    for (std::size_t i = 0; i < count; ++i) {
-        const ContactRow &row = rows[i];
-        // What does not move is not changed by its contacts, and may occur
-        // several times.
-        const bool moves_a = bodies[row.a].inverse_mass > 0;
-        const bool moves_b = bodies[row.b].inverse_mass > 0;
-        const int from = std::max(moves_a ? after_[row.a] : 0, moves_b ? after_[row.b] : 0);
-        const int batch = with_room(from);
-        batch_[i] = batch;
-        lane_[i] = used_[batch]++;
-        if (used_[batch] == width) {
-            next_[batch] = batch + 1;
+    for (const bool near : {true, false}) {
+        for (std::size_t i = 0; i < count; ++i) {
+            if (rows[i].near == near) {
+                place(i, rows[i], bodies, width);
+            }
         }
-        if (moves_a) {
-            after_[row.a] = batch + 1;
+        if (near) {
+            near_batches_ = batches_;
+            first_ = batches_;
         }
-        if (moves_b) {
-            after_[row.b] = batch + 1;
-        }
-        batches_ = std::max(batches_, batch + 1);
     }
+}
+
+void Schedule::place(std::size_t row, const ContactRow &contact,
+                     const std::vector<SolverBody> &bodies, int width) {
+    // What does not move is not changed by its contacts, and may occur
+    // several times.
+    const bool moves_a = bodies[contact.a].inverse_mass > 0;
+    const bool moves_b = bodies[contact.b].inverse_mass > 0;
+    const int from =
+        std::max({first_, moves_a ? after_[contact.a] : 0, moves_b ? after_[contact.b] : 0});
+    const int batch = with_room(from);
+    batch_[row] = batch;
+    lane_[row] = used_[batch]++;
+    if (used_[batch] == width) {
+        next_[batch] = batch + 1;
+    }
+    if (moves_a) {
+        after_[contact.a] = batch + 1;
+    }
+    if (moves_b) {
+        after_[contact.b] = batch + 1;
+    }
+    batches_ = std::max(batches_, batch + 1);
 }
 
 } // namespace pluvia

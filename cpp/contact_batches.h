@@ -9,37 +9,59 @@
 namespace pluvia {
 
 // Contacts of one batch beside each other, padded with contacts between the
-// world and itself, which do nothing.
+// world and itself, which do nothing: what the sweeps read.
+//
+// A body turns in these numbers by the root of its inertia times its spin, on
+// which an impulse acts by the lever alone: the root of the inverse inertia
+// times the moment of a unit impulse along normal or tangent.
 template <class L> struct alignas(64) Batch {
     int a[Lane<L>::WIDTH], b[Lane<L>::WIDTH];
-    int row[Lane<L>::WIDTH]; // -1 where padded
     Three<L> normal, tangent_1, tangent_2;
-    Three<L> first_arm_a, first_arm_b; // when the step began
-    Three<L> arm_a, arm_b;             // in the sub-step
-    L friction, restitution, gap;
-    L mass, spring_mass, spring_yield, share, tangent_mass;
-    L arrival, struck;               // from sub-step to sub-step
-    L target, normal_mass, yield;    // of the sub-step
+    Three<L> lever_a, lever_b;     // of the normal
+    Three<L> lever_1_a, lever_1_b; // of the tangents
+    Three<L> lever_2_a, lever_2_b;
+    L friction, tangent_mass;
+    L target, normal_mass, yield;
     L impulse, impulse_1, impulse_2; // of the sub-step
-    L total, total_1, total_2;       // of the step
 };
 
-// A body in records of eight numbers, which are moved as one.
+// The rest about the contacts of a batch: what a sub-step is set up from.
+template <class L> struct alignas(64) BatchMemory {
+    int row[Lane<L>::WIDTH]; // -1 where padded
+    Three<L> arm_a, arm_b;   // when the step began
+    L restitution, gap;
+    L arrival, struck;         // from sub-step to sub-step
+    L total, total_1, total_2; // impulses of the step
+};
+
+// All batches of a step; those from `near` on are of contacts that may sleep.
+template <class L> struct Contacts {
+    std::vector<Batch<L>> batches;
+    std::vector<BatchMemory<L>> memory;
+    std::vector<char> awake; // whether the sweeps take the batch in
+    std::size_t near = 0;
+};
+
+// A body in records of eight numbers, which are moved as one. One that is
+// driven or stands still keeps its motion.
 template <class N> struct alignas(32) PackedBody {
-    N motion[8];  // velocity, inverse mass, spin, 0
-    N inertia[8]; // inverse, in world axes: xx, yy, zz, xy, xz, yz, 0, 0
-    N way[8];     // gone since the step began: shift, -, turn (a rotation vector), -
-    N forced[8];  // what external forces add to the motion in a sub-step
+    N motion[8]; // velocity, inverse mass, inertia root times spin, 1 if it turns freely
+    N root[8];   // of the inverse inertia, in world axes: xx, yy, zz, xy, xz, yz, 0, 0
+    N way[8];    // gone since the step began: shift, -, turn (a rotation vector), -
+    N forced[8]; // what external forces add to the motion in a sub-step
 };
 
 // Assigns rows to batches, each to the first with room after those that hold
 // its bodies already (list scheduling): every body meets its contacts in the
-// order of the rows, as if they were solved one by one.
+// order of the rows, as if they were solved one by one; those that may well
+// bear something first, in batches of their own.
 class Schedule {
   public:
     void assign(const std::vector<ContactRow> &rows, const std::vector<SolverBody> &bodies,
                 int width);
     int batches() const { return batches_; }
+    // How many of them, the first, are of near contacts.
+    int near_batches() const { return near_batches_; }
     // Whether a body that moves has rows.
     bool touched(std::size_t body) const { return after_[body] > 0; }
     // Batch and lane of each row.
@@ -48,12 +70,16 @@ class Schedule {
 
   private:
     int batches_ = 0;
+    int near_batches_ = 0;
+    int first_ = 0; // batch that a row may be placed in
     std::vector<int> batch_, lane_;
     std::vector<int> after_; // by body: the first batch it may occur in
     std::vector<int> used_;  // by batch: lanes taken
     std::vector<int> next_;  // by batch: where to look on when it is full
 
     int with_room(int from);
+    void place(std::size_t row, const ContactRow &contact, const std::vector<SolverBody> &bodies,
+               int width);
 };
 
 } // namespace pluvia

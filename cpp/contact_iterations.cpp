@@ -2,30 +2,32 @@
 
 #include "contact_kernels.h"
 
+#include <cmath>
+
 namespace pluvia {
 
 namespace {
 
-void step_single(std::vector<Batch<double>> &batches, const ContactLaw &law,
-                 const LaneLaw<double> &lanes, std::vector<PackedBody<double>> &bodies) {
+void step_single(Contacts<double> &contacts, const ContactLaw &law, const LaneLaw<double> &lanes,
+                 std::vector<PackedBody<double>> &bodies) {
     for (int i = 0; i < law.substeps; ++i) {
-        substep(batches, law.sweeps, lanes, bodies);
+        substep(contacts, law.sweeps, lanes, bodies);
     }
 }
 
-void step_portable(std::vector<Batch<Float8>> &batches, const ContactLaw &law,
-                   const LaneLaw<float> &lanes, std::vector<PackedBody<float>> &bodies) {
+void step_portable(Contacts<Float8> &contacts, const ContactLaw &law, const LaneLaw<float> &lanes,
+                   std::vector<PackedBody<float>> &bodies) {
     for (int i = 0; i < law.substeps; ++i) {
-        substep(batches, law.sweeps, lanes, bodies);
+        substep(contacts, law.sweeps, lanes, bodies);
     }
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void step_avx2(std::vector<Batch<Float8>> &batches,
-                                               const ContactLaw &law, const LaneLaw<float> &lanes,
+__attribute__((target("avx2"))) void step_avx2(Contacts<Float8> &contacts, const ContactLaw &law,
+                                               const LaneLaw<float> &lanes,
                                                std::vector<PackedBody<float>> &bodies) {
     for (int i = 0; i < law.substeps; ++i) {
-        substep(batches, law.sweeps, lanes, bodies);
+        substep(contacts, law.sweeps, lanes, bodies);
     }
 }
 #endif
@@ -34,6 +36,8 @@ template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double step) {
     const double substep = step / law.substeps;
     return {static_cast<N>(substep),
             static_cast<N>(1 / substep),
+            static_cast<N>(law.stiffness),
+            static_cast<N>(2 * law.damping_ratio * std::sqrt(law.stiffness)),
             static_cast<N>(law.push_out_speed),
             static_cast<N>(law.restitution_speed),
             static_cast<N>(law.closed_gap),
@@ -49,36 +53,38 @@ template <class L> void set_three(Three<L> &lanes, int i, const Three<double> &v
 
 template <class L>
 void load(const std::vector<ContactRow> &rows, const Schedule &schedule, int substeps,
-          std::vector<Batch<L>> &batches) {
+          Contacts<L> &contacts) {
     using N = typename Lane<L>::Number;
-    batches.assign(static_cast<std::size_t>(schedule.batches()), Batch<L>{});
-    for (Batch<L> &c : batches) {
-        for (int &row : c.row) {
+    const auto count = static_cast<std::size_t>(schedule.batches());
+    contacts.batches.assign(count, Batch<L>{});
+    contacts.memory.assign(count, BatchMemory<L>{});
+    contacts.awake.assign(count, 1);
+    contacts.near = static_cast<std::size_t>(schedule.near_batches());
+    for (BatchMemory<L> &m : contacts.memory) {
+        for (int &row : m.row) {
             row = -1;
         }
     }
     for (std::size_t r = 0; r < rows.size(); ++r) {
         const ContactRow &row = rows[r];
-        Batch<L> &c = batches[static_cast<std::size_t>(schedule.batch()[r])];
+        Batch<L> &c = contacts.batches[static_cast<std::size_t>(schedule.batch()[r])];
+        BatchMemory<L> &m = contacts.memory[static_cast<std::size_t>(schedule.batch()[r])];
         const int i = schedule.lane()[r];
         const auto put = [i](L &lanes, double value) {
             Lane<L>::set(lanes, i, static_cast<N>(value));
         };
         c.a[i] = row.a;
         c.b[i] = row.b;
-        c.row[i] = static_cast<int>(r);
+        m.row[i] = static_cast<int>(r);
         set_three(c.normal, i, row.normal);
         set_three(c.tangent_1, i, row.tangent_1);
         set_three(c.tangent_2, i, row.tangent_2);
-        set_three(c.first_arm_a, i, row.arm_a);
-        set_three(c.first_arm_b, i, row.arm_b);
+        set_three(m.arm_a, i, row.arm_a);
+        set_three(m.arm_b, i, row.arm_b);
         put(c.friction, row.friction);
-        put(c.restitution, row.restitution);
-        put(c.gap, row.gap);
-        put(c.mass, row.mass);
-        put(c.spring_yield, row.spring_yield);
-        put(c.share, row.share);
-        put(c.arrival, row.arrival);
+        put(m.restitution, row.restitution);
+        put(m.gap, row.gap);
+        put(m.arrival, row.arrival);
         put(c.impulse, row.impulse / substeps);
         put(c.impulse_1, row.impulse_1 / substeps);
         put(c.impulse_2, row.impulse_2 / substeps);
@@ -91,27 +97,27 @@ void pack(const std::vector<SolverBody> &bodies, int substeps, double substep,
     packed.assign(bodies.size(), PackedBody<N>{});
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const SolverBody &b = bodies[i];
-        const Symmetric<double> &m = b.inverse_inertia;
+        const bool moves = b.inverse_mass > 0;
         Three<double> velocity = b.velocity;
         Three<double> spin = b.spin;
-        if (b.inverse_mass == 0) {
+        if (!moves) {
             // A driven body's velocity is its mean in the step.
             const double before = substep * (substeps + 1) / 2;
             velocity = velocity - b.acceleration * before;
             spin = spin - b.spin_up * before;
         }
-        const double motion[7] = {velocity.x, velocity.y, velocity.z, b.inverse_mass,
-                                  spin.x,     spin.y,     spin.z};
-        const double inertia[6] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz};
+        spin = b.inertia_root * spin;
+        const double motion[8] = {velocity.x, velocity.y, velocity.z, b.inverse_mass,
+                                  spin.x,     spin.y,     spin.z,     moves ? 1.0 : 0.0};
+        const Symmetric<double> &m = b.inverse_inertia_root;
+        const double root[8] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, 0, 0};
         const Three<double> v = b.acceleration * substep;
-        const Three<double> w = b.spin_up * substep;
-        const double forced[7] = {v.x, v.y, v.z, 0, w.x, w.y, w.z};
-        for (int k = 0; k < 7; ++k) {
+        const Three<double> w = b.inertia_root * b.spin_up * substep;
+        const double forced[8] = {v.x, v.y, v.z, 0, w.x, w.y, w.z, 0};
+        for (int k = 0; k < 8; ++k) {
             packed[i].motion[k] = static_cast<N>(motion[k]);
+            packed[i].root[k] = static_cast<N>(root[k]);
             packed[i].forced[k] = static_cast<N>(forced[k]);
-        }
-        for (int k = 0; k < 6; ++k) {
-            packed[i].inertia[k] = static_cast<N>(inertia[k]);
         }
     }
 }
@@ -127,30 +133,31 @@ void fly(SolverBody &body, int substeps, double substep) {
 }
 
 template <class L>
-void unload(const std::vector<Batch<L>> &batches, const std::vector<Bodies<L>> &packed,
+void unload(const Contacts<L> &contacts, const std::vector<Bodies<L>> &packed,
             const Schedule &schedule, const ContactLaw &law, double substep,
             std::vector<ContactRow> &rows, std::vector<SolverBody> &bodies) {
-    for (const Batch<L> &c : batches) {
+    for (const BatchMemory<L> &m : contacts.memory) {
         for (int i = 0; i < Lane<L>::WIDTH; ++i) {
-            if (c.row[i] >= 0) {
-                ContactRow &row = rows[static_cast<std::size_t>(c.row[i])];
-                row.impulse = Lane<L>::get(c.total, i);
-                row.impulse_1 = Lane<L>::get(c.total_1, i);
-                row.impulse_2 = Lane<L>::get(c.total_2, i);
-                row.arrival = Lane<L>::get(c.arrival, i);
+            if (m.row[i] >= 0) {
+                ContactRow &row = rows[static_cast<std::size_t>(m.row[i])];
+                row.impulse = Lane<L>::get(m.total, i);
+                row.impulse_1 = Lane<L>::get(m.total_1, i);
+                row.impulse_2 = Lane<L>::get(m.total_2, i);
+                row.arrival = Lane<L>::get(m.arrival, i);
             }
         }
     }
     for (std::size_t i = 0; i < bodies.size(); ++i) {
+        SolverBody &body = bodies[i];
         if (!schedule.touched(i)) {
-            fly(bodies[i], law.substeps, substep);
+            fly(body, law.substeps, substep);
         } else {
             const auto &m = packed[i].motion;
             const auto &w = packed[i].way;
-            bodies[i].velocity = {m[0], m[1], m[2]};
-            bodies[i].spin = {m[4], m[5], m[6]};
-            bodies[i].shift = {w[0], w[1], w[2]};
-            bodies[i].turn = {w[4], w[5], w[6]};
+            body.velocity = {m[0], m[1], m[2]};
+            body.spin = body.inverse_inertia_root * Three<double>{m[4], m[5], m[6]};
+            body.shift = {w[0], w[1], w[2]};
+            body.turn = {w[4], w[5], w[6]};
         }
     }
 }

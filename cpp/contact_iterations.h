@@ -33,9 +33,9 @@ class Iterations {
 
   private:
     Schedule schedule_;
-    std::vector<Batch<double>> single_;
+    Contacts<double> single_;
     std::vector<PackedBody<double>> single_bodies_;
-    std::vector<Batch<Float8>> eight_;
+    Contacts<Float8> eight_;
     std::vector<PackedBody<float>> eight_bodies_;
 };
 

@@ -13,6 +13,8 @@ namespace pluvia {
 // The law with its lengths of time, in the precision of the lanes.
 template <class N> struct LaneLaw {
     N step, inverse_step; // of a sub-step
+    N stiffness,
+        damping; // damping per root of mass: twice the ratio times the root of the stiffness
     N push_out_speed, restitution_speed, closed_gap;
     N unsolved_speed; // approach that calls for another sweep
 };
@@ -20,11 +22,10 @@ template <class N> struct LaneLaw {
 // Where a blow calls for more sweeps, at most so many times as many.
 constexpr int MOST_SWEEPS = 8;
 
-// What contacts ask of the bodies of one side of a batch.
+// The motion of the bodies of one side of a batch.
 template <class L> struct Side {
-    Three<L> velocity, spin;
-    L inverse_mass;
-    Symmetric<L> inertia;
+    Three<L> velocity, spin; // the spin times the root of the inertia
+    L inverse_mass, turns;
 };
 
 template <class L> using Bodies = PackedBody<typename Lane<L>::Number>;
@@ -36,73 +37,78 @@ PLUVIA_INLINE void gather_motion(const Bodies<L> *bodies, const int *index, Side
     side.velocity = {f[0], f[1], f[2]};
     side.inverse_mass = f[3];
     side.spin = {f[4], f[5], f[6]};
-}
-
-template <class L>
-PLUVIA_INLINE void gather_all(const Bodies<L> *bodies, const int *index, Side<L> &side) {
-    gather_motion(bodies, index, side);
-    L f[8];
-    gather(bodies, 8, index, f);
-    side.inertia = {f[0], f[1], f[2], f[3], f[4], f[5]};
+    side.turns = f[7];
 }
 
 // What does not move may stand in several lanes; all write what was there.
 template <class L>
 PLUVIA_INLINE void scatter_motion(const Side<L> &side, const int *index, Bodies<L> *bodies) {
     const L f[8] = {side.velocity.x, side.velocity.y, side.velocity.z, side.inverse_mass,
-                    side.spin.x,     side.spin.y,     side.spin.z,     L{}};
+                    side.spin.x,     side.spin.y,     side.spin.z,     side.turns};
     scatter(f, index, bodies, 0);
 }
 
 template <class L>
-PLUVIA_INLINE void push(Side<L> &a, Side<L> &b, const Batch<L> &c, const Three<L> &impulse) {
+PLUVIA_INLINE void push(Side<L> &a, Side<L> &b, const Three<L> &impulse, const Three<L> &moment_a,
+                        const Three<L> &moment_b) {
     a.velocity = a.velocity + impulse * a.inverse_mass;
-    a.spin = a.spin + a.inertia * c.arm_a.cross(impulse);
+    a.spin = a.spin + moment_a * a.turns;
     b.velocity = b.velocity - impulse * b.inverse_mass;
-    b.spin = b.spin - b.inertia * c.arm_b.cross(impulse);
+    b.spin = b.spin - moment_b * b.turns;
 }
 
+// Speed at which the bodies part along a direction with the levers given.
 template <class L>
-PLUVIA_INLINE Three<L> relative(const Side<L> &a, const Side<L> &b, const Batch<L> &c) {
-    return a.velocity + a.spin.cross(c.arm_a) - b.velocity - b.spin.cross(c.arm_b);
+PLUVIA_INLINE L parting(const Side<L> &a, const Side<L> &b, const Three<L> &direction,
+                        const Three<L> &lever_a, const Three<L> &lever_b) {
+    return (a.velocity - b.velocity).dot(direction) + a.spin.dot(lever_a) - b.spin.dot(lever_b);
 }
 
 // Keeps quotients of nothing by nothing defined.
 template <class L>
 inline constexpr typename Lane<L>::Number TINY = static_cast<typename Lane<L>::Number>(1e-30);
 
-// Relative speed along e per unit of impulse along d.
-template <class L>
-PLUVIA_INLINE L compliance(const Batch<L> &c, const Side<L> &a, const Side<L> &b, const Three<L> &d,
-                           const Three<L> &e) {
-    return (a.inverse_mass + b.inverse_mass) * d.dot(e) +
-           c.arm_a.cross(d).dot(a.inertia * c.arm_a.cross(e)) +
-           c.arm_b.cross(d).dot(b.inertia * c.arm_b.cross(e));
-}
-
-// The masses that the bodies show at the arms of the sub-step. With those of
-// the step's beginning a body that turns fast, and whose arms have grown, is
-// pushed by more than it needs, the more so in every sweep.
+// Levers and masses that the bodies show at the arms of the sub-step. With
+// those of the step's beginning a body that turns fast, and whose arms have
+// grown, is pushed by more than it needs, the more so in every sweep.
 //
 // One mass for all directions of the contact plane, that of the direction that
 // resists sliding least: friction of a sliding contact then points against its
 // speed. With the inverse of the 2 x 2 matrix it would point elsewhere at every
 // corner of a body, and the parts that cancel out would use up the cone (a
 // block that slides along its edges was found to lose 8 % of its friction).
-template <class L> PLUVIA_INLINE void set_masses(Batch<L> &c, const Side<L> &a, const Side<L> &b) {
+//
+// Returns the mass along the normal.
+template <class L>
+PLUVIA_INLINE L set_levers(Batch<L> &c, const Side<L> &a, const Side<L> &b, const Three<L> &arm_a,
+                           const Three<L> &arm_b, const Bodies<L> *bodies) {
+    L f[8], g[8];
+    gather(bodies, 8, c.a, f);
+    gather(bodies, 8, c.b, g);
+    const Symmetric<L> root_a{f[0], f[1], f[2], f[3], f[4], f[5]};
+    const Symmetric<L> root_b{g[0], g[1], g[2], g[3], g[4], g[5]};
+    c.lever_a = root_a * arm_a.cross(c.normal);
+    c.lever_b = root_b * arm_b.cross(c.normal);
+    c.lever_1_a = root_a * arm_a.cross(c.tangent_1);
+    c.lever_1_b = root_b * arm_b.cross(c.tangent_1);
+    c.lever_2_a = root_a * arm_a.cross(c.tangent_2);
+    c.lever_2_b = root_b * arm_b.cross(c.tangent_2);
     const L zero{};
     const L one = zero + 1;
     const L half = zero + typename Lane<L>::Number(0.5);
-    const auto filled = c.mass > zero; // what pads a batch has no mass
-    const L normal = compliance(c, a, b, c.normal, c.normal);
-    const L k11 = compliance(c, a, b, c.tangent_1, c.tangent_1);
-    const L k22 = compliance(c, a, b, c.tangent_2, c.tangent_2);
-    const L k12 = compliance(c, a, b, c.tangent_1, c.tangent_2);
+    const L least = zero + TINY<L>;
+    const L linear = a.inverse_mass + b.inverse_mass;
+    const L normal =
+        linear + c.lever_a.dot(c.lever_a) * a.turns + c.lever_b.dot(c.lever_b) * b.turns;
+    const L k11 =
+        linear + c.lever_1_a.dot(c.lever_1_a) * a.turns + c.lever_1_b.dot(c.lever_1_b) * b.turns;
+    const L k22 =
+        linear + c.lever_2_a.dot(c.lever_2_a) * a.turns + c.lever_2_b.dot(c.lever_2_b) * b.turns;
+    const L k12 = c.lever_1_a.dot(c.lever_2_a) * a.turns + c.lever_1_b.dot(c.lever_2_b) * b.turns;
     const L apart = (k11 - k22) * half;
     const L softest = (k11 + k22) * half + root(L(apart * apart + k12 * k12));
-    c.mass = filled ? L(one / (filled ? normal : one)) : zero;
-    c.spring_mass = filled ? L(one / (filled ? L(normal + c.spring_yield) : one)) : zero;
-    c.tangent_mass = filled ? L(one / (filled ? softest : one)) : zero;
+    c.tangent_mass = one / larger(softest, least);
+    return one / larger(normal, least);
 }
 
 // A vector turned by a rotation vector, to the second order.
@@ -120,50 +126,56 @@ template <class L> PLUVIA_INLINE Three<L> turned(const Three<L> &arm, const Thre
 // coefficient of restitution times that speed, which was remembered from when
 // it was still free. Everything else is an implicit spring and damper (Catto
 // 2011, "Soft constraints"). Velocities are those before gravity.
+//
+// The spring: stiffness k, damping c = 2 ζ √(k m), in a sub-step h yield
+// γ = 1/(h (c + h k)), share of the overlap to remove β = h k/(c + h k).
 template <class L>
-PLUVIA_INLINE void aim(Batch<L> &c, const LaneLaw<typename Lane<L>::Number> &law,
+PLUVIA_INLINE void aim(Batch<L> &c, BatchMemory<L> &m, const LaneLaw<typename Lane<L>::Number> &law,
                        const Bodies<L> *bodies) {
     const L zero{};
+    const L one = zero + 1;
     Side<L> a, b;
-    gather_all(bodies, c.a, a);
-    gather_all(bodies, c.b, b);
+    gather_motion(bodies, c.a, a);
+    gather_motion(bodies, c.b, b);
     L f[8], g[8];
     gather(bodies, 16, c.a, f);
     gather(bodies, 16, c.b, g);
     const Three<L> moved_a{f[0], f[1], f[2]}, turned_a{f[4], f[5], f[6]};
     const Three<L> moved_b{g[0], g[1], g[2]}, turned_b{g[4], g[5], g[6]};
-    const Three<L> turned_arm_a = turned(c.first_arm_a, turned_a);
-    const Three<L> turned_arm_b = turned(c.first_arm_b, turned_b);
-    const Three<L> way =
-        moved_a - moved_b + (turned_arm_a - c.first_arm_a) - (turned_arm_b - c.first_arm_b);
-    const L gap = c.gap + way.dot(c.normal);
+    const Three<L> turned_arm_a = turned(m.arm_a, turned_a);
+    const Three<L> turned_arm_b = turned(m.arm_b, turned_b);
+    const Three<L> way = moved_a - moved_b + (turned_arm_a - m.arm_a) - (turned_arm_b - m.arm_b);
+    const L gap = m.gap + way.dot(c.normal);
     // Both bodies are pushed in one point, nearer to the lighter one's: so the
     // angular momentum is kept, however far they slid past each other, and a
     // block stays on its corners wherever on the plane it is.
-    const Three<L> apart = c.normal * c.gap + way;
+    const Three<L> apart = c.normal * m.gap + way;
     const L both = larger(L(a.inverse_mass + b.inverse_mass), L(zero + TINY<L>));
-    c.arm_a = turned_arm_a - apart * L(b.inverse_mass / both);
-    c.arm_b = turned_arm_b + apart * L(a.inverse_mass / both);
-    set_masses(c, a, b);
-    const L arrival = larger(c.arrival, L(zero - relative(a, b, c).dot(c.normal)));
+    const Three<L> arm_a = turned_arm_a - apart * L(b.inverse_mass / both);
+    const Three<L> arm_b = turned_arm_b + apart * L(a.inverse_mass / both);
+    const L mass = set_levers(c, a, b, arm_a, arm_b, bodies);
+    const L arrival = larger(m.arrival, L(zero - parting(a, b, c.normal, c.lever_a, c.lever_b)));
 
+    const L stiff = zero + law.step * law.stiffness;
+    const L firm = root(mass) * law.damping + stiff;
+    const L yield = one / (firm * law.step);
     const auto closed = gap <= zero + law.closed_gap;
     const auto rebounds =
-        closed & (arrival > zero + law.restitution_speed) & (c.restitution > zero);
+        closed & (arrival > zero + law.restitution_speed) & (m.restitution > zero);
     const L spring =
-        smaller(L(zero - c.share * gap * law.inverse_step), L(zero + law.push_out_speed));
-    c.target = closed ? (rebounds ? L(c.restitution * arrival) : spring)
+        smaller(L(zero - stiff / firm * gap * law.inverse_step), L(zero + law.push_out_speed));
+    c.target = closed ? (rebounds ? L(m.restitution * arrival) : spring)
                       : L(zero - gap * law.inverse_step);
     const auto springs = closed & !rebounds;
-    c.normal_mass = springs ? c.spring_mass : c.mass;
-    c.yield = springs ? c.spring_yield : zero;
+    c.normal_mass = springs ? L(mass / (one + mass * yield)) : mass;
+    c.yield = springs ? yield : zero;
     // The blow of a rebound says nothing about the force that follows.
-    const auto struck = c.struck > zero;
+    const auto struck = m.struck > zero;
     c.impulse = struck ? zero : c.impulse;
     c.impulse_1 = struck ? zero : c.impulse_1;
     c.impulse_2 = struck ? zero : c.impulse_2;
-    c.struck = rebounds ? L(zero + 1) : zero;
-    c.arrival = closed ? zero : arrival;
+    m.struck = rebounds ? one : zero;
+    m.arrival = closed ? zero : arrival;
 }
 
 // Friction first, within the cone that the normal impulse allows so far; the
@@ -171,24 +183,29 @@ PLUVIA_INLINE void aim(Batch<L> &c, const LaneLaw<typename Lane<L>::Number> &law
 // fastest approach found, beyond what the contacts aim at.
 template <class L> PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b, L &unsolved) {
     const L zero{};
-    Three<L> speed = relative(a, b, c);
-    L next_1 = c.impulse_1 - c.tangent_mass * speed.dot(c.tangent_1);
-    L next_2 = c.impulse_2 - c.tangent_mass * speed.dot(c.tangent_2);
+    const L slip_1 = parting(a, b, c.tangent_1, c.lever_1_a, c.lever_1_b);
+    const L slip_2 = parting(a, b, c.tangent_2, c.lever_2_a, c.lever_2_b);
+    L next_1 = c.impulse_1 - c.tangent_mass * slip_1;
+    L next_2 = c.impulse_2 - c.tangent_mass * slip_2;
     const L most = c.friction * c.impulse;
     const L size = root(L(next_1 * next_1 + next_2 * next_2));
     // min(1, most/size), for size 0 as well.
     const L scale = most / larger(L(most), larger(size, L(zero + TINY<L>)));
     next_1 = next_1 * scale;
     next_2 = next_2 * scale;
-    push(a, b, c, c.tangent_1 * L(next_1 - c.impulse_1) + c.tangent_2 * L(next_2 - c.impulse_2));
+    const L more_1 = next_1 - c.impulse_1;
+    const L more_2 = next_2 - c.impulse_2;
+    push(a, b, c.tangent_1 * more_1 + c.tangent_2 * more_2,
+         c.lever_1_a * more_1 + c.lever_2_a * more_2, c.lever_1_b * more_1 + c.lever_2_b * more_2);
     c.impulse_1 = next_1;
     c.impulse_2 = next_2;
 
-    speed = relative(a, b, c);
-    const L error = speed.dot(c.normal) - c.target + c.yield * c.impulse;
+    const L speed = parting(a, b, c.normal, c.lever_a, c.lever_b);
+    const L error = speed - c.target + c.yield * c.impulse;
     unsolved = larger(unsolved, L(zero - error));
     const L next = larger(zero, L(c.impulse - c.normal_mass * error));
-    push(a, b, c, c.normal * L(next - c.impulse));
+    const L more = next - c.impulse;
+    push(a, b, c.normal * more, c.lever_a * more, c.lever_b * more);
     c.impulse = next;
 }
 
@@ -200,53 +217,100 @@ template <class L> PLUVIA_INLINE bool any_larger(const L &lanes, typename Lane<L
     return any;
 }
 
-// One sub-step: external forces, the impulses with which it begins, the
-// sweeps, and the way the bodies go.
-template <class L>
-PLUVIA_INLINE void substep(std::vector<Batch<L>> &batches, int sweeps,
-                           const LaneLaw<typename Lane<L>::Number> &law,
-                           std::vector<Bodies<L>> &bodies) {
-    auto *const body = bodies.data();
+template <class L> PLUVIA_INLINE void solve_at(Batch<L> &c, Bodies<L> *bodies, L &unsolved) {
     Side<L> a, b;
-    for (Batch<L> &c : batches) {
-        aim(c, law, body);
-    }
+    gather_motion(bodies, c.a, a);
+    gather_motion(bodies, c.b, b);
+    solve(c, a, b, unsolved);
+    scatter_motion(a, c.a, bodies);
+    scatter_motion(b, c.b, bodies);
+}
+
+// Applies the impulses that the contacts begin with.
+template <class L> PLUVIA_INLINE void begin(const Batch<L> &c, Bodies<L> *bodies) {
+    Side<L> a, b;
+    gather_motion(bodies, c.a, a);
+    gather_motion(bodies, c.b, b);
+    push(a, b, c.normal * c.impulse + c.tangent_1 * c.impulse_1 + c.tangent_2 * c.impulse_2,
+         c.lever_a * c.impulse + c.lever_1_a * c.impulse_1 + c.lever_2_a * c.impulse_2,
+         c.lever_b * c.impulse + c.lever_1_b * c.impulse_1 + c.lever_2_b * c.impulse_2);
+    scatter_motion(a, c.a, bodies);
+    scatter_motion(b, c.b, bodies);
+}
+
+// What external forces add, and later the way that the bodies go.
+template <class N> PLUVIA_INLINE void force(std::vector<PackedBody<N>> &bodies) {
     for (auto &x : bodies) {
         for (int i = 0; i < 8; ++i) {
             x.motion[i] += x.forced[i];
         }
     }
-    for (Batch<L> &c : batches) {
-        gather_all(body, c.a, a);
-        gather_all(body, c.b, b);
-        push(a, b, c, c.normal * c.impulse + c.tangent_1 * c.impulse_1 + c.tangent_2 * c.impulse_2);
-        scatter_motion(a, c.a, body);
-        scatter_motion(b, c.b, body);
+}
+
+template <class N> PLUVIA_INLINE void go(std::vector<PackedBody<N>> &bodies, N step) {
+    for (auto &x : bodies) {
+        const auto &r = x.root;
+        const Symmetric<N> root{r[0], r[1], r[2], r[3], r[4], r[5]};
+        const Three<N> spin = root * Three<N>{x.motion[4], x.motion[5], x.motion[6]};
+        const N motion[8] = {x.motion[0], x.motion[1], x.motion[2], 0, spin.x, spin.y, spin.z, 0};
+        for (int i = 0; i < 8; ++i) {
+            x.way[i] += motion[i] * step;
+        }
+    }
+}
+
+// One sub-step: external forces, the impulses with which it begins, the
+// sweeps, and the way the bodies go.
+//
+// A contact that bears nothing and is not approached too fast is left as it is
+// by a sweep. So the contacts that are not near are looked at in the first
+// sweep and when all others are solved, and take part in all sweeps from when
+// one of their batch bears something.
+template <class L>
+PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
+                           const LaneLaw<typename Lane<L>::Number> &law,
+                           std::vector<Bodies<L>> &bodies) {
+    auto *const body = bodies.data();
+    auto &batches = contacts.batches;
+    for (std::size_t i = 0; i < batches.size(); ++i) {
+        aim(batches[i], contacts.memory[i], law, body);
+        contacts.awake[i] = i < contacts.near || any_larger(batches[i].impulse, 0);
+    }
+    force(bodies);
+    for (std::size_t i = 0; i < batches.size(); ++i) {
+        if (contacts.awake[i]) {
+            begin(batches[i], body);
+        }
     }
     // A blow to a heap takes more sweeps to get through it than its weight.
-    for (int i = 0; i < MOST_SWEEPS * sweeps; ++i) {
+    for (int sweep = 1; sweep <= MOST_SWEEPS * sweeps; ++sweep) {
         L unsolved{};
-        for (Batch<L> &c : batches) {
-            gather_all(body, c.a, a);
-            gather_all(body, c.b, b);
-            solve(c, a, b, unsolved);
-            scatter_motion(a, c.a, body);
-            scatter_motion(b, c.b, body);
+        for (std::size_t i = 0; i < batches.size(); ++i) {
+            if (contacts.awake[i]) {
+                solve_at(batches[i], body, unsolved);
+            }
         }
-        if (i + 1 >= sweeps && !any_larger(unsolved, law.unsolved_speed)) {
+        const bool solved = sweep >= sweeps && !any_larger(unsolved, law.unsolved_speed);
+        if (sweep > 1 && !solved) {
+            continue;
+        }
+        for (std::size_t i = contacts.near; i < batches.size(); ++i) {
+            if (!contacts.awake[i]) {
+                solve_at(batches[i], body, unsolved);
+                contacts.awake[i] = any_larger(batches[i].impulse, 0);
+            }
+        }
+        if (solved && !any_larger(unsolved, law.unsolved_speed)) {
             break;
         }
     }
-    for (Batch<L> &c : batches) {
-        c.total = c.total + c.impulse;
-        c.total_1 = c.total_1 + c.impulse_1;
-        c.total_2 = c.total_2 + c.impulse_2;
+    for (std::size_t i = 0; i < batches.size(); ++i) {
+        BatchMemory<L> &m = contacts.memory[i];
+        m.total = m.total + batches[i].impulse;
+        m.total_1 = m.total_1 + batches[i].impulse_1;
+        m.total_2 = m.total_2 + batches[i].impulse_2;
     }
-    for (auto &x : bodies) {
-        for (int i = 0; i < 8; ++i) {
-            x.way[i] += x.motion[i] * law.step;
-        }
-    }
+    go(bodies, law.step);
 }
 
 } // namespace pluvia

@@ -26,20 +26,9 @@ void tangents(const Three<double> &n, Three<double> &t1, Three<double> &t2) {
     t2 = {b, sign + n.y * n.y * a, -n.y};
 }
 
-// Relative speed of two directions at the contact per unit of impulse.
-double compliance(const SolverBody &body, const Three<double> &arm, const Three<double> &d,
-                  const Three<double> &e) {
-    return body.inverse_mass * d.dot(e) + arm.cross(d).dot(body.inverse_inertia * arm.cross(e));
-}
-
-// The spring of a contact: stiffness k, damping c = 2 ζ √(k m), in a sub-step h
-// yield γ = 1/(h (c + h k)), share of the overlap to remove β = h k/(c + h k)
-// (Catto 2011, "Soft constraints").
-void set_spring(const ContactLaw &law, double substep, ContactRow &row) {
-    const double damping = 2 * law.damping_ratio * std::sqrt(law.stiffness * row.mass);
-    const double sum = damping + substep * law.stiffness;
-    row.share = substep * law.stiffness / sum;
-    row.spring_yield = 1 / (substep * sum);
+// Speed of the body at an arm.
+Three<double> speed_at(const SolverBody &body, const Three<double> &arm) {
+    return body.velocity + body.spin.cross(arm);
 }
 
 } // namespace
@@ -59,10 +48,7 @@ ContactRow make_row(const ContactLaw &law, double step, int a, int b, const Solv
 
     row.restitution = static_cast<double>(point.m_combinedRestitution);
     row.arrival = static_cast<double>(point.m_contactMotion1);
-    row.mass = 1 / (compliance(body_a, row.arm_a, row.normal, row.normal) +
-                    compliance(body_b, row.arm_b, row.normal, row.normal));
     row.gap = static_cast<double>(point.m_distance1);
-    set_spring(law, step / law.substeps, row);
 
     // The last step's impulses, whole: what is thrown away has to be found
     // again in a few iterations, and the packing creeps while it is not.
@@ -72,6 +58,10 @@ ContactRow make_row(const ContactLaw &law, double step, int a, int b, const Solv
               point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2);
     row.impulse_1 = rubbed.dot(row.tangent_1);
     row.impulse_2 = rubbed.dot(row.tangent_2);
+
+    const double parting =
+        (speed_at(body_a, row.arm_a) - speed_at(body_b, row.arm_b)).dot(row.normal);
+    row.near = row.impulse > 0 || row.gap + std::min(0.0, parting * step) <= law.closed_gap;
     return row;
 }
 

@@ -28,7 +28,9 @@ struct SolverBody {
     Three<double> velocity{0, 0, 0};
     Three<double> spin{0, 0, 0};
     double inverse_mass = 0;
-    Symmetric<double> inverse_inertia{0, 0, 0, 0, 0, 0}; // in world axes
+    // Roots of the inertia and of its inverse, in world axes.
+    Symmetric<double> inertia_root{1, 1, 1, 0, 0, 0};
+    Symmetric<double> inverse_inertia_root{1, 1, 1, 0, 0, 0};
     // By external forces, or of a driven body within the step.
     Three<double> acceleration{0, 0, 0}, spin_up{0, 0, 0};
     Three<double> shift{0, 0, 0}, turn{0, 0, 0}; // gone in the step
@@ -42,11 +44,9 @@ struct ContactRow {
     Three<double> normal, tangent_1, tangent_2, arm_a, arm_b;
     double friction, restitution;
     double gap;                           // when the step began
-    double mass;                          // along the normal, when the step began
-    double spring_yield;                  // gamma: speed per impulse
-    double share;                         // of the overlap, removed in a sub-step
     double arrival;                       // speed of approach, until they rebound
     double impulse, impulse_1, impulse_2; // of the step
+    bool near;                            // may well bear something in the step
 };
 
 // Sets up a row of a step of length `step`. The point's m_contactMotion1 holds

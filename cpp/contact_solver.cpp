@@ -18,8 +18,11 @@ btVector3 vector(const Three<double> &v) {
                      static_cast<btScalar>(v.z));
 }
 
-Symmetric<double> symmetric(const btMatrix3x3 &m) {
-    const auto at = [&m](int i, int j) { return static_cast<double>(m[i][j]); };
+// What is diagonal in body axes, in world axes.
+Symmetric<double> along(const btMatrix3x3 &basis, const btVector3 &diagonal) {
+    const auto at = [&](int i, int j) {
+        return static_cast<double>((basis[i] * diagonal).dot(basis[j]));
+    };
     return {at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(0, 2), at(1, 2)};
 }
 
@@ -92,9 +95,14 @@ void ContactSolver::take_bodies(btCollisionObject **bodies, int count, double st
         out.spin = three(body->getAngularVelocity());
         if (!body->isKinematicObject()) {
             out.inverse_mass = static_cast<double>(body->getInvMass());
-            out.inverse_inertia = symmetric(body->getInvInertiaTensorWorld());
+            const btMatrix3x3 &basis = body->getWorldTransform().getBasis();
+            const btVector3 &inverse = body->getInvInertiaDiagLocal();
+            const btVector3 root(std::sqrt(inverse.x()), std::sqrt(inverse.y()),
+                                 std::sqrt(inverse.z()));
+            out.inverse_inertia_root = along(basis, root);
+            out.inertia_root = along(basis, btVector3(1 / root.x(), 1 / root.y(), 1 / root.z()));
             out.acceleration = three(body->getTotalForce()) * out.inverse_mass;
-            out.spin_up = out.inverse_inertia * three(body->getTotalTorque());
+            out.spin_up = three(body->getInvInertiaTensorWorld() * body->getTotalTorque());
         } else {
             accelerate_driven(body, step, out);
         }

@@ -1,12 +1,10 @@
 #include "hull_algorithm.h"
 
 #include "hull_manifold.h"
-#include "shapes.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <new>
 
@@ -18,7 +16,10 @@ namespace {
 // rest, with 0 they creep.
 constexpr double HYSTERESIS = 0.02e-3; // m
 
-// A quarter of that: enough to tell a face from edges that lie on it within
+// A quarter of that: less than what features may differ by and be kept.
+constexpr double HOLD = 0.02e-3; // m
+
+// A quarter as well: enough to tell a face from edges that lie on it within
 // rounding, too little to be felt as depth.
 constexpr double FACE_PREFERENCE = 0.005e-3; // m
 
@@ -28,19 +29,16 @@ constexpr double MATCH = 1e-3; // m
 
 } // namespace
 
-Rigid rigid(const btTransform &pose) {
-    Rigid out;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            out.r[3 * i + j] = static_cast<double>(pose.getBasis()[i][j]);
-        }
-        out.t[i] = static_cast<double>(pose.getOrigin()[i]);
+void prefetch(const void *from, std::size_t bytes) {
+    constexpr std::size_t LINE = 64;
+    const auto *at = static_cast<const char *>(from);
+    for (std::size_t i = 0; i < bytes; i += LINE) {
+        __builtin_prefetch(at + i);
     }
-    return out;
 }
 
 PairSettings pair_settings(double reach, double scale) {
-    return {reach, HYSTERESIS * scale, FACE_PREFERENCE * scale};
+    return {reach, HYSTERESIS * scale, HOLD * scale, FACE_PREFERENCE * scale};
 }
 
 btScalar match_distance(double scale) { return static_cast<btScalar>(MATCH * scale); }
@@ -51,18 +49,11 @@ void collide_into(HullCollision &shared, const HullData &a, const HullData &b,
     PairContact contact;
     collide(*shared.kernels, a, b, rigid(pose_a), rigid(pose_b), shared.settings, memory, scratch,
             contact);
-    write_manifold(contact, pose_a, pose_b, shared.match, manifold);
-}
-
-btScalar approach_in_step(const btCollisionObject &a, const btCollisionObject &b, btScalar step) {
-    const btRigidBody *body_a = btRigidBody::upcast(&a);
-    const btRigidBody *body_b = btRigidBody::upcast(&b);
-    const auto turning = [](const btRigidBody &body) {
-        return body.getAngularVelocity().length() *
-               static_cast<const TightHull *>(body.getCollisionShape())->radius();
-    };
-    const btVector3 relative = body_a->getLinearVelocity() - body_b->getLinearVelocity();
-    return step * (relative.length() + turning(*body_a) + turning(*body_b));
+    if (contact.held) {
+        refresh_manifold(contact, pose_a, pose_b, manifold);
+    } else {
+        write_manifold(contact, pose_a, pose_b, shared.match, manifold);
+    }
 }
 
 HullAlgorithm::~HullAlgorithm() { release(); }
@@ -78,8 +69,8 @@ void HullAlgorithm::release() {
 void HullAlgorithm::processCollision(const btCollisionObjectWrapper *on_a,
                                      const btCollisionObjectWrapper *on_b, const btDispatcherInfo &,
                                      btManifoldResult *) {
-    const btCollisionObject &a = *on_a->getCollisionObject();
-    const btCollisionObject &b = *on_b->getCollisionObject();
+    const HullBody a = hull_body(*on_a->getCollisionObject());
+    const HullBody b = hull_body(*on_b->getCollisionObject());
     PairScratch scratch;
     PairContact contact;
     if (find(a, b, scratch, contact)) {
@@ -87,38 +78,50 @@ void HullAlgorithm::processCollision(const btCollisionObjectWrapper *on_a,
     }
 }
 
-bool HullAlgorithm::find(const btCollisionObject &a, const btCollisionObject &b,
-                         PairScratch &scratch, PairContact &contact) {
-    const auto &hull_a = static_cast<const TightHull *>(a.getCollisionShape())->data();
-    const auto &hull_b = static_cast<const TightHull *>(b.getCollisionShape())->data();
-    const btTransform &pose_a = a.getWorldTransform();
-    const btTransform &pose_b = b.getWorldTransform();
+bool HullAlgorithm::find(const HullBody &a, const HullBody &b, PairScratch &scratch,
+                         PairContact &contact) {
     PairSettings settings = shared_.settings;
-    settings.reach += static_cast<double>(approach_in_step(a, b, shared_.step));
+    settings.reach += approach_in_step(a, b, static_cast<double>(shared_.step));
     if (!shared_.recalled.empty()) {
-        shared_.recalled.give(a, b, hull_a, hull_b, memory_);
+        shared_.recalled.give(*a.object, *b.object, *a.hull, *b.hull, memory_);
     }
-    collide(*shared_.kernels, hull_a, hull_b, rigid(pose_a), rigid(pose_b), settings, memory_,
-            scratch, contact);
+    collide(*shared_.kernels, *a.hull, *b.hull, a.pose, b.pose, settings, memory_, scratch,
+            contact);
     if (contact.count == 0 || manifold_ == nullptr) {
         return (contact.count > 0) != (manifold_ != nullptr);
     }
-    write_manifold(contact, pose_a, pose_b, shared_.match, *manifold_);
+    write(a, b, contact);
     return false;
 }
 
-void HullAlgorithm::change(const btCollisionObject &a, const btCollisionObject &b,
-                           const PairContact &contact) {
+void HullAlgorithm::prefetch() const { pluvia::prefetch(this, sizeof(*this)); }
+
+void HullAlgorithm::prefetch_points() const {
+    if (manifold_ != nullptr) {
+        pluvia::prefetch(manifold_, sizeof(btManifoldPoint) * 2);
+    }
+}
+
+void HullAlgorithm::change(const HullBody &a, const HullBody &b, const PairContact &contact) {
     if (contact.count == 0) {
         release();
         return;
     }
-    manifold_ = m_dispatcher->getNewManifold(&a, &b);
+    manifold_ = m_dispatcher->getNewManifold(a.object, b.object);
     if (!shared_.recalled.empty()) {
         shared_.recalled.give(*manifold_);
     }
-    write_manifold(contact, a.getWorldTransform(), b.getWorldTransform(), shared_.match,
-                   *manifold_);
+    write(a, b, contact);
+}
+
+void HullAlgorithm::write(const HullBody &a, const HullBody &b, const PairContact &contact) {
+    const btTransform &pose_a = a.object->getWorldTransform();
+    const btTransform &pose_b = b.object->getWorldTransform();
+    if (contact.held) {
+        refresh_manifold(contact, pose_a, pose_b, *manifold_);
+    } else {
+        write_manifold(contact, pose_a, pose_b, shared_.match, *manifold_);
+    }
 }
 
 void HullAlgorithm::getAllContactManifolds(btManifoldArray &manifolds) {

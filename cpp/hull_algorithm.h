@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact_memory.h"
+#include "hull_bodies.h"
 #include "hull_pair.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
@@ -17,6 +18,7 @@ struct HullCollision {
     const AxisKernels *kernels;
     btScalar step = 0;         // length of a step, for which fast pairs are foreseen
     RecalledContacts recalled; // for new manifolds of the first step
+    HullBodies bodies;         // of this step
 };
 
 // Settings for a world: `reach` is the gap up to which contact points are
@@ -24,18 +26,14 @@ struct HullCollision {
 PairSettings pair_settings(double reach, double scale);
 btScalar match_distance(double scale);
 
-Rigid rigid(const btTransform &pose);
-
-// A length by which points of two bodies can come closer within a step. A
-// pair that may meet within the step has its contact points before it meets,
-// so that it is stopped at the surface and not beyond.
-btScalar approach_in_step(const btCollisionObject &a, const btCollisionObject &b, btScalar step);
-
 // One step of a pair: from the poses, and what pair and manifold remember, to
 // the points in the manifold.
 void collide_into(HullCollision &shared, const HullData &a, const HullData &b,
                   const btTransform &pose_a, const btTransform &pose_b, PairMemory &memory,
                   PairScratch &scratch, btPersistentManifold &manifold);
+
+// Asks the memory for what will be read soon.
+void prefetch(const void *from, std::size_t bytes);
 
 // One for each pair in the broadphase; holds the pair's memory, and its
 // manifold while there are contact points.
@@ -57,11 +55,14 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     // Finds the contact of the pair; both shapes are TightHulls. Writes only
     // what belongs to the pair. True where its manifold must come, for the
     // points in `contact`, or go: then `change` has to be called.
-    bool find(const btCollisionObject &a, const btCollisionObject &b, PairScratch &scratch,
-              PairContact &contact);
+    bool find(const HullBody &a, const HullBody &b, PairScratch &scratch, PairContact &contact);
     // Makes or releases the manifold; not from several threads at once.
-    void change(const btCollisionObject &a, const btCollisionObject &b, const PairContact &contact);
+    void change(const HullBody &a, const HullBody &b, const PairContact &contact);
     bool holds_contacts() const { return manifold_ != nullptr; }
+
+    // Asks for what `find` will read, while something else is done.
+    void prefetch() const;
+    void prefetch_points() const;
 
   private:
     HullCollision &shared_;
@@ -69,6 +70,7 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     PairMemory memory_;
 
     void release();
+    void write(const HullBody &a, const HullBody &b, const PairContact &contact);
 };
 
 // Makes the algorithm; register it for (CONVEX_HULL, CONVEX_HULL) where every

@@ -94,6 +94,8 @@ struct AxisKernels {
     // Below zero: all edges.
     void (*edges)(const HullData &a, const HullData &b, const Relative &pose, const FaceGaps &faces,
                   float best, float enough, float depth, AxisScratch &scratch, EdgeGap &out);
+    // The box of a hull turned by `r`, row by row, around its origin.
+    void (*box)(const HullData &hull, const float r[9], float low[3], float high[3]);
     const char *name;
 };
 

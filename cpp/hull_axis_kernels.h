@@ -40,6 +40,13 @@ static float gap_along(const HullData &a, const HullData &b, const float axis_a[
            highest(a.vx, a.vy, a.vz, a.vertices, axis_a);
 }
 
+static void box(const HullData &hull, const float r[9], float low[3], float high[3]) {
+    for (int i = 0; i < 3; ++i) {
+        low[i] = lowest(hull.vx, hull.vy, hull.vz, hull.vertices, r + 3 * i);
+        high[i] = highest(hull.vx, hull.vy, hull.vz, hull.vertices, r + 3 * i);
+    }
+}
+
 static inline void turn(const float *r, Vector x, Vector y, Vector z, Vector &ox, Vector &oy,
                         Vector &oz) {
     ox = dot(r[0], r[1], r[2], x, y, z);

@@ -23,30 +23,31 @@ HullDispatcher::HullDispatcher(btCollisionConfiguration *configuration, HullColl
     by_thread_.resize(static_cast<std::size_t>(threads));
 }
 
-// As Bullet's near callback, for pairs of hulls only: leaves out what cannot touch.
+// As Bullet's near callback, for pairs of hulls only: leaves out what cannot
+// touch. Every body takes part in every step, so nothing else is asked.
 void HullDispatcher::take(btBroadphasePair &pair) {
-    const auto *a = static_cast<const btCollisionObject *>(pair.m_pProxy0->m_clientObject);
-    const auto *b = static_cast<const btCollisionObject *>(pair.m_pProxy1->m_clientObject);
+    const btBroadphaseProxy &a = *pair.m_pProxy0;
+    const btBroadphaseProxy &b = *pair.m_pProxy1;
+    const HullBodies &bodies = collision_->bodies;
     auto *algorithm = static_cast<HullAlgorithm *>(pair.m_algorithm);
-    if (algorithm == nullptr || !algorithm->holds_contacts()) {
-        const btScalar approach = approach_in_step(*a, *b, collision_->step);
-        if (!within_reach(pair, static_cast<btScalar>(collision_->settings.reach) + approach)) {
-            return;
-        }
-    }
-    if (!needsCollision(a, b)) {
+    if (!bodies.range(a).meets(bodies.range(b)) &&
+        (algorithm == nullptr || !algorithm->holds_contacts())) {
         return;
     }
+    const HullBody &body_a = bodies.body(a);
+    const HullBody &body_b = bodies.body(b);
     if (algorithm == nullptr) {
-        const btCollisionObjectWrapper on_a(nullptr, a->getCollisionShape(), a,
-                                            a->getWorldTransform(), -1, -1);
-        const btCollisionObjectWrapper on_b(nullptr, b->getCollisionShape(), b,
-                                            b->getWorldTransform(), -1, -1);
+        const btCollisionObject &object_a = *body_a.object;
+        const btCollisionObject &object_b = *body_b.object;
+        const btCollisionObjectWrapper on_a(nullptr, object_a.getCollisionShape(), &object_a,
+                                            object_a.getWorldTransform(), -1, -1);
+        const btCollisionObjectWrapper on_b(nullptr, object_b.getCollisionShape(), &object_b,
+                                            object_b.getWorldTransform(), -1, -1);
         algorithm = static_cast<HullAlgorithm *>(
             findAlgorithm(&on_a, &on_b, nullptr, BT_CONTACT_POINT_ALGORITHMS));
         pair.m_algorithm = algorithm;
     }
-    work_.push_back({algorithm, a, b});
+    work_.push_back({algorithm, &body_a, &body_b});
 }
 
 void HullDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *pairs,
@@ -66,6 +67,15 @@ void HullDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *pairs,
         PairContact contact;
         for (std::size_t i = begin; i < end; ++i) {
             const Work &work = work_[i];
+            if (i + 8 < end) {
+                work_[i + 8].algorithm->prefetch();
+            }
+            if (i + 4 < end) {
+                const Work &soon = work_[i + 4];
+                soon.algorithm->prefetch_points();
+                prefetch(soon.a->hull->vx, soon.a->hull->bytes);
+                prefetch(soon.b->hull->vx, soon.b->hull->bytes);
+            }
             if (work.algorithm->find(*work.a, *work.b, scratch_[w], contact)) {
                 by_thread_[w].push_back({i, contact});
             }

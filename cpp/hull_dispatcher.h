@@ -33,7 +33,7 @@ class HullDispatcher final : public btCollisionDispatcher {
   private:
     struct Work {
         HullAlgorithm *algorithm;
-        const btCollisionObject *a, *b;
+        const HullBody *a, *b;
     };
     // A manifold that comes, with its points, or goes.
     struct Change {

@@ -123,6 +123,35 @@ void assign_places(const int from[4], int count, int place[4]) {
 
 } // namespace
 
+namespace {
+
+void set_place(const PairPoint &from, const btVector3 &normal, const btTransform &pose_a,
+               const btTransform &pose_b, btManifoldPoint &point) {
+    point.m_localPointA = vector(from.on_a);
+    point.m_localPointB = vector(from.on_b);
+    point.m_positionWorldOnA = pose_a(point.m_localPointA);
+    point.m_positionWorldOnB = pose_b(point.m_localPointB);
+    point.m_normalWorldOnB = normal;
+    point.m_distance1 = static_cast<btScalar>(from.gap);
+}
+
+} // namespace
+
+void refresh_manifold(const PairContact &contact, const btTransform &pose_a,
+                      const btTransform &pose_b, btPersistentManifold &manifold) {
+    const btVector3 normal = -vector(contact.normal);
+    for (int k = 0; k < manifold.getNumContacts(); ++k) {
+        btManifoldPoint &point = manifold.getContactPoint(k);
+        for (int i = 0; i < contact.count; ++i) {
+            if (point.m_index0 == static_cast<int>(contact.points[i].id)) {
+                set_place(contact.points[i], normal, pose_a, pose_b, point);
+                ++point.m_lifeTime;
+                break;
+            }
+        }
+    }
+}
+
 void write_manifold(const PairContact &contact, const btTransform &pose_a,
                     const btTransform &pose_b, btScalar match, btPersistentManifold &manifold) {
     int from[4];
@@ -147,12 +176,7 @@ void write_manifold(const PairContact &contact, const btTransform &pose_a,
         if (place[i] != from[i]) {
             point = btManifoldPoint(btVector3(0, 0, 0), btVector3(0, 0, 0), normal, 0);
         }
-        point.m_localPointA = vector(contact.points[i].on_a);
-        point.m_localPointB = vector(contact.points[i].on_b);
-        point.m_positionWorldOnA = pose_a(point.m_localPointA);
-        point.m_positionWorldOnB = pose_b(point.m_localPointB);
-        point.m_normalWorldOnB = normal;
-        point.m_distance1 = static_cast<btScalar>(contact.points[i].gap);
+        set_place(contact.points[i], normal, pose_a, pose_b, point);
         point.m_index0 = static_cast<int>(contact.points[i].id);
         point.m_index1 = static_cast<int>(contact.feature);
         point.m_combinedFriction = friction;

@@ -25,4 +25,9 @@ namespace pluvia {
 void write_manifold(const PairContact &contact, const btTransform &pose_a,
                     const btTransform &pose_b, btScalar match, btPersistentManifold &manifold);
 
+// The same for a pair that holds the points of the last step, which are all in
+// the manifold: only their places change.
+void refresh_manifold(const PairContact &contact, const btTransform &pose_a,
+                      const btTransform &pose_b, btPersistentManifold &manifold);
+
 } // namespace pluvia

@@ -22,14 +22,19 @@ class Pair {
 
     void run() {
         out_.count = 0;
+        out_.held = false;
         const bool fresh = memory_.feature == Feature::None;
+        b_to_a_ = Rigid::between(pose_b_, pose_a_);
+        a_to_b_ = b_to_a_.inverse();
+        now_ = smaller_pose();
         if (fresh && memory_.has_axis && still_apart()) {
             return;
         }
-        b_to_a_ = Rigid::between(pose_b_, pose_a_);
-        a_to_b_ = b_to_a_.inverse();
+        if (!fresh && hold()) {
+            return;
+        }
         // No axis can have a wider gap now than this.
-        const float bound = fresh ? 0 : memory_.widest + moved();
+        const float bound = fresh ? 0 : memory_.widest + moved(memory_.pose);
         if (!fresh && keep(bound)) {
             return;
         }
@@ -46,11 +51,11 @@ class Pair {
         const float depth = fresh ? -1 : std::max(bound, -widest);
         find_edges(widest, depth);
         if (edges_.edge_a >= 0 && edges_.gap > reach()) {
-            part(edges_.axis);
+            part(edges_.axis, edges_.gap);
             return;
         }
         memory_.widest = edges_.edge_a >= 0 ? edges_.gap : widest;
-        memory_.pose = smaller_pose();
+        memory_.pose = now_;
         if (edges_.gap <= widest + preference()) {
             edges_.edge_a = -1;
         }
@@ -72,6 +77,7 @@ class Pair {
     Rigid b_to_a_;
     Rigid a_to_b_;
     Relative relative_;
+    Relative now_; // of the smaller body
     FaceGaps faces_;
     EdgeGap edges_;
     int incident_ = -1;  // the face found last to meet a reference face
@@ -80,7 +86,11 @@ class Pair {
     float reach() const { return static_cast<float>(settings_.reach); }
     float preference() const { return static_cast<float>(settings_.face_preference); }
 
+    // Whether the axis that parted the pair does so still.
     bool still_apart() {
+        if (memory_.widest - moved(memory_.pose) > reach()) {
+            return true;
+        }
         const double axis[3] = {memory_.axis[0], memory_.axis[1], memory_.axis[2]};
         double world[3];
         pose_a_.turn(axis, world);
@@ -92,8 +102,10 @@ class Pair {
                 static_cast<float>(r[i] * world[0] + r[3 + i] * world[1] + r[6 + i] * world[2]);
             shift += world[i] * (pose_b_.t[i] - pose_a_.t[i]);
         }
-        return kernels_.gap_along(a_, b_, memory_.axis, axis_b, static_cast<float>(shift)) >
-               reach();
+        memory_.pose = now_;
+        memory_.widest =
+            kernels_.gap_along(a_, b_, memory_.axis, axis_b, static_cast<float>(shift));
+        return memory_.widest > reach();
     }
 
     // Where the smaller body is in the frame of the larger: the bound on its
@@ -106,22 +118,47 @@ class Pair {
         return out;
     }
 
-    // How far any point of one body can have come, in the frame of the other,
-    // since the last whole search: |t - t'| + |R - R'| radius, the norm of the
+    // How far any point of one body can have come in the frame of the other
+    // since it was at `then`: |t - t'| + |R - R'| radius, the norm of the
     // difference of two rotations being its Frobenius norm over the root of 2.
     // A gap along an axis changes by no more, so the widest does not either.
-    float moved() const {
-        const Relative now = smaller_pose();
-        const Relative &then = memory_.pose;
+    float moved(const Relative &then) const {
         float turn = 0;
         float shift = 0;
         for (int i = 0; i < 9; ++i) {
-            turn += (now.r[i] - then.r[i]) * (now.r[i] - then.r[i]);
+            turn += (now_.r[i] - then.r[i]) * (now_.r[i] - then.r[i]);
         }
         for (int i = 0; i < 3; ++i) {
-            shift += (now.t[i] - then.t[i]) * (now.t[i] - then.t[i]);
+            shift += (now_.t[i] - then.t[i]) * (now_.t[i] - then.t[i]);
         }
         return std::sqrt(shift) + std::sqrt(turn / 2) * std::min(a_.radius, b_.radius);
+    }
+
+    // The points of the last step, at the gaps they have now; of edges, where
+    // they come closest now. False where there are none.
+    bool hold() {
+        if (memory_.feature == Feature::Edges) {
+            return moved(memory_.pose) <= settings_.hold &&
+                   keep_edges(memory_.widest - settings_.hysteresis);
+        }
+        if (memory_.known_count == 0 || moved(memory_.met_at) > settings_.hold) {
+            return false;
+        }
+        const bool is_a = memory_.feature == Feature::FaceOfA;
+        const HullData &reference = is_a ? a_ : b_;
+        const int face = memory_.first;
+        const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
+        ClipPoint points[4];
+        for (int i = 0; i < memory_.known_count; ++i) {
+            ClipPoint &point = points[i];
+            from_incident(is_a).apply(memory_.met[i], point.x);
+            point.gap = normal[0] * point.x[0] + normal[1] * point.x[1] + normal[2] * point.x[2] -
+                        static_cast<double>(reference.offset[face]);
+            point.id = memory_.known[i];
+        }
+        put(is_a, normal, points, memory_.known_count);
+        out_.held = true;
+        return true;
     }
 
     void find_edges(float best, float depth) {
@@ -129,7 +166,9 @@ class Pair {
     }
 
     // Apart by more than the reach along an axis.
-    void part(const float axis[3]) {
+    void part(const float axis[3], float gap) {
+        memory_.widest = gap;
+        memory_.pose = now_;
         memory_.feature = Feature::None;
         memory_.has_axis = true;
         std::copy(axis, axis + 3, memory_.axis);
@@ -139,12 +178,12 @@ class Pair {
         if (faces_.gap_a >= faces_.gap_b) {
             const int f = faces_.face_a;
             const float axis[3] = {a_.nx[f], a_.ny[f], a_.nz[f]};
-            part(axis);
+            part(axis, faces_.gap_a);
         } else {
             const AxisScratch &s = scratch_.axis;
             const int f = faces_.face_b;
             const float axis[3] = {-s.bnx[f], -s.bny[f], -s.bnz[f]};
-            part(axis);
+            part(axis, faces_.gap_b);
         }
     }
 
@@ -152,18 +191,8 @@ class Pair {
     // its points bear it out.
     bool keep(double best) {
         const double least = best - settings_.hysteresis;
-        const double slack = settings_.hysteresis;
         if (memory_.feature == Feature::Edges) {
-            const EdgeContact edge = edge_contact(a_, memory_.first, b_, memory_.second, b_to_a_);
-            if (!edge.defined || edge.off > slack) {
-                return false;
-            }
-            const double gap = gap_along(edge.axis);
-            if (gap < least || edge.gap > gap + slack) {
-                return false;
-            }
-            take(edge);
-            return true;
+            return keep_edges(least);
         }
         const bool is_a = memory_.feature == Feature::FaceOfA;
         const double gap = meet_face(is_a, memory_.first, memory_.second);
@@ -171,7 +200,21 @@ class Pair {
             return false;
         }
         take_face(is_a, memory_.first);
-        return out_.count > 0 && deepest_ <= gap + slack;
+        return out_.count > 0 && deepest_ <= gap + settings_.hysteresis;
+    }
+
+    bool keep_edges(double least) {
+        const double slack = settings_.hysteresis;
+        const EdgeContact edge = edge_contact(a_, memory_.first, b_, memory_.second, b_to_a_);
+        if (!edge.defined || edge.off > slack) {
+            return false;
+        }
+        const double gap = gap_along(edge.axis);
+        if (gap < least || edge.gap > gap + slack) {
+            return false;
+        }
+        take(edge);
+        return true;
     }
 
     // The best feature, whatever was before.
@@ -190,7 +233,7 @@ class Pair {
         find_edges(widest - preference(), depth);
         if (edges_.edge_a >= 0 && edges_.gap > reach()) {
             out_.count = 0;
-            part(edges_.axis);
+            part(edges_.axis, edges_.gap);
             return;
         }
         if (edges_.edge_a >= 0 && take_edges()) {
@@ -286,6 +329,16 @@ class Pair {
                                         memory_.known, memory_.known_count);
         put(is_a, normal, points.data(), count);
         remember(is_a ? Feature::FaceOfA : Feature::FaceOfB, face, incident_);
+        keep_points(is_a);
+    }
+
+    void keep_points(bool is_a) {
+        memory_.met_at = now_;
+        for (int i = 0; i < out_.count; ++i) {
+            const PairPoint &point = out_.points[i];
+            const double *on_incident = is_a ? point.on_b : point.on_a;
+            std::copy(on_incident, on_incident + 3, memory_.met[i]);
+        }
     }
 
     // The lowest vertex above a reference face, wherever it lies beside it.
@@ -307,6 +360,7 @@ class Pair {
             }
         }
         put(is_a, normal, &lowest, 1);
+        keep_points(is_a);
         deepest_ = lowest.gap;
     }
 
@@ -363,6 +417,7 @@ void recall(const HullData &a, const HullData &b, std::uint32_t feature, const s
     memory.first = first;
     memory.second = second;
     memory.widest = 1e30F; // unknown: the next search is a whole one
+    memory.met_at = {};    // no pose: what is known is only names
     memory.known_count = count;
     std::copy(ids, ids + count, memory.known);
 }
@@ -371,6 +426,10 @@ void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, c
              const Rigid &pose_b, const PairSettings &settings, PairMemory &memory,
              PairScratch &scratch, PairContact &out) {
     Pair(kernels, a, b, pose_a, pose_b, settings, memory, scratch, out).run();
+    if (out.held) {
+        out.feature = packed(memory.feature, memory.first, memory.second);
+        return;
+    }
     out.feature = out.count > 0 ? packed(memory.feature, memory.first, memory.second) : 0;
     memory.known_count = out.count;
     for (int i = 0; i < out.count; ++i) {

@@ -21,6 +21,9 @@ struct PairSettings {
     // Without it, features of nearly equal depth alternate, the solver's
     // impulses are thrown away, and a packing at rest creeps.
     double hysteresis;
+    // Points of a face contact stay where they are on their bodies while
+    // nothing has moved further than this since they were found.
+    double hold;
     // A pair of edges must beat the best face by this: a face gives up to
     // four points, edges give one.
     double face_preference;
@@ -40,6 +43,10 @@ struct PairMemory {
     // Ids of the last step's points.
     std::int32_t known_count = 0;
     std::uint32_t known[4] = {0, 0, 0, 0};
+    // Of a face contact: the points on the incident body in its own frame, and
+    // where the smaller body was in the frame of the larger when they were found.
+    double met[4][3] = {};
+    Relative met_at = {};
 };
 
 struct PairPoint {
@@ -55,6 +62,7 @@ std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second);
 struct PairContact {
     int count = 0;
     std::uint32_t feature = 0;    // packed
+    bool held = false;            // the same points as in the last step
     double normal[3] = {0, 0, 0}; // out of A towards B, in the world
     PairPoint points[4];
 };

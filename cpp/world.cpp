@@ -5,7 +5,7 @@
 #include "contact_setup.h"
 #include "convert.h"
 #include "globals.h"
-#include "hull_dispatcher.h"
+#include "hull_world.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "shapes.h"
 
@@ -32,6 +32,10 @@ btDefaultCollisionConstructionInfo pool_sizes() {
     return info;
 }
 
+// How far the boxes of Pluvia's own contacts stand off the bodies: a tenth of a
+// grain. More makes more pairs to look at, less more boxes to renew.
+constexpr double BOX_SLACK = 1e-3; // m
+
 GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
     return {units.length(d.contact_threshold), units.length(d.broadphase_margin)};
 }
@@ -54,9 +58,8 @@ class BulletWorld::Impl {
           dispatcher(&configuration, hull_collision.get(), definition.threads),
           contact_solver(definition.own_collision ? make_contact_solver(units, definition)
                                                   : nullptr),
-          world(&dispatcher, &broadphase, solver(), &configuration) {
-        // One call of our solver a step, with all contacts.
-        world.getSimulationIslandManager()->setSplitIslands(contact_solver == nullptr);
+          hull_world(make_hull_world()), bullet_world(make_bullet_world()),
+          world(hull_world ? *hull_world : *bullet_world) {
         world.setGravity(units.length(definition.gravity));
         // A relative threshold of a percent of the grain's size destroys
         // manifolds: the absolute one is used for all pairs.
@@ -64,8 +67,7 @@ class BulletWorld::Impl {
             dispatcher.getDispatcherFlags() &
             ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
         auto &dispatch = world.getDispatchInfo();
-        // Boxes of where a body is and where it will be: pairs are foreseen.
-        dispatch.m_useContinuous = definition.own_collision;
+        dispatch.m_useContinuous = false;
         dispatch.m_enableSatConvex = false;
         auto &info = world.getSolverInfo();
         info.m_numIterations = definition.iterations;
@@ -88,6 +90,13 @@ class BulletWorld::Impl {
     }
 
     ~Impl() {
+        // Pair by pair: a body that leaves looks through all pairs for its own.
+        auto &pairs = *broadphase.getOverlappingPairCache();
+        while (pairs.getNumOverlappingPairs() > 0) {
+            const btBroadphasePair last =
+                pairs.getOverlappingPairArray()[pairs.getNumOverlappingPairs() - 1];
+            pairs.removeOverlappingPair(last.m_pProxy0, last.m_pProxy1, &dispatcher);
+        }
         for (auto &body : bodies) {
             if (body) {
                 world.removeRigidBody(body.get());
@@ -102,18 +111,14 @@ class BulletWorld::Impl {
         return *bodies[id];
     }
 
-    btConstraintSolver *solver() {
-        if (contact_solver) {
-            return contact_solver.get();
-        }
-        return &bullet_solver;
-    }
-
     // Contacts are found where bodies are at the beginning of the step, driven
     // ones as all others: Bullet would have those where they end. It takes the
     // velocity of a driven body from where it was a step ago, which is told so
     // that the velocity is that of the way to come.
     void begin_drives() {
+        if (hull_world && hull_world->followed() == nullptr && !drives.empty()) {
+            hull_world->follow(drives.front().body);
+        }
         for (const Drive &drive : drives) {
             const btTransform &now = drive.body->getWorldTransform();
             btTransform before;
@@ -153,7 +158,27 @@ class BulletWorld::Impl {
     // Ours where the contacts are ours; null where they are Bullet's.
     std::unique_ptr<ContactSolver> contact_solver;
     btSequentialImpulseConstraintSolver bullet_solver;
-    btDiscreteDynamicsWorld world;
+    // One of them is null.
+    std::unique_ptr<HullWorld> hull_world;
+    std::unique_ptr<btDiscreteDynamicsWorld> bullet_world;
+    btDiscreteDynamicsWorld &world;
+
+    std::unique_ptr<HullWorld> make_hull_world() {
+        if (!hull_collision) {
+            return nullptr;
+        }
+        return std::make_unique<HullWorld>(&dispatcher, &broadphase, contact_solver.get(),
+                                           &configuration, *hull_collision,
+                                           units.length(BOX_SLACK));
+    }
+
+    std::unique_ptr<btDiscreteDynamicsWorld> make_bullet_world() {
+        if (hull_collision) {
+            return nullptr;
+        }
+        return std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, &bullet_solver,
+                                                         &configuration);
+    }
 };
 
 std::unique_ptr<BulletWorld> new_world(const WorldDefinition &definition,
@@ -200,6 +225,9 @@ void BulletWorld::remove_body(std::uint32_t id) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
     btRigidBody *body = &impl_->body(id);
     impl_->world.removeRigidBody(body);
+    if (impl_->hull_world && impl_->hull_world->followed() == body) {
+        impl_->hull_world->follow(nullptr);
+    }
     impl_->drives.erase(
         std::remove_if(impl_->drives.begin(), impl_->drives.end(),
                        [body](const Impl::Drive &drive) { return drive.body == body; }),

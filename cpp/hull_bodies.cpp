@@ -1,0 +1,74 @@
+#include "hull_bodies.h"
+
+#include "shapes.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pluvia {
+
+Rigid rigid(const btTransform &pose) {
+    Rigid out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            out.r[3 * i + j] = static_cast<double>(pose.getBasis()[i][j]);
+        }
+        out.t[i] = static_cast<double>(pose.getOrigin()[i]);
+    }
+    return out;
+}
+
+HullBody hull_body(const btCollisionObject &object) {
+    const btRigidBody &body = *btRigidBody::upcast(&object);
+    const auto &shape = static_cast<const TightHull &>(*object.getCollisionShape());
+    HullBody out;
+    out.object = &object;
+    out.hull = &shape.data();
+    out.pose = rigid(object.getWorldTransform());
+    for (int i = 0; i < 3; ++i) {
+        out.velocity[i] = static_cast<double>(body.getLinearVelocity()[i]);
+    }
+    out.turning = static_cast<double>(body.getAngularVelocity().length() * shape.radius());
+    return out;
+}
+
+namespace {
+
+double length(const double a[3], const double b[3]) {
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+} // namespace
+
+double approach_in_step(const HullBody &a, const HullBody &b, double step) {
+    return step * (length(a.velocity, b.velocity) + a.turning + b.turning);
+}
+
+const HullRange &HullBodies::take(const btCollisionObject &object, const Frame &frame, double step,
+                                  double reach, const AxisKernels &kernels) {
+    const std::size_t at = index(*object.getBroadphaseHandle());
+    if (at >= bodies_.size()) {
+        bodies_.resize(at + 1);
+        ranges_.resize(at + 1);
+    }
+    HullBody &body = bodies_[at];
+    body = hull_body(object);
+    HullRange &range = ranges_[at];
+    float turned[9];
+    std::copy(body.pose.r, body.pose.r + 9, turned);
+    kernels.box(*body.hull, turned, range.low, range.high);
+    const double own = reach / 2 + step * (length(body.velocity, frame.velocity) + body.turning);
+    const auto around = static_cast<float>(own);
+    for (int i = 0; i < 3; ++i) {
+        range.centre[i] = static_cast<float>(body.pose.t[i] - frame.origin[i]);
+        range.low[i] += range.centre[i] - around;
+        range.high[i] += range.centre[i] + around;
+    }
+    range.radius = body.hull->radius + around;
+    return range;
+}
+
+} // namespace pluvia

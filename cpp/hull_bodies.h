@@ -1,0 +1,78 @@
+// What finding contacts reads of the bodies of a world, gathered once a step
+// and packed beside each other.
+#pragma once
+
+#include "hull_axis.h"
+#include "hull_clip.h"
+
+#include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+
+#include <cstddef>
+#include <vector>
+
+namespace pluvia {
+
+Rigid rigid(const btTransform &pose);
+
+struct HullBody {
+    const btCollisionObject *object = nullptr; // null where no body has this number
+    const HullData *hull = nullptr;
+    Rigid pose;
+    double velocity[3];
+    double turning; // speed at which its farthest point turns
+};
+
+// A rigid body whose shape is a TightHull.
+HullBody hull_body(const btCollisionObject &object);
+
+// A length by which points of two bodies can come closer within a step. A
+// pair that may meet within the step has its contact points before it meets,
+// so that it is stopped at the surface and not beyond.
+double approach_in_step(const HullBody &a, const HullBody &b, double step);
+
+// Where a body can be within the step, in the frame of HullBodies, with half
+// the reach of contacts around it.
+struct HullRange {
+    float low[3], high[3];
+    float centre[3], radius;
+
+    // False for bodies that do not come within reach of each other.
+    bool meets(const HullRange &o) const {
+        float square = 0;
+        bool apart = false;
+        for (int i = 0; i < 3; ++i) {
+            apart = apart || low[i] > o.high[i] || o.low[i] > high[i];
+            square += (centre[i] - o.centre[i]) * (centre[i] - o.centre[i]);
+        }
+        return !apart && square <= (radius + o.radius) * (radius + o.radius);
+    }
+};
+
+// Where distances are counted from: a place that moves along.
+struct Frame {
+    double origin[3] = {0, 0, 0};
+    double velocity[3] = {0, 0, 0};
+};
+
+// All bodies of a world by the number of their broadphase proxy.
+class HullBodies {
+  public:
+    // Reads a body; `reach` is the gap up to which contacts are kept. The
+    // reference holds until the next call.
+    const HullRange &take(const btCollisionObject &object, const Frame &frame, double step,
+                          double reach, const AxisKernels &kernels);
+
+    const HullBody &body(const btBroadphaseProxy &proxy) const { return bodies_[index(proxy)]; }
+    const HullRange &range(const btBroadphaseProxy &proxy) const { return ranges_[index(proxy)]; }
+
+  private:
+    std::vector<HullBody> bodies_;
+    std::vector<HullRange> ranges_;
+
+    static std::size_t index(const btBroadphaseProxy &proxy) {
+        return static_cast<std::size_t>(proxy.m_uniqueId);
+    }
+};
+
+} // namespace pluvia

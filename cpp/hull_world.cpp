@@ -1,0 +1,71 @@
+#include "hull_world.h"
+
+#include <BulletDynamics/ConstraintSolver/btConstraintSolver.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+namespace pluvia {
+
+namespace {
+
+bool holds(const btBroadphaseProxy &proxy, const HullRange &range) {
+    for (int i = 0; i < 3; ++i) {
+        if (static_cast<btScalar>(range.low[i]) < proxy.m_aabbMin[i] ||
+            static_cast<btScalar>(range.high[i]) > proxy.m_aabbMax[i]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+btVector3 vector(const float x[3]) {
+    return btVector3(static_cast<btScalar>(x[0]), static_cast<btScalar>(x[1]),
+                     static_cast<btScalar>(x[2]));
+}
+
+} // namespace
+
+btVector3 HullWorld::place() const {
+    return followed_ == nullptr ? start_ : start_ + followed_->getWorldTransform().getOrigin();
+}
+
+void HullWorld::follow(const btRigidBody *body) {
+    // The place does not jump: all boxes would have to be renewed.
+    const btVector3 now = place();
+    followed_ = body;
+    start_ += now - place();
+}
+
+void HullWorld::updateAabbs() {
+    Frame frame;
+    const btVector3 origin = place();
+    for (int i = 0; i < 3; ++i) {
+        frame.origin[i] = static_cast<double>(origin[i]);
+        frame.velocity[i] =
+            followed_ == nullptr ? 0 : static_cast<double>(followed_->getLinearVelocity()[i]);
+    }
+    const btVector3 slack(slack_, slack_, slack_);
+    const btCollisionObjectArray &objects = getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); ++i) {
+        const HullRange &range =
+            collision_.bodies.take(*objects[i], frame, static_cast<double>(collision_.step),
+                                   collision_.settings.reach, *collision_.kernels);
+        btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
+        if (!holds(*proxy, range)) {
+            getBroadphase()->setAabb(proxy, vector(range.low) - slack, vector(range.high) + slack,
+                                     getDispatcher());
+        }
+    }
+}
+
+void HullWorld::solveConstraints(btContactSolverInfo &info) {
+    btCollisionObjectArray &objects = getCollisionObjectArray();
+    if (objects.size() == 0) {
+        return;
+    }
+    auto &dispatcher = *static_cast<HullDispatcher *>(getDispatcher());
+    getConstraintSolver()->solveGroup(
+        &objects[0], objects.size(), dispatcher.getInternalManifoldPointer(),
+        dispatcher.getNumManifolds(), nullptr, 0, info, getDebugDrawer(), &dispatcher);
+}
+
+} // namespace pluvia

@@ -1,0 +1,45 @@
+// Bullet's world where Pluvia finds the contacts and solves them.
+#pragma once
+
+#include "hull_dispatcher.h"
+
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+
+namespace pluvia {
+
+// Differs from Bullet's in two things, neither of which any contact hangs on.
+//
+// The boxes in the broadphase are larger than the bodies, so that a body takes
+// a new one only when it has left the old, and they are counted from a place
+// that moves along with the apparatus, so that shaking alone lets none leave.
+//
+// All contacts go to the solver at once: no islands are looked for.
+class HullWorld final : public btDiscreteDynamicsWorld {
+  public:
+    // Lengths in engine units; `collision` must outlive the world.
+    HullWorld(HullDispatcher *dispatcher, btBroadphaseInterface *broadphase,
+              btConstraintSolver *solver, btCollisionConfiguration *configuration,
+              HullCollision &collision, btScalar slack)
+        : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration),
+          collision_(collision), slack_(slack) {}
+
+    // The body that boxes move along with from now on; null for none.
+    void follow(const btRigidBody *body);
+    const btRigidBody *followed() const { return followed_; }
+
+    void updateAabbs() override;
+
+  protected:
+    void calculateSimulationIslands() override {}
+    void solveConstraints(btContactSolverInfo &info) override;
+
+  private:
+    HullCollision &collision_;
+    btScalar slack_;
+    const btRigidBody *followed_ = nullptr;
+    btVector3 start_{0, 0, 0}; // where the place would be had the body not moved from the origin
+
+    btVector3 place() const;
+};
+
+} // namespace pluvia
