@@ -12,6 +12,7 @@ const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 const SHIMS: [&str; 23] = [
     "contact_batches",
     "contact_iterations",
+    "contact_loads",
     "contact_memory",
     "contact_rows",
     "contact_setup",
@@ -23,7 +24,6 @@ const SHIMS: [&str; 23] = [
     "hull_bodies",
     "hull_clip",
     "hull_pair",
-    "hull_manifold",
     "hull_algorithm",
     "hull_dispatcher",
     "hull_probe",

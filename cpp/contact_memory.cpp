@@ -1,5 +1,6 @@
 #include "contact_memory.h"
 
+#include "hull_algorithm.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
@@ -19,32 +20,53 @@ std::uint64_t key(std::uint32_t a, std::uint32_t b) { return std::uint64_t(a) <<
 
 } // namespace
 
-btVector3 impulse_of(const btManifoldPoint &point) {
-    return point.m_normalWorldOnB * point.m_appliedImpulse +
-           point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
-           point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
+namespace {
+
+btVector3 vector(const double x[3]) {
+    return btVector3(static_cast<btScalar>(x[0]), static_cast<btScalar>(x[1]),
+                     static_cast<btScalar>(x[2]));
 }
 
-void remember(const Units &units, const btPersistentManifold &manifold,
-              rust::Vec<ContactRead> &out) {
-    const btCollisionObject &a = *manifold.getBody0();
-    const btCollisionObject &b = *manifold.getBody1();
-    for (int p = 0; p < manifold.getNumContacts(); ++p) {
-        const btManifoldPoint &point = manifold.getContactPoint(p);
-        if (!(point.m_appliedImpulse > 0)) {
+// What does not depend on where the bodies are.
+ContactRead described(const Units &units, const Touching &pair, int point) {
+    const PairContact &contact = pair.state->memory.last;
+    ContactRead read{};
+    read.a = number(*pair.a->object);
+    read.b = number(*pair.b->object);
+    read.normal = array(-vector(contact.normal));
+    read.gap = contact.points[point].gap / units.scale();
+    read.impulse = units.metres(vector(pair.state->loads[point].impulse));
+    read.feature = contact.feature;
+    read.id = contact.points[point].id;
+    return read;
+}
+
+} // namespace
+
+void read(const Units &units, const Touching &pair, rust::Vec<ContactRead> &out) {
+    const PairContact &contact = pair.state->memory.last;
+    for (int p = 0; p < contact.count; ++p) {
+        double on_a[3], on_b[3];
+        pair.a->pose.apply(contact.points[p].on_a, on_a);
+        pair.b->pose.apply(contact.points[p].on_b, on_b);
+        ContactRead read = described(units, pair, p);
+        read.point = units.metres((vector(on_a) + vector(on_b)) * btScalar(0.5));
+        out.push_back(read);
+    }
+}
+
+void remember(const Units &units, const Touching &pair, rust::Vec<ContactRead> &out) {
+    const PairContact &contact = pair.state->memory.last;
+    const btVector3 normal = -vector(contact.normal);
+    for (int p = 0; p < contact.count; ++p) {
+        if (!(vector(pair.state->loads[p].impulse).dot(normal) > 0)) {
             continue;
         }
-        const btVector3 on_a = a.getWorldTransform()(point.m_localPointA);
-        const btVector3 on_b = b.getWorldTransform()(point.m_localPointB);
-        ContactRead read{};
-        read.a = number(a);
-        read.b = number(b);
+        const btVector3 on_a = pair.a->object->getWorldTransform()(vector(contact.points[p].on_a));
+        const btVector3 on_b = pair.b->object->getWorldTransform()(vector(contact.points[p].on_b));
+        ContactRead read = described(units, pair, p);
         read.point = units.metres((on_a + on_b) * btScalar(0.5));
-        read.normal = array(point.m_normalWorldOnB);
-        read.gap = units.metres((on_a - on_b).dot(point.m_normalWorldOnB));
-        read.impulse = units.metres(impulse_of(point));
-        read.feature = static_cast<std::uint32_t>(point.m_index1);
-        read.id = static_cast<std::uint32_t>(point.m_index0);
+        read.gap = units.metres((on_a - on_b).dot(normal));
         out.push_back(read);
     }
 }
@@ -64,40 +86,26 @@ RecalledContacts::of(const btCollisionObject &a, const btCollisionObject &b) con
 
 void RecalledContacts::give(const btCollisionObject &a, const btCollisionObject &b,
                             const HullData &hull_a, const HullData &hull_b,
-                            PairMemory &memory) const {
+                            PairState &state) const {
     const std::vector<Recalled> *points = of(a, b);
     if (points == nullptr) {
         return;
     }
-    std::uint32_t ids[4];
-    const int count = static_cast<int>(std::min<std::size_t>(points->size(), 4));
-    for (int i = 0; i < count; ++i) {
-        ids[i] = (*points)[static_cast<std::size_t>(i)].id;
-    }
-    recall(hull_a, hull_b, points->front().feature, ids, count, memory);
-}
-
-void RecalledContacts::give(btPersistentManifold &manifold) const {
-    const btCollisionObject &a = *manifold.getBody0();
-    const btCollisionObject &b = *manifold.getBody1();
-    const std::vector<Recalled> *points = of(a, b);
-    if (points == nullptr) {
-        return;
-    }
-    const int count = static_cast<int>(std::min<std::size_t>(points->size(), MANIFOLD_CACHE_SIZE));
-    manifold.setNumContacts(count);
-    for (int i = 0; i < count; ++i) {
+    recall(hull_a, hull_b, points->front().feature, state.memory);
+    PairContact &contact = state.memory.last;
+    contact.count = static_cast<int>(std::min<std::size_t>(points->size(), 4));
+    for (int i = 0; i < contact.count; ++i) {
         const Recalled &r = (*points)[static_cast<std::size_t>(i)];
-        btManifoldPoint &point = manifold.getContactPoint(i);
-        point = btManifoldPoint(a.getWorldTransform().invXform(r.point),
-                                b.getWorldTransform().invXform(r.point), r.normal, 0);
-        point.m_appliedImpulse = r.impulse.dot(r.normal);
-        const btVector3 rest = r.impulse - r.normal * point.m_appliedImpulse;
-        const btScalar size = rest.length();
-        point.m_appliedImpulseLateral1 = size;
-        point.m_lateralFrictionDir1 = size > 0 ? rest / size : btVector3(0, 0, 0);
-        point.m_lateralFrictionDir2 = btVector3(0, 0, 0);
-        point.m_index0 = static_cast<int>(r.id);
+        const btVector3 on_a = a.getWorldTransform().invXform(r.point);
+        const btVector3 on_b = b.getWorldTransform().invXform(r.point);
+        PairPoint &point = contact.points[i];
+        point.id = r.id;
+        for (int k = 0; k < 3; ++k) {
+            contact.normal[k] = static_cast<double>(-r.normal[k]);
+            point.on_a[k] = static_cast<double>(on_a[k]);
+            point.on_b[k] = static_cast<double>(on_b[k]);
+            state.loads[i].impulse[k] = static_cast<double>(r.impulse[k]);
+        }
     }
 }
 

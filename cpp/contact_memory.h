@@ -1,11 +1,11 @@
 // What a world remembers of its contacts, for another world to go on from.
 #pragma once
 
+#include "contact_loads.h"
 #include "convert.h"
-#include "hull_pair.h"
 #include "rust/cxx.h"
 
-#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
 #include <cstdint>
 #include <unordered_map>
@@ -15,13 +15,13 @@ namespace pluvia {
 
 struct ContactRead;
 
-// The whole impulse of the last step on the manifold's first body.
-btVector3 impulse_of(const btManifoldPoint &point);
+struct Touching;
 
-// Adds the points of a manifold that bear something, where they are now and
-// not where they were when the step began.
-void remember(const Units &units, const btPersistentManifold &manifold,
-              rust::Vec<ContactRead> &out);
+// Adds the points of a pair as they were when the step began.
+void read(const Units &units, const Touching &pair, rust::Vec<ContactRead> &out);
+
+// Adds the points of a pair that bear something, where they are now.
+void remember(const Units &units, const Touching &pair, rust::Vec<ContactRead> &out);
 
 // Contacts of another world, until the first step of this one is over.
 class RecalledContacts {
@@ -30,13 +30,10 @@ class RecalledContacts {
     bool empty() const { return by_pair_.empty(); }
     void forget() { by_pair_.clear(); }
 
-    // Lets a pair remember the feature that touched.
+    // Gives a pair the feature that touched and the points recalled of it, as
+    // if they were those of the last step.
     void give(const btCollisionObject &a, const btCollisionObject &b, const HullData &hull_a,
-              const HullData &hull_b, PairMemory &memory) const;
-
-    // Gives a new manifold the points recalled of its pair, as if they were
-    // those of the last step.
-    void give(btPersistentManifold &manifold) const;
+              const HullData &hull_b, PairState &state) const;
 
   private:
     struct Recalled {

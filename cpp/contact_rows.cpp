@@ -7,14 +7,7 @@ namespace pluvia {
 
 namespace {
 
-Three<double> three(const btVector3 &v) {
-    return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
-}
-
-btVector3 vector(const Three<double> &v) {
-    return btVector3(static_cast<btScalar>(v.x), static_cast<btScalar>(v.y),
-                     static_cast<btScalar>(v.z));
-}
+Three<double> three(const double x[3]) { return {x[0], x[1], x[2]}; }
 
 // Two tangents of a unit normal (Duff et al. 2017, "Building an orthonormal
 // basis, revisited").
@@ -33,31 +26,31 @@ Three<double> speed_at(const SolverBody &body, const Three<double> &arm) {
 
 } // namespace
 
-ContactRow make_row(const ContactLaw &law, double step, int a, int b, const SolverBody &body_a,
-                    const SolverBody &body_b, const btVector3 &centre_a, const btVector3 &centre_b,
-                    btManifoldPoint &point) {
+ContactRow make_row(const ContactLaw &law, double step, const Touching &pair, int point, int a,
+                    int b, const SolverBody &body_a, const SolverBody &body_b) {
+    const PairContact &contact = pair.state->memory.last;
     ContactRow row;
     row.a = a;
     row.b = b;
-    row.point = &point;
-    row.normal = three(point.m_normalWorldOnB);
+    row.load = &pair.state->loads[point];
+    row.normal = three(contact.normal) * -1.0;
     tangents(row.normal, row.tangent_1, row.tangent_2);
-    row.arm_a = three(point.m_positionWorldOnA - centre_a);
-    row.arm_b = three(point.m_positionWorldOnB - centre_b);
-    row.friction = static_cast<double>(point.m_combinedFriction);
-
-    row.restitution = static_cast<double>(point.m_combinedRestitution);
-    row.arrival = static_cast<double>(point.m_contactMotion1);
-    row.gap = static_cast<double>(point.m_distance1);
+    double arm[3];
+    pair.a->pose.turn(contact.points[point].on_a, arm);
+    row.arm_a = three(arm);
+    pair.b->pose.turn(contact.points[point].on_b, arm);
+    row.arm_b = three(arm);
+    row.friction = pair.state->friction;
+    row.restitution = pair.state->restitution;
+    row.arrival = row.load->arrival;
+    row.gap = contact.points[point].gap;
 
     // The last step's impulses, whole: what is thrown away has to be found
     // again in a few iterations, and the packing creeps while it is not.
-    row.impulse = std::max(0.0, static_cast<double>(point.m_appliedImpulse));
-    const Three<double> rubbed =
-        three(point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
-              point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2);
-    row.impulse_1 = rubbed.dot(row.tangent_1);
-    row.impulse_2 = rubbed.dot(row.tangent_2);
+    const Three<double> borne = three(row.load->impulse);
+    row.impulse = std::max(0.0, borne.dot(row.normal));
+    row.impulse_1 = borne.dot(row.tangent_1);
+    row.impulse_2 = borne.dot(row.tangent_2);
 
     const double parting =
         (speed_at(body_a, row.arm_a) - speed_at(body_b, row.arm_b)).dot(row.normal);
@@ -66,15 +59,12 @@ ContactRow make_row(const ContactLaw &law, double step, int a, int b, const Solv
 }
 
 void write_row(const ContactRow &row) {
-    btManifoldPoint &point = *row.point;
-    const Three<double> rubbed = row.tangent_1 * row.impulse_1 + row.tangent_2 * row.impulse_2;
-    const double size = std::sqrt(rubbed.dot(rubbed));
-    point.m_contactMotion1 = static_cast<btScalar>(row.arrival);
-    point.m_appliedImpulse = static_cast<btScalar>(row.impulse);
-    point.m_appliedImpulseLateral1 = static_cast<btScalar>(size);
-    point.m_appliedImpulseLateral2 = 0;
-    point.m_lateralFrictionDir1 = vector(size > 0 ? rubbed * (1 / size) : row.tangent_1);
-    point.m_lateralFrictionDir2 = vector(row.tangent_2);
+    const Three<double> borne =
+        row.normal * row.impulse + row.tangent_1 * row.impulse_1 + row.tangent_2 * row.impulse_2;
+    row.load->impulse[0] = borne.x;
+    row.load->impulse[1] = borne.y;
+    row.load->impulse[2] = borne.z;
+    row.load->arrival = row.arrival;
 }
 
 } // namespace pluvia

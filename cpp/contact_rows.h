@@ -1,11 +1,9 @@
-// One contact point as the solver sees it, set up from Bullet's manifolds and
-// written back to them.
+// One contact point as the solver sees it, set up from what the pair carries
+// and written back to it.
 #pragma once
 
+#include "hull_algorithm.h"
 #include "lanes.h"
-
-#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
-#include <LinearMath/btAlignedObjectArray.h>
 
 #include <vector>
 
@@ -40,7 +38,7 @@ struct SolverBody {
 // of mass to the point.
 struct ContactRow {
     int a, b;
-    btManifoldPoint *point;
+    Load *load; // of the point
     Three<double> normal, tangent_1, tangent_2, arm_a, arm_b;
     double friction, restitution;
     double gap;                           // when the step began
@@ -49,13 +47,11 @@ struct ContactRow {
     bool near;                            // may well bear something in the step
 };
 
-// Sets up a row of a step of length `step`. The point's m_contactMotion1 holds
-// the speed at which the bodies approached each other, until they rebound.
-ContactRow make_row(const ContactLaw &law, double step, int a, int b, const SolverBody &body_a,
-                    const SolverBody &body_b, const btVector3 &centre_a, const btVector3 &centre_b,
-                    btManifoldPoint &point);
+// Sets up the row of a pair's point for a step of length `step`.
+ContactRow make_row(const ContactLaw &law, double step, const Touching &pair, int point, int a,
+                    int b, const SolverBody &body_a, const SolverBody &body_b);
 
-// Writes the impulses into the point.
+// Writes what was found into the point's load.
 void write_row(const ContactRow &row);
 
 } // namespace pluvia

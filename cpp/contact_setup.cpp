@@ -26,11 +26,12 @@ std::unique_ptr<HullCollision> make_hull_collision(const Units &units, const Wor
     collision->settings = pair_settings(reach * units.scale(), units.scale());
     collision->match = match_distance(units.scale());
     collision->kernels = d.portable ? &portable_axis_kernels() : &axis_kernels();
-    collision->step = static_cast<btScalar>(d.time_step);
+    collision->step = d.time_step;
     return collision;
 }
 
-std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const WorldDefinition &d) {
+std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const WorldDefinition &d,
+                                                   const HullCollision &collision) {
     const double scale = units.scale();
     // The sweeps of a step, shared among its sub-steps.
     const int sweeps = (d.iterations + d.substeps - 1) / d.substeps;
@@ -45,7 +46,7 @@ std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const Wor
     const Sweep sweep = d.contacts_at_once == 1     ? Sweep::OneByOne
                         : has_avx2() && !d.portable ? Sweep::Avx2
                                                     : Sweep::Portable;
-    return std::make_unique<ContactSolver>(law, sweep, d.gyroscopic);
+    return std::make_unique<ContactSolver>(collision.touching, law, sweep, d.gyroscopic);
 }
 
 } // namespace pluvia

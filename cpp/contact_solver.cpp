@@ -58,20 +58,15 @@ int ContactSolver::index_of(const btCollisionObject *body) const {
 }
 
 btScalar ContactSolver::solveGroup(btCollisionObject **bodies, int body_count,
-                                   btPersistentManifold **manifolds, int manifold_count,
-                                   btTypedConstraint **, int constraint_count,
-                                   const btContactSolverInfo &info, btIDebugDraw *,
-                                   btDispatcher *) {
+                                   btPersistentManifold **, int, btTypedConstraint **,
+                                   int constraint_count, const btContactSolverInfo &info,
+                                   btIDebugDraw *, btDispatcher *) {
     if (constraint_count != 0) {
         throw std::logic_error("the contact solver does not know joints");
     }
-    // Bullet calls once more when all islands are done, with nothing.
-    if (body_count == 0 && manifold_count == 0) {
-        return 0;
-    }
     const double step = static_cast<double>(info.m_timeStep);
     take_bodies(bodies, body_count, step);
-    make_rows(manifolds, manifold_count, step);
+    make_rows(step);
     iterations_.run(sweep_, law_, step, rows_, solver_bodies_);
     for (const ContactRow &row : rows_) {
         write_row(row);
@@ -137,26 +132,18 @@ void ContactSolver::accelerate_driven(const btCollisionObject *body, double step
     last = {driven.velocity, driven.spin, change, spin_change};
 }
 
-void ContactSolver::make_rows(btPersistentManifold **manifolds, int count, double step) {
+void ContactSolver::make_rows(double step) {
     rows_.clear();
-    for (int m = 0; m < count; ++m) {
-        btPersistentManifold &manifold = *manifolds[m];
-        const btCollisionObject *on_a = manifold.getBody0();
-        const btCollisionObject *on_b = manifold.getBody1();
-        if (!on_a->hasContactResponse() || !on_b->hasContactResponse()) {
-            continue;
-        }
-        const int a = index_of(on_a);
-        const int b = index_of(on_b);
+    for (const Touching &pair : touching_) {
+        const int a = index_of(pair.a->object);
+        const int b = index_of(pair.b->object);
         const SolverBody &body_a = solver_bodies_[static_cast<std::size_t>(a)];
         const SolverBody &body_b = solver_bodies_[static_cast<std::size_t>(b)];
         if (body_a.inverse_mass == 0 && body_b.inverse_mass == 0) {
             continue;
         }
-        for (int p = 0; p < manifold.getNumContacts(); ++p) {
-            rows_.push_back(
-                make_row(law_, step, a, b, body_a, body_b, on_a->getWorldTransform().getOrigin(),
-                         on_b->getWorldTransform().getOrigin(), manifold.getContactPoint(p)));
+        for (int p = 0; p < pair.state->memory.last.count; ++p) {
+            rows_.push_back(make_row(law_, step, pair, p, a, b, body_a, body_b));
         }
     }
 }

@@ -14,14 +14,15 @@ namespace pluvia {
 
 // Solves all contacts of a step at once: projected Gauss–Seidel in sub-steps that
 // begins with the whole of the last step's impulses, friction within its cone,
-// normals as implicit springs, restitution as typed. The world must not split
-// islands (btSimulationIslandManager::setSplitIslands(false)), so that there
-// is one call a step, and must hold no joints.
+// normals as implicit springs, restitution as typed. The world must call it once
+// a step with all its bodies, and must hold no joints.
 class ContactSolver final : public btConstraintSolver {
   public:
-    // `gyroscopic`: uneven bodies turn by Euler's equations.
-    ContactSolver(const ContactLaw &law, Sweep sweep, bool gyroscopic)
-        : law_(law), sweep_(sweep), gyroscopic_(gyroscopic) {}
+    // `touching`: the contacts of the step at hand, in the place of Bullet's
+    // manifolds. `gyroscopic`: uneven bodies turn by Euler's equations.
+    ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law, Sweep sweep,
+                  bool gyroscopic)
+        : touching_(touching), law_(law), sweep_(sweep), gyroscopic_(gyroscopic) {}
 
     btScalar solveGroup(btCollisionObject **bodies, int body_count,
                         btPersistentManifold **manifolds, int manifold_count,
@@ -48,6 +49,7 @@ class ContactSolver final : public btConstraintSolver {
         bool is_momentum; // the spin stands for the angular momentum in world axes
     };
 
+    const std::vector<Touching> &touching_;
     ContactLaw law_;
     Sweep sweep_;
     bool gyroscopic_;
@@ -66,7 +68,7 @@ class ContactSolver final : public btConstraintSolver {
 
     void take_bodies(btCollisionObject **bodies, int count, double step);
     void accelerate_driven(const btCollisionObject *body, double step, SolverBody &driven);
-    void make_rows(btPersistentManifold **manifolds, int count, double step);
+    void make_rows(double step);
     void give_back(double step);
     int index_of(const btCollisionObject *body) const;
 };

@@ -8,6 +8,21 @@
 
 namespace pluvia {
 
+namespace {
+
+// So many pairs ahead the memory is asked for what a pair carries.
+constexpr std::size_t AHEAD = 6;
+
+void prefetch(const HullAlgorithm &algorithm) {
+    constexpr std::size_t LINE = 64;
+    const auto *at = reinterpret_cast<const char *>(&algorithm);
+    for (std::size_t i = 0; i < sizeof(HullAlgorithm); i += LINE) {
+        __builtin_prefetch(at + i);
+    }
+}
+
+} // namespace
+
 HullDispatcher::HullDispatcher(btCollisionConfiguration *configuration, HullCollision *collision,
                                int threads)
     : btCollisionDispatcher(configuration), collision_(collision) {
@@ -20,7 +35,6 @@ HullDispatcher::HullDispatcher(btCollisionConfiguration *configuration, HullColl
                                 create_.get());
     workers_ = std::make_unique<Workers>(threads);
     scratch_.resize(static_cast<std::size_t>(threads));
-    by_thread_.resize(static_cast<std::size_t>(threads));
 }
 
 // As Bullet's near callback, for pairs of hulls only: leaves out what cannot
@@ -63,34 +77,19 @@ void HullDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *pairs,
         take(first[i]);
     }
     workers_->share(work_.size(), [this](int worker, std::size_t begin, std::size_t end) {
-        const auto w = static_cast<std::size_t>(worker);
-        PairContact contact;
+        PairScratch &scratch = scratch_[static_cast<std::size_t>(worker)];
         for (std::size_t i = begin; i < end; ++i) {
-            const Work &work = work_[i];
-            if (i + 8 < end) {
-                work_[i + 8].algorithm->prefetch();
+            if (i + AHEAD < end) {
+                prefetch(*work_[i + AHEAD].algorithm);
             }
-            if (i + 4 < end) {
-                const Work &soon = work_[i + 4];
-                soon.algorithm->prefetch_points();
-                prefetch(soon.a->hull->vx, soon.a->hull->bytes);
-                prefetch(soon.b->hull->vx, soon.b->hull->bytes);
-            }
-            if (work.algorithm->find(*work.a, *work.b, scratch_[w], contact)) {
-                by_thread_[w].push_back({i, contact});
-            }
+            work_[i].algorithm->find(*work_[i].a, *work_[i].b, scratch);
         }
     });
-    changes_.clear();
-    for (auto &changes : by_thread_) {
-        changes_.insert(changes_.end(), changes.begin(), changes.end());
-        changes.clear();
-    }
-    std::sort(changes_.begin(), changes_.end(),
-              [](const Change &a, const Change &b) { return a.work < b.work; });
-    for (const Change &change : changes_) {
-        const Work &work = work_[change.work];
-        work.algorithm->change(*work.a, *work.b, change.contact);
+    collision_->touching.clear();
+    for (const Work &work : work_) {
+        if (work.algorithm->holds_contacts()) {
+            collision_->touching.push_back({&work.algorithm->state(), work.a, work.b});
+        }
     }
 }
 

@@ -23,10 +23,9 @@ class HullDispatcher final : public btCollisionDispatcher {
     const HullCollision *collision() const { return collision_; }
     int threads() const { return workers_ ? workers_->count() : 1; }
 
-    // Pairs are culled one after the other, computed by all threads, each
-    // writing only what belongs to its pair, and where manifolds come or go that
-    // is done one after the other again, in the order of the pairs: the result
-    // does not depend on the number of threads.
+    // Pairs are culled one after the other and computed by all threads, each
+    // writing only what belongs to its pair: the result does not depend on the
+    // number of threads.
     void dispatchAllCollisionPairs(btOverlappingPairCache *pairs, const btDispatcherInfo &info,
                                    btDispatcher *dispatcher) override;
 
@@ -35,19 +34,11 @@ class HullDispatcher final : public btCollisionDispatcher {
         HullAlgorithm *algorithm;
         const HullBody *a, *b;
     };
-    // A manifold that comes, with its points, or goes.
-    struct Change {
-        std::size_t work;
-        PairContact contact;
-    };
-
     HullCollision *collision_;
     std::unique_ptr<HullCreateFunc> create_;
     std::unique_ptr<Workers> workers_;
     std::vector<Work> work_;
     std::deque<PairScratch> scratch_; // by thread
-    std::vector<std::vector<Change>> by_thread_;
-    std::vector<Change> changes_;
 
     void take(btBroadphasePair &pair);
 };

@@ -141,7 +141,7 @@ class Pair {
             return moved(memory_.pose) <= settings_.hold &&
                    keep_edges(memory_.widest - settings_.hysteresis);
         }
-        if (memory_.known_count == 0 || moved(memory_.met_at) > settings_.hold) {
+        if (memory_.last.count == 0 || moved(memory_.met_at) > settings_.hold) {
             return false;
         }
         const bool is_a = memory_.feature == Feature::FaceOfA;
@@ -149,14 +149,15 @@ class Pair {
         const int face = memory_.first;
         const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
         ClipPoint points[4];
-        for (int i = 0; i < memory_.known_count; ++i) {
+        for (int i = 0; i < memory_.last.count; ++i) {
+            const PairPoint &before = memory_.last.points[i];
             ClipPoint &point = points[i];
-            from_incident(is_a).apply(memory_.met[i], point.x);
+            from_incident(is_a).apply(is_a ? before.on_b : before.on_a, point.x);
             point.gap = normal[0] * point.x[0] + normal[1] * point.x[1] + normal[2] * point.x[2] -
                         static_cast<double>(reference.offset[face]);
-            point.id = memory_.known[i];
+            point.id = before.id;
         }
-        put(is_a, normal, points, memory_.known_count);
+        put(is_a, normal, points, memory_.last.count);
         out_.held = true;
         return true;
     }
@@ -325,20 +326,15 @@ class Pair {
             deepest_ = std::min(deepest_, point.gap);
         }
         const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
+        std::uint32_t known[4];
+        for (int i = 0; i < memory_.last.count; ++i) {
+            known[i] = memory_.last.points[i].id;
+        }
         const int count = reduce_points(points, normal, settings_.reach, settings_.hysteresis,
-                                        memory_.known, memory_.known_count);
+                                        known, memory_.last.count);
         put(is_a, normal, points.data(), count);
         remember(is_a ? Feature::FaceOfA : Feature::FaceOfB, face, incident_);
-        keep_points(is_a);
-    }
-
-    void keep_points(bool is_a) {
         memory_.met_at = now_;
-        for (int i = 0; i < out_.count; ++i) {
-            const PairPoint &point = out_.points[i];
-            const double *on_incident = is_a ? point.on_b : point.on_a;
-            std::copy(on_incident, on_incident + 3, memory_.met[i]);
-        }
     }
 
     // The lowest vertex above a reference face, wherever it lies beside it.
@@ -360,7 +356,7 @@ class Pair {
             }
         }
         put(is_a, normal, &lowest, 1);
-        keep_points(is_a);
+        memory_.met_at = now_;
         deepest_ = lowest.gap;
     }
 
@@ -401,8 +397,7 @@ std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second) {
            (static_cast<std::uint32_t>(second) & INDEX);
 }
 
-void recall(const HullData &a, const HullData &b, std::uint32_t feature, const std::uint32_t *ids,
-            int count, PairMemory &memory) {
+void recall(const HullData &a, const HullData &b, std::uint32_t feature, PairMemory &memory) {
     const std::uint32_t kind = feature >> 2 * INDEX_BITS;
     const auto first = static_cast<std::int32_t>(feature >> INDEX_BITS & INDEX);
     const auto second = static_cast<std::int32_t>(feature & INDEX);
@@ -417,24 +412,14 @@ void recall(const HullData &a, const HullData &b, std::uint32_t feature, const s
     memory.first = first;
     memory.second = second;
     memory.widest = 1e30F; // unknown: the next search is a whole one
-    memory.met_at = {};    // no pose: what is known is only names
-    memory.known_count = count;
-    std::copy(ids, ids + count, memory.known);
+    memory.met_at = {};    // no pose: points that are found anew
 }
 
 void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
              const Rigid &pose_b, const PairSettings &settings, PairMemory &memory,
              PairScratch &scratch, PairContact &out) {
     Pair(kernels, a, b, pose_a, pose_b, settings, memory, scratch, out).run();
-    if (out.held) {
-        out.feature = packed(memory.feature, memory.first, memory.second);
-        return;
-    }
     out.feature = out.count > 0 ? packed(memory.feature, memory.first, memory.second) : 0;
-    memory.known_count = out.count;
-    for (int i = 0; i < out.count; ++i) {
-        memory.known[i] = out.points[i].id;
-    }
 }
 
 } // namespace pluvia

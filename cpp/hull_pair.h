@@ -29,26 +29,6 @@ struct PairSettings {
     double face_preference;
 };
 
-// What a pair remembers.
-struct PairMemory {
-    Feature feature = Feature::None; // of the last step
-    bool has_axis = false;           // an axis along which the pair was apart
-    std::int32_t first = -1;         // the face, or the edge of A
-    std::int32_t second = -1;        // the incident face, or the edge of B
-    float axis[3] = {0, 0, 0};       // in A's frame, out of A
-    // Of the last whole search: no axis had a wider gap than this when B was
-    // here in A's frame, or A in B's, whichever is the smaller body.
-    float widest = 0;
-    Relative pose = {};
-    // Ids of the last step's points.
-    std::int32_t known_count = 0;
-    std::uint32_t known[4] = {0, 0, 0, 0};
-    // Of a face contact: the points on the incident body in its own frame, and
-    // where the smaller body was in the frame of the larger when they were found.
-    double met[4][3] = {};
-    Relative met_at = {};
-};
-
 struct PairPoint {
     double on_a[3]; // in A's frame
     double on_b[3]; // in B's frame
@@ -67,16 +47,34 @@ struct PairContact {
     PairPoint points[4];
 };
 
+// What a pair remembers.
+struct PairMemory {
+    Feature feature = Feature::None; // of the last step
+    bool has_axis = false;           // an axis along which the pair was apart
+    std::int32_t first = -1;         // the face, or the edge of A
+    std::int32_t second = -1;        // the incident face, or the edge of B
+    float axis[3] = {0, 0, 0};       // in A's frame, out of A
+    // Of the last whole search: no axis had a wider gap than this when B was
+    // here in A's frame, or A in B's, whichever is the smaller body. Of a pair
+    // that is apart: how far, along the axis.
+    float widest = 0;
+    Relative pose = {};
+    // The contact of the last step, which who calls puts here.
+    PairContact last;
+    // Of a face contact: where the smaller body was in the frame of the larger
+    // when its points were found.
+    Relative met_at = {};
+};
+
 struct PairScratch {
     AxisScratch axis;
     ClipScratch clip;
 };
 
-// Makes a pair that has no memory remember what touched, with the ids of its
-// points, as another pair of the same hulls found it. What does not fit the
-// hulls is not taken.
-void recall(const HullData &a, const HullData &b, std::uint32_t feature, const std::uint32_t *ids,
-            int count, PairMemory &memory);
+// Makes a pair that has no memory remember what touched, as another pair of the
+// same hulls found it; the points are for `last`. What does not fit the hulls
+// is not taken.
+void recall(const HullData &a, const HullData &b, std::uint32_t feature, PairMemory &memory);
 
 // Finds the contact of two hulls at their world poses.
 void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,

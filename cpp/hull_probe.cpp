@@ -1,7 +1,5 @@
 #include "hull_probe.h"
 
-#include "bodies.h"
-#include "hull_manifold.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "shapes.h"
 
@@ -11,70 +9,74 @@
 
 namespace pluvia {
 
-namespace {
-
-// Pluvia's hooks for the coefficients look up a table; one material will do.
-Materials &materials() {
-    static Materials table{1, {PairValue{0.5, 0.25}}};
-    return table;
-}
-
-} // namespace
-
 HullProbe::HullProbe(double scale, double reach, bool portable, std::unique_ptr<const HullData> a,
                      std::unique_ptr<const HullData> b)
-    : units_(scale), a_(std::move(a)), b_(std::move(b)),
-      manifold_(&body_a_, &body_b_, 0, units_.length(reach), units_.length(reach)) {
+    : units_(scale), a_(std::move(a)), b_(std::move(b)) {
     collision_.settings = pair_settings(reach * scale, scale);
     collision_.match = match_distance(scale);
     collision_.kernels = portable ? &portable_axis_kernels() : &axis_kernels();
-    for (btCollisionObject *body : {&body_a_, &body_b_}) {
-        body->setUserIndex2(0);
-        body->setUserPointer(&materials());
-    }
 }
 
 rust::Vec<HullProbePoint> HullProbe::step(const HullProbePose &a, const HullProbePose &b) {
-    const btTransform pose_a = units_.pose(a.position, a.rotation);
-    const btTransform pose_b = units_.pose(b.position, b.rotation);
-    collide_into(collision_, *a_, *b_, pose_a, pose_b, memory_, scratch_, manifold_);
+    const Rigid pose_a = rigid(units_.pose(a.position, a.rotation));
+    const Rigid pose_b = rigid(units_.pose(b.position, b.rotation));
+    find(pose_a, pose_b);
+    const PairContact &contact = state_.memory.last;
+    const btVector3 normal(static_cast<btScalar>(-contact.normal[0]),
+                           static_cast<btScalar>(-contact.normal[1]),
+                           static_cast<btScalar>(-contact.normal[2]));
+    const auto metres = [this](const double x[3]) {
+        return std::array<double, 3>{x[0] / units_.scale(), x[1] / units_.scale(),
+                                     x[2] / units_.scale()};
+    };
     rust::Vec<HullProbePoint> out;
-    for (int i = 0; i < manifold_.getNumContacts(); ++i) {
-        const btManifoldPoint &p = manifold_.getContactPoint(i);
+    for (int i = 0; i < contact.count; ++i) {
+        const PairPoint &p = contact.points[i];
+        const Load &load = state_.loads[i];
+        double on_a[3], on_b[3], rubbed[3];
+        pose_a.apply(p.on_a, on_a);
+        pose_b.apply(p.on_b, on_b);
+        double pressed = 0;
+        for (int k = 0; k < 3; ++k) {
+            pressed -= load.impulse[k] * contact.normal[k];
+        }
+        for (int k = 0; k < 3; ++k) {
+            rubbed[k] = load.impulse[k] + pressed * contact.normal[k];
+        }
         HullProbePoint point{};
-        point.gap = units_.metres(p.m_distance1);
-        point.normal = array(p.m_normalWorldOnB);
-        point.on_a = units_.metres(p.m_positionWorldOnA);
-        point.on_b = units_.metres(p.m_positionWorldOnB);
-        point.id = static_cast<std::uint32_t>(p.m_index0);
-        point.age = p.m_lifeTime;
-        point.impulse = units_.metres(p.m_appliedImpulse);
-        point.friction = units_.metres(p.m_lateralFrictionDir1 * p.m_appliedImpulseLateral1 +
-                                       p.m_lateralFrictionDir2 * p.m_appliedImpulseLateral2);
+        point.gap = p.gap / units_.scale();
+        point.normal = array(normal);
+        point.on_a = metres(on_a);
+        point.on_b = metres(on_b);
+        point.id = p.id;
+        point.age = load.age;
+        point.impulse = pressed / units_.scale();
+        point.friction = metres(rubbed);
         out.push_back(point);
     }
     return out;
 }
 
-void HullProbe::set_impulse(std::size_t point, double normal,
-                            const std::array<double, 3> &friction) {
-    if (point >= static_cast<std::size_t>(manifold_.getNumContacts())) {
-        throw std::runtime_error("the pair has no such contact point");
-    }
-    btManifoldPoint &p = manifold_.getContactPoint(static_cast<int>(point));
-    p.m_appliedImpulse = units_.length(normal);
-    const btVector3 vector = units_.length(friction);
-    const btScalar size = vector.length();
-    p.m_lateralFrictionDir1 = size > 0 ? vector / size : btVector3(0, 0, 0);
-    p.m_appliedImpulseLateral1 = size;
-    p.m_lateralFrictionDir2 = btVector3(0, 0, 0);
-    p.m_appliedImpulseLateral2 = 0;
+void HullProbe::find(const Rigid &pose_a, const Rigid &pose_b) {
+    PairContact contact;
+    collide(*collision_.kernels, *a_, *b_, pose_a, pose_b, collision_.settings, state_.memory,
+            scratch_, contact);
+    take_contact(contact, collision_.match, state_);
 }
 
-void HullProbe::forget() {
-    memory_ = PairMemory();
-    manifold_.setNumContacts(0);
+void HullProbe::set_impulse(std::size_t point, double normal,
+                            const std::array<double, 3> &friction) {
+    const PairContact &contact = state_.memory.last;
+    if (point >= static_cast<std::size_t>(contact.count)) {
+        throw std::runtime_error("the pair has no such contact point");
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        state_.loads[point].impulse[k] =
+            (friction[k] - normal * contact.normal[k]) * units_.scale();
+    }
 }
+
+void HullProbe::forget() { state_ = PairState(); }
 
 HullProbeGap HullProbe::widest_gap(const HullProbePose &a, const HullProbePose &b, bool all_edges) {
     const Rigid pose_a = rigid(units_.pose(a.position, a.rotation));
@@ -113,19 +115,18 @@ HullProbeGap HullProbe::widest_gap(const HullProbePose &a, const HullProbePose &
 
 double HullProbe::time_steps(rust::Slice<const HullProbePose> poses, std::size_t rounds,
                              bool remember) {
-    btTransform origin;
-    origin.setIdentity();
-    std::vector<btTransform> moved;
+    const Rigid origin = rigid(btTransform::getIdentity());
+    std::vector<Rigid> moved;
     for (const HullProbePose &pose : poses) {
-        moved.push_back(units_.pose(pose.position, pose.rotation));
+        moved.push_back(rigid(units_.pose(pose.position, pose.rotation)));
     }
     const auto begin = std::chrono::steady_clock::now();
     for (std::size_t round = 0; round < rounds; ++round) {
-        for (const btTransform &pose : moved) {
+        for (const Rigid &pose : moved) {
             if (!remember) {
                 forget();
             }
-            collide_into(collision_, *a_, *b_, origin, pose, memory_, scratch_, manifold_);
+            find(origin, pose);
         }
     }
     const std::chrono::duration<double, std::nano> spent = std::chrono::steady_clock::now() - begin;

@@ -7,9 +7,6 @@
 #include "hull_algorithm.h"
 #include "rust/cxx.h"
 
-#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
-#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
-
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -46,9 +43,9 @@ class HullProbe {
     HullCollision collision_;
     PairScratch scratch_;
     std::unique_ptr<const HullData> a_, b_;
-    btCollisionObject body_a_, body_b_;
-    PairMemory memory_;
-    btPersistentManifold manifold_;
+    PairState state_;
+
+    void find(const Rigid &pose_a, const Rigid &pose_b);
 };
 
 // `scale`: engine units in a metre; `reach` in m. Throws std::runtime_error

@@ -46,9 +46,8 @@ void HullWorld::updateAabbs() {
     const btVector3 slack(slack_, slack_, slack_);
     const btCollisionObjectArray &objects = getCollisionObjectArray();
     for (int i = 0; i < objects.size(); ++i) {
-        const HullRange &range =
-            collision_.bodies.take(*objects[i], frame, static_cast<double>(collision_.step),
-                                   collision_.settings.reach, *collision_.kernels);
+        const HullRange &range = collision_.bodies.take(
+            *objects[i], frame, collision_.step, collision_.settings.reach, *collision_.kernels);
         btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
         if (!holds(*proxy, range)) {
             getBroadphase()->setAabb(proxy, vector(range.low) - slack, vector(range.high) + slack,
@@ -62,10 +61,8 @@ void HullWorld::solveConstraints(btContactSolverInfo &info) {
     if (objects.size() == 0) {
         return;
     }
-    auto &dispatcher = *static_cast<HullDispatcher *>(getDispatcher());
-    getConstraintSolver()->solveGroup(
-        &objects[0], objects.size(), dispatcher.getInternalManifoldPointer(),
-        dispatcher.getNumManifolds(), nullptr, 0, info, getDebugDrawer(), &dispatcher);
+    getConstraintSolver()->solveGroup(&objects[0], objects.size(), nullptr, 0, nullptr, 0, info,
+                                      getDebugDrawer(), getDispatcher());
 }
 
 } // namespace pluvia

@@ -56,8 +56,9 @@ class BulletWorld::Impl {
                                                   : nullptr),
           configuration(pool_sizes()),
           dispatcher(&configuration, hull_collision.get(), definition.threads),
-          contact_solver(definition.own_collision ? make_contact_solver(units, definition)
-                                                  : nullptr),
+          contact_solver(definition.own_collision
+                             ? make_contact_solver(units, definition, *hull_collision)
+                             : nullptr),
           hull_world(make_hull_world()), bullet_world(make_bullet_world()),
           world(hull_world ? *hull_world : *bullet_world) {
         world.setGravity(units.length(definition.gravity));
@@ -225,6 +226,9 @@ void BulletWorld::remove_body(std::uint32_t id) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
     btRigidBody *body = &impl_->body(id);
     impl_->world.removeRigidBody(body);
+    if (impl_->hull_collision) {
+        impl_->hull_collision->forget(*body);
+    }
     if (impl_->hull_world && impl_->hull_world->followed() == body) {
         impl_->hull_world->follow(nullptr);
     }
@@ -282,6 +286,12 @@ void BulletWorld::read_bodies(rust::Vec<BodyRead> &out) const {
 void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
     out.clear();
     const auto &dispatcher = impl_->dispatcher;
+    if (impl_->hull_collision) {
+        for (const Touching &pair : impl_->hull_collision->touching) {
+            read(impl_->units, pair, out);
+        }
+        return;
+    }
     for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
         const btPersistentManifold *manifold =
             const_cast<HullDispatcher &>(dispatcher).getManifoldByIndexInternal(m);
@@ -295,7 +305,10 @@ void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
             read.point = impl_->units.metres(middle);
             read.normal = array(point.m_normalWorldOnB);
             read.gap = impl_->units.metres(point.getDistance());
-            read.impulse = impl_->units.metres(impulse_of(point));
+            read.impulse =
+                impl_->units.metres(point.m_normalWorldOnB * point.m_appliedImpulse +
+                                    point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+                                    point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2);
             out.push_back(read);
         }
     }
@@ -306,9 +319,8 @@ void BulletWorld::remember_contacts(rust::Vec<ContactRead> &out) const {
     if (!impl_->hull_collision) {
         return; // Bullet's own contacts cannot be told anything
     }
-    auto &dispatcher = impl_->dispatcher;
-    for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-        remember(impl_->units, *dispatcher.getManifoldByIndexInternal(m), out);
+    for (const Touching &pair : impl_->hull_collision->touching) {
+        remember(impl_->units, pair, out);
     }
 }
 
