@@ -62,6 +62,7 @@ class Schedule {
     int batches() const { return batches_; }
     // How many of them, the first, are of near contacts.
     int near_batches() const { return near_batches_; }
+    int lanes_used(std::size_t batch) const { return used_[batch]; }
     // Whether a body that moves has rows.
     bool touched(std::size_t body) const { return after_[body] > 0; }
     // Batch and lane of each row.

@@ -2,6 +2,7 @@
 
 #include "contact_kernels.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pluvia {
@@ -56,13 +57,17 @@ void load(const std::vector<ContactRow> &rows, const Schedule &schedule, int sub
           Contacts<L> &contacts) {
     using N = typename Lane<L>::Number;
     const auto count = static_cast<std::size_t>(schedule.batches());
-    contacts.batches.assign(count, Batch<L>{});
-    contacts.memory.assign(count, BatchMemory<L>{});
+    contacts.batches.resize(count);
+    contacts.memory.resize(count);
     contacts.awake.assign(count, 1);
     contacts.near = static_cast<std::size_t>(schedule.near_batches());
-    for (BatchMemory<L> &m : contacts.memory) {
-        for (int &row : m.row) {
-            row = -1;
+    for (std::size_t i = 0; i < count; ++i) {
+        BatchMemory<L> &m = contacts.memory[i];
+        m.struck = m.total = m.total_1 = m.total_2 = L{};
+        if (schedule.lanes_used(i) < Lane<L>::WIDTH) {
+            contacts.batches[i] = Batch<L>{};
+            m = BatchMemory<L>{};
+            std::fill(m.row, m.row + Lane<L>::WIDTH, -1);
         }
     }
     for (std::size_t r = 0; r < rows.size(); ++r) {

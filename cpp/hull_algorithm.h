@@ -53,12 +53,19 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     // Finds the contact of the pair; both shapes are TightHulls. Writes only
     // what belongs to the pair.
     void find(const HullBody &a, const HullBody &b, PairScratch &scratch);
+    // Whether the pair was apart, and cannot have come within reach since.
+    bool rests(const HullBody &a, const HullBody &b, double reach) const {
+        return a.travelled + b.travelled + reach < apart_until_;
+    }
     bool holds_contacts() const { return state_.memory.last.count > 0; }
     PairState &state() { return state_; }
 
   private:
     HullCollision &shared_;
     PairState state_;
+    // The bodies' ways, added up, at which they may meet; what was found holds
+    // no longer than the pair in the broadphase.
+    double apart_until_ = -1;
 };
 
 // A pair that touches.

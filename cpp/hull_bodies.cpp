@@ -47,28 +47,51 @@ double approach_in_step(const HullBody &a, const HullBody &b, double step) {
     return step * (length(a.velocity, b.velocity) + a.turning + b.turning);
 }
 
-const HullRange &HullBodies::take(const btCollisionObject &object, const Frame &frame, double step,
-                                  double reach, const AxisKernels &kernels) {
+void HullBodies::begin(const Frame &frame) {
+    for (int i = 0; i < 3; ++i) {
+        moved_[i] = frame.origin[i] - frame_.origin[i];
+    }
+    frame_ = frame;
+}
+
+const HullRange &HullBodies::take(const btCollisionObject &object, double step, double reach,
+                                  const AxisKernels &kernels) {
     const std::size_t at = index(*object.getBroadphaseHandle());
     if (at >= bodies_.size()) {
         bodies_.resize(at + 1);
         ranges_.resize(at + 1);
     }
     HullBody &body = bodies_[at];
+    const HullBody before = body;
     body = hull_body(object);
+    body.travelled = before.travelled;
+    if (before.object == body.object) {
+        body.travelled += way(body, before.pose, moved_);
+    }
     HullRange &range = ranges_[at];
     float turned[9];
     std::copy(body.pose.r, body.pose.r + 9, turned);
     kernels.box(*body.hull, turned, range.low, range.high);
-    const double own = reach / 2 + step * (length(body.velocity, frame.velocity) + body.turning);
-    const auto around = static_cast<float>(own);
+    const double own = reach / 2 + step * (length(body.velocity, frame_.velocity) + body.turning);
+    range.around = static_cast<float>(own);
     for (int i = 0; i < 3; ++i) {
-        range.centre[i] = static_cast<float>(body.pose.t[i] - frame.origin[i]);
-        range.low[i] += range.centre[i] - around;
-        range.high[i] += range.centre[i] + around;
+        range.centre[i] = static_cast<float>(body.pose.t[i] - frame_.origin[i]);
+        range.low[i] += range.centre[i] - range.around;
+        range.high[i] += range.centre[i] + range.around;
     }
-    range.radius = body.hull->radius + around;
+    range.radius = body.hull->radius + range.around;
     return range;
+}
+
+// As for a pair of hulls (hull_pair.cpp): the way of the centre, and the
+// turning times the radius.
+double HullBodies::way(const HullBody &body, const Rigid &before, const double moved[3]) {
+    double turn = 0;
+    for (int i = 0; i < 9; ++i) {
+        turn += (body.pose.r[i] - before.r[i]) * (body.pose.r[i] - before.r[i]);
+    }
+    const double from[3] = {before.t[0] + moved[0], before.t[1] + moved[1], before.t[2] + moved[2]};
+    return length(body.pose.t, from) + std::sqrt(turn / 2) * static_cast<double>(body.hull->radius);
 }
 
 } // namespace pluvia

@@ -20,7 +20,8 @@ struct HullBody {
     const HullData *hull = nullptr;
     Rigid pose;
     double velocity[3];
-    double turning; // speed at which its farthest point turns
+    double turning;       // speed at which its farthest point turns
+    double travelled = 0; // by any of its points since it was first seen, in the frame
 };
 
 // A rigid body whose shape is a TightHull.
@@ -36,6 +37,7 @@ double approach_in_step(const HullBody &a, const HullBody &b, double step);
 struct HullRange {
     float low[3], high[3];
     float centre[3], radius;
+    float around; // how far beyond the body
 
     // False for bodies that do not come within reach of each other.
     bool meets(const HullRange &o) const {
@@ -58,10 +60,12 @@ struct Frame {
 // All bodies of a world by the number of their broadphase proxy.
 class HullBodies {
   public:
+    // Begins a step.
+    void begin(const Frame &frame);
     // Reads a body; `reach` is the gap up to which contacts are kept. The
     // reference holds until the next call.
-    const HullRange &take(const btCollisionObject &object, const Frame &frame, double step,
-                          double reach, const AxisKernels &kernels);
+    const HullRange &take(const btCollisionObject &object, double step, double reach,
+                          const AxisKernels &kernels);
 
     const HullBody &body(const btBroadphaseProxy &proxy) const { return bodies_[index(proxy)]; }
     const HullRange &range(const btBroadphaseProxy &proxy) const { return ranges_[index(proxy)]; }
@@ -69,7 +73,11 @@ class HullBodies {
   private:
     std::vector<HullBody> bodies_;
     std::vector<HullRange> ranges_;
+    Frame frame_;                 // of the step
+    double moved_[3] = {0, 0, 0}; // by the frame since the last
 
+    // How far any point of a body has gone from one pose to the next.
+    static double way(const HullBody &body, const Rigid &before, const double moved[3]);
     static std::size_t index(const btBroadphaseProxy &proxy) {
         return static_cast<std::size_t>(proxy.m_uniqueId);
     }

@@ -50,6 +50,10 @@ void HullDispatcher::take(btBroadphasePair &pair) {
     }
     const HullBody &body_a = bodies.body(a);
     const HullBody &body_b = bodies.body(b);
+    const auto reach = static_cast<double>(bodies.range(a).around + bodies.range(b).around);
+    if (algorithm != nullptr && algorithm->rests(body_a, body_b, reach)) {
+        return;
+    }
     if (algorithm == nullptr) {
         const btCollisionObject &object_a = *body_a.object;
         const btCollisionObject &object_b = *body_b.object;

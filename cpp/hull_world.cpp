@@ -43,11 +43,12 @@ void HullWorld::updateAabbs() {
         frame.velocity[i] =
             followed_ == nullptr ? 0 : static_cast<double>(followed_->getLinearVelocity()[i]);
     }
+    collision_.bodies.begin(frame);
     const btVector3 slack(slack_, slack_, slack_);
     const btCollisionObjectArray &objects = getCollisionObjectArray();
     for (int i = 0; i < objects.size(); ++i) {
         const HullRange &range = collision_.bodies.take(
-            *objects[i], frame, collision_.step, collision_.settings.reach, *collision_.kernels);
+            *objects[i], collision_.step, collision_.settings.reach, *collision_.kernels);
         btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
         if (!holds(*proxy, range)) {
             getBroadphase()->setAabb(proxy, vector(range.low) - slack, vector(range.high) + slack,

@@ -51,50 +51,59 @@ inline __attribute__((always_inline)) void scatter(const double (&f)[8], const I
     }
 }
 
-// Rows become columns; done twice, everything is where it was.
-inline __attribute__((always_inline)) void transpose(Float8 (&r)[8]) {
-    Float8 p[8], q[8];
-#pragma GCC unroll 4
-    for (int i = 0; i < 8; i += 2) {
-        p[i] = __builtin_shufflevector(r[i], r[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
-        p[i + 1] = __builtin_shufflevector(r[i], r[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
-    }
-#pragma GCC unroll 2
-    for (int i = 0; i < 8; i += 4) {
-        q[i] = __builtin_shufflevector(p[i], p[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-        q[i + 1] = __builtin_shufflevector(p[i], p[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
-        q[i + 2] = __builtin_shufflevector(p[i + 1], p[i + 3], 0, 1, 8, 9, 4, 5, 12, 13);
-        q[i + 3] = __builtin_shufflevector(p[i + 1], p[i + 3], 2, 3, 10, 11, 6, 7, 14, 15);
-    }
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; ++i) {
-        r[i] = __builtin_shufflevector(q[i], q[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
-        r[i + 4] = __builtin_shufflevector(q[i], q[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
-    }
+using Float4 = float __attribute__((vector_size(16)));
+
+// Four rows become four columns, in each half for itself; done twice,
+// everything is where it was.
+inline __attribute__((always_inline)) void transpose(Float8 (&r)[4]) {
+    const Float8 p = __builtin_shufflevector(r[0], r[1], 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 q = __builtin_shufflevector(r[2], r[3], 0, 8, 1, 9, 4, 12, 5, 13);
+    const Float8 s = __builtin_shufflevector(r[0], r[1], 2, 10, 3, 11, 6, 14, 7, 15);
+    const Float8 t = __builtin_shufflevector(r[2], r[3], 2, 10, 3, 11, 6, 14, 7, 15);
+    r[0] = __builtin_shufflevector(p, q, 0, 1, 8, 9, 4, 5, 12, 13);
+    r[1] = __builtin_shufflevector(p, q, 2, 3, 10, 11, 6, 7, 14, 15);
+    r[2] = __builtin_shufflevector(s, t, 0, 1, 8, 9, 4, 5, 12, 13);
+    r[3] = __builtin_shufflevector(s, t, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
+// Halves of records are put beside each other when they are read, and taken
+// apart when they are written, which costs less than to turn whole ones.
 template <class B, class Index>
 inline __attribute__((always_inline)) void gather(const B *bodies, int offset, const Index *index,
                                                   Float8 (&f)[8]) {
-#pragma GCC unroll 8
-    for (int i = 0; i < 8; ++i) {
-        f[i] = *reinterpret_cast<const Float8 *>(bodies[index[i]].motion + offset);
+#pragma GCC unroll 2
+    for (int half = 0; half < 8; half += 4) {
+        Float8 r[4];
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; ++i) {
+            const auto &first =
+                *reinterpret_cast<const Float4 *>(bodies[index[i]].motion + offset + half);
+            const auto &second =
+                *reinterpret_cast<const Float4 *>(bodies[index[i + 4]].motion + offset + half);
+            r[i] = __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7);
+        }
+        transpose(r);
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; ++i) {
+            f[half + i] = r[i];
+        }
     }
-    transpose(f);
 }
 
 template <class B, class Index>
 inline __attribute__((always_inline)) void scatter(const Float8 (&f)[8], const Index *index,
                                                    B *bodies, int offset) {
-    Float8 rows[8];
-#pragma GCC unroll 8
-    for (int i = 0; i < 8; ++i) {
-        rows[i] = f[i];
-    }
-    transpose(rows);
-#pragma GCC unroll 8
-    for (int i = 0; i < 8; ++i) {
-        *reinterpret_cast<Float8 *>(bodies[index[i]].motion + offset) = rows[i];
+#pragma GCC unroll 2
+    for (int half = 0; half < 8; half += 4) {
+        Float8 r[4] = {f[half], f[half + 1], f[half + 2], f[half + 3]};
+        transpose(r);
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; ++i) {
+            *reinterpret_cast<Float4 *>(bodies[index[i]].motion + offset + half) =
+                __builtin_shufflevector(r[i], r[i], 0, 1, 2, 3);
+            *reinterpret_cast<Float4 *>(bodies[index[i + 4]].motion + offset + half) =
+                __builtin_shufflevector(r[i], r[i], 4, 5, 6, 7);
+        }
     }
 }
 
