@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 23] = [
+const SHIMS: [&str; 25] = [
     "contact_batches",
     "contact_iterations",
     "contact_loads",
@@ -18,11 +18,13 @@ const SHIMS: [&str; 23] = [
     "contact_setup",
     "contact_solver",
     "convert",
+    "drives",
     "globals",
     "hull_data",
     "hull_axis",
     "hull_bodies",
     "hull_clip",
+    "hull_memory",
     "hull_pair",
     "hull_algorithm",
     "hull_dispatcher",

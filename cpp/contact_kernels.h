@@ -264,8 +264,8 @@ template <class N> PLUVIA_INLINE void go(std::vector<PackedBody<N>> &bodies, N s
 //
 // A contact that bears nothing and is not approached too fast is left as it is
 // by a sweep. So the contacts that are not near are looked at in the first
-// sweep and when all others are solved, and take part in all sweeps from when
-// one of their batch bears something.
+// sweep, every so many, and when all others are solved; they take part in all
+// sweeps from when one of their batch bears something.
 template <class L>
 PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
                            const LaneLaw<typename Lane<L>::Number> &law,
@@ -291,7 +291,7 @@ PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
             }
         }
         const bool solved = sweep >= sweeps && !any_larger(unsolved, law.unsolved_speed);
-        if (sweep > 1 && !solved) {
+        if (sweep > 1 && sweep % sweeps != 0 && !solved) {
             continue;
         }
         for (std::size_t i = contacts.near; i < batches.size(); ++i) {

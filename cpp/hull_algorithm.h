@@ -57,15 +57,17 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     bool rests(const HullBody &a, const HullBody &b, double reach) const {
         return a.travelled + b.travelled + reach < apart_until_;
     }
-    bool holds_contacts() const { return state_.memory.last.count > 0; }
+    bool holds_contacts() const { return touches_; }
     PairState &state() { return state_; }
 
   private:
     HullCollision &shared_;
-    PairState state_;
-    // The bodies' ways, added up, at which they may meet; what was found holds
-    // no longer than the pair in the broadphase.
+    // First what is read of every pair in every step.
+    //
+    // The bodies' ways, added up, at which they may meet.
     double apart_until_ = -1;
+    bool touches_ = false;
+    PairState state_;
 };
 
 // A pair that touches.

@@ -77,7 +77,9 @@ void HullDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *pairs,
     }
     work_.clear();
     btBroadphasePair *const first = pairs->getOverlappingPairArrayPtr();
-    for (int i = 0; i < pairs->getNumOverlappingPairs(); ++i) {
+    const int count = pairs->getNumOverlappingPairs();
+    for (int i = 0; i < count; ++i) {
+        __builtin_prefetch(first[std::min(i + 2 * static_cast<int>(AHEAD), count - 1)].m_algorithm);
         take(first[i]);
     }
     workers_->share(work_.size(), [this](int worker, std::size_t begin, std::size_t end) {

@@ -88,9 +88,6 @@ class Pair {
 
     // Whether the axis that parted the pair does so still.
     bool still_apart() {
-        if (memory_.widest - moved(memory_.pose) > reach()) {
-            return true;
-        }
         const double axis[3] = {memory_.axis[0], memory_.axis[1], memory_.axis[2]};
         double world[3];
         pose_a_.turn(axis, world);
@@ -102,7 +99,6 @@ class Pair {
                 static_cast<float>(r[i] * world[0] + r[3 + i] * world[1] + r[6 + i] * world[2]);
             shift += world[i] * (pose_b_.t[i] - pose_a_.t[i]);
         }
-        memory_.pose = now_;
         memory_.widest =
             kernels_.gap_along(a_, b_, memory_.axis, axis_b, static_cast<float>(shift));
         return memory_.widest > reach();
@@ -169,7 +165,6 @@ class Pair {
     // Apart by more than the reach along an axis.
     void part(const float axis[3], float gap) {
         memory_.widest = gap;
-        memory_.pose = now_;
         memory_.feature = Feature::None;
         memory_.has_axis = true;
         std::copy(axis, axis + 3, memory_.axis);
@@ -382,38 +377,6 @@ class Pair {
 };
 
 } // namespace
-
-namespace {
-
-// Bits of a face or an edge in a packed feature, as in the points' ids.
-constexpr std::uint32_t INDEX_BITS = 14;
-constexpr std::uint32_t INDEX = (1U << INDEX_BITS) - 1;
-
-} // namespace
-
-std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second) {
-    return static_cast<std::uint32_t>(feature) << 2 * INDEX_BITS |
-           (static_cast<std::uint32_t>(first) & INDEX) << INDEX_BITS |
-           (static_cast<std::uint32_t>(second) & INDEX);
-}
-
-void recall(const HullData &a, const HullData &b, std::uint32_t feature, PairMemory &memory) {
-    const std::uint32_t kind = feature >> 2 * INDEX_BITS;
-    const auto first = static_cast<std::int32_t>(feature >> INDEX_BITS & INDEX);
-    const auto second = static_cast<std::int32_t>(feature & INDEX);
-    const bool edges = kind == static_cast<std::uint32_t>(Feature::Edges);
-    const bool of_b = kind == static_cast<std::uint32_t>(Feature::FaceOfB);
-    const int firsts = edges ? a.edges : of_b ? b.faces : a.faces;
-    const int seconds = edges ? b.edges : of_b ? a.faces : b.faces;
-    if (kind == 0 || kind > 3 || first >= firsts || second >= seconds) {
-        return;
-    }
-    memory.feature = static_cast<Feature>(kind);
-    memory.first = first;
-    memory.second = second;
-    memory.widest = 1e30F; // unknown: the next search is a whole one
-    memory.met_at = {};    // no pose: points that are found anew
-}
 
 void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
              const Rigid &pose_b, const PairSettings &settings, PairMemory &memory,

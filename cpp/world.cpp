@@ -4,16 +4,15 @@
 #include "contact_memory.h"
 #include "contact_setup.h"
 #include "convert.h"
+#include "drives.h"
 #include "globals.h"
 #include "hull_world.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "shapes.h"
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
-#include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <btBulletDynamicsCommon.h>
 
-#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -112,40 +111,9 @@ class BulletWorld::Impl {
         return *bodies[id];
     }
 
-    // Contacts are found where bodies are at the beginning of the step, driven
-    // ones as all others: Bullet would have those where they end. It takes the
-    // velocity of a driven body from where it was a step ago, which is told so
-    // that the velocity is that of the way to come.
-    void begin_drives() {
-        if (hull_world && hull_world->followed() == nullptr && !drives.empty()) {
-            hull_world->follow(drives.front().body);
-        }
-        for (const Drive &drive : drives) {
-            const btTransform &now = drive.body->getWorldTransform();
-            btTransform before;
-            before.setBasis(now.getBasis() * drive.end.getBasis().transpose() * now.getBasis());
-            before.setOrigin(now.getOrigin() * 2 - drive.end.getOrigin());
-            drive.body->setInterpolationWorldTransform(before);
-        }
-    }
-
-    void end_drives() {
-        for (const Drive &drive : drives) {
-            drive.body->setWorldTransform(drive.end);
-            drive.body->setInterpolationWorldTransform(drive.end);
-        }
-        drives.clear();
-    }
-
-    // Where a driven body is at the end of the step.
-    struct Drive {
-        btRigidBody *body;
-        btTransform end;
-    };
-
     Units units;
     btScalar time_step;
-    std::vector<Drive> drives; // of the step to come
+    Drives drives;
     DampingAndSpin body_settings;
     Materials materials;
     GlobalsHold globals;
@@ -232,10 +200,7 @@ void BulletWorld::remove_body(std::uint32_t id) {
     if (impl_->hull_world && impl_->hull_world->followed() == body) {
         impl_->hull_world->follow(nullptr);
     }
-    impl_->drives.erase(
-        std::remove_if(impl_->drives.begin(), impl_->drives.end(),
-                       [body](const Impl::Drive &drive) { return drive.body == body; }),
-        impl_->drives.end());
+    impl_->drives.remove(body);
     impl_->bodies[id].reset();
 }
 
@@ -247,17 +212,20 @@ void BulletWorld::drive_body(std::uint32_t id, const std::array<double, 3> &posi
     const btTransform pose = impl_->units.pose(position, rotation);
     btRigidBody &body = impl_->body(id);
     if (impl_->contact_solver) {
-        impl_->drives.push_back({&body, pose});
+        impl_->drives.add(&body, pose);
     } else {
         body.setWorldTransform(pose);
     }
 }
 
 void BulletWorld::step() {
-    impl_->begin_drives();
+    if (impl_->hull_world && impl_->hull_world->followed() == nullptr) {
+        impl_->hull_world->follow(impl_->drives.first());
+    }
+    impl_->drives.begin_step();
     // No sub-steps: the step is the one that was asked for.
     impl_->world.stepSimulation(impl_->time_step, 0, impl_->time_step);
-    impl_->end_drives();
+    impl_->drives.end_step();
     if (impl_->contact_solver) {
         impl_->contact_solver->after_step();
     }

@@ -1,0 +1,37 @@
+#include "hull_memory.h"
+
+namespace pluvia {
+
+namespace {
+
+// Bits of a face or an edge in a packed feature, as in the points' ids.
+constexpr std::uint32_t INDEX_BITS = 14;
+constexpr std::uint32_t INDEX = (1U << INDEX_BITS) - 1;
+
+} // namespace
+
+std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second) {
+    return static_cast<std::uint32_t>(feature) << 2 * INDEX_BITS |
+           (static_cast<std::uint32_t>(first) & INDEX) << INDEX_BITS |
+           (static_cast<std::uint32_t>(second) & INDEX);
+}
+
+void recall(const HullData &a, const HullData &b, std::uint32_t feature, PairMemory &memory) {
+    const std::uint32_t kind = feature >> 2 * INDEX_BITS;
+    const auto first = static_cast<std::int32_t>(feature >> INDEX_BITS & INDEX);
+    const auto second = static_cast<std::int32_t>(feature & INDEX);
+    const bool edges = kind == static_cast<std::uint32_t>(Feature::Edges);
+    const bool of_b = kind == static_cast<std::uint32_t>(Feature::FaceOfB);
+    const int firsts = edges ? a.edges : of_b ? b.faces : a.faces;
+    const int seconds = edges ? b.edges : of_b ? a.faces : b.faces;
+    if (kind == 0 || kind > 3 || first >= firsts || second >= seconds) {
+        return;
+    }
+    memory.feature = static_cast<Feature>(kind);
+    memory.first = first;
+    memory.second = second;
+    memory.widest = 1e30F; // unknown: the next search is a whole one
+    memory.met_at = {};    // no pose: points that are found anew
+}
+
+} // namespace pluvia

@@ -1,0 +1,53 @@
+// What a pair of hulls remembers from step to step.
+#pragma once
+
+#include "hull_axis.h"
+
+namespace pluvia {
+
+// What touches.
+enum class Feature : std::uint8_t { None, FaceOfA, FaceOfB, Edges };
+
+struct PairPoint {
+    double on_a[3]; // in A's frame
+    double on_b[3]; // in B's frame
+    double gap;
+    std::uint32_t id;
+};
+
+// What touched in a step, in one number; 0 for nothing.
+std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second);
+
+struct PairContact {
+    int count = 0;
+    std::uint32_t feature = 0;    // packed
+    bool held = false;            // the same points as in the last step
+    double normal[3] = {0, 0, 0}; // out of A towards B, in the world
+    PairPoint points[4];
+};
+
+// What a pair remembers.
+struct PairMemory {
+    Feature feature = Feature::None; // of the last step
+    bool has_axis = false;           // an axis along which the pair was apart
+    std::int32_t first = -1;         // the face, or the edge of A
+    std::int32_t second = -1;        // the incident face, or the edge of B
+    float axis[3] = {0, 0, 0};       // in A's frame, out of A
+    // Of the last whole search: no axis had a wider gap than this when B was
+    // here in A's frame, or A in B's, whichever is the smaller body. Of a pair
+    // that is apart: how far in this step, along the axis.
+    float widest = 0;
+    Relative pose = {};
+    // The contact of the last step, which who calls puts here.
+    PairContact last;
+    // Of a face contact: where the smaller body was in the frame of the larger
+    // when its points were found.
+    Relative met_at = {};
+};
+
+// Makes a pair that has no memory remember what touched, as another pair of the
+// same hulls found it; the points are for `last`. What does not fit the hulls
+// is not taken.
+void recall(const HullData &a, const HullData &b, std::uint32_t feature, PairMemory &memory);
+
+} // namespace pluvia
