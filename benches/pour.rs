@@ -1,57 +1,28 @@
-//! What a step costs, and what measuring costs beside it.
+//! What a step costs with each engine, and what measuring costs beside it.
 //!
-//! The specimens are made here: grains of the paper's sieve table, a quarter of
-//! its mass in a narrower cylinder and all of it, poured and settled. Compare
-//! figures of one run with each other, not with those of another machine or day.
+//! Compare figures of one run with each other, not with those of another
+//! machine or day.
 
-use std::{hint::black_box, sync::Arc, sync::atomic::AtomicBool, time::Duration};
+mod common;
+
+use std::{hint::black_box, time::Duration};
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use pluvia::{
     grains::generate,
     measure::{Container, DEFAULT_CELL, HeightMap, TOUCHING_GAP, grain_energy, pairs_within},
-    protocol::{Moment, Observer, Setup, run},
+    protocol::Setup,
     scenario::{
-        Backend, ContactPath, EngineSettings, GrainsSpec, ManifoldSettings, Scenario, SievedGrains,
-        StageSpec,
+        Backend, ContactPath, EngineSettings, ManifoldSettings, Scenario, StageSpec, StrokeReading,
     },
-    specimen::{Specimen, SpecimenState},
+    specimen::Specimen,
     world,
 };
 
+use common::{QUARTER, WHOLE, filled, scenario, settled, sieved, stage};
+
 /// Simulated time in s of one measured stage.
 const MEASURED: f64 = 0.1;
-
-/// Mass of the paper's specimen in g, and the diameter of its cylinder in mm.
-const WHOLE: (f64, f64) = (2343.0, 115.0);
-/// A quarter of it, in a cylinder as high.
-const QUARTER: (f64, f64) = (585.75, 72.5);
-
-struct Nobody;
-
-impl Observer for Nobody {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
-}
-
-fn scenario((mass_g, diameter_mm): (f64, f64)) -> Scenario {
-    serde_json::from_value(serde_json::json!({
-        "name": "bench",
-        "grains": {
-            "total_mass_g": mass_g, "density_kg_per_m3": 2673.9,
-            "sieve_table": [
-                { "passing_mm": 16, "retained_mm": 12.5, "mass_percent": 15 },
-                { "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 51.95 },
-                { "passing_mm": 10, "retained_mm": 8, "mass_percent": 33.05 }
-            ]
-        },
-        "apparatus": {
-            "cylinder": { "inner_diameter_mm": diameter_mm, "height_mm": 200 },
-            "funnel": { "opening_diameter_mm": 70, "top_diameter_mm": 260 }
-        },
-        "stages": []
-    }))
-    .expect("a scenario")
-}
 
 /// Engines to compare, and the settings that a step costs with. Bullet's own
 /// contacts meet the accuracy standard at no setting; 960 steps of ten
@@ -76,39 +47,12 @@ fn engines() -> Vec<(&'static str, EngineSettings)> {
     all.into_iter().filter(|(_, e)| world::built_in().contains(&e.backend)).collect()
 }
 
-fn sieved(scenario: &Scenario) -> &SievedGrains {
-    match &scenario.grains {
-        GrainsSpec::Sieved(spec) => spec,
-        GrainsSpec::File(_) => unreachable!("made from a sieve table"),
-    }
-}
-
-fn stage(setup: &Setup, specimen: Specimen, stage: &StageSpec) -> Specimen {
-    run(setup, &world::create, specimen, stage, &mut Nobody, &AtomicBool::new(false))
-        .expect("a finished stage")
-        .specimen
-}
-
-/// Grains poured and settled with the default engine.
-fn settled(scenario: &Scenario, setup: &Setup) -> Specimen {
-    let grains = Arc::new(generate(sieved(scenario), 1).expect("grains"));
-    let state = SpecimenState::before_everything(grains.grains.len());
-    let mut specimen = Specimen { grains, state };
-    for prepare in [
-        StageSpec::FillFunnel { time_limit_s: 4.0 },
-        StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: 4.0 },
-        StageSpec::Rest { duration_s: 0.5 },
-    ] {
-        specimen = stage(setup, specimen, &prepare);
-    }
-    specimen
-}
-
-/// A tenth of a second at rest and shaken, by every engine: ratios of one run
-/// tell which is faster.
+/// A tenth of a second at rest, shaken and pouring, by every engine: ratios of
+/// one run tell which is faster.
 fn steps(c: &mut Criterion, size: (f64, f64)) -> (Scenario, Setup, Specimen) {
     let scenario = scenario(size);
     let setup = Setup::new(&scenario).expect("a laboratory");
+    let full = filled(&scenario, &setup);
     let specimen = settled(&scenario, &setup);
     let count = specimen.grains.grains.len();
     let mut group = c.benchmark_group(format!("{MEASURED} s of {count} grains"));
@@ -117,22 +61,48 @@ fn steps(c: &mut Criterion, size: (f64, f64)) -> (Scenario, Setup, Specimen) {
     let vibrate = StageSpec::Vibrate {
         frequency_hz: 3.0,
         amplitude_mm: 25.0,
-        stroke: pluvia::scenario::StrokeReading::HalfStroke,
+        stroke: StrokeReading::HalfStroke,
         duration_s: MEASURED,
         periods: 1,
         rest_s: 0.0,
     };
+    let pour = StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: MEASURED };
     for (name, engine) in engines() {
         let setup = Setup { engine, ..setup.clone() };
-        for (what, spec) in [("rest", &rest), ("shaken", &vibrate)] {
+        let scenes = [
+            ("rest", &rest, &specimen),
+            ("shaken", &vibrate, &specimen),
+            ("pouring", &pour, &full),
+        ];
+        for (what, spec, from) in scenes {
             group.bench_function(format!("{what}, {name}"), |b| {
                 let measured = |s| stage(&setup, s, spec);
-                b.iter_batched(|| specimen.clone(), measured, BatchSize::LargeInput)
+                b.iter_batched(|| from.clone(), measured, BatchSize::LargeInput)
             });
         }
     }
     group.finish();
+    driver(&setup, &specimen, &vibrate);
     (scenario, setup, specimen)
+}
+
+/// What the driver (bridge, guards, readings) takes beside the engine, by ten
+/// times the measured stage, so that making the world counts for little.
+fn driver(setup: &Setup, specimen: &Specimen, spec: &StageSpec) {
+    let StageSpec::Vibrate { duration_s, .. } = spec else { return };
+    let mut longer = spec.clone();
+    if let StageSpec::Vibrate { duration_s: longer, .. } = &mut longer {
+        *longer = 10.0 * duration_s;
+    }
+    let begun = std::time::Instant::now();
+    let outcome = stage(setup, specimen.clone(), &longer);
+    let (all, engine) = (begun.elapsed().as_secs_f64(), outcome.engine_time.as_secs_f64());
+    println!(
+        "{} grains, {:.1} s shaken: driver {:.2} % of the engine's time",
+        specimen.grains.grains.len(),
+        outcome.simulated,
+        (all / engine - 1.0) * 100.0,
+    );
 }
 
 fn benches(c: &mut Criterion) {

@@ -35,7 +35,7 @@ void HullWorld::follow(const btRigidBody *body) {
     start_ += now - place();
 }
 
-void HullWorld::updateAabbs() {
+void HullWorld::renew_boxes() {
     Frame frame;
     const btVector3 origin = place();
     for (int i = 0; i < 3; ++i) {
@@ -57,7 +57,7 @@ void HullWorld::updateAabbs() {
     }
 }
 
-void HullWorld::solveConstraints(btContactSolverInfo &info) {
+void HullWorld::solve(btContactSolverInfo &info) {
     btCollisionObjectArray &objects = getCollisionObjectArray();
     if (objects.size() == 0) {
         return;

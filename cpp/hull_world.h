@@ -2,8 +2,7 @@
 #pragma once
 
 #include "hull_dispatcher.h"
-
-#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+#include "phased_world.h"
 
 namespace pluvia {
 
@@ -14,24 +13,23 @@ namespace pluvia {
 // that moves along with the apparatus, so that shaking alone lets none leave.
 //
 // All contacts go to the solver at once: no islands are looked for.
-class HullWorld final : public btDiscreteDynamicsWorld {
+class HullWorld final : public PhasedWorld {
   public:
     // Lengths in engine units; `collision` must outlive the world.
     HullWorld(HullDispatcher *dispatcher, btBroadphaseInterface *broadphase,
               btConstraintSolver *solver, btCollisionConfiguration *configuration,
               HullCollision &collision, btScalar slack)
-        : btDiscreteDynamicsWorld(dispatcher, broadphase, solver, configuration),
-          collision_(collision), slack_(slack) {}
+        : PhasedWorld(dispatcher, broadphase, solver, configuration), collision_(collision),
+          slack_(slack) {}
 
     // The body that boxes move along with from now on; null for none.
     void follow(const btRigidBody *body);
     const btRigidBody *followed() const { return followed_; }
 
-    void updateAabbs() override;
-
   protected:
+    void renew_boxes() override;
     void calculateSimulationIslands() override {}
-    void solveConstraints(btContactSolverInfo &info) override;
+    void solve(btContactSolverInfo &info) override;
 
   private:
     HullCollision &collision_;

@@ -129,8 +129,8 @@ class BulletWorld::Impl {
     btSequentialImpulseConstraintSolver bullet_solver;
     // One of them is null.
     std::unique_ptr<HullWorld> hull_world;
-    std::unique_ptr<btDiscreteDynamicsWorld> bullet_world;
-    btDiscreteDynamicsWorld &world;
+    std::unique_ptr<PhasedWorld> bullet_world;
+    PhasedWorld &world;
 
     std::unique_ptr<HullWorld> make_hull_world() {
         if (!hull_collision) {
@@ -141,12 +141,12 @@ class BulletWorld::Impl {
                                            units.length(BOX_SLACK));
     }
 
-    std::unique_ptr<btDiscreteDynamicsWorld> make_bullet_world() {
+    std::unique_ptr<PhasedWorld> make_bullet_world() {
         if (hull_collision) {
             return nullptr;
         }
-        return std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, &bullet_solver,
-                                                         &configuration);
+        return std::make_unique<PhasedWorld>(&dispatcher, &broadphase, &bullet_solver,
+                                             &configuration);
     }
 };
 
@@ -298,6 +298,11 @@ void BulletWorld::recall_contacts(rust::Slice<const ContactRead> contacts) {
     }
 }
 
+PhaseTimes BulletWorld::phases() const {
+    const Phases &p = impl_->world.phases();
+    return {p.broadphase, p.collision, p.solver, p.integration};
+}
+
 PairValue BulletWorld::pair_value(std::uint32_t a, std::uint32_t b) const {
     const btRigidBody &first = impl_->body(a);
     const btRigidBody &second = impl_->body(b);
@@ -311,7 +316,7 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
     const auto put = [&out](const char *name, double value) {
         out.push_back(EngineSetting{rust::String(name), value});
     };
-    auto &world = const_cast<btDiscreteDynamicsWorld &>(impl_->world);
+    auto &world = impl_->world;
     const auto &info = world.getSolverInfo();
     const auto &dispatch = world.getDispatchInfo();
     const GlobalSettings globals = GlobalsHold::read_back();

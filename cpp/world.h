@@ -15,6 +15,7 @@ struct BodyRead;
 struct ContactRead;
 struct EngineSetting;
 struct PairValue;
+struct PhaseTimes;
 struct WorldDefinition;
 
 class BulletWorld {
@@ -34,6 +35,7 @@ class BulletWorld {
     void read_contacts(rust::Vec<ContactRead> &out) const;
     void remember_contacts(rust::Vec<ContactRead> &out) const;
     void recall_contacts(rust::Slice<const ContactRead> contacts);
+    PhaseTimes phases() const;
     PairValue pair_value(std::uint32_t a, std::uint32_t b) const;
     rust::Vec<EngineSetting> effective() const;
 

@@ -273,6 +273,12 @@ pub trait World {
         Ok(())
     }
 
+    /// Where the engine's time went since the world was made; `None` for an
+    /// engine that does not say.
+    fn phases(&self) -> Option<PhaseTimes> {
+        None
+    }
+
     /// The coefficients that a contact between these bodies gets.
     ///
     /// # Errors
@@ -281,6 +287,19 @@ pub trait World {
 
     /// Every engine setting as read back from the engine.
     fn effective(&self) -> EffectiveSettings;
+}
+
+/// Wall time of the parts of the steps taken, in s.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PhaseTimes {
+    /// Boxes around the bodies, and pairs of boxes that overlap.
+    pub broadphase_s: f64,
+    /// Contacts of these pairs.
+    pub collision_s: f64,
+    /// Impulses at the contacts.
+    pub solver_s: f64,
+    /// Forces before and motion after, and everything else.
+    pub integration_s: f64,
 }
 
 /// Name, version and precision of an engine, as written into every result.

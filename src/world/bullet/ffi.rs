@@ -150,6 +150,14 @@ mod bridge {
         edges: bool,
     }
 
+    /// Wall time of the parts of a step in s, since the world was made.
+    struct PhaseTimes {
+        broadphase: f64,
+        collision: f64,
+        solver: f64,
+        integration: f64,
+    }
+
     /// A setting as Bullet holds it.
     struct EngineSetting {
         name: String,
@@ -189,6 +197,7 @@ mod bridge {
         /// Hands a new world, before its first step, what another remembered.
         fn recall_contacts(self: Pin<&mut BulletWorld>, contacts: &[ContactRead]) -> Result<()>;
         fn pair_value(self: &BulletWorld, a: u32, b: u32) -> Result<PairValue>;
+        fn phases(self: &BulletWorld) -> PhaseTimes;
         fn effective(self: &BulletWorld) -> Vec<EngineSetting>;
 
         include!("pluvia/cpp/hull_probe.h");

@@ -21,7 +21,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::{
     BackendInfo, Body, BodyId, BodyState, Contact, EffectiveSettings, Motion, PairCoefficients,
-    PairTable, RememberedContact, Snapshot, World, WorldError,
+    PairTable, PhaseTimes, RememberedContact, Snapshot, World, WorldError,
 };
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 use crate::scenario::{ContactPath, EngineSettings};
@@ -367,6 +367,16 @@ impl World for BulletBackend {
         }
         let value = self.world.pair_value(a.0, b.0).map_err(engine)?;
         Ok(PairCoefficients { friction: value.friction, restitution: value.restitution })
+    }
+
+    fn phases(&self) -> Option<PhaseTimes> {
+        let p = self.world.phases();
+        Some(PhaseTimes {
+            broadphase_s: p.broadphase,
+            collision_s: p.collision,
+            solver_s: p.solver,
+            integration_s: p.integration,
+        })
     }
 
     fn effective(&self) -> EffectiveSettings {

@@ -1,0 +1,181 @@
+//! How the cost of a step grows with the number of grains, and where it goes:
+//! 1, 4, 16 and 64 cylinders of 364 settled grains beside each other in one
+//! world, so that nothing differs but the number.
+
+mod common;
+
+use std::{
+    collections::HashMap,
+    fs,
+    time::{Duration, Instant},
+};
+
+use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
+use pluvia::{
+    apparatus::TableMotion,
+    geometry::{Pose, Vector},
+    protocol::Setup,
+    specimen::Other,
+    specimen::{Fate, Party, Specimen},
+    world::{
+        self, Body, BodyId, BodyState, Material, Motion, PhaseTimes, RememberedContact, World,
+    },
+};
+
+use common::{QUARTER, scenario, settled};
+
+/// Cylinders in a world.
+const COPIES: [usize; 4] = [1, 4, 16, 64];
+
+/// Distance between the axes of neighbouring cylinders in m.
+const PITCH: f64 = 0.2;
+
+/// Steps that a state is held before it is measured.
+const BEFORE: usize = 48;
+
+/// Cylinders of grains on a table that moves along x.
+struct Cylinders {
+    world: Box<dyn World + Send>,
+    walls: Vec<(BodyId, Pose)>,
+    time: f64,
+}
+
+impl Cylinders {
+    fn new(setup: &Setup, specimen: &Specimen, copies: usize) -> Self {
+        let gravity = Vector::new(0.0, 0.0, -setup.gravity);
+        let mut world = world::create(&setup.engine, gravity, &setup.pairs).expect("a world");
+        let mut walls = Vec::new();
+        let mut contacts = Vec::new();
+        let side = (copies as f64).sqrt().ceil() as usize;
+        for copy in 0..copies {
+            let away = Vector::new(PITCH * (copy % side) as f64, PITCH * (copy / side) as f64, 0.0);
+            let mut ids = HashMap::new();
+            for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
+                let mut pose = piece.pose;
+                pose.translation.vector += away;
+                let id = world
+                    .add(&Body {
+                        shape: piece.shape.clone(),
+                        motion: Motion::Driven,
+                        material: Material::Wall,
+                        state: BodyState::at_rest(pose),
+                    })
+                    .expect("a wall");
+                walls.push((id, pose));
+                ids.insert(Party::Other(Other::Cylinder(n)), id);
+            }
+            let grains = specimen.grains.grains.iter().zip(&specimen.state.bodies);
+            for (n, (grain, s)) in grains.enumerate().filter(|(_, (_, s))| s.fate == Fate::Present)
+            {
+                let mut state = s.body;
+                state.pose.translation.vector += away;
+                let motion = Motion::Free { mass: grain.mass, inertia: grain.inertia };
+                let shape = grain.shape.clone();
+                let body = Body { shape, motion, material: Material::Grain, state };
+                ids.insert(Party::Grain(n), world.add(&body).expect("a grain"));
+            }
+            contacts.extend(specimen.state.contacts.iter().filter_map(|c| {
+                Some(RememberedContact {
+                    a: *ids.get(&c.between[0])?,
+                    b: *ids.get(&c.between[1])?,
+                    point: c.point_m + away,
+                    normal: c.normal,
+                    force: c.force_n,
+                    feature: c.feature,
+                })
+            }));
+        }
+        world.recall(&contacts).expect("contacts");
+        Self { world, walls, time: 0.0 }
+    }
+
+    fn steps(&mut self, count: usize, motion: Option<&TableMotion>) -> Duration {
+        let mut spent = Duration::ZERO;
+        for _ in 0..count {
+            self.time += self.world.time_step();
+            if let Some(motion) = motion {
+                let x = motion.displacement(self.time);
+                for (id, pose) in &self.walls {
+                    let mut pose = *pose;
+                    pose.translation.vector.x += x;
+                    self.world.drive(*id, &pose).expect("a wall");
+                }
+            }
+            let begun = Instant::now();
+            self.world.step().expect("a step");
+            spent += begun.elapsed();
+        }
+        spent
+    }
+}
+
+/// Memory that this process holds, in bytes.
+fn resident() -> Option<f64> {
+    let statm = fs::read_to_string("/proc/self/statm").ok()?;
+    Some(statm.split_whitespace().nth(1)?.parse::<f64>().ok()? * 4096.0)
+}
+
+fn report(
+    what: &str,
+    grains: usize,
+    before: PhaseTimes,
+    after: PhaseTimes,
+    steps: u64,
+    read: Duration,
+) {
+    let cost = |before: f64, after: f64| (after - before) / (steps as f64 * grains as f64) * 1e9;
+    println!(
+        "{what}, {grains} grains, ns a grain-step: broadphase {:.0}, collision {:.0}, solver {:.0}, \
+         integration {:.0}; reading all bodies once {:.0}",
+        cost(before.broadphase_s, after.broadphase_s),
+        cost(before.collision_s, after.collision_s),
+        cost(before.solver_s, after.solver_s),
+        cost(before.integration_s, after.integration_s),
+        read.as_secs_f64() / grains as f64 * 1e9,
+    );
+}
+
+fn growth(c: &mut Criterion) {
+    let scenario = scenario(QUARTER);
+    let setup = Setup::new(&scenario).expect("a laboratory");
+    let specimen = settled(&scenario, &setup);
+    let shaking =
+        TableMotion { amplitude: 0.025, frequency: 3.0, duration: 1e6, periods: 1, rest: 0.0 };
+    let mut group = c.benchmark_group("a step");
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    group.warm_up_time(Duration::from_millis(1)).measurement_time(Duration::from_secs(10));
+    for copies in COPIES {
+        let grains = specimen.present().count() * copies;
+        group.throughput(Throughput::Elements(grains as u64));
+        for (what, motion) in [("rest", None), ("shaken", Some(&shaking))] {
+            let before = resident();
+            let mut cylinders = Cylinders::new(&setup, &specimen, copies);
+            cylinders.steps(BEFORE, motion);
+            if let (Some(before), Some(after), None) = (before, resident(), motion) {
+                println!(
+                    "{grains} grains: {:.1} KiB a grain",
+                    (after - before) / 1024.0 / grains as f64
+                );
+            }
+            let phases = cylinders.world.phases();
+            let mut steps = 0;
+            group.bench_function(format!("{what}, {grains} grains"), |b| {
+                b.iter_custom(|count| {
+                    steps += count;
+                    cylinders.steps(count as usize, motion)
+                })
+            });
+            let begun = Instant::now();
+            cylinders.world.read(&mut Vec::new());
+            let read = begun.elapsed();
+            if let (Some(before), Some(after), true) = (phases, cylinders.world.phases(), steps > 0)
+            {
+                report(what, grains, before, after, steps, read);
+            }
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(all, growth);
+criterion_main!(all);
