@@ -106,9 +106,14 @@ pub fn all() -> Vec<Engine> {
         engine("pluvia", rate, iterations, us(pluvia)),
         engine("pluvia-2-threads", rate, iterations, us(two_threads)),
         engine("rapier", rate, substeps, us(rapier)),
-        engine("mujoco", 2000.0, Some(100), program(&[&python], script("mujoco_peer.py"))),
+        engine("mujoco", 2000.0, Some(30), program(&[&python], script("mujoco_peer.py"))),
         engine("pybullet", 960.0, Some(10), program(&[&python], script("pybullet_peer.py"))),
-        engine("yade", 0.0, None, program(&["yade", "-n", "-x", "-j1"], script("yade_peer.py"))),
+        engine(
+            "yade",
+            0.0,
+            None,
+            program(&["yade", "-n", "-x", "-j1", "-f2"], script("yade_peer.py")),
+        ),
         engine(
             "blender",
             960.0,

@@ -105,8 +105,10 @@ pub fn measure(
     let (specimen, kept) = specimen(scene, &result);
     let lost = scene.grains.len() - kept.len();
     if lost > 0 {
+        // Poured grains may rightly go over the rim.
+        let how = if name == SceneName::Pour { "spilled, " } else { "" };
         notes.push(format!(
-            "{lost} grains went through walls or floor, or their place is no number"
+            "{lost} grains {how}went through walls or floor, or have no place that is a number"
         ));
     }
     let overlap = overlap_statistics(&specimen, &pairs_within(&specimen, &kept, TOUCHING_GAP));

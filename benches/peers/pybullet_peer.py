@@ -32,7 +32,6 @@ def main():
         numSolverIterations=job.iterations,
         useSplitImpulse=0,
         contactBreakingThreshold=1e-3 * SCALE,
-        enableConeFriction=1,
         erp=0.2,
         contactERP=0.2,
         globalCFM=0.0,
@@ -80,6 +79,8 @@ def main():
         surface(
             body,
             0,
+            # Without the mass beside it, the inertia makes the mass zero.
+            mass=grain["mass_kg"],
             localInertiaDiagonal=inertia,
             linearDamping=0,
             angularDamping=0,

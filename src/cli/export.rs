@@ -21,7 +21,7 @@ Leaves in DIR, in SI units:
 
 Examples:
   pluvia export out/first --format json --out out/first-for-others
-  pluvia export out/reproduce/runs/c1-fh-050 --format obj --stage pour --out out/meshes")]
+  pluvia export out/reproduce/runs/pluviation-c1-fh050 --format obj --stage pour --out out/meshes")]
 pub(super) struct ExportArgs {
     /// Folder of a run, as `pluvia run` and `pluvia reproduce` leave it
     #[arg(value_name = "RUN_DIR")]
