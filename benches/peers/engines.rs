@@ -73,6 +73,8 @@ pub struct Engine {
     pub rate_hz: f64,
     /// Its iterations a step.
     pub iterations: Option<u32>,
+    /// Wall time in s of stepping beyond which waiting tells nothing more.
+    pub patience_s: f64,
     by: By,
 }
 
@@ -92,7 +94,11 @@ pub fn all() -> Vec<Engine> {
         By::Program(words.iter().map(ToString::to_string).chain([last]).collect())
     };
     let python = own("venv/bin/python");
-    let engine = |name, rate_hz, iterations, by| Engine { name, rate_hz, iterations, by };
+    let patience_s = f64::INFINITY;
+    let engine =
+        |name, rate_hz, iterations, by| Engine { name, rate_hz, iterations, patience_s, by };
+    let yade = program(&["yade", "-n", "-x", "-j1", "-f2"], script("yade_peer.py"));
+    let blender = ["blender", "-b", "--factory-startup", "-P"];
     let pluvia = EngineSettings::default();
     let threads = ManifoldSettings { threads: 2, ..pluvia.manifold.clone() };
     let two_threads = EngineSettings { manifold: threads, ..pluvia.clone() };
@@ -108,18 +114,9 @@ pub fn all() -> Vec<Engine> {
         engine("rapier", rate, substeps, us(rapier)),
         engine("mujoco", 2000.0, Some(30), program(&[&python], script("mujoco_peer.py"))),
         engine("pybullet", 960.0, Some(10), program(&[&python], script("pybullet_peer.py"))),
-        engine(
-            "yade",
-            0.0,
-            None,
-            program(&["yade", "-n", "-x", "-j1", "-f2"], script("yade_peer.py")),
-        ),
-        engine(
-            "blender",
-            960.0,
-            Some(10),
-            program(&["blender", "-b", "--factory-startup", "-P"], script("blender_peer.py")),
-        ),
+        // A second and more for each of a hundred thousand steps.
+        Engine { patience_s: 60.0, ..engine("yade", 0.0, None, yade) },
+        engine("blender", 960.0, Some(10), program(&blender, script("blender_peer.py"))),
     ]
 }
 

@@ -43,8 +43,8 @@ struct Options {
     #[arg(long)]
     simulated_s: Option<f64>,
     /// Wall time in s after which an engine stops stepping and is judged by
-    /// what it managed
-    #[arg(long, default_value_t = 300.0)]
+    /// what it managed; of one that never gets through, a minute
+    #[arg(long, default_value_t = 600.0)]
     limit_s: f64,
     /// Another rate than each engine's own, for trying out
     #[arg(long)]
@@ -131,7 +131,7 @@ fn compare(options: &Options) -> Result<(), String> {
                 rate_hz: options.rate_hz.unwrap_or(engine.rate_hz),
                 iterations: options.iterations.or(engine.iterations),
                 seconds: options.simulated_s.unwrap_or(name.duration()),
-                limit_s: options.limit_s,
+                limit_s: options.limit_s.min(engine.patience_s),
             };
             eprintln!("{}, {name} ...", engine.name);
             let scene = read_json(file).map_err(|e| e.to_string())?;

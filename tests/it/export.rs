@@ -119,6 +119,24 @@ fn an_earlier_stage_can_be_chosen_and_carries_what_follows() {
 }
 
 #[test]
+fn a_run_of_many_shares_grains_and_stages_with_the_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = folder.path().join("runs/one");
+    fs::create_dir_all(&run).expect("a folder");
+    for file in ["manifest.json", "specimen.json"] {
+        fs::copy(small_run().join(file), run.join(file)).expect("a copy");
+    }
+    fs::copy(small_run().join("grains.json"), folder.path().join("grains.json")).expect("a copy");
+    std::os::unix::fs::symlink(small_run().join("stages"), folder.path().join("stages"))
+        .expect("a link");
+    for stage in [None, Some("pour")] {
+        let expected = read_run(small_run(), stage).expect("the run itself");
+        let got = read_run(&run, stage).expect("a run below `runs`");
+        assert_eq!(got, expected, "law: the same run, stage {stage:?}");
+    }
+}
+
+#[test]
 fn tables_have_a_row_each_and_meshes_lie_in_the_cylinder() {
     let folder = tempfile::tempdir().expect("a folder");
     done(small_run(), &["--format", "csv"], folder.path());
