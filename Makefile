@@ -7,7 +7,7 @@ ARGS ?=
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce test lint format bench clean
+.PHONY: help setup setup-lint build reproduce test lint format bench bench-peers clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -30,17 +30,20 @@ test: setup ## run every test
 
 lint: setup-lint ## check formatting, lints and documentation
 	cargo fmt --check
-	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp
+	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp
 	cargo clippy --all-targets --locked -- -D warnings
 	cargo clippy --all-targets --locked --no-default-features -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 
 format: setup-lint ## format all source
 	cargo fmt
-	clang-format -i cpp/*.h cpp/*.cpp
+	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp
 
 bench: setup ## run the benchmarks
-	cargo bench --locked
+	cargo bench --locked --bench pour --bench growth
+
+bench-peers: setup ## other engines on the same specimens: a table, and out/peers.json
+	cargo bench --locked --bench peers -- $(ARGS)
 
 clean: ## remove what was built; results in out/ stay
 	cargo clean

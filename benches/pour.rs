@@ -19,7 +19,10 @@ use pluvia::{
     world,
 };
 
-use common::{QUARTER, WHOLE, filled, scenario, settled, sieved, stage};
+use common::{QUARTER, filled, scenario, settled, sieved, stage};
+
+/// Mass of the paper's specimen in g, and the diameter of its cylinder in mm.
+const WHOLE: (f64, f64) = (2343.0, 115.0);
 
 /// Simulated time in s of one measured stage.
 const MEASURED: f64 = 0.1;

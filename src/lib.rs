@@ -5,6 +5,7 @@
 
 pub mod apparatus;
 pub mod cli;
+pub mod export;
 pub mod geometry;
 pub mod grains;
 pub mod measure;

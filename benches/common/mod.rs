@@ -11,9 +11,8 @@ use pluvia::{
     world,
 };
 
-/// Mass of the paper's specimen in g, and the diameter of its cylinder in mm.
-pub const WHOLE: (f64, f64) = (2343.0, 115.0);
-/// A quarter of it, in a cylinder as high.
+/// A quarter of the mass of the paper's specimen in g, and the diameter in mm of a
+/// cylinder in which it stands as high.
 pub const QUARTER: (f64, f64) = (585.75, 72.5);
 
 struct Nobody;
@@ -22,6 +21,7 @@ impl Observer for Nobody {
     fn observe(&mut self, _: &Specimen, _: Moment) {}
 }
 
+/// A scenario without stages, of a mass in g and a cylinder's diameter in mm.
 pub fn scenario((mass_g, diameter_mm): (f64, f64)) -> Scenario {
     serde_json::from_value(serde_json::json!({
         "name": "bench",
@@ -42,6 +42,7 @@ pub fn scenario((mass_g, diameter_mm): (f64, f64)) -> Scenario {
     .expect("a scenario")
 }
 
+/// Its sieve table.
 pub fn sieved(scenario: &Scenario) -> &SievedGrains {
     match &scenario.grains {
         GrainsSpec::Sieved(spec) => spec,

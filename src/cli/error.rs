@@ -2,6 +2,7 @@
 
 use std::{io, process::ExitCode};
 
+use crate::export::ExportError;
 use crate::record::FileError;
 use crate::scenario::ScenarioErrors;
 use crate::study::StudyError;
@@ -40,6 +41,9 @@ pub enum CliError {
     /// The verification did not finish.
     #[error(transparent)]
     Suite(#[from] SuiteError),
+    /// A run could not be exported.
+    #[error(transparent)]
+    Export(#[from] ExportError),
     /// An option names something that is not there.
     #[error("{0}")]
     Usage(String),
@@ -59,6 +63,8 @@ impl CliError {
             Self::Scenario(ScenarioErrors::Faults(_)) => 2,
             Self::Scenario(ScenarioErrors::Unreadable { .. }) => 4,
             Self::File(_) | Self::Output(_) => 4,
+            Self::Export(ExportError::NoStage { .. } | ExportError::Apparatus { .. }) => 2,
+            Self::Export(ExportError::File(_)) => 4,
             Self::Usage(_) | Self::Case(_) => 2,
             Self::Suite(error) => match error {
                 SuiteError::File(_) | SuiteError::Report(_) => 4,

@@ -5,6 +5,7 @@ mod changes;
 mod compare;
 mod context;
 mod error;
+mod export;
 mod grains;
 mod info;
 mod output_folder;
@@ -62,6 +63,7 @@ enum Command {
     Grains(grains::GrainsArgs),
     Compare(compare::CompareArgs),
     Verify(verify::VerifyArgs),
+    Export(export::ExportArgs),
     Schema(schema::SchemaArgs),
     Info(info::InfoArgs),
 }
@@ -86,6 +88,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Grains(args) => grains::run(args, &context),
         Command::Compare(args) => compare::run(args, &context),
         Command::Verify(args) => verify::run(args, &context),
+        Command::Export(args) => export::run(args, &context),
         Command::Schema(args) => schema::run(args, &context),
         Command::Info(args) => info::run(args, &context),
     }

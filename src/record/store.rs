@@ -74,7 +74,12 @@ impl StageStore {
 
     /// Folder of a stage.
     pub fn folder(&self, key: &str) -> PathBuf {
-        self.root.join(&key[..key.len().min(24)])
+        Self::folder_in(&self.root, key)
+    }
+
+    /// Folder of a stage in a store that is only to be read.
+    pub fn folder_in(root: &Path, key: &str) -> PathBuf {
+        root.join(key.get(..24).unwrap_or(key))
     }
 
     /// Reads a stage if it is there whole and unchanged. A damaged one counts

@@ -19,7 +19,7 @@ const ROWS: [&[&str]; 9] = [
     &["protocol"],
     &["measure"],
     &["record", "paper", "report"],
-    &["study", "verify"],
+    &["study", "verify", "export"],
     &["cli", "main"],
 ];
 

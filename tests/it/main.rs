@@ -5,6 +5,7 @@ mod cli;
 mod collision;
 mod compare;
 mod docs;
+mod export;
 mod interruption;
 mod scenario;
 mod verification;

@@ -1,0 +1,60 @@
+//! The pieces of the apparatus that stand around a specimen, with their names.
+
+use serde::{Deserialize, Serialize};
+
+use crate::apparatus::{ApparatusError, Funnel, Piece};
+use crate::protocol::Setup;
+use crate::specimen::SpecimenState;
+
+/// What a piece of the apparatus stands on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Carrier {
+    /// It never moves.
+    Fixed,
+    /// It goes with the shaking table.
+    Table,
+}
+
+/// A piece of the apparatus where it is now.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StandingPiece {
+    /// `cylinder_00` and so on, `floor`, `funnel_00` and so on, `lid`.
+    pub name: String,
+    /// What carries it.
+    pub carrier: Carrier,
+    /// Shape and pose, the displacement of the table included, in m.
+    pub piece: Piece,
+}
+
+/// The pieces that stand in this state: cylinder with floor, funnel, lid. The
+/// top plate is a free body and none of them; the collar that funnels have
+/// while they are filled is left out.
+///
+/// # Errors
+/// When the funnel's dimensions make no funnel.
+pub fn standing(
+    setup: &Setup,
+    state: &SpecimenState,
+) -> Result<Vec<StandingPiece>, ApparatusError> {
+    let mut found = Vec::new();
+    if state.cylinder {
+        let walls = setup.cylinder.pieces.len().saturating_sub(1);
+        for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
+            let name = if n == walls { "floor".to_owned() } else { format!("cylinder_{n:02}") };
+            let mut piece = piece.clone();
+            piece.pose.translation.vector.x += state.table_x;
+            found.push(StandingPiece { name, carrier: Carrier::Table, piece });
+        }
+    }
+    if let Some(stands) = state.funnel {
+        let funnel = Funnel::new(&setup.funnel, stands.opening_height, 0.0)?;
+        let fixed = |name, piece| StandingPiece { name, carrier: Carrier::Fixed, piece };
+        let pieces = funnel.pieces.into_iter().enumerate();
+        found.extend(pieces.map(|(n, piece)| fixed(format!("funnel_{n:02}"), piece)));
+        if stands.lid {
+            found.push(fixed("lid".to_owned(), funnel.lid));
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,369 @@
+//! The exchange format: one JSON file that holds all that another engine needs
+//! to carry on from a specimen. `docs/exchange.md` describes it.
+
+use serde::{Deserialize, Serialize};
+
+use super::apparatus::{Carrier, standing};
+use crate::apparatus::{ApparatusError, TableMotion};
+use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::protocol::Setup;
+use crate::specimen::{Other, Party, Specimen, SpecimenState};
+use crate::world::{BodyState, Material};
+
+/// What `format` says in every such file.
+pub const FORMAT: &str = "pluvia-exchange";
+
+/// Raised whenever a reader of the format before would misread the file.
+pub const VERSION: u32 = 1;
+
+/// A specimen with everything around it. SI units; z is up; the cylinder's
+/// floor lies at z = 0 and its axis at x = y = 0 when the table is in its middle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Scene {
+    /// [`FORMAT`].
+    pub format: String,
+    /// [`VERSION`].
+    pub version: u32,
+    /// Where the scene comes from.
+    pub made_by: MadeBy,
+    /// Gravitational acceleration.
+    pub gravity_m_per_s2: Vector,
+    /// Friction and restitution of each pair of materials, once a pair.
+    pub pairs: Vec<PairValue>,
+    /// Damping of every free body.
+    pub damping: Damping,
+    /// The shaking table.
+    pub table: Table,
+    /// The grains that take part.
+    pub grains: Vec<ExchangeGrain>,
+    /// Walls, floor, funnel, lid: convex pieces without mass.
+    pub apparatus: Vec<ApparatusPiece>,
+    /// The top plate, once it was laid on the grains.
+    pub top_plate: Option<PlateBody>,
+    /// The loaded contacts; none where the engine gave none.
+    pub contacts: Vec<ExchangeContact>,
+}
+
+/// Where a scene comes from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MadeBy {
+    /// Program and version.
+    pub program: String,
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Stage at whose end the specimen was taken.
+    pub stage: String,
+    /// Simulated time since the first stage began.
+    pub time_s: f64,
+}
+
+/// What a contact between two materials gets, with no rule of combination.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PairValue {
+    /// The two materials.
+    pub between: [Material; 2],
+    /// Coulomb friction ratio.
+    pub friction: f64,
+    /// Coefficient of restitution.
+    pub restitution: f64,
+}
+
+/// Share of a velocity lost in a second.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Damping {
+    /// Of the linear velocity.
+    pub linear_per_s: f64,
+    /// Of the angular velocity.
+    pub angular_per_s: f64,
+}
+
+/// Where the shaking table is and what it does next.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// Displacement along x from its middle.
+    pub x_m: f64,
+    /// What it does from this state on; none where it stands still.
+    pub motion: Option<TableLaw>,
+}
+
+/// x(t) = A sin(2πft) along x in each period, x = 0 between periods; t begins
+/// with the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TableLaw {
+    /// A, half the stroke.
+    pub amplitude_m: f64,
+    /// f.
+    pub frequency_hz: f64,
+    /// Length of one period of vibration.
+    pub duration_s: f64,
+    /// Number of periods.
+    pub periods: u32,
+    /// Rest between periods.
+    pub rest_s: f64,
+}
+
+impl From<TableMotion> for TableLaw {
+    fn from(m: TableMotion) -> Self {
+        Self {
+            amplitude_m: m.amplitude,
+            frequency_hz: m.frequency,
+            duration_s: m.duration,
+            periods: m.periods,
+            rest_s: m.rest,
+        }
+    }
+}
+
+impl From<TableLaw> for TableMotion {
+    fn from(law: TableLaw) -> Self {
+        Self {
+            amplitude: law.amplitude_m,
+            frequency: law.frequency_hz,
+            duration: law.duration_s,
+            periods: law.periods,
+            rest: law.rest_s,
+        }
+    }
+}
+
+/// A grain: its frame has the centroid as origin and the principal axes of
+/// inertia as axes, so that `position_m` is that of the centre of mass.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ExchangeGrain {
+    /// Number in the grain set, as in `grains.csv`; grains that left the
+    /// apparatus are missing.
+    pub grain: usize,
+    /// `vertices_m` in the grain's frame, and `faces`: loops of vertex numbers
+    /// from 0, counter-clockwise seen from outside.
+    #[serde(flatten)]
+    pub shape: ConvexPolyhedron,
+    /// Volume.
+    pub volume_m3: f64,
+    /// Mass.
+    pub mass_kg: f64,
+    /// Principal moments of inertia about the frame's x, y, z.
+    pub inertia_kg_m2: Vector,
+    /// Pose and velocity.
+    #[serde(flatten)]
+    pub at: Place,
+}
+
+/// Pose and velocity of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Origin of the body's frame in the world.
+    pub position_m: Vector,
+    /// Unit quaternion that turns the body's frame into the world's; scalar last.
+    pub quaternion_xyzw: [f64; 4],
+    /// Velocity of that origin.
+    pub linear_velocity_m_per_s: Vector,
+    /// Angular velocity in world axes, right-handed.
+    pub angular_velocity_rad_per_s: Vector,
+}
+
+impl From<&BodyState> for Place {
+    fn from(state: &BodyState) -> Self {
+        Self {
+            position_m: state.pose.translation.vector,
+            quaternion_xyzw: state.pose.rotation.coords.into(),
+            linear_velocity_m_per_s: state.linear_velocity,
+            angular_velocity_rad_per_s: state.angular_velocity,
+        }
+    }
+}
+
+impl From<&Place> for BodyState {
+    fn from(place: &Place) -> Self {
+        Self {
+            pose: pose(&place.position_m, place.quaternion_xyzw),
+            linear_velocity: place.linear_velocity_m_per_s,
+            angular_velocity: place.angular_velocity_rad_per_s,
+        }
+    }
+}
+
+/// A convex piece of the apparatus, without mass.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ApparatusPiece {
+    /// `cylinder_00` and so on, `floor`, `funnel_00` and so on, `lid`.
+    pub name: String,
+    /// What carries it: it is fixed, or goes with the table.
+    pub motion: Carrier,
+    /// What it is made of.
+    pub material: Material,
+    /// `vertices_m` and `faces` as those of grains.
+    #[serde(flatten)]
+    pub shape: ConvexPolyhedron,
+    /// Origin of its frame in the world, with the table where it is now.
+    pub position_m: Vector,
+    /// Its orientation; scalar last.
+    pub quaternion_xyzw: [f64; 4],
+}
+
+impl ApparatusPiece {
+    /// Where it stands, with the table where the scene has it.
+    pub fn pose(&self) -> Pose {
+        pose(&self.position_m, self.quaternion_xyzw)
+    }
+}
+
+/// The top plate, a free body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlateBody {
+    /// `vertices_m` and `faces` as those of grains.
+    #[serde(flatten)]
+    pub shape: ConvexPolyhedron,
+    /// Mass.
+    pub mass_kg: f64,
+    /// Principal moments of inertia about its x, y, z.
+    pub inertia_kg_m2: Vector,
+    /// Pose and velocity.
+    #[serde(flatten)]
+    pub at: Place,
+}
+
+/// A contact that bears something.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ExchangeContact {
+    /// Names of the two: `grain_00012`, `top_plate`, or that of a piece.
+    pub between: [String; 2],
+    /// Point midway between the surfaces.
+    pub point_m: Vector,
+    /// Unit normal from the second to the first.
+    pub normal: Vector,
+    /// Force on the first; the opposite acts on the second.
+    pub force_n: Vector,
+}
+
+/// A file that is no scene.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{field}` is {found}, expected {expected}")]
+pub struct SceneError {
+    /// The field.
+    pub field: &'static str,
+    /// What it holds.
+    pub found: String,
+    /// What it must hold.
+    pub expected: String,
+}
+
+impl Scene {
+    /// The scene of a specimen in its laboratory; `motion` is what the table
+    /// does next.
+    ///
+    /// # Errors
+    /// When the apparatus cannot be built.
+    pub fn of(
+        setup: &Setup,
+        specimen: &Specimen,
+        motion: Option<TableMotion>,
+        made_by: MadeBy,
+    ) -> Result<Self, ApparatusError> {
+        let state = &specimen.state;
+        let apparatus = standing(setup, state)?
+            .into_iter()
+            .map(|s| ApparatusPiece {
+                name: s.name,
+                motion: s.carrier,
+                material: Material::Wall,
+                shape: (*s.piece.shape).clone(),
+                position_m: s.piece.pose.translation.vector,
+                quaternion_xyzw: s.piece.pose.rotation.coords.into(),
+            })
+            .collect();
+        let grains = specimen.present().map(|n| {
+            let grain = &specimen.grains.grains[n];
+            ExchangeGrain {
+                grain: n,
+                shape: (*grain.shape).clone(),
+                volume_m3: grain.volume,
+                mass_kg: grain.mass,
+                inertia_kg_m2: grain.inertia,
+                at: (&state.bodies[n].body).into(),
+            }
+        });
+        let top_plate = state.top_plate.as_ref().map(|body| PlateBody {
+            shape: (*setup.plate.shape).clone(),
+            mass_kg: setup.plate.mass,
+            inertia_kg_m2: setup.plate.inertia,
+            at: body.into(),
+        });
+        Ok(Self {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            made_by,
+            gravity_m_per_s2: Vector::new(0.0, 0.0, -setup.gravity),
+            pairs: pairs(setup),
+            damping: Damping {
+                linear_per_s: setup.engine.linear_damping,
+                angular_per_s: setup.engine.angular_damping,
+            },
+            table: Table { x_m: state.table_x, motion: motion.map(TableLaw::from) },
+            grains: grains.collect(),
+            apparatus,
+            top_plate,
+            contacts: contacts(setup, state),
+        })
+    }
+
+    /// Whether a reader of this version may use what it has read.
+    ///
+    /// # Errors
+    /// The field that says otherwise.
+    pub fn check(&self) -> Result<(), SceneError> {
+        if self.format != FORMAT {
+            let (found, expected) = (format!("`{}`", self.format), format!("`{FORMAT}`"));
+            return Err(SceneError { field: "format", found, expected });
+        }
+        if self.version != VERSION {
+            let (found, expected) = (self.version.to_string(), VERSION.to_string());
+            return Err(SceneError { field: "version", found, expected });
+        }
+        Ok(())
+    }
+}
+
+fn pose(position: &Vector, xyzw: [f64; 4]) -> Pose {
+    let quaternion = nalgebra::Quaternion::from(nalgebra::Vector4::from(xyzw));
+    let rotation = nalgebra::UnitQuaternion::new_unchecked(quaternion);
+    Pose::from_parts((*position).into(), rotation)
+}
+
+fn pairs(setup: &Setup) -> Vec<PairValue> {
+    use Material::{Grain, Plate, Wall};
+    let all = [[Grain, Grain], [Grain, Wall], [Grain, Plate], [Plate, Wall]];
+    all.into_iter()
+        .map(|between| {
+            let value = setup.pairs.get(between[0], between[1]);
+            PairValue { between, friction: value.friction, restitution: value.restitution }
+        })
+        .collect()
+}
+
+/// Name of who takes part in a contact, as bodies are named in the files.
+pub(super) fn party_name(setup: &Setup, party: Party) -> String {
+    let walls = setup.cylinder.pieces.len().saturating_sub(1);
+    // A funnel stands without its collar in what is exported; its pieces come
+    // first, and the lid is the last.
+    let funnel = setup.funnel.wall_pieces as usize;
+    match party {
+        Party::Grain(n) => format!("grain_{n:05}"),
+        Party::Other(Other::TopPlate) => "top_plate".to_owned(),
+        Party::Other(Other::Cylinder(n)) if n == walls => "floor".to_owned(),
+        Party::Other(Other::Cylinder(n)) => format!("cylinder_{n:02}"),
+        Party::Other(Other::Funnel(n)) if n < funnel => format!("funnel_{n:02}"),
+        Party::Other(Other::Funnel(n)) if n < 2 * funnel => format!("collar_{:02}", n - funnel),
+        Party::Other(Other::Funnel(_)) => "lid".to_owned(),
+    }
+}
+
+fn contacts(setup: &Setup, state: &SpecimenState) -> Vec<ExchangeContact> {
+    let named = |party| party_name(setup, party);
+    let contacts = state.contacts.iter().map(|c| ExchangeContact {
+        between: c.between.map(named),
+        point_m: c.point_m,
+        normal: c.normal,
+        force_n: c.force_n,
+    });
+    contacts.collect()
+}

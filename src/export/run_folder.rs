@@ -1,0 +1,160 @@
+//! Reads a run folder back: its laboratory, its grains, and the specimen at
+//! the end of a stage.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use serde::Deserialize;
+
+use super::exchange::{MadeBy, Scene};
+use crate::apparatus::{ApparatusError, TableMotion};
+use crate::grains;
+use crate::protocol::{Setup, table_motion};
+use crate::record::{FileError, StageStore, read_json};
+use crate::scenario::Scenario;
+use crate::specimen::{Specimen, SpecimenState};
+
+/// Why a run cannot be exported.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// A file of the run could not be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The run has no such stage.
+    #[error("{}: no stage `{asked}`; the run has {stages}", manifest.display())]
+    NoStage {
+        /// What was asked for.
+        asked: String,
+        /// The stages there are.
+        stages: String,
+        /// The file that lists them.
+        manifest: PathBuf,
+    },
+    /// The scenario in the manifest makes no laboratory.
+    #[error("{}: {reason}", manifest.display())]
+    Apparatus {
+        /// The file that holds the scenario.
+        manifest: PathBuf,
+        /// What is wrong.
+        reason: ApparatusError,
+    },
+}
+
+/// What exporting needs of `manifest.json`.
+#[derive(Deserialize)]
+struct Manifest {
+    pluvia: String,
+    scenario: Scenario,
+    stages: Vec<StageEntry>,
+    control: Option<StageEntry>,
+}
+
+#[derive(Deserialize)]
+struct StageEntry {
+    stage: String,
+    key: String,
+}
+
+/// A run as read back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exported {
+    /// The laboratory.
+    pub setup: Setup,
+    /// The specimen at the end of the stage.
+    pub specimen: Specimen,
+    /// What the scenario has the table do next, if that is a vibration.
+    pub next_motion: Option<TableMotion>,
+    /// Where it comes from.
+    pub made_by: MadeBy,
+}
+
+impl Exported {
+    /// In the exchange format.
+    ///
+    /// # Errors
+    /// When the apparatus cannot be built.
+    pub fn scene(&self) -> Result<Scene, ApparatusError> {
+        Scene::of(&self.setup, &self.specimen, self.next_motion, self.made_by.clone())
+    }
+}
+
+/// Reads a run folder as `pluvia run`, `reproduce` and `compare` write it.
+/// `stage` is a stage's number from 0, its name (the first of that name), or
+/// `control`; without it, the last stage is taken.
+///
+/// # Errors
+/// [`ExportError`], naming the file or what was asked for.
+pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportError> {
+    let path = folder.join("manifest.json");
+    let manifest: Manifest = read_json(&path)?;
+    let apparatus = |reason| ExportError::Apparatus { manifest: path.clone(), reason };
+    let setup = Setup::new(&manifest.scenario).map_err(apparatus)?;
+    let set = {
+        let path = beside(folder, "grains.json");
+        let json = read_json(&path)?;
+        grains::from_json(&json).map_err(|e| FileError::new("use", &path, e))?
+    };
+    let (index, name, file) = locate(folder, &path, &manifest, stage)?;
+    let state: SpecimenState = read_json(&file)?;
+    let (found, expected) = (state.bodies.len(), set.grains.len());
+    if found != expected {
+        let reason = format!("`bodies` has {found} entries, and grains.json {expected} grains");
+        return Err(FileError::new("use", &file, reason).into());
+    }
+    let next_motion =
+        index.and_then(|i| manifest.scenario.stages.get(i + 1)).and_then(table_motion);
+    let made_by = MadeBy {
+        program: format!("pluvia {}", manifest.pluvia),
+        scenario: manifest.scenario.name,
+        stage: name,
+        time_s: state.time,
+    };
+    let specimen = Specimen { grains: Arc::new(set), state };
+    Ok(Exported { setup, specimen, next_motion, made_by })
+}
+
+/// A file or folder that several runs of one command share: in the run's
+/// folder, or in the one that holds `runs/`.
+fn beside(folder: &Path, name: &str) -> PathBuf {
+    let own = folder.join(name);
+    let shared = folder.join("../..").join(name);
+    if !own.exists() && shared.exists() { shared } else { own }
+}
+
+/// Number (none for the control), name and specimen file of a stage.
+fn locate(
+    folder: &Path,
+    path: &Path,
+    manifest: &Manifest,
+    stage: Option<&str>,
+) -> Result<(Option<usize>, String, PathBuf), ExportError> {
+    let stages = &manifest.stages;
+    let Some(asked) = stage else {
+        let last = stages.len().saturating_sub(1);
+        let name = stages.last().map_or_else(String::new, |s| s.stage.clone());
+        return Ok((Some(last), name, folder.join("specimen.json")));
+    };
+    let stored = |entry: &StageEntry| {
+        let root = beside(folder, "stages");
+        StageStore::folder_in(&root, &entry.key).join("specimen.json")
+    };
+    if let ("control", Some(entry)) = (asked, &manifest.control) {
+        return Ok((None, "control".to_owned(), stored(entry)));
+    }
+    let number = asked.parse().ok().filter(|&n: &usize| n < stages.len());
+    match number.or_else(|| stages.iter().position(|s| s.stage == asked)) {
+        Some(n) => Ok((Some(n), stages[n].stage.clone(), stored(&stages[n]))),
+        None => {
+            let mut known: Vec<String> =
+                stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.stage)).collect();
+            known.extend(manifest.control.as_ref().map(|_| "control".to_owned()));
+            Err(ExportError::NoStage {
+                asked: asked.to_owned(),
+                stages: known.join(", "),
+                manifest: path.to_owned(),
+            })
+        }
+    }
+}
