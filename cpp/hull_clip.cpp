@@ -249,6 +249,35 @@ int reduce_points(std::vector<ClipPoint> &points, const double normal[3], double
     return fourth ? 4 : 3;
 }
 
+int keep_points(std::vector<ClipPoint> &points, double slack, const std::uint32_t *known,
+                int known_count) {
+    const auto rest = std::stable_partition(points.begin(), points.end(), [&](const ClipPoint &p) {
+        return std::find(known, known + known_count, p.id) != known + known_count;
+    });
+    const int most = std::min(4, static_cast<int>(points.size()));
+    int kept = std::min(4, static_cast<int>(rest - points.begin()));
+    const auto apart = [&](const ClipPoint &p) {
+        double nearest = 1e300;
+        for (int i = 0; i < kept; ++i) {
+            double d[3];
+            minus(p.x, points[i].x, d);
+            nearest = std::min(nearest, dot(d, d));
+        }
+        return nearest;
+    };
+    while (kept < most) {
+        const auto farthest =
+            std::max_element(points.begin() + kept, points.end(),
+                             [&](const auto &p, const auto &q) { return apart(p) < apart(q); });
+        if (apart(*farthest) <= slack * slack) {
+            break;
+        }
+        std::swap(points[kept], *farthest);
+        ++kept;
+    }
+    return kept;
+}
+
 EdgeContact edge_contact(const HullData &a, int edge_a, const HullData &b, int edge_b,
                          const Rigid &pose) {
     EdgeContact out{};

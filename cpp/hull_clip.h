@@ -78,6 +78,11 @@ void clip_face(const HullData &reference, int reference_face, const HullData &in
 int reduce_points(std::vector<ClipPoint> &points, const double normal[3], double reach,
                   double slack, const std::uint32_t *known, int known_count);
 
+// The same where the points with the `known` ids are to be kept whatever else
+// there is: they come first, then those farthest from all before.
+int keep_points(std::vector<ClipPoint> &points, double slack, const std::uint32_t *known,
+                int known_count);
+
 // Where two edges come closest. `pose` leads from B's frame to A's.
 struct EdgeContact {
     double axis[3]; // unit normal of both out of A, in A's frame

@@ -30,8 +30,8 @@ void recall(const HullData &a, const HullData &b, std::uint32_t feature, PairMem
     memory.feature = static_cast<Feature>(kind);
     memory.first = first;
     memory.second = second;
+    memory.recalled = true;
     memory.widest = 1e30F; // unknown: the next search is a whole one
-    memory.met_at = {};    // no pose: points that are found anew
 }
 
 } // namespace pluvia

@@ -30,6 +30,7 @@ struct PairContact {
 struct PairMemory {
     Feature feature = Feature::None; // of the last step
     bool has_axis = false;           // an axis along which the pair was apart
+    bool recalled = false;           // nothing but the feature is known yet
     std::int32_t first = -1;         // the face, or the edge of A
     std::int32_t second = -1;        // the incident face, or the edge of B
     float axis[3] = {0, 0, 0};       // in A's frame, out of A

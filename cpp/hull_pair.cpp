@@ -11,6 +11,9 @@ namespace {
 constexpr std::uint32_t FROM_FACE_OF_B = 1U << 30;
 constexpr std::uint32_t FROM_EDGES = 3U << 28;
 
+// A gap that every feature comes up to.
+constexpr double ANY = -1e30;
+
 // Everything about the pair at hand.
 class Pair {
   public:
@@ -30,7 +33,7 @@ class Pair {
         if (fresh && memory_.has_axis && still_apart()) {
             return;
         }
-        if (!fresh && hold()) {
+        if (!fresh && (memory_.recalled ? keep_recalled() : hold())) {
             return;
         }
         // No axis can have a wider gap now than this.
@@ -85,7 +88,6 @@ class Pair {
 
     float reach() const { return static_cast<float>(settings_.reach); }
     float preference() const { return static_cast<float>(settings_.face_preference); }
-
     // Whether the axis that parted the pair does so still.
     bool still_apart() {
         const double axis[3] = {memory_.axis[0], memory_.axis[1], memory_.axis[2]};
@@ -130,12 +132,20 @@ class Pair {
         return std::sqrt(shift) + std::sqrt(turn / 2) * std::min(a_.radius, b_.radius);
     }
 
+    // What touched when another pair found it touches still; a search might
+    // find what is better by no more than it may have been then.
+    bool keep_recalled() {
+        memory_.pose = now_;
+        const bool kept = keep(ANY);
+        memory_.recalled = false;
+        return kept;
+    }
+
     // The points of the last step, at the gaps they have now; of edges, where
     // they come closest now. False where there are none.
     bool hold() {
         if (memory_.feature == Feature::Edges) {
-            return moved(memory_.pose) <= settings_.hold &&
-                   keep_edges(memory_.widest - settings_.hysteresis);
+            return moved(memory_.pose) <= settings_.hold && keep_edges(ANY);
         }
         if (memory_.last.count == 0 || moved(memory_.met_at) > settings_.hold) {
             return false;
@@ -325,8 +335,10 @@ class Pair {
         for (int i = 0; i < memory_.last.count; ++i) {
             known[i] = memory_.last.points[i].id;
         }
-        const int count = reduce_points(points, normal, settings_.reach, settings_.hysteresis,
-                                        known, memory_.last.count);
+        const double slack = settings_.hysteresis;
+        const int count = memory_.recalled ? keep_points(points, slack, known, memory_.last.count)
+                                           : reduce_points(points, normal, settings_.reach, slack,
+                                                           known, memory_.last.count);
         put(is_a, normal, points.data(), count);
         remember(is_a ? Feature::FaceOfA : Feature::FaceOfB, face, incident_);
         memory_.met_at = now_;
