@@ -2,6 +2,7 @@
 //! 1, 4, 16 and 64 cylinders of 364 settled grains beside each other in one
 //! world, so that nothing differs but the number.
 
+#[allow(dead_code)] // each benchmark uses a part of it
 mod common;
 
 use std::{
@@ -22,7 +23,7 @@ use pluvia::{
     },
 };
 
-use common::{QUARTER, scenario, settled};
+use common::{QUARTER, filled, scenario, settled};
 
 /// Cylinders in a world.
 const COPIES: [usize; 4] = [1, 4, 16, 64];
@@ -138,7 +139,7 @@ fn report(
 fn growth(c: &mut Criterion) {
     let scenario = scenario(QUARTER);
     let setup = Setup::new(&scenario).expect("a laboratory");
-    let specimen = settled(&scenario, &setup);
+    let specimen = settled(&setup, filled(&scenario, &setup));
     let shaking =
         TableMotion { amplitude: 0.025, frequency: 3.0, duration: 1e6, periods: 1, rest: 0.0 };
     let mut group = c.benchmark_group("a step");

@@ -19,10 +19,7 @@ use pluvia::{
     world,
 };
 
-use common::{QUARTER, filled, scenario, settled, sieved, stage};
-
-/// Mass of the paper's specimen in g, and the diameter of its cylinder in mm.
-const WHOLE: (f64, f64) = (2343.0, 115.0);
+use common::{FALLING_HEIGHT_MM, QUARTER, WHOLE, filled, scenario, settled, sieved, stage};
 
 /// Simulated time in s of one measured stage.
 const MEASURED: f64 = 0.1;
@@ -56,7 +53,7 @@ fn steps(c: &mut Criterion, size: (f64, f64)) -> (Scenario, Setup, Specimen) {
     let scenario = scenario(size);
     let setup = Setup::new(&scenario).expect("a laboratory");
     let full = filled(&scenario, &setup);
-    let specimen = settled(&scenario, &setup);
+    let specimen = settled(&setup, full.clone());
     let count = specimen.grains.grains.len();
     let mut group = c.benchmark_group(format!("{MEASURED} s of {count} grains"));
     group.sample_size(10).measurement_time(Duration::from_secs(15));
@@ -69,7 +66,7 @@ fn steps(c: &mut Criterion, size: (f64, f64)) -> (Scenario, Setup, Specimen) {
         periods: 1,
         rest_s: 0.0,
     };
-    let pour = StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: MEASURED };
+    let pour = StageSpec::Pour { falling_height_mm: FALLING_HEIGHT_MM, time_limit_s: MEASURED };
     for (name, engine) in engines() {
         let setup = Setup { engine, ..setup.clone() };
         let scenes = [

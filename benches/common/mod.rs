@@ -11,9 +11,13 @@ use pluvia::{
     world,
 };
 
-/// A quarter of the mass of the paper's specimen in g, and the diameter in mm of a
-/// cylinder in which it stands as high.
+/// Mass of the paper's specimen in g, and the diameter of its cylinder in mm.
+pub const WHOLE: (f64, f64) = (2343.0, 115.0);
+/// A quarter of it, in a cylinder in which it stands as high.
 pub const QUARTER: (f64, f64) = (585.75, 72.5);
+
+/// Falling height of the pour in mm.
+pub const FALLING_HEIGHT_MM: f64 = 50.0;
 
 struct Nobody;
 
@@ -64,9 +68,9 @@ pub fn filled(scenario: &Scenario, setup: &Setup) -> Specimen {
     stage(setup, specimen, &StageSpec::FillFunnel { time_limit_s: 4.0 }).specimen
 }
 
-/// Grains poured and settled with the default engine.
-pub fn settled(scenario: &Scenario, setup: &Setup) -> Specimen {
-    let poured = StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: 4.0 };
-    let specimen = stage(setup, filled(scenario, setup), &poured).specimen;
+/// Grains of a filled funnel poured and settled.
+pub fn settled(setup: &Setup, filled: Specimen) -> Specimen {
+    let poured = StageSpec::Pour { falling_height_mm: FALLING_HEIGHT_MM, time_limit_s: 4.0 };
+    let specimen = stage(setup, filled, &poured).specimen;
     stage(setup, specimen, &StageSpec::Rest { duration_s: 0.5 }).specimen
 }

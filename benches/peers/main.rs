@@ -5,6 +5,9 @@
 //! why. Each engine runs in a process of its own, one after the other, and
 //! writes its poses; all are measured here by the same exact check.
 
+#[allow(dead_code)] // each benchmark uses a part of it
+#[path = "../common/mod.rs"]
+mod common;
 mod engines;
 mod measured;
 mod ours;

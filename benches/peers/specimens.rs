@@ -1,17 +1,15 @@
 //! The specimens: the paper's grains in the funnel, and poured and settled.
 
-use std::sync::{Arc, atomic::AtomicBool};
-
 use clap::ValueEnum;
 use pluvia::{
     apparatus::TableMotion,
     export::{MadeBy, Scene},
-    grains::generate,
-    protocol::{Moment, Observer, Setup, run},
-    scenario::{GrainsSpec, Scenario, StageSpec},
-    specimen::{FunnelState, Specimen, SpecimenState},
-    world,
+    protocol::Setup,
+    scenario::Scenario,
+    specimen::{FunnelState, Specimen},
 };
+
+use super::common::{self, FALLING_HEIGHT_MM, filled, settled};
 
 /// How many grains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -34,9 +32,6 @@ impl std::fmt::Display for Size {
 const FRICTION: f64 = 0.793;
 const RESTITUTION: f64 = 0.315;
 
-/// Falling height of the pour in m.
-const FALL: f64 = 0.05;
-
 /// A scene of each kind.
 pub struct Scenes {
     pub rest: Scene,
@@ -44,39 +39,19 @@ pub struct Scenes {
     pub pour: Scene,
 }
 
-struct Nobody;
-
-impl Observer for Nobody {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
-}
-
+/// The benchmarks' specimen, with one friction and restitution for every pair.
 fn scenario(size: Size) -> Scenario {
-    let (mass_g, diameter_mm) = match size {
-        Size::Quarter => (585.75, 72.5),
-        Size::Whole => (2343.0, 115.0),
-    };
-    serde_json::from_value(serde_json::json!({
-        "name": "peers",
-        "grains": {
-            "total_mass_g": mass_g, "density_kg_per_m3": 2673.9,
-            "sieve_table": [
-                { "passing_mm": 16, "retained_mm": 12.5, "mass_percent": 15 },
-                { "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 51.95 },
-                { "passing_mm": 10, "retained_mm": 8, "mass_percent": 33.05 }
-            ]
-        },
-        "apparatus": {
-            "cylinder": { "inner_diameter_mm": diameter_mm, "height_mm": 200 },
-            "funnel": { "opening_diameter_mm": 70, "top_diameter_mm": 260 }
-        },
-        "contact": {
-            "grain_grain_friction": FRICTION, "grain_wall_friction": FRICTION,
-            "grain_plate_friction": FRICTION, "plate_wall_friction": FRICTION,
-            "restitution": RESTITUTION
-        },
-        "stages": []
+    let mut scenario = common::scenario(match size {
+        Size::Quarter => common::QUARTER,
+        Size::Whole => common::WHOLE,
+    });
+    scenario.contact = serde_json::from_value(serde_json::json!({
+        "grain_grain_friction": FRICTION, "grain_wall_friction": FRICTION,
+        "grain_plate_friction": FRICTION, "plate_wall_friction": FRICTION,
+        "restitution": RESTITUTION
     }))
-    .expect("a scenario")
+    .expect("coefficients");
+    scenario
 }
 
 /// Makes the scenes with Pluvia's default engine. All engines begin with the
@@ -84,14 +59,6 @@ fn scenario(size: Size) -> Scenario {
 pub fn make(size: Size) -> Result<Scenes, String> {
     let scenario = scenario(size);
     let setup = Setup::new(&scenario).map_err(|e| e.to_string())?;
-    let GrainsSpec::Sieved(sieved) = &scenario.grains else { unreachable!("a sieve table") };
-    let grains = Arc::new(generate(sieved, scenario.seed).map_err(|e| e.to_string())?);
-    let state = SpecimenState::before_everything(grains.grains.len());
-    let stage = |specimen: Specimen, spec: &StageSpec| {
-        run(&setup, &world::create, specimen, spec, &mut Nobody, &AtomicBool::new(false))
-            .map(|outcome| outcome.specimen)
-            .map_err(|e| e.to_string())
-    };
     let scene = |specimen: &Specimen, stage: &str, motion: Option<TableMotion>| {
         let made_by = MadeBy {
             program: concat!("pluvia ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -103,11 +70,9 @@ pub fn make(size: Size) -> Result<Scenes, String> {
         scene.contacts.clear();
         Ok::<_, String>(scene)
     };
-    let filled = stage(Specimen { grains, state }, &StageSpec::FillFunnel { time_limit_s: 4.0 })?;
+    let filled = filled(&scenario, &setup);
     let pour = scene(&lifted(&setup, filled.clone()), "fill_funnel", None)?;
-    let poured = StageSpec::Pour { falling_height_mm: 1e3 * FALL, time_limit_s: 4.0 };
-    let poured = stage(filled, &poured)?;
-    let settled = stage(poured, &StageSpec::Rest { duration_s: 0.5 })?;
+    let settled = settled(&setup, filled);
     // It goes on shaking for as long as an engine is let run.
     let motion =
         TableMotion { amplitude: 0.025, frequency: 3.0, duration: 600.0, periods: 1, rest: 0.0 };
@@ -121,7 +86,7 @@ pub fn make(size: Size) -> Result<Scenes, String> {
 /// The filled funnel in its place above the cylinder, its lid gone, as the
 /// stage `pour` begins.
 fn lifted(setup: &Setup, mut specimen: Specimen) -> Specimen {
-    let opening_height = setup.cylinder.height + FALL;
+    let opening_height = setup.cylinder.height + 1e-3 * FALLING_HEIGHT_MM;
     let state = &mut specimen.state;
     let was = state.funnel.map_or(opening_height, |f| f.opening_height);
     for grain in &mut state.bodies {
