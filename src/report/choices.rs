@@ -235,8 +235,9 @@ fn manifold_contacts(e: &EngineSettings) -> Vec<Choice> {
             ),
             "Not in the paper, whose grains are rigid: soft enough for the solver, stiff enough \
              for overlaps of a hundredth of a millimetre.",
-            "At rest a point sinks in by its load over the stiffness; what else it moves is not \
-             measured yet.",
+            "At rest a point sinks in by its load over the stiffness. In 2 s of shaking the mean \
+             grain height fell by 4.6, 3.5, 2.6, 2.0 and 2.1 mm at 1250, 2500, 5000, 10000 and \
+             20000 N/m (one run each): the default settles more than a stiffer one would.",
         ),
     ]
 }
