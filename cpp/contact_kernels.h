@@ -238,7 +238,7 @@ template <class L> PLUVIA_INLINE void begin(const Batch<L> &c, Bodies<L> *bodies
     scatter_motion(b, c.b, bodies);
 }
 
-// What external forces add, and later the way that the bodies go.
+// What external forces add to the motion.
 template <class N> PLUVIA_INLINE void force(std::vector<PackedBody<N>> &bodies) {
     for (auto &x : bodies) {
         for (int i = 0; i < 8; ++i) {
@@ -247,6 +247,7 @@ template <class N> PLUVIA_INLINE void force(std::vector<PackedBody<N>> &bodies) 
     }
 }
 
+// The way that the bodies go.
 template <class N> PLUVIA_INLINE void go(std::vector<PackedBody<N>> &bodies, N step) {
     for (auto &x : bodies) {
         const auto &r = x.root;

@@ -46,8 +46,7 @@ bool holds_contacts(btCollisionAlgorithm &algorithm) {
     return false;
 }
 
-} // namespace
-
+// Exact for what it denies: bodies that are not within reach are further apart.
 bool within_reach(const btBroadphasePair &pair, btScalar reach) {
     const btBroadphaseProxy &a = *pair.m_pProxy0;
     const btBroadphaseProxy &b = *pair.m_pProxy1;
@@ -55,6 +54,8 @@ bool within_reach(const btBroadphasePair &pair, btScalar reach) {
            spheres_within_reach(*static_cast<const btCollisionObject *>(a.m_clientObject),
                                 *static_cast<const btCollisionObject *>(b.m_clientObject), reach);
 }
+
+} // namespace
 
 void near_callback(btBroadphasePair &pair, btCollisionDispatcher &dispatcher,
                    const btDispatcherInfo &info) {

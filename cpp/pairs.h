@@ -5,11 +5,6 @@
 
 namespace pluvia {
 
-// Whether boxes and bounding spheres of a pair of TightHulls come within
-// `reach` (engine units, at most the contact threshold) of each other: exact
-// for what it denies, bodies that do not are further apart.
-bool within_reach(const btBroadphasePair &pair, btScalar reach);
-
 // Bullet's near callback, preceded by two tests that are exact for what they
 // leave out: boxes, then bounding spheres, further apart than the contact
 // threshold. A pair that still holds contact points is never left out, since

@@ -8,8 +8,9 @@ use std::{
 };
 
 use pluvia::export::{Carrier, Scene, read_run};
-use serde_json::json;
 use tempfile::TempDir;
+
+use super::small;
 
 /// Thirty grams of gravel poured and shaken for a moment, once for all tests.
 fn small_run() -> &'static Path {
@@ -17,20 +18,7 @@ fn small_run() -> &'static Path {
     let (_, out) = RUN.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a folder");
         let scenario = folder.path().join("small.json");
-        let content = json!({
-            "name": "small",
-            "grains": {
-                "total_mass_g": 30, "density_kg_per_m3": 2673.9,
-                "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-            },
-            "stages": [
-                { "stage": "fill_funnel" },
-                { "stage": "pour", "falling_height_mm": 0 },
-                { "stage": "place_top_plate", "time_limit_s": 0.3 },
-                { "stage": "vibrate", "frequency_hz": 4, "amplitude_mm": 10, "duration_s": 0.25 },
-            ],
-            "control_s": 0.1
-        });
+        let content = small::scenario(30.0, 0.25, 0.1);
         fs::write(&scenario, content.to_string()).expect("a scenario file");
         let out = folder.path().join("run");
         let args = ["run", "--quiet", "--out"];

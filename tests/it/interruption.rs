@@ -9,25 +9,14 @@ use std::{
     time::{Duration, Instant},
 };
 
-use serde_json::{Value, json};
+use serde_json::Value;
+
+use super::small;
 
 /// Forty grams of gravel, poured and shaken for half a second.
 fn write_scenario(folder: &Path) -> PathBuf {
     let path = folder.join("small.json");
-    let scenario = json!({
-        "name": "small",
-        "grains": {
-            "total_mass_g": 40, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
-        "stages": [
-            { "stage": "fill_funnel" },
-            { "stage": "pour", "falling_height_mm": 0 },
-            { "stage": "place_top_plate" },
-            { "stage": "vibrate", "frequency_hz": 4, "amplitude_mm": 10, "duration_s": 0.5 },
-        ],
-        "control_s": 0.2
-    });
+    let scenario = small::scenario(40.0, 0.5, 0.2);
     fs::write(&path, scenario.to_string()).expect("a scenario file");
     path
 }

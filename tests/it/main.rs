@@ -8,4 +8,5 @@ mod docs;
 mod export;
 mod interruption;
 mod scenario;
+mod small;
 mod verification;
