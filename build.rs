@@ -9,11 +9,13 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 26] = [
+const SHIMS: [&str; 28] = [
     "contact_batches",
+    "contact_bodies",
     "contact_iterations",
     "contact_loads",
     "contact_memory",
+    "contact_parts",
     "contact_rows",
     "contact_setup",
     "contact_solver",

@@ -42,13 +42,19 @@ template <class L> struct Contacts {
     std::size_t near = 0;
 };
 
-// A body in records of eight numbers, which are moved as one. One that is
-// driven or stands still keeps its motion.
-template <class N> struct alignas(32) PackedBody {
-    N motion[8]; // velocity, inverse mass, inertia root times spin, 1 if it turns freely
-    N root[8];   // of the inverse inertia, in world axes: xx, yy, zz, xy, xz, yz, 0, 0
-    N way[8];    // gone since the step began: shift, -, turn (a rotation vector), -
-    N forced[8]; // what external forces add to the motion in a sub-step
+// Bodies in records, each kind by itself: what the sweeps read and write is the
+// motion alone. A body that is driven or stands still keeps its motion.
+template <class N> struct PackedBodies {
+    std::vector<Record<N>> motion; // velocity, inverse mass, inertia root times spin, 1 if it turns
+    std::vector<Record<N>> root; // of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz, -
+    std::vector<Record<N>> way;  // gone since the step began: shift, -, turn (a rotation vector), -
+    std::vector<Record<N>> forced; // what external forces add to the motion in a sub-step
+
+    void resize(std::size_t count) {
+        for (auto *records : {&motion, &root, &way, &forced}) {
+            records->resize(count);
+        }
+    }
 };
 
 // Assigns rows to batches, each to the first with room after those that hold

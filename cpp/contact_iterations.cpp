@@ -10,14 +10,14 @@ namespace pluvia {
 namespace {
 
 void step_single(Contacts<double> &contacts, const ContactLaw &law, const LaneLaw<double> &lanes,
-                 std::vector<PackedBody<double>> &bodies) {
+                 PackedBodies<double> &bodies) {
     for (int i = 0; i < law.substeps; ++i) {
         substep(contacts, law.sweeps, lanes, bodies);
     }
 }
 
 void step_portable(Contacts<Float8> &contacts, const ContactLaw &law, const LaneLaw<float> &lanes,
-                   std::vector<PackedBody<float>> &bodies) {
+                   PackedBodies<float> &bodies) {
     for (int i = 0; i < law.substeps; ++i) {
         substep(contacts, law.sweeps, lanes, bodies);
     }
@@ -26,7 +26,7 @@ void step_portable(Contacts<Float8> &contacts, const ContactLaw &law, const Lane
 #if defined(__x86_64__)
 __attribute__((target("avx2"))) void step_avx2(Contacts<Float8> &contacts, const ContactLaw &law,
                                                const LaneLaw<float> &lanes,
-                                               std::vector<PackedBody<float>> &bodies) {
+                                               PackedBodies<float> &bodies) {
     for (int i = 0; i < law.substeps; ++i) {
         substep(contacts, law.sweeps, lanes, bodies);
     }
@@ -98,8 +98,8 @@ void load(const std::vector<ContactRow> &rows, const Schedule &schedule, int sub
 
 template <class N>
 void pack(const std::vector<SolverBody> &bodies, int substeps, double substep,
-          std::vector<PackedBody<N>> &packed) {
-    packed.assign(bodies.size(), PackedBody<N>{});
+          PackedBodies<N> &packed) {
+    packed.resize(bodies.size());
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const SolverBody &b = bodies[i];
         const bool moves = b.inverse_mass > 0;
@@ -120,9 +120,10 @@ void pack(const std::vector<SolverBody> &bodies, int substeps, double substep,
         const Three<double> w = b.inertia_root * b.spin_up * substep;
         const double forced[8] = {v.x, v.y, v.z, 0, w.x, w.y, w.z, 0};
         for (int k = 0; k < 8; ++k) {
-            packed[i].motion[k] = static_cast<N>(motion[k]);
-            packed[i].root[k] = static_cast<N>(root[k]);
-            packed[i].forced[k] = static_cast<N>(forced[k]);
+            packed.motion[i].at[k] = static_cast<N>(motion[k]);
+            packed.root[i].at[k] = static_cast<N>(root[k]);
+            packed.way[i].at[k] = 0;
+            packed.forced[i].at[k] = static_cast<N>(forced[k]);
         }
     }
 }
@@ -138,9 +139,9 @@ void fly(SolverBody &body, int substeps, double substep) {
 }
 
 template <class L>
-void unload(const Contacts<L> &contacts, const std::vector<Bodies<L>> &packed,
-            const Schedule &schedule, const ContactLaw &law, double substep,
-            std::vector<ContactRow> &rows, std::vector<SolverBody> &bodies) {
+void unload(const Contacts<L> &contacts, const Bodies<L> &packed, const Schedule &schedule,
+            const ContactLaw &law, double substep, std::vector<ContactRow> &rows,
+            std::vector<SolverBody> &bodies) {
     for (const BatchMemory<L> &m : contacts.memory) {
         for (int i = 0; i < Lane<L>::WIDTH; ++i) {
             if (m.row[i] >= 0) {
@@ -157,8 +158,8 @@ void unload(const Contacts<L> &contacts, const std::vector<Bodies<L>> &packed,
         if (!schedule.touched(i)) {
             fly(body, law.substeps, substep);
         } else {
-            const auto &m = packed[i].motion;
-            const auto &w = packed[i].way;
+            const auto &m = packed.motion[i].at;
+            const auto &w = packed.way[i].at;
             body.velocity = {m[0], m[1], m[2]};
             body.spin = body.inverse_inertia_root * Three<double>{m[4], m[5], m[6]};
             body.shift = {w[0], w[1], w[2]};

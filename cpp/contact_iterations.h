@@ -34,9 +34,9 @@ class Iterations {
   private:
     Schedule schedule_;
     Contacts<double> single_;
-    std::vector<PackedBody<double>> single_bodies_;
+    PackedBodies<double> single_bodies_;
     Contacts<Float8> eight_;
-    std::vector<PackedBody<float>> eight_bodies_;
+    PackedBodies<float> eight_bodies_;
 };
 
 } // namespace pluvia

@@ -28,12 +28,14 @@ template <class L> struct Side {
     L inverse_mass, turns;
 };
 
-template <class L> using Bodies = PackedBody<typename Lane<L>::Number>;
+template <class L> using Records = Record<typename Lane<L>::Number>;
+
+template <class L> using Bodies = PackedBodies<typename Lane<L>::Number>;
 
 template <class L>
-PLUVIA_INLINE void gather_motion(const Bodies<L> *bodies, const int *index, Side<L> &side) {
+PLUVIA_INLINE void gather_motion(const Records<L> *motion, const int *index, Side<L> &side) {
     L f[8];
-    gather(bodies, 0, index, f);
+    gather(motion, index, f);
     side.velocity = {f[0], f[1], f[2]};
     side.inverse_mass = f[3];
     side.spin = {f[4], f[5], f[6]};
@@ -42,10 +44,10 @@ PLUVIA_INLINE void gather_motion(const Bodies<L> *bodies, const int *index, Side
 
 // What does not move may stand in several lanes; all write what was there.
 template <class L>
-PLUVIA_INLINE void scatter_motion(const Side<L> &side, const int *index, Bodies<L> *bodies) {
+PLUVIA_INLINE void scatter_motion(const Side<L> &side, const int *index, Records<L> *motion) {
     const L f[8] = {side.velocity.x, side.velocity.y, side.velocity.z, side.inverse_mass,
                     side.spin.x,     side.spin.y,     side.spin.z,     side.turns};
-    scatter(f, index, bodies, 0);
+    scatter(f, index, motion);
 }
 
 template <class L>
@@ -81,10 +83,10 @@ inline constexpr typename Lane<L>::Number TINY = static_cast<typename Lane<L>::N
 // Returns the mass along the normal.
 template <class L>
 PLUVIA_INLINE L set_levers(Batch<L> &c, const Side<L> &a, const Side<L> &b, const Three<L> &arm_a,
-                           const Three<L> &arm_b, const Bodies<L> *bodies) {
+                           const Three<L> &arm_b, const Bodies<L> &bodies) {
     L f[8], g[8];
-    gather(bodies, 8, c.a, f);
-    gather(bodies, 8, c.b, g);
+    gather(bodies.root.data(), c.a, f);
+    gather(bodies.root.data(), c.b, g);
     const Symmetric<L> root_a{f[0], f[1], f[2], f[3], f[4], f[5]};
     const Symmetric<L> root_b{g[0], g[1], g[2], g[3], g[4], g[5]};
     c.lever_a = root_a * arm_a.cross(c.normal);
@@ -131,15 +133,15 @@ template <class L> PLUVIA_INLINE Three<L> turned(const Three<L> &arm, const Thre
 // γ = 1/(h (c + h k)), share of the overlap to remove β = h k/(c + h k).
 template <class L>
 PLUVIA_INLINE void aim(Batch<L> &c, BatchMemory<L> &m, const LaneLaw<typename Lane<L>::Number> &law,
-                       const Bodies<L> *bodies) {
+                       const Bodies<L> &bodies) {
     const L zero{};
     const L one = zero + 1;
     Side<L> a, b;
-    gather_motion(bodies, c.a, a);
-    gather_motion(bodies, c.b, b);
+    gather_motion(bodies.motion.data(), c.a, a);
+    gather_motion(bodies.motion.data(), c.b, b);
     L f[8], g[8];
-    gather(bodies, 16, c.a, f);
-    gather(bodies, 16, c.b, g);
+    gather(bodies.way.data(), c.a, f);
+    gather(bodies.way.data(), c.b, g);
     const Three<L> moved_a{f[0], f[1], f[2]}, turned_a{f[4], f[5], f[6]};
     const Three<L> moved_b{g[0], g[1], g[2]}, turned_b{g[4], g[5], g[6]};
     const Three<L> turned_arm_a = turned(m.arm_a, turned_a);
@@ -217,45 +219,46 @@ template <class L> PLUVIA_INLINE bool any_larger(const L &lanes, typename Lane<L
     return any;
 }
 
-template <class L> PLUVIA_INLINE void solve_at(Batch<L> &c, Bodies<L> *bodies, L &unsolved) {
+template <class L> PLUVIA_INLINE void solve_at(Batch<L> &c, Records<L> *motion, L &unsolved) {
     Side<L> a, b;
-    gather_motion(bodies, c.a, a);
-    gather_motion(bodies, c.b, b);
+    gather_motion(motion, c.a, a);
+    gather_motion(motion, c.b, b);
     solve(c, a, b, unsolved);
-    scatter_motion(a, c.a, bodies);
-    scatter_motion(b, c.b, bodies);
+    scatter_motion(a, c.a, motion);
+    scatter_motion(b, c.b, motion);
 }
 
 // Applies the impulses that the contacts begin with.
-template <class L> PLUVIA_INLINE void begin(const Batch<L> &c, Bodies<L> *bodies) {
+template <class L> PLUVIA_INLINE void begin(const Batch<L> &c, Records<L> *motion) {
     Side<L> a, b;
-    gather_motion(bodies, c.a, a);
-    gather_motion(bodies, c.b, b);
+    gather_motion(motion, c.a, a);
+    gather_motion(motion, c.b, b);
     push(a, b, c.normal * c.impulse + c.tangent_1 * c.impulse_1 + c.tangent_2 * c.impulse_2,
          c.lever_a * c.impulse + c.lever_1_a * c.impulse_1 + c.lever_2_a * c.impulse_2,
          c.lever_b * c.impulse + c.lever_1_b * c.impulse_1 + c.lever_2_b * c.impulse_2);
-    scatter_motion(a, c.a, bodies);
-    scatter_motion(b, c.b, bodies);
+    scatter_motion(a, c.a, motion);
+    scatter_motion(b, c.b, motion);
 }
 
 // What external forces add to the motion.
-template <class N> PLUVIA_INLINE void force(std::vector<PackedBody<N>> &bodies) {
-    for (auto &x : bodies) {
+template <class N> PLUVIA_INLINE void force(PackedBodies<N> &bodies) {
+    for (std::size_t b = 0; b < bodies.motion.size(); ++b) {
         for (int i = 0; i < 8; ++i) {
-            x.motion[i] += x.forced[i];
+            bodies.motion[b].at[i] += bodies.forced[b].at[i];
         }
     }
 }
 
 // The way that the bodies go.
-template <class N> PLUVIA_INLINE void go(std::vector<PackedBody<N>> &bodies, N step) {
-    for (auto &x : bodies) {
-        const auto &r = x.root;
+template <class N> PLUVIA_INLINE void go(PackedBodies<N> &bodies, N step) {
+    for (std::size_t b = 0; b < bodies.motion.size(); ++b) {
+        const auto &r = bodies.root[b].at;
+        const auto &m = bodies.motion[b].at;
         const Symmetric<N> root{r[0], r[1], r[2], r[3], r[4], r[5]};
-        const Three<N> spin = root * Three<N>{x.motion[4], x.motion[5], x.motion[6]};
-        const N motion[8] = {x.motion[0], x.motion[1], x.motion[2], 0, spin.x, spin.y, spin.z, 0};
+        const Three<N> spin = root * Three<N>{m[4], m[5], m[6]};
+        const N motion[8] = {m[0], m[1], m[2], 0, spin.x, spin.y, spin.z, 0};
         for (int i = 0; i < 8; ++i) {
-            x.way[i] += motion[i] * step;
+            bodies.way[b].at[i] += motion[i] * step;
         }
     }
 }
@@ -269,18 +272,17 @@ template <class N> PLUVIA_INLINE void go(std::vector<PackedBody<N>> &bodies, N s
 // sweeps from when one of their batch bears something.
 template <class L>
 PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
-                           const LaneLaw<typename Lane<L>::Number> &law,
-                           std::vector<Bodies<L>> &bodies) {
-    auto *const body = bodies.data();
+                           const LaneLaw<typename Lane<L>::Number> &law, Bodies<L> &bodies) {
+    auto *const motion = bodies.motion.data();
     auto &batches = contacts.batches;
     for (std::size_t i = 0; i < batches.size(); ++i) {
-        aim(batches[i], contacts.memory[i], law, body);
+        aim(batches[i], contacts.memory[i], law, bodies);
         contacts.awake[i] = i < contacts.near || any_larger(batches[i].impulse, 0);
     }
     force(bodies);
     for (std::size_t i = 0; i < batches.size(); ++i) {
         if (contacts.awake[i]) {
-            begin(batches[i], body);
+            begin(batches[i], motion);
         }
     }
     // A blow to a heap takes more sweeps to get through it than its weight.
@@ -288,7 +290,7 @@ PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
         L unsolved{};
         for (std::size_t i = 0; i < batches.size(); ++i) {
             if (contacts.awake[i]) {
-                solve_at(batches[i], body, unsolved);
+                solve_at(batches[i], motion, unsolved);
             }
         }
         const bool solved = sweep >= sweeps && !any_larger(unsolved, law.unsolved_speed);
@@ -297,7 +299,7 @@ PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
         }
         for (std::size_t i = contacts.near; i < batches.size(); ++i) {
             if (!contacts.awake[i]) {
-                solve_at(batches[i], body, unsolved);
+                solve_at(batches[i], motion, unsolved);
                 contacts.awake[i] = any_larger(batches[i].impulse, 0);
             }
         }

@@ -31,7 +31,8 @@ std::unique_ptr<HullCollision> make_hull_collision(const Units &units, const Wor
 }
 
 std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const WorldDefinition &d,
-                                                   const HullCollision &collision) {
+                                                   const HullCollision &collision,
+                                                   Workers &workers) {
     const double scale = units.scale();
     // The sweeps of a step, shared among its sub-steps.
     const int sweeps = (d.iterations + d.substeps - 1) / d.substeps;
@@ -46,7 +47,7 @@ std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const Wor
     const Sweep sweep = d.contacts_at_once == 1     ? Sweep::OneByOne
                         : has_avx2() && !d.portable ? Sweep::Avx2
                                                     : Sweep::Portable;
-    return std::make_unique<ContactSolver>(collision.touching, law, sweep, d.gyroscopic);
+    return std::make_unique<ContactSolver>(collision.touching, law, sweep, d.gyroscopic, workers);
 }
 
 } // namespace pluvia

@@ -14,6 +14,7 @@ struct WorldDefinition;
 std::unique_ptr<HullCollision> make_hull_collision(const Units &units, const WorldDefinition &d);
 
 std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const WorldDefinition &d,
-                                                   const HullCollision &collision);
+                                                   const HullCollision &collision,
+                                                   Workers &workers);
 
 } // namespace pluvia

@@ -1,11 +1,12 @@
 // Pluvia's contact solver in the place of Bullet's.
 #pragma once
 
+#include "contact_bodies.h"
 #include "contact_iterations.h"
+#include "contact_parts.h"
+#include "workers.h"
 
-#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletDynamics/ConstraintSolver/btConstraintSolver.h>
-#include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <unordered_map>
 #include <vector>
@@ -21,8 +22,7 @@ class ContactSolver final : public btConstraintSolver {
     // `touching`: the contacts of the step at hand, in the place of Bullet's
     // manifolds. `gyroscopic`: uneven bodies turn by Euler's equations.
     ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law, Sweep sweep,
-                  bool gyroscopic)
-        : touching_(touching), law_(law), sweep_(sweep), gyroscopic_(gyroscopic) {}
+                  bool gyroscopic, Workers &workers);
 
     btScalar solveGroup(btCollisionObject **bodies, int body_count,
                         btPersistentManifold **manifolds, int manifold_count,
@@ -39,38 +39,33 @@ class ContactSolver final : public btConstraintSolver {
 
     const ContactLaw &law() const { return law_; }
     Sweep sweep() const { return sweep_; }
-    int rows() const { return static_cast<int>(rows_.size()); }
 
   private:
-    // A body with its motion at the end of the step.
-    struct Moving {
-        btRigidBody *body;
-        Three<double> velocity, spin;
-        bool is_momentum; // the spin stands for the angular momentum in world axes
+    // What a thread needs to solve a part.
+    struct Desk {
+        std::vector<SolverBody> bodies; // of the part; the first is the world
+        std::vector<ContactRow> rows;
+        std::vector<int> local;     // by driven body: its place in `bodies`, or 0
+        std::vector<int> driven_in; // whose place is not 0
+        Iterations iterations;
     };
 
     const std::vector<Touching> &touching_;
     ContactLaw law_;
     Sweep sweep_;
     bool gyroscopic_;
-    std::vector<SolverBody> solver_bodies_;
-    std::vector<btRigidBody *> bodies_; // by solver body; null for the world
-    std::vector<ContactRow> rows_;
-    std::vector<Moving> moving_;
-    // A driven body's velocities: of the last step, and their change from the
-    // one before.
-    struct Drive {
-        Three<double> velocity{0, 0, 0}, spin{0, 0, 0};
-        Three<double> change{0, 0, 0}, spin_change{0, 0, 0};
-    };
-    std::unordered_map<const btCollisionObject *, Drive> drives_;
-    Iterations iterations_;
+    Workers &workers_;
+    Parts parts_;
+    std::vector<Link> links_;    // by pair that touches
+    std::vector<Moving> moving_; // every free body
+    std::vector<int> place_;     // of a free body in its part
+    std::vector<SolverBody> driven_;
+    std::unordered_map<const btCollisionObject *, Drive> drives_, drives_now_;
+    std::vector<Desk> desks_; // by worker
 
     void take_bodies(btCollisionObject **bodies, int count, double step);
-    void accelerate_driven(const btCollisionObject *body, double step, SolverBody &driven);
-    void make_rows(double step);
-    void give_back(double step);
-    int index_of(const btCollisionObject *body) const;
+    void solve_part(std::size_t part, double step, Desk &desk);
+    int local_index(const btCollisionObject &body, Desk &desk) const;
 };
 
 } // namespace pluvia

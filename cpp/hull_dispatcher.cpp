@@ -13,6 +13,10 @@ namespace {
 // So many pairs ahead the memory is asked for what a pair carries.
 constexpr std::size_t AHEAD = 6;
 
+// Pairs that a thread takes at once: enough to pay for taking them, few enough
+// for all threads to end together.
+constexpr std::size_t PAIRS_AT_ONCE = 64;
+
 void prefetch(const HullAlgorithm &algorithm) {
     constexpr std::size_t LINE = 64;
     const auto *at = reinterpret_cast<const char *>(&algorithm);
@@ -82,15 +86,16 @@ void HullDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *pairs,
         __builtin_prefetch(first[std::min(i + 2 * static_cast<int>(AHEAD), count - 1)].m_algorithm);
         take(first[i]);
     }
-    workers_->share(work_.size(), [this](int worker, std::size_t begin, std::size_t end) {
-        PairScratch &scratch = scratch_[static_cast<std::size_t>(worker)];
-        for (std::size_t i = begin; i < end; ++i) {
-            if (i + AHEAD < end) {
-                prefetch(*work_[i + AHEAD].algorithm);
-            }
-            work_[i].algorithm->find(*work_[i].a, *work_[i].b, scratch);
-        }
-    });
+    workers_->share(work_.size(), PAIRS_AT_ONCE,
+                    [this](int worker, std::size_t begin, std::size_t end) {
+                        PairScratch &scratch = scratch_[static_cast<std::size_t>(worker)];
+                        for (std::size_t i = begin; i < end; ++i) {
+                            if (i + AHEAD < end) {
+                                prefetch(*work_[i + AHEAD].algorithm);
+                            }
+                            work_[i].algorithm->find(*work_[i].a, *work_[i].b, scratch);
+                        }
+                    });
     collision_->touching.clear();
     for (const Work &work : work_) {
         if (work.algorithm->holds_contacts()) {

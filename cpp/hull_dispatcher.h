@@ -22,6 +22,8 @@ class HullDispatcher final : public btCollisionDispatcher {
 
     const HullCollision *collision() const { return collision_; }
     int threads() const { return workers_ ? workers_->count() : 1; }
+    // Only with `collision`.
+    Workers &workers() { return *workers_; }
 
     // Pairs are culled one after the other and computed by all threads, each
     // writing only what belongs to its pair: the result does not depend on the

@@ -30,21 +30,24 @@ template <> struct Lane<Float8> {
     static void set(Float8 &lanes, int i, float value) { lanes[i] = value; }
 };
 
-// Record `offset` to `offset` + 7 of the bodies of a batch: `f[k]` gets number k of each.
-template <class B, class Index>
-inline __attribute__((always_inline)) void gather(const B *bodies, int offset, const Index *index,
+// Eight numbers that are moved as one.
+template <class N> struct alignas(32) Record { N at[8]; };
+
+// The records of the bodies of a batch: `f[k]` gets number k of each.
+template <class N>
+inline __attribute__((always_inline)) void gather(const Record<N> *records, const int *index,
                                                   double (&f)[8]) {
-    const double *from = bodies[index[0]].motion + offset;
+    const double *from = records[index[0]].at;
 #pragma GCC unroll 8
     for (int k = 0; k < 8; ++k) {
         f[k] = from[k];
     }
 }
 
-template <class B, class Index>
-inline __attribute__((always_inline)) void scatter(const double (&f)[8], const Index *index,
-                                                   B *bodies, int offset) {
-    double *to = bodies[index[0]].motion + offset;
+template <class N>
+inline __attribute__((always_inline)) void scatter(const double (&f)[8], const int *index,
+                                                   Record<N> *records) {
+    double *to = records[index[0]].at;
 #pragma GCC unroll 8
     for (int k = 0; k < 8; ++k) {
         to[k] = f[k];
@@ -68,18 +71,16 @@ inline __attribute__((always_inline)) void transpose(Float8 (&r)[4]) {
 
 // Halves of records are put beside each other when they are read, and taken
 // apart when they are written, which costs less than to turn whole ones.
-template <class B, class Index>
-inline __attribute__((always_inline)) void gather(const B *bodies, int offset, const Index *index,
+template <class N>
+inline __attribute__((always_inline)) void gather(const Record<N> *records, const int *index,
                                                   Float8 (&f)[8]) {
 #pragma GCC unroll 2
     for (int half = 0; half < 8; half += 4) {
         Float8 r[4];
 #pragma GCC unroll 4
         for (int i = 0; i < 4; ++i) {
-            const auto &first =
-                *reinterpret_cast<const Float4 *>(bodies[index[i]].motion + offset + half);
-            const auto &second =
-                *reinterpret_cast<const Float4 *>(bodies[index[i + 4]].motion + offset + half);
+            const auto &first = *reinterpret_cast<const Float4 *>(records[index[i]].at + half);
+            const auto &second = *reinterpret_cast<const Float4 *>(records[index[i + 4]].at + half);
             r[i] = __builtin_shufflevector(first, second, 0, 1, 2, 3, 4, 5, 6, 7);
         }
         transpose(r);
@@ -90,18 +91,18 @@ inline __attribute__((always_inline)) void gather(const B *bodies, int offset, c
     }
 }
 
-template <class B, class Index>
-inline __attribute__((always_inline)) void scatter(const Float8 (&f)[8], const Index *index,
-                                                   B *bodies, int offset) {
+template <class N>
+inline __attribute__((always_inline)) void scatter(const Float8 (&f)[8], const int *index,
+                                                   Record<N> *records) {
 #pragma GCC unroll 2
     for (int half = 0; half < 8; half += 4) {
         Float8 r[4] = {f[half], f[half + 1], f[half + 2], f[half + 3]};
         transpose(r);
 #pragma GCC unroll 4
         for (int i = 0; i < 4; ++i) {
-            *reinterpret_cast<Float4 *>(bodies[index[i]].motion + offset + half) =
+            *reinterpret_cast<Float4 *>(records[index[i]].at + half) =
                 __builtin_shufflevector(r[i], r[i], 0, 1, 2, 3);
-            *reinterpret_cast<Float4 *>(bodies[index[i + 4]].motion + offset + half) =
+            *reinterpret_cast<Float4 *>(records[index[i + 4]].at + half) =
                 __builtin_shufflevector(r[i], r[i], 4, 5, 6, 7);
         }
     }

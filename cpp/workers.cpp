@@ -5,25 +5,18 @@
 
 namespace pluvia {
 
-namespace {
-
-// Pairs in a part: enough to pay for taking it, few enough to end together.
-constexpr std::size_t PART = 64;
-
-} // namespace
-
 struct Workers::Job {
-    std::size_t size;
+    std::size_t size, length;
     const std::function<void(int, std::size_t, std::size_t)> &part;
     std::atomic<std::size_t> next{0};
 
     void run(int worker) {
         for (;;) {
-            const std::size_t begin = next.fetch_add(PART);
+            const std::size_t begin = next.fetch_add(length);
             if (begin >= size) {
                 return;
             }
-            part(worker, begin, std::min(size, begin + PART));
+            part(worker, begin, std::min(size, begin + length));
         }
     }
 };
@@ -45,10 +38,10 @@ Workers::~Workers() {
     }
 }
 
-void Workers::share(std::size_t size,
+void Workers::share(std::size_t size, std::size_t length,
                     const std::function<void(int, std::size_t, std::size_t)> &part) {
-    Job job{size, part};
-    if (threads_.empty() || size <= PART) {
+    Job job{size, length, part};
+    if (threads_.empty() || size <= length) {
         job.run(0);
         return;
     }

@@ -22,9 +22,10 @@ class Workers {
 
     int count() const { return static_cast<int>(threads_.size()) + 1; }
 
-    // Calls `part(worker, begin, end)` for parts of 0 to `size`; `worker` is
-    // smaller than `count()` and no two calls at a time have the same.
-    void share(std::size_t size,
+    // Calls `part(worker, begin, end)` for parts of 0 to `size`, each of `length`
+    // or less; `worker` is smaller than `count()` and no two calls at a time have
+    // the same.
+    void share(std::size_t size, std::size_t length,
                const std::function<void(int worker, std::size_t begin, std::size_t end)> &part);
 
   private:

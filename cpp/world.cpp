@@ -55,9 +55,10 @@ class BulletWorld::Impl {
                                                   : nullptr),
           configuration(pool_sizes()),
           dispatcher(&configuration, hull_collision.get(), definition.threads),
-          contact_solver(definition.own_collision
-                             ? make_contact_solver(units, definition, *hull_collision)
-                             : nullptr),
+          contact_solver(
+              definition.own_collision
+                  ? make_contact_solver(units, definition, *hull_collision, dispatcher.workers())
+                  : nullptr),
           hull_world(make_hull_world()), bullet_world(make_bullet_world()),
           world(hull_world ? *hull_world : *bullet_world) {
         world.setGravity(units.length(definition.gravity));

@@ -1,0 +1,119 @@
+#include "contact_bodies.h"
+
+#include <cmath>
+
+namespace pluvia {
+
+namespace {
+
+Three<double> three(const btVector3 &v) {
+    return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+
+btVector3 vector(const Three<double> &v) {
+    return btVector3(static_cast<btScalar>(v.x), static_cast<btScalar>(v.y),
+                     static_cast<btScalar>(v.z));
+}
+
+// What is diagonal in body axes, in world axes.
+Symmetric<double> along(const btMatrix3x3 &basis, const btVector3 &diagonal) {
+    const auto at = [&](int i, int j) {
+        return static_cast<double>((basis[i] * diagonal).dot(basis[j]));
+    };
+    return {at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(0, 2), at(1, 2)};
+}
+
+// The moments of inertia about the body axes; Bullet keeps their inverses.
+btVector3 moments(const btRigidBody &body) {
+    const btVector3 &inverse = body.getInvInertiaDiagLocal();
+    return btVector3(1 / inverse.x(), 1 / inverse.y(), 1 / inverse.z());
+}
+
+btVector3 spin_of(const btVector3 &momentum, const btVector3 &inverse, const btMatrix3x3 &basis) {
+    return basis * ((momentum * basis) * inverse);
+}
+
+btVector3 momentum_of(const btVector3 &spin, const btVector3 &moments, const btMatrix3x3 &basis) {
+    return basis * ((spin * basis) * moments);
+}
+
+// A basis turned by a spin for a time.
+btMatrix3x3 turned(const btMatrix3x3 &basis, const btVector3 &spin, btScalar time) {
+    const btScalar rate = spin.length();
+    if (rate * time < btScalar(1e-12)) {
+        return basis;
+    }
+    return btMatrix3x3(btQuaternion(spin / rate, rate * time)) * basis;
+}
+
+bool even(const btVector3 &m) { return m.x() == m.y() && m.y() == m.z(); }
+
+// The smaller of two changes where they have one sign, else none.
+double steady(double a, double b) { return a * b <= 0 ? 0 : std::abs(a) < std::abs(b) ? a : b; }
+
+Three<double> steady(const Three<double> &a, const Three<double> &b) {
+    return {steady(a.x, b.x), steady(a.y, b.y), steady(a.z, b.z)};
+}
+
+} // namespace
+
+SolverBody free_body(const btRigidBody &body) {
+    SolverBody out;
+    out.velocity = three(body.getLinearVelocity());
+    out.spin = three(body.getAngularVelocity());
+    out.inverse_mass = static_cast<double>(body.getInvMass());
+    const btMatrix3x3 &basis = body.getWorldTransform().getBasis();
+    const btVector3 &inverse = body.getInvInertiaDiagLocal();
+    const btVector3 root(std::sqrt(inverse.x()), std::sqrt(inverse.y()), std::sqrt(inverse.z()));
+    out.inverse_inertia_root = along(basis, root);
+    out.inertia_root = along(basis, btVector3(1 / root.x(), 1 / root.y(), 1 / root.z()));
+    out.acceleration = three(body.getTotalForce()) * out.inverse_mass;
+    out.spin_up = three(body.getInvInertiaTensorWorld() * body.getTotalTorque());
+    return out;
+}
+
+SolverBody driven_body(const btRigidBody &body, double step, Drive &drive) {
+    SolverBody out;
+    out.velocity = three(body.getLinearVelocity());
+    out.spin = three(body.getAngularVelocity());
+    const Three<double> change = out.velocity - drive.velocity;
+    const Three<double> spin_change = out.spin - drive.spin;
+    out.acceleration = steady(change, drive.change) * (1 / step);
+    out.spin_up = steady(spin_change, drive.spin_change) * (1 / step);
+    drive = {out.velocity, out.spin, change, spin_change};
+    return out;
+}
+
+// Bullet moves a body by its velocity and turns it by its spin, for a step:
+// they are given as what takes it the way it has gone. A free body's spin
+// changes while it turns; the spin it has half a step on, from the angular
+// momentum it had on average, turns it right to the second order (midpoint
+// rule).
+Moving begin_step(const SolverBody &from, btRigidBody &body, double step, bool gyroscopic) {
+    const double rate = 1 / step;
+    Moving moving{&body, from.velocity, from.spin, false};
+    btVector3 spin = vector(from.turn * rate);
+    const btVector3 inertia = moments(body);
+    if (gyroscopic && !even(inertia)) {
+        const btMatrix3x3 &basis = body.getWorldTransform().getBasis();
+        moving.spin = three(momentum_of(vector(from.spin), inertia, basis));
+        moving.is_momentum = true;
+        const btScalar half = static_cast<btScalar>(step / 2);
+        spin = spin_of(momentum_of(spin, inertia, basis), body.getInvInertiaDiagLocal(),
+                       turned(basis, spin, half));
+    }
+    body.setLinearVelocity(vector(from.shift * rate));
+    body.setAngularVelocity(spin);
+    return moving;
+}
+
+void end_step(const Moving &moving) {
+    btRigidBody &body = *moving.body;
+    body.setLinearVelocity(vector(moving.velocity));
+    body.setAngularVelocity(moving.is_momentum
+                                ? spin_of(vector(moving.spin), body.getInvInertiaDiagLocal(),
+                                          body.getWorldTransform().getBasis())
+                                : vector(moving.spin));
+}
+
+} // namespace pluvia
