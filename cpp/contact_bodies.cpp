@@ -1,5 +1,6 @@
 #include "contact_bodies.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pluvia {
@@ -48,8 +49,18 @@ btMatrix3x3 turned(const btMatrix3x3 &basis, const btVector3 &spin, btScalar tim
 
 bool even(const btVector3 &m) { return m.x() == m.y() && m.y() == m.z(); }
 
-// The smaller of two changes where they have one sign, else none.
-double steady(double a, double b) { return a * b <= 0 ? 0 : std::abs(a) < std::abs(b) ? a : b; }
+// How a velocity changes in a step, from its mean's change `a` since the step
+// before and the change `b` before that: carried on to the middle of the step,
+// where both have one sign and about one size, so that its end is where the
+// next step begins; none where it jumps.
+double steady(double a, double b) {
+    if (a * b <= 0) {
+        return 0;
+    }
+    const double most = 2 * std::min(std::abs(a), std::abs(b));
+    const double size = std::clamp(1.5 * std::abs(a) - 0.5 * std::abs(b), 0.0, most);
+    return std::copysign(size, a);
+}
 
 Three<double> steady(const Three<double> &a, const Three<double> &b) {
     return {steady(a.x, b.x), steady(a.y, b.y), steady(a.z, b.z)};

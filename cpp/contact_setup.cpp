@@ -34,10 +34,8 @@ std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const Wor
                                                    const HullCollision &collision,
                                                    Workers &workers) {
     const double scale = units.scale();
-    // The sweeps of a step, shared among its sub-steps.
-    const int sweeps = (d.iterations + d.substeps - 1) / d.substeps;
     const ContactLaw law{d.substeps,
-                         sweeps,
+                         d.sweeps,
                          d.contact_stiffness,
                          d.contact_damping_ratio,
                          d.push_out_speed * scale,

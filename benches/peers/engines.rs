@@ -103,7 +103,8 @@ pub fn all() -> Vec<Engine> {
     let threads = ManifoldSettings { threads: 2, ..pluvia.manifold.clone() };
     let two_threads = EngineSettings { manifold: threads, ..pluvia.clone() };
     let rapier = EngineSettings { backend: Backend::Rapier, ..pluvia.clone() };
-    let (rate, iterations) = (pluvia.rate_hz, Some(pluvia.iterations));
+    let rate = pluvia.rate_hz;
+    let iterations = Some(pluvia.manifold.sweeps * pluvia.manifold.substeps(rate));
     let substeps = Some(rapier.rapier.substeps);
     let us = |settings| By::Us(Box::new(settings));
     vec![

@@ -38,11 +38,14 @@ pub fn carry(args: &[String]) -> Result<(), String> {
     };
     let number = |text: &String| text.parse::<f64>().map_err(|e| format!("{text}: {e}"));
     let (rate, seconds, limit) = (number(rate)?, number(seconds)?, number(limit)?);
-    let iterations = iterations.parse().map_err(|e| format!("{iterations}: {e}"))?;
+    let iterations: u32 = iterations.parse().map_err(|e| format!("{iterations}: {e}"))?;
     let mut settings: EngineSettings = serde_json::from_str(settings).map_err(|e| e.to_string())?;
     settings.rate_hz = rate;
     match settings.backend {
-        Backend::Bullet => settings.iterations = iterations,
+        Backend::Bullet => {
+            let substeps = settings.manifold.substeps(rate);
+            settings.manifold.sweeps = iterations.div_ceil(substeps).max(1);
+        }
         Backend::Rapier => settings.rapier.substeps = iterations,
     }
     let path = std::path::Path::new(scene);

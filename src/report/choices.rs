@@ -214,14 +214,14 @@ fn manifold_contacts(e: &EngineSettings) -> Vec<Choice> {
         ),
         choice(
             "Time step",
-            format!("{} steps a second in {} sub-steps", compact(e.rate_hz), m.substeps),
+            format!("{} steps a second in {} sub-steps", compact(e.rate_hz), m.substeps(e.rate_hz)),
             "Not given; the tool's default of the time was 60.",
             "Void ratio and settlement differ no more between 480 and 960 steps a second than \
              between two mixings.",
         ),
         choice(
             "Solver iterations",
-            format!("{}, more where a blow is not solved", e.iterations),
+            format!("{} sweeps a sub-step, more where a blow is not solved", m.sweeps),
             "Not given; the tool's default of the time was 10.",
             "Fewer: contacts give way under the weight above them.",
         ),
@@ -237,7 +237,7 @@ fn manifold_contacts(e: &EngineSettings) -> Vec<Choice> {
              for overlaps of a hundredth of a millimetre.",
             "At rest a point sinks in by its load over the stiffness. In 2 s of shaking the mean \
              grain height fell by 4.6, 3.5, 2.6, 2.0 and 2.1 mm at 1250, 2500, 5000, 10000 and \
-             20000 N/m (one run each): the default settles more than a stiffer one would.",
+             20000 N/m (one run each).",
         ),
     ]
 }

@@ -39,7 +39,7 @@ pub struct EngineSettings {
     /// other; higher: slower.
     #[schemars(range(min = 30.0, max = 100000.0))]
     pub rate_hz: f64,
-    /// Solver iterations a step. Fewer: contacts give way; more: slower.
+    /// Iterations a step of Bullet's own solver. Fewer: contacts give way; more: slower.
     #[schemars(range(min = 1, max = 10000))]
     pub iterations: u32,
     /// Engine length units in a metre. Bullet's absolute tolerances are made

@@ -4,20 +4,25 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How contacts yield in the contact path `manifold`: an implicit spring and
-/// damper in every contact point. Rates, iterations and the speed below which
-/// nothing rebounds are those of the engine settings.
+/// damper in every contact point. The rate and the speed below which nothing
+/// rebounds are those of the engine settings; its `iterations` are Bullet's own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ManifoldSettings {
-    /// Sub-steps of the solver in a step: contacts are found once a step,
-    /// and its iterations are shared among the sub-steps. Fewer: blows and
-    /// shaking are followed more coarsely; more: fewer iterations in each.
-    #[schemars(range(min = 1, max = 1000))]
-    pub substeps: u32,
+    /// Sub-steps of the solver in a second of simulated time, at least:
+    /// contacts are found once a step, and solved in as many sub-steps of equal
+    /// length as it takes. Lower: blows, shaking and high stacks are followed more
+    /// coarsely; higher: slower.
+    #[schemars(range(min = 30.0, max = 1e6))]
+    pub substep_rate_hz: f64,
+    /// Sweeps over all contacts in a sub-step; a blow that is not solved by
+    /// them gets more. Fewer: loads do not get through the packing; more: slower.
+    #[schemars(range(min = 1, max = 10000))]
+    pub sweeps: u32,
     /// Stiffness of a contact point in N/m. Lower: grains sink in further, by
-    /// their load over it; higher: more iterations are needed for the load to
-    /// get through the packing. 5000 N/m make a grain of 1.6 g on four points
-    /// sink by 0.8 µm.
+    /// their load over it; higher: more sweeps are needed for the load to
+    /// get through the packing. 10000 N/m make a grain of 1.6 g on four points
+    /// sink by 0.4 µm.
     #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 1e9))]
     pub contact_stiffness_n_per_m: f64,
     /// Damping ratio of the spring with the bodies it stands between. Lower
@@ -44,16 +49,51 @@ pub struct ManifoldSettings {
     pub contacts_at_once: u32,
 }
 
+impl ManifoldSettings {
+    /// Sub-steps of a step at a rate in steps a second.
+    pub fn substeps(&self, rate_hz: f64) -> u32 {
+        // What is a whole number but for rounding is that number.
+        let count = (self.substep_rate_hz / rate_hz - 1e-9).ceil();
+        count.clamp(1.0, 1e6) as u32
+    }
+}
+
 impl Default for ManifoldSettings {
     fn default() -> Self {
         Self {
-            substeps: 4,
-            contact_stiffness_n_per_m: 5000.0,
+            substep_rate_hz: 1920.0,
+            sweeps: 5,
+            contact_stiffness_n_per_m: 10000.0,
             contact_damping_ratio: 1.0,
             push_out_speed_m_per_s: 0.3,
             threads: 1,
             portable: false,
             contacts_at_once: 8,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sub_steps_are_never_longer_than_asked_for() {
+        let settings = ManifoldSettings { substep_rate_hz: 1920.0, ..Default::default() };
+        for (rate_hz, expected) in [
+            (240.0, 8),
+            (480.0, 4),
+            (500.0, 4),
+            (1000.0, 2),
+            (1920.0, 1),
+            (5000.0, 1),
+            (0.0, 1000000),
+        ] {
+            let got = settings.substeps(rate_hz);
+            assert_eq!(
+                got, expected,
+                "law: the least number of sub-steps of 1/1920 s or less, at {rate_hz} Hz"
+            );
         }
     }
 }

@@ -52,6 +52,8 @@ mod bridge {
         push_out_speed: f64,
         /// Of Pluvia's own solver in a step.
         substeps: i32,
+        /// Over all contacts in a sub-step.
+        sweeps: i32,
         /// That find contacts.
         threads: i32,
         /// Whether to use the instructions that every processor has.

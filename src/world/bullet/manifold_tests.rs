@@ -61,7 +61,7 @@ fn threads_and_instructions_change_no_bit() {
         }
     }
     // The comparison can fail: one sub-step more is another result.
-    let other = ManifoldSettings { substeps: 5, ..Default::default() };
+    let other = ManifoldSettings { sweeps: 6, ..Default::default() };
     assert!(reference != run(other), "law: other settings, other bits");
 }
 

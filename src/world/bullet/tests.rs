@@ -107,7 +107,11 @@ fn free_fall_is_the_discrete_solution_at_every_length_scale() {
     let cases = [1.0, 10.0, 100.0, 1000.0].map(|scale| PATHS.map(|path| (scale, path)));
     for (length_scale, path) in cases.into_iter().flatten() {
         let settings = EngineSettings { length_scale, ..on(path) };
-        let moves = if path == ContactPath::Bullet { 1 } else { settings.manifold.substeps };
+        let moves = if path == ContactPath::Bullet {
+            1
+        } else {
+            settings.manifold.substeps(settings.rate_hz)
+        };
         let mut world = world(&settings);
         let id =
             world.add(&free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 5.0))).expect("added");

@@ -48,7 +48,9 @@ impl Engine {
     fn moves_a_step(&self) -> u32 {
         match (self.backend, self.settings.contact_path) {
             (Backend::Bullet, ContactPath::Bullet) => 1,
-            (Backend::Bullet, ContactPath::Manifold) => self.settings.manifold.substeps,
+            (Backend::Bullet, ContactPath::Manifold) => {
+                self.settings.manifold.substeps(self.settings.rate_hz)
+            }
             (Backend::Rapier, _) => self.settings.rapier.substeps,
         }
     }
