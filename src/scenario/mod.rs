@@ -20,7 +20,7 @@ mod structure;
 mod validate;
 
 pub use accessors::Vibration;
-pub use document::load_document;
+pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactPath, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
 pub use load::{Loaded, check, load};

@@ -6,6 +6,8 @@
 //! what is stored is not done again.
 
 mod keep;
+#[cfg(test)]
+mod tests;
 
 pub(super) use keep::{Kept, keep_and_read};
 
@@ -23,6 +25,7 @@ use super::{
     run::{RunOptions, kind_of, make_grains, write_grains, write_run},
 };
 use crate::grains::GrainSet;
+use crate::protocol::WorldMaker;
 use crate::record::{
     FileError, RunRow, StageStore, VariationRow, create_folder, hash_json, variation_runs_csv,
     variations_csv, write_file, write_json,
@@ -129,6 +132,17 @@ pub fn carry_out_variations(
     options: &RunOptions,
     so_far: &mut dyn FnMut(&[RunRow]) -> Result<(), StudyError>,
 ) -> Result<Vec<RunRow>, StudyError> {
+    carry_out_in(&crate::world::create, varied, configurations, options, so_far)
+}
+
+/// The same in worlds of the caller's making.
+fn carry_out_in(
+    make_world: WorldMaker,
+    varied: &Varied,
+    configurations: u32,
+    options: &RunOptions,
+    so_far: &mut dyn FnMut(&[RunRow]) -> Result<(), StudyError>,
+) -> Result<Vec<RunRow>, StudyError> {
     create_folder(&options.out)?;
     let mut grains = GrainSets::default();
     let own = grains.of(&varied.base)?;
@@ -152,7 +166,7 @@ pub fn carry_out_variations(
         }
         for batch in batches(planned) {
             let (runs, begun): (Vec<_>, Vec<_>) = batch.into_iter().unzip();
-            rows.extend(carry_out_batch(&runs, begun, &own, &store, options)?);
+            rows.extend(carry_out_batch(make_world, &runs, begun, &own, &store, options)?);
             so_far(&rows)?;
         }
     }
@@ -213,6 +227,7 @@ fn batches(planned: Vec<(PlannedRun, RunRow)>) -> Vec<Vec<(PlannedRun, RunRow)>>
 
 /// Carries out runs together and completes their rows.
 fn carry_out_batch(
+    make_world: WorldMaker,
     runs: &[PlannedRun],
     begun: Vec<RunRow>,
     shared_grains: &Arc<GrainSet>,
@@ -223,7 +238,7 @@ fn carry_out_batch(
     name_stages(&mut plan, runs);
     let progress = options.progress.as_ref();
     let Attempt { done, failures } =
-        attempt(&plan, store, options.jobs, &crate::world::create, &options.cancel, progress);
+        attempt(&plan, store, options.jobs, make_world, &options.cancel, progress);
     let mut reasons: Vec<(usize, String)> = Vec::new();
     for failure in failures {
         match (failure.node, failure.error) {
