@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Summary, to_csv};
+use super::{Summary, hash_json, to_csv};
 use crate::measure::Estimate;
 use crate::scenario::{Backend, ContactPath, Scenario};
 
@@ -20,6 +20,9 @@ pub struct RunRow {
     pub configuration: u32,
     /// What was changed in the scenario, `path=value`, divided by semicolons.
     pub changes: String,
+    /// The same for runs of the same scenario, configurations aside, by
+    /// whatever changes it came about.
+    pub experiment: String,
     /// The engine.
     pub backend: String,
     /// Its precision, `double` or `single`.
@@ -79,6 +82,7 @@ impl RunRow {
             group: group.to_owned(),
             configuration: scenario.configuration,
             changes: String::new(),
+            experiment: experiment(scenario),
             contact_path: match (engine.backend, engine.contact_path) {
                 (Backend::Rapier, _) => "rapier".to_owned(),
                 (Backend::Bullet, ContactPath::Bullet) => "bullet".to_owned(),
@@ -149,6 +153,19 @@ impl RunRow {
     }
 }
 
+/// The first digits of a scenario's hash; what it is called and said to be for,
+/// and its configuration, are left out.
+fn experiment(scenario: &Scenario) -> String {
+    let bare = Scenario {
+        name: String::new(),
+        description: String::new(),
+        notes: Vec::new(),
+        configuration: 1,
+        ..scenario.clone()
+    };
+    hash_json(&bare).chars().take(16).collect()
+}
+
 /// One variation: means over its runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VariationRow {
@@ -158,6 +175,8 @@ pub struct VariationRow {
     pub group: String,
     /// What was changed.
     pub changes: String,
+    /// The same for variations that come to the same scenario.
+    pub experiment: String,
     /// The engine.
     pub backend: String,
     /// Its precision.
@@ -229,6 +248,7 @@ impl VariationRow {
             variation: first.variation.clone(),
             group: first.group.clone(),
             changes: first.changes.clone(),
+            experiment: first.experiment.clone(),
             backend: first.backend.clone(),
             precision: first.precision.clone(),
             contact_path: first.contact_path.clone(),
@@ -277,10 +297,11 @@ fn cell(value: Option<f64>) -> String {
 /// # Errors
 /// The writer's; writing to memory does not fail.
 pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
-    const SETTINGS: [&str; 13] = [
+    const SETTINGS: [&str; 14] = [
         "variation",
         "group",
         "changes",
+        "experiment",
         "backend",
         "precision",
         "contact_path",
@@ -305,6 +326,7 @@ pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
             row.variation.clone(),
             row.group.clone(),
             row.changes.clone(),
+            row.experiment.clone(),
             row.backend.clone(),
             row.precision.clone(),
             row.contact_path.clone(),

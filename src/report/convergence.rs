@@ -84,13 +84,22 @@ pub struct ConvergenceRow {
     /// From the finest rung of the study.
     pub from_study: Deviations,
     /// The largest of overlap, creep and deviations, each over what is
-    /// allowed: 1 at the limit. `None` where one is not known.
+    /// allowed: 1 at the limit. `None` where one is not known. This and what
+    /// follows holds in every ladder that has the setting.
     pub error_over_limit: Option<f64>,
     /// Whether it meets the whole standard by its means.
     pub meets: Option<bool>,
     /// Whether the scatter of a deviation leaves that open; `None` where the
     /// scatter is not known.
     pub open: Option<bool>,
+}
+
+impl ConvergenceRow {
+    /// Whether another row is of the same setting, as a rung of another ladder.
+    pub fn same_setting(&self, other: &Self) -> bool {
+        self.result.experiment == other.result.experiment
+            && self.result.precision == other.result.precision
+    }
 }
 
 /// Which settings are the cheapest, as numbers of rows.

@@ -117,9 +117,9 @@ fn ladder_table(text: &mut String, ladder: &str, rows: &[&ConvergenceRow], preci
             deviation(&d.plate, row.finest_of_ladder),
             estimate(v.surface_settlement_mm, 1),
             deviation(&d.surface, row.finest_of_ladder),
-            mean(v.overlap_mean_percent),
-            mean(v.overlap_p99_percent),
-            mean(v.creep_um_per_s),
+            hundredths(v.overlap_mean_percent),
+            hundredths(v.overlap_p99_percent),
+            hundredths(v.creep_um_per_s),
             mean(v.wall_s_per_simulated_s),
             verdict(row),
         );
@@ -128,7 +128,13 @@ fn ladder_table(text: &mut String, ladder: &str, rows: &[&ConvergenceRow], preci
 
 /// Every setting against the study's finest, the cheapest first.
 fn against_the_study(text: &mut String, of: &Convergence) {
-    let mut rows: Vec<&ConvergenceRow> = of.rows.iter().collect();
+    // A setting may stand in several ladders.
+    let mut rows: Vec<&ConvergenceRow> = Vec::new();
+    for row in &of.rows {
+        if !rows.iter().any(|known| known.same_setting(row)) {
+            rows.push(row);
+        }
+    }
     let cost = |r: &ConvergenceRow| r.result.wall_s_per_simulated_s.map_or(f64::MAX, |c| c.mean);
     rows.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
     let _ = write!(
@@ -163,7 +169,7 @@ fn how_to_read(text: &mut String, of: &Convergence) {
          configurations, paired, with their standard error. \"~\" marks a deviation that lies \
          inside the scatter: its 95 % confidence interval (Student's t) holds zero. **Bold** is \
          beyond the limit of {} % (height) or {} % (settlements); \"?\" says that scatter leaves \
-         open whether it is. \"1 run\" tells nothing of scatter. \"reference\" is the finest rung, \
+         open whether it is. What has no ± stands on one run, which tells nothing of scatter. \"reference\" is the finest rung, \
          from which nothing can deviate: what its own ladder does not refine may still be wrong. \
          Creep is without its sign. \"standard\" takes everything together, with the \
          deviations from both references.\n",
@@ -186,12 +192,16 @@ fn mean(estimate: Option<Estimate>) -> String {
     estimate.map_or_else(|| "–".to_owned(), |e| compact(e.mean))
 }
 
-/// Mean ± standard error.
+fn hundredths(estimate: Option<Estimate>) -> String {
+    estimate.map_or_else(|| "–".to_owned(), |e| number(e.mean, 2))
+}
+
+/// Mean ± standard error; the mean alone of a single run.
 pub(super) fn estimate(estimate: Option<Estimate>, decimals: usize) -> String {
     let Some(e) = estimate else { return "–".to_owned() };
     match e.standard_error {
         Some(error) => format!("{} ± {}", number(e.mean, decimals), number(error, decimals)),
-        None => format!("{} (1 run)", number(e.mean, decimals)),
+        None => number(e.mean, decimals),
     }
 }
 

@@ -103,6 +103,6 @@ fn per_unit(estimate: Option<Estimate>) -> String {
     let Some(e) = estimate else { return "–".to_owned() };
     match e.standard_error {
         Some(error) => format!("{} ± {}", compact(e.mean), compact(error)),
-        None => format!("{} (1 run)", compact(e.mean)),
+        None => compact(e.mean),
     }
 }

@@ -319,8 +319,10 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
 /// What a setting costs, and how far it is from what is allowed.
 fn cost(of: &Convergence) -> Result<Figure, ReportError> {
     let ladders = ladders(of);
-    let point =
-        |r: &ConvergenceRow| Some((r.result.wall_s_per_simulated_s?.mean, r.error_over_limit?));
+    let point = |r: &ConvergenceRow| {
+        let error = r.error_over_limit.filter(|_| !r.finest_of_study)?;
+        Some((r.result.wall_s_per_simulated_s?.mean, error))
+    };
     let points = || of.rows.iter().filter_map(point);
     let x = Axis::logarithmic("Wall time of a simulated second (s)", points().map(|p| p.0));
     let errors = points().map(|p| p.1).chain([1.0]);
@@ -350,7 +352,8 @@ fn cost(of: &Convergence) -> Result<Figure, ReportError> {
         "Cost against error",
         "The largest of overlap, creep and deviations, each over what the standard allows, against \
          wall time; below the dotted line the whole standard is met. Lines join the rungs of a ladder \
-         in order."
+         in order. The setting that the study is held against is left out: it cannot deviate from \
+         itself."
             .to_owned(),
         &plot,
         &table,

@@ -68,7 +68,28 @@ pub(super) fn judge(
             }
         }
     }
-    rows
+    in_every_ladder(rows)
+}
+
+/// A setting that stands in several ladders passes if it does so in all of them.
+fn in_every_ladder(rows: Vec<ConvergenceRow>) -> Vec<ConvergenceRow> {
+    let together = |row: &ConvergenceRow| {
+        let same = || rows.iter().filter(|other| other.same_setting(row));
+        let errors: Option<Vec<f64>> = same().map(|r| r.error_over_limit).collect();
+        let meets: Option<Vec<bool>> = same().map(|r| r.meets).collect();
+        let open: Option<Vec<bool>> = same().map(|r| r.open).collect();
+        ConvergenceRow {
+            error_over_limit: errors.map(|e| e.into_iter().fold(0.0, f64::max)),
+            meets: if same().any(|r| r.meets == Some(false)) {
+                Some(false)
+            } else {
+                meets.map(|m| m.into_iter().all(|m| m))
+            },
+            open: open.map(|o| o.into_iter().any(|o| o)),
+            ..row.clone()
+        }
+    };
+    rows.iter().map(together).collect()
 }
 
 fn deviations(here: &[&RunRow], there: &[&RunRow], limits: ConvergenceLimits) -> Deviations {
@@ -128,7 +149,7 @@ pub(super) fn cheapest(rows: &[ConvergenceRow], standard: &Standard) -> Cheapest
     let pick = |passes: &dyn Fn(&ConvergenceRow) -> bool| {
         rows.iter()
             .enumerate()
-            .filter(|(_, row)| passes(row))
+            .filter(|(_, row)| rows.iter().filter(|r| r.same_setting(row)).all(passes))
             .filter_map(|(i, row)| Some((i, row.result.wall_s_per_simulated_s?.mean)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(i, _)| i)

@@ -30,6 +30,8 @@ fn run(variation: &str, configuration: u32, height: f64, cost: f64) -> RunRow {
         overlap_p99_percent: Some(1.0),
         creep_um_per_s: Some(-1.0),
         wall_s_per_simulated_s: Some(cost),
+        // Variations are different scenarios.
+        experiment: variation.to_owned(),
         ..RunRow::of_scenario("run", variation, "group", &scenario)
     }
 }
@@ -173,6 +175,34 @@ fn settings_are_held_against_the_study_too() {
     assert_eq!(own.from_ladder.height.within, Some(true), "law: its own ladder is converged");
     assert_eq!(own.from_study.height.within, Some(false), "law: the study says otherwise");
     assert_eq!(own.meets, Some(false));
+}
+
+#[test]
+fn a_setting_must_pass_in_every_ladder_that_has_it() {
+    let same = |rows: Vec<RunRow>, experiment: &str| -> Vec<RunRow> {
+        rows.into_iter().map(|r| RunRow { experiment: experiment.into(), ..r }).collect()
+    };
+    let of = |stiff: f64| {
+        let runs = [
+            same(three("rate-480", 160.5, 1.0), "default"),
+            three("rate-1920", 160.0, 4.0),
+            same(three("stiffness-5", 160.5, 1.0), "default"),
+            three("stiffness-20", stiff, 2.0),
+        ]
+        .concat();
+        let ladders = [
+            ladder("rate", &["rate-480", "rate-1920"]),
+            ladder("stiffness", &["stiffness-5", "stiffness-20"]),
+        ];
+        let rows = judged(&runs, &ladders);
+        assert_eq!(rows[0].meets, rows[2].meets, "law: one setting, one verdict");
+        (rows[0].meets, cheapest(&rows, &standard()))
+    };
+    let (meets, found) = of(160.0);
+    assert_eq!((meets, found.meeting), (Some(true), Some(0)), "it passes in both");
+    let (meets, found) = of(170.0);
+    assert_eq!(meets, Some(false), "law: what misses in one ladder misses");
+    assert_eq!((found.meeting, found.not_shown_to_miss), (Some(1), Some(1)));
 }
 
 #[test]

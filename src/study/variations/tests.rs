@@ -69,7 +69,7 @@ fn worlds(
 
 #[test]
 fn a_run_that_fails_is_a_row_and_the_others_go_on() {
-    let _turn = crate::world::shared_turn();
+    let _turn = crate::world::exclusive_turn();
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");
     let varied = varied(
