@@ -39,6 +39,9 @@ pub struct RunRow {
     pub contact_stiffness_n_per_m: Option<f64>,
     /// Number of grains made.
     pub grains: Option<usize>,
+    /// How many of them are not in the cylinder at the end: left in the
+    /// funnel, spilled or escaped. The specimen is lower without them.
+    pub grains_outside: Option<usize>,
     /// Height of the mean surface after pouring in mm.
     pub poured_height_mm: Option<f64>,
     /// Void ratio after pouring.
@@ -96,6 +99,7 @@ impl RunRow {
             contact_stiffness_n_per_m: manifold
                 .then_some(engine.manifold.contact_stiffness_n_per_m),
             grains: None,
+            grains_outside: None,
             poured_height_mm: None,
             void_ratio: None,
             plate_settlement_mm: None,
@@ -119,6 +123,7 @@ impl RunRow {
         let surface = s.surface_settlement_mm.as_ref();
         Self {
             grains: Some(s.grains.count),
+            grains_outside: Some(s.grains.count.saturating_sub(s.grains.in_cylinder)),
             poured_height_mm: Some(s.poured_height_mm.unwrap_or(s.standing_height_mm).mean_surface),
             void_ratio: Some(s.poured_void_ratio.unwrap_or(s.void_ratio)),
             plate_settlement_mm: plate.map(|p| p.final_mm),
@@ -197,6 +202,8 @@ pub struct VariationRow {
     pub failed: usize,
     /// How many of them meet the accuracy standard for overlap and creep.
     pub meeting_standard: usize,
+    /// Grains that are not in the cylinder at the end.
+    pub grains_outside: Option<Estimate>,
     /// Height of the mean surface after pouring in mm.
     pub poured_height_mm: Option<Estimate>,
     /// Void ratio after pouring.
@@ -259,6 +266,7 @@ impl VariationRow {
             runs: runs.len(),
             failed: runs.iter().filter(|r| r.failure.is_some()).count(),
             meeting_standard: runs.iter().filter(|r| r.meets_standard == Some(true)).count(),
+            grains_outside: mean(&|r| r.grains_outside.map(|g| g as f64)),
             poured_height_mm: mean(&|r| r.poured_height_mm),
             void_ratio: mean(&|r| r.void_ratio),
             plate_settlement_mm: mean(&RunRow::early_plate_mm),
@@ -272,8 +280,9 @@ impl VariationRow {
     }
 
     /// Name and value of every mean.
-    fn means(&self) -> [(&'static str, Option<Estimate>); 9] {
+    fn means(&self) -> [(&'static str, Option<Estimate>); 10] {
         [
+            ("grains_outside", self.grains_outside),
             ("poured_height_mm", self.poured_height_mm),
             ("void_ratio", self.void_ratio),
             ("plate_settlement_mm", self.plate_settlement_mm),

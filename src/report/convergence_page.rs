@@ -95,7 +95,7 @@ fn cheapest(text: &mut String, of: &Convergence) {
 fn ladder_table(text: &mut String, ladder: &str, rows: &[&ConvergenceRow], precisions: bool) {
     let _ = write!(
         text,
-        "\n## {ladder}\n\n| setting | runs | height | % | plate | % | surface | % | overlap mean / \
+        "\n## {ladder}\n\n| setting | runs; grains outside | height | % | plate | % | surface | % | overlap mean / \
          p99, % | creep, µm/s | s a simulated s | standard |\n|{}\n",
         " --- |".repeat(12)
     );
@@ -106,10 +106,12 @@ fn ladder_table(text: &mut String, ladder: &str, rows: &[&ConvergenceRow], preci
             let _ = write!(name, ", {}", v.precision);
         }
         let failed = if v.failed > 0 { format!(", {} failed", v.failed) } else { String::new() };
+        let outside = v.grains_outside.filter(|g| g.mean > 0.0);
+        let outside = outside.map_or_else(String::new, |g| format!("; {}", number(g.mean, 1)));
         let d = &row.from_ladder;
         let _ = writeln!(
             text,
-            "| {name} | {}{failed} | {} | {} | {} | {} | {} | {} | {} / {} | {} | {} | {} |",
+            "| {name} | {}{failed}{outside} | {} | {} | {} | {} | {} | {} | {} / {} | {} | {} | {} |",
             v.runs,
             estimate(v.poured_height_mm, 1),
             deviation(&d.height, row.finest_of_ladder),
@@ -171,6 +173,8 @@ fn how_to_read(text: &mut String, of: &Convergence) {
          beyond the limit of {} % (height) or {} % (settlements); \"?\" says that scatter leaves \
          open whether it is. What has no ± stands on one run, which tells nothing of scatter. \"reference\" is the finest rung, \
          from which nothing can deviate: what its own ladder does not refine may still be wrong. \
+         Grains outside are those that do not lie in the cylinder at the end, in \
+         the mean over runs: a jam in the funnel lowers the specimen by what hangs there. \
          Creep is without its sign. \"standard\" takes everything together, with the \
          deviations from both references.\n",
         compact(of.height_limit_percent),

@@ -54,6 +54,9 @@ pub struct ParameterRow {
     pub high: f64,
     /// Runs at its ends that failed.
     pub failed: usize,
+    /// Grains of a run that are not in the cylinder at the end, in the mean
+    /// over the runs of the end that has more of them.
+    pub grains_outside: Option<f64>,
     /// On the height of the mean surface after pouring.
     pub height: Effect,
     /// On the settlement of the plate after 5 s, or at the end of a shorter vibration.
@@ -115,7 +118,9 @@ fn csv(of: &Sensitivity) -> Result<Vec<u8>, csv::Error> {
     ];
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut header: Vec<String> =
-        ["parameter", "unit", "path", "low", "default", "high", "failed"].map(str::to_owned).into();
+        ["parameter", "unit", "path", "low", "default", "high", "failed", "grains_outside"]
+            .map(str::to_owned)
+            .into();
     for outcome in OUTCOMES {
         for difference in DIFFERENCES {
             header.push(format!("{outcome}_{difference}"));
@@ -129,6 +134,7 @@ fn csv(of: &Sensitivity) -> Result<Vec<u8>, csv::Error> {
         let mut cells = vec![row.parameter.clone(), row.unit.clone(), row.path.clone()];
         cells.extend([row.low, row.default, row.high].map(|v| v.to_string()));
         cells.push(row.failed.to_string());
+        cells.push(number(row.grains_outside));
         for e in [&row.height, &row.plate, &row.surface] {
             for d in [e.low_mm, e.high_mm, e.range_mm, e.per_unit_mm, e.largest_mm] {
                 cells.push(number(d.map(|d| d.mean)));
@@ -171,6 +177,7 @@ pub(super) mod tests {
             default: 2.0,
             high: 3.0,
             failed: 0,
+            grains_outside: Some(0.0),
             height: effect,
             plate: effect,
             surface: effect,

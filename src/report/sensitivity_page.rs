@@ -19,7 +19,9 @@ pub(super) fn page(of: &Sensitivity, figure: &Figure) -> String {
          others at their defaults. Differences in mm ± standard error, paired by configuration: \
          runs of a pair have the same grains in the same order. A packing is chaotic, so that \
          pairs scatter; \"~\" marks an effect that lies inside that scatter: the 95 % confidence \
-         interval (Student's t) of its largest difference holds zero.\n\n",
+         interval (Student's t) of its largest difference holds zero. Grains outside are those that do \
+         not lie in the cylinder at the end: a jam in the funnel lowers the specimen by what hangs \
+         there.\n\n",
         of.scenario,
         if of.quick { ", the smaller specimen" } else { "" },
         of.configurations,
@@ -83,9 +85,12 @@ fn table(text: &mut String, title: &str, of: &Sensitivity, effect: fn(&Parameter
             None => "scatter unknown",
         };
         let failed = if row.failed > 0 { format!("{} failed ", row.failed) } else { String::new() };
+        let outside = row.grains_outside.filter(|g| *g >= 0.5);
+        let outside =
+            outside.map_or_else(String::new, |g| format!(" {} grains outside", number(g, 0)));
         let _ = writeln!(
             text,
-            "| {} | {} to {}{} | {} | {} | {} | {} | {failed}{mark} |",
+            "| {} | {} to {}{} | {} | {} | {} | {} | {failed}{mark}{outside} |",
             row.title,
             compact(row.low),
             compact(row.high),

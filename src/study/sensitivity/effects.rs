@@ -15,6 +15,11 @@ pub(super) fn rows(parameters: &[Parameter], runs: &[RunRow]) -> Vec<ParameterRo
         .map(|p| {
             let (low, high) = (of(&p.low_variation), of(&p.high_variation));
             let all = [low.as_slice(), high.as_slice()].concat();
+            let outside = |rows: &[&RunRow]| {
+                let counts: Vec<f64> =
+                    rows.iter().filter_map(|r| r.grains_outside.map(|g| g as f64)).collect();
+                Estimate::of(&counts).map(|e| e.mean)
+            };
             let effect = |value: fn(&RunRow) -> Option<f64>| {
                 let paired = |rows: &[&RunRow]| RunRow::paired(rows, value);
                 effect(&paired(&low), &paired(&of(DEFAULT)), &paired(&high), p.high - p.low)
@@ -29,6 +34,7 @@ pub(super) fn rows(parameters: &[Parameter], runs: &[RunRow]) -> Vec<ParameterRo
                 default: p.default,
                 high: p.high,
                 failed: all.iter().filter(|r| r.failure.is_some()).count(),
+                grains_outside: outside(&low).into_iter().chain(outside(&high)).reduce(f64::max),
                 height: effect(|r| r.poured_height_mm),
                 plate: effect(RunRow::early_plate_mm),
                 surface: effect(RunRow::early_surface_mm),
