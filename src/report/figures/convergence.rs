@@ -240,6 +240,10 @@ fn rate_axis(lines: &[(String, Vec<&ConvergenceRow>)]) -> Axis {
     axis
 }
 
+/// What deviates: its entry in the legend, its name in the table, its value,
+/// and how far it is drawn below the middle of its line.
+type Part = (&'static str, &'static str, fn(&ConvergenceRow) -> Deviation, f64);
+
 /// Deviations from the finest rung of each ladder, one line a setting.
 fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
     let rows: Vec<(String, &ConvergenceRow)> = ladders(of)
@@ -247,7 +251,7 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
         .flat_map(|(name, rows)| rows.into_iter().map(move |r| (name.clone(), r)))
         .filter(|(_, row)| !row.finest_of_ladder)
         .collect();
-    let parts: [(&str, &str, fn(&ConvergenceRow) -> Deviation, f64); 3] = [
+    let parts: [Part; 3] = [
         ("Height", "height", |r| r.from_ladder.height, -0.22),
         ("Settlement of the plate", "plate", |r| r.from_ladder.plate, 0.0),
         ("Settlement of the surface", "surface", |r| r.from_ladder.surface, 0.22),

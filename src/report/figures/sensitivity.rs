@@ -24,6 +24,10 @@ const BAR: u32 = 26;
 /// What each panel shows: name of its axis, name in the table, effect.
 type Panel = (&'static str, &'static str, fn(&ParameterRow) -> Effect);
 
+/// An end of a range: its entry in the legend, number of its colour, how far
+/// it is drawn below the middle of its line, and its change.
+type End = (&'static str, usize, f64, fn(&Effect) -> Option<Estimate>);
+
 const PANELS: [Panel; 3] = [
     ("Change of the height after pouring (mm)", "height", |r| r.height),
     ("Change of the settlement of the plate (mm)", "plate_settlement", |r| r.plate),
@@ -102,7 +106,7 @@ fn panel(
     plot.y_names = Some(rows.iter().map(|r| label(r)).collect());
     plot.frame_height = (ROW * count as u32).max(3 * ROW);
     plot.marks.push(Mark { label: String::new(), at: 0.0, upright: true });
-    let parts: [(&str, usize, f64, fn(&Effect) -> Option<Estimate>); 2] =
+    let parts: [End; 2] =
         [("at the low end", 0, -0.18, |e| e.low_mm), ("at the high end", 1, 0.18, |e| e.high_mm)];
     for (name, colour, offset, value) in parts {
         let bar = look(style::colour(colour), style::SOLID, BAR);

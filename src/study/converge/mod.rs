@@ -112,7 +112,7 @@ pub(super) fn beside_other_builds(
     let progress: &Arc<dyn Progress> = &options.progress;
     let Kept { rows, left_out } = keep_and_read(&options.out, programme, rows)?;
     for file in left_out {
-        progress.message(&format!("{file} is of another design and left out"));
+        progress.message(&format!("{file} is of another design or version and left out"));
     }
     Ok(rows)
 }

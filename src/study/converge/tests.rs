@@ -120,7 +120,8 @@ fn the_cheapest_that_passes_is_chosen() {
 
 #[test]
 fn overlap_creep_and_failure_each_spoil_a_setting() {
-    let spoil: [(&str, fn(&mut RunRow), bool); 7] = [
+    type Spoilt = (&'static str, fn(&mut RunRow), bool);
+    let spoil: [Spoilt; 7] = [
         ("nothing", |_| {}, true),
         ("overlap", |r| r.overlap_mean_percent = Some(0.6), false),
         ("p99", |r| r.overlap_p99_percent = Some(3.1), false),

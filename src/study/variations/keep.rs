@@ -24,7 +24,7 @@ struct Rows {
 pub(in crate::study) struct Kept {
     /// Those of double precision first.
     pub rows: Vec<RunRow>,
-    /// Files with rows of another programme, which are left out.
+    /// Files that are left out: with rows of another programme, or unreadable.
     pub left_out: Vec<String>,
 }
 
@@ -50,11 +50,10 @@ pub(in crate::study) fn keep_and_read(
         if path == own || path.extension().is_none_or(|e| e != "json") {
             continue;
         }
-        let other: Rows = read_json(&path)?;
-        if other.programme == programme {
-            kept.rows.extend(other.rows);
-        } else {
-            kept.left_out.push(path.display().to_string());
+        // What another version wrote may not be read any more.
+        match read_json::<Rows>(&path) {
+            Ok(other) if other.programme == programme => kept.rows.extend(other.rows),
+            _ => kept.left_out.push(path.display().to_string()),
         }
     }
     // A stable sort: within a precision the order stays.
@@ -83,7 +82,7 @@ mod tests {
             keep_and_read(folder.path(), programme, rows).expect("kept")
         };
         let [a, b] = [row("a", "single"), row("a", "double")];
-        assert_eq!(keep("p", std::slice::from_ref(&a)).rows, [a.clone()]);
+        assert_eq!(keep("p", std::slice::from_ref(&a)).rows, std::slice::from_ref(&a));
         let both = keep("p", std::slice::from_ref(&b));
         assert_eq!(both.rows, [b.clone(), a.clone()], "law: double first, then single");
         let again = keep("p", std::slice::from_ref(&b));
@@ -91,5 +90,8 @@ mod tests {
         let other = keep("q", std::slice::from_ref(&b));
         assert_eq!(other.rows, [b], "law: another programme does not stand beside");
         assert_eq!(other.left_out.len(), 1, "and that is told: {:?}", other.left_out);
+        fs::write(folder.path().join("rows/single.json"), "{}").expect("written");
+        let unreadable = keep("q", &other.rows);
+        assert_eq!(unreadable, other, "law: what cannot be read is left out and told");
     }
 }

@@ -209,10 +209,13 @@ fn planned_run(
     }
 }
 
+/// A run with the row that it will complete.
+type Planned = (PlannedRun, RunRow);
+
 /// Runs whose worlds may live at the same time: Bullet keeps the contact
 /// threshold, in its own units of length, once for a process.
-fn batches(planned: Vec<(PlannedRun, RunRow)>) -> Vec<Vec<(PlannedRun, RunRow)>> {
-    let mut batches: Vec<(Option<u64>, Vec<(PlannedRun, RunRow)>)> = Vec::new();
+fn batches(planned: Vec<Planned>) -> Vec<Vec<Planned>> {
+    let mut batches: Vec<(Option<u64>, Vec<Planned>)> = Vec::new();
     for (run, row) in planned {
         let engine = &run.scenario.engine;
         let key = (engine.backend == Backend::Bullet)
