@@ -2,12 +2,14 @@
 
 OUT ?= out/reproduce
 ARGS ?=
+# Builds that `make convergence` compares: double, single or both.
+PRECISIONS ?= double
 
 # For shells that were open before Rust was installed.
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce test lint format bench bench-peers clean
+.PHONY: help setup setup-lint build reproduce convergence sensitivity test lint format bench bench-peers clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -24,6 +26,23 @@ build: setup ## build target/release/pluvia
 
 reproduce: build ## run the paper's experiments, report in $(OUT)/report.html
 	target/release/pluvia reproduce --out "$(OUT)" $(ARGS)
+
+convergence: OUT = out/convergence
+convergence: setup ## how results change with the engine's settings, in $(OUT)/convergence.md
+	@for precision in $(PRECISIONS); do \
+	    case $$precision in \
+	        double) features= ;; \
+	        single) features='--no-default-features --features rapier' ;; \
+	        *) echo "error: PRECISIONS=$$precision, allowed are double and single" >&2; exit 2 ;; \
+	    esac; \
+	    folder=target; [ $$precision = double ] || folder=target/single; \
+	    cargo build --release --locked $$features --target-dir $$folder && \
+	    $$folder/release/pluvia converge --out "$(OUT)" $(ARGS) || exit $$?; \
+	done
+
+sensitivity: OUT = out/sensitivity
+sensitivity: build ## what each choice of ours moves, in $(OUT)/sensitivity.md
+	target/release/pluvia sensitivity --out "$(OUT)" $(ARGS)
 
 test: setup ## run every test
 	cargo test --locked

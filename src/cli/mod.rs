@@ -4,6 +4,8 @@
 mod changes;
 mod compare;
 mod context;
+mod converge;
+mod designed;
 mod error;
 mod export;
 mod grains;
@@ -13,6 +15,7 @@ mod progress;
 mod reproduce;
 mod run;
 mod schema;
+mod sensitivity;
 mod stop;
 mod table;
 mod verify;
@@ -62,6 +65,8 @@ enum Command {
     Run(run::RunArgs),
     Grains(grains::GrainsArgs),
     Compare(compare::CompareArgs),
+    Converge(converge::ConvergeArgs),
+    Sensitivity(sensitivity::SensitivityArgs),
     Verify(verify::VerifyArgs),
     Export(export::ExportArgs),
     Schema(schema::SchemaArgs),
@@ -87,6 +92,8 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Run(args) => run::run(args, &context),
         Command::Grains(args) => grains::run(args, &context),
         Command::Compare(args) => compare::run(args, &context),
+        Command::Converge(args) => converge::run(args, &context),
+        Command::Sensitivity(args) => sensitivity::run(args, &context),
         Command::Verify(args) => verify::run(args, &context),
         Command::Export(args) => export::run(args, &context),
         Command::Schema(args) => schema::run(args, &context),

@@ -8,6 +8,7 @@
 mod container;
 mod coordination;
 mod energy;
+mod estimate;
 
 mod height_map;
 mod heights;
@@ -26,6 +27,7 @@ mod void_ratio;
 pub use container::Container;
 pub use coordination::{Coordination, coordination};
 pub use energy::{Energy, body_energy, grain_energy, largest_speed};
+pub use estimate::{Estimate, paired_difference};
 pub use height_map::{DEFAULT_CELL, HeightMap, StandingHeight};
 pub use heights::{Content, content, mean_grain_height};
 pub use hull::WorldHull;

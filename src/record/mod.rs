@@ -6,6 +6,7 @@ mod run;
 mod store;
 mod summary;
 mod tables;
+mod variations;
 
 pub use atomic::{FileError, create_folder, read_file, read_json, write_file, write_json};
 pub use hash::{hash_bytes, hash_json};
@@ -13,3 +14,4 @@ pub use run::{RunKind, RunRecord};
 pub use store::{StageRecord, StageStore, StoredStage};
 pub use summary::*;
 pub use tables::{grains_csv, series_from_csv, to_csv};
+pub use variations::{RunRow, VariationRow, variation_runs_csv, variations_csv};

@@ -5,6 +5,8 @@ mod axis;
 mod beside;
 mod choices;
 mod comparison;
+mod convergence;
+mod convergence_page;
 mod dash;
 mod figures;
 mod html;
@@ -13,6 +15,8 @@ mod plot;
 mod png;
 mod quality;
 mod sections;
+mod sensitivity;
+mod sensitivity_page;
 mod shortfalls;
 mod style;
 mod summary;
@@ -31,9 +35,13 @@ use crate::{
 pub use beside::{Column, Finding};
 pub use choices::{Choice, choices};
 pub use comparison::{ComparedQuantity, ComparedRun, Comparison, write_comparison};
+pub use convergence::{
+    Cheapest, Convergence, ConvergenceRow, Deviation, Deviations, write_convergence,
+};
 pub use figures::Figure;
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use quality::Standard;
+pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]

@@ -168,6 +168,27 @@ impl Plot {
     }
 }
 
+/// Plots drawn as SVG, one below the other, as one SVG.
+///
+/// # Errors
+/// A sentence on what is no SVG of a plot.
+pub fn stacked(panels: &[String]) -> Result<String, String> {
+    let (mut inside, mut top) = (String::new(), 0);
+    for panel in panels {
+        let height = panel.split_once(" height=\"").and_then(|(_, rest)| rest.split_once('"'));
+        let height: u32 = height
+            .and_then(|(number, _)| number.parse().ok())
+            .ok_or_else(|| "a panel has no height".to_owned())?;
+        inside += &panel.replacen("<svg ", &format!("<svg y=\"{top}\" "), 1);
+        top += height;
+    }
+    let width = style::WIDTH;
+    Ok(format!(
+        "<svg width=\"{width}\" height=\"{top}\" viewBox=\"0 0 {width} {top}\" \
+         xmlns=\"http://www.w3.org/2000/svg\">\n{inside}</svg>\n"
+    ))
+}
+
 const LEGEND_ROW: i32 = 66;
 const LEGEND_SIDE: u32 = 60;
 const KEY_WIDTH: i32 = 110;

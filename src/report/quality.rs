@@ -1,9 +1,11 @@
 //! How good a run is as a simulation, whatever it shows.
 
+use serde::Serialize;
+
 use crate::record::{RunKind, RunRecord};
 
 /// The accuracy standard (`docs/accuracy.md`): what a run must stay below.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Standard {
     /// Mean overlap in percent of the equivalent diameter.
     pub overlap_mean_percent: f64,

@@ -67,7 +67,7 @@ impl fmt::Display for ScenarioErrors {
             }
             Self::Faults(faults) if faults.len() == 1 => faults[0].fmt(f),
             Self::Faults(faults) => {
-                write!(f, "{} faults in the scenario", faults.len())?;
+                write!(f, "{} faults", faults.len())?;
                 faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
             }
         }

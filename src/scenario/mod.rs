@@ -6,6 +6,7 @@
 //! [`crate::units`].
 
 mod accessors;
+mod document;
 mod engine;
 mod fault;
 mod load;
@@ -19,6 +20,7 @@ mod structure;
 mod validate;
 
 pub use accessors::Vibration;
+pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactPath, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
 pub use load::{Loaded, check, load};

@@ -65,6 +65,22 @@ impl Override {
         Self { path, value, text }
     }
 
+    /// The change as a person types it, `engine.rate_hz=960`.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// What stands in a scenario's JSON where the change would go; `None` where
+    /// nothing does.
+    pub fn value_before<'a>(&self, scenario: &'a Value) -> Option<&'a Value> {
+        self.path.iter().try_fold(scenario, |at, step| match (at, step) {
+            (Value::Array(items), Step::Index(index)) => items.get(*index),
+            (Value::Array(items), Step::Name(name)) => items.get(name.parse::<usize>().ok()?),
+            (other, Step::Name(name)) => other.get(name),
+            (_, Step::Index(_)) => None,
+        })
+    }
+
     /// Lays the value over the document. A field that is not there is made;
     /// whether the scenario knows it is found when everything is checked.
     pub(super) fn apply(&self, document: &mut Document) -> Result<(), Fault> {
@@ -154,6 +170,22 @@ mod tests {
     fn what_is_no_override_is_refused() {
         for text in ["", "a", "=1", "a..b=1", "a[x]=1", "a[1=1", "[1]=2"] {
             assert!(text.parse::<Override>().is_err(), "`{text}` must be refused");
+        }
+    }
+
+    #[test]
+    fn what_stood_there_before_is_found() {
+        let scenario = serde_json::json!({ "a": [{ "b": 7 }], "c": 1 });
+        for (text, expected) in [
+            ("a[0].b=1", Some(Value::from(7))),
+            ("a.0.b=1", Some(Value::from(7))),
+            ("c=2", Some(Value::from(1))),
+            ("a[1].b=1", None),
+            ("d=1", None),
+            ("c.d=1", None),
+        ] {
+            let change: Override = text.parse().expect("an override");
+            assert_eq!(change.value_before(&scenario).cloned(), expected, "before `{text}`");
         }
     }
 

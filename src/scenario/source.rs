@@ -109,6 +109,18 @@ pub(super) fn read(path: &Path) -> Result<Document, ScenarioErrors> {
     Ok(document)
 }
 
+/// Reads a file that extends no other: its JSON and the keys given twice.
+pub(super) fn read_alone(file: &Path) -> Result<(Value, Vec<Fault>), ScenarioErrors> {
+    let unreadable = |e: std::io::Error| ScenarioErrors::Unreadable {
+        file: file.to_owned(),
+        reason: e.to_string(),
+    };
+    let text = fs::read(file).map_err(unreadable)?;
+    let mut faults = Vec::new();
+    let value = parse(file, &text, &mut faults)?;
+    Ok((value, faults))
+}
+
 /// Files that extend each other, the last one first.
 #[derive(Default)]
 struct Chain {

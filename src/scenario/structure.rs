@@ -38,6 +38,14 @@ pub(super) fn check(value: &Value) -> Checked {
     checked
 }
 
+/// Checks the JSON of another document against the schema of its type, which
+/// has no unions but optional fields.
+pub(super) fn check_against(schema: Value, value: &Value) -> Vec<Fault> {
+    let mut checked = Checked { faults: Vec::new(), cleaned: value.clone() };
+    Part::new(schema).check(value, "", "", &mut checked);
+    checked.faults
+}
+
 /// What is allowed at a dotted path of a scenario, in plain words; empty
 /// where the schema knows nothing of it.
 pub(super) fn allowed_at(value: &Value, path: &str) -> String {

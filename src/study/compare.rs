@@ -83,7 +83,7 @@ pub fn compare(
         .unwrap_or(scenario.stages.len());
     let runs = planned(scenario, backends, &grains, handed_on);
     let folder = |run: &PlannedRun| options.out.join("runs").join(&run.name);
-    let records = carry_out(&runs, &grains, options, folder)?.records;
+    let records = carry_out(&runs, options, folder)?.records;
     for record in &records {
         let folder = options.out.join("runs").join(&record.name).join("figures");
         report::run_figures(&folder, record)?;

@@ -24,7 +24,23 @@ struct Board {
     /// Nodes nobody has begun and whose parent is finished.
     ready: Vec<usize>,
     running: usize,
-    error: Option<StudyError>,
+    failures: Vec<Failure>,
+}
+
+/// Why a stage was not carried out.
+pub struct Failure {
+    /// Which stage; `None` when everything was stopped.
+    pub node: Option<usize>,
+    /// Why.
+    pub error: StudyError,
+}
+
+/// What became of a plan of which some stages may have failed.
+pub struct Attempt {
+    /// Finished stages, by node.
+    pub done: Vec<Option<Arc<StoredStage>>>,
+    /// In the order in which they happened.
+    pub failures: Vec<Failure>,
 }
 
 /// Carries out every stage of a plan; gives the finished stages by node.
@@ -42,13 +58,30 @@ pub fn execute(
     cancel: &AtomicBool,
     progress: &dyn Progress,
 ) -> Result<Vec<Arc<StoredStage>>, StudyError> {
+    let Attempt { done, failures } = attempt(plan, store, jobs, make_world, cancel, progress);
+    match failures.into_iter().next() {
+        Some(failure) => Err(failure.error),
+        None => done.into_iter().collect::<Option<Vec<_>>>().ok_or(StudyError::Cancelled),
+    }
+}
+
+/// Carries out what can be carried out of a plan: when a stage fails, those
+/// that need it are left out and all others finished and stored.
+pub fn attempt(
+    plan: &Plan,
+    store: &StageStore,
+    jobs: usize,
+    make_world: WorldMaker,
+    cancel: &AtomicBool,
+    progress: &dyn Progress,
+) -> Attempt {
     let shop = Shop { store, make_world, cancel, progress };
     let roots = (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent.is_none()).collect();
     let board = Mutex::new(Board {
         done: vec![None; plan.nodes.len()],
         ready: roots,
         running: 0,
-        error: None,
+        failures: Vec::new(),
     });
     let changed = Condvar::new();
     std::thread::scope(|scope| {
@@ -56,11 +89,8 @@ pub fn execute(
             scope.spawn(|| shop.work(plan, &board, &changed));
         }
     });
-    let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
-    if let Some(error) = board.error {
-        return Err(error);
-    }
-    board.done.into_iter().collect::<Option<Vec<_>>>().ok_or(StudyError::Cancelled)
+    let Board { done, failures, .. } = board.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Attempt { done, failures }
 }
 
 fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
@@ -83,7 +113,10 @@ impl Shop<'_> {
                 let mut held = lock(board);
                 loop {
                     if self.cancel.load(Ordering::Relaxed) {
-                        held.error.get_or_insert(StudyError::Cancelled);
+                        if !held.failures.iter().any(|f| f.node.is_none()) {
+                            held.failures
+                                .push(Failure { node: None, error: StudyError::Cancelled });
+                        }
                         held.ready.clear();
                     }
                     // The stage with the longest chain behind it goes first.
@@ -115,7 +148,7 @@ impl Shop<'_> {
                     held.ready.extend(children);
                 }
                 Err(error) => {
-                    held.error.get_or_insert(error);
+                    held.failures.push(Failure { node: Some(node), error });
                 }
             }
             drop(held);

@@ -2,21 +2,31 @@
 
 mod beside;
 mod compare;
+mod converge;
+mod design;
 mod execute;
 mod plan;
 mod presets;
 mod recorder;
 mod reproduce;
 mod run;
+mod sensitivity;
 mod summarise;
 #[cfg(test)]
 mod tests;
+mod variations;
 
 pub use compare::{CompareRecord, CompareRun, HEIGHT_BAND, VOID_RATIO_BAND, compare};
+pub use converge::{
+    ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign, StudyOptions,
+};
+pub use design::SpecimenDesign;
 pub use presets::preset;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
 pub use run::{RunOptions, make_grains, run_scenario, write_grains};
+pub use sensitivity::{ParameterDesign, SensitivityDesign, SensitivityStudy};
 pub use summarise::STANDARD;
+pub use variations::{Variation, Varied, carry_out_variations, write_variations};
 
 use std::path::PathBuf;
 

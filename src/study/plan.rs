@@ -9,7 +9,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use serde::Serialize;
 
-use super::StudyError;
+use super::{StudyError, summarise::grains_hash};
 use crate::grains::GrainSet;
 use crate::protocol::{Setup, table_motion};
 use crate::record::{RunKind, hash_json};
@@ -119,14 +119,18 @@ impl Laboratory {
 }
 
 impl Plan {
-    /// Plans runs; `grains_hash` names the grains of each.
+    /// Plans runs.
     ///
     /// # Errors
     /// When a scenario's apparatus cannot be built.
-    pub fn new(runs: &[PlannedRun], grains_hash: &str) -> Result<Self, StudyError> {
+    pub fn new(runs: &[PlannedRun]) -> Result<Self, StudyError> {
         let mut plan = Self { nodes: Vec::new(), runs: Vec::new() };
         let mut known: HashMap<String, usize> = HashMap::new();
+        // Runs share their grains: each set is named once.
+        let mut names: HashMap<*const GrainSet, String> = HashMap::new();
         for run in runs {
+            let grains_hash: &str =
+                names.entry(Arc::as_ptr(&run.grains)).or_insert_with(|| grains_hash(&run.grains));
             let own = Laboratory::new(&run.scenario)?;
             let other = run.prepared.as_ref().map(|p| {
                 let scenario = Scenario { engine: p.engine.clone(), ..run.scenario.clone() };
@@ -158,6 +162,25 @@ impl Plan {
             }
         }
         Ok(plan)
+    }
+
+    /// The plan of one of its runs alone, and which of the nodes its nodes are.
+    pub fn alone(&self, run: usize) -> (Self, Vec<usize>) {
+        let RunNodes { stages, control } = &self.runs[run];
+        let kept: Vec<usize> = stages.iter().chain(control).copied().collect();
+        let place = |node: usize| kept.iter().position(|&k| k == node);
+        let nodes = kept
+            .iter()
+            .map(|&n| {
+                let node = self.nodes[n].clone();
+                Node { parent: node.parent.and_then(place), ..node }
+            })
+            .collect();
+        let runs = vec![RunNodes {
+            stages: (0..stages.len()).collect(),
+            control: control.map(|_| stages.len()),
+        }];
+        (Self { nodes, runs }, kept)
     }
 
     fn add(
@@ -214,7 +237,8 @@ pub fn stage_name(stage: &StageSpec) -> &'static str {
     }
 }
 
-fn stage_label(stage: &StageSpec) -> String {
+/// A stage in words: `pour from 50 mm`.
+pub fn stage_label(stage: &StageSpec) -> String {
     match stage {
         StageSpec::FillFunnel { .. } => "fill the funnel".into(),
         StageSpec::Pour { falling_height_mm, .. } => format!("pour from {falling_height_mm} mm"),

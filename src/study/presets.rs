@@ -1,11 +1,16 @@
-//! The paper's scenarios, built into the program so that it needs no other file.
+//! The paper's scenarios and the designs of studies, built into the program so
+//! that it needs no other file.
+
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
 
 use super::StudyError;
 use crate::record::{FileError, create_folder, write_file};
 use crate::scenario::{Override, Scenario, load};
 
-/// The files under `scenarios/` that `reproduce` uses.
-const FILES: [(&str, &str); 5] = [
+/// The files under `scenarios/` that `reproduce` and the studies use.
+const FILES: [(&str, &str); 7] = [
     ("paper/pluviation.json", include_str!("../../scenarios/paper/pluviation.json")),
     (
         "paper/vibration-continuous.json",
@@ -17,6 +22,8 @@ const FILES: [(&str, &str); 5] = [
     ),
     ("quick/pluviation.json", include_str!("../../scenarios/quick/pluviation.json")),
     ("quick/vibration.json", include_str!("../../scenarios/quick/vibration.json")),
+    ("studies/convergence.json", include_str!("../../scenarios/studies/convergence.json")),
+    ("studies/sensitivity.json", include_str!("../../scenarios/studies/sensitivity.json")),
 ];
 
 /// Loads one of the built-in scenarios, by its path under `scenarios/`.
@@ -27,6 +34,13 @@ const FILES: [(&str, &str); 5] = [
 /// # Errors
 /// When the temporary folder cannot be used, or a change does not fit.
 pub fn preset(name: &str, changes: &[Override]) -> Result<Scenario, StudyError> {
+    let folder = unpack()?;
+    Ok(load(&folder.path().join(name), changes)?.scenario)
+}
+
+/// Writes the built-in files to a temporary folder, which lasts as long as
+/// what is returned.
+fn unpack() -> Result<TempDir, StudyError> {
     let folder = tempfile::tempdir()
         .map_err(|e| FileError::new("create a temporary folder in", &std::env::temp_dir(), e))?;
     for (path, content) in FILES {
@@ -36,5 +50,30 @@ pub fn preset(name: &str, changes: &[Override]) -> Result<Scenario, StudyError> 
         }
         write_file(&path, content.as_bytes())?;
     }
-    Ok(load(&folder.path().join(name), changes)?.scenario)
+    Ok(folder)
+}
+
+/// The design of a study: a file that was given, or a built-in one by its path
+/// under `scenarios/`.
+pub(super) struct DesignFile {
+    /// Where to read it.
+    pub path: PathBuf,
+    _unpacked: Option<TempDir>,
+}
+
+impl DesignFile {
+    /// Finds a design; a built-in one is there as long as this is.
+    ///
+    /// # Errors
+    /// When the temporary folder cannot be used.
+    pub(super) fn new(given: Option<&Path>, built_in: &str) -> Result<Self, StudyError> {
+        match given {
+            Some(path) => Ok(Self { path: path.to_owned(), _unpacked: None }),
+            None => {
+                let folder = unpack()?;
+                let path = folder.path().join(built_in);
+                Ok(Self { path, _unpacked: Some(folder) })
+            }
+        }
+    }
 }

@@ -80,7 +80,7 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
         progress: options.progress.clone(),
     };
     let folder = |run: &PlannedRun| options.out.join("runs").join(&run.name);
-    let CarriedOut { records, effective } = carry_out(&runs, &grains, &how, folder)?;
+    let CarriedOut { records, effective } = carry_out(&runs, &how, folder)?;
     finish(options, &scenarios, &grains, records, &effective)
 }
 

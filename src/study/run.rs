@@ -11,7 +11,7 @@ use super::{
     StudyError,
     execute::execute,
     plan::{Plan, PlannedRun, RunNodes},
-    summarise::{Summarised, grains_hash, summarise},
+    summarise::{Summarised, summarise},
 };
 use crate::grains::{self, GrainSet, ParticleSizeDistribution};
 use crate::protocol::Progress;
@@ -51,9 +51,8 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
         grains: grains.clone(),
         prepared: None,
     };
-    let record = carry_out(std::slice::from_ref(&run), &grains, options, |_| options.out.clone())?
-        .records
-        .remove(0);
+    let record =
+        carry_out(std::slice::from_ref(&run), options, |_| options.out.clone())?.records.remove(0);
     crate::report::run_figures(&options.out.join("figures"), &record)?;
     Ok(record)
 }
@@ -66,15 +65,14 @@ pub(super) struct CarriedOut {
     pub effective: EffectiveSettings,
 }
 
-/// Carries out runs on the same grains, taking from the store in the output
-/// folder what is there, and writes each run's files into its folder.
+/// Carries out runs, taking from the store in the output folder what is there,
+/// and writes each run's files into its folder.
 pub(super) fn carry_out(
     runs: &[PlannedRun],
-    grains: &GrainSet,
     options: &RunOptions,
     folder: impl Fn(&PlannedRun) -> PathBuf,
 ) -> Result<CarriedOut, StudyError> {
-    let plan = Plan::new(runs, &grains_hash(grains))?;
+    let plan = Plan::new(runs)?;
     let store = StageStore::open(&options.out.join("stages"))?;
     let done = execute(
         &plan,
@@ -145,7 +143,7 @@ pub(super) fn kind_of(scenario: &Scenario) -> RunKind {
 }
 
 /// Measures a finished run and writes its files into a folder.
-fn write_run(
+pub(super) fn write_run(
     out: &Path,
     run: &PlannedRun,
     plan: &Plan,

@@ -10,7 +10,7 @@ use super::{
     StudyError,
     execute::execute,
     plan::{Plan, PlannedRun},
-    summarise::{grains_hash, summarise},
+    summarise::summarise,
 };
 use crate::geometry::Vector;
 use crate::grains::generate;
@@ -43,7 +43,7 @@ fn planned(scenario: Scenario) -> PlannedRun {
 }
 
 fn plan(runs: &[PlannedRun]) -> Plan {
-    Plan::new(runs, &grains_hash(&runs[0].grains)).expect("a plan")
+    Plan::new(runs).expect("a plan")
 }
 
 type Done = Result<Vec<Arc<StoredStage>>, StudyError>;

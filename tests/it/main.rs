@@ -9,4 +9,5 @@ mod export;
 mod interruption;
 mod scenario;
 mod small;
+mod studies;
 mod verification;

@@ -2,10 +2,12 @@
 //! the runs can be trusted.
 
 mod comparison;
+mod convergence;
 mod grain_size;
 mod laws;
 mod of_run;
 mod quality;
+mod sensitivity;
 mod settlement;
 mod standing_height;
 
@@ -18,8 +20,10 @@ use crate::{
 };
 
 pub(super) use comparison::of_comparison;
+pub(super) use convergence::of_convergence;
 pub(super) use laws::of_law;
 pub(super) use of_run::of_run;
+pub(super) use sensitivity::of_sensitivity;
 
 /// A figure with the numbers it shows.
 #[derive(Debug, Clone, PartialEq)]

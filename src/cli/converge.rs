@@ -1,0 +1,44 @@
+//! `pluvia converge`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{CliError, Context, ExitStatus, designed::DesignedArgs, output_folder};
+use crate::record::read_file;
+use crate::study::ConvergenceStudy;
+
+/// Refine the engine's settings step by step, and find the cheapest that is fine enough
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Varies time step, iterations, sub-steps, contact stiffness and contact path as the design says
+(scenarios/studies/convergence.json is built in), each setting in several configurations. Leaves
+convergence.md, convergence.csv, convergence.json, figures/, variations.csv, variation-runs.csv,
+variations.json and runs/ in DIR. What is already done there is not done again. Precision is that
+of the build: what a build in the other precision left in DIR of the same design is judged along.
+
+Examples:
+  pluvia converge --quick --out out/convergence-quick
+  pluvia converge --configurations 3 --jobs 4 --out out/convergence
+  pluvia converge --design my-design.json --out out/mine")]
+pub(super) struct ConvergeArgs {
+    #[command(flatten)]
+    designed: DesignedArgs,
+    /// Folder for the results; it is made if needed
+    #[arg(long, value_name = "DIR", default_value = "out/convergence")]
+    out: PathBuf,
+}
+
+pub(super) fn run(args: &ConvergeArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let options = args.designed.options(&args.out, context);
+    let study = ConvergenceStudy::read(&options)?;
+    output_folder::prepare(&args.out)?;
+    context.stop_on_ctrl_c();
+    let found = study.carry_out(&options.run)?;
+    let page = args.out.join("convergence.md");
+    let text = String::from_utf8_lossy(&read_file(&page)?).into_owned();
+    // Tables for the terminal; what comes after them is for the file.
+    let tables = text.split("\n## How to read it").next().unwrap_or_default();
+    context.print(&format!("{tables}\nall of it in {}\n", page.display()), &found)?;
+    Ok(ExitStatus::Done)
+}

@@ -1,0 +1,429 @@
+//! The table of many runs of one scenario: one row a run, one a variation.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Summary, hash_json, to_csv};
+use crate::measure::Estimate;
+use crate::scenario::{Backend, ContactPath, Scenario};
+
+/// One run of one variation. What it did not measure, or did not come to
+/// measure because it failed, is `None`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunRow {
+    /// Name of the run and of its folder.
+    pub run: String,
+    /// The variation it belongs to.
+    pub variation: String,
+    /// What the variation is part of, a ladder for one.
+    pub group: String,
+    /// Which mixing of the grains, counted from 1.
+    pub configuration: u32,
+    /// What was changed in the scenario, `path=value`, divided by semicolons.
+    pub changes: String,
+    /// The same for runs of the same scenario, configurations aside, by
+    /// whatever changes it came about.
+    pub experiment: String,
+    /// The engine.
+    pub backend: String,
+    /// Its precision, `double` or `single`.
+    pub precision: String,
+    /// Who found and solved the contacts.
+    pub contact_path: String,
+    /// Steps per second of simulated time.
+    pub rate_hz: f64,
+    /// Solver iterations a step.
+    pub iterations: u32,
+    /// Sub-steps of a step, where the contact path has them.
+    pub substeps: Option<u32>,
+    /// Stiffness of a contact point in N/m, where the contact path has one.
+    pub contact_stiffness_n_per_m: Option<f64>,
+    /// Number of grains made.
+    pub grains: Option<usize>,
+    /// How many of them are not in the cylinder at the end: left in the
+    /// funnel, spilled or escaped. The specimen is lower without them.
+    pub grains_outside: Option<usize>,
+    /// Height of the mean surface after pouring in mm.
+    pub poured_height_mm: Option<f64>,
+    /// Void ratio after pouring.
+    pub void_ratio: Option<f64>,
+    /// Settlement of the top plate at the end in mm.
+    pub plate_settlement_mm: Option<f64>,
+    /// The same after the first 5 s of vibration.
+    pub plate_settlement_after_5_s_mm: Option<f64>,
+    /// Settlement of the mean surface at the end in mm.
+    pub surface_settlement_mm: Option<f64>,
+    /// The same after the first 5 s of vibration.
+    pub surface_settlement_after_5_s_mm: Option<f64>,
+    /// Mean overlap at the end in percent of the equivalent diameter.
+    pub overlap_mean_percent: Option<f64>,
+    /// Its 99th percentile.
+    pub overlap_p99_percent: Option<f64>,
+    /// Creep in the no-shake control in µm/s.
+    pub creep_um_per_s: Option<f64>,
+    /// Whether overlap and creep meet the accuracy standard.
+    pub meets_standard: Option<bool>,
+    /// Wall time over simulated time.
+    pub wall_s_per_simulated_s: Option<f64>,
+    /// Simulated time in s, control included.
+    pub simulated_s: Option<f64>,
+    /// Engine steps, control included.
+    pub steps: Option<u64>,
+    /// Why the run has no results.
+    pub failure: Option<String>,
+}
+
+impl RunRow {
+    /// The row of a run that has no results yet: what is known from its scenario.
+    pub fn of_scenario(run: &str, variation: &str, group: &str, scenario: &Scenario) -> Self {
+        let engine = &scenario.engine;
+        let manifold =
+            engine.backend == Backend::Bullet && engine.contact_path == ContactPath::Manifold;
+        let info = crate::world::info(engine.backend);
+        Self {
+            run: run.to_owned(),
+            variation: variation.to_owned(),
+            group: group.to_owned(),
+            configuration: scenario.configuration,
+            changes: String::new(),
+            experiment: experiment(scenario),
+            contact_path: match (engine.backend, engine.contact_path) {
+                (Backend::Rapier, _) => "rapier".to_owned(),
+                (Backend::Bullet, ContactPath::Bullet) => "bullet".to_owned(),
+                (Backend::Bullet, ContactPath::Manifold) => "manifold".to_owned(),
+            },
+            backend: info.name,
+            precision: info.precision,
+            rate_hz: engine.rate_hz,
+            iterations: engine.iterations,
+            substeps: manifold.then_some(engine.manifold.substeps),
+            contact_stiffness_n_per_m: manifold
+                .then_some(engine.manifold.contact_stiffness_n_per_m),
+            grains: None,
+            grains_outside: None,
+            poured_height_mm: None,
+            void_ratio: None,
+            plate_settlement_mm: None,
+            plate_settlement_after_5_s_mm: None,
+            surface_settlement_mm: None,
+            surface_settlement_after_5_s_mm: None,
+            overlap_mean_percent: None,
+            overlap_p99_percent: None,
+            creep_um_per_s: None,
+            meets_standard: None,
+            wall_s_per_simulated_s: None,
+            simulated_s: None,
+            steps: None,
+            failure: None,
+        }
+    }
+
+    /// The same row with the results of the run.
+    pub fn with_results(self, s: &Summary) -> Self {
+        let plate = s.settlement_mm.as_ref();
+        let surface = s.surface_settlement_mm.as_ref();
+        Self {
+            grains: Some(s.grains.count),
+            grains_outside: Some(s.grains.count.saturating_sub(s.grains.in_cylinder)),
+            poured_height_mm: Some(s.poured_height_mm.unwrap_or(s.standing_height_mm).mean_surface),
+            void_ratio: Some(s.poured_void_ratio.unwrap_or(s.void_ratio)),
+            plate_settlement_mm: plate.map(|p| p.final_mm),
+            plate_settlement_after_5_s_mm: plate.and_then(|p| p.after_5_s),
+            surface_settlement_mm: surface.map(|p| p.final_mm),
+            surface_settlement_after_5_s_mm: surface.and_then(|p| p.after_5_s),
+            overlap_mean_percent: Some(s.overlap.mean_percent),
+            overlap_p99_percent: Some(s.overlap.p99_percent),
+            creep_um_per_s: s.creep_um_per_s,
+            meets_standard: Some(s.meets_standard),
+            wall_s_per_simulated_s: (s.simulated_s > 0.0).then_some(s.wall_s / s.simulated_s),
+            simulated_s: Some(s.simulated_s),
+            steps: Some(s.steps),
+            ..self
+        }
+    }
+
+    /// Settlement of the plate after 5 s of vibration, or at the end of a
+    /// shorter one, in mm.
+    pub fn early_plate_mm(&self) -> Option<f64> {
+        self.plate_settlement_after_5_s_mm.or(self.plate_settlement_mm)
+    }
+
+    /// The same of the mean surface.
+    pub fn early_surface_mm(&self) -> Option<f64> {
+        self.surface_settlement_after_5_s_mm.or(self.surface_settlement_mm)
+    }
+
+    /// A value of a run by configuration, of those runs that have it.
+    pub fn paired(rows: &[&Self], of: impl Fn(&Self) -> Option<f64>) -> Vec<(u32, f64)> {
+        rows.iter().filter_map(|r| Some((r.configuration, of(r)?))).collect()
+    }
+}
+
+/// The first digits of a scenario's hash; what it is called and said to be for,
+/// and its configuration, are left out.
+fn experiment(scenario: &Scenario) -> String {
+    let bare = Scenario {
+        name: String::new(),
+        description: String::new(),
+        notes: Vec::new(),
+        configuration: 1,
+        ..scenario.clone()
+    };
+    hash_json(&bare).chars().take(16).collect()
+}
+
+/// One variation: means over its runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VariationRow {
+    /// Its name.
+    pub variation: String,
+    /// What it is part of.
+    pub group: String,
+    /// What was changed.
+    pub changes: String,
+    /// The same for variations that come to the same scenario.
+    pub experiment: String,
+    /// The engine.
+    pub backend: String,
+    /// Its precision.
+    pub precision: String,
+    /// Who found and solved the contacts.
+    pub contact_path: String,
+    /// Steps per second of simulated time.
+    pub rate_hz: f64,
+    /// Solver iterations a step.
+    pub iterations: u32,
+    /// Sub-steps of a step.
+    pub substeps: Option<u32>,
+    /// Stiffness of a contact point in N/m.
+    pub contact_stiffness_n_per_m: Option<f64>,
+    /// Number of runs.
+    pub runs: usize,
+    /// How many of them failed; they do not count in the means.
+    pub failed: usize,
+    /// How many of them meet the accuracy standard for overlap and creep.
+    pub meeting_standard: usize,
+    /// Grains that are not in the cylinder at the end.
+    pub grains_outside: Option<Estimate>,
+    /// Height of the mean surface after pouring in mm.
+    pub poured_height_mm: Option<Estimate>,
+    /// Void ratio after pouring.
+    pub void_ratio: Option<Estimate>,
+    /// Settlement of the plate in mm after 5 s, or at the end of a shorter vibration.
+    pub plate_settlement_mm: Option<Estimate>,
+    /// The same of the mean surface.
+    pub surface_settlement_mm: Option<Estimate>,
+    /// Mean overlap in percent of the equivalent diameter.
+    pub overlap_mean_percent: Option<Estimate>,
+    /// Its 99th percentile.
+    pub overlap_p99_percent: Option<Estimate>,
+    /// Creep in µm/s without its sign: sinking in one run does not make up for
+    /// rising in another.
+    pub creep_um_per_s: Option<Estimate>,
+    /// Wall time over simulated time.
+    pub wall_s_per_simulated_s: Option<Estimate>,
+    /// Engine steps of a run.
+    pub steps: Option<Estimate>,
+}
+
+impl VariationRow {
+    /// The variations of runs, in the order of their first runs; those of each
+    /// precision by themselves.
+    pub fn of(runs: &[RunRow]) -> Vec<Self> {
+        let mut keys: Vec<(&str, &str)> = Vec::new();
+        for run in runs {
+            let key = (run.variation.as_str(), run.precision.as_str());
+            if !keys.contains(&key) {
+                keys.push(key);
+            }
+        }
+        let of_key = |(variation, precision): (&str, &str)| {
+            let of: Vec<&RunRow> = runs
+                .iter()
+                .filter(|r| r.variation == variation && r.precision == precision)
+                .collect();
+            Self::of_one(&of)
+        };
+        keys.into_iter().filter_map(of_key).collect()
+    }
+
+    fn of_one(runs: &[&RunRow]) -> Option<Self> {
+        let first = *runs.first()?;
+        let mean = |of: &dyn Fn(&RunRow) -> Option<f64>| {
+            Estimate::of(&runs.iter().filter_map(|r| of(r)).collect::<Vec<_>>())
+        };
+        Some(Self {
+            variation: first.variation.clone(),
+            group: first.group.clone(),
+            changes: first.changes.clone(),
+            experiment: first.experiment.clone(),
+            backend: first.backend.clone(),
+            precision: first.precision.clone(),
+            contact_path: first.contact_path.clone(),
+            rate_hz: first.rate_hz,
+            iterations: first.iterations,
+            substeps: first.substeps,
+            contact_stiffness_n_per_m: first.contact_stiffness_n_per_m,
+            runs: runs.len(),
+            failed: runs.iter().filter(|r| r.failure.is_some()).count(),
+            meeting_standard: runs.iter().filter(|r| r.meets_standard == Some(true)).count(),
+            grains_outside: mean(&|r| r.grains_outside.map(|g| g as f64)),
+            poured_height_mm: mean(&|r| r.poured_height_mm),
+            void_ratio: mean(&|r| r.void_ratio),
+            plate_settlement_mm: mean(&RunRow::early_plate_mm),
+            surface_settlement_mm: mean(&RunRow::early_surface_mm),
+            overlap_mean_percent: mean(&|r| r.overlap_mean_percent),
+            overlap_p99_percent: mean(&|r| r.overlap_p99_percent),
+            creep_um_per_s: mean(&|r| r.creep_um_per_s.map(f64::abs)),
+            wall_s_per_simulated_s: mean(&|r| r.wall_s_per_simulated_s),
+            steps: mean(&|r| r.steps.map(|s| s as f64)),
+        })
+    }
+
+    /// Name and value of every mean.
+    fn means(&self) -> [(&'static str, Option<Estimate>); 10] {
+        [
+            ("grains_outside", self.grains_outside),
+            ("poured_height_mm", self.poured_height_mm),
+            ("void_ratio", self.void_ratio),
+            ("plate_settlement_mm", self.plate_settlement_mm),
+            ("surface_settlement_mm", self.surface_settlement_mm),
+            ("overlap_mean_percent", self.overlap_mean_percent),
+            ("overlap_p99_percent", self.overlap_p99_percent),
+            ("creep_um_per_s", self.creep_um_per_s),
+            ("wall_s_per_simulated_s", self.wall_s_per_simulated_s),
+            ("steps", self.steps),
+        ]
+    }
+}
+
+/// A number for CSV; empty where there is none.
+fn cell(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |v| v.to_string())
+}
+
+/// `variations.csv`: one row a variation, each mean beside its standard error.
+///
+/// # Errors
+/// The writer's; writing to memory does not fail.
+pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
+    const SETTINGS: [&str; 14] = [
+        "variation",
+        "group",
+        "changes",
+        "experiment",
+        "backend",
+        "precision",
+        "contact_path",
+        "rate_hz",
+        "iterations",
+        "substeps",
+        "contact_stiffness_n_per_m",
+        "runs",
+        "failed",
+        "meeting_standard",
+    ];
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for (index, row) in rows.iter().enumerate() {
+        let means = row.means();
+        if index == 0 {
+            let names = means
+                .iter()
+                .flat_map(|(name, _)| [(*name).to_owned(), format!("{name}_standard_error")]);
+            writer.write_record(SETTINGS.map(str::to_owned).into_iter().chain(names))?;
+        }
+        let settings = [
+            row.variation.clone(),
+            row.group.clone(),
+            row.changes.clone(),
+            row.experiment.clone(),
+            row.backend.clone(),
+            row.precision.clone(),
+            row.contact_path.clone(),
+            row.rate_hz.to_string(),
+            row.iterations.to_string(),
+            row.substeps.map_or_else(String::new, |s| s.to_string()),
+            cell(row.contact_stiffness_n_per_m),
+            row.runs.to_string(),
+            row.failed.to_string(),
+            row.meeting_standard.to_string(),
+        ];
+        let values = means.iter().flat_map(|(_, estimate)| {
+            [cell(estimate.map(|e| e.mean)), cell(estimate.and_then(|e| e.standard_error))]
+        });
+        writer.write_record(settings.into_iter().chain(values))?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
+/// `variation-runs.csv`: one row a run.
+///
+/// # Errors
+/// As [`to_csv`].
+pub fn variation_runs_csv(rows: &[RunRow]) -> Result<Vec<u8>, csv::Error> {
+    to_csv(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(variation: &str, configuration: u32, height: Option<f64>) -> RunRow {
+        let scenario: Scenario = serde_json::from_value(serde_json::json!({
+            "name": "s", "grains": { "file": "grains.json" },
+            "stages": [{ "stage": "fill_funnel" }], "configuration": configuration
+        }))
+        .expect("a scenario");
+        let name = format!("{variation}-c{configuration}");
+        RunRow {
+            poured_height_mm: height,
+            creep_um_per_s: height.map(|h| h - 161.0),
+            failure: height.is_none().then(|| "it blew up".to_owned()),
+            ..RunRow::of_scenario(&name, variation, "group", &scenario)
+        }
+    }
+
+    #[test]
+    fn runs_that_failed_are_counted_and_left_out_of_the_means() {
+        let runs = [
+            row("a", 1, Some(160.0)),
+            row("b", 1, Some(1.0)),
+            row("a", 2, Some(162.0)),
+            row("a", 3, None),
+        ];
+        let rows = VariationRow::of(&runs);
+        assert_eq!(rows.iter().map(|r| &*r.variation).collect::<Vec<_>>(), ["a", "b"]);
+        let a = &rows[0];
+        assert_eq!((a.runs, a.failed), (3, 1));
+        let height = a.poured_height_mm.expect("two heights");
+        assert_eq!((height.mean, height.count), (161.0, 2), "law: the mean of those that ran");
+        let creep = a.creep_um_per_s.expect("two").mean;
+        assert_eq!(creep, 1.0, "law: -1 and 1 µm/s are a creep of 1, not of 0");
+        let none = VariationRow::of(&[row("c", 1, None)]);
+        assert_eq!(none[0].poured_height_mm, None, "nothing ran, nothing is made up");
+    }
+
+    #[test]
+    fn precisions_are_told_apart() {
+        let single = RunRow { precision: "single".into(), ..row("a", 1, Some(150.0)) };
+        let rows = VariationRow::of(&[row("a", 1, Some(160.0)), single]);
+        assert_eq!(rows.len(), 2, "law: one row a variation and precision");
+    }
+
+    #[test]
+    fn tables_have_one_row_a_run_or_variation_and_as_many_cells_as_names() {
+        let runs = [row("a", 1, Some(160.0)), row("a", 2, None)];
+        for (table, rows) in [
+            (variation_runs_csv(&runs).expect("written"), 2),
+            (variations_csv(&VariationRow::of(&runs)).expect("written"), 1),
+        ] {
+            let mut reader = csv::Reader::from_reader(&table[..]);
+            let names = reader.headers().expect("names").len();
+            let cells: Vec<usize> = reader.records().map(|r| r.expect("a row").len()).collect();
+            assert_eq!(cells, vec![names; rows]);
+        }
+        let text = variation_runs_csv(&runs).expect("written");
+        let mut reader = csv::Reader::from_reader(&text[..]);
+        let back: Vec<RunRow> = reader.deserialize().map(|r| r.expect("a row")).collect();
+        assert_eq!(back, runs, "law: what is written is read back");
+    }
+}

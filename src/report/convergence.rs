@@ -1,0 +1,219 @@
+//! What a convergence study found: every setting beside the finest of its
+//! ladder and of the study, as tables and figures.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::{ReportError, Standard, convergence_page::page, figures};
+use crate::measure::Estimate;
+use crate::record::{FileError, VariationRow, write_file, write_json};
+
+/// Deviation of a result from a converged one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Deviation {
+    /// In percent of the converged value, over the configurations that both
+    /// have; `None` where they have none in common.
+    pub percent: Option<Estimate>,
+    /// Largest that passes, in percent.
+    pub limit_percent: f64,
+    /// Whether it passes: the mean, without regard to its scatter.
+    pub within: Option<bool>,
+    /// Whether it cannot be told from zero, at 95 %; `None` of a single configuration.
+    pub inside_scatter: Option<bool>,
+    /// Whether scatter leaves open if it passes, at 95 %; `None` of a single configuration.
+    pub open: Option<bool>,
+}
+
+impl Deviation {
+    /// Judges a deviation in percent.
+    pub fn judged(percent: Option<Estimate>, limit_percent: f64) -> Self {
+        let half = percent.and_then(|p| p.half_width_95());
+        let open = percent.zip(half).map(|(p, half)| {
+            let size = p.mean.abs();
+            size - half <= limit_percent && limit_percent < size + half
+        });
+        Self {
+            percent,
+            limit_percent,
+            within: percent.map(|p| p.mean.abs() <= limit_percent),
+            inside_scatter: percent.and_then(|p| p.inside_scatter()),
+            open,
+        }
+    }
+
+    /// Whether it passes, or may do so for all that is known.
+    pub fn may_pass(&self) -> Option<bool> {
+        self.within.map(|within| within || self.open == Some(true))
+    }
+}
+
+/// Deviations of the three lengths that are measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Deviations {
+    /// Of the height after pouring.
+    pub height: Deviation,
+    /// Of the settlement of the plate.
+    pub plate: Deviation,
+    /// Of the settlement of the mean surface.
+    pub surface: Deviation,
+}
+
+impl Deviations {
+    /// All three.
+    pub fn all(&self) -> [&Deviation; 3] {
+        [&self.height, &self.plate, &self.surface]
+    }
+}
+
+/// One rung of a ladder, judged.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConvergenceRow {
+    /// What the ladder refines.
+    pub ladder: String,
+    /// The setting in words.
+    pub rung: String,
+    /// Whether it is what its ladder is held against.
+    pub finest_of_ladder: bool,
+    /// Whether it is what the study is held against.
+    pub finest_of_study: bool,
+    /// Its settings and means.
+    pub result: VariationRow,
+    /// From the finest rung of its ladder.
+    pub from_ladder: Deviations,
+    /// From the finest rung of the study.
+    pub from_study: Deviations,
+    /// The largest of overlap, creep and deviations, each over what is
+    /// allowed: 1 at the limit. `None` where one is not known. This and what
+    /// follows holds in every ladder that has the setting.
+    pub error_over_limit: Option<f64>,
+    /// Whether it meets the whole standard by its means.
+    pub meets: Option<bool>,
+    /// Whether the scatter of a deviation leaves that open; `None` where the
+    /// scatter is not known.
+    pub open: Option<bool>,
+}
+
+impl ConvergenceRow {
+    /// Whether another row is of the same setting, as a rung of another ladder.
+    pub fn same_setting(&self, other: &Self) -> bool {
+        self.result.experiment == other.result.experiment
+            && self.result.precision == other.result.precision
+    }
+}
+
+/// Which settings are the cheapest, as numbers of rows.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Cheapest {
+    /// The cheapest that meets the whole standard by its means.
+    pub meeting: Option<usize>,
+    /// The cheapest that meets it whatever the scatter.
+    pub surely_meeting: Option<usize>,
+    /// The cheapest that is not shown to miss it.
+    pub not_shown_to_miss: Option<usize>,
+}
+
+/// `convergence.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Convergence {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Whether it was carried out on the smaller specimen.
+    pub quick: bool,
+    /// Number of grains of a run.
+    pub grains: Option<usize>,
+    /// The accuracy standard for overlap and creep.
+    pub standard: Standard,
+    /// Largest deviation of the height that passes, in percent.
+    pub height_limit_percent: f64,
+    /// Largest deviation of the settlements that passes, in percent.
+    pub settlement_limit_percent: f64,
+    /// The ladder whose finest rung stands for the study.
+    pub reference: String,
+    /// Every rung of every ladder in every precision.
+    pub rows: Vec<ConvergenceRow>,
+    /// The cheapest settings.
+    pub cheapest: Cheapest,
+}
+
+/// Writes `convergence.json`, `convergence.csv`, `convergence.md` and figures.
+///
+/// # Errors
+/// [`ReportError`] naming the file or the figure.
+pub fn write_convergence(out: &Path, of: &Convergence) -> Result<(), ReportError> {
+    let path = out.join("convergence.csv");
+    let table = csv(of).map_err(|e| FileError::new("write", &path, e))?;
+    write_file(&path, &table)?;
+    write_json(&out.join("convergence.json"), of)?;
+    let figures = figures::of_convergence(of)?;
+    for figure in &figures {
+        figure.write(&out.join("figures"))?;
+    }
+    write_file(&out.join("convergence.md"), page(of, &figures).as_bytes())?;
+    Ok(())
+}
+
+fn csv(of: &Convergence) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut header: Vec<String> = [
+        "ladder",
+        "rung",
+        "precision",
+        "contact_path",
+        "rate_hz",
+        "iterations",
+        "substeps",
+        "contact_stiffness_n_per_m",
+        "runs",
+        "failed",
+    ]
+    .map(str::to_owned)
+    .into();
+    let estimates = |r: &ConvergenceRow| {
+        let v = &r.result;
+        [
+            ("poured_height_mm", v.poured_height_mm),
+            ("plate_settlement_mm", v.plate_settlement_mm),
+            ("surface_settlement_mm", v.surface_settlement_mm),
+            ("overlap_mean_percent", v.overlap_mean_percent),
+            ("overlap_p99_percent", v.overlap_p99_percent),
+            ("creep_um_per_s", v.creep_um_per_s),
+            ("wall_s_per_simulated_s", v.wall_s_per_simulated_s),
+            ("height_from_ladder_percent", r.from_ladder.height.percent),
+            ("plate_from_ladder_percent", r.from_ladder.plate.percent),
+            ("surface_from_ladder_percent", r.from_ladder.surface.percent),
+            ("height_from_study_percent", r.from_study.height.percent),
+            ("plate_from_study_percent", r.from_study.plate.percent),
+            ("surface_from_study_percent", r.from_study.surface.percent),
+        ]
+    };
+    for (name, _) in of.rows.first().map(estimates).into_iter().flatten() {
+        header.extend([name.to_owned(), format!("{name}_standard_error")]);
+    }
+    header.extend(["error_over_limit", "meets", "open"].map(str::to_owned));
+    writer.write_record(header)?;
+    let number = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());
+    let answer = |a: Option<bool>| a.map_or_else(String::new, |a| a.to_string());
+    for row in &of.rows {
+        let v = &row.result;
+        let mut cells = vec![
+            row.ladder.clone(),
+            row.rung.clone(),
+            v.precision.clone(),
+            v.contact_path.clone(),
+            v.rate_hz.to_string(),
+            v.iterations.to_string(),
+            v.substeps.map_or_else(String::new, |s| s.to_string()),
+            number(v.contact_stiffness_n_per_m),
+            v.runs.to_string(),
+            v.failed.to_string(),
+        ];
+        for (_, estimate) in estimates(row) {
+            cells.push(number(estimate.map(|e| e.mean)));
+            cells.push(number(estimate.and_then(|e| e.standard_error)));
+        }
+        cells.extend([number(row.error_over_limit), answer(row.meets), answer(row.open)]);
+        writer.write_record(cells)?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}

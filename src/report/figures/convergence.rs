@@ -1,0 +1,365 @@
+//! Results against the rate, deviations of every setting, cost against error.
+
+use super::{Figure, Table, cell};
+use crate::{
+    measure::Estimate,
+    record::VariationRow,
+    report::{
+        Convergence, ConvergenceRow, Deviation, ReportError,
+        axis::Axis,
+        plot::{Look, Mark, Plot, Series},
+        style::{self, Dash},
+    },
+};
+
+/// Height given to a setting, in SVG units.
+const ROW: u32 = 66;
+
+/// The figures of a convergence study.
+///
+/// # Errors
+/// [`ReportError::Figure`].
+pub(in crate::report) fn of_convergence(of: &Convergence) -> Result<Vec<Figure>, ReportError> {
+    let mut figures = Vec::new();
+    if !lines(of).is_empty() {
+        figures.extend(against_rate(of)?);
+    }
+    figures.push(deviations(of)?);
+    figures.push(cost(of)?);
+    Ok(figures)
+}
+
+/// What a figure against the rate shows.
+struct Shown {
+    stem: &'static str,
+    title: &'static str,
+    axis: &'static str,
+    caption: &'static str,
+    log: bool,
+    curves: &'static [Curve],
+    limits: fn(&Convergence) -> Vec<(String, f64)>,
+}
+
+struct Curve {
+    name: &'static str,
+    line: Dash,
+    value: fn(&VariationRow) -> Option<Estimate>,
+}
+
+const SHOWN: [Shown; 5] = [
+    Shown {
+        stem: "convergence-height",
+        title: "Standing height against the step rate",
+        axis: "Height of the mean surface (mm)",
+        caption: "Height of the mean surface after pouring.",
+        log: false,
+        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.poured_height_mm }],
+        limits: |_| Vec::new(),
+    },
+    Shown {
+        stem: "convergence-plate-settlement",
+        title: "Settlement of the plate against the step rate",
+        axis: "Settlement of the plate (mm)",
+        caption: "Settlement of the top plate after 5 s of vibration, or at the end of a shorter one.",
+        log: false,
+        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.plate_settlement_mm }],
+        limits: |_| Vec::new(),
+    },
+    Shown {
+        stem: "convergence-surface-settlement",
+        title: "Settlement of the mean surface against the step rate",
+        axis: "Settlement of the surface (mm)",
+        caption: "Settlement of the mean surface after 5 s of vibration, or at the end of a shorter one.",
+        log: false,
+        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.surface_settlement_mm }],
+        limits: |_| Vec::new(),
+    },
+    Shown {
+        stem: "convergence-overlap",
+        title: "Overlap against the step rate",
+        axis: "Overlap (% of the equivalent diameter)",
+        caption: "Overlap at the end, exact, measured outside the engine: mean (solid) and 99th \
+                  percentile (dashed). Dotted: what the accuracy standard allows.",
+        log: true,
+        curves: &[
+            Curve { name: "", line: style::SOLID, value: |v| v.overlap_mean_percent },
+            Curve {
+                name: "99th percentile",
+                line: style::DASHED,
+                value: |v| v.overlap_p99_percent,
+            },
+        ],
+        limits: |of| {
+            let s = &of.standard;
+            vec![
+                (format!("Standard, mean: {} %", s.overlap_mean_percent), s.overlap_mean_percent),
+                (format!("99th percentile: {} %", s.overlap_p99_percent), s.overlap_p99_percent),
+            ]
+        },
+    },
+    Shown {
+        stem: "convergence-creep",
+        title: "Creep against the step rate",
+        axis: "Creep at rest (µm/s)",
+        caption: "Creep in the no-shake control, without its sign. Dotted: what the accuracy \
+                  standard allows.",
+        log: true,
+        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.creep_um_per_s }],
+        limits: |of| {
+            let limit = of.standard.creep_um_per_s;
+            vec![(format!("Standard: {limit} µm/s"), limit)]
+        },
+    },
+];
+
+/// Ladders that refine the rate, in every precision: name and rungs.
+fn lines(of: &Convergence) -> Vec<(String, Vec<&ConvergenceRow>)> {
+    ladders(of)
+        .into_iter()
+        .filter(|(_, rows)| rows.iter().any(|r| r.result.rate_hz != rows[0].result.rate_hz))
+        .collect()
+}
+
+/// Every ladder in every precision: its name, with the precision where there
+/// are several, and its rungs.
+fn ladders(of: &Convergence) -> Vec<(String, Vec<&ConvergenceRow>)> {
+    let several = of.rows.iter().any(|r| r.result.precision != of.rows[0].result.precision);
+    let mut ladders: Vec<(String, Vec<&ConvergenceRow>)> = Vec::new();
+    for row in &of.rows {
+        let name = if several {
+            format!("{}, {}", row.ladder, row.result.precision)
+        } else {
+            row.ladder.clone()
+        };
+        match ladders.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, rows)) => rows.push(row),
+            None => ladders.push((name, vec![row])),
+        }
+    }
+    ladders
+}
+
+fn look(n: usize, line: Option<Dash>) -> Look {
+    Look {
+        colour: style::colour(n),
+        line,
+        width: style::CURVE,
+        marker: Some(style::marker(n)),
+        marker_spacing: None,
+    }
+}
+
+/// A straight line from one end of a standard error to the other.
+fn whisker(n: usize, ends: [(f64, f64); 2]) -> Series {
+    let look = Look {
+        colour: style::colour(n),
+        line: Some(style::SOLID),
+        width: style::THIN,
+        marker: None,
+        marker_spacing: None,
+    };
+    Series { label: String::new(), look, points: ends.into() }
+}
+
+fn against_rate(of: &Convergence) -> Result<Vec<Figure>, ReportError> {
+    let lines = lines(of);
+    SHOWN.iter().map(|shown| one_against_rate(of, &lines, shown)).collect()
+}
+
+fn one_against_rate(
+    of: &Convergence,
+    lines: &[(String, Vec<&ConvergenceRow>)],
+    shown: &Shown,
+) -> Result<Figure, ReportError> {
+    let limits = (shown.limits)(of);
+    let ends = |e: Estimate| {
+        let error = e.standard_error.unwrap_or(0.0);
+        [e.mean - error, e.mean, e.mean + error]
+    };
+    let values: Vec<f64> = lines
+        .iter()
+        .flat_map(|(_, rows)| rows.iter())
+        .flat_map(|r| shown.curves.iter().filter_map(|c| (c.value)(&r.result)))
+        .flat_map(ends)
+        .chain(limits.iter().map(|l| l.1))
+        .collect();
+    let y = if shown.log {
+        Axis::logarithmic(shown.axis, values)
+    } else {
+        Axis::linear(shown.axis, values)
+    };
+    let mut plot = Plot::new(rate_axis(lines), y);
+    let mut table = Table::new(&["line", "rate_hz", "what", "value", "standard_error", "runs"]);
+    for (n, (name, rows)) in lines.iter().enumerate() {
+        for curve in shown.curves {
+            let mut points = Vec::new();
+            for row in rows {
+                let rate = row.result.rate_hz;
+                let Some(value) = (curve.value)(&row.result) else { continue };
+                points.push((rate, value.mean));
+                if let Some(error) = value.standard_error {
+                    // On a logarithmic axis a whisker may not reach zero.
+                    let low = value.mean - error;
+                    let low = if shown.log { low.max(0.01 * value.mean) } else { low };
+                    plot.series.push(whisker(n, [(rate, low), (rate, value.mean + error)]));
+                }
+                table.row([
+                    name.clone(),
+                    cell(rate),
+                    curve.name.to_owned(),
+                    cell(value.mean),
+                    cell(value.standard_error),
+                    value.count.to_string(),
+                ]);
+            }
+            let label = if curve.name.is_empty() { name.clone() } else { String::new() };
+            plot.series.push(Series { label, look: look(n, Some(curve.line)), points });
+        }
+    }
+    plot.marks = limits.into_iter().map(|(label, at)| Mark { label, at, upright: false }).collect();
+    let caption = format!(
+        "{} Means over configurations; upright lines: ± standard error. One line a ladder of rates.",
+        shown.caption
+    );
+    Figure::new(shown.stem, shown.title, caption, &plot, &table)
+}
+
+/// A logarithmic axis numbered at the rates themselves.
+fn rate_axis(lines: &[(String, Vec<&ConvergenceRow>)]) -> Axis {
+    let mut rates: Vec<f64> =
+        lines.iter().flat_map(|(_, rows)| rows.iter().map(|r| r.result.rate_hz)).collect();
+    rates.sort_by(f64::total_cmp);
+    rates.dedup();
+    let (low, high) = (rates.first().copied(), rates.last().copied());
+    let mut axis = Axis::logarithmic("Steps per second (Hz)", rates.iter().copied());
+    if let (Some(low), Some(high)) = (low, high) {
+        (axis.from, axis.to) = (low / 1.15, high * 1.15);
+    }
+    axis.ticks = rates;
+    axis.minor = Vec::new();
+    axis
+}
+
+/// What deviates: its entry in the legend, its name in the table, its value,
+/// and how far it is drawn below the middle of its line.
+type Part = (&'static str, &'static str, fn(&ConvergenceRow) -> Deviation, f64);
+
+/// Deviations from the finest rung of each ladder, one line a setting.
+fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
+    let rows: Vec<(String, &ConvergenceRow)> = ladders(of)
+        .into_iter()
+        .flat_map(|(name, rows)| rows.into_iter().map(move |r| (name.clone(), r)))
+        .filter(|(_, row)| !row.finest_of_ladder)
+        .collect();
+    let parts: [Part; 3] = [
+        ("Height", "height", |r| r.from_ladder.height, -0.22),
+        ("Settlement of the plate", "plate", |r| r.from_ladder.plate, 0.0),
+        ("Settlement of the surface", "surface", |r| r.from_ladder.surface, 0.22),
+    ];
+    let ends = |d: Deviation| {
+        let p = d.percent;
+        let error = p.and_then(|p| p.standard_error).unwrap_or(0.0);
+        p.map_or([0.0; 2], |p| [p.mean - error, p.mean + error])
+    };
+    let values = rows.iter().flat_map(|(_, r)| parts.iter().flat_map(|p| ends((p.2)(r))));
+    let limits = [of.height_limit_percent, of.settlement_limit_percent];
+    let x = Axis::linear(
+        "Deviation from the finest rung (%)",
+        values.chain(limits).chain(limits.map(|l| -l)),
+    );
+    let count = rows.len().max(1);
+    let y = Axis {
+        name: String::new(),
+        from: count as f64 - 0.4,
+        to: -0.6,
+        log: false,
+        ticks: (0..count).map(|i| i as f64).collect(),
+        minor: Vec::new(),
+    };
+    let mut plot = Plot::new(x, y);
+    plot.y_names = Some(rows.iter().map(|(name, r)| format!("{name}: {}", r.rung)).collect());
+    plot.frame_height = (ROW * count as u32).max(3 * ROW);
+    let mut table =
+        Table::new(&["setting", "what", "deviation_percent", "standard_error", "inside_scatter"]);
+    for (n, (label, what, value, offset)) in parts.into_iter().enumerate() {
+        let mut points = Vec::new();
+        for (i, (name, row)) in rows.iter().enumerate() {
+            let deviation = value(row);
+            let Some(percent) = deviation.percent else { continue };
+            let at = i as f64 + offset;
+            points.push((percent.mean, at));
+            if percent.standard_error.is_some() {
+                let [low, high] = ends(deviation);
+                plot.series.push(whisker(n, [(low, at), (high, at)]));
+            }
+            table.row([
+                format!("{name}: {}", row.rung),
+                what.to_owned(),
+                cell(percent.mean),
+                cell(percent.standard_error),
+                deviation.inside_scatter.map_or_else(String::new, |s| s.to_string()),
+            ]);
+        }
+        plot.series.push(Series { label: label.to_owned(), look: look(n, None), points });
+    }
+    for limit in limits {
+        let label = format!("± {limit} %");
+        plot.marks.push(Mark { label, at: limit, upright: true });
+        plot.marks.push(Mark { label: String::new(), at: -limit, upright: true });
+    }
+    Figure::new(
+        "convergence-deviations",
+        "Deviation of every setting from the finest of its ladder",
+        format!(
+            "Deviations from the finest rung of each ladder, paired by configuration, ± standard \
+             error. Dotted: {} % for the height, {} % for the settlements.",
+            of.height_limit_percent, of.settlement_limit_percent
+        ),
+        &plot,
+        &table,
+    )
+}
+
+/// What a setting costs, and how far it is from what is allowed.
+fn cost(of: &Convergence) -> Result<Figure, ReportError> {
+    let ladders = ladders(of);
+    let point = |r: &ConvergenceRow| {
+        let error = r.error_over_limit.filter(|_| !r.finest_of_study)?;
+        Some((r.result.wall_s_per_simulated_s?.mean, error))
+    };
+    let points = || of.rows.iter().filter_map(point);
+    let x = Axis::logarithmic("Wall time of a simulated second (s)", points().map(|p| p.0));
+    let errors = points().map(|p| p.1).chain([1.0]);
+    let y = Axis::logarithmic("Largest error over what is allowed", errors);
+    let mut plot = Plot::new(x, y);
+    let mut table =
+        Table::new(&["ladder", "setting", "wall_s_per_simulated_s", "error_over_limit", "meets"]);
+    for (n, (name, rows)) in ladders.iter().enumerate() {
+        plot.series.push(Series {
+            label: name.clone(),
+            look: look(n, Some(style::SOLID)),
+            points: rows.iter().filter_map(|r| point(r)).collect(),
+        });
+        for row in rows {
+            table.row([
+                name.clone(),
+                row.rung.clone(),
+                cell(row.result.wall_s_per_simulated_s.map(|c| c.mean)),
+                cell(row.error_over_limit),
+                row.meets.map_or_else(String::new, |m| m.to_string()),
+            ]);
+        }
+    }
+    plot.marks.push(Mark { label: "what is allowed".to_owned(), at: 1.0, upright: false });
+    Figure::new(
+        "convergence-cost",
+        "Cost against error",
+        "The largest of overlap, creep and deviations, each over what the standard allows, against \
+         wall time; below the dotted line the whole standard is met. Lines join the rungs of a ladder \
+         in order. The setting that the study is held against is left out: it cannot deviate from \
+         itself."
+            .to_owned(),
+        &plot,
+        &table,
+    )
+}

@@ -1,0 +1,237 @@
+//! What a sensitivity study found: how far each parameter moves height and
+//! settlement, as tables and a ranked figure.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::{ReportError, figures, sensitivity_page::page};
+use crate::measure::Estimate;
+use crate::record::{FileError, VariationRow, write_file, write_json};
+
+/// How far a parameter moves a length, in mm. Differences are paired by
+/// configuration.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Effect {
+    /// At the low end less at the default.
+    pub low_mm: Option<Estimate>,
+    /// At the high end less at the default.
+    pub high_mm: Option<Estimate>,
+    /// At the high end less at the low end.
+    pub range_mm: Option<Estimate>,
+    /// That over the range, for one unit of the parameter.
+    pub per_unit_mm: Option<Estimate>,
+    /// The largest of the three differences, by which parameters are ranked.
+    pub largest_mm: Option<Estimate>,
+    /// Whether that cannot be told from zero, at 95 %; `None` of a single configuration.
+    pub inside_scatter: Option<bool>,
+}
+
+impl Effect {
+    fn size(&self) -> f64 {
+        self.largest_mm.map_or(-1.0, |l| l.mean.abs())
+    }
+}
+
+/// One parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParameterRow {
+    /// Its short name.
+    pub parameter: String,
+    /// What it is.
+    pub title: String,
+    /// Unit of its values.
+    pub unit: String,
+    /// Why it was varied so far.
+    pub reason: String,
+    /// Path of its value in the scenario; empty where several are changed.
+    pub path: String,
+    /// Low end of its range.
+    pub low: f64,
+    /// The scenario's value.
+    pub default: f64,
+    /// High end of its range.
+    pub high: f64,
+    /// Runs at its ends that failed.
+    pub failed: usize,
+    /// Grains of a run that are not in the cylinder at the end, in the mean
+    /// over the runs of the end that has more of them.
+    pub grains_outside: Option<f64>,
+    /// On the height of the mean surface after pouring.
+    pub height: Effect,
+    /// On the settlement of the plate after 5 s, or at the end of a shorter vibration.
+    pub plate: Effect,
+    /// On that of the mean surface.
+    pub surface: Effect,
+}
+
+/// `sensitivity.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sensitivity {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Whether it was carried out on the smaller specimen.
+    pub quick: bool,
+    /// Number of grains of a run.
+    pub grains: Option<usize>,
+    /// Number of configurations.
+    pub configurations: u32,
+    /// The scenario without a change.
+    pub default: Option<VariationRow>,
+    /// The parameters, in the order of the design.
+    pub parameters: Vec<ParameterRow>,
+}
+
+/// The parameters, that with the largest effect first; those without one last.
+pub(super) fn ranked(
+    rows: &[ParameterRow],
+    effect: impl Fn(&ParameterRow) -> Effect,
+) -> Vec<&ParameterRow> {
+    let mut ranked: Vec<&ParameterRow> = rows.iter().collect();
+    ranked.sort_by(|a, b| effect(b).size().total_cmp(&effect(a).size()));
+    ranked
+}
+
+/// Writes `sensitivity.json`, `sensitivity.csv`, `sensitivity.md` and the figure.
+///
+/// # Errors
+/// [`ReportError`] naming the file or the figure.
+pub fn write_sensitivity(out: &Path, of: &Sensitivity) -> Result<(), ReportError> {
+    let path = out.join("sensitivity.csv");
+    let table = csv(of).map_err(|e| FileError::new("write", &path, e))?;
+    write_file(&path, &table)?;
+    write_json(&out.join("sensitivity.json"), of)?;
+    let figure = figures::of_sensitivity(of)?;
+    figure.write(&out.join("figures"))?;
+    write_file(&out.join("sensitivity.md"), page(of, &figure).as_bytes())?;
+    Ok(())
+}
+
+fn csv(of: &Sensitivity) -> Result<Vec<u8>, csv::Error> {
+    const OUTCOMES: [&str; 3] = ["height", "plate_settlement", "surface_settlement"];
+    const DIFFERENCES: [&str; 5] = [
+        "low_minus_default_mm",
+        "high_minus_default_mm",
+        "high_minus_low_mm",
+        "per_unit_mm",
+        "largest_mm",
+    ];
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut header: Vec<String> =
+        ["parameter", "unit", "path", "low", "default", "high", "failed", "grains_outside"]
+            .map(str::to_owned)
+            .into();
+    for outcome in OUTCOMES {
+        for difference in DIFFERENCES {
+            header.push(format!("{outcome}_{difference}"));
+            header.push(format!("{outcome}_{difference}_standard_error"));
+        }
+        header.push(format!("{outcome}_inside_scatter"));
+    }
+    writer.write_record(header)?;
+    let number = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());
+    for row in &of.parameters {
+        let mut cells = vec![row.parameter.clone(), row.unit.clone(), row.path.clone()];
+        cells.extend([row.low, row.default, row.high].map(|v| v.to_string()));
+        cells.push(row.failed.to_string());
+        cells.push(number(row.grains_outside));
+        for e in [&row.height, &row.plate, &row.surface] {
+            for d in [e.low_mm, e.high_mm, e.range_mm, e.per_unit_mm, e.largest_mm] {
+                cells.push(number(d.map(|d| d.mean)));
+                cells.push(number(d.and_then(|d| d.standard_error)));
+            }
+            cells.push(e.inside_scatter.map_or_else(String::new, |s| s.to_string()));
+        }
+        writer.write_record(cells)?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A row whose parameter moves every length by as much.
+    pub(in crate::report) fn row(name: &str, low: Option<f64>, high: Option<f64>) -> ParameterRow {
+        let of = |mean: Option<f64>| {
+            mean.map(|mean| Estimate { mean, standard_error: Some(0.4), count: 3 })
+        };
+        let range = low.zip(high).map(|(l, h)| h - l);
+        let largest =
+            [range, low, high].into_iter().flatten().max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let effect = Effect {
+            low_mm: of(low),
+            high_mm: of(high),
+            range_mm: of(range),
+            per_unit_mm: of(range),
+            largest_mm: of(largest),
+            inside_scatter: of(largest).and_then(|e| e.inside_scatter()),
+        };
+        ParameterRow {
+            parameter: name.to_owned(),
+            title: format!("Title of {name}"),
+            unit: "mm".to_owned(),
+            reason: "A reason.".to_owned(),
+            path: "a.path".to_owned(),
+            low: 1.0,
+            default: 2.0,
+            high: 3.0,
+            failed: 0,
+            grains_outside: Some(0.0),
+            height: effect,
+            plate: effect,
+            surface: effect,
+        }
+    }
+
+    fn study(parameters: Vec<ParameterRow>) -> Sensitivity {
+        Sensitivity {
+            scenario: "test".to_owned(),
+            quick: false,
+            grains: Some(364),
+            configurations: 3,
+            default: None,
+            parameters,
+        }
+    }
+
+    #[test]
+    fn the_largest_effect_comes_first_whatever_its_sign() {
+        let rows = [
+            row("small", Some(-0.5), Some(0.5)),
+            row("failed", None, None),
+            row("falls", Some(4.0), Some(-3.0)),
+            row("rises", Some(-2.0), Some(3.0)),
+        ];
+        let names: Vec<&str> =
+            ranked(&rows, |r| r.height).iter().map(|r| r.parameter.as_str()).collect();
+        assert_eq!(names, ["falls", "rises", "small", "failed"], "law: by size, unknown last");
+    }
+
+    #[test]
+    fn every_file_is_written_and_says_what_lies_inside_the_scatter() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let rows = vec![row("small", Some(-0.5), Some(0.5)), row("rises", Some(-2.0), Some(3.0))];
+        write_sensitivity(folder.path(), &study(rows)).expect("written");
+        for file in ["sensitivity.csv", "sensitivity.json", "figures/sensitivity.png"] {
+            assert!(folder.path().join(file).is_file(), "{file} is written");
+        }
+        let page = std::fs::read_to_string(folder.path().join("sensitivity.md")).expect("a page");
+        let line = |name: &str| {
+            page.lines().find(|l| l.starts_with(&format!("| Title of {name}"))).expect("a row")
+        };
+        assert!(line("small").contains('~'), "law: 1 ± 0.4 of three is marked: {page}");
+        assert!(!line("rises").contains('~'), "law: 5 ± 0.4 of three is not: {page}");
+        assert!(
+            page.find("Title of rises") < page.find("Title of small"),
+            "law: the largest first: {page}"
+        );
+    }
+
+    #[test]
+    fn a_study_of_which_everything_failed_is_still_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let of = study(vec![row("failed", None, None)]);
+        write_sensitivity(folder.path(), &of).expect("written");
+    }
+}

@@ -1,0 +1,118 @@
+//! Convergence: how results change as the engine's settings are refined, and
+//! which setting is the cheapest that is fine enough.
+
+mod design;
+mod judge;
+#[cfg(test)]
+mod tests;
+
+pub use design::{ConvergenceDesign, ConvergenceLimits, LadderDesign, RungDesign};
+
+use std::{path::PathBuf, sync::Arc};
+
+use super::{
+    RunOptions, StudyError,
+    presets::DesignFile,
+    summarise::STANDARD,
+    variations::{Kept, Varied, carry_out_variations, keep_and_read, write_variations},
+};
+use crate::protocol::Progress;
+use crate::record::RunRow;
+use crate::report::{self, Convergence, Standard};
+
+/// Where the built-in design stands under `scenarios/`.
+const BUILT_IN: &str = "studies/convergence.json";
+
+/// How to carry out a study whose design is in a file.
+pub struct StudyOptions {
+    /// The design; `None` for the built-in one.
+    pub design: Option<PathBuf>,
+    /// Whether to take its smaller specimen.
+    pub quick: bool,
+    /// Number of configurations in place of the design's.
+    pub configurations: Option<u32>,
+    /// Where to, how many at a time, whom to tell.
+    pub run: RunOptions,
+}
+
+/// A convergence study that was read and checked, and not yet carried out.
+#[derive(Debug)]
+pub struct ConvergenceStudy {
+    design: design::Designed,
+    quick: bool,
+    configurations: u32,
+}
+
+impl ConvergenceStudy {
+    /// Reads the design.
+    ///
+    /// # Errors
+    /// [`StudyError::Faults`] with all its faults.
+    pub fn read(options: &StudyOptions) -> Result<Self, StudyError> {
+        let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
+        let design = design::read(&file.path, options.quick)?;
+        let configurations = options.configurations.unwrap_or(design.configurations);
+        Ok(Self { design, quick: options.quick, configurations })
+    }
+
+    /// Carries it out and writes `convergence.json`, `convergence.csv`,
+    /// `convergence.md`, `figures/`, the tables of variations and
+    /// `runs/<name>/`. Rows that a build in the other precision left in the
+    /// same folder of the same study are judged along.
+    ///
+    /// # Errors
+    /// [`StudyError`].
+    pub fn carry_out(&self, options: &RunOptions) -> Result<Convergence, StudyError> {
+        let varied = &self.design.varied;
+        let programme = varied.programme(self.configurations);
+        let mut found = None;
+        let mut so_far = |rows: &[RunRow]| {
+            let all = beside_other_builds(options, &programme, rows)?;
+            write_variations(&options.out, &all)?;
+            let convergence = self.judged(varied, &all);
+            report::write_convergence(&options.out, &convergence)?;
+            found = Some(convergence);
+            Ok(())
+        };
+        carry_out_variations(varied, self.configurations, options, &mut so_far)?;
+        found.ok_or_else(|| StudyError::Scenario("the design has no variation".to_owned()))
+    }
+
+    fn judged(&self, varied: &Varied, runs: &[RunRow]) -> Convergence {
+        let standard = standard();
+        let design::Designed { limits, reference, ladders, .. } = &self.design;
+        let rows = judge::judge(runs, ladders, reference, *limits, &standard);
+        let cheapest = judge::cheapest(&rows, &standard);
+        Convergence {
+            scenario: varied.base.name.clone(),
+            quick: self.quick,
+            grains: runs.iter().find_map(|r| r.grains),
+            standard,
+            height_limit_percent: limits.height_percent,
+            settlement_limit_percent: limits.settlement_percent,
+            reference: reference.clone(),
+            rows,
+            cheapest,
+        }
+    }
+}
+
+/// The accuracy standard as reports have it.
+pub(super) fn standard() -> Standard {
+    let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
+    Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s }
+}
+
+/// The rows of this build beside those of others.
+pub(super) fn beside_other_builds(
+    options: &RunOptions,
+    programme: &str,
+    rows: &[RunRow],
+) -> Result<Vec<RunRow>, StudyError> {
+    let progress: &Arc<dyn Progress> = &options.progress;
+    let Kept { rows, left_out } = keep_and_read(&options.out, programme, rows)?;
+    for file in left_out {
+        progress.message(&format!("{file} is of another design or version and left out"));
+    }
+    Ok(rows)
+}

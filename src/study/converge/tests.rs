@@ -1,0 +1,250 @@
+//! Deviations, verdicts and the choice of the cheapest setting, on canned rows.
+
+use super::{
+    BUILT_IN, design,
+    design::{ConvergenceLimits, Ladder},
+    judge::{cheapest, judge},
+    standard,
+};
+use crate::record::RunRow;
+use crate::report::ConvergenceRow;
+use crate::scenario::Scenario;
+use crate::study::presets::DesignFile;
+
+const LIMITS: ConvergenceLimits =
+    ConvergenceLimits { height_percent: 1.0, settlement_percent: 5.0 };
+
+/// A good run: overlap and creep within the standard.
+fn run(variation: &str, configuration: u32, height: f64, cost: f64) -> RunRow {
+    let scenario: Scenario = serde_json::from_value(serde_json::json!({
+        "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
+    }))
+    .expect("a scenario");
+    RunRow {
+        configuration,
+        precision: "double".into(),
+        poured_height_mm: Some(height),
+        plate_settlement_mm: Some(10.0),
+        surface_settlement_mm: Some(8.0),
+        overlap_mean_percent: Some(0.2),
+        overlap_p99_percent: Some(1.0),
+        creep_um_per_s: Some(-1.0),
+        wall_s_per_simulated_s: Some(cost),
+        // Variations are different scenarios.
+        experiment: variation.to_owned(),
+        ..RunRow::of_scenario("run", variation, "group", &scenario)
+    }
+}
+
+/// Three configurations that differ from each other by 2 mm.
+fn three(variation: &str, height: f64, cost: f64) -> Vec<RunRow> {
+    (1..=3).map(|c| run(variation, c, height + 2.0 * f64::from(c), cost)).collect()
+}
+
+fn ladder(title: &str, names: &[&str]) -> Ladder {
+    let rungs = names.iter().map(|n| ((*n).to_owned(), (*n).to_owned())).collect();
+    Ladder { title: title.to_owned(), rungs }
+}
+
+fn judged(runs: &[RunRow], ladders: &[Ladder]) -> Vec<ConvergenceRow> {
+    judge(runs, ladders, &ladders[0].title, LIMITS, &standard())
+}
+
+fn height_percent(row: &ConvergenceRow) -> f64 {
+    row.from_ladder.height.percent.expect("a deviation").mean
+}
+
+#[test]
+fn deviations_are_from_the_finest_rung_and_have_its_sign() {
+    // The finest: 162, 164, 166 mm, in the mean 164.
+    let runs =
+        [three("low", 156.72, 1.0), three("high", 163.28, 2.0), three("fine", 160.0, 4.0)].concat();
+    let rows = judged(&runs, &[ladder("rate", &["low", "high", "fine"])]);
+    let [low, high, fine] = &rows[..] else { panic!("three rungs: {rows:?}") };
+    for (row, expected, within) in [(low, -2.0, false), (high, 2.0, false), (fine, 0.0, true)] {
+        let got = height_percent(row);
+        assert!(
+            (got - expected).abs() < 1e-9,
+            "law: (mean - reference)/reference in %, expected {expected}, got {got} for {}",
+            row.rung
+        );
+        let d = row.from_ladder.height;
+        assert_eq!(d.within, Some(within), "law: within 1 %: {d:?}");
+        // All three differ alike: pairs have no scatter.
+        assert_eq!(d.open, Some(false), "law: nothing is open without scatter: {d:?}");
+        assert_eq!(row.meets, Some(within), "law: the height decides here");
+    }
+    assert!(fine.finest_of_ladder && fine.finest_of_study && !low.finest_of_ladder);
+    let error = low.error_over_limit.expect("all is known");
+    assert!((error - 2.0).abs() < 1e-9, "law: 2 % over a limit of 1 %, got {error}");
+}
+
+#[test]
+fn a_deviation_inside_the_scatter_is_said_to_be_so() {
+    let mut noisy = three("noisy", 160.0, 1.0);
+    for (row, off) in noisy.iter_mut().zip([3.0, -3.0, 6.0]) {
+        row.poured_height_mm = row.poured_height_mm.map(|h| h + off);
+    }
+    let runs = [noisy, three("fine", 160.0, 4.0)].concat();
+    let rows = judged(&runs, &[ladder("rate", &["noisy", "fine"])]);
+    let d = rows[0].from_ladder.height;
+    assert_eq!(
+        (d.within, d.inside_scatter, d.open),
+        (Some(false), Some(true), Some(true)),
+        "law: 2 ± 2.6 mm of 164 is beyond 1 %, cannot be told from zero, and is open: {d:?}"
+    );
+    assert_eq!(d.may_pass(), Some(true), "law: it may pass for all that is known");
+    let found = cheapest(&rows, &standard());
+    assert_eq!(found.not_shown_to_miss, Some(0), "law: what is open is not shown to miss");
+    assert_eq!(found.meeting, Some(1), "law: by its mean it misses");
+}
+
+#[test]
+fn the_cheapest_that_passes_is_chosen() {
+    let of = |coarse: f64, costs: [f64; 3]| {
+        let runs = [
+            three("coarse", coarse, costs[0]),
+            three("middle", 160.5, costs[1]),
+            three("fine", 160.0, costs[2]),
+        ]
+        .concat();
+        let rows = judged(&runs, &[ladder("rate", &["coarse", "middle", "fine"])]);
+        let found = cheapest(&rows, &standard());
+        assert_eq!(found.meeting, found.surely_meeting, "law: no scatter, no doubt");
+        found.meeting.map(|i| rows[i].rung.clone())
+    };
+    assert_eq!(of(160.2, [1.0, 2.0, 4.0]).as_deref(), Some("coarse"), "all pass");
+    assert_eq!(of(150.0, [1.0, 2.0, 4.0]).as_deref(), Some("middle"), "the coarse one misses");
+    assert_eq!(of(150.0, [1.0, 5.0, 4.0]).as_deref(), Some("fine"), "cost decides, not order");
+}
+
+#[test]
+fn overlap_creep_and_failure_each_spoil_a_setting() {
+    type Spoilt = (&'static str, fn(&mut RunRow), bool);
+    let spoil: [Spoilt; 7] = [
+        ("nothing", |_| {}, true),
+        ("overlap", |r| r.overlap_mean_percent = Some(0.6), false),
+        ("p99", |r| r.overlap_p99_percent = Some(3.1), false),
+        ("sinking", |r| r.creep_um_per_s = Some(6.0), false),
+        ("rising", |r| r.creep_um_per_s = Some(-6.0), false),
+        ("plate", |r| r.plate_settlement_mm = Some(10.6), false),
+        ("surface", |r| r.surface_settlement_mm = Some(7.5), false),
+    ];
+    for (what, change, expected) in spoil {
+        let mut coarse = three("coarse", 160.0, 1.0);
+        coarse.iter_mut().for_each(change);
+        let runs = [coarse, three("fine", 160.0, 4.0)].concat();
+        let rows = judged(&runs, &[ladder("rate", &["coarse", "fine"])]);
+        assert_eq!(rows[0].meets, Some(expected), "law: {what} spoils it: {:?}", rows[0]);
+        let beyond = rows[0].error_over_limit.expect("known") > 1.0;
+        assert_eq!(beyond, !expected, "law: the error is over its limit for {what}");
+    }
+    let mut coarse = three("coarse", 160.0, 1.0);
+    coarse[2] =
+        RunRow { failure: Some("it blew up".into()), poured_height_mm: None, ..coarse[2].clone() };
+    let runs = [coarse, three("fine", 160.0, 4.0)].concat();
+    let rows = judged(&runs, &[ladder("rate", &["coarse", "fine"])]);
+    assert_eq!(rows[0].meets, Some(false), "law: a setting that fails once does not pass");
+    assert_eq!(rows[0].from_ladder.height.percent.map(|p| p.count), Some(2), "pairs that ran");
+    assert_eq!(cheapest(&rows, &standard()).meeting, Some(1));
+}
+
+#[test]
+fn what_is_not_known_is_no_pass() {
+    let mut coarse = three("coarse", 160.0, 1.0);
+    coarse.iter_mut().for_each(|r| r.creep_um_per_s = None);
+    let runs = [coarse, three("fine", 160.0, 4.0)].concat();
+    let rows = judged(&runs, &[ladder("rate", &["coarse", "fine"])]);
+    assert_eq!((rows[0].meets, rows[0].error_over_limit), (None, None));
+    let one = [run("coarse", 1, 160.0, 1.0), run("fine", 1, 160.0, 4.0)];
+    let rows = judged(&one, &[ladder("rate", &["coarse", "fine"])]);
+    let d = rows[0].from_ladder.height;
+    assert_eq!((d.within, d.inside_scatter, d.open), (Some(true), None, None), "{d:?}");
+    let found = cheapest(&rows, &standard());
+    assert_eq!((found.meeting, found.surely_meeting), (Some(0), None), "law: one run proves none");
+}
+
+#[test]
+fn settings_are_held_against_the_study_too() {
+    // A ladder of its own that is converged, at another height.
+    let runs =
+        [three("fine", 160.0, 4.0), three("own-coarse", 170.0, 1.0), three("own-fine", 170.0, 2.0)]
+            .concat();
+    let ladders = [ladder("rate", &["fine"]), ladder("bullet", &["own-coarse", "own-fine"])];
+    let rows = judged(&runs, &ladders);
+    let own = rows.iter().find(|r| r.rung == "own-coarse").expect("a row");
+    assert_eq!(own.from_ladder.height.within, Some(true), "law: its own ladder is converged");
+    assert_eq!(own.from_study.height.within, Some(false), "law: the study says otherwise");
+    assert_eq!(own.meets, Some(false));
+}
+
+#[test]
+fn a_setting_must_pass_in_every_ladder_that_has_it() {
+    let same = |rows: Vec<RunRow>, experiment: &str| -> Vec<RunRow> {
+        rows.into_iter().map(|r| RunRow { experiment: experiment.into(), ..r }).collect()
+    };
+    let of = |stiff: f64| {
+        let runs = [
+            same(three("rate-480", 160.5, 1.0), "default"),
+            three("rate-1920", 160.0, 4.0),
+            same(three("stiffness-5", 160.5, 1.0), "default"),
+            three("stiffness-20", stiff, 2.0),
+        ]
+        .concat();
+        let ladders = [
+            ladder("rate", &["rate-480", "rate-1920"]),
+            ladder("stiffness", &["stiffness-5", "stiffness-20"]),
+        ];
+        let rows = judged(&runs, &ladders);
+        assert_eq!(rows[0].meets, rows[2].meets, "law: one setting, one verdict");
+        (rows[0].meets, cheapest(&rows, &standard()))
+    };
+    let (meets, found) = of(160.0);
+    assert_eq!((meets, found.meeting), (Some(true), Some(0)), "it passes in both");
+    let (meets, found) = of(170.0);
+    assert_eq!(meets, Some(false), "law: what misses in one ladder misses");
+    assert_eq!((found.meeting, found.not_shown_to_miss), (Some(1), Some(1)));
+}
+
+#[test]
+fn single_precision_is_held_against_double() {
+    let single = |rows: Vec<RunRow>| -> Vec<RunRow> {
+        rows.into_iter().map(|r| RunRow { precision: "single".into(), ..r }).collect()
+    };
+    let ladders = [ladder("rate", &["coarse", "fine"])];
+    let both = [
+        three("coarse", 160.0, 1.0),
+        three("fine", 160.0, 4.0),
+        single(three("coarse", 150.0, 0.5)),
+        single(three("fine", 150.0, 2.0)),
+    ]
+    .concat();
+    let rows = judged(&both, &ladders);
+    assert_eq!(rows.len(), 4, "law: one row a rung and precision");
+    let single_fine =
+        rows.iter().find(|r| r.rung == "fine" && r.result.precision == "single").expect("a row");
+    assert!(!single_fine.finest_of_ladder, "law: the reference is in double precision");
+    assert!((height_percent(single_fine) + 100.0 * 10.0 / 164.0).abs() < 1e-9);
+    // Alone it is held against itself.
+    let alone = judged(&both[6..], &ladders);
+    assert_eq!(height_percent(&alone[0]), 0.0);
+    assert!(alone[1].finest_of_ladder);
+}
+
+#[test]
+fn the_built_in_design_is_sound() {
+    let file = DesignFile::new(None, BUILT_IN).expect("unpacked");
+    for quick in [false, true] {
+        let design =
+            design::read(&file.path, quick).unwrap_or_else(|e| panic!("quick {quick}: {e}"));
+        assert!(design.configurations >= 2, "one configuration tells nothing of scatter");
+        let names = || design.varied.all.iter().map(|(v, _)| v.name.as_str());
+        assert!(
+            names().any(|n| n == "rate-1920"),
+            "the ladder of rates: {:?}",
+            names().collect::<Vec<_>>()
+        );
+        assert!(names().any(|n| n == "bullet-960x20"), "Bullet's contacts");
+        assert_eq!(names().any(|n| n == "bullet-960x50"), !quick, "the costliest only in full");
+    }
+}

@@ -1,0 +1,273 @@
+//! The design of a sensitivity study: which parameters are varied, one at a
+//! time, and how far.
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::super::{
+    design::{Faults, SpecimenDesign},
+    variations::{Variation, Varied},
+};
+use crate::scenario::{Override, ScenarioErrors, load, load_document};
+
+/// Name of the variation that changes nothing.
+pub(super) const DEFAULT: &str = "default";
+
+/// A sensitivity study as its file describes it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SensitivityDesign {
+    /// What the study is for.
+    #[serde(default)]
+    pub description: String,
+    /// The specimen.
+    pub full: SpecimenDesign,
+    /// A smaller one, for `--quick`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "SpecimenDesign")]
+    pub quick: Option<SpecimenDesign>,
+    /// The parameters, each varied by itself.
+    #[schemars(length(min = 1, max = 1000))]
+    pub parameters: Vec<ParameterDesign>,
+}
+
+/// One parameter and its range.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterDesign {
+    /// Short name; begins the names of runs.
+    #[schemars(length(min = 1, max = 40))]
+    pub name: String,
+    /// What it is, for tables and figures.
+    #[schemars(length(min = 1, max = 60))]
+    pub title: String,
+    /// Unit of its values; empty where it has none.
+    #[serde(default)]
+    pub unit: String,
+    /// Why it is varied so far and no further.
+    #[schemars(length(min = 1))]
+    pub reason: String,
+    /// Path of its value in the scenario, as in `--set`; left out where the
+    /// ends are made by changes of several values.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String")]
+    pub path: Option<String>,
+    /// The low end; that of the default where only higher values are of interest.
+    pub low: f64,
+    /// The scenario's own value, which it must be. With `path` it may be left
+    /// out: it is then read from the scenario.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pub default: Option<f64>,
+    /// The high end.
+    pub high: f64,
+    /// Changes that make the low end, each `path=value`, in place of `path`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub low_changes: Vec<String>,
+    /// Changes that make the high end.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub high_changes: Vec<String>,
+    /// The low end on the smaller specimen, where it is another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pub quick_low: Option<f64>,
+    /// The smaller specimen's own value, where it is another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pub quick_default: Option<f64>,
+    /// The high end on the smaller specimen, where it is another.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    pub quick_high: Option<f64>,
+    /// Whether it is also varied with `--quick`.
+    #[serde(default = "yes")]
+    pub quick: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// A parameter with its ends as variations.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Parameter {
+    pub name: String,
+    pub title: String,
+    pub unit: String,
+    pub reason: String,
+    pub path: String,
+    pub low: f64,
+    pub default: f64,
+    pub high: f64,
+    /// Name of the variation at the low end; [`DEFAULT`] where it is that.
+    pub low_variation: String,
+    /// The same at the high end.
+    pub high_variation: String,
+}
+
+/// A design ready to be carried out.
+#[derive(Debug)]
+pub(super) struct Designed {
+    pub parameters: Vec<Parameter>,
+    pub varied: Varied,
+    pub configurations: u32,
+}
+
+/// Reads and checks a design.
+///
+/// # Errors
+/// [`ScenarioErrors`] with all faults of the design, or else all of the
+/// scenarios it makes.
+pub(super) fn read(file: &Path, quick: bool) -> Result<Designed, ScenarioErrors> {
+    let design: SensitivityDesign = load_document(file)?;
+    let mut faults = Faults::of(file);
+    let (part, specimen) =
+        if quick { ("quick", design.quick.as_ref()) } else { ("full", Some(&design.full)) };
+    let Some(specimen) = specimen else {
+        faults.add(part, "", "a specimen, as in `full`", "the field is missing for --quick");
+        return Err(faults.into_error());
+    };
+    let common = faults.changes(&format!("{part}.changes"), &specimen.changes);
+    let base = faults.beside(&specimen.scenario);
+    let scenario = match load(&base, &common) {
+        Ok(loaded) => serde_json::to_value(&loaded.scenario).unwrap_or(Value::Null),
+        Err(errors) => {
+            faults.extend(errors)?;
+            return Err(faults.into_error());
+        }
+    };
+    let mut names = vec![DEFAULT];
+    let mut parameters = Vec::new();
+    let mut variations = vec![variation(DEFAULT, DEFAULT, Vec::new())];
+    for (index, parameter) in design.parameters.iter().enumerate() {
+        let at = format!("parameters[{index}]");
+        faults.name(&format!("{at}.name"), &parameter.name, &mut names);
+        if quick && !parameter.quick {
+            continue;
+        }
+        if let Some((made, ends)) = ends(&mut faults, &at, parameter, quick, &scenario) {
+            variations.extend(ends);
+            parameters.push(made);
+        }
+    }
+    if faults.any() {
+        return Err(faults.into_error());
+    }
+    match Varied::load(&base, &common, variations) {
+        Ok(varied) => Ok(Designed { parameters, varied, configurations: specimen.configurations }),
+        Err(errors) => {
+            faults.extend(errors)?;
+            Err(faults.into_error())
+        }
+    }
+}
+
+fn variation(name: &str, group: &str, changes: Vec<Override>) -> Variation {
+    Variation { name: name.to_owned(), group: group.to_owned(), changes, configurations: None }
+}
+
+/// A parameter's ends, or its faults.
+fn ends(
+    faults: &mut Faults,
+    at: &str,
+    p: &ParameterDesign,
+    quick: bool,
+    scenario: &Value,
+) -> Option<(Parameter, Vec<Variation>)> {
+    let of = |full: Option<f64>, small: Option<f64>| if quick { small.or(full) } else { full };
+    let (low, high) = (of(Some(p.low), p.quick_low)?, of(Some(p.high), p.quick_high)?);
+    let given = of(p.default, p.quick_default);
+    let default = match &p.path {
+        Some(path) => default_at(faults, at, path, given, scenario)?,
+        None => {
+            let Some(default) = given else {
+                let allowed = "the scenario's own value, where there is no `path`";
+                faults.add(&format!("{at}.default"), "", allowed, "the field is missing");
+                return None;
+            };
+            default
+        }
+    };
+    if !(low <= default && default <= high && low < high) {
+        faults.add(
+            &format!("{at}.low"),
+            &format!("{low}, {default}, {high}"),
+            "low, default and high in this order, low below high",
+            "the range is out of order",
+        );
+        return None;
+    }
+    let mut made = Vec::new();
+    let mut end = |which: &str, value: f64, changes: &[String]| -> Option<String> {
+        if value == default {
+            return Some(DEFAULT.to_owned());
+        }
+        let field = format!("{at}.{which}_changes");
+        let changes = match (&p.path, changes) {
+            (Some(path), []) => vec![format!("{path}={value}").parse().ok()?],
+            (None, []) => {
+                let allowed = "changes that make this end, or else `path`";
+                faults.add(&field, "", allowed, "nothing says how this end is made");
+                return None;
+            }
+            (Some(_), _) => {
+                faults.add(&field, "", "none beside `path`", "`path` already makes this end");
+                return None;
+            }
+            (None, changes) => faults.changes(&field, changes),
+        };
+        let name = format!("{}-{which}", p.name);
+        made.push(variation(&name, &p.title, changes));
+        Some(name)
+    };
+    let low_variation = end("low", low, &p.low_changes);
+    let high_variation = end("high", high, &p.high_changes);
+    let parameter = Parameter {
+        name: p.name.clone(),
+        title: p.title.clone(),
+        unit: p.unit.clone(),
+        reason: p.reason.clone(),
+        path: p.path.clone().unwrap_or_default(),
+        low,
+        default,
+        high,
+        low_variation: low_variation?,
+        high_variation: high_variation?,
+    };
+    Some((parameter, made))
+}
+
+/// The scenario's own value at a path, which must be the one that is given.
+fn default_at(
+    faults: &mut Faults,
+    at: &str,
+    path: &str,
+    given: Option<f64>,
+    scenario: &Value,
+) -> Option<f64> {
+    let found = format!("\"{path}\"");
+    let field = format!("{at}.path");
+    let Ok(change) = format!("{path}=0").parse::<Override>() else {
+        faults.add(&field, &found, "a path as in --set", "the path cannot be read");
+        return None;
+    };
+    let Some(own) = change.value_before(scenario).and_then(Value::as_f64) else {
+        faults.add(&field, &found, "the path of a number", "the scenario has no number there");
+        return None;
+    };
+    match given {
+        Some(given) if given != own => {
+            faults.add(
+                &format!("{at}.default"),
+                &given.to_string(),
+                &format!("{own}, the scenario's own"),
+                "the scenario has another value",
+            );
+            None
+        }
+        _ => Some(own),
+    }
+}

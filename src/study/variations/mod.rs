@@ -1,0 +1,304 @@
+//! Many variations of one scenario, one table.
+//!
+//! A variation is a name and what it changes in a base scenario. Every
+//! variation is carried out in the same configurations, so that runs can be
+//! compared pair by pair; stages that variations share are done once, and
+//! what is stored is not done again.
+
+mod keep;
+#[cfg(test)]
+mod tests;
+
+pub(super) use keep::{Kept, keep_and_read};
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use serde::Serialize;
+
+use super::{
+    StudyError,
+    execute::{Attempt, attempt},
+    plan::{Plan, PlannedRun, stage_label},
+    run::{RunOptions, kind_of, make_grains, write_grains, write_run},
+};
+use crate::grains::GrainSet;
+use crate::protocol::WorldMaker;
+use crate::record::{
+    FileError, RunRow, StageStore, VariationRow, create_folder, hash_json, variation_runs_csv,
+    variations_csv, write_file, write_json,
+};
+use crate::scenario::{Backend, Fault, Override, Scenario, ScenarioErrors, load};
+
+/// A variation of a scenario.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variation {
+    /// Its name, also of its runs' folders: letters, digits, dots and dashes.
+    pub name: String,
+    /// What it is part of, a ladder for one.
+    pub group: String,
+    /// What it changes.
+    pub changes: Vec<Override>,
+    /// At most so many configurations, where they are costly.
+    pub configurations: Option<u32>,
+}
+
+/// A base scenario and its variations, loaded and checked.
+#[derive(Debug, Clone)]
+pub struct Varied {
+    /// The scenario as it is without a variation.
+    pub base: Scenario,
+    /// Each variation with its scenario.
+    pub all: Vec<(Variation, Scenario)>,
+}
+
+impl Varied {
+    /// Loads a scenario, changed by what all variations share, and lays each
+    /// variation over it.
+    ///
+    /// # Errors
+    /// As [`load`]: the faults of the base scenario, or else those of all
+    /// variations, each with the variation's name.
+    pub fn load(
+        base: &Path,
+        common: &[Override],
+        variations: Vec<Variation>,
+    ) -> Result<Self, ScenarioErrors> {
+        let scenario = load(base, common)?.scenario;
+        let mut faults = Vec::new();
+        let mut all = Vec::new();
+        for variation in variations {
+            let changes = [common, &variation.changes].concat();
+            match load(base, &changes) {
+                Ok(loaded) => all.push((variation, loaded.scenario)),
+                Err(ScenarioErrors::Faults(found)) => faults.extend(found.into_iter().map(|f| {
+                    Fault { file: format!("variation `{}`: {}", variation.name, f.file), ..f }
+                })),
+                Err(unreadable) => return Err(unreadable),
+            }
+        }
+        if !faults.is_empty() {
+            return Err(ScenarioErrors::Faults(faults));
+        }
+        Ok(Self { base: scenario, all })
+    }
+
+    /// A hash of everything that is to be done, the engine's build aside.
+    pub fn programme(&self, configurations: u32) -> String {
+        let named: Vec<(&str, Option<u32>, &Scenario)> =
+            self.all.iter().map(|(v, s)| (v.name.as_str(), v.configurations, s)).collect();
+        hash_json(&(named, configurations))
+    }
+}
+
+/// `variations.json`.
+#[derive(Serialize)]
+struct Table<'a> {
+    runs: &'a [RunRow],
+    variations: &'a [VariationRow],
+}
+
+/// Writes `variations.json`, `variations.csv` with one row a variation and
+/// `variation-runs.csv` with one a run.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write_variations(out: &Path, runs: &[RunRow]) -> Result<Vec<VariationRow>, StudyError> {
+    let variations = VariationRow::of(runs);
+    let table = |name: &str, content: Result<Vec<u8>, csv::Error>| {
+        let path = out.join(name);
+        let content = content.map_err(|e| FileError::new("write", &path, e))?;
+        write_file(&path, &content)
+    };
+    table("variations.csv", variations_csv(&variations))?;
+    table("variation-runs.csv", variation_runs_csv(runs))?;
+    write_json(&out.join("variations.json"), &Table { runs, variations: &variations })?;
+    Ok(variations)
+}
+
+/// Carries out every variation in configurations 1 to `configurations` of its
+/// scenario and gives one row a run. The first configuration of all comes
+/// first, then the second, so that what there is after an interruption is a
+/// whole table. `so_far` is told all rows whenever some are added.
+///
+/// # Errors
+/// When grains cannot be made, files not be written, or everything is stopped.
+/// A run that fails is a row that says so.
+pub fn carry_out_variations(
+    varied: &Varied,
+    configurations: u32,
+    options: &RunOptions,
+    so_far: &mut dyn FnMut(&[RunRow]) -> Result<(), StudyError>,
+) -> Result<Vec<RunRow>, StudyError> {
+    carry_out_in(&crate::world::create, varied, configurations, options, so_far)
+}
+
+/// The same in worlds of the caller's making.
+fn carry_out_in(
+    make_world: WorldMaker,
+    varied: &Varied,
+    configurations: u32,
+    options: &RunOptions,
+    so_far: &mut dyn FnMut(&[RunRow]) -> Result<(), StudyError>,
+) -> Result<Vec<RunRow>, StudyError> {
+    create_folder(&options.out)?;
+    let mut grains = GrainSets::default();
+    let own = grains.of(&varied.base)?;
+    write_grains(&options.out, &varied.base, &own)?;
+    let store = StageStore::open(&options.out.join("stages"))?;
+    let mut rows = Vec::new();
+    for number in 0..configurations {
+        let mut planned = Vec::new();
+        for (variation, scenario) in &varied.all {
+            if variation.configurations.is_some_and(|most| number >= most) {
+                continue;
+            }
+            let run = planned_run(variation, scenario, number, grains.of(scenario)?);
+            let mut row =
+                RunRow::of_scenario(&run.name, &variation.name, &variation.group, &run.scenario);
+            // Pairs are told by their number, whatever mixing a variation begins with.
+            row.configuration = number + 1;
+            row.changes =
+                variation.changes.iter().map(Override::text).collect::<Vec<_>>().join("; ");
+            planned.push((run, row));
+        }
+        for batch in batches(planned) {
+            let (runs, begun): (Vec<_>, Vec<_>) = batch.into_iter().unzip();
+            rows.extend(carry_out_batch(make_world, &runs, begun, &own, &store, options)?);
+            so_far(&rows)?;
+        }
+    }
+    Ok(rows)
+}
+
+/// Sets of grains, each made once.
+#[derive(Default)]
+struct GrainSets(Vec<(String, Arc<GrainSet>)>);
+
+impl GrainSets {
+    fn of(&mut self, scenario: &Scenario) -> Result<Arc<GrainSet>, StudyError> {
+        let key = hash_json(&(&scenario.grains, scenario.seed));
+        if let Some((_, set)) = self.0.iter().find(|(known, _)| *known == key) {
+            return Ok(set.clone());
+        }
+        let set = Arc::new(make_grains(scenario)?);
+        self.0.push((key, set.clone()));
+        Ok(set)
+    }
+}
+
+/// A run of a variation in its n-th configuration, counted from 0.
+fn planned_run(
+    variation: &Variation,
+    scenario: &Scenario,
+    number: u32,
+    grains: Arc<GrainSet>,
+) -> PlannedRun {
+    let mut scenario = scenario.clone();
+    scenario.configuration = scenario.configuration.saturating_add(number);
+    let precision = crate::world::info(scenario.engine.backend).precision;
+    let suffix = if precision == "single" { "-single" } else { "" };
+    PlannedRun {
+        name: format!("{}-c{}{suffix}", variation.name, number + 1),
+        kind: kind_of(&scenario),
+        scenario,
+        grains,
+        prepared: None,
+    }
+}
+
+/// A run with the row that it will complete.
+type Planned = (PlannedRun, RunRow);
+
+/// Runs whose worlds may live at the same time: Bullet keeps the contact
+/// threshold, in its own units of length, once for a process.
+fn batches(planned: Vec<Planned>) -> Vec<Vec<Planned>> {
+    let mut batches: Vec<(Option<u64>, Vec<Planned>)> = Vec::new();
+    for (run, row) in planned {
+        let engine = &run.scenario.engine;
+        let key = (engine.backend == Backend::Bullet)
+            .then(|| (engine.contact_threshold_mm * engine.length_scale).to_bits());
+        match batches.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, batch)) => batch.push((run, row)),
+            None => batches.push((key, vec![(run, row)])),
+        }
+    }
+    batches.into_iter().map(|(_, batch)| batch).collect()
+}
+
+/// Carries out runs together and completes their rows.
+fn carry_out_batch(
+    make_world: WorldMaker,
+    runs: &[PlannedRun],
+    begun: Vec<RunRow>,
+    shared_grains: &Arc<GrainSet>,
+    store: &StageStore,
+    options: &RunOptions,
+) -> Result<Vec<RunRow>, StudyError> {
+    let mut plan = Plan::new(runs)?;
+    name_stages(&mut plan, runs);
+    let progress = options.progress.as_ref();
+    let Attempt { done, failures } =
+        attempt(&plan, store, options.jobs, make_world, &options.cancel, progress);
+    let mut reasons: Vec<(usize, String)> = Vec::new();
+    for failure in failures {
+        match (failure.node, failure.error) {
+            (Some(node), error) if is_of_the_run(&error) => reasons.push((node, error.to_string())),
+            (_, error) => return Err(error),
+        }
+    }
+    let mut rows = Vec::new();
+    for (index, (run, row)) in runs.iter().zip(begun).enumerate() {
+        let (alone, nodes) = plan.alone(index);
+        let finished: Option<Vec<_>> = nodes.iter().map(|&n| done[n].clone()).collect();
+        let folder = folder_of(&options.out, run);
+        let result = match finished {
+            Some(finished) => {
+                if !Arc::ptr_eq(&run.grains, shared_grains) {
+                    write_grains(&folder, &run.scenario, &run.grains)?;
+                }
+                match write_run(&folder, run, &alone, &alone.runs[0], &finished) {
+                    Ok(record) => Ok(record.summary),
+                    Err(error) if is_of_the_run(&error) => Err(error.to_string()),
+                    Err(error) => return Err(error),
+                }
+            }
+            None => Err(nodes
+                .iter()
+                .find_map(|n| reasons.iter().find(|(failed, _)| failed == n))
+                .map_or_else(|| "a stage was not carried out".to_owned(), |(_, why)| why.clone())),
+        };
+        rows.push(match result {
+            Ok(summary) => row.with_results(&summary),
+            Err(why) => {
+                progress.message(&format!("{} failed: {why}", run.name));
+                RunRow { failure: Some(why), ..row }
+            }
+        });
+    }
+    Ok(rows)
+}
+
+/// Whether an error ends one run and not the study.
+fn is_of_the_run(error: &StudyError) -> bool {
+    matches!(
+        error,
+        StudyError::Simulation { .. } | StudyError::Stage { .. } | StudyError::Measure(_)
+    )
+}
+
+/// Names stages after the first run that needs them.
+fn name_stages(plan: &mut Plan, runs: &[PlannedRun]) {
+    for (run, nodes) in runs.iter().zip(&plan.runs).rev() {
+        for &node in nodes.stages.iter().chain(&nodes.control) {
+            let node = &mut plan.nodes[node];
+            node.label = format!("{}, {}", run.name, stage_label(&node.stage));
+        }
+    }
+}
+
+fn folder_of(out: &Path, run: &PlannedRun) -> PathBuf {
+    out.join("runs").join(&run.name)
+}

@@ -1,0 +1,221 @@
+//! Convergence and sensitivity on a few grains, by designs of their own.
+
+use std::{fs, path::Path, process::Command};
+
+use serde_json::{Value, json};
+
+use super::small;
+
+/// Runs a study; gives its exit code, standard output and standard error.
+fn study(command: &str, design: &Path, out: &Path) -> (Option<i32>, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+        .args([command, "--quiet", "--json", "--design"])
+        .arg(design)
+        .arg("--out")
+        .arg(out)
+        .output()
+        .expect("the program starts");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+/// Writes a design beside a scenario of thirty grams.
+fn write(folder: &Path, design: &Value) -> std::path::PathBuf {
+    let scenario = small::scenario(30.0, 0.25, 0.2);
+    fs::write(folder.join("small.json"), scenario.to_string()).expect("a scenario file");
+    let path = folder.join("design.json");
+    fs::write(&path, design.to_string()).expect("a design");
+    path
+}
+
+fn convergence() -> Value {
+    json!({
+        "full": { "scenario": "small.json", "configurations": 2 },
+        "limits": { "height_percent": 1, "settlement_percent": 5 },
+        "reference": "rate",
+        "ladders": [
+            { "name": "rate", "title": "Rate", "rungs": [
+                { "name": "240", "title": "240 Hz", "changes": ["engine.rate_hz=240"] },
+                { "name": "480", "title": "480 Hz", "changes": ["engine.rate_hz=480"] },
+            ] },
+            { "name": "bullet", "title": "Bullet", "changes": ["engine.contact_path=bullet"],
+              "configurations": 1, "rungs": [
+                { "name": "10", "title": "10 iterations", "changes": ["engine.iterations=10"] },
+                { "name": "20", "title": "20 iterations" },
+            ] },
+        ]
+    })
+}
+
+fn sensitivity() -> Value {
+    json!({
+        "full": { "scenario": "small.json", "configurations": 2 },
+        "parameters": [
+            { "name": "friction", "title": "Friction on walls", "reason": "A test.",
+              "path": "contact.grain_wall_friction", "low": 0.3, "default": 0.5, "high": 0.7 },
+            { "name": "mass", "title": "Mass", "unit": "g", "reason": "More grains stand higher.",
+              "path": "grains.total_mass_g", "low": 30, "high": 60 },
+            { "name": "amplitude", "title": "Amplitude", "unit": "mm", "reason": "By changes.",
+              "low": 5, "default": 10, "high": 10, "low_changes": ["stages[3].amplitude_mm=5"] },
+        ]
+    })
+}
+
+fn read(out: &Path, file: &str) -> Value {
+    let text = fs::read(out.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+    serde_json::from_slice(&text).expect("JSON")
+}
+
+#[test]
+fn convergence_holds_every_rung_against_the_finest() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let design = write(folder.path(), &convergence());
+    let out = folder.path().join("out");
+    let (code, printed, said) = study("converge", &design, &out);
+    assert_eq!(code, Some(0), "{said}");
+    let found = read(&out, "convergence.json");
+    assert_eq!(serde_json::from_str::<Value>(&printed).expect("JSON"), found, "printed as written");
+    let rows = found["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 4, "one row a rung");
+    for (row, runs) in rows.iter().zip([2, 2, 1, 1]) {
+        assert_eq!(row["result"]["runs"], runs, "a ladder may have fewer configurations: {row}");
+        let from = &row["from_ladder"]["height"]["percent"]["mean"];
+        let zero = from.as_f64().is_some_and(|d| d == 0.0);
+        assert_eq!(
+            row["finest_of_ladder"],
+            json!(zero),
+            "law: only the finest deviates by 0: {row}"
+        );
+    }
+    let table = read(&out, "variations.json");
+    assert_eq!(table["runs"].as_array().map(Vec::len), Some(6));
+    assert_eq!(table["variations"].as_array().map(Vec::len), Some(4));
+    for file in [
+        "convergence.csv",
+        "convergence.md",
+        "variations.csv",
+        "variation-runs.csv",
+        "figures/convergence-height.png",
+        "figures/convergence-plate-settlement.svg",
+        "figures/convergence-overlap.csv",
+        "figures/convergence-creep.svg",
+        "figures/convergence-deviations.png",
+        "figures/convergence-cost.svg",
+        "runs/rate-240-c1/summary.json",
+        "runs/bullet-20-c1/manifest.json",
+    ] {
+        assert!(out.join(file).is_file(), "{file} is written");
+    }
+    // What is done is not done again: wall times come from the store.
+    let (code, _, said) = study("converge", &design, &out);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(read(&out, "convergence.json"), found, "law: resumed, the same to the last bit");
+}
+
+#[test]
+fn sensitivity_gives_effects_in_pairs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let design = write(folder.path(), &sensitivity());
+    let out = folder.path().join("out");
+    let (code, printed, said) = study("sensitivity", &design, &out);
+    assert_eq!(code, Some(0), "{said}");
+    let found: Value = serde_json::from_str(&printed).expect("JSON");
+    let [friction, mass, amplitude] = &found["parameters"].as_array().expect("rows")[..] else {
+        panic!("three parameters: {printed}")
+    };
+    let of = |row: &Value, what: &str| row["height"][what]["mean"].as_f64();
+    let (low, high) = (of(friction, "low_mm"), of(friction, "high_mm"));
+    let range = of(friction, "range_mm").expect("an effect");
+    let sum = high.zip(low).map(|(h, l)| h - l).expect("both ends");
+    assert!((range - sum).abs() < 1e-9, "law: high - low = (high - default) - (low - default)");
+    assert_eq!(mass["default"], 30.0, "law: a default left out is the scenario's own");
+    assert!(
+        of(mass, "range_mm").is_some_and(|h| h > 1.0),
+        "law: twice the grains stand higher: {mass}"
+    );
+    let slope = of(mass, "per_unit_mm").zip(of(mass, "range_mm")).expect("an effect");
+    assert!((slope.0 * 30.0 - slope.1).abs() < 1e-9, "law: 30 g of range: {mass}");
+    assert_eq!(of(amplitude, "high_mm"), Some(0.0), "law: the default end moves nothing");
+    assert_eq!(of(amplitude, "low_mm"), Some(0.0), "law: pouring knows nothing of the table");
+    for file in
+        ["sensitivity.csv", "sensitivity.md", "figures/sensitivity.svg", "figures/sensitivity.png"]
+    {
+        assert!(out.join(file).is_file(), "{file} is written");
+    }
+    let runs = fs::read_dir(out.join("runs")).expect("runs").count();
+    assert_eq!(runs, 10, "the default, two ends, one end and one end, twice each");
+}
+
+/// Expects a design to be refused, with so many faults and these words.
+fn refused(command: &str, design: &Value, count: usize, words: &[&str]) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = write(folder.path(), design);
+    let out = folder.path().join("out");
+    let (code, printed, said) = study(command, &path, &out);
+    assert_eq!(code, Some(2), "law: a faulty design ends with 2: {said}");
+    if count > 1 {
+        assert!(said.contains(&format!("{count} faults")), "expected {count} faults: {said}");
+    }
+    for word in words {
+        assert!(said.contains(word), "`{word}` is missing in: {said}");
+    }
+    assert!(printed.is_empty() && !out.exists(), "nothing is printed or written: {said}");
+}
+
+#[test]
+fn faulty_designs_are_refused_with_every_fault_named() {
+    let mut bad = convergence();
+    bad["ladders"][0]["rungs"][0]["changes"] = json!(["rate"]);
+    bad["ladders"][1]["name"] = json!("a/b");
+    bad["reference"] = json!("nothing");
+    let words = ["design.json", "ladders[0].rungs[0].changes[0]", "ladders[1].name", "reference"];
+    refused("converge", &bad, 3, &words);
+
+    let mut bad = convergence();
+    bad["limits"]["height_percent"] = json!(-1);
+    bad["ladders"][0]["colour"] = json!("red");
+    bad["ladders"][1]["rungs"] = json!([]);
+    let words = ["limits.height_percent", "ladders[0].colour", "no such field", "ladders[1].rungs"];
+    refused("converge", &bad, 3, &words);
+
+    let mut bad = convergence();
+    bad["ladders"][0]["rungs"][0]["changes"] = json!(["engine.rate_hz=1"]);
+    bad["ladders"][1]["rungs"][0]["changes"] = json!(["engine.iteration=10"]);
+    let words = ["rate-240", "engine.rate_hz", "bullet-10", "did you mean `iterations`"];
+    refused("converge", &bad, 2, &words);
+
+    let mut bad = sensitivity();
+    bad["parameters"][0]["default"] = json!(0.4);
+    bad["parameters"][1]["path"] = json!("grains.nothing");
+    bad["parameters"][2]["low_changes"] = json!([]);
+    let words = ["the scenario has another value", "no number there", "parameters[2].low_changes"];
+    refused("sensitivity", &bad, 3, &words);
+
+    let mut bad = sensitivity();
+    bad["parameters"][0]["high"] = json!(0.1);
+    bad["parameters"][1]["name"] = json!("friction");
+    refused("sensitivity", &bad, 2, &["out of order", "parameters[1].name", "given twice"]);
+}
+
+#[test]
+fn a_design_without_a_smaller_specimen_is_refused_with_quick() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let design = write(folder.path(), &convergence());
+    for (command, arguments, code) in [
+        ("converge", vec!["--quick", "--design", design.to_str().expect("UTF-8")], 2),
+        ("converge", vec!["--design", "nowhere.json"], 4),
+        ("sensitivity", vec!["--configurations", "0"], 2),
+    ] {
+        let out = folder.path().join("out");
+        let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+            .arg(command)
+            .args(&arguments)
+            .arg("--out")
+            .arg(&out)
+            .output()
+            .expect("the program starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{command} {arguments:?}: {said}");
+        assert!(!out.exists(), "nothing is written");
+    }
+}
