@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 26] = [
+const SHIMS: [&str; 28] = [
     "contact_batches",
     "contact_iterations",
     "contact_loads",
@@ -32,6 +32,8 @@ const SHIMS: [&str; 26] = [
     "workers",
     "shapes",
     "bodies",
+    "settings",
+    "stock",
     "phased_world",
     "hull_world",
     "pairs",

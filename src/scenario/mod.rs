@@ -6,6 +6,7 @@
 //! [`crate::units`].
 
 mod accessors;
+mod bullet;
 mod engine;
 mod fault;
 mod load;
@@ -19,6 +20,7 @@ mod structure;
 mod validate;
 
 pub use accessors::Vibration;
+pub use bullet::{BulletSettings, InertiaRule};
 pub use engine::{Backend, ContactPath, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
 pub use load::{Loaded, check, load};
@@ -27,6 +29,7 @@ pub use overrides::{NotAnOverride, Override};
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
 pub use stages::{StageSpec, StrokeReading};
+pub use validate::{Warning, warnings};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
