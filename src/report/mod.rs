@@ -12,6 +12,7 @@ mod laws;
 mod plot;
 mod png;
 mod quality;
+mod readings;
 mod sections;
 mod shortfalls;
 mod style;
@@ -34,6 +35,9 @@ pub use comparison::{ComparedQuantity, ComparedRun, Comparison, write_comparison
 pub use figures::Figure;
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use quality::Standard;
+pub use readings::{
+    ReadingCell, ReadingColumn, ReadingFailure, ReadingRow, ReadingRun, write_readings,
+};
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]

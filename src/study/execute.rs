@@ -24,7 +24,18 @@ struct Board {
     /// Nodes nobody has begun and whose parent is finished.
     ready: Vec<usize>,
     running: usize,
-    error: Option<StudyError>,
+    failed: Vec<(usize, StudyError)>,
+    cancelled: bool,
+}
+
+/// What became of a plan.
+pub struct Executed {
+    /// Finished stages, by node; none where it failed or was not begun.
+    pub done: Vec<Option<Arc<StoredStage>>>,
+    /// Nodes that failed, in the order in which they did.
+    pub failed: Vec<(usize, StudyError)>,
+    /// Whether it was stopped.
+    pub cancelled: bool,
 }
 
 /// Carries out every stage of a plan; gives the finished stages by node.
@@ -42,13 +53,30 @@ pub fn execute(
     cancel: &AtomicBool,
     progress: &dyn Progress,
 ) -> Result<Vec<Arc<StoredStage>>, StudyError> {
+    let mut executed = execute_each(plan, store, jobs, make_world, cancel, progress);
+    if !executed.failed.is_empty() {
+        return Err(executed.failed.remove(0).1);
+    }
+    executed.done.into_iter().collect::<Option<Vec<_>>>().ok_or(StudyError::Cancelled)
+}
+
+/// The same, giving what was finished also where something failed.
+pub fn execute_each(
+    plan: &Plan,
+    store: &StageStore,
+    jobs: usize,
+    make_world: WorldMaker,
+    cancel: &AtomicBool,
+    progress: &dyn Progress,
+) -> Executed {
     let shop = Shop { store, make_world, cancel, progress };
     let roots = (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent.is_none()).collect();
     let board = Mutex::new(Board {
         done: vec![None; plan.nodes.len()],
         ready: roots,
         running: 0,
-        error: None,
+        failed: Vec::new(),
+        cancelled: false,
     });
     let changed = Condvar::new();
     std::thread::scope(|scope| {
@@ -57,10 +85,7 @@ pub fn execute(
         }
     });
     let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
-    if let Some(error) = board.error {
-        return Err(error);
-    }
-    board.done.into_iter().collect::<Option<Vec<_>>>().ok_or(StudyError::Cancelled)
+    Executed { done: board.done, failed: board.failed, cancelled: board.cancelled }
 }
 
 fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
@@ -83,7 +108,7 @@ impl Shop<'_> {
                 let mut held = lock(board);
                 loop {
                     if self.cancel.load(Ordering::Relaxed) {
-                        held.error.get_or_insert(StudyError::Cancelled);
+                        held.cancelled = true;
                         held.ready.clear();
                     }
                     // The stage with the longest chain behind it goes first.
@@ -114,9 +139,8 @@ impl Shop<'_> {
                         (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent == Some(node));
                     held.ready.extend(children);
                 }
-                Err(error) => {
-                    held.error.get_or_insert(error);
-                }
+                Err(StudyError::Cancelled) => held.cancelled = true,
+                Err(error) => held.failed.push((node, error)),
             }
             drop(held);
             changed.notify_all();

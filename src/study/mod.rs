@@ -5,17 +5,21 @@ mod compare;
 mod execute;
 mod plan;
 mod presets;
+mod readings;
 mod recorder;
 mod reproduce;
 mod run;
+mod side_by_side;
 mod summarise;
 #[cfg(test)]
 mod tests;
 
 pub use compare::{CompareRecord, CompareRun, HEIGHT_BAND, VOID_RATIO_BAND, compare};
 pub use presets::preset;
+pub use readings::Reading;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
 pub use run::{RunOptions, make_grains, run_scenario, write_grains};
+pub use side_by_side::{ReadingsOptions, ReadingsOutcome, readings};
 pub use summarise::STANDARD;
 
 use std::path::PathBuf;

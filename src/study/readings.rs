@@ -108,9 +108,8 @@ impl Reading {
             if matches!(stage, StageSpec::Vibrate { .. }) {
                 let index = index.to_string();
                 let fields = self.vibration.iter();
-                changes.extend(
-                    fields.map(|(f, v)| Override::new(&["stages", &index, f], v.clone())),
-                );
+                changes
+                    .extend(fields.map(|(f, v)| Override::new(&["stages", &index, f], v.clone())));
             }
         }
         Ok(changes)
@@ -170,7 +169,8 @@ mod tests {
 
     #[test]
     fn strokes_are_those_of_their_names() {
-        for (name, half_stroke_mm) in [("converged", 25.0), ("half_stroke", 25.0), ("full_stroke", 12.5)]
+        for (name, half_stroke_mm) in
+            [("converged", 25.0), ("half_stroke", 25.0), ("full_stroke", 12.5)]
         {
             let vibration = scenario(name, "paper/vibration-continuous.json").vibration();
             let got = 1e3 * vibration.expect("it vibrates").half_stroke;

@@ -13,7 +13,7 @@ pub mod rapier;
 pub mod scripted;
 
 #[cfg(test)]
-pub(crate) use bullet::tests::shared_turn;
+pub(crate) use bullet::tests::{exclusive_turn, shared_turn};
 pub use guard::{Guard, GuardLimits};
 
 use std::sync::Arc;

@@ -6,6 +6,7 @@ mod grain_size;
 mod laws;
 mod of_run;
 mod quality;
+mod readings;
 mod settlement;
 mod standing_height;
 
@@ -20,6 +21,7 @@ use crate::{
 pub(super) use comparison::of_comparison;
 pub(super) use laws::of_law;
 pub(super) use of_run::of_run;
+pub(super) use readings::of_readings;
 
 /// A figure with the numbers it shows.
 #[derive(Debug, Clone, PartialEq)]
