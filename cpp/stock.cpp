@@ -61,9 +61,22 @@ BodyDefinition StockRules::applied(const Units &units, const BodyDefinition &def
 
 void StockRules::let_sleep(btRigidBody &body) const {
     body.setSleepingThresholds(speed_, spin_);
-    if (deactivation_ && !body.isStaticOrKinematicObject()) {
-        body.forceActivationState(ACTIVE_TAG);
+    if (deactivation_ && !body.isStaticObject()) {
+        body.forceActivationState(body.isKinematicObject() ? ISLAND_SLEEPING : ACTIVE_TAG);
     }
+}
+
+void StockRules::drive(btRigidBody &body, const btTransform &pose) const {
+    if (deactivation_) {
+        const bool moves = !(pose == body.getWorldTransform());
+        body.forceActivationState(moves ? DISABLE_DEACTIVATION : ISLAND_SLEEPING);
+        if (!moves) {
+            // Asleep, Bullet would not take its velocity from its way any more.
+            body.setLinearVelocity(btVector3(0, 0, 0));
+            body.setAngularVelocity(btVector3(0, 0, 0));
+        }
+    }
+    body.setWorldTransform(pose);
 }
 
 } // namespace pluvia

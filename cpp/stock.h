@@ -19,8 +19,13 @@ class StockRules {
     BodyDefinition applied(const Units &units, const BodyDefinition &definition,
                            const TightHull &shape);
 
-    // Lets a free body fall asleep where that is asked for.
+    // Lets a body fall asleep where that is asked for. A driven one that stands
+    // still is asleep from the beginning: awake, it would keep all awake that touch it.
     void let_sleep(btRigidBody &body) const;
+
+    // Says where a driven body is at the end of the next step. It wakes when it
+    // moves, and sleeps again when it is driven to where it is.
+    void drive(btRigidBody &body, const btTransform &pose) const;
 
     // Largest ratio of the moments of inertia given to a free body to the exact
     // ones of the mass that it was given.

@@ -213,7 +213,7 @@ void BulletWorld::drive_body(std::uint32_t id, const std::array<double, 3> &posi
     if (impl_->contact_solver) {
         impl_->drives.add(&body, pose);
     } else {
-        body.setWorldTransform(pose);
+        impl_->stock.drive(body, pose);
     }
 }
 

@@ -12,6 +12,7 @@ mod energy;
 mod height_map;
 mod heights;
 mod hull;
+pub mod inference;
 mod overlap;
 mod pairs;
 mod plate;

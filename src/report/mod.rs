@@ -17,6 +17,7 @@ mod sections;
 mod shortfalls;
 mod style;
 mod summary;
+mod uncertainty;
 
 #[cfg(test)]
 mod tests;

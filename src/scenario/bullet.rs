@@ -43,6 +43,7 @@ pub struct BulletSettings {
     pub relative_contact_threshold: f64,
     /// Whether grains that stay slow for two seconds (Bullet's
     /// `gDeactivationTime`) are no longer moved until something touches them.
+    /// Walls that stand still sleep; a table that moves wakes what it carries.
     pub deactivation: bool,
     /// Speed in m/s below which a body counts as slow.
     #[schemars(range(min = 0.0, max = 1000.0))]

@@ -65,7 +65,7 @@ pub struct ReproduceOutcome {
     pub runs: Vec<RunRecord>,
 }
 
-/// Runs the programme and writes `claims.json`, `report.html`, `figures/`,
+/// Runs the programme and writes `claims.json`, `uncertainty.json`, `report.html`, `figures/`,
 /// `grains.json`, `sieve.csv` and `runs/<name>/`.
 ///
 /// # Errors
@@ -211,6 +211,7 @@ fn finish(
     let study = study_view(options.quick, options.configurations, scenarios, grains, &records)?;
     let claims = paper::claims(&study);
     write_json(&options.out.join("claims.json"), &claims)?;
+    write_json(&options.out.join("uncertainty.json"), &paper::uncertainty(&study))?;
     let column =
         Column::new(&scenarios.label, &scenarios.programme_hash(options.configurations)?, &claims);
     let beside = beside::keep_and_read(&options.out, &scenarios.suffix, &column)?;

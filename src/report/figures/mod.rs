@@ -9,6 +9,7 @@ mod quality;
 mod readings;
 mod settlement;
 mod standing_height;
+mod uncertainty;
 
 use std::path::Path;
 
@@ -83,6 +84,7 @@ pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Fig
     Ok(vec![
         grain_size::figure(study)?,
         standing_height::figure(study)?,
+        uncertainty::figure(study)?,
         settlement::continuous(study)?,
         settlement::intermittent(study)?,
         quality::creep(study, standard)?,

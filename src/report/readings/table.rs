@@ -228,7 +228,7 @@ fn claims(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
         };
         rows.push(ReadingRow {
             part: CLAIMS.to_owned(),
-            quantity: claim.statement.clone(),
+            quantity: claim.statement.trim_end_matches('.').to_owned(),
             unit: if claim.unit == "–" { String::new() } else { claim.unit.clone() },
             paper: match claim.paper {
                 None => String::new(),

@@ -66,6 +66,10 @@ fn slow_bodies_sleep_after_two_seconds_and_wake_with_the_table() {
         assert!(!asleep(&world), "law: nothing sleeps within the two seconds");
         steps(&mut world, 3 * 480);
         assert_eq!(asleep(&world), deactivation, "law: it sleeps where that is asked for");
+        let at_rest = state(&world, cube);
+        if deactivation {
+            assert_eq!(at_rest.linear_velocity, Vector::zeros(), "law: what sleeps is at rest");
+        }
         // The table shakes: x = A sin 2πft at 3 Hz and 25 mm for a quarter of a cycle.
         let mut furthest: f64 = 0.0;
         for step in 1..=40 {
