@@ -61,8 +61,14 @@ BodyDefinition StockRules::applied(const Units &units, const BodyDefinition &def
 
 void StockRules::let_sleep(btRigidBody &body) const {
     body.setSleepingThresholds(speed_, spin_);
-    if (deactivation_ && !body.isStaticObject()) {
-        body.forceActivationState(body.isKinematicObject() ? ISLAND_SLEEPING : ACTIVE_TAG);
+    if (!deactivation_) {
+        return;
+    }
+    // A kinematic body without mass carries the flag of static ones, too.
+    if (body.isKinematicObject()) {
+        body.forceActivationState(ISLAND_SLEEPING);
+    } else if (!body.isStaticObject()) {
+        body.forceActivationState(ACTIVE_TAG);
     }
 }
 

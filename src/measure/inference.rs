@@ -96,7 +96,7 @@ pub fn page_test(rows: &[Vec<f64>]) -> Option<PageTest> {
     if !sound {
         return None;
     }
-    let l = rows
+    let l: f64 = rows
         .iter()
         .flat_map(|row| ranks(row).into_iter().enumerate().map(|(i, r)| (i + 1) as f64 * r))
         .sum();
@@ -112,8 +112,9 @@ pub fn page_test(rows: &[Vec<f64>]) -> Option<PageTest> {
         }
         all = next;
     }
-    let p = all.iter().enumerate().filter(|(i, _)| *i as f64 >= l - 1e-9).map(|(_, p)| p).sum();
-    Some(PageTest { l, p })
+    // With ties L may lie half way between two values; the lower one is the safe side.
+    let p = all.iter().enumerate().filter(|(i, _)| *i as f64 >= f64::floor(l)).map(|(_, p)| p);
+    Some(PageTest { l, p: p.sum() })
 }
 
 /// Mean ranks from 1.

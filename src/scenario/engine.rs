@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, ser};
 
-use super::{BulletSettings, ManifoldSettings, RapierSettings};
+use super::{ManifoldSettings, RapierSettings, StockSettings};
 
 /// Which physics engine carries the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -78,7 +78,7 @@ pub struct EngineSettings {
     /// is `false`.
     pub allow_coarse_steps: bool,
     /// What only Bullet's own contacts can be told.
-    pub bullet: BulletSettings,
+    pub bullet: StockSettings,
     /// What only the contact path `manifold` asks for.
     pub manifold: ManifoldSettings,
     /// What only rapier asks for.
@@ -111,7 +111,7 @@ impl Serialize for EngineSettings {
             if !manifold && self.manifold == ManifoldSettings::default() {
                 fields.shift_remove("manifold");
             }
-            if self.bullet == BulletSettings::default() {
+            if self.bullet == StockSettings::default() {
                 fields.shift_remove("bullet");
             }
             if !self.allow_coarse_steps {
@@ -140,7 +140,7 @@ impl Default for EngineSettings {
             angular_damping: 0.0,
             gyroscopic: true,
             allow_coarse_steps: false,
-            bullet: BulletSettings::default(),
+            bullet: StockSettings::default(),
             manifold: ManifoldSettings::default(),
             rapier: RapierSettings::default(),
         }

@@ -6,7 +6,6 @@
 //! [`crate::units`].
 
 mod accessors;
-mod bullet;
 mod engine;
 mod fault;
 mod load;
@@ -16,11 +15,11 @@ mod rapier;
 mod schema;
 mod source;
 mod stages;
+mod stock;
 mod structure;
 mod validate;
 
 pub use accessors::Vibration;
-pub use bullet::{BulletSettings, InertiaRule};
 pub use engine::{Backend, ContactPath, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
 pub use load::{Loaded, check, load};
@@ -29,6 +28,7 @@ pub use overrides::{NotAnOverride, Override};
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
 pub use stages::{StageSpec, StrokeReading};
+pub use stock::{InertiaRule, StockSettings};
 pub use validate::{Warning, warnings};
 
 use schemars::JsonSchema;

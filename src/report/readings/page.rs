@@ -78,6 +78,9 @@ pub(super) fn markdown(
             belief(c, standard),
             c.source
         );
+        for f in &c.failures {
+            let _ = writeln!(out, "  - {} failed: {}", f.run, f.reason);
+        }
     }
     let names: Vec<&str> = columns.iter().map(|c| c.name.as_str()).collect();
     let _ = writeln!(out, "\n| | paper | {} |", names.join(" | "));

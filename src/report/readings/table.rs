@@ -154,10 +154,12 @@ pub(super) fn rows(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
     rows
 }
 
+/// How many failed; why stands with the reading, being long.
 fn failures(c: &ReadingColumn) -> ReadingCell {
-    let names: Vec<String> =
-        c.failures.iter().map(|f| format!("{}: {}", f.run, f.reason)).collect();
-    ReadingCell::words(if names.is_empty() { "none".to_owned() } else { names.join("; ") })
+    ReadingCell::words(match c.failures.len() {
+        0 => "none".to_owned(),
+        n => format!("{n}, see {}", c.name),
+    })
 }
 
 /// Overlap, creep and lost grains: what agreement is worth.

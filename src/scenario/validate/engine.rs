@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::{Parts, fault};
-use crate::scenario::{Backend, BulletSettings, ContactPath, Fault};
+use crate::scenario::{Backend, ContactPath, Fault, StockSettings};
 
 /// Bullet's own contacts alone have a margin, inertia by boxes, a least mass
 /// and sleep; elsewhere these fields would be without effect, which nobody who
@@ -17,8 +17,8 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
         }
         (Backend::Rapier, _) => "the backend `rapier`",
     };
-    let as_json = |s: &BulletSettings| serde_json::to_value(s).unwrap_or(Value::Null);
-    let (asked, default) = (as_json(&engine.bullet), as_json(&BulletSettings::default()));
+    let as_json = |s: &StockSettings| serde_json::to_value(s).unwrap_or(Value::Null);
+    let (asked, default) = (as_json(&engine.bullet), as_json(&StockSettings::default()));
     for (field, value) in asked.as_object().into_iter().flatten() {
         if *value != default[field] {
             faults.push(fault(

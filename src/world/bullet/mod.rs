@@ -26,7 +26,7 @@ use super::{
     PairTable, PhaseTimes, RememberedContact, Snapshot, World, WorldError,
 };
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
-use crate::scenario::{BulletSettings, ContactPath, EngineSettings, InertiaRule};
+use crate::scenario::{ContactPath, EngineSettings, InertiaRule, StockSettings};
 use crate::units::{from_g, from_mm};
 
 /// Growth of the broadphase's tree leaves in m: a grain is inserted anew only
@@ -196,7 +196,7 @@ fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinitio
             })
         }
     };
-    if s.contact_path == ContactPath::Manifold && s.bullet != BulletSettings::default() {
+    if s.contact_path == ContactPath::Manifold && s.bullet != StockSettings::default() {
         return Err(WorldError::BadSetting {
             setting: "bullet".into(),
             reason: "these are settings of the contact path `bullet`; the contact path `manifold` \

@@ -2,9 +2,9 @@
 
 use super::tests::{exclusive_turn, free_box, shared_turn, slab};
 use super::*;
-use crate::scenario::BulletSettings;
+use crate::scenario::StockSettings;
 
-fn on(bullet: BulletSettings) -> EngineSettings {
+fn on(bullet: StockSettings) -> EngineSettings {
     EngineSettings { contact_path: ContactPath::Bullet, bullet, ..Default::default() }
 }
 
@@ -39,7 +39,7 @@ fn steps(world: &mut BulletBackend, count: usize) {
 fn a_margin_keeps_both_surfaces_apart() {
     let _turn = shared_turn();
     for margin_mm in [0.0, 0.4] {
-        let settings = on(BulletSettings { collision_margin_mm: margin_mm, ..Default::default() });
+        let settings = on(StockSettings { collision_margin_mm: margin_mm, ..Default::default() });
         let (mut world, _, cube) = cube_on_slab(&settings);
         steps(&mut world, 480);
         let got = 1e3 * state(&world, cube).pose.translation.z;
@@ -58,7 +58,7 @@ fn a_margin_keeps_both_surfaces_apart() {
 fn slow_bodies_sleep_after_two_seconds_and_wake_with_the_table() {
     let _turn = shared_turn();
     for deactivation in [false, true] {
-        let settings = on(BulletSettings { deactivation, ..Default::default() });
+        let settings = on(StockSettings { deactivation, ..Default::default() });
         let (mut world, floor, cube) = cube_on_slab(&settings);
         // ISLAND_SLEEPING is 2 (btCollisionObject.h).
         let asleep = |world: &BulletBackend| world.effective()["activation_state"] == 2.0;
@@ -91,7 +91,7 @@ fn slow_bodies_sleep_after_two_seconds_and_wake_with_the_table() {
 fn boxes_give_the_inertia_of_the_box_and_the_least_mass_weighs() {
     let _turn = shared_turn();
     let ratio = |inertia, least_mass_g| {
-        let settings = on(BulletSettings { inertia, least_mass_g, ..Default::default() });
+        let settings = on(StockSettings { inertia, least_mass_g, ..Default::default() });
         let mut world = world(&settings);
         let sides = Vector::new(0.01, 0.014, 0.02);
         world.add(&free_box(sides, Vector::zeros())).expect("added");
@@ -126,7 +126,7 @@ fn a_relative_threshold_is_held_as_one() {
     let _turn = exclusive_turn();
     for relative in [0.0, 0.02] {
         let settings =
-            on(BulletSettings { relative_contact_threshold: relative, ..Default::default() });
+            on(StockSettings { relative_contact_threshold: relative, ..Default::default() });
         let held = world(&settings).effective()["relative_contact_threshold"].as_f64();
         assert!(
             (held.expect("a number") - relative).abs() < 1e-7,
@@ -140,7 +140,7 @@ fn our_own_contacts_refuse_all_of_it() {
     let _turn = shared_turn();
     let settings = EngineSettings {
         contact_path: ContactPath::Manifold,
-        ..on(BulletSettings { collision_margin_mm: 0.1, ..Default::default() })
+        ..on(StockSettings { collision_margin_mm: 0.1, ..Default::default() })
     };
     let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.0 });
     let refused = BulletBackend::new(&settings, Vector::zeros(), &pairs);

@@ -25,7 +25,7 @@ pub enum InertiaRule {
 /// on again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct BulletSettings {
+pub struct StockSettings {
     /// Distance in mm by which every surface stands off its hull in contacts
     /// (Bullet's collision margin). 0: none. More: bodies seem larger by it.
     #[schemars(range(min = 0.0, max = 1000.0))]
@@ -53,7 +53,7 @@ pub struct BulletSettings {
     pub deactivation_spin_rad_per_s: f64,
 }
 
-impl Default for BulletSettings {
+impl Default for StockSettings {
     /// The two speeds are Bullet's (`btRigidBodyConstructionInfo`, 3.24); they
     /// are without effect while `deactivation` is off.
     fn default() -> Self {
@@ -82,7 +82,7 @@ mod tests {
             assert!(!text.contains(field), "law: {field} at its default is not written: {text}");
         }
         let changed = EngineSettings {
-            bullet: BulletSettings { deactivation: true, ..Default::default() },
+            bullet: StockSettings { deactivation: true, ..Default::default() },
             allow_coarse_steps: true,
             ..default
         };
