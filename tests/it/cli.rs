@@ -42,7 +42,7 @@ fn info_names_the_engine() {
 
 #[test]
 fn every_subcommand_shows_an_example() {
-    for command in ["reproduce", "run", "grains", "export", "schema", "info"] {
+    for command in ["reproduce", "readings", "run", "grains", "export", "schema", "info"] {
         let (code, out, _) = run(&[command, "--help"]);
         assert_eq!(code, Some(0), "{command} --help");
         assert!(out.contains(&format!("pluvia {command}")), "{command} --help: {out}");
