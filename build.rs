@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 28] = [
+const SHIMS: [&str; 30] = [
     "contact_batches",
     "contact_bodies",
     "contact_iterations",
@@ -34,6 +34,8 @@ const SHIMS: [&str; 28] = [
     "workers",
     "shapes",
     "bodies",
+    "settings",
+    "stock",
     "phased_world",
     "hull_world",
     "pairs",

@@ -24,6 +24,7 @@ void TightHull::set_radius() {
     for (int i = 0; i < getNumPoints(); ++i) {
         radius_ = btMax(radius_, getUnscaledPoints()[i].length());
     }
+    radius_ += getMargin();
 }
 
 std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &p) {
@@ -35,19 +36,20 @@ std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhed
                                             p.face_vertices);
 }
 
-std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron) {
+std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,
+                                     double margin) {
     auto hull = std::make_unique<TightHull>();
     // Before the box is computed: Bullet's cached box keeps the margin that
     // the shape had at that moment (btPolyhedralConvexShape.cpp, 3.24).
-    hull->setMargin(0);
+    hull->setMargin(units.length(margin));
     for (std::size_t i = 0; i < polyhedron.vertices; ++i) {
         const double *p = polyhedron.coordinates + 3 * i;
         hull->addPoint(units.length({p[0], p[1], p[2]}), false);
     }
     hull->recalcLocalAabb();
     hull->set_radius();
-    if (hull->getMargin() != btScalar(0)) {
-        throw std::runtime_error("Bullet did not keep the zero collision margin of a hull");
+    if (hull->getMargin() != units.length(margin)) {
+        throw std::runtime_error("Bullet did not keep the collision margin of a hull");
     }
     if (static_cast<std::size_t>(hull->getNumPoints()) != polyhedron.vertices) {
         throw std::runtime_error("Bullet did not keep every vertex of a hull");

@@ -1,4 +1,4 @@
-// Convex hulls with zero collision margin.
+// Convex hulls, with the collision margin that the world was asked for.
 #pragma once
 
 #include "convert.h"
@@ -20,7 +20,8 @@ class TightHull final : public btConvexHullShape {
   public:
     void getAabb(const btTransform &pose, btVector3 &low, btVector3 &high) const override;
 
-    // Radius of the sphere about the origin that holds the hull, in engine units.
+    // Radius of the sphere about the origin that holds the hull with its margin, in
+    // engine units.
     btScalar radius() const { return radius_; }
     void set_radius();
 
@@ -48,8 +49,9 @@ struct Polyhedron {
 // std::runtime_error when its surface is not closed.
 std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &polyhedron);
 
-// A hull over the polyhedron's vertices. Throws std::runtime_error when Bullet
-// does not keep the zero margin or a vertex.
-std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron);
+// A hull over the polyhedron's vertices, with a collision margin in metres.
+// Throws std::runtime_error when Bullet does not keep the margin or a vertex.
+std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,
+                                     double margin);
 
 } // namespace pluvia

@@ -8,11 +8,14 @@
 #include "globals.h"
 #include "hull_world.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
+#include "settings.h"
 #include "shapes.h"
+#include "stock.h"
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <btBulletDynamicsCommon.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -36,7 +39,11 @@ btDefaultCollisionConstructionInfo pool_sizes() {
 constexpr double BOX_SLACK = 1e-3; // m
 
 GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
-    return {units.length(d.contact_threshold), units.length(d.broadphase_margin)};
+    // Bullet reads the same variable as a length or as a share of the radius.
+    const bool relative = d.relative_contact_threshold > 0;
+    return {relative ? static_cast<btScalar>(d.relative_contact_threshold)
+                     : units.length(d.contact_threshold),
+            units.length(d.broadphase_margin)};
 }
 
 } // namespace
@@ -49,7 +56,8 @@ class BulletWorld::Impl {
         : units(definition.length_scale), time_step(static_cast<btScalar>(definition.time_step)),
           body_settings{static_cast<btScalar>(definition.linear_damping),
                         static_cast<btScalar>(definition.angular_damping), definition.gyroscopic},
-          materials{definition.materials, {pairs.begin(), pairs.end()}},
+          margin(definition.collision_margin),
+          stock(units, definition), materials{definition.materials, {pairs.begin(), pairs.end()}},
           globals(global_settings(units, definition)),
           hull_collision(definition.own_collision ? make_hull_collision(units, definition)
                                                   : nullptr),
@@ -61,33 +69,18 @@ class BulletWorld::Impl {
                   : nullptr),
           hull_world(make_hull_world()), bullet_world(make_bullet_world()),
           world(hull_world ? *hull_world : *bullet_world) {
-        world.setGravity(units.length(definition.gravity));
+        set_world(world, units, definition);
         // A relative threshold of a percent of the grain's size destroys
-        // manifolds: the absolute one is used for all pairs.
-        dispatcher.setDispatcherFlags(
-            dispatcher.getDispatcherFlags() &
-            ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
-        auto &dispatch = world.getDispatchInfo();
-        dispatch.m_useContinuous = false;
-        dispatch.m_enableSatConvex = false;
-        auto &info = world.getSolverInfo();
-        info.m_numIterations = definition.iterations;
-        info.m_solverMode = definition.solver_mode;
-        info.m_erp = static_cast<btScalar>(definition.error_reduction);
-        info.m_erp2 = static_cast<btScalar>(definition.error_reduction);
-        info.m_warmstartingFactor = static_cast<btScalar>(definition.warm_start);
-        info.m_splitImpulse = definition.split_impulse ? 1 : 0;
-        // Bullet compares with an absolute length; scaled, it stays the 0.04
-        // that it is for bodies of one metre.
-        info.m_splitImpulsePenetrationThreshold = units.length(-0.04);
-        info.m_restitutionVelocityThreshold =
-            units.length(definition.restitution_velocity_threshold);
-        info.m_linearSlop = 0;
-        info.m_globalCfm = 0;
-        info.m_frictionERP = 0;
-        info.m_frictionCFM = 0;
-        info.m_leastSquaresResidualThreshold = 0;
-        info.m_sor = 1;
+        // manifolds: unless asked for, the absolute one is used for all pairs.
+        const int relative = btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD;
+        const int flags = dispatcher.getDispatcherFlags() & ~relative;
+        if (definition.relative_contact_threshold > 0) {
+            dispatcher.setDispatcherFlags(flags | relative);
+            // Ours leaves out what is further apart than the absolute one.
+            dispatcher.setNearCallback(&btCollisionDispatcher::defaultNearCallback);
+        } else {
+            dispatcher.setDispatcherFlags(flags);
+        }
     }
 
     ~Impl() {
@@ -116,6 +109,8 @@ class BulletWorld::Impl {
     btScalar time_step;
     Drives drives;
     DampingAndSpin body_settings;
+    double margin; // m
+    StockRules stock;
     Materials materials;
     GlobalsHold globals;
     std::vector<std::unique_ptr<TightHull>> shapes;
@@ -171,8 +166,10 @@ std::uint32_t BulletWorld::add_shape(rust::Slice<const double> coordinates,
                                      rust::Slice<const std::uint32_t> face_vertices) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
     impl_->shapes.push_back(
-        make_hull(impl_->units, {coordinates.data(), coordinates.size() / 3, face_starts.data(),
-                                 face_starts.size() - 1, face_vertices.data()}));
+        make_hull(impl_->units,
+                  {coordinates.data(), coordinates.size() / 3, face_starts.data(),
+                   face_starts.size() - 1, face_vertices.data()},
+                  impl_->margin));
     return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
 }
 
@@ -180,9 +177,11 @@ std::uint32_t BulletWorld::add_body(const BodyDefinition &definition) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
     auto &shape = impl_->shapes.at(definition.shape);
     const int id = static_cast<int>(impl_->bodies.size());
-    impl_->bodies.push_back(make_body(impl_->units, definition, id, shape.get(), &impl_->materials,
-                                      impl_->body_settings));
+    const BodyDefinition applied = impl_->stock.applied(impl_->units, definition, *shape);
+    impl_->bodies.push_back(
+        make_body(impl_->units, applied, id, shape.get(), &impl_->materials, impl_->body_settings));
     btRigidBody *body = impl_->bodies.back().get();
+    impl_->stock.let_sleep(*body);
     if (definition.kind == BodyKind::Free) {
         impl_->world.addRigidBody(body, Group::FREE, Group::FREE | Group::WALL);
     } else {
@@ -215,7 +214,7 @@ void BulletWorld::drive_body(std::uint32_t id, const std::array<double, 3> &posi
     if (impl_->contact_solver) {
         impl_->drives.add(&body, pose);
     } else {
-        body.setWorldTransform(pose);
+        impl_->stock.drive(body, pose);
     }
 }
 
@@ -313,47 +312,19 @@ PairValue BulletWorld::pair_value(std::uint32_t a, std::uint32_t b) const {
 }
 
 rust::Vec<EngineSetting> BulletWorld::effective() const {
-    rust::Vec<EngineSetting> out;
-    const auto put = [&out](const char *name, double value) {
-        out.push_back(EngineSetting{rust::String(name), value});
-    };
-    auto &world = impl_->world;
-    const auto &info = world.getSolverInfo();
-    const auto &dispatch = world.getDispatchInfo();
+    ReadBack out;
+    const auto put = [&out](const char *name, double value) { out.put(name, value); };
     const GlobalSettings globals = GlobalsHold::read_back();
     const Units &units = impl_->units;
+    const bool relative = (impl_->dispatcher.getDispatcherFlags() &
+                           btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD) != 0;
     put("length_scale_units_per_m", units.scale());
     put("time_step_s", static_cast<double>(impl_->time_step));
-    put("gravity_x_m_per_s2", units.metres(world.getGravity().x()));
-    put("gravity_y_m_per_s2", units.metres(world.getGravity().y()));
-    put("gravity_z_m_per_s2", units.metres(world.getGravity().z()));
     put("contact_breaking_threshold_m", units.metres(globals.contact_breaking_threshold));
     put("broadphase_margin_m", units.metres(globals.broadphase_margin));
     put("relative_contact_threshold",
-        (impl_->dispatcher.getDispatcherFlags() &
-         btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD) != 0);
-    put("iterations", info.m_numIterations);
-    put("solver_mode", info.m_solverMode);
-    put("erp", static_cast<double>(info.m_erp));
-    put("erp2", static_cast<double>(info.m_erp2));
-    put("friction_erp", static_cast<double>(info.m_frictionERP));
-    put("friction_cfm", static_cast<double>(info.m_frictionCFM));
-    put("global_cfm", static_cast<double>(info.m_globalCfm));
-    put("sor", static_cast<double>(info.m_sor));
-    put("linear_slop_m", units.metres(info.m_linearSlop));
-    put("warm_starting_factor", static_cast<double>(info.m_warmstartingFactor));
-    put("split_impulse", info.m_splitImpulse);
-    put("split_impulse_penetration_threshold_m",
-        units.metres(info.m_splitImpulsePenetrationThreshold));
-    put("split_impulse_turn_erp", static_cast<double>(info.m_splitImpulseTurnErp));
-    put("restitution_velocity_threshold_m_per_s",
-        units.metres(info.m_restitutionVelocityThreshold));
-    put("least_squares_residual_threshold",
-        static_cast<double>(info.m_leastSquaresResidualThreshold));
-    put("minimum_solver_batch_size", info.m_minimumSolverBatchSize);
-    put("continuous_collision", dispatch.m_useContinuous);
-    put("separating_axis_test_for_hulls", dispatch.m_enableSatConvex);
-    put("speculative_contact_restitution", world.getApplySpeculativeContactRestitution());
+        relative ? static_cast<double>(globals.contact_breaking_threshold) : 0);
+    read_world(units, impl_->world, out);
     if (impl_->hull_collision) {
         const HullCollision &collision = *impl_->hull_collision;
         put("manifold_reach_m", collision.settings.reach / units.scale());
@@ -374,18 +345,22 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
         put("closed_gap_m", law.closed_gap / units.scale());
         put("contacts_at_once", impl_->contact_solver->sweep() == Sweep::OneByOne ? 1 : 8);
     }
+    double lightest = 0;
     for (const auto &body : impl_->bodies) {
         if (body && !body->isStaticOrKinematicObject()) {
-            // Every free body is made alike; the first one speaks for all.
-            put("linear_damping", static_cast<double>(body->getLinearDamping()));
-            put("angular_damping", static_cast<double>(body->getAngularDamping()));
-            put("rigid_body_flags", body->getFlags());
-            put("activation_state", body->getActivationState());
-            put("collision_margin_m", units.metres(body->getCollisionShape()->getMargin()));
-            break;
+            if (lightest == 0) {
+                // Every free body is made alike; the first one speaks for all.
+                read_body(units, *body, out);
+            }
+            const double mass = 1 / static_cast<double>(body->getInvMass());
+            lightest = lightest == 0 ? mass : std::min(lightest, mass);
         }
     }
-    return out;
+    if (lightest > 0) {
+        put("lightest_free_body_kg", lightest);
+        put("largest_inertia_over_exact", impl_->stock.largest_inertia_ratio());
+    }
+    return out.take();
 }
 
 } // namespace pluvia

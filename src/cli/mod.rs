@@ -12,6 +12,7 @@ mod grains;
 mod info;
 mod output_folder;
 mod progress;
+mod readings;
 mod reproduce;
 mod run;
 mod schema;
@@ -62,6 +63,7 @@ struct Global {
 #[derive(Debug, Subcommand)]
 enum Command {
     Reproduce(reproduce::ReproduceArgs),
+    Readings(readings::ReadingsArgs),
     Run(run::RunArgs),
     Grains(grains::GrainsArgs),
     Compare(compare::CompareArgs),
@@ -89,6 +91,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
     let context = Context::new(cli.global.quiet, cli.global.json, cli.global.verbose);
     match &cli.command {
         Command::Reproduce(args) => reproduce::run(args, &context),
+        Command::Readings(args) => readings::run(args, &context),
         Command::Run(args) => run::run(args, &context),
         Command::Grains(args) => grains::run(args, &context),
         Command::Compare(args) => compare::run(args, &context),

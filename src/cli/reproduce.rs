@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::{CliError, Context, ExitStatus, changes::Changes, output_folder, table};
 use crate::record::read_json;
-use crate::study::{ReproduceOptions, reproduce};
+use crate::study::{Reading, ReproduceOptions, reproduce};
 
 /// Run the whole paper and compare its claims
 #[derive(Debug, Args)]
@@ -20,7 +20,8 @@ Examples:
   pluvia reproduce --quick --out out/quick
   pluvia reproduce --configurations 3 --jobs 4 --strict --out out/reproduce
   pluvia reproduce --backend rapier --out out/reproduce
-  pluvia reproduce --set engine.contact_path=bullet --out out/reproduce")]
+  pluvia reproduce --set engine.contact_path=bullet --out out/reproduce
+  pluvia reproduce --reading full_stroke --out out/reproduce")]
 pub(super) struct ReproduceArgs {
     /// A few hundred grains instead of 1456, and shorter vibration
     #[arg(long)]
@@ -31,6 +32,9 @@ pub(super) struct ReproduceArgs {
     /// Stages carried out at the same time [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
+    /// A reading of the paper, in place of the default `converged` (pluvia readings --help)
+    #[arg(long, value_name = "NAME", value_parser = super::readings::reading)]
+    reading: Option<Reading>,
     #[command(flatten)]
     changes: Changes,
     /// End with exit code 1 when a claim of the paper is missed
@@ -51,6 +55,7 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
         jobs: args.jobs.map_or_else(cores, usize::from),
         changes: args.changes.overrides(),
+        reading: args.reading.clone(),
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),
     })?;

@@ -2,7 +2,9 @@
 
 use serde_json::Value;
 
+use crate::paper::Verdict as ClaimVerdict;
 use crate::record::{Settlement, StandingHeight, Summary};
+use crate::report::ReadingColumn;
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
 
@@ -193,6 +195,25 @@ pub(super) fn of_comparison(record: &CompareRecord) -> String {
     let mut row = vec!["accuracy standard".to_owned()];
     row.extend(record.runs.iter().map(|r| met(&r.summary).to_owned()));
     rows.push(row);
+    columns(&rows)
+}
+
+/// What became of each reading, one a line.
+pub(super) fn of_readings(readings: &[ReadingColumn]) -> String {
+    let header = ["reading", "runs", "failed", "within", "outside", "accuracy standard"];
+    let mut rows = vec![header.map(str::to_owned)];
+    for reading in readings {
+        let count = |v| reading.claims.iter().filter(|c| c.verdict == v).count();
+        let met = reading.runs.iter().filter(|r| r.summary.meets_standard).count();
+        rows.push([
+            reading.name.clone(),
+            format!("{} of {}", reading.runs.len(), reading.planned_runs),
+            reading.failures.len().to_string(),
+            count(ClaimVerdict::Within).to_string(),
+            count(ClaimVerdict::Outside).to_string(),
+            format!("met by {met} of {}", reading.runs.len()),
+        ]);
+    }
     columns(&rows)
 }
 

@@ -13,6 +13,7 @@ mod estimate;
 mod height_map;
 mod heights;
 mod hull;
+pub mod inference;
 mod overlap;
 mod pairs;
 mod plate;

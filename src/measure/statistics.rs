@@ -40,6 +40,16 @@ pub fn percentile(values: &[f64], percent: f64) -> Option<f64> {
     Some(*value)
 }
 
+/// Slope of the least squares line through points (x, y), in units of y over x;
+/// `None` without two distinct abscissae.
+pub fn least_squares_slope(points: &[(f64, f64)]) -> Option<f64> {
+    let (xs, ys): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+    let (mx, my) = (mean(&xs)?, mean(&ys)?);
+    let sxx: f64 = points.iter().map(|p| (p.0 - mx).powi(2)).sum();
+    let sxy: f64 = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
+    (sxx > 0.0).then(|| sxy / sxx)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::testing::assert_near;
@@ -50,6 +60,16 @@ mod tests {
         assert_eq!(mean(&[]), None);
         assert_eq!(mean(&[3.5]), Some(3.5));
         assert_eq!(mean(&[1.0, 2.0, 6.0]), Some(3.0));
+    }
+
+    #[test]
+    fn a_line_has_its_slope() {
+        let line: Vec<(f64, f64)> =
+            [0.0, 50.0, 100.0, 200.0].iter().map(|x| (*x, 163.0 - 0.04 * x)).collect();
+        let got = least_squares_slope(&line).expect("a slope");
+        assert_near("slope of 163 − 0.04 x", -0.04, got, 1e-12);
+        assert_eq!(least_squares_slope(&[(1.0, 2.0)]), None, "one point has no slope");
+        assert_eq!(least_squares_slope(&[(1.0, 2.0), (1.0, 3.0)]), None, "nor a vertical line");
     }
 
     /// Law: Σ(x − x̄)²/(n − 1); for 2, 4, 4, 4, 5, 5, 7, 9 that is 32/7.

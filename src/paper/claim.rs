@@ -18,7 +18,7 @@ pub enum Verdict {
 }
 
 /// One entry of `claims.json`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
     /// Stable name, for scripts.
     pub id: String,

@@ -14,10 +14,12 @@ mod claims;
 pub mod constants;
 mod fluctuation;
 pub(crate) mod text;
+pub mod uncertainty;
 mod view;
 
 pub use bands::{Band, Interval, PaperValue};
 pub use claim::{Claim, Verdict};
 pub use claims::claims;
+pub use uncertainty::{Uncertainty, uncertainty};
 pub(crate) use view::settlement_curve;
 pub use view::{Gradation, Intermittent, Repose, StudyView};

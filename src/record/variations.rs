@@ -31,7 +31,7 @@ pub struct RunRow {
     pub contact_path: String,
     /// Steps per second of simulated time.
     pub rate_hz: f64,
-    /// Solver iterations a step.
+    /// Solver iterations a step: all sweeps of its sub-steps.
     pub iterations: u32,
     /// Sub-steps of a step, where the contact path has them.
     pub substeps: Option<u32>,
@@ -78,6 +78,7 @@ impl RunRow {
         let engine = &scenario.engine;
         let manifold =
             engine.backend == Backend::Bullet && engine.contact_path == ContactPath::Manifold;
+        let substeps = engine.manifold.substeps(engine.rate_hz);
         let info = crate::world::info(engine.backend);
         Self {
             run: run.to_owned(),
@@ -94,8 +95,12 @@ impl RunRow {
             backend: info.name,
             precision: info.precision,
             rate_hz: engine.rate_hz,
-            iterations: engine.iterations,
-            substeps: manifold.then_some(engine.manifold.substeps),
+            iterations: if manifold {
+                substeps * engine.manifold.sweeps
+            } else {
+                engine.iterations
+            },
+            substeps: manifold.then_some(substeps),
             contact_stiffness_n_per_m: manifold
                 .then_some(engine.manifold.contact_stiffness_n_per_m),
             grains: None,
@@ -190,7 +195,7 @@ pub struct VariationRow {
     pub contact_path: String,
     /// Steps per second of simulated time.
     pub rate_hz: f64,
-    /// Solver iterations a step.
+    /// Solver iterations a step: all sweeps of its sub-steps.
     pub iterations: u32,
     /// Sub-steps of a step.
     pub substeps: Option<u32>,

@@ -5,7 +5,8 @@ use serde::Serialize;
 use crate::{
     paper::text::compact,
     scenario::{
-        Backend, ContactPath, EngineSettings, GrainsSpec, Scenario, StageSpec, StrokeReading,
+        Backend, ContactPath, EngineSettings, GrainsSpec, Scenario, StageSpec, StockSettings,
+        StrokeReading,
     },
 };
 
@@ -271,7 +272,7 @@ fn rapier_contacts(e: &EngineSettings) -> Vec<Choice> {
 }
 
 fn bullet_contacts(e: &EngineSettings) -> Vec<Choice> {
-    vec![
+    let mut choices = vec![
         choice(
             "Contacts",
             format!("{}, {} friction directions", as_typed(e.contact_path), e.friction_directions),
@@ -317,7 +318,18 @@ fn bullet_contacts(e: &EngineSettings) -> Vec<Choice> {
             "Not given.",
             "What the solver forgets from step to step feeds creep; the control measures it.",
         ),
-    ]
+    ];
+    if e.bullet != StockSettings::default() {
+        choices.push(choice(
+            "Margin, inertia, least mass, relative threshold, deactivation",
+            as_typed(&e.bullet),
+            "What the tool of the time did beside Bullet's own defaults, where a reading of the paper \
+             asks for it; by default none of it.",
+            "Deactivation hides creep; inertia that is too large keeps grains from rolling; a margin \
+             makes them larger.",
+        ));
+    }
+    choices
 }
 
 fn procedure(scenario: &Scenario) -> Vec<Choice> {

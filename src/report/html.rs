@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::{Figure, ReportInput, sections, shortfalls, summary};
+use super::{Figure, ReportInput, sections, shortfalls, summary, uncertainty};
 
 const CSS: &str = include_str!("report.css");
 
@@ -48,6 +48,10 @@ pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
                         h2 { "Figures" }
                         @for figure in figures { (figure_block(figure)) }
                     }
+                    section id="uncertainty" {
+                        h2 { "How sure the numbers are" }
+                        (uncertainty::section(&crate::paper::uncertainty(&input.study)))
+                    }
                     section id="runs" {
                         h2 { "Runs" }
                         (sections::runs(&input.study))
@@ -83,6 +87,7 @@ fn contents() -> Markup {
     let entries = [
         ("claims", "Claims"),
         ("figures", "Figures"),
+        ("uncertainty", "How sure"),
         ("runs", "Runs"),
         ("shortfalls", "What falls short"),
         ("choices", "Our choices"),

@@ -14,12 +14,14 @@ mod laws;
 mod plot;
 mod png;
 mod quality;
+mod readings;
 mod sections;
 mod sensitivity;
 mod sensitivity_page;
 mod shortfalls;
 mod style;
 mod summary;
+mod uncertainty;
 
 #[cfg(test)]
 mod tests;
@@ -41,6 +43,9 @@ pub use convergence::{
 pub use figures::Figure;
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use quality::Standard;
+pub use readings::{
+    ReadingCell, ReadingColumn, ReadingFailure, ReadingRow, ReadingRun, write_readings,
+};
 pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};
 
 /// Why a report could not be written.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, ser};
 
-use super::{ManifoldSettings, RapierSettings};
+use super::{ManifoldSettings, RapierSettings, StockSettings};
 
 /// Which physics engine carries the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -72,6 +72,13 @@ pub struct EngineSettings {
     pub angular_damping: f64,
     /// Integrate the gyroscopic term of the rotation of uneven bodies.
     pub gyroscopic: bool,
+    /// Run also where steps are so coarse that bodies can pass through each
+    /// other or vibration is not followed: what would refuse the scenario
+    /// becomes a warning of every result. Left out of what is written where it
+    /// is `false`.
+    pub allow_coarse_steps: bool,
+    /// What only Bullet's own contacts can be told.
+    pub bullet: StockSettings,
     /// What only the contact path `manifold` asks for.
     pub manifold: ManifoldSettings,
     /// What only rapier asks for.
@@ -87,7 +94,8 @@ impl<'de> Deserialize<'de> for EngineSettings {
 }
 
 /// Rapier's settings are left out where Bullet carries the grains, those of
-/// the contact path `manifold` where contacts are Bullet's, if they are the
+/// the contact path `manifold` where contacts are Bullet's, those of Bullet's
+/// own contacts and the leave for coarse steps everywhere, if they are the
 /// defaults: stored stages are found again by what is written here,
 /// and what Bullet computes does not depend on them.
 impl Serialize for EngineSettings {
@@ -102,6 +110,12 @@ impl Serialize for EngineSettings {
                 self.backend == Backend::Bullet && self.contact_path == ContactPath::Manifold;
             if !manifold && self.manifold == ManifoldSettings::default() {
                 fields.shift_remove("manifold");
+            }
+            if self.bullet == StockSettings::default() {
+                fields.shift_remove("bullet");
+            }
+            if !self.allow_coarse_steps {
+                fields.shift_remove("allow_coarse_steps");
             }
         }
         written.serialize(serializer)
@@ -125,6 +139,8 @@ impl Default for EngineSettings {
             linear_damping: 0.0,
             angular_damping: 0.0,
             gyroscopic: true,
+            allow_coarse_steps: false,
+            bullet: StockSettings::default(),
             manifold: ManifoldSettings::default(),
             rapier: RapierSettings::default(),
         }

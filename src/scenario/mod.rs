@@ -16,6 +16,7 @@ mod rapier;
 mod schema;
 mod source;
 mod stages;
+mod stock;
 mod structure;
 mod validate;
 
@@ -29,6 +30,8 @@ pub use overrides::{NotAnOverride, Override};
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
 pub use stages::{StageSpec, StrokeReading};
+pub use stock::{InertiaRule, StockSettings};
+pub use validate::{Warning, warnings};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

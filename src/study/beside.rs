@@ -57,6 +57,15 @@ pub(super) fn suffix(engine: &EngineSettings) -> String {
     if label == self::label(&EngineSettings::default()) {
         return String::new();
     }
+    dashed(&label)
+}
+
+/// The same for a reading of the paper.
+pub(super) fn reading_suffix(name: &str) -> String {
+    format!("-reading{}", dashed(name))
+}
+
+fn dashed(label: &str) -> String {
     let letters = label.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' });
     let mut name = String::from("-");
     for letter in letters {
@@ -83,12 +92,12 @@ pub(super) fn programme_hash(scenarios: &[&Scenario], configurations: u32) -> St
 /// When the folder cannot be read or written.
 pub(super) fn keep_and_read(
     out: &Path,
-    engine: &EngineSettings,
+    suffix: &str,
     column: &Column,
 ) -> Result<Vec<Column>, StudyError> {
     let folder = out.join(FOLDER);
     create_folder(&folder)?;
-    write_json(&folder.join(format!("claims{}.json", suffix(engine))), column)?;
+    write_json(&folder.join(format!("claims{suffix}.json")), column)?;
     let unreadable = |e: std::io::Error| FileError::new("read", &folder, e);
     let mut columns = Vec::new();
     for entry in fs::read_dir(&folder).map_err(unreadable)? {
@@ -138,7 +147,7 @@ mod tests {
         let stock = EngineSettings::default();
         let engine = |rate_hz| EngineSettings { rate_hz, ..stock.clone() };
         let keep = |rate, column: &Column| {
-            keep_and_read(folder.path(), &engine(rate), column).expect("kept")
+            keep_and_read(folder.path(), &suffix(&engine(rate)), column).expect("kept")
         };
         assert!(keep(100.0, &column("a", "p")).is_empty(), "law: nothing beside the first");
         assert!(keep(200.0, &column("b", "q")).is_empty(), "law: not another programme");

@@ -24,23 +24,18 @@ struct Board {
     /// Nodes nobody has begun and whose parent is finished.
     ready: Vec<usize>,
     running: usize,
-    failures: Vec<Failure>,
+    failed: Vec<(usize, StudyError)>,
+    cancelled: bool,
 }
 
-/// Why a stage was not carried out.
-pub struct Failure {
-    /// Which stage; `None` when everything was stopped.
-    pub node: Option<usize>,
-    /// Why.
-    pub error: StudyError,
-}
-
-/// What became of a plan of which some stages may have failed.
-pub struct Attempt {
-    /// Finished stages, by node.
+/// What became of a plan.
+pub struct Executed {
+    /// Finished stages, by node; none where it failed or was not begun.
     pub done: Vec<Option<Arc<StoredStage>>>,
-    /// In the order in which they happened.
-    pub failures: Vec<Failure>,
+    /// Nodes that failed, in the order in which they did.
+    pub failed: Vec<(usize, StudyError)>,
+    /// Whether it was stopped.
+    pub cancelled: bool,
 }
 
 /// Carries out every stage of a plan; gives the finished stages by node.
@@ -58,30 +53,30 @@ pub fn execute(
     cancel: &AtomicBool,
     progress: &dyn Progress,
 ) -> Result<Vec<Arc<StoredStage>>, StudyError> {
-    let Attempt { done, failures } = attempt(plan, store, jobs, make_world, cancel, progress);
-    match failures.into_iter().next() {
-        Some(failure) => Err(failure.error),
-        None => done.into_iter().collect::<Option<Vec<_>>>().ok_or(StudyError::Cancelled),
+    let mut executed = execute_each(plan, store, jobs, make_world, cancel, progress);
+    if !executed.failed.is_empty() {
+        return Err(executed.failed.remove(0).1);
     }
+    executed.done.into_iter().collect::<Option<Vec<_>>>().ok_or(StudyError::Cancelled)
 }
 
-/// Carries out what can be carried out of a plan: when a stage fails, those
-/// that need it are left out and all others finished and stored.
-pub fn attempt(
+/// The same, giving what was finished also where something failed.
+pub fn execute_each(
     plan: &Plan,
     store: &StageStore,
     jobs: usize,
     make_world: WorldMaker,
     cancel: &AtomicBool,
     progress: &dyn Progress,
-) -> Attempt {
+) -> Executed {
     let shop = Shop { store, make_world, cancel, progress };
     let roots = (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent.is_none()).collect();
     let board = Mutex::new(Board {
         done: vec![None; plan.nodes.len()],
         ready: roots,
         running: 0,
-        failures: Vec::new(),
+        failed: Vec::new(),
+        cancelled: false,
     });
     let changed = Condvar::new();
     std::thread::scope(|scope| {
@@ -89,8 +84,8 @@ pub fn attempt(
             scope.spawn(|| shop.work(plan, &board, &changed));
         }
     });
-    let Board { done, failures, .. } = board.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Attempt { done, failures }
+    let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Executed { done: board.done, failed: board.failed, cancelled: board.cancelled }
 }
 
 fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
@@ -113,10 +108,7 @@ impl Shop<'_> {
                 let mut held = lock(board);
                 loop {
                     if self.cancel.load(Ordering::Relaxed) {
-                        if !held.failures.iter().any(|f| f.node.is_none()) {
-                            held.failures
-                                .push(Failure { node: None, error: StudyError::Cancelled });
-                        }
+                        held.cancelled = true;
                         held.ready.clear();
                     }
                     // The stage with the longest chain behind it goes first.
@@ -147,9 +139,8 @@ impl Shop<'_> {
                         (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent == Some(node));
                     held.ready.extend(children);
                 }
-                Err(error) => {
-                    held.failures.push(Failure { node: Some(node), error });
-                }
+                Err(StudyError::Cancelled) => held.cancelled = true,
+                Err(error) => held.failed.push((node, error)),
             }
             drop(held);
             changed.notify_all();

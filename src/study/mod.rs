@@ -7,10 +7,12 @@ mod design;
 mod execute;
 mod plan;
 mod presets;
+mod readings;
 mod recorder;
 mod reproduce;
 mod run;
 mod sensitivity;
+mod side_by_side;
 mod summarise;
 #[cfg(test)]
 mod tests;
@@ -22,9 +24,11 @@ pub use converge::{
 };
 pub use design::SpecimenDesign;
 pub use presets::preset;
+pub use readings::Reading;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
 pub use run::{RunOptions, make_grains, run_scenario, write_grains};
 pub use sensitivity::{ParameterDesign, SensitivityDesign, SensitivityStudy};
+pub use side_by_side::{ReadingsOptions, ReadingsOutcome, readings};
 pub use summarise::STANDARD;
 pub use variations::{Variation, Varied, carry_out_variations, write_variations};
 

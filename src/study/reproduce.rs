@@ -11,6 +11,7 @@ use super::{
     StudyError, beside,
     plan::PlannedRun,
     presets::preset,
+    readings::Reading,
     run::{CarriedOut, RunOptions, carry_out, make_grains, write_grains},
     summarise::STANDARD,
 };
@@ -41,6 +42,8 @@ pub struct ReproduceOptions {
     pub jobs: usize,
     /// What is changed in every scenario of the programme, the engine for one.
     pub changes: Vec<Override>,
+    /// A reading of the paper; `changes` have the last word.
+    pub reading: Option<Reading>,
     /// Set to stop at the next check.
     pub cancel: Arc<AtomicBool>,
     /// Told of what goes on.
@@ -62,14 +65,15 @@ pub struct ReproduceOutcome {
     pub runs: Vec<RunRecord>,
 }
 
-/// Runs the programme and writes `claims.json`, `report.html`, `figures/`,
+/// Runs the programme and writes `claims.json`, `uncertainty.json`, `report.html`, `figures/`,
 /// `grains.json`, `sieve.csv` and `runs/<name>/`.
 ///
 /// # Errors
 /// [`StudyError`].
 pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyError> {
     create_folder(&options.out)?;
-    let scenarios = Scenarios::load(options.quick, &options.changes)?;
+    let reading = options.reading.as_ref();
+    let scenarios = Scenarios::load(options.quick, reading, &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     write_grains(&options.out, &scenarios.pluviation, &grains)?;
     let runs = programme(&scenarios, &grains, options.configurations);
@@ -85,26 +89,57 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
 }
 
 /// The three scenarios of the programme.
-struct Scenarios {
-    pluviation: Scenario,
-    continuous: Scenario,
-    intermittent: Scenario,
+pub(super) struct Scenarios {
+    pub pluviation: Scenario,
+    pub continuous: Scenario,
+    pub intermittent: Scenario,
+    /// What the programme is called: the engine, or the reading.
+    pub label: String,
+    /// What its runs and files are called beside those of the default.
+    pub suffix: String,
+    quick: bool,
+    changes: Vec<Override>,
 }
 
 impl Scenarios {
-    fn load(quick: bool, changes: &[Override]) -> Result<Self, StudyError> {
-        let preset = |name| preset(name, changes);
-        Ok(if quick {
+    /// The built-in scenarios under a reading, where there is one, and changes.
+    pub(super) fn load(
+        quick: bool,
+        reading: Option<&Reading>,
+        changes: &[Override],
+    ) -> Result<Self, StudyError> {
+        let preset = |name| {
+            let mut all = reading.map_or(Ok(Vec::new()), |r| r.changes_of(name))?;
+            all.extend_from_slice(changes);
+            preset(name, &all)
+        };
+        let [pluviation, continuous, intermittent] = if quick {
             let continuous = preset("quick/vibration.json")?;
             let intermittent = intermittent_of(&continuous);
-            Self { pluviation: preset("quick/pluviation.json")?, continuous, intermittent }
+            [preset("quick/pluviation.json")?, continuous, intermittent]
         } else {
-            Self {
-                pluviation: preset("paper/pluviation.json")?,
-                continuous: preset("paper/vibration-continuous.json")?,
-                intermittent: preset("paper/vibration-intermittent.json")?,
+            [
+                preset("paper/pluviation.json")?,
+                preset("paper/vibration-continuous.json")?,
+                preset("paper/vibration-intermittent.json")?,
+            ]
+        };
+        let engine = &pluviation.engine;
+        let (label, suffix) = match reading {
+            None => (beside::label(engine), beside::suffix(engine)),
+            Some(reading) => {
+                (format!("reading {}", reading.name), beside::reading_suffix(reading.name))
             }
-        })
+        };
+        let changes = changes.to_vec();
+        Ok(Self { pluviation, continuous, intermittent, label, suffix, quick, changes })
+    }
+
+    /// A hash of the programme without its engine and its reading: programmes
+    /// that have the same may stand side by side.
+    pub(super) fn programme_hash(&self, configurations: u32) -> Result<String, StudyError> {
+        let plain = Self::load(self.quick, None, &self.changes)?;
+        Ok(beside::programme_hash(&plain.all(), configurations))
     }
 
     fn all(&self) -> [&Scenario; 3] {
@@ -133,7 +168,7 @@ fn intermittent_of(continuous: &Scenario) -> Scenario {
 }
 
 /// Every run of the programme.
-fn programme(
+pub(super) fn programme(
     scenarios: &Scenarios,
     grains: &Arc<GrainSet>,
     configurations: u32,
@@ -148,7 +183,7 @@ fn programme(
                     *falling_height_mm = falling_height;
                 }
             }
-            let name = name + &beside::suffix(&scenario.engine);
+            let name = name + &scenarios.suffix;
             runs.push(PlannedRun { name, kind, scenario, grains: grains.clone(), prepared: None });
         };
         for height in FALLING_HEIGHTS_MM {
@@ -173,15 +208,13 @@ fn finish(
     records: Vec<RunRecord>,
     effective: &EffectiveSettings,
 ) -> Result<ReproduceOutcome, StudyError> {
-    let study = study_view(options, scenarios, grains, &records)?;
+    let study = study_view(options.quick, options.configurations, scenarios, grains, &records)?;
     let claims = paper::claims(&study);
     write_json(&options.out.join("claims.json"), &claims)?;
-    let column = Column::new(
-        &beside::label(scenarios.engine()),
-        &beside::programme_hash(&scenarios.all(), options.configurations),
-        &claims,
-    );
-    let beside = beside::keep_and_read(&options.out, scenarios.engine(), &column)?;
+    write_json(&options.out.join("uncertainty.json"), &paper::uncertainty(&study))?;
+    let column =
+        Column::new(&scenarios.label, &scenarios.programme_hash(options.configurations)?, &claims);
+    let beside = beside::keep_and_read(&options.out, &scenarios.suffix, &column)?;
     let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
     report::write(
         &options.out,
@@ -211,11 +244,14 @@ fn finish(
 fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<String, String> {
     let engine = crate::world::info(scenarios.engine().backend);
     let target = format!("{} {}", std::env::consts::ARCH, std::env::consts::OS);
-    let mode = if options.quick { " --quick" } else { "" };
+    let mut mode = if options.quick { " --quick" } else { "" }.to_owned();
+    if let Some(reading) = &options.reading {
+        mode += &format!(" --reading {}", reading.name);
+    }
     [
         ("Pluvia", env!("CARGO_PKG_VERSION").to_owned()),
         ("Engine", format!("{} {}, {} precision", engine.name, engine.version, engine.precision)),
-        ("Settings", beside::label(scenarios.engine())),
+        ("Settings", settings_in_words(options, scenarios)),
         ("Machine", target),
         ("Command", format!("pluvia reproduce{mode} --configurations {}", options.configurations)),
         ("Seed", scenarios.pluviation.seed.to_string()),
@@ -224,9 +260,18 @@ fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<Str
     .into()
 }
 
+fn settings_in_words(options: &ReproduceOptions, scenarios: &Scenarios) -> String {
+    let engine = beside::label(scenarios.engine());
+    match &options.reading {
+        None => engine,
+        Some(reading) => format!("reading {}: {}; {engine}", reading.name, reading.title),
+    }
+}
+
 /// The study as claims and report see it.
-fn study_view<'a>(
-    options: &ReproduceOptions,
+pub(super) fn study_view<'a>(
+    quick: bool,
+    configurations: u32,
     scenarios: &Scenarios,
     grains: &GrainSet,
     runs: &'a [RunRecord],
@@ -244,7 +289,7 @@ fn study_view<'a>(
         });
     Ok(StudyView {
         runs,
-        configurations: options.configurations,
+        configurations,
         sieve: distribution.passing_curve(),
         sieved_grains: sieved_curve(grains),
         grain_count: grains.grains.len(),
@@ -262,7 +307,7 @@ fn study_view<'a>(
         },
         intermittent,
         repose: None,
-        quick: options.quick,
+        quick,
     })
 }
 

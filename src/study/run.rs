@@ -1,6 +1,7 @@
 //! One scenario, from grains to figures.
 
 use std::{
+    collections::HashMap,
     path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
 };
@@ -9,7 +10,7 @@ use serde_json::json;
 
 use super::{
     StudyError,
-    execute::execute,
+    execute::{Executed, execute, execute_each},
     plan::{Plan, PlannedRun, RunNodes},
     summarise::{Summarised, summarise},
 };
@@ -89,6 +90,56 @@ pub(super) fn carry_out(
         .collect::<Result<_, _>>()?;
     let effective = done.first().map(|d| d.record.effective.clone()).unwrap_or_default();
     Ok(CarriedOut { records, effective })
+}
+
+/// The same, run by run: what was carried out, or why it could not be.
+///
+/// # Errors
+/// When asked to stop, and when files cannot be read or written; a simulation
+/// that fails is only its run's affair.
+pub(super) fn carry_out_each(
+    runs: &[PlannedRun],
+    options: &RunOptions,
+    folder: impl Fn(&PlannedRun) -> PathBuf,
+) -> Result<Vec<Result<CarriedOut, String>>, StudyError> {
+    let plan = Plan::new(runs)?;
+    let store = StageStore::open(&options.out.join("stages"))?;
+    let Executed { done, failed, cancelled } = execute_each(
+        &plan,
+        &store,
+        options.jobs,
+        &crate::world::create,
+        &options.cancel,
+        options.progress.as_ref(),
+    );
+    let mut reasons = HashMap::new();
+    for (node, error) in failed {
+        match error {
+            fatal @ (StudyError::File(_) | StudyError::Report(_)) => return Err(fatal),
+            own => reasons.insert(node, own.to_string()),
+        };
+    }
+    if cancelled {
+        return Err(StudyError::Cancelled);
+    }
+    let mut each = Vec::new();
+    for (run, nodes) in runs.iter().zip(&plan.runs) {
+        let missing = nodes.stages.iter().chain(&nodes.control).find(|n| done[**n].is_none());
+        if let Some(node) = missing {
+            // The first stage that is missing is the one that failed.
+            each.push(Err(reasons.get(node).cloned().unwrap_or_default()));
+            continue;
+        }
+        // Every stage is in the store by now.
+        each.push(match carry_out(std::slice::from_ref(run), options, &folder) {
+            Ok(out) => Ok(out),
+            Err(error @ (StudyError::Measure(_) | StudyError::Simulation { .. })) => {
+                Err(error.to_string())
+            }
+            Err(fatal) => return Err(fatal),
+        });
+    }
+    Ok(each)
 }
 
 /// The grains of a scenario: cut from its sieve data, or read from its file.

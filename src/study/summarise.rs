@@ -17,7 +17,7 @@ use crate::record::{
     Control, GrainsSummary, Overlap, SeriesRow, Settlement, StandingHeight, StoredStage, Summary,
     hash_json,
 };
-use crate::scenario::{Backend, EngineSettings, StageSpec};
+use crate::scenario::{self, Backend, EngineSettings, StageSpec};
 use crate::specimen::{Fate, Specimen, SpecimenState};
 use crate::units::{from_mm, to_cm3, to_g, to_mm};
 
@@ -91,6 +91,7 @@ pub fn summarise(
     let all = stages.iter().copied().chain(control);
     let mut warnings: Vec<String> =
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
+    warnings.extend(scenario::warnings(scenario).iter().map(ToString::to_string));
     let (mean, p99, creep_limit) = STANDARD;
     let meets_standard = overlap.mean_percent < mean
         && overlap.p99_percent < p99

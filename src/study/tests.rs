@@ -8,7 +8,7 @@ use std::{
 
 use super::{
     StudyError,
-    execute::execute,
+    execute::{execute, execute_each},
     plan::{Plan, PlannedRun},
     summarise::summarise,
 };
@@ -168,4 +168,28 @@ fn a_blown_up_simulation_names_the_stage_and_keeps_the_last_good_specimen() {
     assert!(stage.contains("fill the funnel") && what.contains("speed"), "{stage}: {what}");
     let content = fs::read_to_string(&kept).expect("kept");
     assert!(content.contains("last_good"), "{}", kept.display());
+}
+
+#[test]
+fn what_fails_does_not_stop_the_rest() {
+    let [good, mut bad] = [planned(scenario(0.0)), planned(scenario(0.0))];
+    bad.scenario.engine.iterations = 11;
+    let plan = plan(&[good, bad]);
+    let folder = tempfile::tempdir().expect("folder");
+    let store = StageStore::open(folder.path()).expect("a store");
+    let resting = |settings: &crate::scenario::EngineSettings, _, _: &_| {
+        if settings.iterations == 11 {
+            return Err(crate::world::WorldError::Engine("refused".into()));
+        }
+        let script = |_, state: &BodyState, _, _| *state;
+        Ok(Box::new(ScriptedWorld::new(1.0 / 240.0, Box::new(script))) as Box<dyn World + Send>)
+    };
+    let executed = execute_each(&plan, &store, 2, &resting, &AtomicBool::new(false), &Silent);
+    let done = |run: usize| plan.runs[run].stages.iter().all(|n| executed.done[*n].is_some());
+    assert!(done(0) && !done(1), "law: the run that can be carried out is");
+    let [(node, StudyError::Simulation { what, .. })] = executed.failed.as_slice() else {
+        panic!("expected one failure, got {:?}", executed.failed)
+    };
+    assert_eq!(*node, plan.runs[1].stages[0], "law: the failure names its stage");
+    assert!(what.contains("refused") && !executed.cancelled, "{what}");
 }

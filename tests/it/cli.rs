@@ -42,9 +42,17 @@ fn info_names_the_engine() {
 
 #[test]
 fn every_subcommand_shows_an_example() {
-    for command in
-        ["reproduce", "run", "converge", "sensitivity", "grains", "export", "schema", "info"]
-    {
+    for command in [
+        "reproduce",
+        "readings",
+        "run",
+        "converge",
+        "sensitivity",
+        "grains",
+        "export",
+        "schema",
+        "info",
+    ] {
         let (code, out, _) = run(&[command, "--help"]);
         assert_eq!(code, Some(0), "{command} --help");
         assert!(out.contains(&format!("pluvia {command}")), "{command} --help: {out}");

@@ -5,7 +5,7 @@ mod markdown;
 
 use std::{collections::BTreeSet, fs, path::Path};
 
-use pluvia::scenario::{EngineSettings, ManifoldSettings, RapierSettings, Scenario};
+use pluvia::scenario::{EngineSettings, ManifoldSettings, RapierSettings, Scenario, StockSettings};
 use serde_json::Value;
 
 use markdown::{anchors, blocks, links, make_targets};
@@ -162,6 +162,7 @@ fn engine_settings_are_explained_with_their_defaults() {
     let table = read("docs/parameters.md");
     let settings = [
         ("", serde_json::to_value(EngineSettings::default())),
+        ("bullet.", serde_json::to_value(StockSettings::default())),
         ("manifold.", serde_json::to_value(ManifoldSettings::default())),
         ("rapier.", serde_json::to_value(RapierSettings::default())),
     ];

@@ -7,6 +7,7 @@ mod compare;
 mod docs;
 mod export;
 mod interruption;
+mod readings;
 mod scenario;
 mod small;
 mod studies;

@@ -1,9 +1,10 @@
 //! Claims on pluviation: section 4, Figure 7.
 
+use crate::measure::statistics::least_squares_slope;
 use crate::paper::text::number;
 use crate::paper::{
     Band, Claim, StudyView, bands::Interval, claim::Draft, claims::list,
-    constants::FALLING_HEIGHTS_MM,
+    constants::FALLING_HEIGHTS_MM, uncertainty::trend,
 };
 use crate::record::{RunKind, RunRecord};
 
@@ -84,16 +85,6 @@ fn monotone(study: &StudyView) -> Claim {
     .judge()
 }
 
-/// Slope of the least squares line through points; `None` without two distinct abscissae.
-fn least_squares_slope(points: &[(f64, f64)]) -> Option<f64> {
-    let n = points.len() as f64;
-    let (mx, my) =
-        (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
-    let sxx: f64 = points.iter().map(|p| (p.0 - mx).powi(2)).sum();
-    let sxy: f64 = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
-    (sxx > 0.0).then(|| sxy / sxx)
-}
-
 fn slope(study: &StudyView) -> Claim {
     const MM_IN_CM: f64 = 10.0;
     let slopes: Vec<f64> = study
@@ -114,6 +105,7 @@ fn slope(study: &StudyView) -> Claim {
         "Least squares line of each configuration, then their mean. The text gives the sign of \
          the slope only: negative.",
     )
+    .note(trend(study).verdict)
     .judge()
 }
 
@@ -167,19 +159,4 @@ fn reproducible(study: &StudyView) -> Claim {
         draft = draft.note(format!("By falling height: {}.", each.join(", ")));
     }
     draft.judge()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_has_its_slope() {
-        let line: Vec<(f64, f64)> =
-            [0.0, 50.0, 100.0, 200.0].iter().map(|x| (*x, 163.0 - 0.04 * x)).collect();
-        let got = least_squares_slope(&line).expect("a slope");
-        assert!((got + 0.04).abs() < 1e-12, "slope of 163 − 0.04 x: expected −0.04, got {got}");
-        assert_eq!(least_squares_slope(&[(1.0, 2.0)]), None, "one point has no slope");
-        assert_eq!(least_squares_slope(&[(1.0, 2.0), (1.0, 3.0)]), None, "nor a vertical line");
-    }
 }

@@ -7,9 +7,11 @@ mod grain_size;
 mod laws;
 mod of_run;
 mod quality;
+mod readings;
 mod sensitivity;
 mod settlement;
 mod standing_height;
+mod uncertainty;
 
 use std::path::Path;
 
@@ -23,6 +25,7 @@ pub(super) use comparison::of_comparison;
 pub(super) use convergence::of_convergence;
 pub(super) use laws::of_law;
 pub(super) use of_run::of_run;
+pub(super) use readings::of_readings;
 pub(super) use sensitivity::of_sensitivity;
 
 /// A figure with the numbers it shows.
@@ -85,6 +88,7 @@ pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Fig
     Ok(vec![
         grain_size::figure(study)?,
         standing_height::figure(study)?,
+        uncertainty::figure(study)?,
         settlement::continuous(study)?,
         settlement::intermittent(study)?,
         quality::creep(study, standard)?,

@@ -5,15 +5,18 @@
 //! out, and the schema has already said why.
 
 mod apparatus;
+mod engine;
 mod grains;
 mod stages;
 mod time_step;
+
+use std::fmt;
 
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::{
-    CylinderSpec, EngineSettings, Fault, FunnelSpec, SettleSpec, SievedGrains, StageSpec,
+    CylinderSpec, EngineSettings, Fault, FunnelSpec, Scenario, SettleSpec, SievedGrains, StageSpec,
     TopPlateSpec, accessors::field,
 };
 
@@ -98,8 +101,35 @@ pub(super) fn faults(value: &Value) -> Vec<Fault> {
     grains::check(&parts, &mut faults);
     apparatus::check(&parts, &mut faults);
     stages::check(&parts, &mut faults);
+    engine::check(&parts, &mut faults);
     time_step::check(&parts, &mut faults);
     faults
+}
+
+/// Something that a reader of a scenario's results must know, and that the
+/// scenario has accepted.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Warning {
+    /// Steps cannot resolve the motion; `engine.allow_coarse_steps` lets it pass.
+    CoarseStep(Fault),
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CoarseStep(fault) => write!(f, "let pass by engine.allow_coarse_steps: {fault}"),
+        }
+    }
+}
+
+/// What a valid scenario's results must be read with.
+pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
+    let Ok(value) = serde_json::to_value(scenario) else { return Vec::new() };
+    let parts = Parts::of(&value);
+    if !parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
+        return Vec::new();
+    }
+    time_step::coarse_steps(&parts).into_iter().map(Warning::CoarseStep).collect()
 }
 
 fn fault(path: &str, found: impl ToString, allowed: String, message: String) -> Fault {

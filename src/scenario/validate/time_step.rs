@@ -19,6 +19,20 @@ const RATE: &str = "engine.rate_hz";
 
 pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
     check_threshold(parts, faults);
+    if !parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
+        faults.extend(coarse_steps(parts));
+    }
+}
+
+/// What the time step cannot resolve: faults, unless `engine.allow_coarse_steps`
+/// lets them pass.
+pub(super) fn coarse_steps(parts: &Parts) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    find_coarse_steps(parts, &mut faults);
+    faults
+}
+
+fn find_coarse_steps(parts: &Parts, faults: &mut Vec<Fault>) {
     let Some(engine) = &parts.engine else { return };
     if !(engine.rate_hz > 0.0) {
         return;
@@ -144,7 +158,7 @@ fn motions(parts: &Parts) -> Vec<Fast> {
 
 fn check_threshold(parts: &Parts, faults: &mut Vec<Fault>) {
     let (Some(engine), Some(finest)) = (&parts.engine, parts.finest_mm()) else { return };
-    if engine.contact_threshold_mm >= finest {
+    if engine.bullet.relative_contact_threshold == 0.0 && engine.contact_threshold_mm >= finest {
         faults.push(fault(
             "engine.contact_threshold_mm",
             engine.contact_threshold_mm,

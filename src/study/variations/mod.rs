@@ -20,7 +20,7 @@ use serde::Serialize;
 
 use super::{
     StudyError,
-    execute::{Attempt, attempt},
+    execute::{Executed, execute_each},
     plan::{Plan, PlannedRun, stage_label},
     run::{RunOptions, kind_of, make_grains, write_grains, write_run},
 };
@@ -240,14 +240,17 @@ fn carry_out_batch(
     let mut plan = Plan::new(runs)?;
     name_stages(&mut plan, runs);
     let progress = options.progress.as_ref();
-    let Attempt { done, failures } =
-        attempt(&plan, store, options.jobs, make_world, &options.cancel, progress);
+    let Executed { done, failed, cancelled } =
+        execute_each(&plan, store, options.jobs, make_world, &options.cancel, progress);
     let mut reasons: Vec<(usize, String)> = Vec::new();
-    for failure in failures {
-        match (failure.node, failure.error) {
-            (Some(node), error) if is_of_the_run(&error) => reasons.push((node, error.to_string())),
-            (_, error) => return Err(error),
+    for (node, error) in failed {
+        if !is_of_the_run(&error) {
+            return Err(error);
         }
+        reasons.push((node, error.to_string()));
+    }
+    if cancelled {
+        return Err(StudyError::Cancelled);
     }
     let mut rows = Vec::new();
     for (index, (run, row)) in runs.iter().zip(begun).enumerate() {

@@ -18,6 +18,13 @@ mod bridge {
         Free,
     }
 
+    /// How moments of inertia are found.
+    enum InertiaRule {
+        Exact,
+        BoundingBox,
+        BoundingBoxWithDefaultMargin,
+    }
+
     /// Everything about a world that is fixed at its creation.
     struct WorldDefinition {
         /// Engine length units in a metre.
@@ -41,6 +48,18 @@ mod bridge {
         linear_damping: f64,
         angular_damping: f64,
         gyroscopic: bool,
+        /// Of every hull, in m.
+        collision_margin: f64,
+        inertia: InertiaRule,
+        /// In kg; 0 for none.
+        least_mass: f64,
+        /// Share of the smaller body's radius; 0 for the absolute threshold.
+        relative_contact_threshold: f64,
+        deactivation: bool,
+        /// In m/s.
+        deactivation_speed: f64,
+        /// In rad/s.
+        deactivation_spin: f64,
         /// Number of materials; the pair table has its square.
         materials: usize,
         /// Contacts of Pluvia's own hull–hull test instead of Bullet's.

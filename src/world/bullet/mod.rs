@@ -13,6 +13,8 @@ mod ffi;
 mod manifold_tests;
 pub mod probe;
 #[cfg(test)]
+mod stock_tests;
+#[cfg(test)]
 pub(crate) mod tests;
 
 use std::{collections::HashMap, sync::Arc};
@@ -24,8 +26,8 @@ use super::{
     PairTable, PhaseTimes, RememberedContact, Snapshot, World, WorldError,
 };
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
-use crate::scenario::{ContactPath, EngineSettings};
-use crate::units::from_mm;
+use crate::scenario::{ContactPath, EngineSettings, InertiaRule, StockSettings};
+use crate::units::{from_g, from_mm};
 
 /// Growth of the broadphase's tree leaves in m: a grain is inserted anew only
 /// when it has moved so far. Bullet's default is 0.05 length units whatever
@@ -109,12 +111,18 @@ impl BulletBackend {
         let held = self.effective();
         let single = constants::PLUVIA_SCALAR_BYTES == 4;
         let tolerance = if single { 1e-6 } else { 1e-12 };
+        // One variable of Bullet's holds whichever of the two is used.
+        let threshold = if d.relative_contact_threshold > 0.0 {
+            ("relative_contact_threshold", d.relative_contact_threshold)
+        } else {
+            ("contact_breaking_threshold_m", d.contact_threshold)
+        };
         for (name, asked) in [
             ("time_step_s", d.time_step),
             ("gravity_x_m_per_s2", d.gravity[0]),
             ("gravity_y_m_per_s2", d.gravity[1]),
             ("gravity_z_m_per_s2", d.gravity[2]),
-            ("contact_breaking_threshold_m", d.contact_threshold),
+            (threshold.0, threshold.1),
             ("broadphase_margin_m", d.broadphase_margin),
             ("iterations", f64::from(d.iterations)),
             ("solver_mode", f64::from(d.solver_mode)),
@@ -178,6 +186,24 @@ fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinitio
             })
         }
     };
+    let zero_or_more = |setting: &str, value: f64| {
+        if value.is_finite() && value >= 0.0 {
+            Ok(value)
+        } else {
+            Err(WorldError::BadSetting {
+                setting: setting.into(),
+                reason: format!("{value} is neither zero nor a positive number"),
+            })
+        }
+    };
+    if s.contact_path == ContactPath::Manifold && s.bullet != StockSettings::default() {
+        return Err(WorldError::BadSetting {
+            setting: "bullet".into(),
+            reason: "these are settings of the contact path `bullet`; the contact path `manifold` \
+                     asks for hulls without margin and bodies that never sleep"
+                .into(),
+        });
+    }
     if !gravity.iter().all(|g| g.is_finite()) {
         return Err(WorldError::BadSetting {
             setting: "gravity".into(),
@@ -210,6 +236,31 @@ fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinitio
         linear_damping: s.linear_damping,
         angular_damping: s.angular_damping,
         gyroscopic: s.gyroscopic,
+        collision_margin: from_mm(zero_or_more(
+            "bullet.collision_margin_mm",
+            s.bullet.collision_margin_mm,
+        )?),
+        inertia: match s.bullet.inertia {
+            InertiaRule::Exact => ffi::InertiaRule::Exact,
+            InertiaRule::BoundingBox => ffi::InertiaRule::BoundingBox,
+            InertiaRule::BoundingBoxWithDefaultMargin => {
+                ffi::InertiaRule::BoundingBoxWithDefaultMargin
+            }
+        },
+        least_mass: from_g(zero_or_more("bullet.least_mass_g", s.bullet.least_mass_g)?),
+        relative_contact_threshold: zero_or_more(
+            "bullet.relative_contact_threshold",
+            s.bullet.relative_contact_threshold,
+        )?,
+        deactivation: s.bullet.deactivation,
+        deactivation_speed: zero_or_more(
+            "bullet.deactivation_speed_m_per_s",
+            s.bullet.deactivation_speed_m_per_s,
+        )?,
+        deactivation_spin: zero_or_more(
+            "bullet.deactivation_spin_rad_per_s",
+            s.bullet.deactivation_spin_rad_per_s,
+        )?,
         materials: 3,
         own_collision: match s.contact_path {
             ContactPath::Bullet => false,

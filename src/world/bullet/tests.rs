@@ -15,7 +15,7 @@ pub(crate) fn shared_turn() -> RwLockReadGuard<'static, ()> {
     PROCESS.read().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// For tests whose worlds have others.
+/// For tests whose worlds have settings of the process of their own.
 pub(crate) fn exclusive_turn() -> RwLockWriteGuard<'static, ()> {
     PROCESS.write().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,0 +1,76 @@
+#include "settings.h"
+
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
+
+namespace pluvia {
+
+void set_world(btDiscreteDynamicsWorld &world, const Units &units,
+               const WorldDefinition &definition) {
+    world.setGravity(units.length(definition.gravity));
+    auto &dispatch = world.getDispatchInfo();
+    dispatch.m_useContinuous = false;
+    dispatch.m_enableSatConvex = false;
+    auto &info = world.getSolverInfo();
+    info.m_numIterations = definition.iterations;
+    info.m_solverMode = definition.solver_mode;
+    info.m_erp = static_cast<btScalar>(definition.error_reduction);
+    info.m_erp2 = static_cast<btScalar>(definition.error_reduction);
+    info.m_warmstartingFactor = static_cast<btScalar>(definition.warm_start);
+    info.m_splitImpulse = definition.split_impulse ? 1 : 0;
+    // Bullet compares with an absolute length; scaled, it stays the 0.04
+    // that it is for bodies of one metre.
+    info.m_splitImpulsePenetrationThreshold = units.length(-0.04);
+    info.m_restitutionVelocityThreshold = units.length(definition.restitution_velocity_threshold);
+    info.m_linearSlop = 0;
+    info.m_globalCfm = 0;
+    info.m_frictionERP = 0;
+    info.m_frictionCFM = 0;
+    info.m_leastSquaresResidualThreshold = 0;
+    info.m_sor = 1;
+}
+
+void read_world(const Units &units, btDiscreteDynamicsWorld &world, ReadBack &into) {
+    const auto &info = world.getSolverInfo();
+    const auto &dispatch = world.getDispatchInfo();
+    into.put("gravity_x_m_per_s2", units.metres(world.getGravity().x()));
+    into.put("gravity_y_m_per_s2", units.metres(world.getGravity().y()));
+    into.put("gravity_z_m_per_s2", units.metres(world.getGravity().z()));
+    into.put("iterations", info.m_numIterations);
+    into.put("solver_mode", info.m_solverMode);
+    into.put("erp", static_cast<double>(info.m_erp));
+    into.put("erp2", static_cast<double>(info.m_erp2));
+    into.put("friction_erp", static_cast<double>(info.m_frictionERP));
+    into.put("friction_cfm", static_cast<double>(info.m_frictionCFM));
+    into.put("global_cfm", static_cast<double>(info.m_globalCfm));
+    into.put("sor", static_cast<double>(info.m_sor));
+    into.put("linear_slop_m", units.metres(info.m_linearSlop));
+    into.put("warm_starting_factor", static_cast<double>(info.m_warmstartingFactor));
+    into.put("split_impulse", info.m_splitImpulse);
+    into.put("split_impulse_penetration_threshold_m",
+             units.metres(info.m_splitImpulsePenetrationThreshold));
+    into.put("split_impulse_turn_erp", static_cast<double>(info.m_splitImpulseTurnErp));
+    into.put("restitution_velocity_threshold_m_per_s",
+             units.metres(info.m_restitutionVelocityThreshold));
+    into.put("least_squares_residual_threshold",
+             static_cast<double>(info.m_leastSquaresResidualThreshold));
+    into.put("minimum_solver_batch_size", info.m_minimumSolverBatchSize);
+    into.put("continuous_collision", dispatch.m_useContinuous);
+    into.put("separating_axis_test_for_hulls", dispatch.m_enableSatConvex);
+    into.put("speculative_contact_restitution", world.getApplySpeculativeContactRestitution());
+}
+
+void read_body(const Units &units, const btRigidBody &body, ReadBack &into) {
+    into.put("linear_damping", static_cast<double>(body.getLinearDamping()));
+    into.put("angular_damping", static_cast<double>(body.getAngularDamping()));
+    into.put("rigid_body_flags", body.getFlags());
+    into.put("activation_state", body.getActivationState());
+    into.put("collision_margin_m", units.metres(body.getCollisionShape()->getMargin()));
+    // Whether it sleeps at this moment is no setting; whether it may, is.
+    into.put("deactivation", body.getActivationState() != DISABLE_DEACTIVATION);
+    into.put("deactivation_speed_m_per_s", units.metres(body.getLinearSleepingThreshold()));
+    into.put("deactivation_spin_rad_per_s",
+             static_cast<double>(body.getAngularSleepingThreshold()));
+    into.put("deactivation_time_s", static_cast<double>(gDeactivationTime));
+}
+
+} // namespace pluvia

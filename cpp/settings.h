@@ -1,0 +1,36 @@
+// A world's settings: given to Bullet, and read back from it.
+#pragma once
+
+#include "convert.h"
+#include "pluvia/src/world/bullet/ffi.rs.h"
+
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <utility>
+
+namespace pluvia {
+
+// Settings as read back, one name and one number each.
+class ReadBack {
+  public:
+    void put(const char *name, double value) {
+        out_.push_back(EngineSetting{rust::String(name), value});
+    }
+    rust::Vec<EngineSetting> take() { return std::move(out_); }
+
+  private:
+    rust::Vec<EngineSetting> out_;
+};
+
+// Gravity, solver and dispatch settings. No default of Bullet's is left alone.
+void set_world(btDiscreteDynamicsWorld &world, const Units &units,
+               const WorldDefinition &definition);
+
+// The same as Bullet holds them.
+void read_world(const Units &units, btDiscreteDynamicsWorld &world, ReadBack &into);
+
+// What Bullet holds of a free body that every free body has alike.
+void read_body(const Units &units, const btRigidBody &body, ReadBack &into);
+
+} // namespace pluvia

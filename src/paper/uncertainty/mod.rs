@@ -1,0 +1,412 @@
+//! How sure the study's numbers are: intervals over the configurations, whether
+//! the standing height falls with the falling height, and what the laboratory's
+//! scatter is known to be.
+
+#[cfg(test)]
+mod tests;
+
+use serde::Serialize;
+
+use super::{
+    Interval, StudyView, bands,
+    constants::{LABORATORY_PLUVIATION_TESTS, LABORATORY_VIBRATION_TESTS},
+    text::number,
+};
+use crate::measure::{
+    inference::{MeanTest, page_test, values_needed},
+    statistics::{least_squares_slope, mean},
+};
+use crate::record::{RunKind, RunRecord, Settlement};
+
+/// Confidence of every interval and test.
+pub const CONFIDENCE: f64 = 0.95;
+/// Probability with which the configurations asked for would find the trend.
+pub const POWER: f64 = 0.8;
+const MM_IN_CM: f64 = 10.0;
+
+/// `uncertainty.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Uncertainty {
+    /// Confidence of every interval.
+    pub confidence: f64,
+    /// What was measured in every configuration.
+    pub quantities: Vec<Quantity>,
+    /// Whether the standing height falls with the falling height.
+    pub trend: Trend,
+    /// The settlements, each with its own creep beside it. The creep is never
+    /// subtracted.
+    pub settlements: Vec<SettledRun>,
+    /// What is known of the laboratory's scatter.
+    pub laboratory: Vec<LaboratoryScatter>,
+}
+
+/// One quantity over the configurations.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Quantity {
+    /// What was measured.
+    pub name: String,
+    /// Unit of its values.
+    pub unit: String,
+    /// Falling height in mm, where grains were poured for it.
+    pub falling_height_mm: Option<f64>,
+    /// One value a configuration.
+    pub values: Vec<f64>,
+    /// The runs they are from.
+    pub runs: Vec<String>,
+    /// Their mean; null without any.
+    pub mean: Option<f64>,
+    /// Smallest and largest.
+    pub range: Option<Interval>,
+    /// Standard deviation of a single configuration; null of fewer than two.
+    pub standard_deviation: Option<f64>,
+    /// Confidence interval of the mean, by Student's t; null of fewer than two.
+    pub interval: Option<Interval>,
+    /// Why there is no interval, or what to mind; empty where nothing is.
+    pub note: String,
+}
+
+/// Tests of the fall of standing height with falling height.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trend {
+    /// Least squares slope of each configuration, in mm per cm.
+    pub slopes_mm_per_cm: Vec<f64>,
+    /// The configurations they are of: those poured from every height.
+    pub configurations: Vec<u32>,
+    /// Mean slope and its interval, in mm per cm.
+    pub slope: Option<SlopeTest>,
+    /// Page's trend test by ranks.
+    pub page: Option<RankTest>,
+    /// Configurations with which a t-test at the confidence finds the measured
+    /// slope with a probability of 80 %, were the measured scatter the true one;
+    /// null of fewer than three configurations.
+    pub configurations_needed: Option<usize>,
+    /// The result in words.
+    pub verdict: String,
+}
+
+/// One-sample t-test of the slopes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SlopeTest {
+    /// Mean slope in mm per cm.
+    pub mean_mm_per_cm: f64,
+    /// Its confidence interval.
+    pub interval: Interval,
+    /// Student's t; null where the slopes do not differ at all.
+    pub t: Option<f64>,
+    /// Degrees of freedom.
+    pub freedom: f64,
+    /// Two-sided p-value of no slope.
+    pub p: f64,
+}
+
+/// Page's test.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RankTest {
+    /// Page's L, with the heights from the highest fall to the lowest.
+    pub l: f64,
+    /// Configurations.
+    pub configurations: usize,
+    /// Falling heights.
+    pub heights: usize,
+    /// Exact one-sided p-value of no fall.
+    pub p: f64,
+}
+
+/// A settlement with what the specimen creeps by itself.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SettledRun {
+    /// Name of the run.
+    pub run: String,
+    /// Settlement of the plate at the end, in mm.
+    pub plate_mm: Option<f64>,
+    /// Of the mean surface.
+    pub surface_mm: Option<f64>,
+    /// Creep in the no-shake control in µm/s; null where none was run.
+    pub creep_um_per_s: Option<f64>,
+    /// That creep over as long as the vibration took, in mm.
+    pub creep_over_vibration_mm: Option<f64>,
+    /// Drop of the plate in the whole control, in mm.
+    pub control_plate_drop_mm: Option<f64>,
+    /// Length of the control in s.
+    pub control_s: Option<f64>,
+}
+
+/// What the paper's text says of the laboratory's scatter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LaboratoryScatter {
+    /// What was measured.
+    pub quantity: String,
+    /// The range that the text states; null where it states none.
+    pub stated_range: Option<Interval>,
+    /// Ours, smallest and largest over the configurations.
+    pub ours: Option<Interval>,
+    /// Unit of both.
+    pub unit: String,
+    /// What is known and what is not.
+    pub note: String,
+}
+
+impl Quantity {
+    fn of<'a>(
+        name: String,
+        unit: &str,
+        falling_height_mm: Option<f64>,
+        values: impl IntoIterator<Item = (&'a RunRecord, f64)>,
+    ) -> Self {
+        let (runs, values): (Vec<String>, Vec<f64>) = values
+            .into_iter()
+            .filter(|(_, v)| v.is_finite())
+            .map(|(run, v)| (run.name.clone(), v))
+            .unzip();
+        let test = MeanTest::of(&values, CONFIDENCE);
+        let note = match values.len() {
+            0 => "Not measured.",
+            1 => "One configuration: no interval can be given.",
+            2 => "Two configurations: the interval is t = 12.7 standard errors to either side.",
+            _ => "",
+        };
+        Self {
+            name,
+            unit: unit.to_owned(),
+            falling_height_mm,
+            mean: mean(&values),
+            range: Interval::of(values.iter().copied()),
+            standard_deviation: test.map(|t| t.standard_deviation),
+            interval: test.map(|t| Interval::new(t.mean - t.half_width, t.mean + t.half_width)),
+            values,
+            runs,
+            note: note.to_owned(),
+        }
+    }
+}
+
+/// The uncertainty of a study.
+pub fn uncertainty(study: &StudyView) -> Uncertainty {
+    let mut quantities: Vec<Quantity> = study
+        .falling_heights_mm()
+        .into_iter()
+        .map(|fh| {
+            let name = format!("standing height from {} cm", number(fh / MM_IN_CM, 0));
+            let runs = study.configurations().filter_map(|c| study.pluviation(c, fh));
+            Quantity::of(name, "mm", Some(fh), runs.map(|r| (r, height_mm(r))))
+        })
+        .collect();
+    type Of = fn(&RunRecord) -> Option<&Settlement>;
+    let of: [(&str, Of); 2] = [
+        ("plate", |r| r.summary.settlement_mm.as_ref()),
+        ("mean surface", |r| r.summary.surface_settlement_mm.as_ref()),
+    ];
+    for (kind, mode) in MODES {
+        for (what, settlement) in of {
+            let continuous = kind == RunKind::VibrationContinuous;
+            let early = |s: &Settlement| {
+                if continuous { s.after_5_s } else { s.after_each_period.first().copied() }
+            };
+            let first = if continuous { "after 5 s" } else { "after the first period" };
+            let name = |what_of_it: &str| format!("{mode} vibration, {what}, {what_of_it}");
+            let values = |value: &dyn Fn(&Settlement) -> Option<f64>| {
+                let each = study.of_kind(kind).filter_map(|r| Some((r, value(settlement(r)?)?)));
+                each.collect::<Vec<_>>()
+            };
+            quantities.push(Quantity::of(name(first), "mm", None, values(&early)));
+            let end = values(&|s| Some(s.final_mm));
+            quantities.push(Quantity::of(name("final"), "mm", None, end));
+            let share = values(&|s| Some(100.0 * early(s)? / s.final_mm));
+            quantities.push(Quantity::of(name(&format!("share {first}")), "%", None, share));
+        }
+    }
+    let laboratory = laboratory(&quantities);
+    Uncertainty {
+        confidence: CONFIDENCE,
+        trend: trend(study),
+        settlements: MODES
+            .iter()
+            .flat_map(|(kind, _)| study.of_kind(*kind))
+            .map(|run| settled(run))
+            .collect(),
+        laboratory,
+        quantities,
+    }
+}
+
+const MODES: [(RunKind, &str); 2] = [
+    (RunKind::VibrationContinuous, "continuous"),
+    (RunKind::VibrationIntermittent, "intermittent"),
+];
+
+fn height_mm(run: &RunRecord) -> f64 {
+    run.summary.standing_height_mm.mean_surface
+}
+
+fn settled(run: &RunRecord) -> SettledRun {
+    let s = &run.summary;
+    let mut shaken = run
+        .series
+        .iter()
+        .filter(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some())
+        .map(|r| r.time_s);
+    let duration = shaken.next().zip(shaken.next_back()).map(|(first, last)| last - first);
+    SettledRun {
+        run: run.name.clone(),
+        plate_mm: s.settlement_mm.as_ref().map(|s| s.final_mm),
+        surface_mm: s.surface_settlement_mm.as_ref().map(|s| s.final_mm),
+        creep_um_per_s: s.creep_um_per_s,
+        creep_over_vibration_mm: s.creep_um_per_s.zip(duration).map(|(c, t)| 1e-3 * c * t),
+        control_plate_drop_mm: s.control.and_then(|c| c.plate_drop_mm),
+        control_s: s.control.map(|c| c.duration_s),
+    }
+}
+
+/// Whether the standing height falls with the falling height.
+///
+/// A configuration is one block: it is poured from every height, so that its
+/// own level falls out of the comparison.
+pub fn trend(study: &StudyView) -> Trend {
+    let heights = study.falling_heights_mm();
+    let mut configurations = Vec::new();
+    let mut curves: Vec<Vec<(f64, f64)>> = Vec::new();
+    for c in study.configurations() {
+        let curve: Vec<(f64, f64)> = heights
+            .iter()
+            .filter_map(|fh| Some((fh / MM_IN_CM, height_mm(study.pluviation(c, *fh)?))))
+            .filter(|p| p.1.is_finite())
+            .collect();
+        // One without every height would weigh the heights unequally.
+        if curve.len() == heights.len() && curve.len() >= 2 {
+            configurations.push(c);
+            curves.push(curve);
+        }
+    }
+    let slopes: Vec<f64> = curves.iter().filter_map(|c| least_squares_slope(c)).collect();
+    let test = MeanTest::of(&slopes, CONFIDENCE);
+    let slope = test.map(|t| SlopeTest {
+        mean_mm_per_cm: t.mean,
+        interval: Interval::new(t.mean - t.half_width, t.mean + t.half_width),
+        t: Some(t.t).filter(|t| t.is_finite()),
+        freedom: t.freedom,
+        p: t.p,
+    });
+    // From the highest fall to the lowest the standing height is expected to rise.
+    let rows: Vec<Vec<f64>> =
+        curves.iter().map(|c| c.iter().rev().map(|p| p.1).collect()).collect();
+    let page = page_test(&rows).map(|t| RankTest {
+        l: t.l,
+        configurations: rows.len(),
+        heights: heights.len(),
+        p: t.p,
+    });
+    let needed = test.filter(|t| t.count >= 3 && t.standard_deviation > 0.0);
+    let configurations_needed =
+        needed.and_then(|t| values_needed(t.mean / t.standard_deviation, CONFIDENCE, POWER));
+    let verdict = in_words(&slopes, slope.as_ref(), page.as_ref(), configurations_needed);
+    Trend { slopes_mm_per_cm: slopes, configurations, slope, page, configurations_needed, verdict }
+}
+
+/// A p-value for readers.
+pub(crate) fn p_value(p: f64) -> String {
+    if p < 0.001 { "below 0.001".to_owned() } else { number(p, 3) }
+}
+
+fn in_words(
+    slopes: &[f64],
+    slope: Option<&SlopeTest>,
+    page: Option<&RankTest>,
+    needed: Option<usize>,
+) -> String {
+    let level = 1.0 - CONFIDENCE;
+    let Some(slope) = slope else {
+        return format!(
+            "{} poured from every height: whether the standing height falls with the falling height \
+             cannot be told from scatter.",
+            match slopes.len() {
+                0 => "No configuration was".to_owned(),
+                _ => "Only one configuration was".to_owned(),
+            }
+        );
+    };
+    let mut text = format!(
+        "The standing height changes by {} mm per cm of falling height, 95 % confidence {} to {} \
+         (t-test of {} slopes, p = {})",
+        number(slope.mean_mm_per_cm, 3),
+        number(slope.interval.low, 3),
+        number(slope.interval.high, 3),
+        slopes.len(),
+        p_value(slope.p)
+    );
+    if let Some(page) = page {
+        text += &format!(
+            "; by ranks alone Page's L is {} (p = {})",
+            number(page.l, 1),
+            p_value(page.p)
+        );
+    }
+    text += match (slope.mean_mm_per_cm < 0.0, slope.p < level, page.map(|p| p.p < level)) {
+        (true, true, Some(true) | None) => ". Both say that it falls.",
+        (true, true, Some(false)) => ". The slopes say that it falls, the ranks are not enough.",
+        (true, false, Some(true)) => {
+            ". The ranks say that it falls; by how much is not known to this confidence."
+        }
+        (false, true, _) => ". It rises, against the paper.",
+        _ => ". That it falls is not shown.",
+    };
+    match needed {
+        Some(n) if n > slopes.len() => {
+            text += &format!(
+                " Were the measured slope and scatter the true ones, {n} configurations would show it \
+                 with a probability of 80 %."
+            );
+        }
+        Some(n) => {
+            text += &format!(
+                " Were the measured slope and scatter the true ones, {n} configurations would be \
+                 enough for a probability of 80 %."
+            );
+        }
+        None if slopes.len() < 3 => {
+            text += " How many configurations would show it cannot be told from fewer than three.";
+        }
+        None => {}
+    }
+    text
+}
+
+fn laboratory(quantities: &[Quantity]) -> Vec<LaboratoryScatter> {
+    let ours = |name: &str| quantities.iter().find(|q| q.name == name).and_then(|q| q.range);
+    let poured = quantities.iter().filter(|q| q.falling_height_mm.is_some());
+    let widest =
+        poured.filter_map(|q| q.range).max_by(|a, b| (a.high - a.low).total_cmp(&(b.high - b.low)));
+    vec![
+        LaboratoryScatter {
+            quantity: "standing height; ours: the falling height with the widest range".into(),
+            stated_range: None,
+            ours: widest,
+            unit: "mm".into(),
+            note: format!(
+                "{LABORATORY_PLUVIATION_TESTS} tests from four heights. Their range was drawn in Figure \
+                 7 only and is lost; the text states no number and no standard deviation."
+            ),
+        },
+        LaboratoryScatter {
+            quantity: "final settlement of the plate, continuous".into(),
+            stated_range: Some(bands::final_settlement_mm().read_as),
+            ours: ours("continuous vibration, plate, final"),
+            unit: "mm".into(),
+            note: format!(
+                "Smallest and largest of some of {LABORATORY_VIBRATION_TESTS} vibration tests; how many \
+                 were continuous, their mean and their standard deviation are not stated, so that no \
+                 interval of the laboratory's mean can be given. A range grows with the number of \
+                 tests: that of a few configurations is narrower by itself."
+            ),
+        },
+        LaboratoryScatter {
+            quantity: "final settlement of the plate, intermittent".into(),
+            stated_range: None,
+            ours: ours("intermittent vibration, plate, final"),
+            unit: "mm".into(),
+            note:
+                "The range was drawn in Figure 10 only and is lost; the text says that one of the \
+                   paper's simulations ended 11 % below its lower end."
+                    .into(),
+        },
+    ]
+}

@@ -1,0 +1,99 @@
+//! Uncertainty of made-up studies.
+
+use super::*;
+use crate::paper::canned;
+
+fn near(what: &str, expected: f64, got: f64, tolerance: f64) {
+    assert!(
+        (expected - got).abs() <= tolerance,
+        "law: {what} is {expected}, got {got}, tolerance {tolerance}"
+    );
+}
+
+#[test]
+fn intervals_are_students_of_the_configurations() {
+    let runs = canned::runs();
+    let found = uncertainty(&canned::study(&runs));
+    // 16, 18, 20 mm: mean 18, s = 2, half width 4.30265 · 2/√3.
+    let plate = found
+        .quantities
+        .iter()
+        .find(|q| q.name == "continuous vibration, plate, final")
+        .expect("the plate");
+    near("the mean", 18.0, plate.mean.expect("a mean"), 1e-12);
+    near("s", 2.0, plate.standard_deviation.expect("s"), 1e-12);
+    let interval = plate.interval.expect("an interval");
+    near("the upper end", 18.0 + 4.302_653 * 2.0 / 3f64.sqrt(), interval.high, 1e-5);
+    near("the lower end", 18.0 - 4.302_653 * 2.0 / 3f64.sqrt(), interval.low, 1e-5);
+    let heights = found.quantities.iter().filter(|q| q.falling_height_mm.is_some()).count();
+    assert_eq!(heights, 4, "one a falling height");
+    assert_eq!(found.settlements.len(), 6, "every vibrated run");
+    let first = &found.settlements[0];
+    // 0.8 µm/s over 20 s; the settlement stays as it is.
+    near("creep over the vibration", 0.016, first.creep_over_vibration_mm.expect("mm"), 1e-4);
+    near("the settlement, nothing taken off", 16.0, first.plate_mm.expect("mm"), 1e-12);
+}
+
+/// Canned heights with scatter on top; (configuration, height in cm) to mm.
+fn scattered(slope: f64, noise: impl Fn(u32, f64) -> f64) -> Vec<RunRecord> {
+    let mut runs = canned::runs();
+    for run in &mut runs {
+        let fh = run.falling_height_mm / MM_IN_CM;
+        run.summary.standing_height_mm.mean_surface =
+            160.0 + slope * fh + noise(run.configuration, fh);
+    }
+    runs
+}
+
+#[test]
+fn a_trend_is_found_where_there_is_one() {
+    let runs = scattered(-0.4, |c, fh| 0.01 * f64::from(c) * fh);
+    let trend = uncertainty(&canned::study(&runs)).trend;
+    // Slopes −0.39, −0.38, −0.37.
+    near("the mean slope", -0.38, trend.slope.expect("a test").mean_mm_per_cm, 1e-9);
+    near("t", -0.38 / (0.01 / 3f64.sqrt()), trend.slope.expect("a test").t.expect("t"), 1e-6);
+    let page = trend.page.expect("a test");
+    near("L", 90.0, page.l, 1e-9);
+    near("p of L", 24f64.powi(-3), page.p, 1e-12);
+    assert!(trend.verdict.contains("Both say that it falls"), "{}", trend.verdict);
+    assert!(trend.configurations_needed.is_some_and(|n| n <= 3), "{trend:?}");
+}
+
+#[test]
+fn no_trend_is_found_where_there_is_none_or_the_other() {
+    let flat = scattered(0.0, |c, fh| if c == 2 { 0.1 * fh } else { -0.06 * fh });
+    let trend = uncertainty(&canned::study(&flat)).trend;
+    assert!(trend.verdict.contains("not shown"), "{}", trend.verdict);
+    assert!(trend.configurations_needed.is_some_and(|n| n > 3), "{trend:?}");
+    let rising = scattered(0.4, |c, fh| 0.01 * f64::from(c) * fh);
+    let trend = uncertainty(&canned::study(&rising)).trend;
+    assert!(trend.verdict.contains("rises, against the paper"), "{}", trend.verdict);
+    near("p of L, rising", 1.0, trend.page.expect("a test").p, 1e-9);
+}
+
+#[test]
+fn too_few_configurations_are_said_to_be_too_few() {
+    for (configurations, interval, needed) in [(1, false, false), (2, true, false), (3, true, true)]
+    {
+        let mut runs = scattered(-0.4, |c, fh| 0.1 * f64::from(c) * fh);
+        runs.retain(|r| r.configuration <= configurations);
+        let found = uncertainty(&canned::study(&runs));
+        let height = &found.quantities[0];
+        assert_eq!(height.interval.is_some(), interval, "{configurations}: {height:?}");
+        assert_eq!(height.note.contains("no interval"), !interval, "{height:?}");
+        assert_eq!(found.trend.slope.is_some(), interval, "{configurations}");
+        assert_eq!(found.trend.configurations_needed.is_some(), needed, "{configurations}");
+    }
+    let none = uncertainty(&canned::study(&[]));
+    assert!(none.trend.verdict.starts_with("No configuration"), "{}", none.trend.verdict);
+}
+
+#[test]
+fn what_the_laboratory_did_not_state_is_not_made_up() {
+    let runs = canned::runs();
+    let found = uncertainty(&canned::study(&runs)).laboratory;
+    let stated: Vec<bool> = found.iter().map(|l| l.stated_range.is_some()).collect();
+    assert_eq!(stated, [false, true, false], "law: the text states one range only");
+    assert_eq!(found[1].stated_range, Some(Interval::new(14.0, 19.61)));
+    assert_eq!(found[1].ours, Some(Interval::new(16.0, 20.0)));
+}

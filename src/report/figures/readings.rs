@@ -1,0 +1,170 @@
+//! Curves of several readings of the paper in one frame.
+
+use super::{Figure, Table, cell};
+use crate::{
+    measure::statistics::mean,
+    paper::{bands, constants},
+    record::RunKind,
+    report::{
+        ReadingColumn, ReadingRun, ReportError,
+        axis::Axis,
+        plot::{BandArea, Look, Plot, Series},
+        style,
+    },
+};
+
+const MM_IN_CM: f64 = 10.0;
+/// Distance between markers along a curve, in SVG units.
+const MARKER_SPACING: f64 = 230.0;
+/// Curves that colours and markers can tell apart; those after them are dashed.
+const DISTINCT: usize = 6;
+
+/// Figure 7 and the settlements, a line a reading.
+///
+/// # Errors
+/// [`ReportError::Figure`].
+pub(in crate::report) fn of_readings(
+    columns: &[ReadingColumn],
+) -> Result<Vec<Figure>, ReportError> {
+    Ok(vec![
+        heights(columns)?,
+        settlement(columns, RunKind::VibrationContinuous, true)?,
+        settlement(columns, RunKind::VibrationContinuous, false)?,
+        settlement(columns, RunKind::VibrationIntermittent, true)?,
+        settlement(columns, RunKind::VibrationIntermittent, false)?,
+    ])
+}
+
+fn look(n: usize, marker_spacing: Option<f64>) -> Look {
+    Look {
+        colour: style::colour(n),
+        line: Some(if n < DISTINCT { style::SOLID } else { style::DASHED }),
+        width: style::CURVE,
+        marker: Some(style::marker(if n < DISTINCT { n } else { n + 1 })),
+        marker_spacing,
+    }
+}
+
+/// Why some readings of the table have no line.
+fn missing(columns: &[ReadingColumn], shown: &[&str]) -> String {
+    let names: Vec<&str> =
+        columns.iter().map(|c| c.name.as_str()).filter(|n| !shown.contains(n)).collect();
+    if names.is_empty() {
+        String::new()
+    } else {
+        format!(" Without a run that kept grains: {}.", names.join(", "))
+    }
+}
+
+fn heights(columns: &[ReadingColumn]) -> Result<Figure, ReportError> {
+    let mut table =
+        Table::new(&["reading", "configurations", "falling_height_mm", "mean_surface_mm"]);
+    let mut curves = Vec::new();
+    for (n, column) in columns.iter().enumerate() {
+        let mut points = Vec::new();
+        for fh in constants::FALLING_HEIGHTS_MM {
+            let heights: Vec<f64> = column
+                .of_kind(RunKind::Pluviation)
+                .filter(|r| (r.falling_height_mm - fh).abs() < 0.5)
+                .map(|r| r.summary.standing_height_mm.mean_surface)
+                .filter(|h| h.is_finite())
+                .collect();
+            if let Some(height) = mean(&heights) {
+                points.push((fh / MM_IN_CM, height));
+                let count = heights.len().to_string();
+                table.row([column.name.clone(), count, cell(fh), cell(height)]);
+            }
+        }
+        if !points.is_empty() {
+            curves.push((n, column, points));
+        }
+    }
+    let mut x = Axis::with_ticks("Falling height (cm)", &[0.0, 5.0, 10.0, 15.0, 20.0]);
+    // Markers at the ends stand clear of the frame.
+    (x.from, x.to) = (-1.0, 21.0);
+    let all = curves.iter().flat_map(|(_, _, points)| points.iter().map(|p| p.1));
+    let mut plot = Plot::new(x, Axis::linear("Standing height (mm)", all));
+    let shown: Vec<&str> = curves.iter().map(|(_, c, _)| c.name.as_str()).collect();
+    let missing = missing(columns, &shown);
+    for (n, column, points) in curves {
+        plot.series.push(Series { label: column.name.clone(), look: look(n, None), points });
+    }
+    let caption = format!(
+        "Mean surface after pluviation over falling height, mean over the configurations. The \
+         laboratory's range is lost with the paper's figure. A height is comparable only where \
+         grains do not overlap: see the table.{missing}"
+    );
+    let stem = "readings-standing-height";
+    Figure::new(stem, "Figure 7 under each reading", caption, &plot, &table)
+}
+
+/// Mean over the runs, at the times of the first, up to where the shortest ends.
+fn mean_curve<'a>(
+    runs: impl Iterator<Item = &'a ReadingRun>,
+    curve: impl Fn(&'a ReadingRun) -> &'a [(f64, f64)],
+) -> Vec<(f64, f64)> {
+    let curves: Vec<&[(f64, f64)]> = runs.map(curve).filter(|c| !c.is_empty()).collect();
+    let length = curves.iter().map(|c| c.len()).min().unwrap_or(0);
+    (0..length)
+        .filter_map(|i| {
+            Some((curves[0][i].0, mean(&curves.iter().map(|c| c[i].1).collect::<Vec<_>>())?))
+        })
+        .collect()
+}
+
+fn settlement(
+    columns: &[ReadingColumn],
+    kind: RunKind,
+    plate: bool,
+) -> Result<Figure, ReportError> {
+    let mut table = Table::new(&["reading", "time_s", "settlement_mm"]);
+    let mut curves = Vec::new();
+    for (n, column) in columns.iter().enumerate() {
+        let points =
+            mean_curve(
+                column.of_kind(kind),
+                |r| {
+                    if plate { &r.plate_curve } else { &r.surface_curve }
+                },
+            );
+        for (time, value) in &points {
+            table.row([column.name.clone(), cell(*time), cell(*value)]);
+        }
+        if !points.is_empty() {
+            curves.push((n, column, points));
+        }
+    }
+    let continuous = kind == RunKind::VibrationContinuous;
+    let band = (continuous && plate).then(|| bands::final_settlement_mm().read_as);
+    let points = || curves.iter().flat_map(|(_, _, points)| points);
+    let depths =
+        points().map(|p| p.1).chain([0.0]).chain(band.into_iter().flat_map(|b| [b.low, b.high]));
+    let x = Axis::linear("Time since vibration began (s)", points().map(|p| p.0).chain([0.0]));
+    let mut plot = Plot::new(x, Axis::linear("Settlement (mm)", depths).reversed());
+    if let Some(band) = band {
+        plot.bands.push(BandArea {
+            label: "Laboratory, range of the final settlement".into(),
+            between: (band.low, band.high),
+        });
+    }
+    let shown: Vec<&str> = curves.iter().map(|(_, c, _)| c.name.as_str()).collect();
+    let missing = missing(columns, &shown);
+    for (n, column, points) in curves {
+        let look = look(n, Some(MARKER_SPACING));
+        plot.series.push(Series { label: column.name.clone(), look, points });
+    }
+    let what = if plate { "top plate" } else { "mean surface" };
+    let (number, mode) = if continuous { (9, "continuous") } else { (10, "intermittent") };
+    let caption = format!(
+        "Settlement of the {what} under {mode} vibration, mean over the configurations.{}{missing}",
+        if band.is_some() {
+            " Hatched: the laboratory's range of the final settlement; it belongs to the end of the \
+             curves. Grains that sink into each other settle too: see the table."
+        } else {
+            ""
+        }
+    );
+    let stem = format!("readings-{mode}-{}", if plate { "plate" } else { "surface" });
+    let title = format!("Figure {number} under each reading: {what}");
+    Figure::new(&stem, &title, caption, &plot, &table)
+}

@@ -1,0 +1,226 @@
+//! The table of readings as Markdown and as a page.
+
+use std::fmt::Write as _;
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::{ReadingCell, ReadingColumn, ReadingRow, table::decimals};
+use crate::{
+    paper::{Verdict, text::number},
+    report::{
+        Figure, Standard,
+        html::{figure_block, glue},
+    },
+};
+
+const CSS: &str = include_str!("../report.css");
+
+/// What a reader must know of every column, with its own numbers.
+fn belief(c: &ReadingColumn, standard: Standard) -> String {
+    let met = c.runs.iter().filter(|r| r.summary.meets_standard).count();
+    if c.runs.is_empty() {
+        return "No run could be carried out.".to_owned();
+    }
+    if met == c.runs.len() {
+        return format!("All {met} runs meet the accuracy standard.");
+    }
+    let worst = |value: &dyn Fn(&super::ReadingRun) -> f64| {
+        c.runs.iter().map(value).filter(|v| v.is_finite()).fold(0.0, f64::max)
+    };
+    format!(
+        "{met} of {} runs meet the accuracy standard: grains overlap by up to {} % of their \
+         diameter on average ({} % allowed) and {} % at the 99th percentile ({} %), and a specimen \
+         left alone sinks by up to {} µm/s ({}). Where it agrees with the paper, grains that sink \
+         into each other may be what agrees.",
+        c.runs.len(),
+        number(worst(&|r| r.summary.overlap.mean_percent), 2),
+        standard.overlap_mean_percent,
+        number(worst(&|r| r.summary.overlap.p99_percent), 1),
+        standard.overlap_p99_percent,
+        number(worst(&|r| r.summary.creep_um_per_s.unwrap_or(0.0).abs()), 0),
+        standard.creep_um_per_s,
+    )
+}
+
+fn mark(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Within => "✓",
+        Verdict::Outside => "✗",
+        Verdict::NotStated => "",
+    }
+}
+
+fn how_read(columns: &[ReadingColumn]) -> String {
+    let configurations = columns.iter().map(|c| c.configurations).max().unwrap_or(0);
+    format!(
+        "Every column is the same programme with the same grains under another reading of the paper, \
+         in {configurations} {}. A cell is the mean over the runs that have it, with the smallest \
+         and the largest in brackets. ✓ and ✗: the paper's statement is met, or it is not.",
+        if configurations == 1 { "configuration" } else { "configurations" }
+    )
+}
+
+/// `readings.md`.
+pub(super) fn markdown(
+    columns: &[ReadingColumn],
+    rows: &[ReadingRow],
+    standard: Standard,
+) -> String {
+    let safe = |text: &str| text.replace('|', "\\|").replace('\n', " ");
+    let mut out = format!("# The paper's readings side by side\n\n{}\n\n", how_read(columns));
+    for c in columns {
+        let _ = writeln!(
+            out,
+            "- **{}** — {}. {} {} Source: {}",
+            c.name,
+            c.title,
+            c.meaning,
+            belief(c, standard),
+            c.source
+        );
+        for f in &c.failures {
+            let _ = writeln!(out, "  - {} failed: {}", f.run, f.reason);
+        }
+    }
+    let names: Vec<&str> = columns.iter().map(|c| c.name.as_str()).collect();
+    let _ = writeln!(out, "\n| | paper | {} |", names.join(" | "));
+    let _ = writeln!(out, "| --- | --- |{}", " ---: |".repeat(names.len()));
+    let mut part = "";
+    for row in rows {
+        if row.part != part {
+            part = &row.part;
+            let _ = writeln!(out, "| **{}** | |{}", safe(part), " |".repeat(names.len()));
+        }
+        let unit = if row.unit.is_empty() { String::new() } else { format!(", {}", row.unit) };
+        let cells: Vec<String> = row
+            .cells
+            .iter()
+            .map(|cell| {
+                let mark = cell.verdict.filter(|_| cell.value.is_some()).map_or("", mark);
+                safe(format!("{} {mark}", cell.text(decimals(&row.unit))).trim_end())
+            })
+            .collect();
+        let _ = writeln!(
+            out,
+            "| {}{unit} | {} | {} |",
+            safe(&row.quantity),
+            safe(&row.paper),
+            cells.join(" | ")
+        );
+    }
+    out
+}
+
+/// `readings.html`.
+pub(super) fn html(
+    columns: &[ReadingColumn],
+    rows: &[ReadingRow],
+    figures: &[Figure],
+    standard: Standard,
+) -> String {
+    let title = "The paper's readings side by side";
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(CSS)) }
+            }
+            body {
+                header {
+                    h1 { (title) }
+                    p.soft {
+                        "What the authors of Izadi & Bezuijen (2014) may have meant or typed where the "
+                        "text leaves it open."
+                    }
+                    @if columns.iter().any(|c| c.quick) {
+                        p.banner {
+                            "This is the quick study: fewer grains than the paper's. Its heights and "
+                            "settlements are not comparable with the paper."
+                        }
+                    }
+                    p.lead { (glue(&how_read(columns))) }
+                }
+                main {
+                    section id="table" { h2 { "Side by side" } (table(columns, rows)) }
+                    section id="curves" {
+                        h2 { "Curves" }
+                        @for figure in figures { (figure_block(figure)) }
+                    }
+                    section id="readings" {
+                        h2 { "The readings" }
+                        @for c in columns { (about(c, standard)) }
+                    }
+                }
+            }
+        }
+    }
+    .into_string()
+}
+
+fn about(c: &ReadingColumn, standard: Standard) -> Markup {
+    html! {
+        h3 id={ "reading-" (c.name) } { (c.name) ": " (c.title) }
+        p { (glue(&c.meaning)) }
+        p { (glue(&belief(c, standard))) }
+        p.soft { "Source: " (glue(&c.source)) " Settings: " code { (c.settings) } }
+        @if !c.failures.is_empty() {
+            ul { @for f in &c.failures { li { strong { (f.run) } " failed: " (f.reason) } } }
+        }
+        @if !c.warnings.is_empty() {
+            details {
+                summary { "Warnings (" (c.warnings.len()) ")" }
+                ul { @for w in &c.warnings { li { (w) } } }
+            }
+        }
+    }
+}
+
+fn table(columns: &[ReadingColumn], rows: &[ReadingRow]) -> Markup {
+    let mut parts: Vec<(&str, Vec<&ReadingRow>)> = Vec::new();
+    for row in rows {
+        match parts.last_mut() {
+            Some((part, of)) if *part == row.part => of.push(row),
+            _ => parts.push((&row.part, vec![row])),
+        }
+    }
+    html! {
+        div.scroll { table.readings {
+            thead { tr {
+                th { "" } th { "Paper" }
+                @for c in columns { th.n { a href={ "#reading-" (c.name) } { (c.name) } } }
+            } }
+            @for (part, rows) in parts { tbody {
+                tr { th.part colspan=(columns.len() + 2) scope="rowgroup" { (part) } }
+                @for row in rows { tr {
+                    th scope="row" {
+                        (row.quantity)
+                        @if !row.unit.is_empty() { ", " (row.unit) }
+                    }
+                    td { (row.paper) }
+                    @for cell in &row.cells { (cell_of(row, cell)) }
+                } }
+            } }
+        } }
+    }
+}
+
+fn cell_of(row: &ReadingRow, cell: &ReadingCell) -> Markup {
+    let decimals = decimals(&row.unit);
+    let alone = ReadingCell { spread: None, ..cell.clone() };
+    html! {
+        td.n {
+            (alone.text(decimals))
+            @if let Some(verdict) = cell.verdict.filter(|v| *v != Verdict::NotStated) {
+                @let class = if verdict == Verdict::Within { "within" } else { "outside" };
+                @if cell.value.is_some() { " " span.verdict.(class) { (mark(verdict)) } }
+            }
+            @if let Some(s) = cell.spread {
+                @let shown = |v: f64| ReadingCell { value: Some(v), ..ReadingCell::default() }.text(decimals);
+                br; span.soft { "[" (shown(s.low)) " … " (shown(s.high)) "]" }
+            }
+        }
+    }
+}

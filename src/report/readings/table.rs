@@ -1,0 +1,260 @@
+//! The table of readings: its rows, from which every form of it is made.
+
+use serde::Serialize;
+
+use super::{ReadingColumn, ReadingRun};
+use crate::{
+    measure::statistics::mean,
+    paper::{
+        Interval, PaperValue, Verdict, constants,
+        text::{compact, number},
+    },
+    record::{RunKind, Settlement},
+};
+
+/// A row of the table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReadingRow {
+    /// Which part of the table it stands in.
+    pub part: String,
+    /// What is shown.
+    pub quantity: String,
+    /// Unit of its numbers; empty for pure numbers and words.
+    pub unit: String,
+    /// What the paper's text has for it; empty where it has nothing.
+    pub paper: String,
+    /// One cell a reading, in the order of the readings.
+    pub cells: Vec<ReadingCell>,
+}
+
+/// A cell of the table.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct ReadingCell {
+    /// Mean over the runs, where it is a number.
+    pub value: Option<f64>,
+    /// Smallest and largest, where several make it.
+    pub spread: Option<Interval>,
+    /// Words, where it is none.
+    pub words: String,
+    /// Whether a claim is met.
+    pub verdict: Option<Verdict>,
+}
+
+impl ReadingCell {
+    fn words(words: impl Into<String>) -> Self {
+        Self { words: words.into(), ..Self::default() }
+    }
+
+    /// Mean and range of numbers.
+    fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let values: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
+        let spread = Interval::of(values.iter().copied()).filter(|i| i.high > i.low);
+        Self { value: mean(&values), spread, ..Self::default() }
+    }
+
+    /// For readers.
+    pub(super) fn text(&self, decimals: Option<usize>) -> String {
+        let shown = |v: f64| decimals.map_or_else(|| compact(v), |d| number(v, d));
+        match (self.value, self.spread) {
+            (None, _) if self.words.is_empty() => "–".to_owned(),
+            (None, _) => self.words.clone(),
+            (Some(v), None) => shown(v),
+            (Some(v), Some(s)) => format!("{} [{} … {}]", shown(v), shown(s.low), shown(s.high)),
+        }
+    }
+}
+
+/// Decimals in which a unit's numbers are shown; four digits that count elsewhere.
+pub(super) fn decimals(unit: &str) -> Option<usize> {
+    match unit {
+        "mm" => Some(1),
+        "%" => Some(2),
+        "µm/s" => Some(1),
+        _ => None,
+    }
+}
+
+const OUTCOME: &str = "What became of it";
+const FIGURE_7: &str = "Figure 7: standing height, mean surface";
+const FIGURE_9: &str = "Figure 9: continuous vibration";
+const FIGURE_10: &str = "Figure 10: intermittent vibration";
+const TRUST: &str = "Whether it can be believed";
+const CLAIMS: &str = "The paper's statements";
+
+/// Every row of the table.
+pub(super) fn rows(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
+    let row = |part: &str,
+               quantity: &str,
+               unit: &str,
+               paper: &str,
+               cell: &dyn Fn(&ReadingColumn) -> ReadingCell| {
+        ReadingRow {
+            part: part.to_owned(),
+            quantity: quantity.to_owned(),
+            unit: unit.to_owned(),
+            paper: paper.to_owned(),
+            cells: columns.iter().map(cell).collect(),
+        }
+    };
+    let mut rows = vec![
+        row(OUTCOME, "runs carried out", "", "", &|c| {
+            ReadingCell::words(format!("{} of {}", c.runs.len(), c.planned_runs))
+        }),
+        row(OUTCOME, "runs that failed", "", "", &failures),
+        row(OUTCOME, "runs that lost every grain", "", "", &|c| {
+            ReadingCell::of([c.emptied().count() as f64])
+        }),
+        row(OUTCOME, "steps too coarse for the motion", "", "", &|c| {
+            ReadingCell::words(if c.warnings.is_empty() { "no" } else { "yes" })
+        }),
+    ];
+    for fh in constants::FALLING_HEIGHTS_MM {
+        let quantity = format!("from {} cm", number(fh / 10.0, 0));
+        rows.push(row(FIGURE_7, &quantity, "mm", "", &|c| {
+            let poured = c.of_kind(RunKind::Pluviation);
+            ReadingCell::of(
+                poured
+                    .filter(|r| (r.falling_height_mm - fh).abs() < 0.5)
+                    .map(|r| r.summary.standing_height_mm.mean_surface),
+            )
+        }));
+    }
+    type Of = fn(&ReadingRun) -> Option<&Settlement>;
+    let of: [(&str, Of); 2] = [
+        ("plate", |r| r.summary.settlement_mm.as_ref()),
+        ("mean surface", |r| r.summary.surface_settlement_mm.as_ref()),
+    ];
+    for (part, kind) in
+        [(FIGURE_9, RunKind::VibrationContinuous), (FIGURE_10, RunKind::VibrationIntermittent)]
+    {
+        let continuous = kind == RunKind::VibrationContinuous;
+        let first = if continuous { "after 5 s" } else { "after the first period" };
+        let early = move |s: &Settlement| {
+            if continuous { s.after_5_s } else { s.after_each_period.first().copied() }
+        };
+        for (what, settlement) in of {
+            let plate = what == "plate";
+            let stated = |text: &str| if plate { text.to_owned() } else { String::new() };
+            let cell = |c: &ReadingColumn, value: &dyn Fn(&Settlement) -> Option<f64>| {
+                ReadingCell::of(c.of_kind(kind).filter_map(|r| value(settlement(r)?)))
+            };
+            rows.push(row(part, &format!("{what}, {first}"), "mm", "", &|c| cell(c, &early)));
+            let lab = if continuous { stated("14 to 19.61") } else { String::new() };
+            rows.push(row(part, &format!("{what}, final"), "mm", &lab, &|c| {
+                cell(c, &|s| Some(s.final_mm))
+            }));
+            let share = stated(if continuous { "about 80" } else { "about 85" });
+            rows.push(row(part, &format!("{what}, share {first}"), "%", &share, &|c| {
+                cell(c, &|s| Some(100.0 * early(s)? / s.final_mm))
+            }));
+        }
+    }
+    rows.extend(trust(columns));
+    rows.extend(claims(columns));
+    rows
+}
+
+/// How many failed; why stands with the reading, being long.
+fn failures(c: &ReadingColumn) -> ReadingCell {
+    ReadingCell::words(match c.failures.len() {
+        0 => "none".to_owned(),
+        n => format!("{n}, see {}", c.name),
+    })
+}
+
+/// Overlap, creep and lost grains: what agreement is worth.
+fn trust(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
+    type Of = fn(&ReadingRun) -> Option<f64>;
+    let quantities: [(&str, &str, Of); 9] = [
+        ("overlap of grains, mean", "%", |r| Some(r.summary.overlap.mean_percent)),
+        ("overlap of grains, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent)),
+        ("largest overlap", "mm", |r| Some(r.summary.overlap.max_mm)),
+        ("creep at rest, unshaken", "µm/s", |r| r.summary.creep_um_per_s),
+        ("void ratio after pouring", "", |r| {
+            (r.kind == RunKind::Pluviation).then_some(r.summary.void_ratio)
+        }),
+        ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64)),
+        ("grains through walls or floor", "", |r| Some(r.summary.grains.escaped as f64)),
+        ("grains over the rim", "", |r| Some(r.summary.grains.spilled as f64)),
+        ("grains left in the funnel", "", |r| Some(r.summary.grains.left_in_funnel as f64)),
+    ];
+    let mut rows: Vec<ReadingRow> = quantities
+        .into_iter()
+        .map(|(quantity, unit, value)| ReadingRow {
+            part: TRUST.to_owned(),
+            quantity: quantity.to_owned(),
+            unit: unit.to_owned(),
+            paper: String::new(),
+            // Also of runs that lost every grain: that is what is to be seen.
+            cells: columns
+                .iter()
+                .map(|c| ReadingCell::of(c.runs.iter().filter_map(value)))
+                .collect(),
+        })
+        .collect();
+    rows.push(ReadingRow {
+        part: TRUST.to_owned(),
+        quantity: "runs that meet the accuracy standard".to_owned(),
+        unit: String::new(),
+        paper: String::new(),
+        cells: columns
+            .iter()
+            .map(|c| {
+                let met = c.runs.iter().filter(|r| r.summary.meets_standard).count();
+                ReadingCell::words(format!("{met} of {}", c.runs.len()))
+            })
+            .collect(),
+    });
+    rows
+}
+
+/// Every claim of any column, in the order of the first that has it.
+fn claims(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
+    let mut rows: Vec<ReadingRow> = Vec::new();
+    let mut known: Vec<&str> = Vec::new();
+    for claim in columns.iter().flat_map(|c| &c.claims) {
+        if known.contains(&claim.id.as_str()) {
+            continue;
+        }
+        known.push(&claim.id);
+        let cell = |c: &ReadingColumn| {
+            let Some(own) = c.claims.iter().find(|other| other.id == claim.id) else {
+                return ReadingCell::default();
+            };
+            ReadingCell {
+                value: own.ours,
+                spread: own.spread.filter(|s| s.high > s.low),
+                words: "not run".to_owned(),
+                verdict: Some(own.verdict),
+            }
+        };
+        rows.push(ReadingRow {
+            part: CLAIMS.to_owned(),
+            quantity: claim.statement.trim_end_matches('.').to_owned(),
+            unit: if claim.unit == "–" { String::new() } else { claim.unit.clone() },
+            paper: match claim.paper {
+                None => String::new(),
+                Some(PaperValue::Value { value }) => compact(value),
+                Some(PaperValue::Range(i)) => format!("{} to {}", compact(i.low), compact(i.high)),
+            },
+            cells: columns.iter().map(cell).collect(),
+        });
+    }
+    let tally = |c: &ReadingColumn| {
+        let count = |v| c.claims.iter().filter(|claim| claim.verdict == v).count();
+        ReadingCell::words(format!(
+            "{} / {} / {}",
+            count(Verdict::Within),
+            count(Verdict::Outside),
+            count(Verdict::NotStated)
+        ))
+    };
+    rows.push(ReadingRow {
+        part: CLAIMS.to_owned(),
+        quantity: "statements within / outside or not run / not stated".to_owned(),
+        unit: String::new(),
+        paper: String::new(),
+        cells: columns.iter().map(tally).collect(),
+    });
+    rows
+}

@@ -1,0 +1,123 @@
+//! The table of made-up readings.
+
+use super::*;
+use crate::paper::{canned, claims};
+
+const STANDARD: Standard =
+    Standard { overlap_mean_percent: 0.5, overlap_p99_percent: 3.0, creep_um_per_s: 5.0 };
+
+/// A reading of canned runs, changed.
+pub(super) fn column(name: &str, change: impl Fn(&mut Vec<RunRecord>)) -> ReadingColumn {
+    let mut runs = canned::runs();
+    change(&mut runs);
+    let claims = claims(&canned::study(&runs));
+    ReadingColumn {
+        name: name.into(),
+        title: format!("the reading {name}"),
+        meaning: "What it stands for.".into(),
+        source: "Section 3.".into(),
+        settings: "manifold".into(),
+        programme: "p".into(),
+        quick: false,
+        configurations: 3,
+        planned_runs: 18,
+        runs: runs.iter().map(ReadingRun::of).collect(),
+        failures: Vec::new(),
+        warnings: Vec::new(),
+        claims,
+    }
+}
+
+fn columns() -> Vec<ReadingColumn> {
+    let mut failed = column("failed", |runs| runs.clear());
+    failed.failures =
+        vec![ReadingFailure { run: "pluviation-c1".into(), reason: "body 3 | flew <off>".into() }];
+    failed.warnings = vec!["steps too coarse".into()];
+    let emptied = column("emptied", |runs| {
+        for run in runs {
+            run.summary.grains.in_cylinder = 0;
+            run.summary.grains.escaped = 1456;
+        }
+    });
+    let higher = column("higher", |runs| {
+        for run in runs {
+            run.summary.standing_height_mm.mean_surface += 10.0;
+            run.summary.overlap.mean_percent = 7.0;
+        }
+    });
+    vec![column("plain", |_| {}), higher, failed, emptied]
+}
+
+#[test]
+fn cells_are_means_and_ranges_of_the_runs() {
+    let columns = columns();
+    let rows = table::rows(&columns);
+    let row = |quantity: &str| {
+        rows.iter().find(|r| r.quantity == quantity).unwrap_or_else(|| panic!("{quantity}"))
+    };
+    let from_ten = row("from 10 cm");
+    // Canned: 163 + 0.9 c - 0.4 a cm, c from 1 to 3.
+    let expected = 163.0 + 2.0 * canned::CONFIGURATION_STEP_MM + 10.0 * canned::SLOPE_MM_PER_CM;
+    for (n, expected) in [(0, expected), (1, expected + 10.0)] {
+        let got = from_ten.cells[n].value.expect("a height");
+        assert!((got - expected).abs() < 1e-9, "law: the mean is {expected} mm, got {got} mm");
+        let spread = from_ten.cells[n].spread.expect("a range");
+        assert!(
+            (spread.high - spread.low - 1.8).abs() < 1e-9,
+            "law: the range is 1.8 mm: {spread:?}"
+        );
+    }
+    for n in [2, 3] {
+        assert_eq!(from_ten.cells[n].value, None, "law: no height without grains");
+    }
+    assert_eq!(row("runs carried out").cells[2].words, "0 of 18");
+    assert_eq!(row("runs that failed").cells[2].words, "1, see failed");
+    assert_eq!(row("runs that lost every grain").cells[3].value, Some(18.0));
+    assert_eq!(row("grains through walls or floor").cells[3].value, Some(1456.0));
+    assert_eq!(row("overlap of grains, mean").cells[1].value, Some(7.0));
+    let share = row("plate, share after 5 s").cells[0].value.expect("a share");
+    assert!((share - 80.0).abs() < 1e-9, "law: 80 % in 5 s, got {share}");
+    assert_eq!(row("plate, final").paper, "14 to 19.61");
+    let ids = columns[0].claims.len();
+    assert_eq!(rows.iter().filter(|r| r.cells[0].verdict.is_some()).count(), ids, "every claim");
+}
+
+#[test]
+fn every_form_shows_every_reading_and_escapes() {
+    let out = tempfile::tempdir().expect("a folder");
+    let columns = columns();
+    write_readings(out.path(), &columns, STANDARD).expect("written");
+    let read = |name: &str| std::fs::read_to_string(out.path().join(name)).expect(name);
+    let (page, text) = (read("readings.html"), read("readings.md"));
+    for c in &columns {
+        assert!(page.contains(&c.title) && text.contains(&c.title), "{} is missing", c.name);
+    }
+    assert!(page.contains("flew &lt;off&gt;"), "what failed is told, escaped");
+    assert!(text.contains("body 3 | flew <off>"), "what failed is told: {text}");
+    let widths: Vec<usize> =
+        text.lines().filter(|l| l.starts_with('|')).map(|l| l.matches('|').count()).collect();
+    assert!(
+        widths.iter().all(|w| *w == widths[0]),
+        "law: every line has as many cells: {widths:?}"
+    );
+    assert!(text.contains("up to 7.00 % of their diameter"), "overlap stands beside: {text}");
+    for stem in ["standing-height", "continuous-plate", "continuous-surface", "intermittent-plate"]
+    {
+        for extension in ["svg", "png", "csv"] {
+            let path = out.path().join(format!("figures/readings-{stem}.{extension}"));
+            assert!(path.exists(), "{} is missing", path.display());
+        }
+    }
+    let json: serde_json::Value = serde_json::from_str(&read("readings.json")).expect("JSON");
+    assert_eq!(json["readings"].as_array().map(Vec::len), Some(4));
+    assert_eq!(json["rows"][0]["cells"].as_array().map(Vec::len), Some(4));
+}
+
+#[test]
+fn a_column_comes_back_from_its_file() {
+    for column in columns() {
+        let text = serde_json::to_string(&column).expect("JSON");
+        let back: ReadingColumn = serde_json::from_str(&text).expect("it can be read");
+        assert_eq!(back, column, "law: a column comes back as it was written");
+    }
+}

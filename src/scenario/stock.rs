@@ -1,0 +1,95 @@
+//! Settings that only Bullet's own contact path has, as a person types them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the moments of inertia of grains and plate are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum InertiaRule {
+    /// Of the polyhedron itself.
+    Exact,
+    /// Of the box around it, as Bullet's `calculateLocalInertia` has it: about
+    /// twice too large for a grain.
+    BoundingBox,
+    /// The same, of a box that was stored while the shape still had Bullet's
+    /// collision margin of 0.04 length units, as happens where a hull is made
+    /// first and its margin set afterwards: at one unit a metre a thousand
+    /// times too large for a grain of 10 mm.
+    BoundingBoxWithDefaultMargin,
+}
+
+/// What Bullet's own contacts (`"contact_path": "bullet"`) can be told beside
+/// the settings that both paths share. The defaults switch everything off that
+/// is there for games; the readings of what the paper's authors had switch it
+/// on again.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct StockSettings {
+    /// Distance in mm by which every surface stands off its hull in contacts
+    /// (Bullet's collision margin). 0: none. More: bodies seem larger by it.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub collision_margin_mm: f64,
+    /// How moments of inertia are found.
+    pub inertia: InertiaRule,
+    /// Mass in g that no grain and no plate falls below in the engine: lighter
+    /// ones are made as heavy. 0: none is changed.
+    #[schemars(range(min = 0.0, max = 1e6))]
+    pub least_mass_g: f64,
+    /// Contacts kept up to this share of the smaller body's radius (Bullet's
+    /// relative contact breaking threshold, 0.02 where nothing is said), in
+    /// place of `contact_threshold_mm`. 0: not used.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub relative_contact_threshold: f64,
+    /// Whether grains that stay slow for two seconds (Bullet's
+    /// `gDeactivationTime`) are no longer moved until something touches them.
+    /// Walls that stand still sleep; a table that moves wakes what it carries.
+    pub deactivation: bool,
+    /// Speed in m/s below which a body counts as slow.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub deactivation_speed_m_per_s: f64,
+    /// Angular speed in rad/s below which a body counts as slow.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub deactivation_spin_rad_per_s: f64,
+}
+
+impl Default for StockSettings {
+    /// The two speeds are Bullet's (`btRigidBodyConstructionInfo`, 3.24); they
+    /// are without effect while `deactivation` is off.
+    fn default() -> Self {
+        Self {
+            collision_margin_mm: 0.0,
+            inertia: InertiaRule::Exact,
+            least_mass_g: 0.0,
+            relative_contact_threshold: 0.0,
+            deactivation: false,
+            deactivation_speed_m_per_s: 0.8,
+            deactivation_spin_rad_per_s: 1.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ContactPath, EngineSettings};
+    use super::*;
+
+    #[test]
+    fn defaults_are_not_written_and_others_come_back() {
+        let default = EngineSettings { contact_path: ContactPath::Bullet, ..Default::default() };
+        let text = serde_json::to_string(&default).expect("settings have JSON");
+        for field in ["\"bullet\":{", "allow_coarse_steps"] {
+            assert!(!text.contains(field), "law: {field} at its default is not written: {text}");
+        }
+        let changed = EngineSettings {
+            bullet: StockSettings { deactivation: true, ..Default::default() },
+            allow_coarse_steps: true,
+            ..default
+        };
+        let text = serde_json::to_string(&changed).expect("settings have JSON");
+        let back: EngineSettings = serde_json::from_str(&text).expect("they can be read");
+        assert_eq!(back, changed, "law: settings come back as they were written: {text}");
+        let unknown = serde_json::from_str::<EngineSettings>("{\"bullet\":{\"margin\":1}}");
+        assert!(unknown.is_err(), "a field that is not there is refused");
+    }
+}

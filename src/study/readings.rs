@@ -1,0 +1,278 @@
+//! Readings of the paper: what its authors may have meant or typed, each as
+//! changes to the programme, built into the program.
+
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+use super::{StudyError, presets::preset};
+use crate::scenario::{Override, StageSpec};
+
+/// A reading of the paper, by name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// Name, as `--reading` takes it.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub title: String,
+    /// What it stands for.
+    pub meaning: String,
+    /// Where it comes from.
+    pub source: String,
+    changes: Map<String, Value>,
+    vibration: Map<String, Value>,
+}
+
+/// A file under `scenarios/readings/`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    title: String,
+    meaning: String,
+    source: String,
+    /// What is laid over every scenario of the programme.
+    #[serde(default)]
+    changes: Map<String, Value>,
+    /// What is laid over every stage that vibrates.
+    #[serde(default)]
+    vibration: Map<String, Value>,
+}
+
+macro_rules! files {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_str!(concat!("../../scenarios/readings/", $name, ".json")))),*]
+    };
+}
+
+/// In the order in which they are shown.
+const FILES: [(&str, &str); 10] = files![
+    "converged",
+    "half_stroke",
+    "full_stroke",
+    "per_body",
+    "bullet_stock",
+    "blender_2014_m",
+    "blender_2014_dm",
+    "blender_2014_cm",
+    "blender_2014_mm",
+    "blender_2014_cm_awake",
+];
+
+impl Reading {
+    fn parse(name: &'static str, text: &str) -> Result<Self, StudyError> {
+        let file: File = serde_json::from_str(text)
+            .map_err(|e| StudyError::Scenario(format!("the reading `{name}`: {e}")))?;
+        let File { title, meaning, source, changes, vibration } = file;
+        Ok(Self { name, title, meaning, source, changes, vibration })
+    }
+
+    /// Every reading, in the order in which they are shown.
+    ///
+    /// # Errors
+    /// When a built-in file has a fault.
+    pub fn all() -> Result<Vec<Self>, StudyError> {
+        FILES.into_iter().map(|(name, text)| Self::parse(name, text)).collect()
+    }
+
+    /// The reading of a name.
+    ///
+    /// # Errors
+    /// [`StudyError::Scenario`] listing the names, for one that is not there.
+    pub fn named(name: &str) -> Result<Self, StudyError> {
+        let known = FILES.into_iter().find(|(known, _)| *known == name);
+        let (name, text) = known.ok_or_else(|| {
+            let names: Vec<&str> = Self::names().collect();
+            StudyError::Scenario(format!(
+                "there is no reading `{name}` (allowed: {})",
+                names.join(", ")
+            ))
+        })?;
+        Self::parse(name, text)
+    }
+
+    /// The names, in order.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        FILES.into_iter().map(|(name, _)| name)
+    }
+
+    /// The reading's changes of a built-in scenario.
+    ///
+    /// # Errors
+    /// When the scenario cannot be loaded.
+    pub(super) fn changes_of(&self, scenario: &str) -> Result<Vec<Override>, StudyError> {
+        let mut changes = Vec::new();
+        leaves(&mut Vec::new(), &self.changes, &mut changes);
+        if self.vibration.is_empty() {
+            return Ok(changes);
+        }
+        for (index, stage) in preset(scenario, &[])?.stages.iter().enumerate() {
+            if matches!(stage, StageSpec::Vibrate { .. }) {
+                let index = index.to_string();
+                let fields = self.vibration.iter();
+                changes
+                    .extend(fields.map(|(f, v)| Override::new(&["stages", &index, f], v.clone())));
+            }
+        }
+        Ok(changes)
+    }
+}
+
+/// Every value of nested objects as a change of its own, so that what a reading
+/// does not name stays.
+fn leaves<'a>(path: &mut Vec<&'a str>, fields: &'a Map<String, Value>, into: &mut Vec<Override>) {
+    for (name, value) in fields {
+        path.push(name);
+        match value {
+            Value::Object(fields) => leaves(path, fields, into),
+            value => into.push(Override::new(path, value.clone())),
+        }
+        path.pop();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{ConvexPolyhedron, MassProperties, Pose, Vector};
+    use crate::protocol::Setup;
+    use crate::scenario::{Scenario, warnings};
+    use crate::world::{Body, BodyState, Material, Motion, create};
+
+    fn scenario(reading: &str, of: &str) -> Scenario {
+        let reading = Reading::named(reading).expect("a reading");
+        preset(of, &reading.changes_of(of).expect("changes")).expect("a scenario")
+    }
+
+    #[test]
+    fn every_reading_makes_valid_scenarios_and_says_what_it_is() {
+        let readings = Reading::all().expect("they can be read");
+        assert_eq!(readings.len(), FILES.len());
+        for reading in &readings {
+            for text in [&reading.title, &reading.meaning, &reading.source] {
+                assert!(text.len() > 10, "{}: a text is missing", reading.name);
+            }
+            for of in ["paper/pluviation.json", "paper/vibration-intermittent.json"] {
+                let scenario = scenario(reading.name, of);
+                let coarse = reading.name.starts_with("blender");
+                let warned = !warnings(&scenario).is_empty();
+                assert_eq!(warned, coarse, "{} of {of}: coarse steps warned of", reading.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_wrong_name_is_refused_with_the_right_ones() {
+        let error = Reading::named("blender").expect_err("no such reading").to_string();
+        for name in Reading::names().chain(["`blender`"]) {
+            assert!(error.contains(name), "{name} is not in: {error}");
+        }
+    }
+
+    #[test]
+    fn strokes_are_those_of_their_names() {
+        for (name, half_stroke_mm) in
+            [("converged", 25.0), ("half_stroke", 25.0), ("full_stroke", 12.5)]
+        {
+            let vibration = scenario(name, "paper/vibration-continuous.json").vibration();
+            let got = 1e3 * vibration.expect("it vibrates").half_stroke;
+            assert!(
+                (got - half_stroke_mm).abs() < 1e-9,
+                "law: {name} moves by {half_stroke_mm} mm to either side, got {got} mm"
+            );
+        }
+        let [converged, half] = ["converged", "half_stroke"]
+            .map(|name| scenario(name, "paper/vibration-continuous.json").canonical_json());
+        assert_eq!(converged, half, "law: two names of one reading share every stored stage");
+    }
+
+    /// A world of the reading with one grain of 0.5 g: what it holds.
+    fn held(name: &str) -> crate::world::EffectiveSettings {
+        let setup = Setup::new(&scenario(name, "paper/pluviation.json")).expect("a laboratory");
+        let gravity = Vector::new(0.0, 0.0, -setup.gravity);
+        let mut world = create(&setup.engine, gravity, &setup.pairs).expect("a world");
+        let side = (0.5e-3 / 2673.9_f64).cbrt();
+        let shape = ConvexPolyhedron::cuboid(Vector::repeat(side)).expect("a cube");
+        let properties = MassProperties::of(&shape);
+        let mut grain = || {
+            world.add(&Body {
+                shape: shape.clone().into(),
+                motion: Motion::Free {
+                    mass: 2673.9 * properties.volume,
+                    inertia: properties.inertia_per_density.diagonal() * 2673.9,
+                },
+                material: Material::Grain,
+                state: BodyState::at_rest(Pose::identity()),
+            })
+        };
+        let (a, b) = (grain().expect("a grain"), grain().expect("a grain"));
+        let pair = world.pair_coefficients(a, b).expect("a pair");
+        let mut held = world.effective();
+        held.insert("pair_friction".into(), pair.friction.into());
+        held.insert("pair_restitution".into(), pair.restitution.into());
+        held
+    }
+
+    #[test]
+    fn each_reading_is_in_the_engine_what_it_says() {
+        let _turn = crate::world::exclusive_turn();
+        let margin = 0.04; // in length units
+        let side_m = (0.5e-3 / 2673.9_f64).cbrt();
+        // The box of a cube with a margin m: (a + 2m)² a²⁻¹ of the exact inertia.
+        let stale = |scale: f64| ((side_m * scale + 2.0 * margin) / (side_m * scale)).powi(2);
+        let cases: [(&str, &[(&str, f64)]); 6] = [
+            (
+                "converged",
+                &[
+                    ("pair_friction", 0.793),
+                    ("pair_restitution", 0.315),
+                    ("deactivation", 0.0),
+                    ("substeps", 4.0),
+                ],
+            ),
+            ("per_body", &[("pair_friction", 0.628_849), ("pair_restitution", 0.099_225)]),
+            (
+                "bullet_stock",
+                &[("pair_friction", 0.793), ("time_step_s", 1.0 / 480.0), ("iterations", 20.0)],
+            ),
+            (
+                "blender_2014_m",
+                &[
+                    ("pair_friction", 0.628_849),
+                    ("time_step_s", 1.0 / 60.0),
+                    ("iterations", 10.0),
+                    ("length_scale_units_per_m", 1.0),
+                    ("linear_damping", 0.04),
+                    ("angular_damping", 0.1),
+                    ("split_impulse", 0.0),
+                    ("deactivation", 1.0),
+                    ("deactivation_speed_m_per_s", 0.4),
+                    ("deactivation_spin_rad_per_s", 0.5),
+                    ("deactivation_time_s", 2.0),
+                    ("relative_contact_threshold", 0.02),
+                    ("collision_margin_m", 0.0),
+                    ("lightest_free_body_kg", 1e-3),
+                    ("largest_inertia_over_exact", stale(1.0)),
+                ],
+            ),
+            (
+                "blender_2014_mm",
+                &[
+                    ("length_scale_units_per_m", 1000.0),
+                    ("deactivation_speed_m_per_s", 0.4e-3),
+                    ("lightest_free_body_kg", 0.5e-3),
+                    ("largest_inertia_over_exact", stale(1000.0)),
+                ],
+            ),
+            ("blender_2014_cm_awake", &[("deactivation", 0.0)]),
+        ];
+        for (name, expected) in cases {
+            let held = held(name);
+            for (setting, expected) in expected {
+                let got = held.get(*setting).and_then(Value::as_f64).unwrap_or(f64::NAN);
+                assert!(
+                    (got - expected).abs() <= 1e-6 * expected.abs(),
+                    "law: {name} has {setting} {expected}, got {got}, tolerance 1e-6 of it"
+                );
+            }
+        }
+    }
+}

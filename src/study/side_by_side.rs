@@ -1,0 +1,151 @@
+//! The programme under several readings of the paper, side by side.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::{Arc, atomic::AtomicBool},
+};
+
+use super::{
+    StudyError, beside,
+    plan::PlannedRun,
+    readings::Reading,
+    reproduce::{Scenarios, programme, study_view},
+    run::{CarriedOut, RunOptions, carry_out_each, make_grains},
+    summarise::STANDARD,
+};
+use crate::paper;
+use crate::protocol::Progress;
+use crate::record::{FileError, RunRecord, create_folder, read_json, write_json};
+use crate::report::{ReadingColumn, ReadingFailure, ReadingRun, Standard, write_readings};
+use crate::scenario::{Override, warnings};
+
+/// Folder of the columns in the output folder.
+const FOLDER: &str = "readings";
+
+/// Which readings to carry out, and where.
+pub struct ReadingsOptions {
+    /// Folder for results; what is finished there is not done again, and
+    /// readings carried out there before stay in the table.
+    pub out: PathBuf,
+    /// A few hundred grains instead of 1456, and shorter vibration.
+    pub quick: bool,
+    /// Number of configurations.
+    pub configurations: u32,
+    /// The readings, in the order in which they are carried out.
+    pub readings: Vec<Reading>,
+    /// Threads for stages that do not need each other.
+    pub jobs: usize,
+    /// What is changed in every scenario of every reading.
+    pub changes: Vec<Override>,
+    /// Set to stop at the next check.
+    pub cancel: Arc<AtomicBool>,
+    /// Told of what goes on.
+    pub progress: Arc<dyn Progress>,
+}
+
+/// What came out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadingsOutcome {
+    /// Every reading of the table, those of earlier commands among them.
+    pub columns: Vec<ReadingColumn>,
+    /// The page.
+    pub report: PathBuf,
+}
+
+/// Carries out the programme under each reading and writes `readings.json`,
+/// `readings.md`, `readings.html` and `figures/`, anew after every reading. A
+/// run that fails is a line of the table, and the others go on.
+///
+/// # Errors
+/// [`StudyError`] where files cannot be read or written, the changes do not
+/// fit, or it was asked to stop.
+pub fn readings(options: &ReadingsOptions) -> Result<ReadingsOutcome, StudyError> {
+    create_folder(&options.out)?;
+    // Faults of the changes are told before anything runs.
+    for reading in &options.readings {
+        Scenarios::load(options.quick, Some(reading), &options.changes)?;
+    }
+    let mut outcome = None;
+    for reading in &options.readings {
+        options.progress.message(&format!("reading {}: {}", reading.name, reading.title));
+        let column = carry_out_reading(options, reading)?;
+        let columns = keep_and_read(&options.out, column)?;
+        let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
+        let standard = Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s };
+        write_readings(&options.out, &columns, standard)?;
+        outcome = Some(ReadingsOutcome { columns, report: options.out.join("readings.html") });
+    }
+    outcome.ok_or_else(|| StudyError::Scenario("no reading is named".to_owned()))
+}
+
+fn carry_out_reading(
+    options: &ReadingsOptions,
+    reading: &Reading,
+) -> Result<ReadingColumn, StudyError> {
+    let scenarios = Scenarios::load(options.quick, Some(reading), &options.changes)?;
+    let grains = Arc::new(make_grains(&scenarios.pluviation)?);
+    let runs = programme(&scenarios, &grains, options.configurations);
+    let how = RunOptions {
+        out: options.out.clone(),
+        jobs: options.jobs,
+        cancel: options.cancel.clone(),
+        progress: options.progress.clone(),
+    };
+    let folder = |run: &PlannedRun| options.out.join("runs").join(&run.name);
+    let each = carry_out_each(&runs, &how, folder)?;
+    let mut records: Vec<RunRecord> = Vec::new();
+    let mut failures = Vec::new();
+    for (run, result) in runs.iter().zip(each) {
+        match result {
+            Ok(CarriedOut { records: done, .. }) => records.extend(done),
+            Err(reason) => failures.push(ReadingFailure { run: run.name.clone(), reason }),
+        }
+    }
+    let study = study_view(options.quick, options.configurations, &scenarios, &grains, &records)?;
+    let claims = paper::claims(&study);
+    let coarse = [&scenarios.pluviation, &scenarios.continuous, &scenarios.intermittent]
+        .into_iter()
+        .flat_map(warnings)
+        .map(|w| w.to_string());
+    let mut notes: Vec<String> = coarse.collect();
+    notes.sort();
+    notes.dedup();
+    Ok(ReadingColumn {
+        name: reading.name.to_owned(),
+        title: reading.title.clone(),
+        meaning: reading.meaning.clone(),
+        source: reading.source.clone(),
+        settings: beside::label(&scenarios.pluviation.engine),
+        programme: scenarios.programme_hash(options.configurations)?,
+        quick: options.quick,
+        configurations: options.configurations,
+        planned_runs: runs.len(),
+        runs: records.iter().map(ReadingRun::of).collect(),
+        failures,
+        warnings: notes,
+        claims,
+    })
+}
+
+/// Keeps a column, and gives it with the others of the same programme, in the
+/// order of the readings.
+fn keep_and_read(out: &Path, column: ReadingColumn) -> Result<Vec<ReadingColumn>, StudyError> {
+    let folder = out.join(FOLDER);
+    create_folder(&folder)?;
+    write_json(&folder.join(format!("{}.json", column.name)), &column)?;
+    let unreadable = |e: std::io::Error| FileError::new("read", &folder, e);
+    let mut columns = Vec::new();
+    for entry in fs::read_dir(&folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if path.extension().is_some_and(|e| e == "json") {
+            let other: ReadingColumn = read_json(&path)?;
+            if other.programme == column.programme {
+                columns.push(other);
+            }
+        }
+    }
+    let place = |c: &ReadingColumn| Reading::names().position(|n| n == c.name);
+    columns.sort_by_key(|c| (place(c).unwrap_or(usize::MAX), c.name.clone()));
+    Ok(columns)
+}

@@ -1,0 +1,151 @@
+//! What only Bullet's own contacts can be told, against what it must do.
+
+use super::tests::{exclusive_turn, free_box, shared_turn, slab};
+use super::*;
+use crate::scenario::StockSettings;
+
+fn on(bullet: StockSettings) -> EngineSettings {
+    EngineSettings { contact_path: ContactPath::Bullet, bullet, ..Default::default() }
+}
+
+fn world(settings: &EngineSettings) -> BulletBackend {
+    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.0 });
+    BulletBackend::new(settings, Vector::new(0.0, 0.0, -9.81), &pairs).expect("a world")
+}
+
+/// A cube of 10 mm on a driven slab.
+fn cube_on_slab(settings: &EngineSettings) -> (BulletBackend, BodyId, BodyId) {
+    let mut world = world(settings);
+    let floor = world.add(&slab(Motion::Driven)).expect("added");
+    let margin = from_mm(settings.bullet.collision_margin_mm);
+    let at = Vector::new(0.0, 0.0, 0.0051 + 2.0 * margin);
+    let cube = world.add(&free_box(Vector::repeat(0.01), at)).expect("added");
+    (world, floor, cube)
+}
+
+fn state(world: &BulletBackend, id: BodyId) -> BodyState {
+    let mut snapshot = Snapshot::new();
+    world.read(&mut snapshot);
+    snapshot[id.0 as usize].expect("a body")
+}
+
+fn steps(world: &mut BulletBackend, count: usize) {
+    for _ in 0..count {
+        world.step().expect("a step");
+    }
+}
+
+#[test]
+fn a_margin_keeps_both_surfaces_apart() {
+    let _turn = shared_turn();
+    for margin_mm in [0.0, 0.4] {
+        let settings = on(StockSettings { collision_margin_mm: margin_mm, ..Default::default() });
+        let (mut world, _, cube) = cube_on_slab(&settings);
+        steps(&mut world, 480);
+        let got = 1e3 * state(&world, cube).pose.translation.z;
+        let expected = 5.0 + 2.0 * margin_mm;
+        assert!(
+            (got - expected).abs() < 0.05,
+            "law: a cube of 10 mm rests at 5 mm and both margins, {expected} mm; got {got} mm, \
+             tolerance 0.05 mm"
+        );
+        let held = world.effective()["collision_margin_m"].as_f64().expect("a number");
+        assert!((held - from_mm(margin_mm)).abs() < 1e-9, "read back: {held} m");
+    }
+}
+
+#[test]
+fn slow_bodies_sleep_after_two_seconds_and_wake_with_the_table() {
+    let _turn = shared_turn();
+    for deactivation in [false, true] {
+        let settings = on(StockSettings { deactivation, ..Default::default() });
+        let (mut world, floor, cube) = cube_on_slab(&settings);
+        // ISLAND_SLEEPING is 2 (btCollisionObject.h).
+        let asleep = |world: &BulletBackend| world.effective()["activation_state"] == 2.0;
+        steps(&mut world, 480);
+        assert!(!asleep(&world), "law: nothing sleeps within the two seconds");
+        steps(&mut world, 3 * 480);
+        assert_eq!(asleep(&world), deactivation, "law: it sleeps where that is asked for");
+        let at_rest = state(&world, cube);
+        if deactivation {
+            assert_eq!(at_rest.linear_velocity, Vector::zeros(), "law: what sleeps is at rest");
+        }
+        // The table shakes: x = A sin 2πft at 3 Hz and 25 mm for a quarter of a cycle.
+        let mut furthest: f64 = 0.0;
+        for step in 1..=40 {
+            let t = f64::from(step) / 480.0;
+            let x = 0.025 * (std::f64::consts::TAU * 3.0 * t).sin();
+            world.drive(floor, &Pose::translation(x, 0.0, -0.01)).expect("driven");
+            world.step().expect("a step");
+            furthest = furthest.max(state(&world, cube).pose.translation.x);
+        }
+        assert!(
+            furthest > 0.005,
+            "law: friction takes it along whether it slept or not (deactivation {deactivation}): \
+             it went {furthest} m, expected more than 0.005 m"
+        );
+    }
+}
+
+#[test]
+fn boxes_give_the_inertia_of_the_box_and_the_least_mass_weighs() {
+    let _turn = shared_turn();
+    let ratio = |inertia, least_mass_g| {
+        let settings = on(StockSettings { inertia, least_mass_g, ..Default::default() });
+        let mut world = world(&settings);
+        let sides = Vector::new(0.01, 0.014, 0.02);
+        world.add(&free_box(sides, Vector::zeros())).expect("added");
+        let held = world.effective();
+        let number = |name: &str| held[name].as_f64().expect("a number");
+        (number("largest_inertia_over_exact"), 1e3 * number("lightest_free_body_kg"))
+    };
+    // 10 × 14 × 20 mm at 2673.9 kg/m³.
+    let mass_g = 2673.9 * 2.8e-3;
+    // The box of a box is the box; with Bullet's margin of 0.04 units, 0.4 mm at
+    // 100 units a metre, the shortest sides grow most: (10.8² + 14.8²)/(10² + 14²).
+    let grown = (10.8_f64.powi(2) + 14.8_f64.powi(2)) / (100.0 + 196.0);
+    for (rule, least_g, expected) in [
+        (InertiaRule::Exact, 0.0, (1.0, mass_g)),
+        (InertiaRule::BoundingBox, 0.0, (1.0, mass_g)),
+        (InertiaRule::BoundingBoxWithDefaultMargin, 0.0, (grown, mass_g)),
+        (InertiaRule::BoundingBox, 1.0, (1.0, mass_g)),
+        (InertiaRule::BoundingBox, 20.0, (1.0, 20.0)),
+    ] {
+        let got = ratio(rule, least_g);
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-4 * b;
+        assert!(
+            near(got.0, expected.0) && near(got.1, expected.1),
+            "law: {rule:?} with at least {least_g} g gives (ratio, g) {expected:?}; got {got:?}, \
+             tolerance 1e-4 of it"
+        );
+    }
+}
+
+#[test]
+fn a_relative_threshold_is_held_as_one() {
+    let _turn = exclusive_turn();
+    for relative in [0.0, 0.02] {
+        let settings =
+            on(StockSettings { relative_contact_threshold: relative, ..Default::default() });
+        let held = world(&settings).effective()["relative_contact_threshold"].as_f64();
+        assert!(
+            (held.expect("a number") - relative).abs() < 1e-7,
+            "asked {relative}, held {held:?}"
+        );
+    }
+}
+
+#[test]
+fn our_own_contacts_refuse_all_of_it() {
+    let _turn = shared_turn();
+    let settings = EngineSettings {
+        contact_path: ContactPath::Manifold,
+        ..on(StockSettings { collision_margin_mm: 0.1, ..Default::default() })
+    };
+    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.0 });
+    let refused = BulletBackend::new(&settings, Vector::zeros(), &pairs);
+    assert!(
+        matches!(refused, Err(WorldError::BadSetting { ref setting, .. }) if setting == "bullet"),
+        "law: a margin on the contact path manifold is refused"
+    );
+}
