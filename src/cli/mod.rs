@@ -62,7 +62,7 @@ struct Global {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Reproduce(reproduce::ReproduceArgs),
+    Reproduce(Box<reproduce::ReproduceArgs>),
     Readings(readings::ReadingsArgs),
     Run(run::RunArgs),
     Grains(grains::GrainsArgs),

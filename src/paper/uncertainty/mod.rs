@@ -219,11 +219,7 @@ pub fn uncertainty(study: &StudyView) -> Uncertainty {
     Uncertainty {
         confidence: CONFIDENCE,
         trend: trend(study),
-        settlements: MODES
-            .iter()
-            .flat_map(|(kind, _)| study.of_kind(*kind))
-            .map(|run| settled(run))
-            .collect(),
+        settlements: MODES.iter().flat_map(|(kind, _)| study.of_kind(*kind)).map(settled).collect(),
         laboratory,
         quantities,
     }
