@@ -1,5 +1,7 @@
 #include "contact_solver.h"
 
+#include "prefetch.h"
+
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 
 #include <algorithm>
@@ -14,6 +16,9 @@ namespace {
 constexpr int WORLD = -1;
 
 int driven_number(int id) { return WORLD - 1 - id; }
+
+// So many bodies or pairs ahead the memory is asked for them.
+constexpr std::ptrdiff_t AHEAD = 4;
 
 } // namespace
 
@@ -95,12 +100,20 @@ int ContactSolver::local_index(const btCollisionObject &body, Desk &desk) const 
 // Reads and writes only what belongs to the part.
 void ContactSolver::solve_part(std::size_t part, double step, Desk &desk) {
     desk.bodies.assign(1, SolverBody{});
-    for (const int body : parts_.bodies(part)) {
+    const Parts::Range bodies = parts_.bodies(part);
+    for (const int &body : bodies) {
+        if (bodies.end() - &body > AHEAD) {
+            prefetch(*moving_[static_cast<std::size_t>((&body)[AHEAD])].body);
+        }
         place_[static_cast<std::size_t>(body)] = static_cast<int>(desk.bodies.size());
         desk.bodies.push_back(free_body(*moving_[static_cast<std::size_t>(body)].body));
     }
     desk.rows.clear();
-    for (const int number : parts_.pairs(part)) {
+    const Parts::Range pairs = parts_.pairs(part);
+    for (const int &number : pairs) {
+        if (pairs.end() - &number > AHEAD) {
+            prefetch(*touching_[static_cast<std::size_t>((&number)[AHEAD])].state);
+        }
         const Touching &pair = touching_[static_cast<std::size_t>(number)];
         const int a = local_index(*pair.a->object, desk);
         const int b = local_index(*pair.b->object, desk);
@@ -114,7 +127,10 @@ void ContactSolver::solve_part(std::size_t part, double step, Desk &desk) {
     for (const ContactRow &row : desk.rows) {
         write_row(row);
     }
-    for (const int body : parts_.bodies(part)) {
+    for (const int &body : bodies) {
+        if (bodies.end() - &body > AHEAD) {
+            prefetch(*moving_[static_cast<std::size_t>((&body)[AHEAD])].body);
+        }
         Moving &moving = moving_[static_cast<std::size_t>(body)];
         const SolverBody &from =
             desk.bodies[static_cast<std::size_t>(place_[static_cast<std::size_t>(body)])];
@@ -127,8 +143,11 @@ void ContactSolver::solve_part(std::size_t part, double step, Desk &desk) {
 }
 
 void ContactSolver::after_step() {
-    for (const Moving &moving : moving_) {
-        end_step(moving);
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+        if (i + AHEAD < moving_.size()) {
+            prefetch(*moving_[i + AHEAD].body);
+        }
+        end_step(moving_[i]);
     }
     moving_.clear();
 }

@@ -1,6 +1,7 @@
 #include "hull_dispatcher.h"
 
 #include "pairs.h"
+#include "prefetch.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
@@ -16,14 +17,6 @@ constexpr std::size_t AHEAD = 6;
 // Pairs that a thread takes at once: enough to pay for taking them, few enough
 // for all threads to end together.
 constexpr std::size_t PAIRS_AT_ONCE = 64;
-
-void prefetch(const HullAlgorithm &algorithm) {
-    constexpr std::size_t LINE = 64;
-    const auto *at = reinterpret_cast<const char *>(&algorithm);
-    for (std::size_t i = 0; i < sizeof(HullAlgorithm); i += LINE) {
-        __builtin_prefetch(at + i);
-    }
-}
 
 } // namespace
 

@@ -1,11 +1,16 @@
 #include "hull_world.h"
 
+#include "prefetch.h"
+
 #include <BulletDynamics/ConstraintSolver/btConstraintSolver.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 namespace pluvia {
 
 namespace {
+
+// So many bodies ahead the memory is asked for them.
+constexpr int AHEAD = 4;
 
 bool holds(const btBroadphaseProxy &proxy, const HullRange &range) {
     for (int i = 0; i < 3; ++i) {
@@ -47,12 +52,27 @@ void HullWorld::renew_boxes() {
     const btVector3 slack(slack_, slack_, slack_);
     const btCollisionObjectArray &objects = getCollisionObjectArray();
     for (int i = 0; i < objects.size(); ++i) {
+        if (i + AHEAD < objects.size()) {
+            prefetch(*objects[i + AHEAD]);
+        }
         const HullRange &range = collision_.bodies.take(
             *objects[i], collision_.step, collision_.settings.reach, *collision_.kernels);
         btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
         if (!holds(*proxy, range)) {
             getBroadphase()->setAabb(proxy, vector(range.low) - slack, vector(range.high) + slack,
                                      getDispatcher());
+        }
+    }
+}
+
+// Bullet also predicts where bodies will be, for motion states and sweeps.
+void HullWorld::predictUnconstraintMotion(btScalar step) {
+    if (!damped_) {
+        return;
+    }
+    for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i) {
+        if (!m_nonStaticRigidBodies[i]->isStaticOrKinematicObject()) {
+            m_nonStaticRigidBodies[i]->applyDamping(step);
         }
     }
 }

@@ -6,21 +6,25 @@
 
 namespace pluvia {
 
-// Differs from Bullet's in two things, neither of which any contact hangs on.
+// Differs from Bullet's in three things, none of which any contact hangs on.
 //
 // The boxes in the broadphase are larger than the bodies, so that a body takes
 // a new one only when it has left the old, and they are counted from a place
 // that moves along with the apparatus, so that shaking alone lets none leave.
 //
 // All contacts go to the solver at once: no islands are looked for.
+//
+// Passes over all bodies are left out that would find nothing to do: none is
+// swept, sleeps, has a motion state or, without damping, is slowed down.
 class HullWorld final : public PhasedWorld {
   public:
-    // Lengths in engine units; `collision` must outlive the world.
+    // Lengths in engine units; `collision` must outlive the world. `damped`:
+    // whether any body has damping.
     HullWorld(HullDispatcher *dispatcher, btBroadphaseInterface *broadphase,
               btConstraintSolver *solver, btCollisionConfiguration *configuration,
-              HullCollision &collision, btScalar slack)
+              HullCollision &collision, btScalar slack, bool damped)
         : PhasedWorld(dispatcher, broadphase, solver, configuration), collision_(collision),
-          slack_(slack) {}
+          slack_(slack), damped_(damped) {}
 
     // The body that boxes move along with from now on; null for none.
     void follow(const btRigidBody *body);
@@ -30,10 +34,15 @@ class HullWorld final : public PhasedWorld {
     void renew_boxes() override;
     void calculateSimulationIslands() override {}
     void solve(btContactSolverInfo &info) override;
+    void predictUnconstraintMotion(btScalar step) override;
+    void createPredictiveContacts(btScalar) override {}
+    void updateActivationState(btScalar) override {}
+    void synchronizeMotionStates() override {}
 
   private:
     HullCollision &collision_;
     btScalar slack_;
+    bool damped_;
     const btRigidBody *followed_ = nullptr;
     btVector3 start_{0, 0, 0}; // where the place would be had the body not moved from the origin
 

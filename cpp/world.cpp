@@ -133,8 +133,8 @@ class BulletWorld::Impl {
             return nullptr;
         }
         return std::make_unique<HullWorld>(&dispatcher, &broadphase, contact_solver.get(),
-                                           &configuration, *hull_collision,
-                                           units.length(BOX_SLACK));
+                                           &configuration, *hull_collision, units.length(BOX_SLACK),
+                                           body_settings.linear > 0 || body_settings.angular > 0);
     }
 
     std::unique_ptr<PhasedWorld> make_bullet_world() {
