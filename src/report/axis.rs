@@ -21,6 +21,18 @@ pub struct Axis {
 const HAIR: f64 = 5e-3;
 
 impl Axis {
+    /// An axis of rows below each other, numbered from 0 at the top.
+    pub fn rows(count: usize) -> Self {
+        Self {
+            name: String::new(),
+            from: count as f64 - 0.4,
+            to: -0.6,
+            log: false,
+            ticks: (0..count).map(|i| i as f64).collect(),
+            minor: Vec::new(),
+        }
+    }
+
     /// A linear axis that holds all finite values, its ends on round numbers.
     /// Without values it runs from 0 to 1.
     pub fn linear(name: &str, values: impl IntoIterator<Item = f64>) -> Self {

@@ -2,17 +2,15 @@
 
 use std::path::Path;
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, html};
 use serde::Serialize;
 
-use super::{Figure, ReportError, Standard, figures, html::figure_block, html::glue};
+use super::{Figure, ReportError, Standard, figures, html::figure_block, html::glue, html::head};
 use crate::{
     paper::text::number,
     record::{RunRecord, write_file},
     world::BackendInfo,
 };
-
-const CSS: &str = include_str!("report.css");
 
 /// Everything the page is made from.
 #[derive(Debug, Clone)]
@@ -78,12 +76,7 @@ fn page(of: &Comparison, figures: &[Figure]) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) }
-                style { (PreEscaped(CSS)) }
-            }
+            (head(&title))
             body {
                 header {
                     h1 { (title) }

@@ -6,6 +6,18 @@ use super::{Figure, ReportInput, sections, shortfalls, summary, uncertainty};
 
 const CSS: &str = include_str!("report.css");
 
+/// The head of every page: its title, and the style within.
+pub(super) fn head(title: &str) -> Markup {
+    html! {
+        head {
+            meta charset="utf-8";
+            meta name="viewport" content="width=device-width, initial-scale=1";
+            title { (title) }
+            style { (PreEscaped(CSS)) }
+        }
+    }
+}
+
 /// The page.
 pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
     let title = if input.study.quick {
@@ -16,12 +28,7 @@ pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) }
-                style { (PreEscaped(CSS)) }
-            }
+            (head(title))
             body {
                 header {
                     h1 { (title) }

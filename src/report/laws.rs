@@ -5,10 +5,8 @@ use std::path::Path;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::{Figure, ReportError, figures, html::glue};
+use super::{Figure, ReportError, figures, html::glue, html::head};
 use crate::{paper::text::compact, record::write_file};
-
-const CSS: &str = include_str!("report.css");
 
 /// A law with what each engine made of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,12 +90,7 @@ fn page(cases: &[LawCase], figures: &[Figure]) -> String {
     html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Exact laws and what engines make of them" }
-                style { (PreEscaped(CSS)) }
-            }
+            (head("Exact laws and what engines make of them"))
             body {
                 header {
                     h1 { "Exact laws and what engines make of them" }

@@ -268,14 +268,7 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
         values.chain(limits).chain(limits.map(|l| -l)),
     );
     let count = rows.len().max(1);
-    let y = Axis {
-        name: String::new(),
-        from: count as f64 - 0.4,
-        to: -0.6,
-        log: false,
-        ticks: (0..count).map(|i| i as f64).collect(),
-        minor: Vec::new(),
-    };
+    let y = Axis::rows(count);
     let mut plot = Plot::new(x, y);
     plot.y_names = Some(rows.iter().map(|(name, r)| format!("{name}: {}", r.rung)).collect());
     plot.frame_height = (ROW * count as u32).max(3 * ROW);

@@ -2,18 +2,16 @@
 
 use std::fmt::Write as _;
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, html};
 
 use super::{ReadingCell, ReadingColumn, ReadingRow, table::decimals};
 use crate::{
     paper::{Verdict, text::number},
     report::{
         Figure, Standard,
-        html::{figure_block, glue},
+        html::{figure_block, glue, head},
     },
 };
-
-const CSS: &str = include_str!("../report.css");
 
 /// What a reader must know of every column, with its own numbers.
 fn belief(c: &ReadingColumn, standard: Standard) -> String {
@@ -122,12 +120,7 @@ pub(super) fn html(
     html! {
         (DOCTYPE)
         html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) }
-                style { (PreEscaped(CSS)) }
-            }
+            (head(title))
             body {
                 header {
                     h1 { (title) }

@@ -15,11 +15,18 @@ fn world(manifold: ManifoldSettings) -> BulletBackend {
 
 /// A table with a heap of boxes of several sizes, turned every which way.
 fn heap(world: &mut BulletBackend) -> BodyId {
-    let table = world.add(&slab(Motion::Driven)).expect("added");
+    heap_at(world, 0.0)
+}
+
+/// The same at a place along x.
+fn heap_at(world: &mut BulletBackend, place: f64) -> BodyId {
+    let mut table = slab(Motion::Driven);
+    table.state.pose.translation.vector.x += place;
+    let table = world.add(&table).expect("added");
     for i in 0..120_u32 {
         let (x, y, z) = (f64::from(i % 5), f64::from(i / 5 % 5), f64::from(i / 25));
         let side = 0.008 + 0.0005 * f64::from(i % 7);
-        let at = Vector::new(0.013 * (x - 2.0), 0.013 * (y - 2.0), 0.01 + 0.014 * z);
+        let at = Vector::new(place + 0.013 * (x - 2.0), 0.013 * (y - 2.0), 0.01 + 0.014 * z);
         let mut body = free_box(Vector::new(side, side * 0.8, side * 1.1), at);
         let turn = Vector::new(x + 0.3 * z, 0.7 * y, 1.1 * z + 0.2 * x);
         body.state.pose.rotation = UnitQuaternion::from_scaled_axis(turn);
@@ -46,6 +53,9 @@ fn shaken(world: &mut BulletBackend, table: BodyId) -> Snapshot {
 fn run(manifold: ManifoldSettings) -> Snapshot {
     let mut world = world(manifold);
     let table = heap(&mut world);
+    // Heaps that do not touch are parts of their own, which threads share.
+    heap_at(&mut world, 3.0);
+    heap_at(&mut world, 6.0);
     shaken(&mut world, table)
 }
 
