@@ -18,7 +18,10 @@ constexpr int WORLD = -1;
 int driven_number(int id) { return WORLD - 1 - id; }
 
 // So many bodies or pairs ahead the memory is asked for them.
-constexpr std::ptrdiff_t AHEAD = 4;
+constexpr std::size_t AHEAD = 4;
+
+// Bodies or pairs that a thread takes at once.
+constexpr std::size_t AT_ONCE = 64;
 
 } // namespace
 
@@ -45,9 +48,19 @@ btScalar ContactSolver::solveGroup(btCollisionObject **bodies, int body_count,
     for (Desk &desk : desks_) {
         desk.local.assign(driven_.size(), 0);
     }
-    workers_.share(parts_.count(), 1, [&](int worker, std::size_t begin, std::size_t end) {
-        for (std::size_t part = begin; part < end; ++part) {
-            solve_part(part, step, desks_[static_cast<std::size_t>(worker)]);
+    // A part that is more than a thread's share is solved by all of them.
+    small_.clear();
+    const std::size_t share = links_.size() / desks_.size();
+    for (std::size_t part = 0; part < parts_.count(); ++part) {
+        if (desks_.size() > 1 && parts_.pairs(part).size() > share) {
+            solve_part(part, step, desks_[0], &workers_);
+        } else {
+            small_.push_back(part);
+        }
+    }
+    workers_.share(small_.size(), 1, [&](int worker, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            solve_part(small_[i], step, desks_[static_cast<std::size_t>(worker)], nullptr);
         }
     });
     return 0;
@@ -97,45 +110,71 @@ int ContactSolver::local_index(const btCollisionObject &body, Desk &desk) const 
     return local;
 }
 
-// Reads and writes only what belongs to the part.
-void ContactSolver::solve_part(std::size_t part, double step, Desk &desk) {
-    desk.bodies.assign(1, SolverBody{});
+// Reads and writes only what belongs to the part, and of that each thread only
+// what belongs to the pairs and bodies it has taken.
+void ContactSolver::solve_part(std::size_t part, double step, Desk &desk, Workers *workers) {
+    const auto share = [workers](std::size_t size, const auto &range) {
+        if (workers == nullptr) {
+            range(std::size_t{0}, size);
+        } else {
+            workers->share(size, AT_ONCE,
+                           [&](int, std::size_t begin, std::size_t end) { range(begin, end); });
+        }
+    };
     const Parts::Range bodies = parts_.bodies(part);
-    for (const int &body : bodies) {
-        if (bodies.end() - &body > AHEAD) {
-            prefetch(*moving_[static_cast<std::size_t>((&body)[AHEAD])].body);
+    const auto body_at = [&](std::size_t i) -> Moving & {
+        return moving_[static_cast<std::size_t>(bodies.first[i])];
+    };
+    desk.bodies.assign(bodies.size() + 1, SolverBody{});
+    share(bodies.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + AHEAD < end) {
+                prefetch(*body_at(i + AHEAD).body);
+            }
+            place_[static_cast<std::size_t>(bodies.first[i])] = static_cast<int>(i + 1);
+            desk.bodies[i + 1] = free_body(*body_at(i).body);
         }
-        place_[static_cast<std::size_t>(body)] = static_cast<int>(desk.bodies.size());
-        desk.bodies.push_back(free_body(*moving_[static_cast<std::size_t>(body)].body));
-    }
-    desk.rows.clear();
-    const Parts::Range pairs = parts_.pairs(part);
-    for (const int &number : pairs) {
-        if (pairs.end() - &number > AHEAD) {
-            prefetch(*touching_[static_cast<std::size_t>((&number)[AHEAD])].state);
-        }
+    });
+    desk.pairs.clear();
+    std::size_t rows = 0;
+    for (const int &number : parts_.pairs(part)) {
         const Touching &pair = touching_[static_cast<std::size_t>(number)];
         const int a = local_index(*pair.a->object, desk);
         const int b = local_index(*pair.b->object, desk);
-        const SolverBody &body_a = desk.bodies[static_cast<std::size_t>(a)];
-        const SolverBody &body_b = desk.bodies[static_cast<std::size_t>(b)];
-        for (int p = 0; p < pair.state->memory.last.count; ++p) {
-            desk.rows.push_back(make_row(law_, step, pair, p, a, b, body_a, body_b));
-        }
+        desk.pairs.push_back({&pair, a, b, rows});
+        rows += static_cast<std::size_t>(pair.points);
     }
+    desk.rows.resize(rows);
+    share(desk.pairs.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + AHEAD < end) {
+                prefetch(*desk.pairs[i + AHEAD].pair->state);
+            }
+            const auto &[pair, a, b, first] = desk.pairs[i];
+            for (int p = 0; p < pair->points; ++p) {
+                desk.rows[first + static_cast<std::size_t>(p)] =
+                    make_row(law_, step, *pair, p, a, b, desk.bodies[static_cast<std::size_t>(a)],
+                             desk.bodies[static_cast<std::size_t>(b)]);
+            }
+        }
+    });
     desk.iterations.run(sweep_, law_, step, desk.rows, desk.bodies);
-    for (const ContactRow &row : desk.rows) {
-        write_row(row);
-    }
-    for (const int &body : bodies) {
-        if (bodies.end() - &body > AHEAD) {
-            prefetch(*moving_[static_cast<std::size_t>((&body)[AHEAD])].body);
+    share(desk.pairs.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            for (int p = 0; p < desk.pairs[i].pair->points; ++p) {
+                write_row(desk.rows[desk.pairs[i].first + static_cast<std::size_t>(p)]);
+            }
         }
-        Moving &moving = moving_[static_cast<std::size_t>(body)];
-        const SolverBody &from =
-            desk.bodies[static_cast<std::size_t>(place_[static_cast<std::size_t>(body)])];
-        moving = begin_step(from, *moving.body, step, gyroscopic_);
-    }
+    });
+    share(bodies.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + AHEAD < end) {
+                prefetch(*body_at(i + AHEAD).body);
+            }
+            Moving &moving = body_at(i);
+            moving = begin_step(desk.bodies[i + 1], *moving.body, step, gyroscopic_);
+        }
+    });
     for (const int driven : desk.driven_in) {
         desk.local[static_cast<std::size_t>(driven)] = 0;
     }

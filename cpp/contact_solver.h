@@ -41,9 +41,16 @@ class ContactSolver final : public btConstraintSolver {
     Sweep sweep() const { return sweep_; }
 
   private:
+    // A pair of a part: its bodies' places there, and the first of its rows.
+    struct PairRows {
+        const Touching *pair;
+        int a, b;
+        std::size_t first;
+    };
     // What a thread needs to solve a part.
     struct Desk {
         std::vector<SolverBody> bodies; // of the part; the first is the world
+        std::vector<PairRows> pairs;
         std::vector<ContactRow> rows;
         std::vector<int> local;     // by driven body: its place in `bodies`, or 0
         std::vector<int> driven_in; // whose place is not 0
@@ -61,10 +68,12 @@ class ContactSolver final : public btConstraintSolver {
     std::vector<int> place_;     // of a free body in its part
     std::vector<SolverBody> driven_;
     std::unordered_map<const btCollisionObject *, Drive> drives_, drives_now_;
-    std::vector<Desk> desks_; // by worker
+    std::vector<Desk> desks_;        // by worker
+    std::vector<std::size_t> small_; // parts that a thread solves by itself
 
     void take_bodies(btCollisionObject **bodies, int count, double step);
-    void solve_part(std::size_t part, double step, Desk &desk);
+    // With `workers`, all of them work on the part.
+    void solve_part(std::size_t part, double step, Desk &desk, Workers *workers);
     int local_index(const btCollisionObject &body, Desk &desk) const;
 };
 

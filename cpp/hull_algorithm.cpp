@@ -53,7 +53,7 @@ void HullAlgorithm::find(const HullBody &a, const HullBody &b, PairScratch &scra
     collide(*shared_.kernels, *a.hull, *b.hull, a.pose, b.pose, settings, state_.memory, scratch,
             contact);
     take_contact(contact, shared_.match, state_);
-    touches_ = contact.count > 0;
+    points_ = contact.count;
     const PairMemory &memory = state_.memory;
     apart_until_ = memory.feature == Feature::None && memory.has_axis
                        ? a.travelled + b.travelled + static_cast<double>(memory.widest)

@@ -57,7 +57,8 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     bool rests(const HullBody &a, const HullBody &b, double reach) const {
         return a.travelled + b.travelled + reach < apart_until_;
     }
-    bool holds_contacts() const { return touches_; }
+    // Contact points that it holds.
+    int points() const { return points_; }
     PairState &state() { return state_; }
 
   private:
@@ -66,7 +67,7 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     //
     // The bodies' ways, added up, at which they may meet.
     double apart_until_ = -1;
-    bool touches_ = false;
+    int points_ = 0;
     PairState state_;
 };
 
@@ -74,6 +75,7 @@ class HullAlgorithm final : public btCollisionAlgorithm {
 struct Touching {
     PairState *state;
     const HullBody *a, *b;
+    int points;
 };
 
 // Makes the algorithm; register it for (CONVEX_HULL, CONVEX_HULL) where every

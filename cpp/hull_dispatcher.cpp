@@ -42,7 +42,7 @@ void HullDispatcher::take(btBroadphasePair &pair) {
     const HullBodies &bodies = collision_->bodies;
     auto *algorithm = static_cast<HullAlgorithm *>(pair.m_algorithm);
     if (!bodies.range(a).meets(bodies.range(b)) &&
-        (algorithm == nullptr || !algorithm->holds_contacts())) {
+        (algorithm == nullptr || algorithm->points() == 0)) {
         return;
     }
     const HullBody &body_a = bodies.body(a);
@@ -91,8 +91,9 @@ void HullDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *pairs,
                     });
     collision_->touching.clear();
     for (const Work &work : work_) {
-        if (work.algorithm->holds_contacts()) {
-            collision_->touching.push_back({&work.algorithm->state(), work.a, work.b});
+        if (work.algorithm->points() > 0) {
+            collision_->touching.push_back(
+                {&work.algorithm->state(), work.a, work.b, work.algorithm->points()});
         }
     }
 }

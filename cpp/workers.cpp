@@ -1,22 +1,66 @@
 #include "workers.h"
 
 #include <algorithm>
-#include <atomic>
+#include <chrono>
 
 namespace pluvia {
+
+namespace {
+
+// A step asks for several jobs within milliseconds. Who sleeps in between wakes
+// too late to help, and on the processor of who woke it: so workers stay
+// awake for a few of them.
+constexpr std::chrono::milliseconds AWAKE{4};
+
+void pause() {
+#if defined(__x86_64__)
+    __builtin_ia32_pause();
+#endif
+}
+
+// Whether it came true within that time.
+template <class F> bool soon(const F &is_true) {
+    const auto until = std::chrono::steady_clock::now() + AWAKE;
+    do {
+        for (int i = 0; i < 64; ++i) {
+            if (is_true()) {
+                return true;
+            }
+            pause();
+        }
+    } while (std::chrono::steady_clock::now() < until);
+    return false;
+}
+
+} // namespace
 
 struct Workers::Job {
     std::size_t size, length;
     const std::function<void(int, std::size_t, std::size_t)> &part;
-    std::atomic<std::size_t> next{0};
+    std::vector<std::atomic<std::size_t>> next; // by worker: where its share goes on
 
+    Job(int count, std::size_t size, std::size_t length,
+        const std::function<void(int, std::size_t, std::size_t)> &part)
+        : size(size), length(length), part(part), next(static_cast<std::size_t>(count)) {
+        for (std::size_t share = 0; share < next.size(); ++share) {
+            next[share] = begin_of(share);
+        }
+    }
+
+    std::size_t begin_of(std::size_t share) const { return size * share / next.size(); }
+
+    // First the own share, then what others have left of theirs.
     void run(int worker) {
-        for (;;) {
-            const std::size_t begin = next.fetch_add(length);
-            if (begin >= size) {
-                return;
+        for (std::size_t i = 0; i < next.size(); ++i) {
+            const std::size_t share = (static_cast<std::size_t>(worker) + i) % next.size();
+            const std::size_t end = begin_of(share + 1);
+            for (;;) {
+                const std::size_t begin = next[share].fetch_add(length);
+                if (begin >= end) {
+                    break;
+                }
+                part(worker, begin, std::min(end, begin + length));
             }
-            part(worker, begin, std::min(size, begin + length));
         }
     }
 };
@@ -40,11 +84,14 @@ Workers::~Workers() {
 
 void Workers::share(std::size_t size, std::size_t length,
                     const std::function<void(int, std::size_t, std::size_t)> &part) {
-    Job job{size, length, part};
-    if (threads_.empty() || size <= length) {
-        job.run(0);
+    if (size == 0) {
         return;
     }
+    if (threads_.empty() || size <= length) {
+        part(0, 0, size);
+        return;
+    }
+    Job job(count(), size, length, part);
     {
         const std::lock_guard<std::mutex> lock(mutex_);
         job_ = &job;
@@ -53,25 +100,26 @@ void Workers::share(std::size_t size, std::size_t length,
     }
     begin_.notify_all();
     job.run(0);
-    std::unique_lock<std::mutex> lock(mutex_);
-    end_.wait(lock, [this] { return busy_ == 0; });
-    job_ = nullptr;
+    const auto ended = [this] { return busy_ == 0; };
+    if (!soon(ended)) {
+        std::unique_lock<std::mutex> lock(mutex_);
+        end_.wait(lock, ended);
+    }
 }
 
 void Workers::work(int worker) {
     unsigned long seen = 0;
     for (;;) {
-        Job *job = nullptr;
-        {
+        const auto called = [this, &seen] { return closing_ || round_ != seen; };
+        if (!soon(called)) {
             std::unique_lock<std::mutex> lock(mutex_);
-            begin_.wait(lock, [this, seen] { return closing_ || round_ != seen; });
-            if (closing_) {
-                return;
-            }
-            seen = round_;
-            job = job_;
+            begin_.wait(lock, called);
         }
-        job->run(worker);
+        if (closing_) {
+            return;
+        }
+        seen = round_;
+        job_.load()->run(worker);
         {
             const std::lock_guard<std::mutex> lock(mutex_);
             --busy_;

@@ -1,6 +1,7 @@
 // A few threads that share the work of one world.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <functional>
@@ -23,8 +24,9 @@ class Workers {
     int count() const { return static_cast<int>(threads_.size()) + 1; }
 
     // Calls `part(worker, begin, end)` for parts of 0 to `size`, each of `length`
-    // or less; `worker` is smaller than `count()` and no two calls at a time have
-    // the same.
+    // or less, or one by the caller for all where there are no others; `worker` is
+    // smaller than `count()` and no two calls at a time have the same. A worker
+    // takes its own stretch first: what it wrote the last time is in its cache.
     void share(std::size_t size, std::size_t length,
                const std::function<void(int worker, std::size_t begin, std::size_t end)> &part);
 
@@ -33,10 +35,10 @@ class Workers {
 
     std::mutex mutex_;
     std::condition_variable begin_, end_;
-    Job *job_ = nullptr;
-    unsigned long round_ = 0;
-    int busy_ = 0;
-    bool closing_ = false;
+    std::atomic<Job *> job_{nullptr};
+    std::atomic<unsigned long> round_{0}; // of jobs
+    std::atomic<int> busy_{0};            // workers that have not ended the job
+    std::atomic<bool> closing_{false};
     std::vector<std::thread> threads_;
 
     void work(int worker);
