@@ -185,8 +185,14 @@ fn growth(c: &mut Criterion) {
     let scenario = scenario(QUARTER);
     let setup = Setup::new(&scenario).expect("a laboratory");
     let specimen = settled(&setup, filled(&scenario, &setup));
-    let shaking =
-        TableMotion { amplitude: 0.025, frequency: 3.0, duration: 1e6, periods: 1, rest: 0.0 };
+    let shaking = TableMotion {
+        amplitude: 0.025,
+        frequency: 3.0,
+        duration: 1e6,
+        periods: 1,
+        rest: 0.0,
+        ramp: 0.0,
+    };
     phases(&setup, &specimen, &shaking);
     let mut group = c.benchmark_group("a step");
     group.sample_size(10).sampling_mode(SamplingMode::Flat);

@@ -66,6 +66,7 @@ fn steps(c: &mut Criterion, size: (f64, f64)) -> (Scenario, Setup, Specimen) {
         duration_s: MEASURED,
         periods: 1,
         rest_s: 0.0,
+        ramp_s: 0.0,
     };
     let pour = StageSpec::Pour { falling_height_mm: FALLING_HEIGHT_MM, time_limit_s: MEASURED };
     for (name, engine) in engines() {

@@ -74,8 +74,14 @@ pub fn make(size: Size) -> Result<Scenes, String> {
     let pour = scene(&lifted(&setup, filled.clone()), "fill_funnel", None)?;
     let settled = settled(&setup, filled);
     // It goes on shaking for as long as an engine is let run.
-    let motion =
-        TableMotion { amplitude: 0.025, frequency: 3.0, duration: 600.0, periods: 1, rest: 0.0 };
+    let motion = TableMotion {
+        amplitude: 0.025,
+        frequency: 3.0,
+        duration: 600.0,
+        periods: 1,
+        rest: 0.0,
+        ramp: 0.0,
+    };
     Ok(Scenes {
         rest: scene(&settled, "rest", None)?,
         shaken: scene(&settled, "rest", Some(motion))?,

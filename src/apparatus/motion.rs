@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 /// A table that shakes along x in one or more periods of x(t) = A sin(2πft),
 /// with rests at x = 0 between them. Each period holds a whole number of cycles,
-/// so that it ends where it began, at zero displacement; it starts with full
-/// speed, as an oscillator does that is switched on at its middle position.
+/// so that it ends where it began, at zero displacement. Without a ramp it starts
+/// with full speed, as an oscillator does that is switched on at its middle
+/// position; with one the amplitude grows and dies away along half a cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableMotion {
     /// Half the stroke, in m.
@@ -18,6 +19,9 @@ pub struct TableMotion {
     pub periods: u32,
     /// Rest between periods in s.
     pub rest: f64,
+    /// Time in s in which the amplitude grows at the beginning of each period,
+    /// and dies away at its end; 0 for none.
+    pub ramp: f64,
 }
 
 impl TableMotion {
@@ -30,7 +34,7 @@ impl TableMotion {
     /// Displacement in m at a time in s since the start.
     pub fn displacement(&self, time: f64) -> f64 {
         match self.within(time) {
-            Some(t) => self.amplitude * (2.0 * PI * self.frequency * t).sin(),
+            Some(t) => self.amplitude * self.share(t).0 * (2.0 * PI * self.frequency * t).sin(),
             None => 0.0,
         }
     }
@@ -39,7 +43,10 @@ impl TableMotion {
     pub fn velocity(&self, time: f64) -> f64 {
         let omega = 2.0 * PI * self.frequency;
         match self.within(time) {
-            Some(t) => self.amplitude * omega * (omega * t).cos(),
+            Some(t) => {
+                let (share, growth) = self.share(t);
+                self.amplitude * (share * omega * (omega * t).cos() + growth * (omega * t).sin())
+            }
             None => 0.0,
         }
     }
@@ -49,6 +56,17 @@ impl TableMotion {
         (0..self.periods)
             .map(|p| f64::from(p) * (self.duration + self.rest) + self.duration)
             .collect()
+    }
+
+    /// Share of the amplitude at a time within a period, and its growth in 1/s.
+    fn share(&self, t: f64) -> (f64, f64) {
+        let left = self.duration - t;
+        let (since, sign) = if t < left { (t, 1.0) } else { (left, -1.0) };
+        if since >= self.ramp {
+            return (1.0, 0.0);
+        }
+        let angle = PI * since / self.ramp;
+        (0.5 * (1.0 - angle.cos()), sign * 0.5 * PI / self.ramp * angle.sin())
     }
 
     /// Time since the start of the period that holds `time`; `None` at rest.
@@ -66,8 +84,16 @@ mod tests {
     use super::*;
 
     /// The paper's intermittent vibration with rests of one second.
-    const MOTION: TableMotion =
-        TableMotion { amplitude: 0.025, frequency: 3.0, duration: 5.0, periods: 4, rest: 1.0 };
+    const MOTION: TableMotion = TableMotion {
+        amplitude: 0.025,
+        frequency: 3.0,
+        duration: 5.0,
+        periods: 4,
+        rest: 1.0,
+        ramp: 0.0,
+    };
+
+    const RAMPED: TableMotion = TableMotion { ramp: 1.0, ..MOTION };
 
     #[test]
     fn peaks_at_the_amplitude_and_rests_in_the_middle() {
@@ -88,15 +114,40 @@ mod tests {
     #[test]
     fn velocity_is_the_derivative_of_displacement() {
         let step = 1e-6;
-        for time in [0.013, 1.7, 6.25, 22.9] {
-            let expected = (MOTION.displacement(time + step) - MOTION.displacement(time - step))
-                / (2.0 * step);
-            let got = MOTION.velocity(time);
+        for (motion, ramp) in [(MOTION, "without"), (RAMPED, "with")] {
+            for time in [0.013, 0.7, 1.7, 4.6, 6.25, 22.9] {
+                let expected = (motion.displacement(time + step)
+                    - motion.displacement(time - step))
+                    / (2.0 * step);
+                let got = motion.velocity(time);
+                assert!(
+                    (got - expected).abs() < 1e-8,
+                    "law v = dx/dt at {time} s {ramp} a ramp, expected {expected}, got {got}, \
+                     tolerance 1e-8"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_ramp_begins_and_ends_each_period_at_rest_and_leaves_the_middle() {
+        for edge in [0.0, 5.0 - 1e-9, 6.0 + 1e-9, 23.0 - 1e-9] {
+            let got = RAMPED.velocity(edge);
+            assert!(got.abs() < 1e-6, "law v = 0 at {edge} s, got {got}, tolerance 1e-6");
+        }
+        for middle in [1.0, 2.3, 4.0, 8.1] {
+            let (got, expected) = (RAMPED.displacement(middle), MOTION.displacement(middle));
             assert!(
-                (got - expected).abs() < 1e-8,
-                "law v = dx/dt at {time} s, expected {expected}, got {got}, tolerance 1e-8"
+                (got - expected).abs() < 1e-15,
+                "law: as without a ramp at {middle} s, expected {expected}, got {got}"
             );
         }
+        let half = RAMPED.displacement(0.5 + 1.0 / 12.0) / MOTION.displacement(0.5 + 1.0 / 12.0);
+        let expected = 0.5 * (1.0 - (PI * (0.5 + 1.0 / 12.0)).cos());
+        assert!(
+            (half - expected).abs() < 1e-12,
+            "law (1 - cos πt/r)/2, expected {expected}, got {half}"
+        );
     }
 
     #[test]

@@ -87,7 +87,8 @@ pub struct Table {
 }
 
 /// x(t) = A sin(2πft) along x in each period, x = 0 between periods; t begins
-/// with the scene.
+/// with the scene. With a ramp r, A grows in each period as (1 - cos πt/r)/2 and
+/// dies away at its end in the same way.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TableLaw {
     /// A, half the stroke.
@@ -100,6 +101,13 @@ pub struct TableLaw {
     pub periods: u32,
     /// Rest between periods.
     pub rest_s: f64,
+    /// r; left out where it is 0.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub ramp_s: f64,
+}
+
+fn is_none(ramp_s: &f64) -> bool {
+    *ramp_s == 0.0
 }
 
 impl From<TableMotion> for TableLaw {
@@ -110,6 +118,7 @@ impl From<TableMotion> for TableLaw {
             duration_s: m.duration,
             periods: m.periods,
             rest_s: m.rest,
+            ramp_s: m.ramp,
         }
     }
 }
@@ -122,6 +131,7 @@ impl From<TableLaw> for TableMotion {
             duration: law.duration_s,
             periods: law.periods,
             rest: law.rest_s,
+            ramp: law.ramp_s,
         }
     }
 }

@@ -50,7 +50,15 @@ pub fn run(
 /// The table's motion of a vibration stage; `None` for every other stage.
 pub fn table_motion(stage: &StageSpec) -> Option<TableMotion> {
     match *stage {
-        StageSpec::Vibrate { frequency_hz, amplitude_mm, stroke, duration_s, periods, rest_s } => {
+        StageSpec::Vibrate {
+            frequency_hz,
+            amplitude_mm,
+            stroke,
+            duration_s,
+            periods,
+            rest_s,
+            ramp_s,
+        } => {
             let half = match stroke {
                 StrokeReading::HalfStroke => 1.0,
                 StrokeReading::FullStroke => 0.5,
@@ -61,6 +69,7 @@ pub fn table_motion(stage: &StageSpec) -> Option<TableMotion> {
                 duration: duration_s,
                 periods,
                 rest: rest_s,
+                ramp: ramp_s,
             })
         }
         _ => None,

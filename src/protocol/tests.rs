@@ -87,6 +87,7 @@ fn vibrate(periods: u32, rest_s: f64) -> StageSpec {
         duration_s: 1.0,
         periods,
         rest_s,
+        ramp_s: 0.0,
     }
 }
 

@@ -143,7 +143,7 @@ fn stages(scenario: &Scenario) -> Vec<Choice> {
              The settlement of the surface is shown beside it.",
         ));
     }
-    if let Some(StageSpec::Vibrate { amplitude_mm, stroke, periods, rest_s, .. }) =
+    if let Some(StageSpec::Vibrate { amplitude_mm, stroke, periods, rest_s, ramp_s, .. }) =
         stage(|s| matches!(s, StageSpec::Vibrate { .. }))
     {
         let reading = match stroke {
@@ -158,9 +158,16 @@ fn stages(scenario: &Scenario) -> Vec<Choice> {
         ));
         choices.push(choice(
             "Start of the sinusoid",
-            "x = A sin 2πft: from the middle, at full speed; the table stops within a step at the \
-             end of a period"
-                .to_owned(),
+            if *ramp_s == 0.0 {
+                "x = A sin 2πft: from the middle, at full speed; the table stops within a step at \
+                 the end of a period"
+                    .to_owned()
+            } else {
+                format!(
+                    "the amplitude grows and dies away within {} s of each period",
+                    compact(*ramp_s)
+                )
+            },
             "Not given; every period starts and ends in the middle.",
             "A jerk at the start and end of each period, small beside a period of many cycles.",
         ));

@@ -18,6 +18,8 @@ pub struct Vibration {
     pub periods: u32,
     /// Rest between periods in s.
     pub rest: f64,
+    /// Time in s in which the amplitude grows and dies away in each period.
+    pub ramp: f64,
 }
 
 impl Vibration {
@@ -47,8 +49,15 @@ impl StageSpec {
 
     /// The vibration of a stage that vibrates.
     pub fn vibration(&self) -> Option<Vibration> {
-        let Self::Vibrate { frequency_hz, amplitude_mm, stroke, duration_s, periods, rest_s } =
-            *self
+        let Self::Vibrate {
+            frequency_hz,
+            amplitude_mm,
+            stroke,
+            duration_s,
+            periods,
+            rest_s,
+            ramp_s,
+        } = *self
         else {
             return None;
         };
@@ -62,6 +71,7 @@ impl StageSpec {
             duration: duration_s,
             periods,
             rest: rest_s,
+            ramp: ramp_s,
         })
     }
 

@@ -63,6 +63,12 @@ pub enum StageSpec {
         #[serde(default)]
         #[schemars(range(min = 0.0, max = 3600.0))]
         rest_s: f64,
+        /// Time in which the amplitude grows from nothing at the beginning of each period, along
+        /// half a cosine, and dies away at its end, in s; 0: the table starts and stops at full
+        /// speed.
+        #[serde(default, skip_serializing_if = "is_none")]
+        #[schemars(range(min = 0.0, max = 1800.0))]
+        ramp_s: f64,
     },
     /// Wait with nothing moving.
     Rest {
@@ -83,6 +89,10 @@ fn place_limit() -> f64 {
 }
 fn half_stroke() -> StrokeReading {
     StrokeReading::HalfStroke
+}
+/// Left out of what names stored stages, so that those from before there were ramps are found.
+fn is_none(ramp_s: &f64) -> bool {
+    *ramp_s == 0.0
 }
 fn one() -> u32 {
     1

@@ -1,6 +1,8 @@
 //! Scenario files: those of the project load, and faulty ones are answered
 //! with every fault, its place and what is allowed there.
 
+mod stages;
+
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -340,117 +342,6 @@ fn funnel_and_plate_must_fit() {
         },
         "apparatus.top_plate.diameter_mm",
         &["does not fit", "less than 114.8 mm"],
-    );
-}
-
-fn with_stages(stages: &[&str]) -> impl FnOnce(&mut Value) {
-    let stages: Vec<Value> = stages
-        .iter()
-        .map(|name| match *name {
-            "pour" => json!({ "stage": "pour", "falling_height_mm": 50 }),
-            "rest" => json!({ "stage": "rest", "duration_s": 1 }),
-            "vibrate" => json!({
-                "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 25, "duration_s": 1
-            }),
-            name => json!({ "stage": name }),
-        })
-        .collect();
-    move |s| s["stages"] = Value::Array(stages)
-}
-
-#[test]
-fn stages_have_their_order() {
-    let mut value = sound();
-    let all =
-        ["fill_funnel", "rest", "pour", "rest", "place_top_plate", "vibrate", "rest", "vibrate"];
-    with_stages(&all)(&mut value);
-    assert_eq!(faults(&value), [], "{all:?} is in order");
-    let cases: [(&[&str], &str, &str); 6] = [
-        (&["pour"], "stages[0].stage", "the first stage fills the funnel"),
-        (&["fill_funnel", "fill_funnel"], "stages[1].stage", "twice"),
-        (&["fill_funnel", "pour", "pour"], "stages[2].stage", "twice"),
-        (&["fill_funnel", "vibrate", "pour"], "stages[1].stage", "before `pour`"),
-        (&["fill_funnel", "place_top_plate", "pour"], "stages[1].stage", "before `pour`"),
-        (
-            &["fill_funnel", "pour", "place_top_plate", "place_top_plate"],
-            "stages[3].stage",
-            "twice",
-        ),
-    ];
-    for (stages, path, words) in cases {
-        expect_one(with_stages(stages), path, &[words]);
-    }
-    expect_one(|s| s["stages"] = json!([]), "stages", &["too short"]);
-}
-
-#[test]
-fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
-    // 250 mm of fall: v = √(2·9.81·0.25) = 2.215 m/s, 8 mm in a step at 276.8 Hz.
-    expect_one(
-        |s| s["engine"] = json!({ "contact_path": "bullet", "rate_hz": 276 }),
-        "engine.rate_hz",
-        &["cannot resolve the motion", "250 mm", "found 276", "at least 277 Hz"],
-    );
-    let mut enough = sound();
-    enough["engine"] = json!({ "contact_path": "bullet", "rate_hz": 277 });
-    assert_eq!(faults(&enough), [], "277 Hz resolve the fall");
-    // What foresees contacts may take steps of twice the size.
-    expect_one(
-        |s| s["engine"] = json!({ "rate_hz": 138 }),
-        "engine.rate_hz",
-        &["cannot resolve the motion", "twice", "at least 139 Hz"],
-    );
-    enough["engine"] = json!({ "rate_hz": 139 });
-    assert_eq!(faults(&enough), [], "139 Hz are enough where contacts are foreseen");
-    expect_one(
-        |s| {
-            with_stages(&["fill_funnel", "pour", "vibrate"])(s);
-            s["stages"][2]["frequency_hz"] = json!(15);
-            s["stages"][2]["amplitude_mm"] = json!(1);
-        },
-        "engine.rate_hz",
-        &["15 Hz has 32 steps a cycle", "at least 600 Hz"],
-    );
-    // 6 Hz and 200 mm: 7.54 m/s, faster than the fall.
-    expect_one(
-        |s| {
-            with_stages(&["fill_funnel", "pour", "vibrate"])(s);
-            s["engine"] = json!({ "contact_path": "bullet" });
-            s["stages"][2]["frequency_hz"] = json!(6);
-            s["stages"][2]["amplitude_mm"] = json!(200);
-        },
-        "engine.rate_hz",
-        &["the shaking table", "15.71 mm"],
-    );
-    expect_one(
-        |s| {
-            s["engine"] = json!({ "contact_path": "bullet" });
-            s["apparatus"] = json!({ "cylinder": { "wall_thickness_mm": 5 } });
-        },
-        "apparatus.cylinder.wall_thickness_mm",
-        &["through which grains can pass", "at least 9.228 mm"],
-    );
-    expect_one(
-        |s| s["engine"] = json!({ "contact_threshold_mm": 8 }),
-        "engine.contact_threshold_mm",
-        &["longer than a grain", "8 mm"],
-    );
-}
-
-#[test]
-fn times_are_bounded() {
-    expect_one(
-        |s| {
-            with_stages(&["fill_funnel", "pour", "rest"])(s);
-            s["stages"][2]["duration_s"] = json!(3600);
-        },
-        "stages",
-        &["too long", "3600 s"],
-    );
-    expect_one(
-        |s| s["stages"][0]["time_limit_s"] = json!(0.2),
-        "stages[0].time_limit_s",
-        &["before anything can count as settled", "0.25"],
     );
 }
 

@@ -13,6 +13,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
     check_order(parts, faults);
     check_time(parts, faults);
     check_cycles(parts, faults);
+    check_ramps(parts, faults);
 }
 
 fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
@@ -99,6 +100,36 @@ fn check_cycles(parts: &Parts, faults: &mut Vec<Fault>) {
                     short(cycles.round().max(1.0) / motion.frequency)
                 ),
                 "a period of vibration must end where it began, in the middle of the stroke".into(),
+            ));
+        }
+    }
+}
+
+/// A shorter ramp would move the table faster than the sinusoid does; longer
+/// ones would meet.
+fn check_ramps(parts: &Parts, faults: &mut Vec<Fault>) {
+    let specs = parts.stages.iter().enumerate().filter_map(|(i, s)| Some((i, s.spec.as_ref()?)));
+    for (i, spec) in specs {
+        let Some(motion) = spec.vibration() else { continue };
+        let cycle = 1.0 / motion.frequency;
+        let longest = motion.duration / 2.0;
+        if motion.ramp > 0.0 && !(cycle..=longest).contains(&motion.ramp) {
+            let allowed = if cycle <= longest {
+                format!(
+                    "0, or from one cycle, {} s, to half of duration_s, {} s",
+                    short(cycle),
+                    short(longest)
+                )
+            } else {
+                "0: the period is too short for a ramp of one cycle at either end".to_owned()
+            };
+            faults.push(fault(
+                &format!("stages[{i}].ramp_s"),
+                motion.ramp,
+                allowed,
+                "the amplitude can neither grow within a part of a cycle, nor still grow when it begins to die \
+                 away"
+                    .into(),
             ));
         }
     }
