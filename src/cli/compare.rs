@@ -53,6 +53,7 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
     let options = RunOptions {
         out: args.out.clone(),
         jobs: args.jobs.map_or_else(cores, usize::from),
+        frames: false,
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),
     };

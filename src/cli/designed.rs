@@ -35,6 +35,7 @@ impl DesignedArgs {
             run: RunOptions {
                 out: out.to_owned(),
                 jobs: self.jobs.map_or_else(cores, usize::from),
+                frames: false,
                 cancel: context.cancel.clone(),
                 progress: context.progress.clone(),
             },

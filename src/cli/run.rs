@@ -38,6 +38,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
         out: args.out.clone(),
         // The stages of one run follow each other.
         jobs: 1,
+        frames: true,
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),
     };

@@ -4,6 +4,7 @@
 mod apparatus;
 mod exchange;
 mod obj;
+mod playback;
 mod run_folder;
 mod tables;
 
@@ -13,5 +14,6 @@ pub use exchange::{
     PlateBody, Scene, SceneError, Table, TableLaw, VERSION,
 };
 pub use obj::{apparatus_obj, grains_obj};
+pub use playback::{Playback, PlayedStage, read_playback};
 pub use run_folder::{ExportError, Exported, read_run};
 pub use tables::{contacts_csv, grains_csv, pairs_csv};

@@ -10,7 +10,7 @@ use serde::Deserialize;
 
 use super::exchange::{MadeBy, Scene};
 use crate::apparatus::{ApparatusError, TableMotion};
-use crate::grains;
+use crate::grains::{self, GrainSet};
 use crate::protocol::{Setup, table_motion};
 use crate::record::{FileError, StageStore, read_json};
 use crate::scenario::Scenario;
@@ -44,17 +44,17 @@ pub enum ExportError {
 
 /// What exporting needs of `manifest.json`.
 #[derive(Deserialize)]
-struct Manifest {
+pub(super) struct Manifest {
     pluvia: String,
-    scenario: Scenario,
-    stages: Vec<StageEntry>,
+    pub(super) scenario: Scenario,
+    pub(super) stages: Vec<StageEntry>,
     control: Option<StageEntry>,
 }
 
 #[derive(Deserialize)]
-struct StageEntry {
-    stage: String,
-    key: String,
+pub(super) struct StageEntry {
+    pub(super) stage: String,
+    pub(super) key: String,
 }
 
 /// A run as read back.
@@ -89,13 +89,8 @@ impl Exported {
 pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportError> {
     let path = folder.join("manifest.json");
     let manifest: Manifest = read_json(&path)?;
-    let apparatus = |reason| ExportError::Apparatus { manifest: path.clone(), reason };
-    let setup = Setup::new(&manifest.scenario).map_err(apparatus)?;
-    let set = {
-        let path = beside(folder, "grains.json");
-        let json = read_json(&path)?;
-        grains::from_json(&json).map_err(|e| FileError::new("use", &path, e))?
-    };
+    let setup = setup_of(&manifest, &path)?;
+    let set = grains_of(folder)?;
     let (index, name, file) = locate(folder, &path, &manifest, stage)?;
     let state: SpecimenState = read_json(&file)?;
     let (found, expected) = (state.bodies.len(), set.grains.len());
@@ -115,9 +110,22 @@ pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportEr
     Ok(Exported { setup, specimen, next_motion, made_by })
 }
 
+/// The laboratory that a manifest describes.
+pub(super) fn setup_of(manifest: &Manifest, path: &Path) -> Result<Setup, ExportError> {
+    Setup::new(&manifest.scenario)
+        .map_err(|reason| ExportError::Apparatus { manifest: path.to_owned(), reason })
+}
+
+/// The grains of a run.
+pub(super) fn grains_of(folder: &Path) -> Result<GrainSet, FileError> {
+    let path = beside(folder, "grains.json");
+    let json = read_json(&path)?;
+    grains::from_json(&json).map_err(|e| FileError::new("use", &path, e))
+}
+
 /// A file or folder that several runs of one command share: in the run's
 /// folder, or in the one that holds `runs/`.
-fn beside(folder: &Path, name: &str) -> PathBuf {
+pub(super) fn beside(folder: &Path, name: &str) -> PathBuf {
     let own = folder.join(name);
     let shared = folder.join("../..").join(name);
     if !own.exists() && shared.exists() { shared } else { own }

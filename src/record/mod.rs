@@ -1,6 +1,7 @@
 //! What a run leaves on disk.
 
 mod atomic;
+mod frames;
 mod hash;
 mod run;
 mod store;
@@ -9,6 +10,7 @@ mod tables;
 mod variations;
 
 pub use atomic::{FileError, create_folder, read_file, read_json, write_file, write_json};
+pub use frames::{FRAMES_FILE, Frame, FrameWriter, read_frames};
 pub use hash::{hash_bytes, hash_json};
 pub use run::{RunKind, RunRecord};
 pub use store::{StageRecord, StageStore, StoredStage};

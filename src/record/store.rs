@@ -8,8 +8,8 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{
-    FileError, SeriesRow, create_folder, hash_bytes, read_file, read_json, series_from_csv, to_csv,
-    write_file, write_json,
+    FRAMES_FILE, FileError, FrameWriter, SeriesRow, create_folder, hash_bytes, read_file,
+    read_json, series_from_csv, to_csv, write_file, write_json,
 };
 use crate::specimen::SpecimenState;
 use crate::world::EffectiveSettings;
@@ -52,6 +52,7 @@ pub struct StoredStage {
 #[derive(Debug, Clone)]
 pub struct StageStore {
     root: PathBuf,
+    frames: bool,
 }
 
 impl StageStore {
@@ -67,9 +68,25 @@ impl StageStore {
             if entry.file_name().to_string_lossy().starts_with(".part-") {
                 // A leftover that cannot be removed does no harm.
                 let _ = fs::remove_dir_all(entry.path());
+                let _ = fs::remove_file(entry.path());
             }
         }
-        Ok(Self { root: root.to_owned() })
+        Ok(Self { root: root.to_owned(), frames: false })
+    }
+
+    /// The same, keeping the frames of stages that are carried out, where that is
+    /// wanted. A stage that is there already stays as it is.
+    pub fn with_frames(self, frames: bool) -> Self {
+        Self { frames, ..self }
+    }
+
+    /// Where the frames of a stage can be written while it is carried out; none
+    /// where they are not kept.
+    ///
+    /// # Errors
+    /// When the file cannot be made.
+    pub fn frames(&self, grains: usize) -> Result<Option<FrameWriter>, FileError> {
+        self.frames.then(|| FrameWriter::new(&self.root, grains)).transpose()
     }
 
     /// Folder of a stage.
@@ -119,7 +136,12 @@ impl StageStore {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn save(&self, key: &str, mut stage: StoredStage) -> Result<StoredStage, FileError> {
+    pub fn save(
+        &self,
+        key: &str,
+        mut stage: StoredStage,
+        frames: Option<FrameWriter>,
+    ) -> Result<StoredStage, FileError> {
         let target = self.folder(key);
         let part = tempfile::Builder::new()
             .prefix(".part-")
@@ -132,6 +154,9 @@ impl StageStore {
         stage.record.series_sha256 = hash_bytes(&series);
         write_file(&part.path().join("specimen.json"), &specimen)?;
         write_file(&part.path().join("series.csv"), &series)?;
+        if let Some(frames) = frames {
+            frames.keep(&part.path().join(FRAMES_FILE))?;
+        }
         write_json(&part.path().join("stage.json"), &stage.record)?;
         if target.exists() {
             fs::remove_dir_all(&target).map_err(|e| FileError::new("replace", &target, e))?;

@@ -171,7 +171,8 @@ impl Shop<'_> {
         progress.begin_stage(id, &node.label, node.expected);
         let started = Instant::now();
         let began = specimen.state.time;
-        let mut recorder = Recorder::new(&node.setup, &node.stage, |row| {
+        let frames = store.frames(node.grains.grains.len())?;
+        let mut recorder = Recorder::new(&node.setup, &node.stage, frames, |row| {
             let time = row.time_s - began;
             progress.update(id, time, &note(row));
         });
@@ -207,8 +208,8 @@ impl Shop<'_> {
             specimen_sha256: String::new(),
             series_sha256: String::new(),
         };
-        let stage =
-            StoredStage { record, state: outcome.specimen.state, series: recorder.into_rows() };
-        store.save(&node.key, stage).map_err(StudyError::File)
+        let (series, frames) = recorder.into_parts();
+        let stage = StoredStage { record, state: outcome.specimen.state, series };
+        store.save(&node.key, stage, frames).map_err(StudyError::File)
     }
 }

@@ -6,7 +6,7 @@ use crate::measure::{
     mean_grain_height, plate_position,
 };
 use crate::protocol::{Moment, Observer, Setup};
-use crate::record::SeriesRow;
+use crate::record::{FrameWriter, SeriesRow};
 use crate::scenario::StageSpec;
 use crate::specimen::Specimen;
 use crate::units::to_mm;
@@ -19,6 +19,7 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     /// Plate height and mean surface in mm at the start of vibration.
     reference: Option<(Option<f64>, f64)>,
     rows: Vec<SeriesRow>,
+    frames: Option<FrameWriter>,
     /// Told of every row as it comes.
     on_row: F,
 }
@@ -33,14 +34,20 @@ pub fn container(setup: &Setup, specimen: &Specimen) -> Container {
 }
 
 impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
-    /// A recorder for one stage.
-    pub fn new(setup: &'a Setup, stage: &StageSpec, on_row: F) -> Self {
+    /// A recorder for one stage; `frames` get every state that is observed.
+    pub fn new(
+        setup: &'a Setup,
+        stage: &StageSpec,
+        frames: Option<FrameWriter>,
+        on_row: F,
+    ) -> Self {
         Self {
             setup,
             vibrating: matches!(stage, StageSpec::Vibrate { .. }),
             start: 0.0,
             reference: None,
             rows: Vec::new(),
+            frames,
             on_row,
         }
     }
@@ -50,9 +57,9 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         self.start = time;
     }
 
-    /// The rows recorded.
-    pub fn into_rows(self) -> Vec<SeriesRow> {
-        self.rows
+    /// The rows and frames recorded.
+    pub fn into_parts(self) -> (Vec<SeriesRow>, Option<FrameWriter>) {
+        (self.rows, self.frames)
     }
 }
 
@@ -107,6 +114,9 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
             plate_tilt_deg: position.map(|p| p.tilt.to_degrees()),
             largest_speed_m_per_s: largest_speed(specimen, &table),
         };
+        if let Some(frames) = &mut self.frames {
+            frames.add(state, row.time_s);
+        }
         (self.on_row)(&row);
         self.rows.push(row);
     }

@@ -80,6 +80,7 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
     let how = RunOptions {
         out: options.out.clone(),
         jobs: options.jobs,
+        frames: true,
         cancel: options.cancel.clone(),
         progress: options.progress.clone(),
     };

@@ -29,6 +29,9 @@ pub struct RunOptions {
     pub out: PathBuf,
     /// Threads for stages that do not need each other.
     pub jobs: usize,
+    /// Whether stages keep frames, for pictures and the viewer: about 20 bytes a
+    /// grain and sample.
+    pub frames: bool,
     /// Set to stop at the next check.
     pub cancel: Arc<AtomicBool>,
     /// Told of what goes on.
@@ -74,7 +77,7 @@ pub(super) fn carry_out(
     folder: impl Fn(&PlannedRun) -> PathBuf,
 ) -> Result<CarriedOut, StudyError> {
     let plan = Plan::new(runs)?;
-    let store = StageStore::open(&options.out.join("stages"))?;
+    let store = StageStore::open(&options.out.join("stages"))?.with_frames(options.frames);
     let done = execute(
         &plan,
         &store,
@@ -103,7 +106,7 @@ pub(super) fn carry_out_each(
     folder: impl Fn(&PlannedRun) -> PathBuf,
 ) -> Result<Vec<Result<CarriedOut, String>>, StudyError> {
     let plan = Plan::new(runs)?;
-    let store = StageStore::open(&options.out.join("stages"))?;
+    let store = StageStore::open(&options.out.join("stages"))?.with_frames(options.frames);
     let Executed { done, failed, cancelled } = execute_each(
         &plan,
         &store,

@@ -89,6 +89,7 @@ fn carry_out_reading(
     let how = RunOptions {
         out: options.out.clone(),
         jobs: options.jobs,
+        frames: false,
         cancel: options.cancel.clone(),
         progress: options.progress.clone(),
     };

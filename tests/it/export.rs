@@ -7,7 +7,8 @@ use std::{
     sync::OnceLock,
 };
 
-use pluvia::export::{Carrier, Scene, read_run};
+use pluvia::export::{Carrier, Scene, read_playback, read_run};
+use pluvia::geometry::Pose;
 use tempfile::TempDir;
 
 use super::small;
@@ -152,6 +153,49 @@ fn tables_have_a_row_each_and_meshes_lie_in_the_cylinder() {
     for name in ["o floor", "o cylinder_00", "o top_plate"] {
         assert!(walls.iter().any(|l| l == name), "`{name}` is missing");
     }
+}
+
+#[test]
+fn frames_lead_from_the_first_stage_to_the_last_specimen() {
+    let played = read_playback(small_run()).expect("the run can be read");
+    let names: Vec<&str> = played.stages.iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(names, ["fill_funnel", "pour", "place_top_plate", "vibrate"]);
+    assert!(played.stages.iter().all(|s| s.kept), "law: `run` keeps the frames of every stage");
+    let times: Vec<f64> =
+        played.stages.iter().flat_map(|s| s.frames.iter().map(|f| f.time)).collect();
+    assert!(times.windows(2).all(|t| t[0] <= t[1]), "law: time does not run back, got {times:?}");
+    let gap = times.windows(2).map(|t| t[1] - t[0]).fold(0.0, f64::max);
+    assert!(gap < 0.0851, "law: a frame every 0.08 s, got {gap} s between two, tolerance a step");
+
+    let run = read_run(small_run(), None).expect("the run can be read");
+    let last = played.stages.last().and_then(|s| s.frames.last()).expect("a frame");
+    let end = &run.specimen.state;
+    let off = |seen: &Pose, is: &Pose| (seen.translation.vector - is.translation.vector).norm();
+    let plates = (last.top_plate.expect("a plate"), end.top_plate.expect("a plate").pose);
+    let worst = last
+        .grains
+        .iter()
+        .zip(&end.bodies)
+        .map(|(seen, is)| (seen.expect("nothing was spilled"), is.body.pose))
+        .chain([plates])
+        .map(|(seen, is)| off(&seen, &is))
+        .fold(0.0, f64::max);
+    assert!(worst < 1e-7, "law: the last frame is the end, off by {worst} m, tolerance 1e-7");
+
+    // Kept without frames, its stages are seen at their ends.
+    let bare = tempfile::tempdir().expect("a folder");
+    for file in ["manifest.json", "grains.json"] {
+        fs::copy(small_run().join(file), bare.path().join(file)).expect("a copy");
+    }
+    for stage in fs::read_dir(small_run().join("stages")).expect("stages").flatten() {
+        let to = bare.path().join("stages").join(stage.file_name());
+        fs::create_dir_all(&to).expect("a folder");
+        fs::copy(stage.path().join("specimen.json"), to.join("specimen.json")).expect("a copy");
+    }
+    let bare = read_playback(bare.path()).expect("the run can be read");
+    let frames: Vec<usize> = bare.stages.iter().map(|s| s.frames.len()).collect();
+    assert_eq!(frames, [1, 1, 1, 1], "law: without frames, the end of every stage");
+    assert!(bare.stages.iter().all(|s| !s.kept));
 }
 
 #[test]

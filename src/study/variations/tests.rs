@@ -40,6 +40,7 @@ fn options(out: &Path) -> RunOptions {
     RunOptions {
         out: out.to_owned(),
         jobs: 2,
+        frames: false,
         cancel: Arc::new(AtomicBool::new(false)),
         progress: Arc::new(Silent),
     }

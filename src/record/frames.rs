@@ -1,0 +1,285 @@
+//! Frames: where everything was at regular times of a stage, in a compact file.
+//!
+//! Little endian. First the eight bytes `PLUVFRM1` and the number of grains as
+//! a 32-bit integer; then frames of one length, each
+//!
+//! | bytes | content |
+//! | --- | --- |
+//! | 8 | time since the run began in s, 64-bit float |
+//! | 4 | what is there, 32-bit integer: 1 cylinder, 2 funnel, 4 its lid, 8 top plate |
+//! | 4 | displacement of the table along x in m, 32-bit float |
+//! | 4 | height of the funnel's opening above the cylinder's floor in m |
+//! | 20 | centroid and orientation of the top plate, as of a grain |
+//! | 20 a grain | centroid in m as three 32-bit floats, NaN for a grain that is no longer there; orientation as a unit quaternion x, y, z, w in 16-bit integers of 1/32767 |
+//!
+//! A quaternion's rounding turns a grain by less than 0.003°.
+
+use std::{
+    fs::File,
+    io::{self, BufWriter, Write},
+    path::Path,
+};
+
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+
+use super::{FileError, read_file};
+use crate::geometry::Pose;
+use crate::specimen::{Fate, FunnelState, SpecimenState};
+
+/// Name of the file in a stage's folder.
+pub const FRAMES_FILE: &str = "frames.bin";
+
+const MAGIC: &[u8; 8] = b"PLUVFRM1";
+const HEAD: usize = 12;
+const PLACE: usize = 20;
+const BEFORE_GRAINS: usize = 20 + PLACE;
+
+const CYLINDER: u32 = 1;
+const FUNNEL: u32 = 2;
+const LID: u32 = 4;
+const TOP_PLATE: u32 = 8;
+
+/// Where everything was at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Time since the run began in s.
+    pub time: f64,
+    /// Whether the cylinder stood on the table.
+    pub cylinder: bool,
+    /// The funnel, where it stood.
+    pub funnel: Option<FunnelState>,
+    /// Displacement of the table along x in m.
+    pub table_x: f64,
+    /// Pose of the top plate's centroid, where it was placed.
+    pub top_plate: Option<Pose>,
+    /// Pose of each grain's principal frame; none where it was no longer there.
+    pub grains: Vec<Option<Pose>>,
+}
+
+impl Frame {
+    /// A specimen's state as a frame.
+    pub fn of(state: &SpecimenState) -> Self {
+        let grain =
+            |g: &crate::specimen::GrainState| (g.fate == Fate::Present).then_some(g.body.pose);
+        Self {
+            time: state.time,
+            cylinder: state.cylinder,
+            funnel: state.funnel,
+            table_x: state.table_x,
+            top_plate: state.top_plate.map(|plate| plate.pose),
+            grains: state.bodies.iter().map(grain).collect(),
+        }
+    }
+
+    fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let mut there = 0;
+        for (flag, is) in [
+            (CYLINDER, self.cylinder),
+            (FUNNEL, self.funnel.is_some()),
+            (LID, self.funnel.is_some_and(|f| f.lid)),
+            (TOP_PLATE, self.top_plate.is_some()),
+        ] {
+            there |= if is { flag } else { 0 };
+        }
+        out.write_all(&self.time.to_le_bytes())?;
+        out.write_all(&there.to_le_bytes())?;
+        out.write_all(&(self.table_x as f32).to_le_bytes())?;
+        let opening = self.funnel.map_or(0.0, |f| f.opening_height);
+        out.write_all(&(opening as f32).to_le_bytes())?;
+        write_place(self.top_plate.as_ref(), out)?;
+        self.grains.iter().try_for_each(|grain| write_place(grain.as_ref(), out))
+    }
+
+    fn read(bytes: &[u8]) -> Self {
+        let there = u32::from_le_bytes(four(bytes, 8));
+        let is = |flag| there & flag != 0;
+        let mut time = [0; 8];
+        time.copy_from_slice(&bytes[..8]);
+        Self {
+            time: f64::from_le_bytes(time),
+            cylinder: is(CYLINDER),
+            funnel: is(FUNNEL).then(|| FunnelState {
+                opening_height: f64::from(f32::from_le_bytes(four(bytes, 16))),
+                lid: is(LID),
+            }),
+            table_x: f64::from(f32::from_le_bytes(four(bytes, 12))),
+            top_plate: is(TOP_PLATE).then(|| read_place(&bytes[20..])).flatten(),
+            grains: bytes[BEFORE_GRAINS..].chunks_exact(PLACE).map(read_place).collect(),
+        }
+    }
+}
+
+fn four(bytes: &[u8], at: usize) -> [u8; 4] {
+    let mut four = [0; 4];
+    four.copy_from_slice(&bytes[at..at + 4]);
+    four
+}
+
+fn write_place(pose: Option<&Pose>, out: &mut impl Write) -> io::Result<()> {
+    let Some(pose) = pose else {
+        for _ in 0..3 {
+            out.write_all(&f32::NAN.to_le_bytes())?;
+        }
+        return out.write_all(&[0; 8]);
+    };
+    for x in pose.translation.vector.iter() {
+        out.write_all(&(*x as f32).to_le_bytes())?;
+    }
+    for x in pose.rotation.coords.iter() {
+        out.write_all(&((x * 32767.0).round() as i16).to_le_bytes())?;
+    }
+    Ok(())
+}
+
+fn read_place(bytes: &[u8]) -> Option<Pose> {
+    let position = [0, 4, 8].map(|at| f64::from(f32::from_le_bytes(four(bytes, at))));
+    if position.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let [x, y, z, w] =
+        [12, 14, 16, 18].map(|at| f64::from(i16::from_le_bytes([bytes[at], bytes[at + 1]])));
+    let rotation = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.5)?;
+    Some(Isometry3::from_parts(Translation3::from(position), rotation))
+}
+
+/// Writes the frames of a stage one after the other into a file.
+#[derive(Debug)]
+pub struct FrameWriter {
+    file: BufWriter<tempfile::NamedTempFile>,
+    fault: Option<io::Error>,
+}
+
+impl FrameWriter {
+    /// Begins a file for so many grains in a folder; it is removed unless it is
+    /// kept.
+    ///
+    /// # Errors
+    /// When it cannot be made.
+    pub fn new(folder: &Path, grains: usize) -> Result<Self, FileError> {
+        let refused = |e| FileError::new("create a file in", folder, e);
+        let file =
+            tempfile::Builder::new().prefix(".part-").tempfile_in(folder).map_err(refused)?;
+        let mut file = BufWriter::new(file);
+        file.write_all(MAGIC).map_err(refused)?;
+        file.write_all(&(grains as u32).to_le_bytes()).map_err(refused)?;
+        Ok(Self { file, fault: None })
+    }
+
+    /// Adds a state at a time in s since the run began. A fault is told at the end.
+    pub fn add(&mut self, state: &SpecimenState, time: f64) {
+        if self.fault.is_none() {
+            let frame = Frame { time, ..Frame::of(state) };
+            self.fault = frame.write(&mut self.file).err();
+        }
+    }
+
+    /// Moves the file to its place.
+    ///
+    /// # Errors
+    /// When not everything could be written.
+    pub fn keep(self, path: &Path) -> Result<(), FileError> {
+        let refused = |e| FileError::new("write", path, e);
+        match self.fault {
+            Some(fault) => Err(refused(fault)),
+            None => {
+                let file = self.file.into_inner().map_err(|e| refused(e.into_error()))?;
+                file.as_file().sync_all().map_err(refused)?;
+                let file: File = file.persist(path).map_err(|e| refused(e.error))?;
+                #[cfg(unix)]
+                {
+                    use std::os::unix::fs::PermissionsExt;
+                    // Temporary files are private to their owner; results are not.
+                    file.set_permissions(std::fs::Permissions::from_mode(0o644))
+                        .map_err(refused)?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Reads the frames of a stage.
+///
+/// # Errors
+/// [`FileError`] when the file cannot be read or is none of these.
+pub fn read_frames(path: &Path) -> Result<Vec<Frame>, FileError> {
+    let bytes = read_file(path)?;
+    frames_of(&bytes).map_err(|why| FileError::new("use", path, why))
+}
+
+fn frames_of(bytes: &[u8]) -> Result<Vec<Frame>, String> {
+    if bytes.len() < HEAD || &bytes[..8] != MAGIC {
+        return Err("it does not begin as frames do".to_owned());
+    }
+    let grains = u32::from_le_bytes(four(bytes, 8)) as usize;
+    let length = BEFORE_GRAINS + PLACE * grains;
+    let frames = bytes[HEAD..].chunks_exact(length);
+    if !frames.remainder().is_empty() {
+        return Err(format!("its last frame of {grains} grains is cut off"));
+    }
+    Ok(frames.map(Frame::read).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frame() -> Frame {
+        let turned = UnitQuaternion::from_euler_angles(0.3, -1.1, 2.7);
+        let pose = |x: f64| Isometry3::from_parts(Translation3::new(x, -0.02, 0.11), turned);
+        Frame {
+            time: 3.76,
+            cylinder: true,
+            funnel: Some(FunnelState { opening_height: 0.25, lid: true }),
+            table_x: -0.015625,
+            top_plate: Some(pose(0.5)),
+            grains: vec![Some(pose(0.031)), None, Some(pose(-0.04))],
+        }
+    }
+
+    fn bytes(frames: &[Frame]) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(3u32.to_le_bytes());
+        for frame in frames {
+            frame.write(&mut bytes).expect("memory");
+        }
+        bytes
+    }
+
+    #[test]
+    fn frames_come_back_within_their_rounding() {
+        let wrote = frame();
+        let read = frames_of(&bytes(&[wrote.clone(), wrote.clone()])).expect("frames");
+        assert_eq!(read.len(), 2, "law: as many frames as written");
+        let got = &read[1];
+        assert_eq!(
+            (got.time, got.cylinder, got.funnel, got.table_x),
+            (wrote.time, wrote.cylinder, wrote.funnel, wrote.table_x)
+        );
+        let places = [(&got.top_plate, &wrote.top_plate)]
+            .into_iter()
+            .chain(got.grains.iter().zip(&wrote.grains));
+        for (got, wrote) in places {
+            assert_eq!(got.is_some(), wrote.is_some(), "law: there or not there");
+            if let (Some(got), Some(wrote)) = (got, wrote) {
+                let shift = (got.translation.vector - wrote.translation.vector).norm();
+                let turn = got.rotation.angle_to(&wrote.rotation).to_degrees();
+                assert!(shift < 1e-7, "law: same place, expected 0, got {shift} m, tolerance 1e-7");
+                assert!(turn < 0.006, "law: same turn, expected 0, got {turn}°, tolerance 0.006");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_frames_file_is_refused() {
+        let whole = bytes(&[frame()]);
+        for (content, expected) in [
+            (&whole[..whole.len() - 1], "cut off"),
+            (&b"PNG"[..], "does not begin"),
+            (&[0; 64][..], "does not begin"),
+        ] {
+            let got = frames_of(content).expect_err("it is no frames file");
+            assert!(got.contains(expected), "law: `{expected}` is said, got `{got}`");
+        }
+    }
+}
