@@ -3,6 +3,7 @@
 mod atomic;
 mod hash;
 mod run;
+mod sieve;
 mod store;
 mod summary;
 mod tables;
@@ -11,6 +12,10 @@ mod variations;
 pub use atomic::{FileError, create_folder, read_file, read_json, write_file, write_json};
 pub use hash::{hash_bytes, hash_json};
 pub use run::{RunKind, RunRecord};
+pub use sieve::{
+    GradationSummary, NotSieved, SecondarySieve, ShapeSummary, SieveSummary, SievedFraction,
+    Spread, UNCHANGED,
+};
 pub use store::{StageRecord, StageStore, StoredStage};
 pub use summary::*;
 pub use tables::{grains_csv, series_from_csv, to_csv};
