@@ -37,7 +37,7 @@ impl Passage {
     /// faces: were only one pair of corners foremost in u, turning the body
     /// about the other direction would make w(u) smaller and leave the other
     /// width as it is; and if then the other has the larger width s, the same
-    /// holds for that. So only the arcs of [`EdgeFan`] are searched, for the
+    /// holds for that. So only such arcs of directions are searched, for the
     /// least w(u) that is not below g(u), the least width of the body's shadow
     /// along u, which a side of the shadow's outline gives exactly.
     ///
