@@ -58,4 +58,23 @@ std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyh
     return hull;
 }
 
+std::uint32_t append_corners(const Units &units, const btCollisionShape &shape, bool of_data,
+                             rust::Vec<double> &coordinates) {
+    const auto &hull = static_cast<const TightHull &>(shape);
+    const HullData &data = hull.data();
+    const int count = of_data ? data.vertices : hull.getNumPoints();
+    for (int i = 0; i < count; ++i) {
+        if (of_data) {
+            for (const float x : {data.vx[i], data.vy[i], data.vz[i]}) {
+                coordinates.push_back(static_cast<double>(x) / units.scale());
+            }
+        } else {
+            for (const double x : units.metres(hull.getUnscaledPoints()[i])) {
+                coordinates.push_back(x);
+            }
+        }
+    }
+    return static_cast<std::uint32_t>(count);
+}
+
 } // namespace pluvia

@@ -3,6 +3,7 @@
 
 #include "convert.h"
 #include "hull_data.h"
+#include "rust/cxx.h"
 
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 
@@ -53,5 +54,11 @@ std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhed
 // Throws std::runtime_error when Bullet does not keep the margin or a vertex.
 std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,
                                      double margin);
+
+// Appends x, y, z in metres of every corner of a TightHull and returns how many
+// there are: of the hull data, with which Pluvia's own hull-hull test works, or
+// of Bullet's hull, without its margin.
+std::uint32_t append_corners(const Units &units, const btCollisionShape &hull, bool of_data,
+                             rust::Vec<double> &coordinates);
 
 } // namespace pluvia

@@ -251,6 +251,17 @@ void BulletWorld::read_bodies(rust::Vec<BodyRead> &out) const {
     }
 }
 
+void BulletWorld::read_corners(rust::Vec<std::uint32_t> &counts,
+                               rust::Vec<double> &coordinates) const {
+    counts.clear();
+    coordinates.clear();
+    for (const auto &body : impl_->bodies) {
+        counts.push_back(body ? append_corners(impl_->units, *body->getCollisionShape(),
+                                               impl_->hull_collision != nullptr, coordinates)
+                              : 0);
+    }
+}
+
 void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
     out.clear();
     const auto &dispatcher = impl_->dispatcher;

@@ -32,6 +32,7 @@ class BulletWorld {
                     const std::array<double, 4> &rotation);
     void step();
     void read_bodies(rust::Vec<BodyRead> &out) const;
+    void read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<double> &coordinates) const;
     void read_contacts(rust::Vec<ContactRead> &out) const;
     void remember_contacts(rust::Vec<ContactRead> &out) const;
     void recall_contacts(rust::Slice<const ContactRead> contacts);

@@ -6,8 +6,10 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::{CliError, Context, ExitStatus, output_folder};
-use crate::grains::{write_obj, write_ply, write_stl};
-use crate::record::{FileError, write_file};
+use crate::grains::{
+    GrainShape, ParticleSizeDistribution, SieveAnalysis, write_obj, write_ply, write_stl,
+};
+use crate::record::{FileError, GradationSummary, ShapeSummary, SieveSummary, write_file};
 use crate::scenario::{GrainsSpec, load};
 use crate::study::{make_grains, write_grains};
 use crate::units::{to_cm3, to_g};
@@ -53,6 +55,8 @@ struct Made {
     mass_g: f64,
     solids_volume_cm3: f64,
     grains_in_100_g: f64,
+    sieve_analysis: SieveSummary,
+    shape: Option<ShapeSummary>,
     files: Vec<PathBuf>,
 }
 
@@ -84,15 +88,44 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         mass_g: to_g(set.total_mass()),
         solids_volume_cm3: to_cm3(set.total_volume()),
         grains_in_100_g: set.grains_in_100_g(),
+        sieve_analysis: SieveSummary::of(
+            &SieveAnalysis::of(&set),
+            ParticleSizeDistribution::of(&set).ok().as_ref(),
+        ),
+        shape: ShapeSummary::of(&GrainShape::of_all(&set)),
         files,
     };
     let mut text = format!(
         "{}: {} grains, {:.1} g, {:.1} cm³ of solids, {:.1} grains in 100 g\n",
         made.scenario, made.grains, made.mass_g, made.solids_volume_cm3, made.grains_in_100_g
     );
+    if let Some(specified) = &made.sieve_analysis.specified {
+        text += &format!("specified: {}\n", in_words(specified));
+    }
+    text += &format!("generated: {}\n", in_words(&made.sieve_analysis.generated));
+    if let Some(shape) = &made.shape {
+        text += &format!(
+            "medians: elongation {:.2}, flatness {:.2}, sphericity {:.2}\n",
+            shape.elongation.p50, shape.flatness.p50, shape.sphericity.p50
+        );
+    }
     for file in &made.files {
         text += &format!("{}\n", file.display());
     }
     context.print(&text, &made)?;
     Ok(ExitStatus::Done)
+}
+
+/// What is read off a curve, in a line.
+fn in_words(g: &GradationSummary) -> String {
+    format!(
+        "D10 {:.2} mm, D30 {:.2} mm, D50 {:.2} mm, D60 {:.2} mm, Cu {:.2}, Cc {:.2}, {}",
+        g.d10_mm,
+        g.d30_mm,
+        g.d50_mm,
+        g.d60_mm,
+        g.coefficient_of_uniformity,
+        g.coefficient_of_curvature,
+        g.uscs
+    )
 }

@@ -4,29 +4,38 @@
 //! put it into another order, other orientations and apart from each other,
 //! ready to fall; [`read_json`] and [`write_json`] keep it in a file.
 
+mod analysis;
 mod complex;
 mod error;
+mod fan;
 mod file;
 mod generate;
+mod gradation;
 mod mesh;
 mod mixing;
 pub mod psd;
+mod shape;
 mod sieve;
+mod sieve_table;
 pub mod streams;
 pub mod voronoi;
 
 use std::sync::Arc;
 
+pub use analysis::{SieveAnalysis, Sieved};
 pub use complex::MERGE_DISTANCE;
 pub use error::GrainsError;
 pub use file::{
     BlockJson, CellJson, GrainsJson, SieveJson, from_json, read_json, to_json, write_json,
 };
 pub use generate::generate;
+pub use gradation::{Gradation, UscsClass};
 pub use mesh::{write_obj, write_ply, write_stl};
 pub use mixing::{Mixing, RAIN_CLEARANCE, mix, rain};
-pub use psd::{Fraction, ParticleSizeDistribution, UscsClass};
-pub use sieve::{sieve_csv, sieve_size};
+pub use psd::{Fraction, ParticleSizeDistribution};
+pub use shape::{GrainShape, ShapeRatio};
+pub use sieve::{Passage, SIEVE_TOLERANCE, sieve_size};
+pub use sieve_table::{sieve_csv, sieve_table};
 
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 

@@ -1,6 +1,6 @@
 //! The particle size distribution of a sieve analysis and what follows from it.
 
-use super::{GrainSet, GrainsError};
+use super::{Gradation, GrainSet, GrainsError, UscsClass};
 use crate::{
     scenario::{SieveFraction, SievedGrains},
     units::{from_g, from_mm, to_cm3, to_mm},
@@ -12,12 +12,6 @@ pub const MOST_GRAINS: usize = 1_000_000;
 /// How far the percentages of a sieve table may be from 100 together: lab
 /// sheets round each of a few rows to 0.1 %. The rows are scaled to 100 exactly.
 const PERCENT_TOLERANCE: f64 = 0.2;
-
-/// Opening of the No. 4 sieve in m, which parts gravel from sand (ASTM D2487).
-const NO_4_SIEVE: f64 = 4.75e-3;
-
-/// Opening of the No. 200 sieve in m, which parts sand from fines (ASTM D2487).
-const NO_200_SIEVE: f64 = 0.075e-3;
 
 /// A validated sieve table with the number of grains of each fraction.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,30 +39,6 @@ pub struct Fraction {
     pub mean_size: f64,
     /// Number of grains.
     pub grains: usize,
-}
-
-/// Class of a clean coarse soil in the Unified Soil Classification System.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum UscsClass {
-    /// Well-graded gravel.
-    Gw,
-    /// Poorly graded gravel.
-    Gp,
-    /// Well-graded sand.
-    Sw,
-    /// Poorly graded sand.
-    Sp,
-}
-
-impl std::fmt::Display for UscsClass {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Gw => "GW",
-            Self::Gp => "GP",
-            Self::Sw => "SW",
-            Self::Sp => "SP",
-        })
-    }
 }
 
 impl ParticleSizeDistribution {
@@ -213,37 +183,24 @@ impl ParticleSizeDistribution {
         from_mm(w[0].0 * (w[1].0 / w[0].0).powf(share))
     }
 
+    /// Characteristic sizes, coefficients and class.
+    pub fn gradation(&self) -> Gradation {
+        Gradation::of(|percent| self.size_at_percent(percent), |size| self.percent_finer(size))
+    }
+
     /// Coefficient of uniformity, D₆₀ / D₁₀.
     pub fn uniformity(&self) -> f64 {
-        self.size_at_percent(60.0) / self.size_at_percent(10.0)
+        self.gradation().uniformity
     }
 
     /// Coefficient of curvature (gradation), D₃₀² / (D₆₀·D₁₀).
     pub fn curvature(&self) -> f64 {
-        let [d10, d30, d60] = [10.0, 30.0, 60.0].map(|p| self.size_at_percent(p));
-        d30 * d30 / (d60 * d10)
+        self.gradation().curvature
     }
 
-    /// Class in the Unified Soil Classification System (ASTM D2487, table 1):
-    /// gravel if more than half of the coarse fraction stays on the 4.75 mm
-    /// sieve, else sand; well graded if 1 ≤ Cc ≤ 3 and Cu ≥ 4 (gravel) or
-    /// Cu ≥ 6 (sand), else poorly graded. `None` where 5 % or more are finer
-    /// than 0.075 mm: the class then depends on the fines' plasticity.
+    /// Class in the Unified Soil Classification System: [`UscsClass::of`].
     pub fn uscs(&self) -> Option<UscsClass> {
-        let fines = self.percent_finer(NO_200_SIEVE);
-        if fines >= 5.0 {
-            return None;
-        }
-        let gravel = 100.0 - self.percent_finer(NO_4_SIEVE) > (100.0 - fines) / 2.0;
-        let least_uniformity = if gravel { 4.0 } else { 6.0 };
-        let well_graded =
-            self.uniformity() >= least_uniformity && (1.0..=3.0).contains(&self.curvature());
-        Some(match (gravel, well_graded) {
-            (true, true) => UscsClass::Gw,
-            (true, false) => UscsClass::Gp,
-            (false, true) => UscsClass::Sw,
-            (false, false) => UscsClass::Sp,
-        })
+        self.gradation().uscs
     }
 }
 

@@ -30,6 +30,21 @@ pub(super) fn few_grains() -> SievedGrains {
     SievedGrains { total_mass_g: 2343.0 / 20.0, ..paper_grains() }
 }
 
+/// Of edge 2√2.
+pub(super) fn regular_tetrahedron() -> ConvexPolyhedron {
+    use crate::geometry::Point;
+    ConvexPolyhedron::new(
+        vec![
+            Point::new(1.0, 1.0, 1.0),
+            Point::new(1.0, -1.0, -1.0),
+            Point::new(-1.0, 1.0, -1.0),
+            Point::new(-1.0, -1.0, 1.0),
+        ],
+        vec![vec![0, 1, 2], vec![0, 3, 1], vec![0, 2, 3], vec![1, 3, 2]],
+    )
+    .unwrap()
+}
+
 fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
     assert!(
         (got - expected).abs() <= tolerance,

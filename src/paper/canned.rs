@@ -5,9 +5,10 @@ use std::f64::consts::PI;
 
 use super::{Gradation, Intermittent, StudyView, constants};
 use crate::{
+    grains::GrainShape,
     record::{
-        Control, GrainsSummary, Overlap, RunKind, RunRecord, SeriesRow, Settlement, StandingHeight,
-        Summary,
+        Control, GradationSummary, GrainsSummary, Overlap, RunKind, RunRecord, SecondarySieve,
+        SeriesRow, Settlement, SieveSummary, StandingHeight, Summary,
     },
     world::BackendInfo,
 };
@@ -70,11 +71,33 @@ pub fn study(runs: &[RunRecord]) -> StudyView<'_> {
         gradation: Gradation {
             d10_mm: 8.56,
             d30_mm: 9.79,
+            d50_mm: 10.76,
             d60_mm: 11.23,
             cu: 1.31,
             cc: 1.0,
             uscs: "GP".into(),
         },
+        generated: Some(Gradation {
+            d10_mm: 8.12,
+            d30_mm: 9.61,
+            d50_mm: 10.65,
+            d60_mm: 11.18,
+            cu: 1.38,
+            cc: 1.02,
+            uscs: "GP".into(),
+        }),
+        shapes: vec![
+            GrainShape {
+                longest: 14e-3,
+                intermediate: 11e-3,
+                shortest: 9e-3,
+                surface: 500e-6,
+                volume: 700e-9,
+                faces: 15,
+                vertices: 26,
+            };
+            3
+        ],
         intermittent: PLAN,
         repose: None,
         quick: false,
@@ -206,6 +229,34 @@ fn heights(mean_surface: f64) -> StandingHeight {
     StandingHeight { mean_surface, p95: mean_surface + 6.0, highest: mean_surface + 12.5 }
 }
 
+/// Grains of which none changed.
+fn sieve_summary() -> SieveSummary {
+    let gradation = GradationSummary {
+        d10_mm: 8.12,
+        d30_mm: 9.61,
+        d50_mm: 10.65,
+        d60_mm: 11.18,
+        coefficient_of_uniformity: 1.38,
+        coefficient_of_curvature: 1.02,
+        uscs: "GP".into(),
+    };
+    SieveSummary {
+        generated: gradation.clone(),
+        specified: None,
+        fractions: Vec::new(),
+        secondary: Some(SecondarySieve {
+            grains: 1454,
+            changed: 0,
+            lost: 0,
+            spilled: 1,
+            left_in_funnel: 1,
+            largest_change_percent: 3e-6,
+            gradation,
+            unchanged: true,
+        }),
+    }
+}
+
 fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
     // The third configuration creeps and overlaps too much.
     let bad = configuration == 3;
@@ -231,6 +282,8 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
             spilled: usize::from(fh > 150.0),
             left_in_funnel: 1,
         },
+        sieve_analysis: Some(sieve_summary()),
+        shape: None,
         standing_height_mm: heights(height),
         poured_height_mm: None,
         void_ratio: height / SOLIDS_MM - 1.0,

@@ -1,6 +1,9 @@
 //! A study as claims and report see it: plain data.
 
+use super::text::number;
+use crate::grains::{self, GrainShape};
 use crate::record::{RunKind, RunRecord};
+use crate::units::to_mm;
 
 /// What a study found, and what it set out to do.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,8 +23,12 @@ pub struct StudyView<'a> {
     pub total_mass_g: f64,
     /// Their solid volume in cm³.
     pub solids_volume_cm3: f64,
-    /// What soil mechanics reads off the grain size distribution.
+    /// What soil mechanics reads off the grain size distribution they were made from.
     pub gradation: Gradation,
+    /// The same of the generated grains, sieved virtually; `None` where that was not done.
+    pub generated: Option<Gradation>,
+    /// Shapes of the generated grains; empty where they were not measured.
+    pub shapes: Vec<GrainShape>,
     /// How the intermittent vibration was carried out.
     pub intermittent: Intermittent,
     /// Angle of repose, where a pile was simulated.
@@ -37,6 +44,8 @@ pub struct Gradation {
     pub d10_mm: f64,
     /// Size that 30 % of the mass is finer than, in mm.
     pub d30_mm: f64,
+    /// Size that 50 % of the mass is finer than, in mm.
+    pub d50_mm: f64,
     /// Size that 60 % of the mass is finer than, in mm.
     pub d60_mm: f64,
     /// Coefficient of uniformity D60 / D10.
@@ -45,6 +54,36 @@ pub struct Gradation {
     pub cc: f64,
     /// Group symbol of the Unified Soil Classification System, such as `GP`.
     pub uscs: String,
+}
+
+impl From<grains::Gradation> for Gradation {
+    fn from(g: grains::Gradation) -> Self {
+        Self {
+            d10_mm: to_mm(g.d10),
+            d30_mm: to_mm(g.d30),
+            d50_mm: to_mm(g.d50),
+            d60_mm: to_mm(g.d60),
+            cu: g.uniformity,
+            cc: g.curvature,
+            uscs: g.class(),
+        }
+    }
+}
+
+impl Gradation {
+    /// Class, sizes and coefficients in a line.
+    pub fn in_words(&self) -> String {
+        format!(
+            "{}, D10 {} mm, D30 {} mm, D50 {} mm, D60 {} mm, Cu {}, Cc {}",
+            self.uscs,
+            number(self.d10_mm, 2),
+            number(self.d30_mm, 2),
+            number(self.d50_mm, 2),
+            number(self.d60_mm, 2),
+            number(self.cu, 2),
+            number(self.cc, 2),
+        )
+    }
 }
 
 /// How the intermittent vibration was carried out.

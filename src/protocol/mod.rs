@@ -21,6 +21,7 @@ pub use stand::WorldMaker;
 use std::time::Duration;
 
 use crate::apparatus::ApparatusError;
+use crate::geometry::Vector;
 use crate::specimen::Specimen;
 use crate::world::{EffectiveSettings, WorldError};
 
@@ -44,6 +45,10 @@ pub struct Moment {
 pub struct StageOutcome {
     /// The specimen at the end.
     pub specimen: Specimen,
+    /// Corners in m of every grain's shape as the engine held it at the end, in
+    /// the order of the grain set; `None` for a grain that was not there, all
+    /// missing where the engine cannot be asked.
+    pub corners: Vec<Option<Vec<Vector>>>,
     /// Engine steps taken.
     pub steps: u64,
     /// Simulated time in s.

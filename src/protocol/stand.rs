@@ -232,7 +232,11 @@ impl<'a> Stand<'a> {
     /// Takes the specimen out of the world.
     pub(super) fn finish(mut self) -> StageOutcome {
         self.specimen.state.contacts = self.contacts();
+        let mut corners = Vec::new();
+        self.world.corners(&mut corners);
+        let of_grain = |id: &Option<BodyId>| corners.get(id.as_ref()?.0 as usize)?.clone();
         StageOutcome {
+            corners: self.grains.iter().map(of_grain).collect(),
             simulated: self.steps as f64 * self.world.time_step(),
             effective: self.world.effective(),
             specimen: self.specimen,

@@ -4,6 +4,7 @@ mod atomic;
 mod frames;
 mod hash;
 mod run;
+mod sieve;
 mod store;
 mod summary;
 mod tables;
@@ -13,6 +14,10 @@ pub use atomic::{FileError, create_folder, read_file, read_json, write_file, wri
 pub use frames::{FRAMES_FILE, Frame, FrameWriter, read_frames};
 pub use hash::{hash_bytes, hash_json};
 pub use run::{RunKind, RunRecord};
+pub use sieve::{
+    GradationSummary, NotSieved, SecondarySieve, ShapeSummary, SieveSummary, SievedFraction,
+    Spread, UNCHANGED,
+};
 pub use store::{StageRecord, StageStore, StoredStage};
 pub use summary::*;
 pub use tables::{grains_csv, series_from_csv, to_csv};

@@ -31,6 +31,12 @@ pub struct StageRecord {
     pub warnings: Vec<String>,
     /// Engine settings as read back.
     pub effective: EffectiveSettings,
+    /// Smallest square opening in mm that each grain passes with the shape that
+    /// the engine held at the end, in the order of the grain set; null for a
+    /// grain that was not there; empty where the engine cannot be asked, or
+    /// the stage was stored before this was recorded.
+    #[serde(default)]
+    pub sieved_mm: Vec<Option<f64>>,
     /// SHA-256 of `specimen.json`.
     pub specimen_sha256: String,
     /// SHA-256 of `series.csv`.

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{ShapeSummary, SieveSummary};
 use crate::world::BackendInfo;
 
 /// One row of `series.csv`: the state of the experiment at one moment.
@@ -51,6 +52,12 @@ pub struct Summary {
     pub falling_height_mm: Option<f64>,
     /// The grains.
     pub grains: GrainsSummary,
+    /// The grains in the virtual sieve, as generated and after the run.
+    #[serde(default)]
+    pub sieve_analysis: Option<SieveSummary>,
+    /// Elongation, flatness and sphericity of the grains.
+    #[serde(default)]
+    pub shape: Option<ShapeSummary>,
     /// Standing height of the specimen at the end.
     pub standing_height_mm: StandingHeight,
     /// Standing height at the end of pouring, before plate and vibration.

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::SeriesRow;
+use crate::grains::{GrainShape, ShapeRatio, Sieved};
 use crate::specimen::{Fate, Specimen};
 use crate::units::{to_g, to_mm};
 
@@ -46,17 +47,34 @@ struct GrainRow {
     rotation_z: f64,
     rotation_w: f64,
     speed_mm_per_s: f64,
+    sieve_size_mm: f64,
+    sieve_size_at_end_mm: Option<f64>,
+    longest_mm: f64,
+    intermediate_mm: f64,
+    shortest_mm: f64,
+    elongation: f64,
+    flatness: f64,
+    sphericity: f64,
 }
 
 /// One row a grain: what it is, where it is (centroid, m to mm, orientation of
-/// its principal axes as a unit quaternion) and how fast.
+/// its principal axes as a unit quaternion) and how fast; the smallest square
+/// opening it passes, as generated and with the shape that the engine held at
+/// the end; and its shape. `sieved`, `shapes` and `sieved_at_end_mm` are in the
+/// order of the grains, the last empty where the engine could not be asked.
 ///
 /// # Errors
 /// As [`to_csv`].
-pub fn grains_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
+pub fn grains_csv(
+    specimen: &Specimen,
+    sieved: &[Sieved],
+    shapes: &[GrainShape],
+    sieved_at_end_mm: &[Option<f64>],
+) -> Result<Vec<u8>, csv::Error> {
     let set = &specimen.grains;
-    to_csv(set.grains.iter().zip(&specimen.state.bodies).enumerate().map(
-        |(index, (grain, state))| {
+    let known = sieved.iter().zip(shapes);
+    to_csv(set.grains.iter().zip(&specimen.state.bodies).zip(known).enumerate().map(
+        |(index, ((grain, state), (sieved, shape)))| {
             let block = &set.blocks[grain.fraction];
             let at = state.body.pose.translation.vector;
             let q = state.body.pose.rotation.coords;
@@ -78,6 +96,14 @@ pub fn grains_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
                 rotation_z: q.z,
                 rotation_w: q.w,
                 speed_mm_per_s: to_mm(state.body.linear_velocity.norm()),
+                sieve_size_mm: to_mm(sieved.size),
+                sieve_size_at_end_mm: sieved_at_end_mm.get(index).copied().flatten(),
+                longest_mm: to_mm(shape.longest),
+                intermediate_mm: to_mm(shape.intermediate),
+                shortest_mm: to_mm(shape.shortest),
+                elongation: shape.ratio(ShapeRatio::Elongation),
+                flatness: shape.ratio(ShapeRatio::Flatness),
+                sphericity: shape.ratio(ShapeRatio::Sphericity),
             }
         },
     ))

@@ -29,8 +29,10 @@ mod tests;
 use std::{collections::BTreeMap, path::Path};
 
 use crate::{
-    paper::{Claim, StudyView},
+    grains::{GrainShape, ParticleSizeDistribution, SieveAnalysis},
+    paper::{Claim, Gradation, StudyView},
     record::{FileError, RunRecord, create_folder, write_file},
+    units::to_mm,
     world::EffectiveSettings,
 };
 
@@ -99,6 +101,28 @@ pub fn write(out: &Path, input: &ReportInput) -> Result<(), ReportError> {
     let page = html::page(input, &figures);
     write_file(&out.join("report.html"), page.as_bytes())?;
     Ok(())
+}
+
+/// Writes the figures of a set of grains into a folder: `grain-size-distribution`
+/// and `grain-shape`, each as SVG, PNG and CSV.
+///
+/// # Errors
+/// [`ReportError`] naming the file or the figure.
+pub fn grain_figures(
+    folder: &Path,
+    sieved: &SieveAnalysis,
+    specified: Option<&ParticleSizeDistribution>,
+    shapes: &[GrainShape],
+) -> Result<(), ReportError> {
+    let generated: Vec<(f64, f64)> = sieved.points().iter().map(|p| (to_mm(p.0), p.1)).collect();
+    let curve = specified.map_or_else(Vec::new, ParticleSizeDistribution::passing_curve);
+    let mut words = format!("Generated: {}.", Gradation::from(sieved.gradation()).in_words());
+    if let Some(specified) = specified {
+        let specified = Gradation::from(specified.gradation());
+        words = format!("Specified: {}. {words}", specified.in_words());
+    }
+    figures::of_grains(&curve, &generated, &words)?.write(folder)?;
+    figures::of_shapes(shapes)?.write(folder)
 }
 
 /// Writes the figures of a single run into a folder: `heights`, `energy` and,

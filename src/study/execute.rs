@@ -8,14 +8,19 @@ use std::{
     time::Instant,
 };
 
+use rayon::prelude::*;
+
 use super::{
     StudyError,
     plan::{Node, Plan, stage_name},
     recorder::{Recorder, note},
 };
+use crate::geometry::Vector;
+use crate::grains::Passage;
 use crate::protocol::{Progress, StageError, WorldMaker, run as run_stage};
 use crate::record::{StageRecord, StageStore, StoredStage};
 use crate::specimen::{Specimen, SpecimenState};
+use crate::units::to_mm;
 
 /// What the threads share.
 struct Board {
@@ -205,6 +210,7 @@ impl Shop<'_> {
             engine_s: outcome.engine_time.as_secs_f64(),
             warnings: outcome.warnings,
             effective: outcome.effective,
+            sieved_mm: sieved_mm(&outcome.corners),
             specimen_sha256: String::new(),
             series_sha256: String::new(),
         };
@@ -212,4 +218,12 @@ impl Shop<'_> {
         let stage = StoredStage { record, state: outcome.specimen.state, series };
         store.save(&node.key, stage, frames).map_err(StudyError::File)
     }
+}
+
+/// Sieves the grains that the engine held; nothing where it held none.
+fn sieved_mm(corners: &[Option<Vec<Vector>>]) -> Vec<Option<f64>> {
+    if corners.iter().all(Option::is_none) {
+        return Vec::new();
+    }
+    corners.par_iter().map(|c| Some(to_mm(Passage::of(c.as_ref()?).side))).collect()
 }

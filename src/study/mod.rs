@@ -3,6 +3,7 @@
 mod beside;
 mod compare;
 mod converge;
+mod described;
 mod design;
 mod execute;
 mod plan;

@@ -9,13 +9,14 @@ use std::{
 
 use super::{
     StudyError, beside,
+    described::described,
     plan::PlannedRun,
     presets::preset,
     readings::Reading,
     run::{CarriedOut, RunOptions, carry_out, make_grains, write_grains},
     summarise::STANDARD,
 };
-use crate::grains::{GrainSet, ParticleSizeDistribution, sieve_size};
+use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
 use crate::protocol::{Progress, table_motion};
 use crate::record::{RunKind, RunRecord, create_folder, write_json};
@@ -205,7 +206,7 @@ pub(super) fn programme(
 fn finish(
     options: &ReproduceOptions,
     scenarios: &Scenarios,
-    grains: &GrainSet,
+    grains: &Arc<GrainSet>,
     records: Vec<RunRecord>,
     effective: &EffectiveSettings,
 ) -> Result<ReproduceOutcome, StudyError> {
@@ -274,13 +275,14 @@ pub(super) fn study_view<'a>(
     quick: bool,
     configurations: u32,
     scenarios: &Scenarios,
-    grains: &GrainSet,
+    grains: &Arc<GrainSet>,
     runs: &'a [RunRecord],
 ) -> Result<StudyView<'a>, StudyError> {
     let GrainsSpec::Sieved(sieved) = &scenarios.pluviation.grains else {
         return Err(StudyError::Scenario("the paper's grains come from a sieve table".into()));
     };
     let distribution = ParticleSizeDistribution::new(sieved).map_err(StudyError::grains)?;
+    let known = described(grains);
     let motion = scenarios.intermittent.stages.iter().find_map(table_motion);
     let intermittent =
         motion.map_or(Intermittent { period_s: 0.0, periods: 0, rest_s: 0.0 }, |m| Intermittent {
@@ -292,40 +294,15 @@ pub(super) fn study_view<'a>(
         runs,
         configurations,
         sieve: distribution.passing_curve(),
-        sieved_grains: sieved_curve(grains),
+        sieved_grains: known.sieved.points().iter().map(|p| (to_mm(p.0), p.1)).collect(),
         grain_count: grains.grains.len(),
         total_mass_g: to_g(grains.total_mass()),
         solids_volume_cm3: to_cm3(grains.total_volume()),
-        gradation: paper::Gradation {
-            d10_mm: to_mm(distribution.size_at_percent(10.0)),
-            d30_mm: to_mm(distribution.size_at_percent(30.0)),
-            d60_mm: to_mm(distribution.size_at_percent(60.0)),
-            cu: distribution.uniformity(),
-            cc: distribution.curvature(),
-            uscs: distribution
-                .uscs()
-                .map_or_else(|| "not coarse".into(), |class| class.to_string()),
-        },
+        gradation: distribution.gradation().into(),
+        generated: Some(known.sieved.gradation().into()),
+        shapes: known.shapes.clone(),
         intermittent,
         repose: None,
         quick,
     })
-}
-
-/// Curve of the generated grains in a virtual sieve: size in mm and percent of
-/// the mass that passes, one point for every twentieth of the grains.
-fn sieved_curve(grains: &GrainSet) -> Vec<(f64, f64)> {
-    let mut sizes: Vec<(f64, f64)> =
-        grains.grains.iter().map(|g| (to_mm(sieve_size(&g.shape)), g.mass)).collect();
-    sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (total, every) = (grains.total_mass(), sizes.len().div_ceil(20).max(1));
-    let mut passed = 0.0;
-    let mut curve = Vec::new();
-    for (index, (size, mass)) in sizes.iter().enumerate() {
-        passed += mass;
-        if index % every == 0 || index + 1 == sizes.len() {
-            curve.push((*size, 100.0 * passed / total));
-        }
-    }
-    curve
 }

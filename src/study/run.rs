@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::{
     StudyError,
+    described::described,
     execute::{Executed, execute, execute_each},
     plan::{Plan, PlannedRun, RunNodes},
     summarise::{Summarised, summarise},
@@ -57,7 +58,10 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
     };
     let record =
         carry_out(std::slice::from_ref(&run), options, |_| options.out.clone())?.records.remove(0);
-    crate::report::run_figures(&options.out.join("figures"), &record)?;
+    let (folder, known) = (options.out.join("figures"), described(&grains));
+    crate::report::run_figures(&folder, &record)?;
+    let specified = ParticleSizeDistribution::of(&grains).ok();
+    crate::report::grain_figures(&folder, &known.sieved, specified.as_ref(), &known.shapes)?;
     Ok(record)
 }
 
@@ -217,7 +221,9 @@ pub(super) fn write_run(
         write_file(&path, &content)
     };
     table("series.csv", to_csv(&series))?;
-    table("grains.csv", grains_csv(&specimen))?;
+    let known = described(&run.grains);
+    let at_end = &done[last].record.sieved_mm;
+    table("grains.csv", grains_csv(&specimen, known.sieved.grains(), &known.shapes, at_end))?;
     if !control.is_empty() {
         table("control.csv", to_csv(&control))?;
     }

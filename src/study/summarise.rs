@@ -4,18 +4,19 @@ use std::sync::Arc;
 
 use super::{
     StudyError,
+    described::{described, secondary_sieve},
     plan::{PlannedRun, RunNodes},
     recorder::container,
 };
-use crate::grains::GrainSet;
+use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::measure::{
     self, Container, DEFAULT_CELL, HeightMap, HeightSample, Period, TOUCHING_GAP, coordination,
     overlap_statistics, pairs_within, void_ratio,
 };
 use crate::protocol::{Setup, table_motion};
 use crate::record::{
-    Control, GrainsSummary, Overlap, SeriesRow, Settlement, StandingHeight, StoredStage, Summary,
-    hash_json,
+    Control, GrainsSummary, Overlap, SeriesRow, Settlement, ShapeSummary, SieveSummary,
+    StandingHeight, StoredStage, Summary, hash_json,
 };
 use crate::scenario::{self, Backend, EngineSettings, StageSpec};
 use crate::specimen::{Fate, Specimen, SpecimenState};
@@ -104,6 +105,19 @@ pub fn summarise(
             overlap.mean_percent, overlap.p99_percent
         ));
     }
+    let known = described(&run.grains);
+    let specified = ParticleSizeDistribution::of(&run.grains).ok();
+    let mut sieve = SieveSummary::of(&known.sieved, specified.as_ref());
+    sieve.secondary = stages
+        .last()
+        .and_then(|last| secondary_sieve(&known.sieved, &specimen.state, &last.record));
+    if let Some(s) = sieve.secondary.as_ref().filter(|s| !s.unchanged) {
+        warnings.push(format!(
+            "the secondary sieve analysis does not find the grains as they were: {} of {} have \
+             another sieve size (by up to {:.2e} %), {} are lost",
+            s.changed, s.grains, s.largest_change_percent, s.lost
+        ));
+    }
     let grains = grains_summary(&run.grains, &specimen, &container);
     let summary = Summary {
         scenario: scenario.name.clone(),
@@ -116,6 +130,8 @@ pub fn summarise(
             _ => None,
         }),
         grains,
+        sieve_analysis: Some(sieve),
+        shape: ShapeSummary::of(&known.shapes),
         standing_height_mm: end.height,
         poured_height_mm: poured.as_ref().map(|p| p.height),
         void_ratio: end.void_ratio,

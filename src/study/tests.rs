@@ -139,7 +139,75 @@ fn a_summary_tells_where_every_grain_is() {
     assert!(s.control.is_some() && s.creep_um_per_s.is_some());
     assert!(s.settlement_mm.is_none(), "nothing was shaken");
     assert_eq!(s.falling_height_mm, Some(50.0));
+    let sieve = s.sieve_analysis.as_ref().expect("sieved");
+    let secondary = sieve.secondary.as_ref().expect("sieved anew");
+    assert!(secondary.unchanged, "law: rigid grains stay as they are: {secondary:?}");
+    assert!(
+        secondary.largest_change_percent > 0.0,
+        "what is compared went through the engine, which rounds: {secondary:?}"
+    );
+    let apart = secondary.spilled + secondary.left_in_funnel;
+    assert_eq!(secondary.grains + apart, s.grains.count, "law: every grain is accounted for");
+    let found: usize = sieve.fractions.iter().map(|f| f.grains).sum();
+    assert_eq!(found, s.grains.count, "law: every grain is in one fraction: {sieve:?}");
     assert_eq!(result.series.last().map(|r| r.stage), Some(1), "the control is kept apart");
+}
+
+/// Carries out a run whose engine is given other grains than those of the run,
+/// and sieves them anew.
+fn sieved_anew(
+    tamper: impl Fn(&mut crate::grains::GrainSet),
+    damage: impl Fn(&mut StoredStage),
+) -> (crate::record::SecondarySieve, Vec<String>) {
+    let run = planned(scenario(50.0));
+    let mut other = run.clone();
+    tamper(Arc::make_mut(&mut other.grains));
+    let plan = plan(std::slice::from_ref(&other));
+    let folder = tempfile::tempdir().expect("folder");
+    let mut done = carry_out(&plan, folder.path(), 2).expect("done");
+    let last = plan.runs[0].stages[1];
+    damage(Arc::make_mut(&mut done[last]));
+    let setup = &plan.nodes[0].setup;
+    let summary = summarise(&run, setup, &plan.runs[0], &done).expect("measured").summary;
+    let sieve = summary.sieve_analysis.expect("sieved");
+    (sieve.secondary.expect("sieved anew"), summary.warnings)
+}
+
+#[test]
+fn the_secondary_sieve_notices_grains_that_were_tampered_with() {
+    let told = |warnings: &[String]| warnings.iter().any(|w| w.contains("secondary sieve"));
+    let (secondary, warnings) = sieved_anew(|_| (), |_| ());
+    assert!(secondary.unchanged && !told(&warnings), "nothing was done to them: {secondary:?}");
+    let (secondary, warnings) = sieved_anew(
+        |grains| {
+            let shape = &mut grains.grains[4].shape;
+            *shape = Arc::new(shape.scaled(0.999));
+        },
+        |_| (),
+    );
+    assert!(!secondary.unchanged && told(&warnings), "one is smaller: {secondary:?}");
+    assert_eq!((secondary.changed, secondary.lost), (1, 0), "{secondary:?}");
+    let change = secondary.largest_change_percent;
+    assert!((change - 0.1).abs() < 1e-3, "changed by 0.1 %, got {change} %");
+    let (secondary, warnings) = sieved_anew(|_| (), |stage| stage.record.sieved_mm[4] = None);
+    assert!(!secondary.unchanged && told(&warnings), "one is not in the engine: {secondary:?}");
+    assert_eq!((secondary.changed, secondary.lost), (0, 1), "{secondary:?}");
+    let (secondary, _) = sieved_anew(
+        |_| (),
+        |stage| {
+            stage.record.sieved_mm[4] = None;
+            stage.state.bodies[4].fate = crate::specimen::Fate::ThroughWall;
+        },
+    );
+    assert_eq!(secondary.lost, 1, "one passed a wall: {secondary:?}");
+    let (secondary, _) = sieved_anew(
+        |_| (),
+        |stage| {
+            stage.record.sieved_mm[4] = None;
+            stage.state.bodies[4].fate = crate::specimen::Fate::Spilled;
+        },
+    );
+    assert!(secondary.unchanged && secondary.spilled == 1, "one spilled: {secondary:?}");
 }
 
 #[test]

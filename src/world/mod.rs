@@ -273,6 +273,14 @@ pub trait World {
         Ok(())
     }
 
+    /// Reads the corners of the shape that each body has in the engine, without
+    /// any collision margin, in m and body coordinates, in order of [`BodyId`]
+    /// into `into`, replacing its content; `None` where a body was removed.
+    /// Empty for an engine that cannot be asked.
+    fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
+        into.clear();
+    }
+
     /// Where the engine's time went since the world was made; `None` for an
     /// engine that does not say.
     fn phases(&self) -> Option<PhaseTimes> {

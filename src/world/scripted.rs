@@ -16,6 +16,8 @@ pub struct ScriptedWorld {
     time_step: f64,
     steps: u64,
     bodies: Vec<Option<(Motion, BodyState)>>,
+    /// Corners of every body that was added.
+    corners: Vec<Vec<Vector>>,
     script: Script,
     /// Every pose that was driven, in order.
     pub driven: Vec<(BodyId, Pose)>,
@@ -30,6 +32,7 @@ impl ScriptedWorld {
             time_step,
             steps: 0,
             bodies: Vec::new(),
+            corners: Vec::new(),
             script,
             driven: Vec::new(),
             removed: Vec::new(),
@@ -59,6 +62,7 @@ impl ScriptedWorld {
 impl World for ScriptedWorld {
     fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
         self.bodies.push(Some((body.motion, body.state)));
+        self.corners.push(body.shape.vertices().iter().map(|v| v.coords).collect());
         Ok(BodyId(self.bodies.len() as u32 - 1))
     }
 
@@ -102,6 +106,12 @@ impl World for ScriptedWorld {
 
     fn contacts(&self, into: &mut Vec<Contact>) {
         into.clear();
+    }
+
+    fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
+        into.clear();
+        let there = self.bodies.iter().map(Option::is_some);
+        into.extend(there.zip(&self.corners).map(|(there, c)| there.then(|| c.clone())));
     }
 
     fn pair_coefficients(&self, _: BodyId, _: BodyId) -> Result<PairCoefficients, WorldError> {

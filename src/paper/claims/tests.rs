@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::paper::{Interval, Verdict, canned};
+use crate::record::SecondarySieve;
 
 fn claim(study: &StudyView, id: &str) -> Claim {
     let found: Vec<Claim> = claims(study).into_iter().filter(|c| c.id == id).collect();
@@ -60,6 +61,38 @@ fn grains_that_are_not_the_papers_are_outside() {
         assert_eq!(c.verdict, Verdict::Outside, "{c:?}");
     }
     assert_eq!(claim(&study, "no-crushing").verdict, Verdict::Outside, "1456 grains became 1000");
+}
+
+#[test]
+fn grains_that_changed_or_are_lost_are_no_proof_that_none_was_crushed() {
+    let claim_of = |change: &dyn Fn(&mut SecondarySieve)| {
+        let mut runs = canned::runs();
+        let analysis = runs[3].summary.sieve_analysis.as_mut().expect("sieved");
+        change(analysis.secondary.as_mut().expect("sieved anew"));
+        claim(&canned::study(&runs), "no-crushing")
+    };
+    let c = claim_of(&|_| ());
+    assert_eq!((c.verdict, c.ours), (Verdict::Within, Some(0.0)), "none changed: {c:?}");
+    let c = claim_of(&|s| s.changed = 2);
+    assert_eq!((c.verdict, c.ours), (Verdict::Outside, Some(2.0)), "two changed: {c:?}");
+    let c = claim_of(&|s| s.lost = 1);
+    assert_eq!((c.verdict, c.ours), (Verdict::Outside, Some(1.0)), "one is lost: {c:?}");
+    let c = claim_of(&|s| s.spilled = 1);
+    assert_eq!(c.verdict, Verdict::Within, "what spilled is accounted for: {c:?}");
+    let mut runs = canned::runs();
+    runs[3].summary.sieve_analysis.as_mut().expect("sieved").secondary = None;
+    let c = claim(&canned::study(&runs), "no-crushing");
+    assert_eq!((c.verdict, c.ours), (Verdict::Outside, None), "one was not sieved anew: {c:?}");
+    assert!(c.note.contains("Not measured"), "{}", c.note);
+}
+
+#[test]
+fn both_curves_must_be_poorly_graded() {
+    let runs = canned::runs();
+    let mut study = canned::study(&runs);
+    study.generated.as_mut().expect("generated").uscs = "GW".into();
+    let c = claim(&study, "poorly-graded-gravel");
+    assert_eq!(c.verdict, Verdict::Outside, "well graded as generated: {c:?}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{Figure, Table, cell};
 use crate::{
-    paper::{StudyView, text::number},
+    paper::StudyView,
     report::{
         ReportError,
         axis::Axis,
@@ -11,40 +11,52 @@ use crate::{
     },
 };
 
-pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
-    let sizes = study.sieve.iter().chain(&study.sieved_grains).map(|p| p.0);
-    let x = Axis::logarithmic("Grain size (mm)", sizes);
-    let y = Axis::with_ticks("Mass passing (%)", &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
-    let mut plot = Plot::new(x, y);
-    let look = |n: usize, line| Look {
-        colour: style::colour(n),
-        line: Some(line),
-        width: style::CURVE,
-        marker: Some(style::marker(n)),
-        marker_spacing: None,
-    };
-    let curves = [
-        ("Sieve data the grains are made from", look(0, style::SOLID), &study.sieve),
-        ("Generated grains, sieved", look(1, style::DASHED), &study.sieved_grains),
-    ];
-    let mut table = Table::new(&["curve", "size_mm", "passing_percent"]);
-    for (label, look, points) in curves.into_iter().filter(|c| !c.2.is_empty()) {
-        plot.series.push(Series { label: label.to_owned(), look, points: points.clone() });
-        for &(size, passing) in points {
-            table.row([label.to_owned(), cell(size), cell(passing)]);
-        }
+/// Distance of markers along the curve of the generated grains, in SVG units.
+const MARKER_SPACING: f64 = 120.0;
+
+/// Openings of sieves in a decade (ISO 565, series R 10).
+const OPENINGS: [f64; 10] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0];
+
+/// Most openings that are numbered; wider axes are numbered as others are.
+const MOST_OPENINGS: usize = 12;
+
+/// A logarithmic axis from the opening of one sieve to that of another,
+/// numbered at the openings between.
+fn size_axis(sizes: impl Iterator<Item = f64> + Clone) -> Axis {
+    let mut axis = Axis::logarithmic("Grain size (mm)", sizes.clone());
+    let (low, high) =
+        sizes.fold((f64::INFINITY, 0.0_f64), |(low, high), s| (low.min(s), high.max(s)));
+    if !(low > 0.0 && low < high) {
+        return axis;
     }
-    let g = &study.gradation;
+    let first = low.log10().floor() as i32;
+    let openings: Vec<f64> =
+        (first..=first + 2).flat_map(|decade| OPENINGS.map(|o| o * 10f64.powi(decade))).collect();
+    let from = openings.iter().rposition(|o| *o <= low);
+    let to = openings.iter().position(|o| *o >= high);
+    if let Some((from, to)) = from.zip(to).filter(|(from, to)| to - from < MOST_OPENINGS) {
+        axis.ticks = openings[from..=to].to_vec();
+        (axis.from, axis.to) = (openings[from], openings[to]);
+        axis.minor.clear();
+    }
+    axis
+}
+
+/// The paper's Figure 1, of a study.
+pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
+    let (plot, table) = draw(&study.sieve, &study.sieved_grains);
+    let made = study.generated.as_ref().map_or_else(String::new, |made| {
+        format!(
+            " The grains generated from it, each through the virtual sieve (the smallest square \
+             opening that it passes in any orientation): {}.",
+            made.in_words()
+        )
+    });
     let caption = format!(
-        "Grain size distribution of the simulated gravel: {}, D10 {} mm, D30 {} mm, D60 {} mm, Cu \
-         {}, Cc {}. The paper's curve is lost; this one is ours, chosen so that the numbers of the \
-         text (1456 grains of 2343 g, 55 to 65 in 100 g, poorly graded) come out.",
-        g.uscs,
-        number(g.d10_mm, 2),
-        number(g.d30_mm, 2),
-        number(g.d60_mm, 2),
-        number(g.cu, 2),
-        number(g.cc, 2),
+        "Grain size distribution of the simulated gravel, as specified: {}.{made} The paper's \
+         curve is lost; the specified one is ours, chosen so that the numbers of the text (1456 \
+         grains of 2343 g, 55 to 65 in 100 g, poorly graded) come out.",
+        study.gradation.in_words(),
     );
     Figure::new(
         "figure-01-grain-size-distribution",
@@ -53,4 +65,45 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
         &plot,
         &table,
     )
+}
+
+/// Specified against generated.
+fn draw(specified: &[(f64, f64)], generated: &[(f64, f64)]) -> (Plot, Table) {
+    let x = size_axis(specified.iter().chain(generated).map(|p| p.0));
+    let y = Axis::with_ticks("Mass passing (%)", &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
+    let mut plot = Plot::new(x, y);
+    let look = |n: usize, line, marker_spacing| Look {
+        colour: style::colour(n),
+        line: Some(line),
+        width: style::CURVE,
+        marker: Some(style::marker(n)),
+        marker_spacing,
+    };
+    let curves = [
+        ("Sieve data the grains are made from", look(0, style::SOLID, None), specified),
+        ("Generated grains, sieved", look(1, style::DASHED, Some(MARKER_SPACING)), generated),
+    ];
+    let mut table = Table::new(&["curve", "size_mm", "passing_percent"]);
+    for (label, look, points) in curves.into_iter().filter(|c| !c.2.is_empty()) {
+        plot.series.push(Series { label: label.to_owned(), look, points: points.to_vec() });
+        for &(size, passing) in points {
+            table.row([label.to_owned(), cell(size), cell(passing)]);
+        }
+    }
+    (plot, table)
+}
+
+/// The curves of a single run's grains, in its own folder. `words` says
+/// what is read off each curve.
+pub(in crate::report) fn of_grains(
+    specified: &[(f64, f64)],
+    generated: &[(f64, f64)],
+    words: &str,
+) -> Result<Figure, ReportError> {
+    let (plot, table) = draw(specified, generated);
+    let caption = format!(
+        "Grain size distribution of the grains, each through the virtual sieve (the smallest \
+         square opening that it passes in any orientation). {words}"
+    );
+    Figure::new("grain-size-distribution", "Grain size distribution", caption, &plot, &table)
 }

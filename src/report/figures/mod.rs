@@ -10,6 +10,7 @@ mod quality;
 mod readings;
 mod sensitivity;
 mod settlement;
+mod shape;
 mod standing_height;
 mod uncertainty;
 
@@ -23,10 +24,12 @@ use crate::{
 
 pub(super) use comparison::of_comparison;
 pub(super) use convergence::of_convergence;
+pub(super) use grain_size::of_grains;
 pub(super) use laws::of_law;
 pub(super) use of_run::of_run;
 pub(super) use readings::of_readings;
 pub(super) use sensitivity::of_sensitivity;
+pub(super) use shape::figure as of_shapes;
 
 /// A figure with the numbers it shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,6 +90,7 @@ impl Figure {
 pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Figure>, ReportError> {
     Ok(vec![
         grain_size::figure(study)?,
+        shape::figure(&study.shapes)?,
         standing_height::figure(study)?,
         uncertainty::figure(study)?,
         settlement::continuous(study)?,

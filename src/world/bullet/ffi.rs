@@ -212,6 +212,9 @@ mod bridge {
         ) -> Result<()>;
         fn step(self: Pin<&mut BulletWorld>) -> Result<()>;
         fn read_bodies(self: &BulletWorld, out: &mut Vec<BodyRead>);
+        /// Corners of the hulls that contacts are found with, in m: how many
+        /// each body has, and x, y, z of each; none for a removed body.
+        fn read_corners(self: &BulletWorld, counts: &mut Vec<u32>, coordinates: &mut Vec<f64>);
         fn read_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
         /// Points that bear something, where they are now. Empty with Bullet's own contacts.
         fn remember_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);

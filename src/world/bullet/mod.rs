@@ -359,6 +359,18 @@ impl World for BulletBackend {
         }));
     }
 
+    fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
+        let (mut counts, mut coordinates) = (Vec::new(), Vec::new());
+        self.world.read_corners(&mut counts, &mut coordinates);
+        let mut corners = coordinates.chunks_exact(3).map(Vector::from_column_slice);
+        into.clear();
+        into.extend(
+            counts
+                .iter()
+                .map(|&count| (count > 0).then(|| corners.by_ref().take(count as usize).collect())),
+        );
+    }
+
     fn contacts(&self, into: &mut Vec<Contact>) {
         let mut contacts = Vec::new();
         self.world.read_contacts(&mut contacts);

@@ -227,6 +227,35 @@ fn a_removed_body_is_gone_and_its_number_stays_unused() {
 }
 
 #[test]
+fn shapes_are_read_back_as_the_engine_holds_them() {
+    each(|engine| {
+        let mut world = engine.world(&uniform(0.5, 0.0));
+        let mut bodies = [[0.01, 0.013, 0.016], [0.02, 0.01, 0.01], [0.01, 0.013, 0.0161]]
+            .map(|sides| free_box(Vector::from(sides), Vector::zeros()));
+        for (n, body) in bodies.iter_mut().enumerate() {
+            body.state.pose.translation.vector.x = 0.1 * n as f64;
+        }
+        let ids = bodies.each_ref().map(|body| world.add(body).expect("added"));
+        steps(world.as_mut(), 2);
+        world.remove(ids[1]).expect("removed");
+        let mut corners = Vec::new();
+        world.corners(&mut corners);
+        assert_eq!(corners.len(), 3, "{:?}: an entry a body", engine.backend);
+        assert!(corners[1].is_none(), "{:?}: what was removed has no corners", engine.backend);
+        for n in [0, 2] {
+            let mut held = corners[n].clone().expect("corners");
+            assert_eq!(held.len(), 8, "{:?}: a box has eight corners", engine.backend);
+            for given in bodies[n].shape.vertices() {
+                let distance = |p: &Vector| (p - given.coords).norm();
+                held.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+                // In single precision a corner is rounded by 6e-8 of its place.
+                engine.expect("each corner is held, m", 0.0, distance(&held[0]), 2e-9);
+            }
+        }
+    });
+}
+
+#[test]
 fn bad_bodies_and_settings_are_refused() {
     each(|engine| {
         let mut world = engine.world(&uniform(0.5, 0.0));

@@ -244,6 +244,15 @@ impl World for RapierBackend {
         }));
     }
 
+    fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
+        into.clear();
+        into.extend(self.bodies.iter().map(|present| {
+            let collider = self.world.colliders.get(present.as_ref()?.collider)?;
+            let hull = collider.shape().as_convex_polyhedron()?;
+            Some(hull.points().iter().map(|p| self.units.metres(*p)).collect())
+        }));
+    }
+
     fn contacts(&self, into: &mut Vec<Contact>) {
         contacts::read(&self.world, self.units, into);
     }

@@ -1,0 +1,300 @@
+//! Sieve analysis and shape of the grains, as `summary.json` has them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::grains::{
+    Gradation, GrainShape, ParticleSizeDistribution, ShapeRatio, SieveAnalysis, Sieved,
+};
+use crate::units::{from_mm, to_mm};
+
+/// Change of a sieve size, as a fraction of it, up to which a grain counts as
+/// the same. Engines hold shapes in single precision, which rounds a corner by
+/// up to 6e-8 of the grain's size, and the sieve is proven to 1e-9; a chip of
+/// a hundredth of a micrometre off a 10 mm grain is noticed.
+pub const UNCHANGED: f64 = 1e-6;
+
+/// What soil mechanics reads off a grain size distribution curve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GradationSummary {
+    /// Size that 10 % of the mass is finer than, in mm.
+    pub d10_mm: f64,
+    /// Size that 30 % of the mass is finer than, in mm.
+    pub d30_mm: f64,
+    /// Size that 50 % of the mass is finer than, in mm.
+    pub d50_mm: f64,
+    /// Size that 60 % of the mass is finer than, in mm.
+    pub d60_mm: f64,
+    /// D60 / D10.
+    pub coefficient_of_uniformity: f64,
+    /// D30² / (D10 · D60).
+    pub coefficient_of_curvature: f64,
+    /// Group symbol of the Unified Soil Classification System, such as `GP`.
+    pub uscs: String,
+}
+
+impl From<Gradation> for GradationSummary {
+    fn from(g: Gradation) -> Self {
+        Self {
+            d10_mm: to_mm(g.d10),
+            d30_mm: to_mm(g.d30),
+            d50_mm: to_mm(g.d50),
+            d60_mm: to_mm(g.d60),
+            coefficient_of_uniformity: g.uniformity,
+            coefficient_of_curvature: g.curvature,
+            uscs: g.class(),
+        }
+    }
+}
+
+/// The grains in the virtual sieve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SieveSummary {
+    /// Of the grains as generated.
+    #[serde(flatten)]
+    pub generated: GradationSummary,
+    /// Of the sieve table they were made from; null where there is none.
+    pub specified: Option<GradationSummary>,
+    /// What stays on each sieve, coarsest first, what passes the finest last.
+    pub fractions: Vec<SievedFraction>,
+    /// The grains sieved anew after the run; null where the engine could not be asked.
+    pub secondary: Option<SecondarySieve>,
+}
+
+/// What passes one sieve and stays on the next.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SievedFraction {
+    /// Opening of the sieve it passes, in mm; null for what stays on the coarsest.
+    pub passing_mm: Option<f64>,
+    /// Opening of the sieve it stays on, in mm; null for what passes the finest.
+    pub retained_mm: Option<f64>,
+    /// Share of the mass in percent, as the sieve table asks for it.
+    pub specified_percent: f64,
+    /// Share of the mass in percent, found by sieving.
+    pub mass_percent: f64,
+    /// Number of grains found.
+    pub grains: usize,
+}
+
+impl SieveSummary {
+    /// Sums up grains as generated, beside the distribution they were made from.
+    pub fn of(sieved: &SieveAnalysis, specified: Option<&ParticleSizeDistribution>) -> Self {
+        Self {
+            generated: sieved.gradation().into(),
+            specified: specified.map(|s| s.gradation().into()),
+            fractions: specified.map_or_else(Vec::new, |s| fractions(sieved, s)),
+            secondary: None,
+        }
+    }
+}
+
+fn fractions(sieved: &SieveAnalysis, psd: &ParticleSizeDistribution) -> Vec<SievedFraction> {
+    let total: f64 = sieved.grains().iter().map(|g| g.mass).sum();
+    let row = |passing: Option<f64>, retained: Option<f64>, specified_percent| {
+        let (grains, mass) =
+            sieved.between(passing.unwrap_or(f64::INFINITY), retained.unwrap_or(0.0));
+        SievedFraction {
+            passing_mm: passing.map(to_mm),
+            retained_mm: retained.map(to_mm),
+            specified_percent,
+            mass_percent: 100.0 * mass / total,
+            grains,
+        }
+    };
+    let ends = psd.fractions.first().zip(psd.fractions.last());
+    let mut rows: Vec<SievedFraction> =
+        ends.map(|(coarsest, _)| row(None, Some(coarsest.passing), 0.0)).into_iter().collect();
+    rows.extend(
+        psd.fractions.iter().map(|f| row(Some(f.passing), Some(f.retained), f.mass_percent)),
+    );
+    rows.extend(ends.map(|(_, finest)| row(Some(finest.retained), None, 0.0)));
+    rows
+}
+
+/// The grains sieved anew, with the shapes that the engine held at the end of
+/// a run, against the grains as generated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SecondarySieve {
+    /// Grains that were sieved.
+    pub grains: usize,
+    /// Those of them whose sieve size is another than before.
+    pub changed: usize,
+    /// Grains that are nowhere: not in the engine, and neither spilled over
+    /// the rim nor left in the funnel. One that passed a wall is lost.
+    pub lost: usize,
+    /// Grains that spilled over the rim, which are not sieved.
+    pub spilled: usize,
+    /// Grains that hung in the funnel when it was taken away, which are not sieved.
+    pub left_in_funnel: usize,
+    /// Largest change of any grain's sieve size, in percent of it.
+    pub largest_change_percent: f64,
+    /// Of the grains that were sieved.
+    pub gradation: GradationSummary,
+    /// Whether no grain changed and none was lost.
+    pub unchanged: bool,
+}
+
+/// Why a grain was not sieved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NotSieved {
+    /// It spilled over the rim.
+    Spilled,
+    /// It was left in the funnel.
+    LeftInFunnel,
+    /// It should have been there.
+    Lost,
+}
+
+impl SecondarySieve {
+    /// Compares what was found of each grain, its sieve size in mm or why it
+    /// was not sieved, with the grains before. Grains that nothing is said of
+    /// are lost; what was found beyond the grains before counts as changed.
+    pub fn of(before: &[Sieved], found: &[Result<f64, NotSieved>]) -> Self {
+        let mut after = Vec::with_capacity(before.len());
+        let (mut changed, mut largest) = (0, 0.0_f64);
+        for (grain, size_mm) in
+            before.iter().zip(found).filter_map(|(g, f)| Some((g, *f.as_ref().ok()?)))
+        {
+            let change = (size_mm / to_mm(grain.size) - 1.0).abs();
+            // Not `>`: what is no number is no grain that was there before.
+            if !(change <= UNCHANGED) {
+                changed += 1;
+            }
+            largest = if change.is_nan() { f64::NAN } else { largest.max(change) };
+            after.push(Sieved { size: from_mm(size_mm), mass: grain.mass });
+        }
+        let count = |why| found.iter().filter(|f| **f == Err(why)).count();
+        let added = found.iter().skip(before.len()).filter(|f| f.is_ok()).count();
+        let lost = count(NotSieved::Lost) + before.len().saturating_sub(found.len());
+        changed += added;
+        Self {
+            grains: after.len() + added,
+            changed,
+            lost,
+            spilled: count(NotSieved::Spilled),
+            left_in_funnel: count(NotSieved::LeftInFunnel),
+            largest_change_percent: 100.0 * largest,
+            gradation: SieveAnalysis::new(after).gradation().into(),
+            unchanged: changed == 0 && lost == 0,
+        }
+    }
+}
+
+/// Shape of the grains (docs/grains.md has the definitions).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShapeSummary {
+    /// Intermediate over longest side of the smallest box (Zingg 1935).
+    pub elongation: Spread,
+    /// Shortest over intermediate side of the smallest box (Zingg 1935).
+    pub flatness: Spread,
+    /// Surface of the sphere of the same volume over the surface (Wadell 1932).
+    pub sphericity: Spread,
+    /// Number of faces.
+    pub faces: Spread,
+    /// Number of vertices.
+    pub vertices: Spread,
+}
+
+/// How a number is spread over grains, each counted once.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// 10th percentile: the smallest value that a tenth of the grains do not exceed.
+    pub p10: f64,
+    /// Median.
+    pub p50: f64,
+    /// 90th percentile.
+    pub p90: f64,
+}
+
+impl Spread {
+    fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
+        let mut values: Vec<f64> = values.collect();
+        values.sort_by(f64::total_cmp);
+        let n = values.len();
+        let at = |percent: usize| values.get((n * percent).div_ceil(100).max(1) - 1).copied();
+        Some(Self {
+            mean: values.iter().sum::<f64>() / n as f64,
+            p10: at(10)?,
+            p50: at(50)?,
+            p90: at(90)?,
+        })
+    }
+}
+
+impl ShapeSummary {
+    /// Sums up shapes; `None` without grains.
+    pub fn of(shapes: &[GrainShape]) -> Option<Self> {
+        let ratio = |ratio| Spread::of(shapes.iter().map(|s| s.ratio(ratio)));
+        Some(Self {
+            elongation: ratio(ShapeRatio::Elongation)?,
+            flatness: ratio(ShapeRatio::Flatness)?,
+            sphericity: ratio(ShapeRatio::Sphericity)?,
+            faces: Spread::of(shapes.iter().map(|s| s.faces as f64))?,
+            vertices: Spread::of(shapes.iter().map(|s| s.vertices as f64))?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grains() -> Vec<Sieved> {
+        (1..=10).map(|n| Sieved { size: 1e-3 * f64::from(n), mass: 1e-3 }).collect()
+    }
+
+    fn found() -> Vec<Result<f64, NotSieved>> {
+        (1..=10).map(|n| Ok(f64::from(n))).collect()
+    }
+
+    #[test]
+    fn what_comes_back_the_same_is_unchanged() {
+        let secondary = SecondarySieve::of(&grains(), &found());
+        assert!(secondary.unchanged, "{secondary:?}");
+        assert_eq!((secondary.grains, secondary.changed, secondary.lost), (10, 0, 0));
+        assert_eq!(secondary.gradation, SieveAnalysis::new(grains()).gradation().into());
+        // Grains whose whereabouts are known are not lost.
+        let mut some = found();
+        (some[2], some[5]) = (Err(NotSieved::Spilled), Err(NotSieved::LeftInFunnel));
+        let secondary = SecondarySieve::of(&grains(), &some);
+        assert!(secondary.unchanged && secondary.grains == 8, "{secondary:?}");
+        assert_eq!((secondary.spilled, secondary.left_in_funnel), (1, 1));
+    }
+
+    #[test]
+    fn a_chip_a_lost_grain_and_an_additional_one_are_noticed() {
+        for factor in [1.0 - 2.0 * UNCHANGED, 1.0 + 2.0 * UNCHANGED, 0.5, f64::NAN] {
+            let mut found = found();
+            found[3] = Ok(4.0 * factor);
+            let secondary = SecondarySieve::of(&grains(), &found);
+            assert!(!secondary.unchanged && secondary.changed == 1, "{factor}: {secondary:?}");
+        }
+        for factor in [1.0 - UNCHANGED / 2.0, 1.0 + UNCHANGED / 2.0] {
+            let mut found = found();
+            found[3] = Ok(4.0 * factor);
+            let secondary = SecondarySieve::of(&grains(), &found);
+            assert!(secondary.unchanged, "rounding is no change, {factor}: {secondary:?}");
+        }
+        let mut lost = found();
+        lost[3] = Err(NotSieved::Lost);
+        let secondary = SecondarySieve::of(&grains(), &lost);
+        assert!(!secondary.unchanged && secondary.lost == 1, "{secondary:?}");
+        let secondary = SecondarySieve::of(&grains(), &found()[..9]);
+        assert!(!secondary.unchanged && secondary.lost == 1, "{secondary:?}");
+        // Broken in two: one grain is smaller, and there is one more.
+        let mut broken = found();
+        broken[9] = Ok(8.0);
+        broken.push(Ok(6.0));
+        let secondary = SecondarySieve::of(&grains(), &broken);
+        assert!(!secondary.unchanged && secondary.changed == 2, "{secondary:?}");
+        assert_eq!(secondary.grains, 11);
+    }
+
+    #[test]
+    fn percentiles_of_ten_numbers() {
+        let s = Spread::of((1..=10).map(f64::from)).expect("ten numbers");
+        assert_eq!((s.mean, s.p10, s.p50, s.p90), (5.5, 1.0, 5.0, 9.0));
+        assert!(Spread::of(std::iter::empty()).is_none(), "no numbers have no mean");
+    }
+}

@@ -1,0 +1,132 @@
+//! Shape of the grains: how their elongation, flatness and sphericity are spread.
+
+use super::{Figure, Table, cell};
+use crate::{
+    grains::{GrainShape, ShapeRatio},
+    paper::text::number,
+    report::{
+        ReportError,
+        axis::Axis,
+        plot::{Look, Plot, Series},
+        style,
+    },
+};
+
+/// Distance of markers along a curve, in SVG units.
+const MARKER_SPACING: f64 = 140.0;
+
+/// Name, symbol and column of a number.
+fn named(ratio: ShapeRatio) -> (&'static str, &'static str) {
+    match ratio {
+        ShapeRatio::Elongation => ("Elongation I/L", "elongation"),
+        ShapeRatio::Flatness => ("Flatness S/I", "flatness"),
+        ShapeRatio::Sphericity => ("Sphericity", "sphericity"),
+    }
+}
+
+/// Distribution of the three numbers over the grains, each counted once.
+pub(in crate::report) fn figure(shapes: &[GrainShape]) -> Result<Figure, ReportError> {
+    let x = Axis::with_ticks("Ratio (–)", &[0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
+    let y = Axis::with_ticks("Grains with less (%)", &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
+    let mut plot = Plot::new(x, y);
+    let mut table = Table::new(&["ratio", "value", "grains_with_at_most_percent"]);
+    let mut medians = Vec::new();
+    let lines = [style::SOLID, style::DASHED, style::DOTTED];
+    for (n, ratio) in ShapeRatio::ALL.into_iter().enumerate() {
+        let (label, column) = named(ratio);
+        let points = distribution(shapes.iter().map(|s| s.ratio(ratio)));
+        for &(value, percent) in &points {
+            table.row([column.to_owned(), cell(value), cell(percent)]);
+        }
+        let at = |percent| points.iter().find(|p| p.1 >= percent).map_or(f64::NAN, |p| p.0);
+        medians.push(format!(
+            "{} {} ({} to {})",
+            column,
+            number(at(50.0), 2),
+            number(at(10.0), 2),
+            number(at(90.0), 2)
+        ));
+        // A curve that is not there has no place in the legend.
+        let label = if points.is_empty() { String::new() } else { label.to_owned() };
+        let look = Look {
+            colour: style::colour(n),
+            line: Some(lines[n]),
+            width: style::CURVE,
+            marker: Some(style::marker(n)),
+            marker_spacing: Some(MARKER_SPACING),
+        };
+        plot.series.push(Series { label, look, points });
+    }
+    let mean = |value: fn(&GrainShape) -> usize| {
+        shapes.iter().map(|s| value(s) as f64).sum::<f64>() / shapes.len() as f64
+    };
+    let caption = format!(
+        "Shape of the {} grains, by number. L, I and S are the longest, intermediate and shortest \
+         side of the box of the smallest volume that holds the grain; elongation is I/L and \
+         flatness S/I (Zingg 1935), sphericity the surface of the sphere of the grain's volume \
+         over the grain's surface (Wadell 1932). Median, and 10th to 90th percentile: {}. A grain \
+         has {} faces and {} vertices on average.",
+        shapes.len(),
+        medians.join(", "),
+        number(mean(|s| s.faces), 1),
+        number(mean(|s| s.vertices), 1),
+    );
+    Figure::new("grain-shape", "Shape of the grains", caption, &plot, &table)
+}
+
+/// Value and percent of the grains that have at most it, ascending.
+fn distribution(values: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
+    let mut values: Vec<f64> = values.filter(|v| v.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let percent = |n: usize| 100.0 * (n + 1) as f64 / values.len() as f64;
+    values.iter().enumerate().map(|(n, v)| (*v, percent(n))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A body with the given sides of its box, and the volume and surface of that box.
+    fn shape(longest: f64, intermediate: f64, shortest: f64) -> GrainShape {
+        GrainShape {
+            longest,
+            intermediate,
+            shortest,
+            volume: longest * intermediate * shortest,
+            surface: 2.0 * (longest * intermediate + intermediate * shortest + shortest * longest),
+            faces: 6,
+            vertices: 8,
+        }
+    }
+
+    #[test]
+    fn the_curves_are_those_of_the_shapes() {
+        let shapes: Vec<GrainShape> = (1..=10).map(|n| shape(10.0, f64::from(n), 0.5)).collect();
+        let figure = figure(&shapes).expect("a figure");
+        let rows: Vec<csv::StringRecord> = csv::Reader::from_reader(figure.csv.as_slice())
+            .records()
+            .map(|r| r.expect("a row"))
+            .collect();
+        assert_eq!(rows.len(), 30, "three numbers of ten grains");
+        let elongation: Vec<f64> = rows
+            .iter()
+            .filter(|r| &r[0] == "elongation")
+            .map(|r| r[1].parse().expect("a number"))
+            .collect();
+        for (n, value) in elongation.iter().enumerate() {
+            let expected = (n + 1) as f64 / 10.0;
+            assert!((value - expected).abs() < 1e-12, "I/L: expected {expected}, got {value}");
+        }
+        for said in ["Zingg", "Wadell", "10 grains", "elongation 0.50 (0.10 to 0.90)", "6.0 faces"]
+        {
+            assert!(figure.caption.contains(said), "{said} is missing: {}", figure.caption);
+        }
+    }
+
+    #[test]
+    fn no_grains_make_an_empty_figure() {
+        let figure = figure(&[]).expect("a figure");
+        assert!(!figure.svg.contains("NaN"), "no NaN in the drawing");
+        assert!(!figure.caption.contains("NaN"), "nor in the caption: {}", figure.caption);
+    }
+}
