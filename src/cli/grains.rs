@@ -6,17 +6,17 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::{CliError, Context, ExitStatus, output_folder};
-use crate::grains::{write_obj, write_ply, write_stl};
+use crate::grains::{StoneRecord, write_obj, write_ply, write_stl};
 use crate::record::{FileError, write_file};
-use crate::scenario::{GrainsSpec, load};
+use crate::scenario::{GrainsSpec, Scenario, load};
 use crate::study::{make_grains, write_grains};
 use crate::units::{to_cm3, to_g};
 
 /// Make only the grains of a scenario
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Leaves grains.json and, for grains made from sieve data, sieve.csv in DIR; with another format
-also grains.obj, grains.stl or grains.ply, for programs that show meshes.
+Leaves grains.json in DIR, for grains made by sieve fractions sieve.csv, for grains made from
+meshes stones.csv, which says what became of each; with another format also grains.obj, grains.stl or grains.ply, for programs that show meshes.
 
 Examples:
   pluvia grains scenarios/paper/pluviation.json --out out/grains
@@ -53,6 +53,8 @@ struct Made {
     mass_g: f64,
     solids_volume_cm3: f64,
     grains_in_100_g: f64,
+    /// What a reader should know of stones made from meshes.
+    notes: Vec<String>,
     files: Vec<PathBuf>,
 }
 
@@ -62,9 +64,8 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
     let set = make_grains(&scenario)?;
     write_grains(&args.out, &scenario, &set)?;
     let mut files = vec![args.out.join("grains.json")];
-    if matches!(scenario.grains, GrainsSpec::Sieved(_)) {
-        files.push(args.out.join("sieve.csv"));
-    }
+    // What the scenario's kind of grains has; older files may lie there.
+    files.extend(table_names(&scenario).iter().map(|name| args.out.join(name)));
     let mut content = Vec::new();
     let written = match args.format {
         Format::Json => None,
@@ -84,15 +85,29 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         mass_g: to_g(set.total_mass()),
         solids_volume_cm3: to_cm3(set.total_volume()),
         grains_in_100_g: set.grains_in_100_g(),
+        notes: StoneRecord::notes(&set.stones),
         files,
     };
     let mut text = format!(
         "{}: {} grains, {:.1} g, {:.1} cm³ of solids, {:.1} grains in 100 g\n",
         made.scenario, made.grains, made.mass_g, made.solids_volume_cm3, made.grains_in_100_g
     );
+    for note in &made.notes {
+        text += &format!("{note}\n");
+    }
     for file in &made.files {
         text += &format!("{}\n", file.display());
     }
     context.print(&text, &made)?;
     Ok(ExitStatus::Done)
+}
+
+/// The tables that [`write_grains`] leaves beside `grains.json`.
+fn table_names(scenario: &Scenario) -> &'static [&'static str] {
+    match &scenario.grains {
+        GrainsSpec::Sieved(_) => &["sieve.csv"],
+        GrainsSpec::Meshes(meshes) if meshes.sieve_table.is_empty() => &["stones.csv"],
+        GrainsSpec::Meshes(_) => &["sieve.csv", "stones.csv"],
+        GrainsSpec::File(_) => &[],
+    }
 }

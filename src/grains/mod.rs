@@ -4,6 +4,7 @@
 //! put it into another order, other orientations and apart from each other,
 //! ready to fall; [`read_json`] and [`write_json`] keep it in a file.
 
+mod cell_shape;
 mod complex;
 mod error;
 mod file;
@@ -12,6 +13,7 @@ mod mesh;
 mod mixing;
 pub mod psd;
 mod sieve;
+mod stones;
 pub mod streams;
 pub mod voronoi;
 
@@ -27,6 +29,7 @@ pub use mesh::{write_obj, write_ply, write_stl};
 pub use mixing::{Mixing, RAIN_CLEARANCE, mix, rain};
 pub use psd::{Fraction, ParticleSizeDistribution, UscsClass};
 pub use sieve::{sieve_csv, sieve_size};
+pub use stones::{StoneRecord, from_meshes, stones_csv};
 
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 
@@ -39,6 +42,8 @@ pub struct GrainSet {
     pub blocks: Vec<Block>,
     /// Density of the solids in kg/m³.
     pub density: f64,
+    /// What became of each mesh; none where the grains were not made from meshes.
+    pub stones: Vec<StoneRecord>,
 }
 
 /// One cube of a sieve fraction's solid volume and the points of its tessellation.
