@@ -50,7 +50,7 @@ pub fn scenario((mass_g, diameter_mm): (f64, f64)) -> Scenario {
 pub fn sieved(scenario: &Scenario) -> &SievedGrains {
     match &scenario.grains {
         GrainsSpec::Sieved(spec) => spec,
-        GrainsSpec::File(_) => unreachable!("made from a sieve table"),
+        GrainsSpec::File(_) | GrainsSpec::Meshes(_) => unreachable!("made from a sieve table"),
     }
 }
 

@@ -7,18 +7,19 @@ use serde::Serialize;
 
 use super::{CliError, Context, ExitStatus, output_folder};
 use crate::grains::{
-    GrainShape, ParticleSizeDistribution, SieveAnalysis, write_obj, write_ply, write_stl,
+    GrainShape, ParticleSizeDistribution, SieveAnalysis, StoneRecord, write_obj, write_ply,
+    write_stl,
 };
 use crate::record::{FileError, GradationSummary, ShapeSummary, SieveSummary, write_file};
-use crate::scenario::{GrainsSpec, load};
+use crate::scenario::{GrainsSpec, Scenario, load};
 use crate::study::{make_grains, write_grains};
 use crate::units::{to_cm3, to_g};
 
 /// Make only the grains of a scenario
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Leaves grains.json and, for grains made from sieve data, sieve.csv in DIR; with another format
-also grains.obj, grains.stl or grains.ply, for programs that show meshes.
+Leaves grains.json in DIR, for grains made by sieve fractions sieve.csv, for grains made from
+meshes stones.csv, which says what became of each; with another format also grains.obj, grains.stl or grains.ply, for programs that show meshes.
 
 Examples:
   pluvia grains scenarios/paper/pluviation.json --out out/grains
@@ -57,6 +58,8 @@ struct Made {
     grains_in_100_g: f64,
     sieve_analysis: SieveSummary,
     shape: Option<ShapeSummary>,
+    /// What a reader should know of stones made from meshes.
+    notes: Vec<String>,
     files: Vec<PathBuf>,
 }
 
@@ -66,9 +69,8 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
     let set = make_grains(&scenario)?;
     write_grains(&args.out, &scenario, &set)?;
     let mut files = vec![args.out.join("grains.json")];
-    if matches!(scenario.grains, GrainsSpec::Sieved(_)) {
-        files.push(args.out.join("sieve.csv"));
-    }
+    // What the scenario's kind of grains has; older files may lie there.
+    files.extend(table_names(&scenario).iter().map(|name| args.out.join(name)));
     let mut content = Vec::new();
     let written = match args.format {
         Format::Json => None,
@@ -93,6 +95,7 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
             ParticleSizeDistribution::of(&set).ok().as_ref(),
         ),
         shape: ShapeSummary::of(&GrainShape::of_all(&set)),
+        notes: StoneRecord::notes(&set.stones),
         files,
     };
     let mut text = format!(
@@ -108,6 +111,9 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
             "medians: elongation {:.2}, flatness {:.2}, sphericity {:.2}\n",
             shape.elongation.p50, shape.flatness.p50, shape.sphericity.p50
         );
+    }
+    for note in &made.notes {
+        text += &format!("{note}\n");
     }
     for file in &made.files {
         text += &format!("{}\n", file.display());
@@ -128,4 +134,14 @@ fn in_words(g: &GradationSummary) -> String {
         g.coefficient_of_curvature,
         g.uscs
     )
+}
+
+/// The tables that [`write_grains`] leaves beside `grains.json`.
+fn table_names(scenario: &Scenario) -> &'static [&'static str] {
+    match &scenario.grains {
+        GrainsSpec::Sieved(_) => &["sieve.csv"],
+        GrainsSpec::Meshes(meshes) if meshes.sieve_table.is_empty() => &["stones.csv"],
+        GrainsSpec::Meshes(_) => &["sieve.csv", "stones.csv"],
+        GrainsSpec::File(_) => &[],
+    }
 }

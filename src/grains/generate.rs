@@ -15,20 +15,26 @@ const BLOCK_GAP: f64 = 0.01;
 
 /// Makes the grains of a sieve table (paper, section 3): for every fraction a
 /// cube of its solid volume, cut into as many Voronoi cells of uniformly
-/// random points as the fraction has grains. The same table and seed give the
+/// random points as the fraction has grains, relaxed and stretched as the
+/// scenario asks for. The same table and seed give the
 /// same bits.
 ///
 /// # Errors
 /// The faults of the sieve table ([`ParticleSizeDistribution::new`]).
 pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError> {
     let psd = ParticleSizeDistribution::new(spec)?;
-    let mut set = GrainSet { grains: Vec::new(), blocks: Vec::new(), density: psd.density };
+    let mut set = GrainSet {
+        grains: Vec::new(),
+        blocks: Vec::new(),
+        density: psd.density,
+        stones: Vec::new(),
+    };
     let mut x = 0.0;
     for (index, fraction) in psd.fractions.iter().enumerate() {
         let side = fraction.volume.cbrt();
         let origin = Vector::new(x, 0.0, 0.0);
         let name = format!("points of block {index}");
-        let tessellation = random_cells(fraction.grains, side, origin, seed, &name)?;
+        let tessellation = random_cells(fraction.grains, side, origin, &spec.cells, (seed, &name))?;
         set.push_block(Block {
             passing: fraction.passing,
             retained: fraction.retained,

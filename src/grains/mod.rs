@@ -5,6 +5,7 @@
 //! ready to fall; [`read_json`] and [`write_json`] keep it in a file.
 
 mod analysis;
+mod cell_shape;
 mod complex;
 mod error;
 mod fan;
@@ -17,6 +18,7 @@ pub mod psd;
 mod shape;
 mod sieve;
 mod sieve_table;
+mod stones;
 pub mod streams;
 pub mod voronoi;
 
@@ -36,6 +38,7 @@ pub use psd::{Fraction, ParticleSizeDistribution};
 pub use shape::{GrainShape, ShapeRatio};
 pub use sieve::{Passage, SIEVE_TOLERANCE, sieve_size};
 pub use sieve_table::{sieve_csv, sieve_table};
+pub use stones::{StoneRecord, from_meshes, stones_csv};
 
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 
@@ -48,6 +51,8 @@ pub struct GrainSet {
     pub blocks: Vec<Block>,
     /// Density of the solids in kg/m³.
     pub density: f64,
+    /// What became of each mesh; none where the grains were not made from meshes.
+    pub stones: Vec<StoneRecord>,
 }
 
 /// One cube of a sieve fraction's solid volume and the points of its tessellation.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     geometry::MassProperties,
-    scenario::{SieveFraction, SievedGrains},
+    scenario::{CellShape, SieveFraction, SievedGrains},
 };
 
 /// The paper's mass and density with a table of (passing mm, retained mm, mass percent).
@@ -17,6 +17,7 @@ pub(super) fn table(rows: &[(f64, f64, f64)]) -> SievedGrains {
         total_mass_g: 2343.0,
         density_kg_per_m3: 2673.9,
         sieve_table: rows.iter().map(row).collect(),
+        cells: CellShape::default(),
     }
 }
 

@@ -7,11 +7,15 @@ use rand_pcg::Pcg64;
 
 use super::{
     GrainsError,
+    cell_shape::{box_sides, relaxed},
     complex::{CellComplex, MERGE_DISTANCE, SharedVertex},
     psd::positive,
     streams::{stream, uniform},
 };
-use crate::geometry::{ConvexPolyhedron, Point, Vector};
+use crate::{
+    geometry::{ConvexPolyhedron, Point, Vector},
+    scenario::CellShape,
+};
 
 /// Least distance between two points, as a fraction of the cube's side. The
 /// tessellation rounds coordinates to about 2⁻⁵⁰ of the side where it decides
@@ -36,8 +40,9 @@ pub struct Tessellation {
 }
 
 /// Cuts a cube into the Voronoi cells of uniformly random points, drawn from
-/// the random stream `name`. The cube has the given side (m) and lowest
-/// corner `origin` (m).
+/// the random stream `name`, or of what became of them by relaxation, in a
+/// space stretched as the shape of the cells asks for. The cube has the given
+/// side (m) and lowest corner `origin` (m).
 ///
 /// # Errors
 /// A side that is not positive; the last attempt's fault, if every attempt
@@ -46,9 +51,10 @@ pub fn random_cells(
     count: usize,
     side: f64,
     origin: Vector,
-    seed: u64,
-    name: &str,
+    shape: &CellShape,
+    (seed, name): (u64, &str),
 ) -> Result<Tessellation, GrainsError> {
+    let sides = box_sides(shape);
     let mut attempt = 0;
     loop {
         let mut rng = match attempt {
@@ -56,9 +62,10 @@ pub fn random_cells(
             n => stream(seed, &format!("{name}, attempt {n}")),
         };
         attempt += 1;
-        let points = random_points(count, &mut rng);
-        match cells(&points, side, origin) {
-            Ok(cells) => {
+        let made = relaxed(random_points(count, &mut rng), sides, shape.relaxation_steps)
+            .and_then(|points| Ok((stretched_cells(&points, sides, side, origin)?, points)));
+        match made {
+            Ok((cells, points)) => {
                 let points = points.iter().map(|p| origin + p * side).collect();
                 return Ok(Tessellation { points, cells });
             }
@@ -87,9 +94,20 @@ pub fn cells(
     side: f64,
     origin: Vector,
 ) -> Result<Vec<ConvexPolyhedron>, GrainsError> {
+    stretched_cells(points, Vector::repeat(1.0), side, origin)
+}
+
+/// The same, of cells that are those of a box of the given sides, mapped to
+/// the cube.
+fn stretched_cells(
+    points: &[Vector],
+    sides: Vector,
+    side: f64,
+    origin: Vector,
+) -> Result<Vec<ConvexPolyhedron>, GrainsError> {
     positive("side of a block, m", side)?;
     check_points(points)?;
-    let mut complex = tessellate(points, side, origin);
+    let mut complex = tessellate(points, sides, side, origin);
     complex.merge_short_edges(MERGE_DISTANCE);
     let cells = complex.into_polyhedra()?;
     let cells_m3: f64 = cells.iter().map(ConvexPolyhedron::signed_volume).sum();
@@ -103,7 +121,7 @@ pub fn cells(
 
 /// Guards the tessellation, which panics on points that are not finite or
 /// coincide and silently accepts points outside the cube.
-fn check_points(points: &[Vector]) -> Result<(), GrainsError> {
+pub(super) fn check_points(points: &[Vector]) -> Result<(), GrainsError> {
     let fault = |point: usize, reason: &str| {
         Err(GrainsError::BadPoint { point, reason: reason.to_owned() })
     };
@@ -128,20 +146,21 @@ fn check_points(points: &[Vector]) -> Result<(), GrainsError> {
     Ok(())
 }
 
-/// Computes the cells in the unit cube, where the tessellation's absolute
+/// Computes the cells in a box that fits the unit cube, where the tessellation's absolute
 /// error bounds (1e-13) fit, and scales them.
 ///
 /// A Voronoi vertex is named by the four things equally far from it: points,
 /// or sides of the cube. Cells that share it compute it independently; by its
 /// name they agree, and the position is the one of the first cell.
-fn tessellate(points: &[Vector], side: f64, origin: Vector) -> CellComplex {
+fn tessellate(points: &[Vector], sides: Vector, side: f64, origin: Vector) -> CellComplex {
     // `into`: the vector type belongs to a crate that is not re-exported.
-    let generators: Vec<_> = points.iter().map(|p| [p.x, p.y, p.z].into()).collect();
+    let generators: Vec<_> =
+        points.iter().map(|p| [p.x * sides.x, p.y * sides.y, p.z * sides.z].into()).collect();
     let tessellation = VoronoiIntegrator::build(
         &generators,
         None,
         [0.0; 3].into(),
-        [1.0; 3].into(),
+        [sides.x, sides.y, sides.z].into(),
         Dimensionality::ThreeD,
         false,
     )
@@ -161,9 +180,10 @@ fn tessellate(points: &[Vector], side: f64, origin: Vector) -> CellComplex {
                 let mut name = [cell.idx, i, j, k];
                 name.sort_unstable();
                 *number_of.entry(name).or_insert_with(|| {
-                    let at = [vertex.loc.x, vertex.loc.y, vertex.loc.z];
-                    let sides = vertex.dual.iter().filter(|&&plane| plane < 6);
-                    vertices.push(place(at, sides.copied(), side, origin));
+                    let loc = [vertex.loc.x, vertex.loc.y, vertex.loc.z];
+                    let at = Vector::from(loc).component_div(&sides).into();
+                    let on = vertex.dual.iter().filter(|&&plane| plane < 6);
+                    vertices.push(place(at, on.copied(), side, origin));
                     vertices.len() as u32 - 1
                 })
             })
@@ -265,7 +285,10 @@ mod tests {
     #[test]
     fn every_place_belongs_to_the_nearest_point() {
         // The law that defines the tessellation, at places drawn at random.
-        let tessellation = random_cells(60, 0.04, Vector::new(0.1, 0.0, 0.0), 11, "law").unwrap();
+        let tessellation = {
+            let origin = Vector::new(0.1, 0.0, 0.0);
+            random_cells(60, 0.04, origin, &CellShape::default(), (11, "law")).unwrap()
+        };
         let mut rng = stream(12, "places");
         for _ in 0..300 {
             let place = Vector::new(0.1, 0.0, 0.0) + random_points(1, &mut rng)[0] * 0.04;
@@ -335,7 +358,7 @@ mod tests {
                 (Vector::from(index) + shake * 1e-6) / n as f64
             })
             .collect();
-        let mut complex = tessellate(&points, 0.04, Vector::zeros());
+        let mut complex = tessellate(&points, Vector::repeat(1.0), 0.04, Vector::zeros());
         let mergers = complex.merge_short_edges(MERGE_DISTANCE);
         assert!(mergers > 100, "most of 125 clusters have vertices to merge, merged {mergers}");
         let cells = complex.into_polyhedra().unwrap();
@@ -373,12 +396,14 @@ mod tests {
         #[test]
         fn cells_fill_any_block(
             seed: u64, count in 1_usize..120, side in 1e-3..1.0, x in -2.0..2.0,
+            steps in 0_u32..4, elongation in 1.0..3.0, flatness in 1.0..3.0,
         ) {
+            let shape = CellShape { relaxation_steps: steps, elongation, flatness };
             let origin = Vector::new(x, 0.0, 0.5);
-            let tessellation = random_cells(count, side, origin, seed, "any").unwrap();
+            let tessellation = random_cells(count, side, origin, &shape, (seed, "any")).unwrap();
             prop_assert_eq!(tessellation.cells.len(), count);
             prop_assert_eq!(check(&tessellation.cells, side), Ok(()));
-            let again = random_cells(count, side, origin, seed, "any").unwrap();
+            let again = random_cells(count, side, origin, &shape, (seed, "any")).unwrap();
             prop_assert_eq!(tessellation, again);
         }
     }

@@ -177,7 +177,7 @@ pub fn specimen_of(parts: Vec<(ConvexPolyhedron, Pose)>) -> Specimen {
         bodies.push(GrainState { body: BodyState::at_rest(pose * frame), fate: Fate::Present });
     }
     Specimen {
-        grains: Arc::new(GrainSet { grains, blocks: vec![], density: DENSITY }),
+        grains: Arc::new(GrainSet { grains, blocks: vec![], density: DENSITY, stones: vec![] }),
         state: SpecimenState {
             bodies,
             funnel: None,

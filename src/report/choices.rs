@@ -59,6 +59,7 @@ fn grains(scenario: &Scenario) -> Choice {
             .collect::<Vec<_>>()
             .join("; "),
         GrainsSpec::File(f) => format!("grains read from {}", f.file),
+        GrainsSpec::Meshes(m) => format!("stones of {}", m.meshes.join(", ")),
     };
     choice(
         "Sieve table",

@@ -113,14 +113,15 @@ impl Scenario {
         value.to_string()
     }
 
-    /// Opening in m of the finest sieve that retains grains; `None` for grains from a file.
+    /// Opening in m of the finest sieve that retains grains; `None` for grains from a file
+    /// and for meshes in their own size.
     pub fn smallest_sieve_m(&self) -> Option<f64> {
-        match &self.grains {
-            GrainsSpec::Sieved(sieved) => {
-                sieved.sieve_table.iter().map(|f| from_mm(f.retained_mm)).min_by(f64::total_cmp)
-            }
-            GrainsSpec::File(_) => None,
-        }
+        let table = match &self.grains {
+            GrainsSpec::Sieved(sieved) => &sieved.sieve_table,
+            GrainsSpec::Meshes(meshes) => &meshes.sieve_table,
+            GrainsSpec::File(_) => return None,
+        };
+        table.iter().map(|f| from_mm(f.retained_mm)).min_by(f64::total_cmp)
     }
 
     /// Falling height of the pour in mm, where grains are poured.

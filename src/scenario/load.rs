@@ -23,7 +23,7 @@ pub struct Loaded {
 /// over them, and checks everything, from spelling to whether the time step
 /// can resolve the motion.
 ///
-/// Relative paths in `extends` and `grains.file` begin at the file that gives
+/// Relative paths in `extends`, `grains.file` and `grains.meshes` begin at the file that gives
 /// them, those of overrides at the working directory.
 ///
 /// # Errors
@@ -49,7 +49,7 @@ pub fn load(path: &Path, overrides: &[Override]) -> Result<Loaded, ScenarioError
     );
     match scenario {
         Some(mut scenario) if faults.is_empty() => {
-            place_grains_file(&mut scenario, &document);
+            place_grains_files(&mut scenario, &document);
             Ok(Loaded { scenario, files: document.files })
         }
         _ => Err(ScenarioErrors::Faults(faults)),
@@ -104,11 +104,35 @@ fn check_value(value: &Value) -> Result<Scenario, Vec<Fault>> {
     Err(faults)
 }
 
-/// Makes the path of a grains file, relative to the file that gives it, one
+/// Makes the paths of grains files, relative to the file that gives them, ones
 /// that can be opened from here.
-fn place_grains_file(scenario: &mut Scenario, document: &Document) {
-    let GrainsSpec::File(grains) = &mut scenario.grains else { return };
-    let Origin::File(given_in) = document.origin("grains.file") else { return };
-    let folder = given_in.parent().unwrap_or(Path::new(""));
-    grains.file = folder.join(&grains.file).to_string_lossy().into_owned();
+fn place_grains_files(scenario: &mut Scenario, document: &Document) {
+    match &mut scenario.grains {
+        GrainsSpec::File(grains) => {
+            if let Origin::File(given_in) = document.origin("grains.file") {
+                let folder = given_in.parent().unwrap_or(Path::new(""));
+                grains.file = folder.join(&grains.file).to_string_lossy().into_owned();
+            }
+        }
+        GrainsSpec::Meshes(grains) => {
+            for (i, mesh) in grains.meshes.iter_mut().enumerate() {
+                if let Origin::File(given_in) = document.origin(&format!("grains.meshes[{i}]")) {
+                    *mesh = placed_pattern(given_in.parent().unwrap_or(Path::new("")), mesh);
+                }
+            }
+        }
+        GrainsSpec::Sieved(_) => {}
+    }
+}
+
+/// A file name or pattern in a folder. Letters of the folder's name that mean
+/// something in a pattern stand for themselves.
+fn placed_pattern(folder: &Path, name: &str) -> String {
+    let plain = folder.join(name).to_string_lossy().into_owned();
+    let is_pattern = name.contains(['*', '?', '[']);
+    if !is_pattern || Path::new(&plain).exists() || Path::new(name).is_absolute() {
+        return plain;
+    }
+    let folder = glob::Pattern::escape(&folder.to_string_lossy());
+    Path::new(&folder).join(name).to_string_lossy().into_owned()
 }

@@ -6,11 +6,13 @@
 //! [`crate::units`].
 
 mod accessors;
+mod cells;
 mod document;
 mod engine;
 mod fault;
 mod load;
 mod manifold;
+mod meshes;
 mod overrides;
 mod rapier;
 mod schema;
@@ -21,11 +23,13 @@ mod structure;
 mod validate;
 
 pub use accessors::Vibration;
+pub use cells::CellShape;
 pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactPath, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
 pub use load::{Loaded, check, load};
 pub use manifold::ManifoldSettings;
+pub use meshes::{MeshGrains, MeshUnit};
 pub use overrides::{NotAnOverride, Override};
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
@@ -100,7 +104,8 @@ fn default_control() -> f64 {
     2.0
 }
 
-/// Where the grains come from: cut from sieve data, or read from a file.
+/// Where the grains come from: cut from sieve data, read from a file, or with
+/// the shapes of meshes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum GrainsSpec {
@@ -108,6 +113,8 @@ pub enum GrainsSpec {
     Sieved(SievedGrains),
     /// A `grains.json` as `pluvia grains` writes it.
     File(GrainsFile),
+    /// Stones as OBJ, STL or PLY meshes.
+    Meshes(MeshGrains),
 }
 
 /// Grains generated from a sieve analysis (paper, section 3).
@@ -124,6 +131,9 @@ pub struct SievedGrains {
     /// next one's `passing_mm`, and the mass percentages add up to 100.
     #[schemars(length(min = 1, max = 100))]
     pub sieve_table: Vec<SieveFraction>,
+    /// Shape of the cells that the grains are cut into.
+    #[serde(default)]
+    pub cells: CellShape,
 }
 
 /// What passes one sieve and stays on the next.

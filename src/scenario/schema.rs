@@ -15,7 +15,7 @@ pub fn schema() -> Value {
     let required = root.remove("required");
     if let Some(defs) = root.get_mut("$defs").and_then(Value::as_object_mut) {
         let mut properties = Map::new();
-        for variant in ["SievedGrains", "GrainsFile"] {
+        for variant in ["MeshGrains", "SievedGrains", "GrainsFile"] {
             if let Some(Value::Object(fields)) = defs.get(variant).map(|d| &d["properties"]) {
                 properties.extend(fields.clone());
             }

@@ -222,14 +222,15 @@ pub(super) fn shown(value: &Value) -> String {
 }
 
 /// Lays what a file says over what it extends: objects field by field, all
-/// else replaced. Grains from a file and grains from sieve data replace each
-/// other whole.
+/// else replaced. Grains from a file, from meshes and from sieve data replace
+/// each other whole.
 fn merge(base: &mut Value, over: Value, path: &str) {
     match (base, over) {
         (Value::Object(base), Value::Object(over)) => {
             let other_source = path == "grains"
                 && !over.is_empty()
-                && over.contains_key("file") != base.contains_key("file");
+                && (over.contains_key("file") != base.contains_key("file")
+                    || is_other_mesh_source(base, &over));
             if other_source {
                 *base = over;
                 return;
@@ -245,6 +246,17 @@ fn merge(base: &mut Value, over: Value, path: &str) {
         }
         (base, over) => *base = over,
     }
+}
+
+/// Whether grains that are laid over others are meshes where those are not, or
+/// the other way round. Fields that all of them may have say nothing: a
+/// scenario may change only the mass of the stones it extends.
+fn is_other_mesh_source(base: &Map<String, Value>, over: &Map<String, Value>) -> bool {
+    if over.contains_key("meshes") {
+        return !base.contains_key("meshes");
+    }
+    let complete = ["total_mass_g", "density_kg_per_m3", "sieve_table"];
+    base.contains_key("meshes") && complete.iter().all(|field| over.contains_key(*field))
 }
 
 /// Parses JSON; keys given twice become faults.

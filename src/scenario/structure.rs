@@ -1,7 +1,7 @@
 //! Checks raw JSON against the schema and says every fault in plain words.
 //!
-//! The schema's two unions are decided first — grains by whether `file` is
-//! there, a stage by its `stage` — and the part is then checked against that
+//! The schema's two unions are decided first — grains by whether `file` or
+//! `meshes` is there, a stage by its `stage` — and the part is then checked against that
 //! variant alone: "not valid under any of the schemas" helps nobody.
 
 use std::sync::LazyLock;
@@ -71,6 +71,7 @@ struct Rules {
     root: Part,
     sieved: Part,
     file: Part,
+    meshes: Part,
     stages: Vec<(String, Part)>,
 }
 
@@ -92,8 +93,8 @@ impl Rules {
         let names: Vec<&str> = stages.iter().map(|(name, _)| name.as_str()).collect();
         root["properties"]["grains"] = json!({
             "type": "object",
-            "x-allowed": "an object with `total_mass_g`, `density_kg_per_m3` and `sieve_table`, or \
-                          with `file`",
+            "x-allowed": "an object with `total_mass_g`, `density_kg_per_m3` and `sieve_table`, \
+                          with `file`, or with `meshes`",
         });
         root["properties"]["stages"]["items"] = json!({
             "type": "object",
@@ -105,12 +106,19 @@ impl Rules {
             root: part(root),
             sieved: part(defs["SievedGrains"].clone()),
             file: part(defs["GrainsFile"].clone()),
+            meshes: part(defs["MeshGrains"].clone()),
             stages,
         }
     }
 
     fn grains(&self, grains: &Value) -> &Part {
-        if grains.get("file").is_some() { &self.file } else { &self.sieved }
+        if grains.get("file").is_some() {
+            &self.file
+        } else if grains.get("meshes").is_some() {
+            &self.meshes
+        } else {
+            &self.sieved
+        }
     }
 
     fn stage(&self, stage: &Value) -> Option<&Part> {

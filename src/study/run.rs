@@ -149,7 +149,8 @@ pub(super) fn carry_out_each(
     Ok(each)
 }
 
-/// The grains of a scenario: cut from its sieve data, or read from its file.
+/// The grains of a scenario: cut from its sieve data, read from its file, or
+/// with the shapes of its meshes.
 ///
 /// # Errors
 /// When they cannot be made or read.
@@ -162,21 +163,35 @@ pub fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
             let json = read_json(Path::new(&file.file))?;
             grains::from_json(&json).map_err(StudyError::grains)
         }
+        GrainsSpec::Meshes(meshes) => Ok(grains::from_meshes(meshes, scenario.seed)?),
     }
 }
 
-/// Writes `grains.json` and, for grains made from sieve data, `sieve.csv`.
+/// Writes `grains.json`, for grains made by sieve fractions `sieve.csv`, and for
+/// those made from meshes `stones.csv`.
 ///
 /// # Errors
 /// When a file cannot be written.
 pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(), StudyError> {
     create_folder(out)?;
     write_json(&out.join("grains.json"), &grains::to_json(set))?;
-    if let GrainsSpec::Sieved(sieved) = &scenario.grains {
-        let distribution = ParticleSizeDistribution::new(sieved).map_err(StudyError::grains)?;
+    let sieved = match &scenario.grains {
+        GrainsSpec::Sieved(sieved) => Some(sieved.clone()),
+        GrainsSpec::Meshes(meshes) => meshes.as_sieved(),
+        GrainsSpec::File(_) => None,
+    };
+    if let Some(sieved) = sieved {
+        let distribution = ParticleSizeDistribution::new(&sieved).map_err(StudyError::grains)?;
         let path = out.join("sieve.csv");
         let mut content = Vec::new();
         grains::sieve_csv(&distribution, set, &mut content)
+            .map_err(|e| FileError::new("write", &path, e))?;
+        write_file(&path, &content)?;
+    }
+    if matches!(scenario.grains, GrainsSpec::Meshes(_)) {
+        let path = out.join("stones.csv");
+        let mut content = Vec::new();
+        grains::stones_csv(&set.stones, &mut content)
             .map_err(|e| FileError::new("write", &path, e))?;
         write_file(&path, &content)?;
     }

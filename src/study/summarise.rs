@@ -8,7 +8,7 @@ use super::{
     plan::{PlannedRun, RunNodes},
     recorder::container,
 };
-use crate::grains::{GrainSet, ParticleSizeDistribution};
+use crate::grains::{GrainSet, ParticleSizeDistribution, StoneRecord};
 use crate::measure::{
     self, Container, DEFAULT_CELL, HeightMap, HeightSample, Period, TOUCHING_GAP, coordination,
     overlap_statistics, pairs_within, void_ratio,
@@ -93,6 +93,7 @@ pub fn summarise(
     let mut warnings: Vec<String> =
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
     warnings.extend(scenario::warnings(scenario).iter().map(ToString::to_string));
+    warnings.extend(StoneRecord::notes(&run.grains.stones));
     let (mean, p99, creep_limit) = STANDARD;
     let meets_standard = overlap.mean_percent < mean
         && overlap.p99_percent < p99

@@ -10,5 +10,6 @@ mod interruption;
 mod readings;
 mod scenario;
 mod small;
+mod stones;
 mod studies;
 mod verification;

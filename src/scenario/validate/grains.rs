@@ -1,7 +1,7 @@
 //! The sieve table, and how many grains it makes.
 
 use super::{Parts, fault, short};
-use crate::scenario::{Fault, SieveFraction};
+use crate::scenario::{Fault, MeshGrains, SieveFraction};
 
 /// Allowed error of the sum of the mass percentages.
 const PERCENT_TOLERANCE: f64 = 0.01;
@@ -11,6 +11,9 @@ const PERCENT_TOLERANCE: f64 = 0.01;
 const MOST_GRAINS: f64 = 1e6;
 
 pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
+    if let Some(meshes) = &parts.meshes {
+        check_meshes(meshes, faults);
+    }
     let Some(sieved) = &parts.sieved else { return };
     let table = &sieved.sieve_table;
     check_order(table, faults);
@@ -47,6 +50,34 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
                 short(sieved.total_mass_g * MOST_GRAINS / total)
             ),
             format!("this makes {total:.0} grains, more than {MOST_GRAINS:.0}"),
+        ));
+    }
+}
+
+/// A sieve table needs a mass to share out, and leaves nothing else to choose.
+fn check_meshes(meshes: &MeshGrains, faults: &mut Vec<Fault>) {
+    let sieved = !meshes.sieve_table.is_empty();
+    match (sieved, meshes.total_mass_g) {
+        (true, None) => faults.push(fault(
+            "grains.total_mass_g",
+            "",
+            "a number above 0".into(),
+            "the field is missing: the mass that `sieve_table` shares out".into(),
+        )),
+        (false, Some(mass)) => faults.push(fault(
+            "grains.total_mass_g",
+            mass,
+            "this field together with `sieve_table`, or neither".into(),
+            "without a sieve table the stones keep their own mass".into(),
+        )),
+        _ => {}
+    }
+    if let (true, Some(count)) = (sieved, meshes.count) {
+        faults.push(fault(
+            "grains.count",
+            count,
+            "this field or `sieve_table`, not both".into(),
+            "the number of stones follows from the sieve table and the total mass".into(),
         ));
     }
 }

@@ -16,15 +16,17 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::{
-    CylinderSpec, EngineSettings, Fault, FunnelSpec, Scenario, SettleSpec, SievedGrains, StageSpec,
-    TopPlateSpec, accessors::field,
+    CylinderSpec, EngineSettings, Fault, FunnelSpec, MeshGrains, Scenario, SettleSpec,
+    SievedGrains, StageSpec, TopPlateSpec, accessors::field,
 };
 
 /// The parts of a scenario that could be read.
 struct Parts {
     name: Option<String>,
-    /// `None` also where the grains come from a file.
+    /// Also of meshes that are drawn by a sieve table; `None` where the grains
+    /// come from a file, and where meshes keep their own size.
     sieved: Option<SievedGrains>,
+    meshes: Option<MeshGrains>,
     cylinder: Option<CylinderSpec>,
     funnel: Option<FunnelSpec>,
     top_plate: Option<TopPlateSpec>,
@@ -51,9 +53,12 @@ impl Parts {
             None => Some(default),
             Some(value) => value.as_f64(),
         };
+        let meshes: Option<MeshGrains> = read(field(value, "/grains"));
+        let sieved = read(field(value, "/grains"));
         Self {
             name: field(value, "/name").as_str().map(str::to_owned),
-            sieved: read(field(value, "/grains")),
+            sieved: sieved.or_else(|| meshes.as_ref().and_then(MeshGrains::as_sieved)),
+            meshes,
             cylinder: read_or_default(value, "/apparatus/cylinder"),
             funnel: read_or_default(value, "/apparatus/funnel"),
             top_plate: read_or_default(value, "/apparatus/top_plate"),

@@ -1,0 +1,54 @@
+//! Regularity and direction of Voronoi cells: Lloyd's relaxation, and cells
+//! cut in a stretched space.
+
+use meshless_voronoi::{Dimensionality, VoronoiIntegrator, integrals::VolumeCentroidIntegral};
+
+use super::{GrainsError, voronoi::check_points};
+use crate::{geometry::Vector, scenario::CellShape};
+
+/// Sides of the box in which a cube is tessellated so that its cells, mapped
+/// back to the cube, are as long and as flat as asked for. The largest is 1.
+///
+/// A cell that is round in the box becomes, in the cube, as long along each
+/// axis as the cube's side is over the box's: along x longest, along z
+/// shortest. Convex cells stay convex, and their volumes keep their shares.
+pub(super) fn box_sides(shape: &CellShape) -> Vector {
+    Vector::new(1.0 / (shape.elongation * shape.flatness), 1.0 / shape.flatness, 1.0)
+}
+
+/// The points after a number of steps in each of which every point moves to
+/// the centroid of its cell (Lloyd 1982, "Least squares quantization in PCM").
+/// They are given and returned in units of the cube's side, 0 to 1; the cells
+/// are those of a box of the given sides.
+///
+/// # Errors
+/// Points that no tessellation can be made from.
+pub(super) fn relaxed(
+    mut points: Vec<Vector>,
+    sides: Vector,
+    steps: u32,
+) -> Result<Vec<Vector>, GrainsError> {
+    for _ in 0..steps {
+        check_points(&points)?;
+        let generators: Vec<_> =
+            points.iter().map(|p| [p.x * sides.x, p.y * sides.y, p.z * sides.z].into()).collect();
+        let tessellation = VoronoiIntegrator::build(
+            &generators,
+            None,
+            [0.0; 3].into(),
+            [sides.x, sides.y, sides.z].into(),
+            Dimensionality::ThreeD,
+            false,
+        );
+        let cells = tessellation.compute_cell_integrals::<VolumeCentroidIntegral>();
+        for (point, cell) in points.iter_mut().zip(&cells) {
+            let at = Vector::new(cell.centroid.x, cell.centroid.y, cell.centroid.z);
+            *point = at.component_div(&sides).map(|c| c.clamp(0.0, 1.0));
+        }
+    }
+    Ok(points)
+}
+
+#[cfg(test)]
+#[path = "cell_shape_tests.rs"]
+mod tests;

@@ -1,0 +1,212 @@
+//! Which stones become grains, at which size and where they lie in the file.
+
+use rand_pcg::Pcg64;
+
+use super::{Stone, StoneRecord};
+use crate::{
+    geometry::{ConvexPolyhedron, Pose, Vector},
+    grains::{
+        Block, Fraction, GrainSet, ParticleSizeDistribution,
+        psd::MOST_GRAINS,
+        streams::{shuffle, stream, uniform},
+    },
+    scenario::{Fault, MeshGrains},
+    units::{from_mm, to_g, to_mm},
+};
+
+/// Gap in m between blocks.
+const BLOCK_GAP: f64 = 0.01;
+
+/// How far inside its two sieves a stone stays, as a fraction of its size.
+const INSIDE: f64 = 1e-6;
+
+/// One grain to be: which stone, and how many times its size.
+type Drawn = (usize, f64);
+
+/// Makes the grain set of the stones, and notes how often each was taken.
+pub(super) fn draw(
+    spec: &MeshGrains,
+    seed: u64,
+    stones: &[Stone],
+    mut records: Vec<StoneRecord>,
+) -> Result<GrainSet, Fault> {
+    let density = spec.density_kg_per_m3;
+    let mut set = GrainSet { grains: Vec::new(), blocks: Vec::new(), density, stones: Vec::new() };
+    let mut x = 0.0;
+    for ((retained, passing), drawn) in plan(spec, seed, stones)? {
+        for &(stone, scale) in &drawn {
+            records[stone].take(scale);
+        }
+        let cells = drawn.iter().map(|&(stone, scale)| stones[stone].shape.scaled(scale));
+        let (side, cells) = laid_out(cells.collect(), x);
+        set.push_block(Block {
+            passing,
+            retained,
+            side,
+            origin: Vector::new(x, 0.0, 0.0),
+            points: Vec::new(),
+            first_grain: 0,
+            cells,
+        });
+        x += side + BLOCK_GAP;
+    }
+    set.stones = records;
+    Ok(set)
+}
+
+/// Per block the sieves (retaining and passed, in m) and the grains.
+fn plan(
+    spec: &MeshGrains,
+    seed: u64,
+    stones: &[Stone],
+) -> Result<Vec<((f64, f64), Vec<Drawn>)>, Fault> {
+    let Some(sieved) = spec.as_sieved() else {
+        let indices = match spec.count {
+            Some(count) => {
+                let mut deck = Deck::new(seed, "stones", stones.len());
+                (0..count).map(|_| deck.draw()).collect()
+            }
+            None => (0..stones.len()).collect::<Vec<usize>>(),
+        };
+        return Ok(vec![(bracket(stones), indices.into_iter().map(|i| (i, 1.0)).collect())]);
+    };
+    let psd = ParticleSizeDistribution::new(&sieved).map_err(|e| Fault {
+        path: "grains.sieve_table".into(),
+        message: e.to_string(),
+        ..Fault::default()
+    })?;
+    let mut blocks = Vec::with_capacity(psd.fractions.len());
+    let mut grains = 0;
+    for (index, fraction) in psd.fractions.iter().enumerate() {
+        let name = format!("stones of fraction {index}");
+        let drawn =
+            fill(fraction, psd.density, stones, (seed, &name), MOST_GRAINS - grains).map_err(
+                |f| Fault { path: format!("grains.sieve_table[{index}].mass_percent"), ..f },
+            )?;
+        grains += drawn.len();
+        blocks.push(((fraction.retained, fraction.passing), drawn));
+    }
+    Ok(blocks)
+}
+
+/// Stones in a random order, each once before any comes again.
+struct Deck {
+    rng: Pcg64,
+    order: Vec<usize>,
+    next: usize,
+}
+
+impl Deck {
+    fn new(seed: u64, name: &str, stones: usize) -> Self {
+        Self { rng: stream(seed, name), order: (0..stones).collect(), next: stones }
+    }
+
+    fn draw(&mut self) -> usize {
+        if self.next >= self.order.len() {
+            shuffle(&mut self.rng, &mut self.order);
+            self.next = 0;
+        }
+        self.next += 1;
+        self.order[self.next - 1]
+    }
+}
+
+/// Draws stones until their mass is nearest to the fraction's, and scales them
+/// so that each stays between the two sieves and together they have that mass.
+///
+/// Sizes are drawn so that the fraction's curve of mass against the logarithm
+/// of size is the straight line it is drawn as: mass goes with size cubed,
+/// so by number the density of a size s goes with s⁻⁴.
+fn fill(
+    fraction: &Fraction,
+    density: f64,
+    stones: &[Stone],
+    (seed, name): (u64, &str),
+    most: usize,
+) -> Result<Vec<Drawn>, Fault> {
+    let (least, largest) = (fraction.retained * (1.0 + INSIDE), fraction.passing * (1.0 - INSIDE));
+    let mass = |&(stone, size): &(usize, f64)| {
+        let stone = &stones[stone];
+        density * stone.volume * (size / stone.sieve_size).powi(3)
+    };
+    let (fine, coarse) = (least.powi(-3), largest.powi(-3));
+    let mut deck = Deck::new(seed, name, stones.len());
+    let mut sizes = stream(seed, &format!("sizes of {name}"));
+    let mut next = || {
+        let size = (fine + uniform(&mut sizes) * (coarse - fine)).powf(-1.0 / 3.0);
+        (deck.draw(), size.clamp(least, largest))
+    };
+    let mut drawn: Vec<(usize, f64)> = Vec::new();
+    let mut total = 0.0;
+    while total < fraction.mass {
+        if drawn.len() >= most {
+            return Err(fault(format!("more than {MOST_GRAINS} grains"), "fewer grains"));
+        }
+        drawn.push(next());
+        total += mass(drawn.last().expect("one was pushed"));
+    }
+    let over = total - fraction.mass;
+    let nearest = drawn.len() - usize::from(over > mass(&drawn[drawn.len() - 1]) / 2.0);
+    drawn.push(next());
+    for count in [nearest, nearest + 1, nearest.saturating_sub(1)] {
+        let Some(some) = drawn.get(..count).filter(|some| !some.is_empty()) else { continue };
+        let with = |factor: f64| -> f64 {
+            some.iter().map(|&(i, s)| mass(&(i, (s * factor).clamp(least, largest)))).sum()
+        };
+        let (mut low, mut high) = (least / largest, largest / least);
+        if !(with(low) <= fraction.mass && fraction.mass <= with(high)) {
+            continue;
+        }
+        // 100 halvings end at neighbouring numbers.
+        for _ in 0..100 {
+            let middle = f64::midpoint(low, high);
+            if with(middle) < fraction.mass { low = middle } else { high = middle }
+        }
+        let sized =
+            |&(i, s): &(usize, f64)| (i, (s * high).clamp(least, largest) / stones[i].sieve_size);
+        return Ok(some.iter().map(sized).collect());
+    }
+    Err(fault(
+        format!("{} g", super::rounded(to_g(fraction.mass))),
+        "the mass of several stones between these sieves",
+    ))
+}
+
+fn fault(found: String, allowed: &str) -> Fault {
+    Fault {
+        found,
+        allowed: allowed.to_owned(),
+        message: "no whole number of stones between these sieves has the mass of the fraction"
+            .into(),
+        ..Fault::default()
+    }
+}
+
+/// Sieves that stones in their own size lie between: the finest and the
+/// coarsest sieve size, made rounder outwards.
+fn bracket(stones: &[Stone]) -> (f64, f64) {
+    let sizes = || stones.iter().map(|s| to_mm(s.sieve_size));
+    let least = sizes().fold(f64::INFINITY, f64::min);
+    let most = sizes().fold(0.0, f64::max);
+    let step = |x: f64| 10_f64.powf(x.log10().floor() - 1.0);
+    let down = ((least / step(least)).ceil() - 1.0) * step(least);
+    let up = ((most / step(most)).floor() + 1.0) * step(most);
+    (from_mm(down), from_mm(up))
+}
+
+/// Puts polyhedra, each about its own origin, side by side in a cube that
+/// begins at (x, 0, 0); returns the side of the cube.
+fn laid_out(cells: Vec<ConvexPolyhedron>, x: f64) -> (f64, Vec<ConvexPolyhedron>) {
+    let radius = cells.iter().map(ConvexPolyhedron::radius_about_origin).fold(0.0, f64::max);
+    let pitch = 2.1 * radius;
+    let mut rows = 1;
+    while rows * rows * rows < cells.len() {
+        rows += 1;
+    }
+    let at = |index: usize| (index as f64 + 0.5) * pitch;
+    let placed = cells.iter().enumerate().map(|(i, cell)| {
+        let (column, row, layer) = (i % rows, i / rows % rows, i / (rows * rows));
+        cell.transformed(&Pose::translation(x + at(column), at(row), at(layer)))
+    });
+    (rows as f64 * pitch, placed.collect())
+}

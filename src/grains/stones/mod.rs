@@ -1,0 +1,188 @@
+//! Grains from meshes: scanned stones, read, checked, made convex, and drawn
+//! by sieve fractions.
+//!
+//! The way of a mesh: a file is read into objects ([`read`]); of each the
+//! vertices are joined and the surface is checked ([`surface`]); it becomes a
+//! convex polyhedron, if it is not one already ([`shape`], [`hull`]); stones
+//! are drawn and scaled ([`draw`]). All faults of all files are told at once.
+
+mod draw;
+mod hull;
+mod obj;
+mod ply;
+mod read;
+mod report;
+mod shape;
+mod stl;
+mod surface;
+
+pub use report::{StoneRecord, stones_csv};
+
+use std::path::{Path, PathBuf};
+
+use super::{GrainSet, sieve_size};
+use crate::{
+    geometry::{ConvexPolyhedron, MassProperties, Pose},
+    scenario::{Fault, MeshGrains, MeshUnit, ScenarioErrors},
+    units::{from_mm, to_mm},
+};
+
+/// Sieve sizes in m that a stone may have before it is scaled: what is finer
+/// than 0.05 mm is silt, and what is coarser than 1 m no granular soil that
+/// this program could carry. Outside, the unit is wrong.
+const SIEVE_SIZES: (f64, f64) = (0.05e-3, 1.0);
+
+/// One stone, ready to be drawn.
+#[derive(Debug, Clone)]
+pub(super) struct Stone {
+    /// Shape about its centroid, in m.
+    pub shape: ConvexPolyhedron,
+    /// Volume in m³.
+    pub volume: f64,
+    /// Side of the smallest square opening it passes, in m.
+    pub sieve_size: f64,
+}
+
+/// Makes grains with the shapes of meshes. The same files, scenario and seed
+/// give the same bits.
+///
+/// # Errors
+/// Every fault of every file, each with the file, the object, what was found
+/// and what is allowed; and those of the sieve table.
+pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErrors> {
+    let mut faults = Vec::new();
+    let mut unreadable: Vec<(PathBuf, String)> = Vec::new();
+    let mut stones = Vec::new();
+    let mut records = Vec::new();
+    for path in read::files(&spec.meshes, &mut faults) {
+        let objects = match read::objects(&path) {
+            Ok(objects) => objects,
+            Err(read::ReadError::Unreadable(reason)) => {
+                unreadable.push((path, reason));
+                continue;
+            }
+            Err(read::ReadError::Fault(fault)) => {
+                faults.push(Fault { file: path.display().to_string(), ..fault });
+                continue;
+            }
+        };
+        for object in objects {
+            let surfaces = match surface::surfaces(&object, spec) {
+                Ok(surfaces) => surfaces,
+                Err(found) => {
+                    faults.extend(found.into_iter().map(|f| named(f, &path, &object.name)));
+                    continue;
+                }
+            };
+            let several = surfaces.len() > 1;
+            for (index, surface) in surfaces.iter().enumerate() {
+                let mut name = object.name.clone();
+                if several {
+                    name = format!("{name}, surface {}", index + 1);
+                }
+                match stone(surface, spec) {
+                    Ok((stone, record)) => {
+                        let file = path.display().to_string();
+                        records.push(StoneRecord { file, object: name, ..record });
+                        stones.push(stone);
+                    }
+                    Err(fault) => faults.push(named(fault, &path, &name)),
+                }
+            }
+        }
+    }
+    if faults.is_empty()
+        && let Some((file, reason)) = unreadable.first()
+    {
+        let others = unreadable.len() - 1;
+        let more = if others > 0 { format!(" (and {others} more files)") } else { String::new() };
+        return Err(ScenarioErrors::Unreadable {
+            file: file.clone(),
+            reason: format!("{reason}{more}"),
+        });
+    }
+    faults.extend(unreadable.into_iter().map(|(file, reason)| Fault {
+        file: file.display().to_string(),
+        message: format!("the file cannot be read: {reason}"),
+        ..Fault::default()
+    }));
+    if !faults.is_empty() {
+        return Err(ScenarioErrors::Faults(faults));
+    }
+    draw::draw(spec, seed, &stones, records).map_err(|fault| ScenarioErrors::Faults(vec![fault]))
+}
+
+fn named(fault: Fault, file: &Path, object: &str) -> Fault {
+    Fault { file: file.display().to_string(), path: object.to_owned(), ..fault }
+}
+
+/// A closed surface as a stone, and what was done to it.
+fn stone(surface: &surface::Surface, spec: &MeshGrains) -> Result<(Stone, StoneRecord), Fault> {
+    let convex = shape::convex(surface, spec)?;
+    let centroid = MassProperties::of(&convex.shape).centroid;
+    let shape = convex.shape.transformed(&Pose::translation(-centroid.x, -centroid.y, -centroid.z));
+    let sieve_size = sieve_size(&shape);
+    check_size(sieve_size, spec.mesh_unit)?;
+    let record = StoneRecord {
+        mesh_vertices: surface.vertices.len(),
+        mesh_faces: surface.faces.len(),
+        mesh_volume: surface.volume,
+        convexity: convex.convexity,
+        hull: convex.hull,
+        vertices: shape.vertices().len(),
+        faces: shape.faces().len(),
+        volume: shape.signed_volume(),
+        left_out: convex.left_out,
+        sieve_size,
+        ..StoneRecord::default()
+    };
+    Ok((Stone { volume: record.volume, shape, sieve_size }, record))
+}
+
+/// Refuses sizes that no stone has, and says which unit would give one.
+fn check_size(sieve_size: f64, unit: MeshUnit) -> Result<(), Fault> {
+    let (least, most) = SIEVE_SIZES;
+    if (least..=most).contains(&sieve_size) {
+        return Ok(());
+    }
+    // Gravel and sand: the likeliest sizes of stones that people have scanned.
+    let likely = |other: &MeshUnit| {
+        let size = sieve_size / unit.metres() * other.metres();
+        (from_mm(0.06)..=from_mm(200.0)).contains(&size).then_some((other.name(), size))
+    };
+    let hints: Vec<String> = MeshUnit::ALL
+        .iter()
+        .filter_map(likely)
+        .map(|(name, size)| format!("\"{name}\" would give {} mm", rounded(to_mm(size))))
+        .collect();
+    let hint = match hints.is_empty() {
+        true => String::new(),
+        false => format!("; is the `mesh_unit` right? {}", hints.join(", ")),
+    };
+    Err(Fault {
+        found: format!("{} mm with `mesh_unit` \"{}\"", rounded(to_mm(sieve_size)), unit.name()),
+        allowed: format!("{} to {} mm", rounded(to_mm(least)), rounded(to_mm(most))),
+        message: format!("the stone's sieve size is out of range{hint}"),
+        ..Fault::default()
+    })
+}
+
+/// A number for people: three significant digits.
+fn rounded(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let exponent = value.abs().log10().floor();
+    if !(-4.0..6.0).contains(&exponent) {
+        return format!("{value:.2e}");
+    }
+    let digits = (2.0 - exponent).max(0.0) as usize;
+    let text = format!("{value:.digits$}");
+    if !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,108 @@
+//! From file names and patterns to the objects that the files hold.
+
+use std::path::{Path, PathBuf};
+
+use super::{obj, ply, stl};
+use crate::{geometry::Point, scenario::Fault};
+
+/// Largest file that is read, in bytes: a mesh of some five million triangles.
+/// What a rigid body can use of it fits into a thousandth.
+const LARGEST_FILE: u64 = 512 << 20;
+
+/// One object of a file, as the file gives it: in the file's unit of length.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Object {
+    /// Its name in the file, or its number.
+    pub name: String,
+    /// Vertices; a file may give the same place several times.
+    pub vertices: Vec<Point>,
+    /// Faces as loops of vertex numbers, all of which exist.
+    pub faces: Vec<Vec<u32>>,
+}
+
+/// Why a file gives no objects.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum ReadError {
+    /// The system does not let it be read.
+    Unreadable(String),
+    /// Its content is wrong; the fault lacks the file.
+    Fault(Fault),
+}
+
+impl ReadError {
+    /// A fault of the content of a file.
+    pub fn fault(message: impl Into<String>, found: impl ToString, allowed: &str) -> Self {
+        Self::Fault(Fault {
+            found: found.to_string(),
+            allowed: allowed.to_owned(),
+            message: message.into(),
+            ..Fault::default()
+        })
+    }
+}
+
+/// The files that names and patterns stand for, in the order given, those of a
+/// pattern in the order of their names; a file that is met again is left out.
+pub(super) fn files(entries: &[String], faults: &mut Vec<Fault>) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> = Vec::new();
+    for (index, entry) in entries.iter().enumerate() {
+        let fault = |message: String| Fault {
+            path: format!("grains.meshes[{index}]"),
+            found: format!("\"{entry}\""),
+            allowed: "a file, or a pattern such as \"stones/*.stl\" that files match".into(),
+            message,
+            ..Fault::default()
+        };
+        // A file may be called what would be a pattern.
+        if !entry.contains(['*', '?', '[']) || Path::new(entry).exists() {
+            files.push(PathBuf::from(entry));
+            continue;
+        }
+        match glob::glob(entry) {
+            Err(error) => faults.push(fault(format!("this is no pattern of file names: {error}"))),
+            Ok(paths) => {
+                let found: Vec<PathBuf> = paths.flatten().filter(|path| path.is_file()).collect();
+                if found.is_empty() {
+                    faults.push(fault("no file has such a name".into()));
+                }
+                files.extend(found);
+            }
+        }
+    }
+    let mut seen = std::collections::HashSet::new();
+    files.retain(|path| seen.insert(path.clone()));
+    files
+}
+
+/// The objects of a file, by the ending of its name.
+pub(super) fn objects(path: &Path) -> Result<Vec<Object>, ReadError> {
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    let parse = match ending.as_str() {
+        "obj" => obj::parse,
+        "stl" => stl::parse,
+        "ply" => ply::parse,
+        _ => {
+            let message = "the ending of the file's name tells its format, and this one is unknown";
+            return Err(ReadError::fault(message, format!(".{ending}"), ".obj, .stl or .ply"));
+        }
+    };
+    let unreadable = |e: std::io::Error| ReadError::Unreadable(e.to_string());
+    let size = std::fs::metadata(path).map_err(unreadable)?.len();
+    if size > LARGEST_FILE {
+        let allowed = format!("at most {} MiB", LARGEST_FILE >> 20);
+        return Err(ReadError::fault(
+            "the file is too large: simplify the mesh first",
+            format!("{} MiB", size >> 20),
+            &allowed,
+        ));
+    }
+    let bytes = std::fs::read(path).map_err(unreadable)?;
+    if bytes.is_empty() {
+        return Err(ReadError::fault("the file is empty", "0 bytes", "a mesh"));
+    }
+    let objects = parse(&bytes)?;
+    if objects.iter().all(|object| object.faces.is_empty()) {
+        return Err(ReadError::fault("the file holds no faces", "0 faces", "at least 4 faces"));
+    }
+    Ok(objects.into_iter().filter(|object| !object.faces.is_empty()).collect())
+}

@@ -1,0 +1,213 @@
+//! From an object of a file to closed surfaces: vertices joined, edges counted.
+
+use std::collections::HashMap;
+
+use super::{read::Object, rounded};
+use crate::{
+    geometry::{Point, Vector},
+    scenario::{Fault, MeshGrains},
+};
+
+/// A closed surface with outward faces, in m.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Surface {
+    /// Vertices, no two at one place.
+    pub vertices: Vec<Point>,
+    /// Faces as loops of vertex numbers, counter-clockwise seen from outside.
+    pub faces: Vec<Vec<u32>>,
+    /// Enclosed volume in m³, positive.
+    pub volume: f64,
+}
+
+/// The closed surfaces of an object: one, or as many as it holds where the
+/// scenario lets them be split.
+///
+/// # Errors
+/// Everything that is wrong with the object, without file and object.
+pub(super) fn surfaces(object: &Object, spec: &MeshGrains) -> Result<Vec<Surface>, Vec<Fault>> {
+    if let Some(vertex) =
+        object.vertices.iter().position(|v| !v.coords.iter().all(|c| c.is_finite()))
+    {
+        let v = object.vertices[vertex];
+        return Err(vec![fault(
+            format!("vertex {vertex} has a coordinate that is no finite number"),
+            format!("({}, {}, {})", v.x, v.y, v.z),
+            "finite numbers".into(),
+        )]);
+    }
+    let (vertices, faces) = welded(object, spec.mesh_unit.metres());
+    let mut faults = edge_faults(&faces);
+    let pieces = pieces(vertices.len(), &faces);
+    if pieces.len() > 1 && !spec.split_surfaces {
+        faults.push(fault(
+            "the object holds several surfaces that are not joined".into(),
+            format!("{} surfaces", pieces.len()),
+            "one stone in an object; or `\"split_surfaces\": true`, where each is a stone".into(),
+        ));
+    }
+    if !faults.is_empty() {
+        return Err(faults);
+    }
+    let surfaces: Vec<Surface> = pieces.into_iter().map(|piece| part(&vertices, piece)).collect();
+    for surface in &surfaces {
+        faults.extend(volume_fault(surface));
+    }
+    if faults.is_empty() { Ok(surfaces) } else { Err(faults) }
+}
+
+pub(super) fn fault(message: String, found: String, allowed: String) -> Fault {
+    Fault { found, allowed, message, ..Fault::default() }
+}
+
+/// Vertices at one place joined (an STL file repeats them for every triangle,
+/// an OBJ file along seams of its texture), in m; faces that are left with
+/// less than three corners have no area and go.
+fn welded(object: &Object, metres: f64) -> (Vec<Point>, Vec<Vec<u32>>) {
+    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut vertices = Vec::new();
+    let numbers: Vec<u32> = object
+        .vertices
+        .iter()
+        .map(|v| {
+            // Adding zero makes -0 the same place as 0.
+            let place = [v.x, v.y, v.z].map(|c| (c + 0.0).to_bits());
+            *known.entry(place).or_insert_with(|| {
+                vertices.push(Point::from(v.coords * metres));
+                vertices.len() as u32 - 1
+            })
+        })
+        .collect();
+    let faces = object.faces.iter().filter_map(|corners| {
+        let mut face: Vec<u32> = corners.iter().map(|&c| numbers[c as usize]).collect();
+        face.dedup();
+        while face.len() > 1 && face.first() == face.last() {
+            face.pop();
+        }
+        (face.len() >= 3).then_some(face)
+    });
+    let faces = faces.collect();
+    (vertices, faces)
+}
+
+/// Says how many edges are not shared by two faces that run around alike.
+fn edge_faults(faces: &[Vec<u32>]) -> Vec<Fault> {
+    // Of each edge, how often it is run along upwards and downwards.
+    let mut uses: HashMap<(u32, u32), [usize; 2]> = HashMap::new();
+    for face in faces {
+        for (i, &a) in face.iter().enumerate() {
+            let b = face[(i + 1) % face.len()];
+            uses.entry((a.min(b), a.max(b))).or_default()[usize::from(a > b)] += 1;
+        }
+    }
+    let count = |is: fn(&[usize; 2]) -> bool| uses.values().filter(|u| is(u)).count();
+    let all = uses.len();
+    let mut faults = Vec::new();
+    let mut add = |edges: usize, message: &str, allowed: &str| {
+        if edges > 0 {
+            let found = format!("{edges} of {all} edges");
+            faults.push(fault(message.into(), found, allowed.into()));
+        }
+    };
+    add(
+        count(|u| u[0] + u[1] == 1),
+        "the surface is open: edges belong to one face only",
+        "a closed surface; fill the holes of the scan first",
+    );
+    add(
+        count(|u| u[0] + u[1] > 2),
+        "edges belong to more than two faces, as where stones touch or surfaces cross",
+        "two faces at each edge, and each stone in an object or file of its own",
+    );
+    add(
+        count(|u| u[0] + u[1] == 2 && u[0] != 1),
+        "faces that meet there run around in opposite senses",
+        "faces all counter-clockwise seen from outside; make the normals consistent",
+    );
+    faults
+}
+
+/// Faces by the surface they belong to: those that share vertices.
+fn pieces(vertices: usize, faces: &[Vec<u32>]) -> Vec<Vec<&[u32]>> {
+    let mut joined: Vec<u32> = (0..vertices as u32).collect();
+    fn root(joined: &mut [u32], mut v: u32) -> u32 {
+        while joined[v as usize] != v {
+            // Halves the way for the next time.
+            joined[v as usize] = joined[joined[v as usize] as usize];
+            v = joined[v as usize];
+        }
+        v
+    }
+    for face in faces {
+        for pair in face.windows(2) {
+            let (a, b) = (root(&mut joined, pair[0]), root(&mut joined, pair[1]));
+            joined[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let mut number: HashMap<u32, usize> = HashMap::new();
+    let mut pieces: Vec<Vec<&[u32]>> = Vec::new();
+    for face in faces {
+        let own = root(&mut joined, face[0]);
+        let piece = *number.entry(own).or_insert_with(|| {
+            pieces.push(Vec::new());
+            pieces.len() - 1
+        });
+        pieces[piece].push(face);
+    }
+    pieces
+}
+
+/// The surface of some of the faces, with the vertices they use.
+fn part(vertices: &[Point], faces: Vec<&[u32]>) -> Surface {
+    let mut used: Vec<u32> = faces.iter().copied().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    let number = |v: &u32| used.partition_point(|u| u < v) as u32;
+    let faces: Vec<Vec<u32>> = faces.iter().map(|face| face.iter().map(number).collect()).collect();
+    let vertices: Vec<Point> = used.iter().map(|&v| vertices[v as usize]).collect();
+    let volume = volume(&vertices, &faces);
+    Surface { vertices, faces, volume }
+}
+
+/// Volume enclosed by face loops, by the divergence theorem about the mean of
+/// the vertices; negative where faces are turned inwards.
+pub(super) fn volume(vertices: &[Point], faces: &[Vec<u32>]) -> f64 {
+    let centre = vertices.iter().map(|v| v.coords).sum::<Vector>() / vertices.len().max(1) as f64;
+    let at = |v: u32| vertices[v as usize].coords - centre;
+    faces
+        .iter()
+        .flat_map(|f| (1..f.len() - 1).map(move |i| [f[0], f[i], f[i + 1]]))
+        .map(|[a, b, c]| at(a).dot(&at(b).cross(&at(c))) / 6.0)
+        .sum()
+}
+
+/// Least volume of a stone, as a fraction of the cube of its largest
+/// dimension: a sheet a thousandth as thick as it is wide is none.
+const LEAST_VOLUME: f64 = 1e-4;
+
+fn volume_fault(surface: &Surface) -> Option<Fault> {
+    let largest = extent(&surface.vertices);
+    let least = LEAST_VOLUME * largest.powi(3);
+    let in_mm3 = |m3: f64| format!("{} mm³", rounded(m3 * 1e9));
+    if surface.volume < -least {
+        return Some(fault(
+            "the surface is turned inside out: it encloses a negative volume".into(),
+            in_mm3(surface.volume),
+            "faces counter-clockwise seen from outside; flip the normals of the mesh".into(),
+        ));
+    }
+    if !(surface.volume > least) {
+        return Some(fault(
+            "the stone has no volume to speak of for its size".into(),
+            in_mm3(surface.volume),
+            format!("more than {}", in_mm3(least)),
+        ));
+    }
+    None
+}
+
+/// Largest side of the bounding box in m.
+pub(super) fn extent(vertices: &[Point]) -> f64 {
+    let Some(first) = vertices.first() else { return 0.0 };
+    let (low, high) = vertices.iter().fold((*first, *first), |(lo, hi), v| (lo.inf(v), hi.sup(v)));
+    (high - low).max()
+}

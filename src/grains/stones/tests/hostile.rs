@@ -1,0 +1,167 @@
+//! Files that nobody should write: each is answered with what is wrong.
+
+use super::*;
+
+fn said(name: &str, content: impl AsRef<[u8]>) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(folder.path(), name, content);
+    let error = from_meshes(&spec(&[path]), 1).expect_err(name);
+    assert!(!error.faults().is_empty(), "{name} is a fault, exit code 2: {error}");
+    for fault in error.faults() {
+        assert!(fault.file.ends_with(name), "the file is named: {fault}");
+    }
+    error.to_string()
+}
+
+fn expect(name: &str, content: impl AsRef<[u8]>, words: &[&str]) {
+    let said = said(name, content);
+    for words in words {
+        assert!(said.contains(words), "{name}: `{words}` in: {said}");
+    }
+}
+
+#[test]
+fn files_that_are_no_meshes() {
+    expect("a.stl", "", &["the file is empty", "0 bytes"]);
+    expect("a.obj", "", &["the file is empty"]);
+    expect("a.obj", "# nothing\nv 1 2 3\n", &["holds no faces"]);
+    expect("a.step", "x", &["format", ".step", ".obj, .stl or .ply"]);
+    expect("a.obj", [0xff, 0xfe, 0x00], &["not text"]);
+    expect("a.stl", "short", &["too short", "5 bytes"]);
+    expect("a.stl", [7; 200], &["damaged", "200 bytes", "117901063 triangles"]);
+    expect("a.ply", "ply or not", &["no PLY file"]);
+    expect("a.ply", "", &["the file is empty"]);
+}
+
+#[test]
+fn damaged_stl() {
+    let mut binary = vec![b' '; 80];
+    binary.extend(3_u32.to_le_bytes());
+    binary.extend([0; 120]);
+    expect("a.stl", &binary, &["announces 3 triangles", "234 bytes", "204 bytes"]);
+    let mut huge = vec![b' '; 80];
+    huge.extend(u32::MAX.to_le_bytes());
+    expect("a.stl", &huge, &["announces 4294967295 triangles"]);
+    let facet = |v: &str| {
+        format!(
+            "solid a\nfacet normal 0 0 1\nouter loop\nvertex {v}\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"
+        )
+    };
+    expect("a.stl", facet("nan 0 0"), &["solid 1 (a)", "NaN", "finite"]);
+    expect("a.stl", facet("0 0"), &["solid 1 (a)", "vertex"]);
+    expect("a.stl", "solid a\nfacet normal 0 0 1\n", &["solid 1 (a)", "EOF"]);
+    let mut nan = vec![b' '; 80];
+    nan.extend(1_u32.to_le_bytes());
+    nan.extend([0; 12]);
+    for c in [f32::NAN, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
+        nan.extend(c.to_le_bytes());
+    }
+    nan.extend([0; 2]);
+    expect("a.stl", &nan, &["solid 1", "no finite number", "NaN"]);
+}
+
+#[test]
+fn damaged_obj() {
+    expect("a.obj", "v 1 2\n", &["line 1", "lacks a coordinate", "`v 1 2`"]);
+    expect("a.obj", "v 1 2 x\n", &["line 1", "lacks a coordinate"]);
+    let cube = cuboid_obj([10.0; 3], [0.0; 3]);
+    for bad in
+        ["99", "0", "-9", "9223372036854775807", "-9223372036854775808", "1e3", "1/2/x/y/", "x"]
+    {
+        let text = format!("{cube}f 1 2 {bad}\n");
+        if bad == "1/2/x/y/" {
+            continue;
+        }
+        expect("a.obj", text, &["line 15", "not there", bad, "1 to 8"]);
+    }
+    expect("a.obj", format!("{cube}f 1 2\n"), &["line 15", "too few corners"]);
+    let nan = cube.replacen("v 0 0 0", "v NaN 0 0", 1);
+    expect("a.obj", nan, &["object 1", "vertex 0", "NaN"]);
+    let infinite = cube.replacen("v 0 0 0", "v 1e999 0 0", 1);
+    expect("a.obj", infinite, &["vertex 0", "inf"]);
+}
+
+#[test]
+fn damaged_ply() {
+    let header = |vertices: &str, faces: &str| {
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\n\
+             property float z\nelement face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
+        )
+    };
+    expect("a.ply", header("99999999999", "1"), &["vertex", "99999999999", "more"]);
+    expect("a.ply", header("3", "1"), &["no PLY file"]);
+    let points = "0 0 0\n1 0 0\n0 1 0\n";
+    expect("a.ply", header("3", "1") + points + "3 0 1 7\n", &["face 0", "7", "0 to 2"]);
+    expect("a.ply", header("3", "1") + points + "3 0 1 -1\n", &["face 0", "-1"]);
+    expect("a.ply", header("3", "1") + points + "2 0 1\n", &["face 0", "too few"]);
+    expect("a.ply", header("3", "0") + points, &["no faces"]);
+    let empty = "ply\nformat binary_little_endian 1.0\nelement vertex 5\nend_header\n12345678";
+    expect("a.ply", empty, &["vertex", "with a property"]);
+    let no_z = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n";
+    expect("a.ply", no_z, &["vertex 0 lacks a coordinate"]);
+}
+
+#[test]
+fn surfaces_that_enclose_nothing_sound() {
+    let cube = cuboid_obj([10.0; 3], [0.0; 3]);
+    let open = cube.replace("f 2 4 8 6\n", "");
+    expect("a.obj", open, &["object 1", "open", "4 of 12 edges", "closed surface"]);
+    let inside_out: String = cube
+        .lines()
+        .map(|l| match l.strip_prefix("f ") {
+            Some(corners) => {
+                format!("f {}\n", corners.split(' ').rev().collect::<Vec<_>>().join(" "))
+            }
+            None => format!("{l}\n"),
+        })
+        .collect();
+    expect("a.obj", inside_out, &["inside out", "-1000 mm³", "flip"]);
+    let one_turned = cube.replace("f 2 4 8 6\n", "f 6 8 4 2\n");
+    expect("a.obj", one_turned, &["opposite senses", "4 of 12 edges"]);
+    let doubled = cube.clone() + "f 2 4 8 6\n";
+    expect("a.obj", doubled, &["more than two faces", "4 of 12 edges"]);
+    expect("a.obj", cuboid_obj([10.0, 10.0, 0.0001], [0.0; 3]), &["no volume to speak of"]);
+    let flat = "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 3\nf 3 2 1\n";
+    expect("a.obj", flat, &["no volume to speak of", "0 mm³"]);
+    expect("a.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", &["object 1"]);
+}
+
+#[test]
+fn units_that_cannot_be() {
+    // 10 m, and 10 µm: as millimetres they would be gravel.
+    expect(
+        "a.obj",
+        cuboid_obj([10_000.0; 3], [0.0; 3]),
+        &["10000 mm", "\"um\" would give 10 mm", "0.05 to 1000 mm"],
+    );
+    expect("a.obj", cuboid_obj([0.01; 3], [0.0; 3]), &["0.01 mm", "\"m\" would give 10 mm"]);
+}
+
+#[test]
+fn all_faults_at_once_and_files_that_are_not_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let bad = file(folder.path(), "bad.obj", "v 1\n");
+    let open =
+        file(folder.path(), "open.obj", cuboid_obj([10.0; 3], [0.0; 3]).replace("f 2 4 8 6\n", ""));
+    let missing = folder.path().join("missing.stl").to_str().unwrap().to_owned();
+    let pattern = format!("{}/*.ply", folder.path().display());
+    let error =
+        from_meshes(&spec(&[bad, missing.clone(), open, pattern, "[".into()]), 1).unwrap_err();
+    assert_eq!(error.faults().len(), 5, "{error}");
+    let said = error.to_string();
+    for words in [
+        "bad.obj",
+        "missing.stl: the file cannot be read",
+        "open.obj: object 1",
+        "grains.meshes[3]",
+        "no pattern",
+    ] {
+        assert!(said.contains(words), "`{words}` in: {said}");
+    }
+    let error = from_meshes(&spec(&[missing]), 1).unwrap_err();
+    assert!(
+        matches!(&error, ScenarioErrors::Unreadable { file, .. } if file.ends_with("missing.stl")),
+        "{error}"
+    );
+}

@@ -1,0 +1,112 @@
+//! Grains whose shapes are those of meshes, such as scanned stones.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{CellShape, SieveFraction, SievedGrains};
+
+/// Grains with the shapes of meshes. With a sieve table, stones are drawn and
+/// scaled until every fraction has its mass; without one they are taken in
+/// their own size.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeshGrains {
+    /// OBJ, STL and PLY files, or patterns of their names such as `stones/*.stl`,
+    /// relative to the scenario file; once loaded, relative to the working directory.
+    /// Each object of an OBJ file and each solid of an STL file is a stone.
+    #[schemars(length(min = 1, max = 10000))]
+    pub meshes: Vec<String>,
+    /// Unit of length in the files, which do not say it themselves.
+    pub mesh_unit: MeshUnit,
+    /// Density of the solids, in kg/m³.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 30000.0))]
+    pub density_kg_per_m3: f64,
+    /// Take the convex hull of stones that are not convex. Without it only those
+    /// whose volume is at least 99 % of their hull's are taken as their hulls.
+    #[serde(default)]
+    pub hull: bool,
+    /// Separate closed surfaces in one object are stones of their own.
+    #[serde(default)]
+    pub split_surfaces: bool,
+    /// Most vertices a stone may have; the hull of one that has more is
+    /// simplified, farthest vertices kept first.
+    #[serde(default = "default_vertices")]
+    #[schemars(range(min = 8, max = 1000))]
+    pub largest_vertex_count: u32,
+    /// Mass of all grains together in grams; with a sieve table, and only with one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
+    pub total_mass_g: Option<f64>,
+    /// Sieve fractions as of grains cut from sieve data, coarsest first. None:
+    /// the stones keep their own size.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(min = 1, max = 100))]
+    pub sieve_table: Vec<SieveFraction>,
+    /// Without a sieve table: how many stones are drawn; if not given, each is taken once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "u32", range(min = 1, max = 1_000_000))]
+    pub count: Option<u32>,
+}
+
+fn default_vertices() -> u32 {
+    64
+}
+
+/// Unit of length of a mesh file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MeshUnit {
+    /// Micrometres.
+    Um,
+    /// Millimetres.
+    Mm,
+    /// Centimetres.
+    Cm,
+    /// Metres.
+    M,
+    /// Inches of 25.4 mm.
+    Inch,
+}
+
+impl MeshUnit {
+    /// All units, finest first.
+    pub const ALL: [Self; 5] = [Self::Um, Self::Mm, Self::Cm, Self::Inch, Self::M];
+
+    /// Length of the unit in m.
+    pub fn metres(self) -> f64 {
+        match self {
+            Self::Um => 1e-6,
+            Self::Mm => 1e-3,
+            Self::Cm => 1e-2,
+            Self::M => 1.0,
+            Self::Inch => 0.0254,
+        }
+    }
+
+    /// Its name in a scenario file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Um => "um",
+            Self::Mm => "mm",
+            Self::Cm => "cm",
+            Self::M => "m",
+            Self::Inch => "inch",
+        }
+    }
+}
+
+impl MeshGrains {
+    /// What the grains are to weigh on each sieve, in the form of grains cut
+    /// from sieve data; `None` where the stones keep their own size.
+    pub fn as_sieved(&self) -> Option<SievedGrains> {
+        if self.sieve_table.is_empty() {
+            return None;
+        }
+        Some(SievedGrains {
+            total_mass_g: self.total_mass_g?,
+            density_kg_per_m3: self.density_kg_per_m3,
+            sieve_table: self.sieve_table.clone(),
+            cells: CellShape::default(),
+        })
+    }
+}

@@ -1,0 +1,148 @@
+//! Grains from meshes as a user meets them: the example, and faulty files.
+
+use std::{fs, path::Path};
+
+use assert_cmd::Command;
+use serde_json::{Value, json};
+
+const EXAMPLE: &str = "scenarios/examples/stones.json";
+
+/// Runs the program; gives its exit code, standard output and standard error.
+fn run(args: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    let output = command.args(args).output().expect("the program starts");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn the_example_of_stones_makes_grains_and_runs() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let made = out("grains");
+    let (code, text, err) =
+        run(&["grains", EXAMPLE, "--format", "obj", "--json", "--quiet", "--out", &made]);
+    assert_eq!(code, Some(0), "{err}");
+    let made_json: Value = serde_json::from_str(&text).expect("JSON");
+    let mass = made_json["mass_g"].as_f64().expect("a number");
+    assert!((mass - 120.0).abs() < 1e-9, "total mass: expected 120 g, got {mass} ± 1e-9");
+    let read = |folder: &str, name: &str| {
+        fs::read_to_string(Path::new(folder).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    };
+    assert_eq!(read(&made, "stones.csv").lines().count(), 7, "a head and six stones");
+    let sieve = read(&made, "sieve.csv");
+    for (row, expected) in sieve.lines().skip(1).zip([48.0, 72.0]) {
+        let mass: f64 = row.split(',').nth(7).and_then(|m| m.parse().ok()).expect("a mass");
+        assert!((mass - expected).abs() < 1e-4, "mass on a sieve: expected {expected} g, got {row}");
+    }
+
+    // What was written as meshes are the same grains as meshes.
+    let again = json!({
+        "name": "again",
+        "grains": { "meshes": ["grains/*.obj"], "mesh_unit": "m", "density_kg_per_m3": 2650 },
+        "stages": [{ "stage": "fill_funnel" }],
+    });
+    fs::write(folder.path().join("again.json"), again.to_string()).expect("a file");
+    let twice = out("twice");
+    let (code, text, err) =
+        run(&["grains", &out("again.json"), "--json", "--quiet", "--out", &twice]);
+    assert_eq!(code, Some(0), "{err}");
+    let back: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(back["grains"], made_json["grains"], "as many grains as were written");
+    let mass = back["mass_g"].as_f64().expect("a number");
+    assert!((mass - 120.0).abs() < 1e-9, "mass read back: expected 120 g, got {mass} ± 1e-9");
+    assert_eq!(back["notes"], json!([]), "convex as they are");
+
+    let ran = out("run");
+    let (code, _, err) = run(&["run", EXAMPLE, "--quiet", "--out", &ran]);
+    assert_eq!(code, Some(0), "{err}");
+    let summary: Value = serde_json::from_str(&read(&ran, "summary.json")).expect("JSON");
+    assert_eq!(summary["grains"]["count"], made_json["grains"], "the same grains are poured");
+    assert_eq!(summary["grains"]["escaped"], 0, "none through a wall");
+    let inside = summary["grains"]["in_cylinder"].as_u64().expect("a number");
+    assert!(inside >= 30, "most of some forty lie in the cylinder, got {inside}");
+    assert_eq!(read(&ran, "stones.csv"), read(&made, "stones.csv"), "the same stones");
+}
+
+#[test]
+fn faulty_meshes_end_with_2_and_missing_ones_with_4() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scenario = |meshes: &[&str]| {
+        let path = folder.path().join("s.json");
+        let text = json!({
+            "name": "faulty",
+            "grains": { "meshes": meshes, "mesh_unit": "mm", "density_kg_per_m3": 2650 },
+            "stages": [{ "stage": "fill_funnel" }],
+        });
+        fs::write(&path, text.to_string()).expect("a file");
+        path.to_str().expect("UTF-8").to_owned()
+    };
+    fs::write(folder.path().join("a.stl"), "").expect("a file");
+    fs::write(folder.path().join("b.obj"), "v 0 0 0\nf 1 2 3\n").expect("a file");
+    let out = folder.path().join("out");
+    let out = out.to_str().expect("UTF-8");
+    for command in ["grains", "run"] {
+        let path = scenario(&["a.stl", "b.obj", "c.ply"]);
+        let (code, _, err) = run(&[command, &path, "--quiet", "--out", out]);
+        assert_eq!(code, Some(2), "{command}: {err}");
+        for words in ["a.stl", "the file is empty", "b.obj", "line 2", "c.ply", "cannot be read"] {
+            assert!(err.contains(words), "{command}: `{words}` is missing in: {err}");
+        }
+        assert!(!err.contains("panicked"), "{command}: {err}");
+    }
+    let (code, _, err) = run(&["grains", &scenario(&["c.ply"]), "--quiet", "--out", out]);
+    assert_eq!(code, Some(4), "a file that is not there: {err}");
+    assert!(err.contains("c.ply"), "{err}");
+}
+
+#[test]
+fn fields_that_do_not_go_together_are_told() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let faults = |grains: Value| {
+        let path = folder.path().join("s.json");
+        let stages = json!([{ "stage": "fill_funnel" }]);
+        let text = json!({ "name": "s", "grains": grains, "stages": stages });
+        fs::write(&path, text.to_string()).expect("a file");
+        match pluvia::scenario::load(&path, &[]) {
+            Ok(_) => String::new(),
+            Err(error) => error.to_string(),
+        }
+    };
+    let table = json!([{ "passing_mm": 16, "retained_mm": 8, "mass_percent": 100 }]);
+    let base = json!({ "meshes": ["a.stl"], "mesh_unit": "mm", "density_kg_per_m3": 2650 });
+    let with = |fields: Value| {
+        let mut grains = base.clone();
+        for (field, value) in fields.as_object().expect("an object") {
+            grains[field] = value.clone();
+        }
+        faults(grains)
+    };
+    assert_eq!(with(json!({})), "", "sound");
+    assert_eq!(with(json!({ "sieve_table": table, "total_mass_g": 500 })), "", "sound");
+    assert_eq!(with(json!({ "count": 20, "hull": true })), "", "sound");
+    for (fields, words) in [
+        (json!({ "sieve_table": table }), "grains.total_mass_g: the field is missing"),
+        (json!({ "total_mass_g": 500 }), "keep their own mass"),
+        (json!({ "sieve_table": table, "total_mass_g": 500, "count": 3 }), "grains.count"),
+        (json!({ "mesh_unit": "feet" }), "\"mm\""),
+        (json!({ "mesh_unit": null }), "grains.mesh_unit"),
+        (json!({ "meshes": [] }), "grains.meshes: the list is too short"),
+        (json!({ "largest_vertex_count": 3 }), "at least 8"),
+        (json!({ "hul": true }), "did you mean `hull`?"),
+    ] {
+        let said = with(fields.clone());
+        assert!(said.contains(words), "{fields}: `{words}` is missing in: {said}");
+    }
+    let mut table = table.clone();
+    table[0]["mass_percent"] = json!(60);
+    let said = with(json!({ "sieve_table": table, "total_mass_g": 500 }));
+    assert!(said.contains("do not add up"), "a sieve table is checked as any other: {said}");
+    let cells = json!({ "total_mass_g": 500, "density_kg_per_m3": 2650,
+        "sieve_table": [{ "passing_mm": 16, "retained_mm": 8, "mass_percent": 100 }],
+        "cells": { "elongation": 0.5, "relaxation": 3 } });
+    let said = faults(cells);
+    for words in ["grains.cells.elongation", "at least 1", "did you mean `relaxation_steps`?"] {
+        assert!(said.contains(words), "`{words}` is missing in: {said}");
+    }
+}
