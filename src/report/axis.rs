@@ -135,7 +135,13 @@ impl Axis {
 fn log_number(tick: f64) -> String {
     let exponent = tick.log10().round() as i32;
     if (-2..=3).contains(&exponent) {
-        let decimals = usize::try_from(-(tick.log10() + 1e-9).floor() as i32).unwrap_or(0);
+        let least = usize::try_from(-(tick.log10() + 1e-9).floor() as i32).unwrap_or(0);
+        // Sieves have openings such as 12.5 and 3.15 mm.
+        let whole = |decimals: &usize| {
+            let shifted = tick * 10f64.powi(*decimals as i32);
+            (shifted - shifted.round()).abs() < 1e-6 * shifted
+        };
+        let decimals = (least..least + 3).find(whole).unwrap_or(least);
         return format!("{tick:.decimals$}");
     }
     let superscript = |c: char| match c {
@@ -210,6 +216,9 @@ mod tests {
         for (tick, expected) in
             [(1.0, "1"), (0.01, "0.01"), (100.0, "100"), (1e-7, "10\u{207B}\u{2077}"), (0.5, "0.5")]
         {
+            assert_eq!(axis.number(tick), expected, "number of {tick}");
+        }
+        for (tick, expected) in [(12.5, "12.5"), (3.15, "3.15"), (8.0, "8"), (1.0 / 3.0, "0.3")] {
             assert_eq!(axis.number(tick), expected, "number of {tick}");
         }
     }
