@@ -76,7 +76,7 @@ pub fn study(runs: &[RunRecord]) -> StudyView<'_> {
             uscs: "GP".into(),
         },
         intermittent: PLAN,
-        repose: None,
+        pile_friction: constants::FRICTION_RATIO,
         quick: false,
     }
 }
@@ -99,6 +99,7 @@ fn pluviation(configuration: u32, fh: f64) -> RunRecord {
             grains_in_cylinder: (1456.0 * filled) as u32,
             plate_tilt_deg: None,
             largest_speed_m_per_s: 2.0 * (-t / 0.8).exp(),
+            pile_height_mm: None,
         }
     };
     let mut summary = summary(configuration, fh, height);
@@ -175,6 +176,7 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
             grains_in_cylinder: 1454,
             plate_tilt_deg: Some(4.0),
             largest_speed_m_per_s: 0.9,
+            pile_height_mm: None,
         }
     };
     let settlement = |factor: f64| Settlement {
@@ -238,6 +240,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         porosity: 1.0 - SOLIDS_MM / height,
         settlement_mm: None,
         surface_settlement_mm: None,
+        angle_of_repose: None,
         overlap: Overlap {
             pairs: 4000,
             mean_percent: if bad { 0.9 } else { 0.21 },

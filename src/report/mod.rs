@@ -19,6 +19,7 @@ mod sections;
 mod sensitivity;
 mod sensitivity_page;
 mod shortfalls;
+mod silhouette;
 mod style;
 mod summary;
 mod uncertainty;
@@ -29,8 +30,11 @@ mod tests;
 use std::{collections::BTreeMap, path::Path};
 
 use crate::{
+    measure,
     paper::{Claim, StudyView},
-    record::{FileError, RunRecord, create_folder, write_file},
+    record::{AngleOfRepose, FileError, RunRecord, create_folder, write_file},
+    specimen::Specimen,
+    units::to_mm,
     world::EffectiveSettings,
 };
 
@@ -109,6 +113,25 @@ pub fn write(out: &Path, input: &ReportInput) -> Result<(), ReportError> {
 pub fn run_figures(folder: &Path, run: &RunRecord) -> Result<(), ReportError> {
     create_folder(folder)?;
     for figure in figures::of_run(run)? {
+        figure.write(folder)?;
+    }
+    Ok(())
+}
+
+/// Writes the figures of a pile into a folder: `pile`, its side view with the
+/// fitted flanks, and `angle-by-azimuth`, each as SVG, PNG and CSV.
+///
+/// # Errors
+/// [`ReportError`] naming the file or the figure.
+pub fn pile_figures(
+    folder: &Path,
+    specimen: &Specimen,
+    pile: &AngleOfRepose,
+) -> Result<(), ReportError> {
+    create_folder(folder)?;
+    // The level is that of the angle, which was measured on it.
+    let level = measure::base_level(specimen).map_or(0.0, to_mm);
+    for figure in figures::of_pile(specimen, pile, level)? {
         figure.write(folder)?;
     }
     Ok(())

@@ -29,7 +29,7 @@ pub use manifold::ManifoldSettings;
 pub use overrides::{NotAnOverride, Override};
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
-pub use stages::{StageSpec, StrokeReading};
+pub use stages::{BaseKind, BaseSpec, StageSpec, StrokeReading};
 pub use stock::{InertiaRule, StockSettings};
 pub use validate::{Warning, warnings};
 

@@ -5,6 +5,7 @@ mod compare;
 mod converge;
 mod design;
 mod execute;
+mod pile;
 mod plan;
 mod presets;
 mod readings;

@@ -88,11 +88,14 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
     finish(options, &scenarios, &grains, records, &effective)
 }
 
-/// The three scenarios of the programme.
+/// The scenarios of the programme.
 pub(super) struct Scenarios {
     pub pluviation: Scenario,
     pub continuous: Scenario,
     pub intermittent: Scenario,
+    /// The pile of slow pluviation; none under a reading, which is about what
+    /// the paper simulated, and it simulated no pile.
+    pub repose: Option<Scenario>,
     /// What the programme is called: the engine, or the reading.
     pub label: String,
     /// What its runs and files are called beside those of the default.
@@ -124,6 +127,11 @@ impl Scenarios {
                 preset("paper/vibration-intermittent.json")?,
             ]
         };
+        let repose = match reading {
+            None if quick => Some(preset("quick/repose.json")?),
+            None => Some(preset("paper/repose.json")?),
+            Some(_) => None,
+        };
         let engine = &pluviation.engine;
         let (label, suffix) = match reading {
             None => (beside::label(engine), beside::suffix(engine)),
@@ -132,7 +140,7 @@ impl Scenarios {
             }
         };
         let changes = changes.to_vec();
-        Ok(Self { pluviation, continuous, intermittent, label, suffix, quick, changes })
+        Ok(Self { pluviation, continuous, intermittent, repose, label, suffix, quick, changes })
     }
 
     /// A hash of the programme without its engine and its reading: programmes
@@ -142,8 +150,9 @@ impl Scenarios {
         Ok(beside::programme_hash(&plain.all(), configurations))
     }
 
-    fn all(&self) -> [&Scenario; 3] {
-        [&self.pluviation, &self.continuous, &self.intermittent]
+    fn all(&self) -> Vec<&Scenario> {
+        let three = [&self.pluviation, &self.continuous, &self.intermittent];
+        three.into_iter().chain(&self.repose).collect()
     }
 
     fn engine(&self) -> &EngineSettings {
@@ -195,6 +204,10 @@ pub(super) fn programme(
             ("intermittent", RunKind::VibrationIntermittent, &scenarios.intermittent),
         ] {
             add(format!("vibration-{mode}-c{configuration}"), kind, scenario, SHAKEN_FROM_MM);
+        }
+        if let Some(scenario) = &scenarios.repose {
+            // Nothing is poured: the falling height is that of no stage.
+            add(format!("repose-c{configuration}"), RunKind::Repose, scenario, 0.0);
         }
     }
     runs
@@ -306,7 +319,10 @@ pub(super) fn study_view<'a>(
                 .map_or_else(|| "not coarse".into(), |class| class.to_string()),
         },
         intermittent,
-        repose: None,
+        pile_friction: scenarios
+            .repose
+            .as_ref()
+            .map_or(f64::NAN, |s| s.contact.grain_grain_friction),
         quick,
     })
 }

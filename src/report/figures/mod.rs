@@ -6,6 +6,7 @@ mod convergence;
 mod grain_size;
 mod laws;
 mod of_run;
+mod pile;
 mod quality;
 mod readings;
 mod sensitivity;
@@ -25,6 +26,7 @@ pub(super) use comparison::of_comparison;
 pub(super) use convergence::of_convergence;
 pub(super) use laws::of_law;
 pub(super) use of_run::of_run;
+pub(super) use pile::of_pile;
 pub(super) use readings::of_readings;
 pub(super) use sensitivity::of_sensitivity;
 
