@@ -100,7 +100,7 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         rows.add(
             "pile",
             format!(
-                "{:.1} mm high, {:.1} mm to its toe; {} grains fell off the base",
+                "{:.1} mm high, {:.1} mm to its toe; fallen off the base: {}",
                 of.pile_height_mm, of.base_radius_mm, of.fallen_off
             ),
         );

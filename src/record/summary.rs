@@ -33,7 +33,7 @@ pub struct SeriesRow {
     /// Largest speed of any grain in m/s.
     pub largest_speed_m_per_s: f64,
     /// Height of a pile above its base in mm, to the highest grain that does
-    /// not fall just now; empty without a base.
+    /// not move just then; empty without a base.
     #[serde(default)]
     pub pile_height_mm: Option<f64>,
 }
@@ -148,9 +148,9 @@ pub struct Settlement {
 /// Slope of a pile, measured as `docs/repose.md` says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AngleOfRepose {
-    /// Mean slope over the sectors about the axis, by straight lines fitted to their flanks.
+    /// That of the mean slope of straight lines fitted to the flank in sectors about the axis.
     pub degrees: f64,
-    /// Standard deviation of the sectors' slopes.
+    /// Standard deviation of the sectors' angles.
     pub standard_deviation_degrees: f64,
     /// Lower end of the 95 % confidence interval of this pile's mean slope.
     pub confidence_low_degrees: f64,
@@ -160,8 +160,10 @@ pub struct AngleOfRepose {
     pub by_volume_degrees: f64,
     /// Height of the highest point above the mean height of the base.
     pub pile_height_mm: f64,
-    /// Mean radius at which the fitted flanks meet the base.
+    /// Radius at which the mean of the fitted lines meets the base.
     pub base_radius_mm: f64,
+    /// Radii between which the lines are fitted.
+    pub flank_radii_mm: [f64; 2],
     /// Volume under the pile's surface, voids included.
     pub volume_cm3: f64,
     /// Where the pile's axis stands.
@@ -179,8 +181,8 @@ pub struct AzimuthAngle {
     pub azimuth_degrees: f64,
     /// Its slope; null where it has no flank.
     pub degrees: Option<f64>,
-    /// Radius at which its fitted line meets the base.
-    pub toe_radius_mm: f64,
+    /// Radius at which its fitted line meets the base; null where it does not.
+    pub toe_radius_mm: Option<f64>,
 }
 
 /// Penetration depth over the mean equivalent diameter of the two grains, in percent.

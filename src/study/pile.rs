@@ -27,6 +27,7 @@ pub(super) fn angle_of_repose(
             by_volume_degrees: pile.by_volume.to_degrees(),
             pile_height_mm: to_mm(pile.height),
             base_radius_mm: to_mm(pile.base_radius),
+            flank_radii_mm: [to_mm(pile.flank.0), to_mm(pile.flank.1)],
             volume_cm3: to_cm3(pile.volume),
             axis_mm: [to_mm(pile.axis.0), to_mm(pile.axis.1)],
             fallen_off,
@@ -36,7 +37,7 @@ pub(super) fn angle_of_repose(
                 .map(|s| AzimuthAngle {
                     azimuth_degrees: s.azimuth.to_degrees(),
                     degrees: s.angle.map(f64::to_degrees),
-                    toe_radius_mm: to_mm(s.toe),
+                    toe_radius_mm: s.toe.map(to_mm),
                 })
                 .collect(),
         }

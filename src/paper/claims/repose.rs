@@ -119,6 +119,7 @@ mod tests {
             by_volume_degrees: degrees - 0.5,
             pile_height_mm: 90.0,
             base_radius_mm: 115.0,
+            flank_radii_mm: [23.0, 92.0],
             volume_cm3: 1500.0,
             axis_mm: [0.0, 0.0],
             fallen_off: 0,

@@ -28,6 +28,8 @@ const SIDE_DEGREES: f64 = 30.0;
 const SCALE_BAR_MM: f64 = 50.0;
 /// Space in mm around what is drawn.
 const MARGIN_MM: f64 = 12.0;
+/// Height in mm of the floor as drawn: what is sunk into it does not show below.
+const FLOOR_MM: f64 = 20.0;
 /// Space in SVG units above the pile, for the angle, and below, for the scale.
 const ABOVE: i32 = 150;
 const BELOW: i32 = 170;
@@ -40,7 +42,11 @@ const SHADE: f64 = 0.42;
 type Failure = DrawingAreaErrorKind<std::io::Error>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Height of the base's mean surface above z = 0, in mm.
+/// `pile` and `angle-by-azimuth`; the base's mean surface lies the given height
+/// above z = 0.
+///
+/// # Errors
+/// [`ReportError::Figure`].
 pub(in crate::report) fn of_pile(
     specimen: &Specimen,
     pile: &AngleOfRepose,
@@ -49,23 +55,39 @@ pub(in crate::report) fn of_pile(
     Ok(vec![side_view(specimen, pile, base_level_mm)?, by_azimuth(&[("".into(), pile)])?])
 }
 
-/// Mean slope in degrees and toe radius in mm of the sectors near a direction.
-fn side(pile: &AngleOfRepose, towards_degrees: f64) -> Option<(f64, f64)> {
-    let near = |a: &&AzimuthAngle| {
-        let apart = (a.azimuth_degrees - towards_degrees + 540.0).rem_euclid(360.0) - 180.0;
-        apart.abs() <= SIDE_DEGREES
-    };
-    let found: Vec<(f64, f64)> = pile
-        .by_azimuth
-        .iter()
-        .filter(near)
-        .filter_map(|a| Some((a.degrees?, a.toe_radius_mm)))
-        .collect();
-    let count = found.len() as f64;
-    (count > 0.0).then(|| {
-        let sum = found.iter().fold((0.0, 0.0), |s, f| (s.0 + f.0, s.1 + f.1));
-        (sum.0 / count, sum.1 / count)
-    })
+/// The mean of fitted lines.
+struct Side {
+    /// Positive where it falls outwards.
+    slope: f64,
+    /// Height in mm above the base at which it meets the axis.
+    at_axis_mm: f64,
+}
+
+impl Side {
+    /// Of the sectors near a direction; none where it does not fall outwards.
+    fn of(pile: &AngleOfRepose, towards_degrees: f64) -> Option<Self> {
+        let near = |a: &&AzimuthAngle| {
+            let apart = (a.azimuth_degrees - towards_degrees + 540.0).rem_euclid(360.0) - 180.0;
+            apart.abs() <= SIDE_DEGREES
+        };
+        let line = |a: &AzimuthAngle| {
+            let slope = a.degrees?.to_radians().tan();
+            Some((slope, slope * a.toe_radius_mm?))
+        };
+        let lines: Vec<(f64, f64)> = pile.by_azimuth.iter().filter(near).filter_map(line).collect();
+        let mean =
+            |of: fn(&(f64, f64)) -> f64| lines.iter().map(of).sum::<f64>() / lines.len() as f64;
+        let (slope, at_axis_mm) = (mean(|l| l.0), mean(|l| l.1));
+        (slope > 0.0).then_some(Self { slope, at_axis_mm })
+    }
+
+    fn degrees(&self) -> f64 {
+        self.slope.atan().to_degrees()
+    }
+
+    fn toe_mm(&self) -> f64 {
+        self.at_axis_mm / self.slope
+    }
 }
 
 fn side_view(
@@ -80,11 +102,11 @@ fn side_view(
     picture.draw(&mut svg).map_err(|e| fail(e.to_string()))?;
     let mut table = Table::new(&["side", "degrees", "toe_radius_mm", "axis_x_mm", "base_level_mm"]);
     for (name, towards) in [("right", 0.0), ("left", 180.0)] {
-        if let Some((degrees, toe)) = side(pile, towards) {
+        if let Some(side) = Side::of(pile, towards) {
             table.row([
                 name.to_owned(),
-                cell(degrees),
-                cell(toe),
+                cell(side.degrees()),
+                cell(side.toe_mm()),
                 cell(pile.axis_mm[0]),
                 cell(base_level_mm),
             ]);
@@ -95,7 +117,7 @@ fn side_view(
         title: "Side view of the pile".to_owned(),
         caption: format!(
             "The pile seen along y. The lines are the fitted flanks on either side, means over the \
-             sectors within {SIDE_DEGREES}° of it, drawn solid over the heights that are fitted. They \
+             sectors within {SIDE_DEGREES}° of it, drawn solid where they are fitted. They \
              follow the mean surface of a sector; grains of the silhouette stand in front of it."
         ),
         svg,
@@ -118,7 +140,7 @@ impl<'a> Picture<'a> {
     fn new(specimen: &Specimen, pile: &'a AngleOfRepose, base_level_mm: f64) -> Self {
         let radius_mm = specimen.state.base.as_ref().map_or(0.0, |base| to_mm(base.radius));
         let top_mm = base_level_mm + pile.pile_height_mm + MARGIN_MM;
-        let bottom_mm = -MARGIN_MM;
+        let bottom_mm = -FLOOR_MM;
         let scale = f64::from(style::WIDTH) / (2.0 * (radius_mm + MARGIN_MM));
         Self {
             pile,
@@ -139,10 +161,11 @@ impl<'a> Picture<'a> {
         let size = (style::WIDTH, self.height as u32);
         let root = SVGBackend::with_string(svg, size).into_drawing_area();
         root.fill(&WHITE)?;
-        self.floor(&root)?;
         for facet in &self.facets {
             self.facet(&root, facet)?;
         }
+        // The floor hides what of the fixed grains is sunk into it.
+        self.floor(&root)?;
         for towards in [0.0, 180.0] {
             self.flank(&root, towards)?;
         }
@@ -152,10 +175,11 @@ impl<'a> Picture<'a> {
     }
 
     fn floor(&self, root: &Area) -> Result<(), Failure> {
-        let (left, top) = whole(self.at(self.left_mm + MARGIN_MM, 0.0));
-        let (right, bottom) = whole(self.at(-self.left_mm - MARGIN_MM, -MARGIN_MM / 2.0));
-        root.draw(&Rectangle::new([(left, top), (right, bottom)], style::BAND.filled()))?;
-        root.draw(&PathElement::new(vec![(left, bottom), (right, bottom)], INK.stroke_width(3)))
+        let (left, right) = (self.left_mm, -self.left_mm);
+        let (upper_left, lower_right) = (self.at(left, 0.0), self.at(right, -FLOOR_MM));
+        root.draw(&Rectangle::new([whole(upper_left), whole(lower_right)], style::BAND.filled()))?;
+        let surface = vec![whole(upper_left), whole(self.at(right, 0.0))];
+        root.draw(&PathElement::new(surface, INK.stroke_width(style::THIN)))
     }
 
     fn facet(&self, root: &Area, facet: &Facet) -> Result<(), Failure> {
@@ -174,29 +198,26 @@ impl<'a> Picture<'a> {
 
     /// The fitted line of one side, with its angle beside it.
     fn flank(&self, root: &Area, towards: f64) -> Result<(), Failure> {
-        let Some((degrees, toe)) = side(self.pile, towards) else { return Ok(()) };
+        let Some(line) = Side::of(self.pile, towards) else { return Ok(()) };
         let sign = if towards == 0.0 { 1.0 } else { -1.0 };
-        let slope = degrees.to_radians().tan();
-        // Height above the base's mean surface, and where the line is there.
-        let point = |height: f64| {
-            let r = toe - height / slope;
+        let point = |r: f64| {
+            let height = line.at_axis_mm - line.slope * r;
             self.at(self.pile.axis_mm[0] + sign * r, self.base_level_mm + height)
         };
-        let peak = toe * slope;
         let colour = style::colour(1);
         let path = |from: f64, to: f64| [point(from), point(to)];
-        for piece in dashes(&path(0.0, peak), style::DASHED) {
+        for piece in dashes(&path(0.0, line.toe_mm()), style::DASHED) {
             let piece: Vec<(i32, i32)> = piece.into_iter().map(whole).collect();
             root.draw(&PathElement::new(piece, colour.stroke_width(4)))?;
         }
-        let (low, high) = crate::measure::FLANK;
-        let fitted = path(low * self.pile.pile_height_mm, high * self.pile.pile_height_mm);
+        let [inner, outer] = self.pile.flank_radii_mm;
+        let fitted = path(inner, outer);
         let fitted: Vec<(i32, i32)> = fitted.into_iter().map(whole).collect();
         root.draw(&PathElement::new(fitted, colour.stroke_width(9)))?;
-        let (x, y) = point(0.62 * peak);
+        let (x, y) = point(0.4 * line.toe_mm());
         let anchor = if sign > 0.0 { HPos::Left } else { HPos::Right };
-        let at = (x as i32 + (sign * 60.0) as i32, y as i32 - 40);
-        let text = format!("{degrees:.1}°");
+        let at = (x as i32 + (sign * 110.0) as i32, y as i32 - 80);
+        let text = format!("{:.1}°", line.degrees());
         root.draw(&Text::new(text, at, font(style::NAMES, (anchor, VPos::Center), UPRIGHT)))
     }
 
@@ -273,7 +294,7 @@ pub(in crate::report) fn by_azimuth(
     }
     let caption =
         "Slope of a pile's flank in sectors of 10° about its axis: straight lines fitted \
-                   between 20 % and 80 % of the pile's height. Neighbouring sectors share grains."
+                   between the radii at which the pile stands at 80 % and at 20 % of its height. Neighbouring sectors share grains."
             .to_owned();
     Figure::new("angle-by-azimuth", "Slope of the flank by azimuth", caption, &plot, &table)
 }
