@@ -11,6 +11,7 @@ mod dash;
 mod figures;
 mod html;
 mod laws;
+mod pile_choices;
 mod plot;
 mod png;
 mod quality;
@@ -46,6 +47,7 @@ pub use convergence::{
 };
 pub use figures::Figure;
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
+pub use pile_choices::pile_choices;
 pub use quality::Standard;
 pub use readings::{
     ReadingCell, ReadingColumn, ReadingFailure, ReadingRow, ReadingRun, write_readings,
@@ -85,6 +87,8 @@ pub struct ReportInput<'a> {
     pub provenance: &'a BTreeMap<String, String>,
     /// Engine settings as read back from the engine.
     pub effective: &'a EffectiveSettings,
+    /// Pictures of specimens, shown after the figures of the study.
+    pub pictures: &'a [Figure],
     /// Findings of the study itself that a reader must know; those of runs
     /// are taken from their summaries.
     pub warnings: &'a [String],
@@ -96,7 +100,8 @@ pub struct ReportInput<'a> {
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write(out: &Path, input: &ReportInput) -> Result<(), ReportError> {
-    let figures = figures::of_study(&input.study, &input.standard)?;
+    let mut figures = figures::of_study(&input.study, &input.standard)?;
+    figures.extend_from_slice(input.pictures);
     for figure in &figures {
         figure.write(&out.join("figures"))?;
     }
@@ -129,10 +134,21 @@ pub fn pile_figures(
     pile: &AngleOfRepose,
 ) -> Result<(), ReportError> {
     create_folder(folder)?;
-    // The level is that of the angle, which was measured on it.
-    let level = measure::base_level(specimen).map_or(0.0, to_mm);
-    for figure in figures::of_pile(specimen, pile, level)? {
+    for figure in figures::of_pile(specimen, pile, base_level_mm(specimen))? {
         figure.write(folder)?;
     }
     Ok(())
+}
+
+/// The side view of a pile with its fitted flanks, to be shown elsewhere.
+///
+/// # Errors
+/// [`ReportError::Figure`].
+pub fn pile_picture(specimen: &Specimen, pile: &AngleOfRepose) -> Result<Figure, ReportError> {
+    figures::side_view(specimen, pile, base_level_mm(specimen))
+}
+
+/// Mean height of the base above z = 0 in mm: that on which the angle was measured.
+fn base_level_mm(specimen: &Specimen) -> f64 {
+    measure::base_level(specimen).map_or(0.0, to_mm)
 }

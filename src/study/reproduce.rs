@@ -3,7 +3,7 @@
 
 use std::{
     collections::BTreeMap,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
 };
 
@@ -18,9 +18,10 @@ use super::{
 use crate::grains::{GrainSet, ParticleSizeDistribution, sieve_size};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
 use crate::protocol::{Progress, table_motion};
-use crate::record::{RunKind, RunRecord, create_folder, write_json};
-use crate::report::{self, Column, ReportInput, Standard};
+use crate::record::{RunKind, RunRecord, create_folder, read_json, write_json};
+use crate::report::{self, Column, Figure, ReportInput, Standard};
 use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
+use crate::specimen::Specimen;
 use crate::units::{to_cm3, to_g, to_mm};
 use crate::world::EffectiveSettings;
 
@@ -217,7 +218,7 @@ pub(super) fn programme(
 fn finish(
     options: &ReproduceOptions,
     scenarios: &Scenarios,
-    grains: &GrainSet,
+    grains: &Arc<GrainSet>,
     records: Vec<RunRecord>,
     effective: &EffectiveSettings,
 ) -> Result<ReproduceOutcome, StudyError> {
@@ -228,6 +229,9 @@ fn finish(
     let column =
         Column::new(&scenarios.label, &scenarios.programme_hash(options.configurations)?, &claims);
     let beside = beside::keep_and_read(&options.out, &scenarios.suffix, &column)?;
+    // The shaken scenario has every choice of the poured one, and more.
+    let mut choices = report::choices(&scenarios.intermittent);
+    choices.extend(scenarios.repose.iter().flat_map(report::pile_choices));
     let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
     report::write(
         &options.out,
@@ -235,11 +239,11 @@ fn finish(
             study,
             claims: &claims,
             beside: &beside,
-            // The shaken scenario has every choice of the poured one, and more.
-            choices: &report::choices(&scenarios.intermittent),
+            choices: &choices,
             standard: Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s },
             provenance: &provenance(options, scenarios),
             effective,
+            pictures: &pile_pictures(&options.out, grains, &records)?,
             warnings: &[],
         },
     )?;
@@ -251,6 +255,19 @@ fn finish(
         report: options.out.join("report.html"),
         runs: records,
     })
+}
+
+/// The side view of the first pile, from the files of its run.
+fn pile_pictures(
+    out: &Path,
+    grains: &Arc<GrainSet>,
+    records: &[RunRecord],
+) -> Result<Vec<Figure>, StudyError> {
+    let pile = |r: &RunRecord| Some((r.name.clone(), r.summary.angle_of_repose.clone()?));
+    let Some((name, angle)) = records.iter().find_map(pile) else { return Ok(Vec::new()) };
+    let state = read_json(&out.join("runs").join(name).join("specimen.json"))?;
+    let specimen = Specimen { grains: grains.clone(), state };
+    Ok(vec![report::pile_picture(&specimen, &angle)?])
 }
 
 /// Where the results come from, in words.

@@ -90,7 +90,11 @@ impl Side {
     }
 }
 
-fn side_view(
+/// The pile seen along y, with the fitted flanks; level as in [`of_pile`].
+///
+/// # Errors
+/// [`ReportError::Figure`].
+pub(in crate::report) fn side_view(
     specimen: &Specimen,
     pile: &AngleOfRepose,
     base_level_mm: f64,
