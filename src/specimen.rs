@@ -4,7 +4,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{geometry::Vector, grains::GrainSet, world::BodyState};
+use crate::{
+    geometry::{Pose, Vector},
+    grains::GrainSet,
+    world::BodyState,
+};
 
 /// Grains, their poses and the state of the apparatus: everything that one
 /// stage hands to the next, and nothing of an engine.
@@ -26,6 +30,9 @@ pub struct SpecimenState {
     pub funnel: Option<FunnelState>,
     /// Whether the cylinder stands on the table.
     pub cylinder: bool,
+    /// What a pile stands on, where one is built.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<Base>,
     /// Centroid pose and velocity of the top plate, once placed.
     pub top_plate: Option<BodyState>,
     /// The loaded contacts, which engines that take them go on from; empty
@@ -74,6 +81,8 @@ pub enum Other {
     Cylinder(usize),
     /// A piece of the funnel, by its number; the lid is the last.
     Funnel(usize),
+    /// A piece of a pile's base, by its number; the floor is the last.
+    Base(usize),
 }
 
 /// One grain's state.
@@ -99,6 +108,30 @@ pub enum Fate {
     ThroughWall,
     /// It was left in the funnel when the funnel was taken away.
     LeftInFunnel,
+    /// It has not been fed yet.
+    Waiting,
+}
+
+/// What a pile stands on: a round floor whose upper face lies at z = 0, and
+/// the grains fixed to it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Base {
+    /// Radius in m, about the z axis.
+    pub radius: f64,
+    /// Coulomb friction ratio between floor and grains; `None` where the floor
+    /// is of the grains' own material.
+    pub friction: Option<f64>,
+    /// The grains fixed to the floor.
+    pub fixed_grains: Vec<FixedGrain>,
+}
+
+/// A copy of a grain that never moves.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FixedGrain {
+    /// Number of the grain whose shape it has.
+    pub grain: usize,
+    /// Centroid position (m) and orientation of the principal axes.
+    pub pose: Pose,
 }
 
 /// Where the funnel stands.
@@ -125,11 +158,12 @@ impl Specimen {
 impl SpecimenState {
     /// Before anything has been done: grains nowhere in particular, nothing standing.
     pub fn before_everything(grains: usize) -> Self {
-        let nowhere = BodyState::at_rest(crate::geometry::Pose::identity());
+        let nowhere = BodyState::at_rest(Pose::identity());
         Self {
             bodies: vec![GrainState { body: nowhere, fate: Fate::Present }; grains],
             funnel: None,
             cylinder: false,
+            base: None,
             top_plate: None,
             contacts: Vec::new(),
             table_x: 0.0,

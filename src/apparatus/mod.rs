@@ -7,7 +7,7 @@ mod motion;
 mod walls;
 
 pub use motion::TableMotion;
-pub use walls::{Cylinder, Funnel, TopPlate};
+pub use walls::{Cylinder, Funnel, TopPlate, round_floor};
 
 use std::sync::Arc;
 

@@ -65,6 +65,20 @@ fn ring(
         .collect()
 }
 
+/// A round floor about the z axis with its upper face at z = 0; radius and
+/// thickness in m.
+///
+/// # Errors
+/// When a dimension makes it impossible.
+pub fn round_floor(radius: f64, thickness: f64) -> Result<Piece, ApparatusError> {
+    ConvexPolyhedron::prism(&polygon(radius, FLOOR_SIDES), -thickness, 0.0)
+        .map(piece)
+        .map_err(|reason| ApparatusError { part: "base", reason })
+}
+
+/// Sides of a round floor: those of the paper's cylinder here.
+const FLOOR_SIDES: u32 = 48;
+
 /// The container, open at the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cylinder {

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::paper::Verdict as ClaimVerdict;
-use crate::record::{Settlement, StandingHeight, Summary};
+use crate::record::{AngleOfRepose, Settlement, StandingHeight, Summary};
 use crate::report::ReadingColumn;
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
@@ -49,6 +49,17 @@ fn settlement(of: &Settlement) -> String {
     }
 }
 
+fn angle_of_repose(of: &AngleOfRepose) -> String {
+    format!(
+        "{:.1}°, 95 % of this pile {:.1} to {:.1}°; {:.1}° between sectors; {:.1}° by volume",
+        of.degrees,
+        of.confidence_low_degrees,
+        of.confidence_high_degrees,
+        of.standard_deviation_degrees,
+        of.by_volume_degrees
+    )
+}
+
 /// The figures of a run.
 pub(super) fn of_summary(summary: &Summary) -> String {
     let grains = &summary.grains;
@@ -83,6 +94,16 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     }
     if let Some(of) = &summary.surface_settlement_mm {
         rows.add("settlement, surface", settlement(of));
+    }
+    if let Some(of) = &summary.angle_of_repose {
+        rows.add("angle of repose", angle_of_repose(of));
+        rows.add(
+            "pile",
+            format!(
+                "{:.1} mm high, {:.1} mm to its toe; fallen off the base: {}",
+                of.pile_height_mm, of.base_radius_mm, of.fallen_off
+            ),
+        );
     }
     let overlap = &summary.overlap;
     rows.add(

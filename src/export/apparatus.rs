@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::apparatus::{ApparatusError, Funnel, Piece};
-use crate::protocol::Setup;
-use crate::specimen::SpecimenState;
+use crate::protocol::{Setup, base_pieces};
+use crate::specimen::Specimen;
+use crate::world::Material;
 
 /// What a piece of the apparatus stands on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -19,37 +20,45 @@ pub enum Carrier {
 /// A piece of the apparatus where it is now.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StandingPiece {
-    /// `cylinder_00` and so on, `floor`, `funnel_00` and so on, `lid`.
+    /// `cylinder_00` and so on, `floor`, `funnel_00` and so on, `lid`;
+    /// `base_0000` and so on, the last of them the floor under a pile.
     pub name: String,
     /// What carries it.
     pub carrier: Carrier,
+    /// What it is made of.
+    pub material: Material,
     /// Shape and pose, the displacement of the table included, in m.
     pub piece: Piece,
 }
 
-/// The pieces that stand in this state: cylinder with floor, funnel, lid. The
+/// The pieces that stand in this state: cylinder with floor, funnel, lid, a pile's
+/// base. The
 /// top plate is a free body and none of them; the collar that funnels have
 /// while they are filled is left out.
 ///
 /// # Errors
 /// When the funnel's dimensions make no funnel.
-pub fn standing(
-    setup: &Setup,
-    state: &SpecimenState,
-) -> Result<Vec<StandingPiece>, ApparatusError> {
+pub fn standing(setup: &Setup, specimen: &Specimen) -> Result<Vec<StandingPiece>, ApparatusError> {
+    let state = &specimen.state;
     let mut found = Vec::new();
+    for (n, (piece, material)) in base_pieces(specimen)?.into_iter().enumerate() {
+        let name = format!("base_{n:04}");
+        found.push(StandingPiece { name, carrier: Carrier::Fixed, material, piece });
+    }
     if state.cylinder {
         let walls = setup.cylinder.pieces.len().saturating_sub(1);
         for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
             let name = if n == walls { "floor".to_owned() } else { format!("cylinder_{n:02}") };
             let mut piece = piece.clone();
             piece.pose.translation.vector.x += state.table_x;
-            found.push(StandingPiece { name, carrier: Carrier::Table, piece });
+            let (carrier, material) = (Carrier::Table, Material::Wall);
+            found.push(StandingPiece { name, carrier, material, piece });
         }
     }
     if let Some(stands) = state.funnel {
         let funnel = Funnel::new(&setup.funnel, stands.opening_height, 0.0)?;
-        let fixed = |name, piece| StandingPiece { name, carrier: Carrier::Fixed, piece };
+        let (carrier, material) = (Carrier::Fixed, Material::Wall);
+        let fixed = |name, piece| StandingPiece { name, carrier, material, piece };
         let pieces = funnel.pieces.into_iter().enumerate();
         found.extend(pieces.map(|(n, piece)| fixed(format!("funnel_{n:02}"), piece)));
         if stands.lid {

@@ -195,7 +195,8 @@ impl From<&Place> for BodyState {
 /// A convex piece of the apparatus, without mass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ApparatusPiece {
-    /// `cylinder_00` and so on, `floor`, `funnel_00` and so on, `lid`.
+    /// `cylinder_00` and so on, `floor`, `funnel_00` and so on, `lid`;
+    /// `base_0000` and so on, the last of them the floor under a pile.
     pub name: String,
     /// What carries it: it is fixed, or goes with the table.
     pub motion: Carrier,
@@ -270,12 +271,12 @@ impl Scene {
         made_by: MadeBy,
     ) -> Result<Self, ApparatusError> {
         let state = &specimen.state;
-        let apparatus = standing(setup, state)?
+        let apparatus = standing(setup, specimen)?
             .into_iter()
             .map(|s| ApparatusPiece {
                 name: s.name,
                 motion: s.carrier,
-                material: Material::Wall,
+                material: s.material,
                 shape: (*s.piece.shape).clone(),
                 position_m: s.piece.pose.translation.vector,
                 quaternion_xyzw: s.piece.pose.rotation.coords.into(),
@@ -364,6 +365,7 @@ pub(super) fn party_name(setup: &Setup, party: Party) -> String {
         Party::Other(Other::Funnel(n)) if n < funnel => format!("funnel_{n:02}"),
         Party::Other(Other::Funnel(n)) if n < 2 * funnel => format!("collar_{:02}", n - funnel),
         Party::Other(Other::Funnel(_)) => "lid".to_owned(),
+        Party::Other(Other::Base(n)) => format!("base_{n:04}"),
     }
 }
 

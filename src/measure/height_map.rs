@@ -1,7 +1,11 @@
 //! Height of the specimen's surface over the cylinder's cross-section.
 
 use super::{Container, MeasureError, raster::Surface, statistics};
-use crate::{geometry::Vector, specimen::Specimen};
+use crate::{
+    geometry::{Pose, Vector},
+    grains::GrainSet,
+    specimen::Specimen,
+};
 
 /// Side of a height map's cells in m where nothing else is asked for: a tenth
 /// of a grain, about 10 400 cells on the paper's cylinder.
@@ -46,6 +50,23 @@ impl HeightMap {
     /// [`MeasureError::BadContainer`]; [`MeasureError::BadCell`] when the
     /// diameter is less than one or more than 4000 cells.
     pub fn of(specimen: &Specimen, container: &Container, cell: f64) -> Result<Self, MeasureError> {
+        let bodies = &specimen.state.bodies;
+        let members = container.members(specimen).into_iter();
+        let poses: Vec<(usize, Pose)> = members.map(|i| (i, bodies[i].body.pose)).collect();
+        Self::of_poses(&specimen.grains, &poses, container, cell)
+    }
+
+    /// Maps copies of grains, each by its number and its pose, over the
+    /// container's cross-section.
+    ///
+    /// # Errors
+    /// As [`HeightMap::of`].
+    pub fn of_poses(
+        grains: &GrainSet,
+        poses: &[(usize, Pose)],
+        container: &Container,
+        cell: f64,
+    ) -> Result<Self, MeasureError> {
         let mut surface = empty(container, cell)?;
         let mut highest = 0.0f64;
         let mut vertices: Vec<Vector> = vec![];
@@ -55,13 +76,10 @@ impl HeightMap {
         };
         // From above: most grains then lie under cells that are higher
         // already, which is known from a sphere around them.
-        let bodies = &specimen.state.bodies;
-        let mut members = container.members(specimen);
-        let height = |i: usize| bodies[i].body.pose.translation.z;
-        members.sort_by(|&i, &j| height(j).total_cmp(&height(i)));
-        for i in members {
-            let shape = &specimen.grains.grains[i].shape;
-            let pose = &bodies[i].body.pose;
+        let mut poses: Vec<&(usize, Pose)> = poses.iter().collect();
+        poses.sort_by(|a, b| b.1.translation.z.total_cmp(&a.1.translation.z));
+        for (i, pose) in poses {
+            let shape = &grains.grains[*i].shape;
             let radius = shape.radius_about_origin();
             let centre = in_cells(pose.translation.vector);
             let reach = Vector::new(radius / cell, radius / cell, radius);
@@ -135,10 +153,7 @@ mod tests {
         assert_near, cube, random, random_polyhedron, random_rotation, specimen_of,
     };
     use super::*;
-    use crate::{
-        geometry::{ConvexPolyhedron, Pose},
-        specimen::Fate,
-    };
+    use crate::{geometry::ConvexPolyhedron, specimen::Fate};
     use std::f64::consts::PI;
 
     const CUP: Container = Container { centre_x: 0.0, radius: 0.05, height: 0.1 };

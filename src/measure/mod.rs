@@ -18,6 +18,7 @@ mod overlap;
 mod pairs;
 mod plate;
 mod raster;
+mod repose;
 mod separation;
 mod settlement;
 pub mod statistics;
@@ -35,6 +36,9 @@ pub use hull::WorldHull;
 pub use overlap::{OverlapStatistics, overlap_statistics};
 pub use pairs::{PairGap, TOUCHING_GAP, pairs_within, pairs_within_of};
 pub use plate::{PlatePosition, plate_position};
+pub use repose::{
+    FLANK, NoPile, PileSurface, Repose, Sector, base_level, over, pile_surface, pile_top,
+};
 pub use separation::{Separation, penetration_depth, separation, separation_within};
 pub use settlement::{
     HeightSample, Period, Settlement, height_at, mean_height_between, settlement, share_after,

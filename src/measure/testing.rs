@@ -182,6 +182,7 @@ pub fn specimen_of(parts: Vec<(ConvexPolyhedron, Pose)>) -> Specimen {
             bodies,
             funnel: None,
             cylinder: true,
+            base: None,
             top_plate: None,
             contacts: Vec::new(),
             table_x: 0.0,

@@ -99,7 +99,7 @@ pub fn study(runs: &[RunRecord]) -> StudyView<'_> {
             3
         ],
         intermittent: PLAN,
-        repose: None,
+        pile_friction: constants::FRICTION_RATIO,
         quick: false,
     }
 }
@@ -122,6 +122,7 @@ fn pluviation(configuration: u32, fh: f64) -> RunRecord {
             grains_in_cylinder: (1456.0 * filled) as u32,
             plate_tilt_deg: None,
             largest_speed_m_per_s: 2.0 * (-t / 0.8).exp(),
+            pile_height_mm: None,
         }
     };
     let mut summary = summary(configuration, fh, height);
@@ -198,6 +199,7 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
             grains_in_cylinder: 1454,
             plate_tilt_deg: Some(4.0),
             largest_speed_m_per_s: 0.9,
+            pile_height_mm: None,
         }
     };
     let settlement = |factor: f64| Settlement {
@@ -291,6 +293,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         porosity: 1.0 - SOLIDS_MM / height,
         settlement_mm: None,
         surface_settlement_mm: None,
+        angle_of_repose: None,
         overlap: Overlap {
             pairs: 4000,
             mean_percent: if bad { 0.9 } else { 0.21 },

@@ -22,4 +22,4 @@ pub use claim::{Claim, Verdict};
 pub use claims::claims;
 pub use uncertainty::{Uncertainty, uncertainty};
 pub(crate) use view::settlement_curve;
-pub use view::{Gradation, Intermittent, Repose, StudyView};
+pub use view::{Gradation, Intermittent, StudyView};

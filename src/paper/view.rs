@@ -31,8 +31,8 @@ pub struct StudyView<'a> {
     pub shapes: Vec<GrainShape>,
     /// How the intermittent vibration was carried out.
     pub intermittent: Intermittent,
-    /// Angle of repose, where a pile was simulated.
-    pub repose: Option<Repose>,
+    /// Friction ratio between the grains of the piles.
+    pub pile_friction: f64,
     /// Whether this is the small, quick study, whose specimen is not the paper's.
     pub quick: bool,
 }
@@ -105,15 +105,6 @@ impl Intermittent {
             .map(|start| (start, start + self.period_s))
             .collect()
     }
-}
-
-/// A simulated pile.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Repose {
-    /// Angle of repose in degrees.
-    pub angle_deg: f64,
-    /// Name of the run.
-    pub run: String,
 }
 
 impl StudyView<'_> {

@@ -4,6 +4,10 @@
 //! reads it back, so that it does not matter whether the specimen came
 //! straight from the stage before or from a file.
 
+mod base;
+mod feeder;
+#[cfg(test)]
+mod pile_tests;
 mod progress;
 mod setup;
 mod stages;
@@ -12,6 +16,7 @@ mod stand;
 mod tests;
 mod whereabouts;
 
+pub use base::base_pieces;
 pub use progress::{Progress, Silent};
 pub use setup::SettleCriterion;
 pub use setup::Setup;

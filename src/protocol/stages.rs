@@ -3,14 +3,15 @@
 use std::sync::atomic::AtomicBool;
 
 use super::{
-    Observer, Setup, StageError, StageOutcome,
+    Observer, Setup, StageError, StageOutcome, base,
+    feeder::{Feed, Feeder},
     stand::{Stand, Until, WorldMaker},
 };
 use crate::apparatus::{Funnel, TableMotion};
 use crate::geometry::Pose;
 use crate::grains;
 use crate::scenario::{StageSpec, StrokeReading};
-use crate::specimen::{Fate, FunnelState, Specimen};
+use crate::specimen::{Fate, FunnelState, Specimen, SpecimenState};
 use crate::units::from_mm;
 use crate::world::BodyState;
 
@@ -36,6 +37,7 @@ pub fn run(
     let lab = Laboratory { setup, make_world, cancel };
     match *stage {
         StageSpec::FillFunnel { time_limit_s } => lab.fill(specimen, time_limit_s, observer),
+        StageSpec::SlowPluviation { .. } => lab.slow_pluviation(specimen, stage, observer),
         StageSpec::Pour { falling_height_mm, time_limit_s } => {
             lab.pour(specimen, from_mm(falling_height_mm), time_limit_s, observer)
         }
@@ -118,6 +120,56 @@ impl Laboratory<'_> {
         let settled = stand.advance(Until { limit, settled: true }, None, observer, self.cancel)?;
         if !settled {
             stand.warn(not_settled("filling the funnel", limit));
+        }
+        Ok(stand.finish())
+    }
+
+    fn slow_pluviation(
+        &self,
+        mut specimen: Specimen,
+        stage: &StageSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        let StageSpec::SlowPluviation {
+            feed_rate_grains_per_s,
+            drop_height_mm,
+            spout_diameter_mm,
+            ref base,
+            base_diameter_mm,
+            time_limit_s,
+        } = *stage
+        else {
+            return Err(StageError::OutOfOrder {
+                stage: "slow_pluviation",
+                reason: "it needs a feed and a base",
+            });
+        };
+        let Setup { seed, configuration, gravity, .. } = *self.setup;
+        let state = &mut specimen.state;
+        *state = SpecimenState::before_everything(state.bodies.len());
+        for grain in &mut state.bodies {
+            grain.fate = Fate::Waiting;
+        }
+        let radius = from_mm(base_diameter_mm) / 2.0;
+        state.base = Some(base::build(base, radius, &specimen.grains, seed, configuration));
+        let feed = Feed {
+            rate: feed_rate_grains_per_s,
+            drop_height: from_mm(drop_height_mm),
+            spout_radius: from_mm(spout_diameter_mm) / 2.0,
+            gravity,
+        };
+        let mut feeder = Feeder::new(&specimen, feed, seed, configuration);
+        let mut stand = Stand::new(self.setup, self.make_world, specimen, 0.0)?;
+        let until = Until { limit: time_limit_s, settled: true };
+        let settled = stand.feed(until, &mut feeder, observer, self.cancel)?;
+        if !feeder.is_empty() {
+            stand.warn(format!(
+                "after {time_limit_s} s {} grains had not been fed: each waits until the one \
+                 before it is out of its way",
+                feeder.waiting()
+            ));
+        } else if !settled {
+            stand.warn(not_settled("slow pluviation", time_limit_s));
         }
         Ok(stand.finish())
     }

@@ -6,10 +6,14 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::{Moment, Observer, Setup, StageError, StageOutcome, whereabouts::Whereabouts};
+use super::{
+    Moment, Observer, Setup, StageError, StageOutcome, base, feeder::Feeder,
+    whereabouts::Whereabouts,
+};
 use crate::apparatus::{Funnel, Piece, TableMotion};
 use crate::geometry::{Pose, Vector};
-use crate::specimen::{Fate, Other, Party, SavedContact, Specimen};
+use crate::grains::Grain;
+use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen};
 use crate::world::{
     Body, BodyId, BodyState, Guard, GuardLimits, Material, Motion, PairTable, RememberedContact,
     Snapshot, World, WorldError,
@@ -82,8 +86,10 @@ impl<'a> Stand<'a> {
             source,
             last_good: Box::new(specimen.clone()),
         };
-        let mut world = make_world(&setup.engine, gravity, &setup.pairs)
-            .map_err(|source| fail(source, &specimen))?;
+        let pairs = base::pairs(setup, &specimen.state);
+        let mut world =
+            make_world(&setup.engine, gravity, &pairs).map_err(|source| fail(source, &specimen))?;
+        let base = base::base_pieces(&specimen)?;
         let state = &specimen.state;
         let funnel = state
             .funnel
@@ -110,6 +116,10 @@ impl<'a> Stand<'a> {
                     parties.insert(Party::Other(Other::Funnel(n)), id);
                 }
             }
+            for (n, (piece, material)) in base.iter().enumerate() {
+                let body = Body { material: *material, ..wall_piece(piece, Motion::Static) };
+                parties.insert(Party::Other(Other::Base(n)), world.add(&body)?);
+            }
             let plate = state
                 .top_plate
                 .map(|state| {
@@ -127,12 +137,7 @@ impl<'a> Stand<'a> {
             let mut grains = Vec::with_capacity(specimen.grains.grains.len());
             for (grain, s) in specimen.grains.grains.iter().zip(&state.bodies) {
                 let id = match s.fate {
-                    Fate::Present => Some(world.add(&Body {
-                        shape: grain.shape.clone(),
-                        motion: Motion::Free { mass: grain.mass, inertia: grain.inertia },
-                        material: Material::Grain,
-                        state: s.body,
-                    })?),
+                    Fate::Present => Some(world.add(&free_grain(grain, s.body))?),
                     _ => None,
                 };
                 grains.push(id);
@@ -149,6 +154,7 @@ impl<'a> Stand<'a> {
             grains.len(),
             state.cylinder.then_some(&setup.cylinder),
             funnel.as_ref().map(|(f, _)| f),
+            state.base.as_ref().map(|b| b.radius),
             wall,
         );
         Ok(Self {
@@ -179,6 +185,29 @@ impl<'a> Stand<'a> {
         &mut self,
         until: Until,
         motion: Option<&TableMotion>,
+        observer: &mut dyn Observer,
+        cancel: &AtomicBool,
+    ) -> Result<bool, StageError> {
+        self.go_on(until, motion, None, observer, cancel)
+    }
+
+    /// The same, letting grains go at every check; nothing counts as settled
+    /// while some are still to come.
+    pub(super) fn feed(
+        &mut self,
+        until: Until,
+        feeder: &mut Feeder,
+        observer: &mut dyn Observer,
+        cancel: &AtomicBool,
+    ) -> Result<bool, StageError> {
+        self.go_on(until, None, Some(feeder), observer, cancel)
+    }
+
+    fn go_on(
+        &mut self,
+        until: Until,
+        motion: Option<&TableMotion>,
+        mut feeder: Option<&mut Feeder>,
         observer: &mut dyn Observer,
         cancel: &AtomicBool,
     ) -> Result<bool, StageError> {
@@ -214,7 +243,8 @@ impl<'a> Stand<'a> {
             }
             self.read_back(time)?;
             if until.settled {
-                calm_since = if self.calm() { calm_since.or(Some(time)) } else { None };
+                let fed = feeder.as_ref().is_none_or(|f| f.is_empty());
+                calm_since = if fed && self.calm() { calm_since.or(Some(time)) } else { None };
                 settled = calm_since.is_some_and(|since| time - since >= self.setup.settle.hold);
             }
             if sample || settled {
@@ -225,8 +255,24 @@ impl<'a> Stand<'a> {
             if settled {
                 break;
             }
+            if let Some(feeder) = feeder.as_deref_mut().filter(|_| step < last_step) {
+                for (grain, pose) in feeder.due(&self.specimen, time) {
+                    self.let_go(grain, pose)?;
+                }
+            }
         }
         Ok(settled)
+    }
+
+    /// Adds a grain that was waiting.
+    fn let_go(&mut self, index: usize, pose: Pose) -> Result<(), StageError> {
+        let state = BodyState::at_rest(pose);
+        let body = free_grain(&self.specimen.grains.grains[index], state);
+        let id = self.world.add(&body).map_err(|source| self.failed(source))?;
+        self.grains[index] = Some(id);
+        self.parties.insert(Party::Grain(index), id);
+        self.specimen.state.bodies[index] = GrainState { body: state, fate: Fate::Present };
+        Ok(())
     }
 
     /// Takes the specimen out of the world.
@@ -362,6 +408,15 @@ fn remembered(
         })
     });
     contacts.collect()
+}
+
+fn free_grain(grain: &Grain, state: BodyState) -> Body {
+    Body {
+        shape: grain.shape.clone(),
+        motion: Motion::Free { mass: grain.mass, inertia: grain.inertia },
+        material: Material::Grain,
+        state,
+    }
 }
 
 fn wall_piece(piece: &Piece, motion: Motion) -> Body {

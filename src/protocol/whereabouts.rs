@@ -27,18 +27,21 @@ enum Zone {
 pub(super) struct Whereabouts {
     cylinder: Option<(f64, f64)>,
     funnel: Option<Funnel>,
+    /// Radius in m of a pile's base.
+    base: Option<f64>,
     wall: f64,
     floor: f64,
     last: Vec<Zone>,
 }
 
 impl Whereabouts {
-    /// For `grains` grains among the parts of the apparatus that stand; wall
-    /// thickness in m.
+    /// For `grains` grains among the parts of the apparatus that stand; radius of
+    /// a pile's base and wall thickness in m.
     pub(super) fn new(
         grains: usize,
         cylinder: Option<&Cylinder>,
         funnel: Option<&Funnel>,
+        base: Option<f64>,
         wall: f64,
     ) -> Self {
         let floor = match (cylinder, funnel) {
@@ -48,6 +51,7 @@ impl Whereabouts {
         Self {
             cylinder: cylinder.map(|c| (c.radius, c.height)),
             funnel: funnel.cloned(),
+            base,
             wall,
             floor,
             last: vec![Zone::Open; grains],
@@ -86,6 +90,13 @@ impl Whereabouts {
             let inner = funnel.inner_radius(position.z);
             return if radius < inner + self.wall / 2.0 { Zone::Inside } else { Zone::Outside };
         }
+        if let Some(base) = self.base {
+            // Over the edge a grain goes beyond it first.
+            if radius < base - RIM_ZONE {
+                let above = position.z > -super::base::FLOOR_THICKNESS / 2.0;
+                return if above { Zone::Inside } else { Zone::Outside };
+            }
+        }
         Zone::Open
     }
 }
@@ -98,7 +109,7 @@ mod tests {
     fn laboratory() -> Whereabouts {
         let cylinder = Cylinder::new(&CylinderSpec::default()).expect("cylinder");
         let funnel = Funnel::new(&FunnelSpec::default(), 0.25, 0.0).expect("funnel");
-        Whereabouts::new(1, Some(&cylinder), Some(&funnel), 0.02)
+        Whereabouts::new(1, Some(&cylinder), Some(&funnel), None, 0.02)
     }
 
     fn walk(path: &[[f64; 3]]) -> Vec<Fate> {

@@ -14,6 +14,15 @@ pub enum RunKind {
     VibrationContinuous,
     /// Several periods of vibration with rests (paper, Figure 10).
     VibrationIntermittent,
+    /// A pile of grains on a rough base (paper, section 2, Figure 2).
+    Repose,
+}
+
+impl RunKind {
+    /// Whether the specimen was shaken.
+    pub fn is_vibration(self) -> bool {
+        matches!(self, Self::VibrationContinuous | Self::VibrationIntermittent)
+    }
 }
 
 /// One finished run.

@@ -33,6 +33,10 @@ pub struct SeriesRow {
     pub plate_tilt_deg: Option<f64>,
     /// Largest speed of any grain in m/s.
     pub largest_speed_m_per_s: f64,
+    /// Height of a pile above its base in mm, to the highest grain that does
+    /// not move just then; empty without a base.
+    #[serde(default)]
+    pub pile_height_mm: Option<f64>,
 }
 
 /// `summary.json`: the figures of one run.
@@ -72,6 +76,10 @@ pub struct Summary {
     pub settlement_mm: Option<Settlement>,
     /// Settlement of the mean surface, where vibrated.
     pub surface_settlement_mm: Option<Settlement>,
+    /// Angle of repose, where a pile was built; null also where what came of it
+    /// has no flanks, and `warnings` say why.
+    #[serde(default)]
+    pub angle_of_repose: Option<AngleOfRepose>,
     /// Overlap of grains at the end, exact, measured outside the engine.
     pub overlap: Overlap,
     /// Mean number of grains touching a grain.
@@ -142,6 +150,46 @@ pub struct Settlement {
     pub share_after_5_s: Option<f64>,
     /// At the end of each period of vibration, in mm.
     pub after_each_period: Vec<f64>,
+}
+
+/// Slope of a pile, measured as `docs/repose.md` says.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AngleOfRepose {
+    /// That of the mean slope of straight lines fitted to the flank in sectors about the axis.
+    pub degrees: f64,
+    /// Standard deviation of the sectors' angles.
+    pub standard_deviation_degrees: f64,
+    /// Lower end of the 95 % confidence interval of this pile's mean slope.
+    pub confidence_low_degrees: f64,
+    /// Upper end.
+    pub confidence_high_degrees: f64,
+    /// Slope of the cone of the same volume and height.
+    pub by_volume_degrees: f64,
+    /// Height of the highest point above the mean height of the base.
+    pub pile_height_mm: f64,
+    /// Radius at which the mean of the fitted lines meets the base.
+    pub base_radius_mm: f64,
+    /// Radii between which the lines are fitted.
+    pub flank_radii_mm: [f64; 2],
+    /// Volume under the pile's surface, voids included.
+    pub volume_cm3: f64,
+    /// Where the pile's axis stands.
+    pub axis_mm: [f64; 2],
+    /// Grains that fell off the base's edge.
+    pub fallen_off: usize,
+    /// The sectors, in turn from the direction of x.
+    pub by_azimuth: Vec<AzimuthAngle>,
+}
+
+/// The slope of one sector of a pile.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct AzimuthAngle {
+    /// Direction of the sector's middle, counter-clockwise from x.
+    pub azimuth_degrees: f64,
+    /// Its slope; null where it has no flank.
+    pub degrees: Option<f64>,
+    /// Radius at which its fitted line meets the base; null where it does not.
+    pub toe_radius_mm: Option<f64>,
 }
 
 /// Penetration depth over the mean equivalent diameter of the two grains, in percent.

@@ -11,6 +11,7 @@ mod dash;
 mod figures;
 mod html;
 mod laws;
+mod pile_choices;
 mod plot;
 mod png;
 mod quality;
@@ -19,6 +20,7 @@ mod sections;
 mod sensitivity;
 mod sensitivity_page;
 mod shortfalls;
+mod silhouette;
 mod style;
 mod summary;
 mod uncertainty;
@@ -30,8 +32,10 @@ use std::{collections::BTreeMap, path::Path};
 
 use crate::{
     grains::{GrainShape, ParticleSizeDistribution, SieveAnalysis},
+    measure,
     paper::{Claim, Gradation, StudyView},
-    record::{FileError, RunRecord, create_folder, write_file},
+    record::{AngleOfRepose, FileError, RunRecord, create_folder, write_file},
+    specimen::Specimen,
     units::to_mm,
     world::EffectiveSettings,
 };
@@ -44,6 +48,7 @@ pub use convergence::{
 };
 pub use figures::Figure;
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
+pub use pile_choices::pile_choices;
 pub use quality::Standard;
 pub use readings::{
     ReadingCell, ReadingColumn, ReadingFailure, ReadingRow, ReadingRun, write_readings,
@@ -83,6 +88,8 @@ pub struct ReportInput<'a> {
     pub provenance: &'a BTreeMap<String, String>,
     /// Engine settings as read back from the engine.
     pub effective: &'a EffectiveSettings,
+    /// Pictures of specimens, shown after the figures of the study.
+    pub pictures: &'a [Figure],
     /// Findings of the study itself that a reader must know; those of runs
     /// are taken from their summaries.
     pub warnings: &'a [String],
@@ -94,7 +101,8 @@ pub struct ReportInput<'a> {
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write(out: &Path, input: &ReportInput) -> Result<(), ReportError> {
-    let figures = figures::of_study(&input.study, &input.standard)?;
+    let mut figures = figures::of_study(&input.study, &input.standard)?;
+    figures.extend_from_slice(input.pictures);
     for figure in &figures {
         figure.write(&out.join("figures"))?;
     }
@@ -136,4 +144,34 @@ pub fn run_figures(folder: &Path, run: &RunRecord) -> Result<(), ReportError> {
         figure.write(folder)?;
     }
     Ok(())
+}
+
+/// Writes the figures of a pile into a folder: `pile`, its side view with the
+/// fitted flanks, and `angle-by-azimuth`, each as SVG, PNG and CSV.
+///
+/// # Errors
+/// [`ReportError`] naming the file or the figure.
+pub fn pile_figures(
+    folder: &Path,
+    specimen: &Specimen,
+    pile: &AngleOfRepose,
+) -> Result<(), ReportError> {
+    create_folder(folder)?;
+    for figure in figures::of_pile(specimen, pile, base_level_mm(specimen))? {
+        figure.write(folder)?;
+    }
+    Ok(())
+}
+
+/// The side view of a pile with its fitted flanks, to be shown elsewhere.
+///
+/// # Errors
+/// [`ReportError::Figure`].
+pub fn pile_picture(specimen: &Specimen, pile: &AngleOfRepose) -> Result<Figure, ReportError> {
+    figures::side_view(specimen, pile, base_level_mm(specimen))
+}
+
+/// Mean height of the base above z = 0 in mm: that on which the angle was measured.
+fn base_level_mm(specimen: &Specimen) -> f64 {
+    measure::base_level(specimen).map_or(0.0, to_mm)
 }

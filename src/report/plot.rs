@@ -441,7 +441,11 @@ impl Pen<'_, '_> {
 
 /// A text style whose size in the SVG is `size`: plotters writes its own size
 /// over 1.24.
-fn font(size: f64, anchor: (HPos, VPos), transform: FontTransform) -> TextStyle<'static> {
+pub(super) fn font(
+    size: f64,
+    anchor: (HPos, VPos),
+    transform: FontTransform,
+) -> TextStyle<'static> {
     ("sans-serif", size * 1.24)
         .into_font()
         .transform(transform)

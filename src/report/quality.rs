@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::record::{RunKind, RunRecord};
+use crate::record::RunRecord;
 
 /// The accuracy standard (`docs/accuracy.md`): what a run must stay below.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -32,7 +32,7 @@ impl CreepShare {
         let creep = run.summary.creep_um_per_s?;
         let settlement_mm = run.summary.settlement_mm.as_ref()?.final_mm;
         let creep_mm = 1e-3 * creep * vibration_s;
-        (run.kind != RunKind::Pluviation && creep_mm.is_finite() && settlement_mm.is_finite())
+        (run.kind.is_vibration() && creep_mm.is_finite() && settlement_mm.is_finite())
             .then_some(Self { creep_mm, settlement_mm })
     }
 
@@ -57,6 +57,7 @@ pub fn vibration_s(run: &RunRecord) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::paper::canned;
+    use crate::record::RunKind;
 
     #[test]
     fn creep_is_held_against_the_settlement() {

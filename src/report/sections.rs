@@ -8,7 +8,7 @@ use crate::{
         Claim, Interval, PaperValue, StudyView, Verdict,
         text::{compact, number},
     },
-    record::{RunRecord, Settlement},
+    record::{AngleOfRepose, RunKind, RunRecord, Settlement},
 };
 
 /// Class and name of a verdict.
@@ -153,10 +153,68 @@ pub(super) fn runs(study: &StudyView) -> Markup {
                     th.n { "Creep" } th.n { "Control" } th.n { "Z" }
                     th.n { "Lost" } th { "Standard" } th.n { "Wall time" }
                 } }
-                tbody { @for run in study.runs { (run_row(run)) } }
+                tbody { @for run in study.runs.iter().filter(|r| r.kind != RunKind::Repose) {
+                    (run_row(run))
+                } }
             } }
+            (piles(study))
         }
     }
+}
+
+/// One line a pile; nothing without any.
+fn piles(study: &StudyView) -> Markup {
+    let piles: Vec<&RunRecord> = study.of_kind(RunKind::Repose).collect();
+    if piles.is_empty() {
+        return html! {};
+    }
+    html! {
+        h3 { "Piles" }
+        p.soft {
+            "Angle of repose with the 95 % confidence interval of that pile's mean slope, standard "
+            "deviation over sectors of 10°, and the slope of the cone of the same volume and height. "
+            "Height and radius in mm. Grains fallen off the base."
+        }
+        div.scroll { table {
+            thead { tr {
+                th { "Run" } th.n { "Angle" } th.n { "95 %" } th.n { "Sectors" } th.n { "By volume" }
+                th.n { "Height" } th.n { "Radius" } th.n { "Fallen off" }
+                th.n { "Overlap mean / p99 / max" } th.n { "Creep" } th { "Standard" }
+                th.n { "Wall time" }
+            } }
+            tbody { @for run in piles { (pile_row(run)) } }
+        } }
+    }
+}
+
+fn pile_row(run: &RunRecord) -> Markup {
+    let s = &run.summary;
+    let of = |value: fn(&AngleOfRepose) -> f64| {
+        s.angle_of_repose.as_ref().map_or("–".to_owned(), |a| number(value(a), 1))
+    };
+    let o = s.overlap;
+    let overlaps = [o.mean_percent, o.p99_percent, o.max_percent].map(|v| number(v, 2));
+    html! {
+        tr {
+            th scope="row" { (run.name) }
+            td.n { (of(|a| a.degrees)) "°" }
+            td.n { (of(|a| a.confidence_low_degrees)) " to " (of(|a| a.confidence_high_degrees)) "°" }
+            td.n { (of(|a| a.standard_deviation_degrees)) "°" }
+            td.n { (of(|a| a.by_volume_degrees)) "°" }
+            td.n { (of(|a| a.pile_height_mm)) }
+            td.n { (of(|a| a.base_radius_mm)) }
+            td.n { (s.grains.spilled) }
+            td.n { (overlaps.join(" / ")) }
+            td.n { (s.creep_um_per_s.map_or("–".to_owned(), |c| number(c, 1))) }
+            td { (standard_badge(s.meets_standard)) }
+            td.n { (wall_time(s.wall_s)) }
+        }
+    }
+}
+
+fn standard_badge(met: bool) -> Markup {
+    let (class, name) = if met { ("within", "✓ met") } else { ("outside", "✗ not met") };
+    html! { span.verdict.(class) { (name) } }
 }
 
 fn run_row(run: &RunRecord) -> Markup {
@@ -170,8 +228,6 @@ fn run_row(run: &RunRecord) -> Markup {
     });
     let o = s.overlap;
     let overlaps = [o.mean_percent, o.p99_percent, o.max_percent].map(|v| number(v, 2));
-    let (class, met) =
-        if s.meets_standard { ("within", "✓ met") } else { ("outside", "✗ not met") };
     html! {
         tr {
             th scope="row" { (run.name) }
@@ -188,7 +244,7 @@ fn run_row(run: &RunRecord) -> Markup {
             td.n { (control) }
             td.n { (number(s.coordination_number, 2)) }
             td.n { (s.grains.escaped) " / " (s.grains.spilled) " / " (s.grains.left_in_funnel) }
-            td { span.verdict.(class) { (met) } }
+            td { (standard_badge(s.meets_standard)) }
             td.n { (wall_time(s.wall_s)) }
         }
     }

@@ -172,7 +172,10 @@ fn grains_lost(study: &StudyView) -> Vec<String> {
         ));
     }
     let mut by_fate = BTreeMap::new();
-    by_fate.insert("fell over the rim", total(|r| r.summary.grains.spilled));
+    // What rolls off a pile's base is no loss of a cylinder's.
+    let spilled =
+        |r: &RunRecord| if r.kind == RunKind::Repose { 0 } else { r.summary.grains.spilled };
+    by_fate.insert("fell over the rim", total(spilled));
     by_fate.insert("stayed in the funnel", total(|r| r.summary.grains.left_in_funnel));
     for (fate, (count, runs)) in by_fate {
         if count > 0 {

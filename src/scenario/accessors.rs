@@ -40,6 +40,7 @@ impl StageSpec {
     pub fn name(&self) -> &'static str {
         match self {
             Self::FillFunnel { .. } => "fill_funnel",
+            Self::SlowPluviation { .. } => "slow_pluviation",
             Self::Pour { .. } => "pour",
             Self::PlaceTopPlate { .. } => "place_top_plate",
             Self::Vibrate { .. } => "vibrate",
@@ -79,6 +80,7 @@ impl StageSpec {
     pub fn longest(&self) -> f64 {
         match *self {
             Self::FillFunnel { time_limit_s }
+            | Self::SlowPluviation { time_limit_s, .. }
             | Self::Pour { time_limit_s, .. }
             | Self::PlaceTopPlate { time_limit_s } => time_limit_s,
             Self::Rest { duration_s } => duration_s,

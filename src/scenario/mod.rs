@@ -33,7 +33,7 @@ pub use meshes::{MeshGrains, MeshUnit};
 pub use overrides::{NotAnOverride, Override};
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
-pub use stages::{StageSpec, StrokeReading};
+pub use stages::{BaseKind, BaseSpec, StageSpec, StrokeReading};
 pub use stock::{InertiaRule, StockSettings};
 pub use validate::{Warning, warnings};
 

@@ -13,6 +13,37 @@ pub enum StrokeReading {
     FullStroke,
 }
 
+/// What a pile stands on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BaseKind {
+    /// A dense layer of the scenario's own grains, in random orientations, each
+    /// fixed to a floor into which it is sunk to half of its height: a surface
+    /// as rough as the pile itself. Its friction is that between grains.
+    FixedGrains,
+    /// A flat floor of stated friction.
+    Plane,
+}
+
+/// The base of a pile; the paper only says "rough".
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BaseSpec {
+    /// What it is made of.
+    pub kind: BaseKind,
+    /// Coulomb friction ratio between grains and the floor: a `plane` needs it,
+    /// `fixed_grains` have that between grains.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", range(min = 0.0, max = 10.0))]
+    pub friction: Option<f64>,
+}
+
+impl Default for BaseSpec {
+    fn default() -> Self {
+        Self { kind: BaseKind::FixedGrains, friction: None }
+    }
+}
+
 /// One step of the laboratory procedure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "stage", rename_all = "snake_case", deny_unknown_fields)]
@@ -22,6 +53,39 @@ pub enum StageSpec {
         /// Ends when the grains have settled, at the latest after this time.
         #[serde(default = "fill_limit")]
         #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 600.0))]
+        time_limit_s: f64,
+    },
+    /// Feed the grains one by one, slowly and from low above the pile, onto a
+    /// base until all of them lie on it at rest (paper, section 2: "slow
+    /// pluviation tests on a rough surface"). It takes neither funnel nor
+    /// cylinder; every number of it is ours.
+    SlowPluviation {
+        /// Grains let go in a second. A grain waits where the one before it is
+        /// still in its way.
+        #[serde(default = "feed_rate")]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+        feed_rate_grains_per_s: f64,
+        /// Distance in mm from the present top of the pile up to the sphere
+        /// around a grain that is let go: the spout rises with the pile.
+        #[serde(default = "drop_height")]
+        #[schemars(range(min = 0.0, max = 10000.0))]
+        drop_height_mm: f64,
+        /// Diameter in mm of the disc about the axis within which the centres
+        /// of grains are let go.
+        #[serde(default = "spout_diameter")]
+        #[schemars(range(min = 0.0, max = 10000.0))]
+        spout_diameter_mm: f64,
+        /// What the pile stands on.
+        #[serde(default)]
+        base: BaseSpec,
+        /// Diameter of the base in mm. Grains that roll over its edge fall off,
+        /// are taken away and counted.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+        base_diameter_mm: f64,
+        /// Ends when all grains have been fed and have settled, at the latest
+        /// after this time.
+        #[serde(default = "slow_limit")]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
         time_limit_s: f64,
     },
     /// Remove the lid and let the grains fall into the cylinder.
@@ -80,6 +144,18 @@ pub enum StageSpec {
 
 fn fill_limit() -> f64 {
     4.0
+}
+fn feed_rate() -> f64 {
+    25.0
+}
+fn drop_height() -> f64 {
+    10.0
+}
+fn spout_diameter() -> f64 {
+    30.0
+}
+fn slow_limit() -> f64 {
+    120.0
 }
 fn pour_limit() -> f64 {
     6.0

@@ -6,6 +6,7 @@ mod converge;
 mod described;
 mod design;
 mod execute;
+mod pile;
 mod plan;
 mod presets;
 mod readings;

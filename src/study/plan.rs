@@ -230,6 +230,7 @@ impl Plan {
 pub fn stage_name(stage: &StageSpec) -> &'static str {
     match stage {
         StageSpec::FillFunnel { .. } => "fill_funnel",
+        StageSpec::SlowPluviation { .. } => "slow_pluviation",
         StageSpec::Pour { .. } => "pour",
         StageSpec::PlaceTopPlate { .. } => "place_top_plate",
         StageSpec::Vibrate { .. } => "vibrate",
@@ -241,6 +242,9 @@ pub fn stage_name(stage: &StageSpec) -> &'static str {
 pub fn stage_label(stage: &StageSpec) -> String {
     match stage {
         StageSpec::FillFunnel { .. } => "fill the funnel".into(),
+        StageSpec::SlowPluviation { feed_rate_grains_per_s, .. } => {
+            format!("slow pluviation of {feed_rate_grains_per_s} grains a second")
+        }
         StageSpec::Pour { falling_height_mm, .. } => format!("pour from {falling_height_mm} mm"),
         StageSpec::PlaceTopPlate { .. } => "place the top plate".into(),
         StageSpec::Vibrate { duration_s, periods, .. } => {
@@ -255,6 +259,7 @@ pub fn stage_label(stage: &StageSpec) -> String {
 fn expected_time(stage: &StageSpec) -> f64 {
     match *stage {
         StageSpec::FillFunnel { time_limit_s }
+        | StageSpec::SlowPluviation { time_limit_s, .. }
         | StageSpec::Pour { time_limit_s, .. }
         | StageSpec::PlaceTopPlate { time_limit_s } => time_limit_s / 2.0,
         StageSpec::Rest { duration_s } => duration_s,

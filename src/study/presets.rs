@@ -10,7 +10,7 @@ use crate::record::{FileError, create_folder, write_file};
 use crate::scenario::{Override, Scenario, load};
 
 /// The files under `scenarios/` that `reproduce` and the studies use.
-const FILES: [(&str, &str); 7] = [
+const FILES: [(&str, &str); 9] = [
     ("paper/pluviation.json", include_str!("../../scenarios/paper/pluviation.json")),
     (
         "paper/vibration-continuous.json",
@@ -20,8 +20,10 @@ const FILES: [(&str, &str); 7] = [
         "paper/vibration-intermittent.json",
         include_str!("../../scenarios/paper/vibration-intermittent.json"),
     ),
+    ("paper/repose.json", include_str!("../../scenarios/paper/repose.json")),
     ("quick/pluviation.json", include_str!("../../scenarios/quick/pluviation.json")),
     ("quick/vibration.json", include_str!("../../scenarios/quick/vibration.json")),
+    ("quick/repose.json", include_str!("../../scenarios/quick/repose.json")),
     ("studies/convergence.json", include_str!("../../scenarios/studies/convergence.json")),
     ("studies/sensitivity.json", include_str!("../../scenarios/studies/sensitivity.json")),
 ];

@@ -2,7 +2,7 @@
 
 use crate::geometry::Vector;
 use crate::measure::{
-    Container, DEFAULT_CELL, HeightMap, body_energy, content, grain_energy, largest_speed,
+    self, Container, DEFAULT_CELL, HeightMap, body_energy, content, grain_energy, largest_speed,
     mean_grain_height, plate_position,
 };
 use crate::protocol::{Moment, Observer, Setup};
@@ -18,14 +18,19 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     start: f64,
     /// Plate height and mean surface in mm at the start of vibration.
     reference: Option<(Option<f64>, f64)>,
+    /// Mean height in m of a pile's base, once measured.
+    base_level: Option<f64>,
     rows: Vec<SeriesRow>,
     frames: Option<FrameWriter>,
     /// Told of every row as it comes.
     on_row: F,
 }
 
-/// The cylinder where the specimen has it.
+/// The cylinder where the specimen has it, or the space over a pile's base.
 pub fn container(setup: &Setup, specimen: &Specimen) -> Container {
+    if let Some(base) = &specimen.state.base {
+        return measure::over(base);
+    }
     Container {
         centre_x: specimen.state.table_x,
         radius: setup.cylinder.radius,
@@ -46,6 +51,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
             vibrating: matches!(stage, StageSpec::Vibrate { .. }),
             start: 0.0,
             reference: None,
+            base_level: None,
             rows: Vec::new(),
             frames,
             on_row,
@@ -55,6 +61,14 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     /// Says at what time of the run, in s, the stage begins.
     pub fn begin_at(&mut self, time: f64) {
         self.start = time;
+    }
+
+    /// Height of a pile above its base in m; none without a base.
+    fn pile_height(&mut self, specimen: &Specimen) -> Option<f64> {
+        specimen.state.base.as_ref()?;
+        let level =
+            *self.base_level.get_or_insert_with(|| measure::base_level(specimen).unwrap_or(0.0));
+        Some(measure::pile_top(specimen).map_or(0.0, |top| (top - level).max(0.0)))
     }
 
     /// The rows and frames recorded.
@@ -67,6 +81,11 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
 pub fn note(row: &SeriesRow) -> String {
     match row.settlement_mm {
         Some(settlement) => format!("settlement {settlement:.1} mm"),
+        None if row.pile_height_mm.is_some() => format!(
+            "{} grains on the base, pile {:.0} mm high",
+            row.grains_in_cylinder,
+            row.pile_height_mm.unwrap_or(0.0)
+        ),
         None if row.mean_surface_mm > 0.0 => {
             format!("{} grains in, surface {:.0} mm", row.grains_in_cylinder, row.mean_surface_mm)
         }
@@ -78,7 +97,7 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
     fn observe(&mut self, specimen: &Specimen, moment: Moment) {
         let table = Vector::new(moment.table_velocity, 0.0, 0.0);
         let state = &specimen.state;
-        let (surface, inside, grain_height) = if state.cylinder {
+        let (surface, inside, grain_height) = if state.cylinder || state.base.is_some() {
             let container = container(self.setup, specimen);
             let surface = HeightMap::of(specimen, &container, DEFAULT_CELL)
                 .map_or(0.0, |map| map.standing_height().mean_surface);
@@ -113,6 +132,7 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
             grains_in_cylinder: inside as u32,
             plate_tilt_deg: position.map(|p| p.tilt.to_degrees()),
             largest_speed_m_per_s: largest_speed(specimen, &table),
+            pile_height_mm: self.pile_height(specimen).map(to_mm),
         };
         if let Some(frames) = &mut self.frames {
             frames.add(state, row.time_s);

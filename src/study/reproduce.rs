@@ -3,7 +3,7 @@
 
 use std::{
     collections::BTreeMap,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
 };
 
@@ -19,9 +19,10 @@ use super::{
 use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
 use crate::protocol::{Progress, table_motion};
-use crate::record::{RunKind, RunRecord, create_folder, write_json};
-use crate::report::{self, Column, ReportInput, Standard};
+use crate::record::{RunKind, RunRecord, create_folder, read_json, write_json};
+use crate::report::{self, Column, Figure, ReportInput, Standard};
 use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
+use crate::specimen::Specimen;
 use crate::units::{to_cm3, to_g, to_mm};
 use crate::world::EffectiveSettings;
 
@@ -90,11 +91,14 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
     finish(options, &scenarios, &grains, records, &effective)
 }
 
-/// The three scenarios of the programme.
+/// The scenarios of the programme.
 pub(super) struct Scenarios {
     pub pluviation: Scenario,
     pub continuous: Scenario,
     pub intermittent: Scenario,
+    /// The pile of slow pluviation; none under a reading, which is about what
+    /// the paper simulated, and it simulated no pile.
+    pub repose: Option<Scenario>,
     /// What the programme is called: the engine, or the reading.
     pub label: String,
     /// What its runs and files are called beside those of the default.
@@ -126,6 +130,11 @@ impl Scenarios {
                 preset("paper/vibration-intermittent.json")?,
             ]
         };
+        let repose = match reading {
+            None if quick => Some(preset("quick/repose.json")?),
+            None => Some(preset("paper/repose.json")?),
+            Some(_) => None,
+        };
         let engine = &pluviation.engine;
         let (label, suffix) = match reading {
             None => (beside::label(engine), beside::suffix(engine)),
@@ -134,7 +143,7 @@ impl Scenarios {
             }
         };
         let changes = changes.to_vec();
-        Ok(Self { pluviation, continuous, intermittent, label, suffix, quick, changes })
+        Ok(Self { pluviation, continuous, intermittent, repose, label, suffix, quick, changes })
     }
 
     /// A hash of the programme without its engine and its reading: programmes
@@ -144,8 +153,9 @@ impl Scenarios {
         Ok(beside::programme_hash(&plain.all(), configurations))
     }
 
-    fn all(&self) -> [&Scenario; 3] {
-        [&self.pluviation, &self.continuous, &self.intermittent]
+    fn all(&self) -> Vec<&Scenario> {
+        let three = [&self.pluviation, &self.continuous, &self.intermittent];
+        three.into_iter().chain(&self.repose).collect()
     }
 
     fn engine(&self) -> &EngineSettings {
@@ -198,6 +208,10 @@ pub(super) fn programme(
         ] {
             add(format!("vibration-{mode}-c{configuration}"), kind, scenario, SHAKEN_FROM_MM);
         }
+        if let Some(scenario) = &scenarios.repose {
+            // Nothing is poured: the falling height is that of no stage.
+            add(format!("repose-c{configuration}"), RunKind::Repose, scenario, 0.0);
+        }
     }
     runs
 }
@@ -217,6 +231,9 @@ fn finish(
     let column =
         Column::new(&scenarios.label, &scenarios.programme_hash(options.configurations)?, &claims);
     let beside = beside::keep_and_read(&options.out, &scenarios.suffix, &column)?;
+    // The shaken scenario has every choice of the poured one, and more.
+    let mut choices = report::choices(&scenarios.intermittent);
+    choices.extend(scenarios.repose.iter().flat_map(report::pile_choices));
     let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
     report::write(
         &options.out,
@@ -224,11 +241,11 @@ fn finish(
             study,
             claims: &claims,
             beside: &beside,
-            // The shaken scenario has every choice of the poured one, and more.
-            choices: &report::choices(&scenarios.intermittent),
+            choices: &choices,
             standard: Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s },
             provenance: &provenance(options, scenarios),
             effective,
+            pictures: &pile_pictures(&options.out, grains, &records)?,
             warnings: &[],
         },
     )?;
@@ -240,6 +257,19 @@ fn finish(
         report: options.out.join("report.html"),
         runs: records,
     })
+}
+
+/// The side view of the first pile, from the files of its run.
+fn pile_pictures(
+    out: &Path,
+    grains: &Arc<GrainSet>,
+    records: &[RunRecord],
+) -> Result<Vec<Figure>, StudyError> {
+    let pile = |r: &RunRecord| Some((r.name.clone(), r.summary.angle_of_repose.clone()?));
+    let Some((name, angle)) = records.iter().find_map(pile) else { return Ok(Vec::new()) };
+    let state = read_json(&out.join("runs").join(name).join("specimen.json"))?;
+    let specimen = Specimen { grains: grains.clone(), state };
+    Ok(vec![report::pile_picture(&specimen, &angle)?])
 }
 
 /// Where the results come from, in words.
@@ -302,7 +332,10 @@ pub(super) fn study_view<'a>(
         generated: Some(known.sieved.gradation().into()),
         shapes: known.shapes.clone(),
         intermittent,
-        repose: None,
+        pile_friction: scenarios
+            .repose
+            .as_ref()
+            .map_or(f64::NAN, |s| s.contact.grain_grain_friction),
         quick,
     })
 }

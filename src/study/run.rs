@@ -208,6 +208,9 @@ pub(super) fn kind_of(scenario: &Scenario) -> RunKind {
             _ => 0,
         })
         .sum();
+    if scenario.stages.iter().any(|s| matches!(s, StageSpec::SlowPluviation { .. })) {
+        return RunKind::Repose;
+    }
     match periods {
         0 => RunKind::Pluviation,
         1 => RunKind::VibrationContinuous,
@@ -245,6 +248,9 @@ pub(super) fn write_run(
     write_json(&out.join("specimen.json"), &specimen.state)?;
     write_json(&out.join("manifest.json"), &manifest(run, plan, nodes, done))?;
     write_json(&out.join("summary.json"), &summary)?;
+    if let Some(pile) = &summary.angle_of_repose {
+        crate::report::pile_figures(&out.join("figures"), &specimen, pile)?;
+    }
     Ok(RunRecord {
         name: run.name.clone(),
         kind: run.kind,

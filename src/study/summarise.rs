@@ -94,6 +94,14 @@ pub fn summarise(
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
     warnings.extend(scenario::warnings(scenario).iter().map(ToString::to_string));
     warnings.extend(StoneRecord::notes(&run.grains.stones));
+    let angle_of_repose = match super::pile::angle_of_repose(&specimen)? {
+        Some(Ok(angle)) => Some(angle),
+        Some(Err(why)) => {
+            warnings.push(format!("there is no angle of repose: {why}"));
+            None
+        }
+        None => None,
+    };
     let (mean, p99, creep_limit) = STANDARD;
     let meets_standard = overlap.mean_percent < mean
         && overlap.p99_percent < p99
@@ -140,6 +148,7 @@ pub fn summarise(
         porosity: end.porosity,
         settlement_mm: plate,
         surface_settlement_mm: surface,
+        angle_of_repose,
         overlap,
         coordination_number: coordination(&members, &pairs).mean.unwrap_or(0.0),
         creep_um_per_s: creep,
@@ -334,6 +343,7 @@ mod tests {
             grains_in_cylinder: 0,
             plate_tilt_deg: None,
             largest_speed_m_per_s: 0.0,
+            pile_height_mm: None,
         }
     }
 

@@ -8,6 +8,7 @@ mod docs;
 mod export;
 mod interruption;
 mod readings;
+mod repose;
 mod scenario;
 mod small;
 mod stones;

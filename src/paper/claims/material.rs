@@ -12,7 +12,7 @@ pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
         poorly_graded(study),
         friction_is_repose(),
     ];
-    claims.extend(angle_of_repose(study));
+    claims.extend(super::repose::claims(study));
     claims.push(no_crushing(study));
     claims
 }
@@ -109,28 +109,6 @@ fn friction_is_repose() -> Claim {
         number(angle, 2)
     ))
     .judge()
-}
-
-/// Half width in degrees given to the angle of repose. Ours: a pile of this
-/// many grains is a few grains high and its slope is read no better.
-const REPOSE_HALF_WIDTH_DEG: f64 = 2.0;
-
-/// Only where a pile was simulated: the paper's simulations have none.
-fn angle_of_repose(study: &StudyView) -> Option<Claim> {
-    let repose = study.repose.as_ref()?;
-    let mut band = Band::about(constants::ANGLE_OF_REPOSE_DEG, REPOSE_HALF_WIDTH_DEG, "degrees");
-    band.reading = format!("Read as ±{REPOSE_HALF_WIDTH_DEG}°; the width is ours.");
-    let mut claim = Draft::new(
-        "angle-of-repose",
-        "Section 2, Figure 2",
-        "Slow pluviation on a rough surface gives an angle of repose of 38.40°.",
-    )
-    .paper(band)
-    .ours(Some(repose.angle_deg), "°")
-    .note("Measured in the laboratory; the paper simulates no pile.")
-    .judge();
-    claim.runs.push(repose.run.clone());
-    Some(claim)
 }
 
 fn no_crushing(study: &StudyView) -> Claim {

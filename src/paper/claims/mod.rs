@@ -2,6 +2,7 @@
 
 mod material;
 mod pluviation;
+mod repose;
 mod vibration;
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
 }
 
 fn vibrated<'a>(study: &'a StudyView) -> impl Iterator<Item = &'a RunRecord> {
-    study.runs.iter().filter(|r| r.kind != RunKind::Pluviation)
+    study.runs.iter().filter(|r| r.kind.is_vibration())
 }
 
 fn plate(run: &RunRecord) -> Option<&Settlement> {

@@ -6,6 +6,7 @@ mod convergence;
 mod grain_size;
 mod laws;
 mod of_run;
+mod pile;
 mod quality;
 mod readings;
 mod sensitivity;
@@ -19,7 +20,7 @@ use std::path::Path;
 use super::{ReportError, Standard, plot::Plot, png};
 use crate::{
     paper::StudyView,
-    record::{FileError, create_folder, write_file},
+    record::{AngleOfRepose, FileError, RunKind, create_folder, write_file},
 };
 
 pub(super) use comparison::of_comparison;
@@ -27,6 +28,7 @@ pub(super) use convergence::of_convergence;
 pub(super) use grain_size::of_grains;
 pub(super) use laws::of_law;
 pub(super) use of_run::of_run;
+pub(super) use pile::{of_pile, side_view};
 pub(super) use readings::of_readings;
 pub(super) use sensitivity::of_sensitivity;
 pub(super) use shape::figure as of_shapes;
@@ -88,7 +90,7 @@ impl Figure {
 /// # Errors
 /// [`ReportError::Figure`].
 pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Figure>, ReportError> {
-    Ok(vec![
+    let mut figures = vec![
         grain_size::figure(study)?,
         shape::figure(&study.shapes)?,
         standing_height::figure(study)?,
@@ -97,7 +99,15 @@ pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Fig
         settlement::intermittent(study)?,
         quality::creep(study, standard)?,
         quality::overlap(study, standard)?,
-    ])
+    ];
+    let piles: Vec<(String, &AngleOfRepose)> = study
+        .of_kind(RunKind::Repose)
+        .filter_map(|r| Some((r.name.clone(), r.summary.angle_of_repose.as_ref()?)))
+        .collect();
+    if !piles.is_empty() {
+        figures.push(pile::by_azimuth(&piles)?);
+    }
+    Ok(figures)
 }
 
 /// The numbers behind a figure.

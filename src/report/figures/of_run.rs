@@ -66,6 +66,7 @@ fn heights(run: &RunRecord) -> Result<Figure, ReportError> {
         curve(run, 0, "Mean surface", |r| Some(r.mean_surface_mm)),
         curve(run, 1, "Mean height of the grains", |r| Some(r.mean_grain_height_mm)),
         curve(run, 2, "Lower face of the plate", |r| r.plate_height_mm),
+        curve(run, 3, "Top of the pile above its base", |r| r.pile_height_mm),
     ];
     let values = series.iter().flat_map(|s| s.points.iter().map(|p| p.1)).chain([0.0]);
     let mut plot = over_time(run, Axis::linear("Height above the floor (mm)", values));
@@ -77,6 +78,7 @@ fn heights(run: &RunRecord) -> Result<Figure, ReportError> {
         "mean_grain_height_mm",
         "plate_height_mm",
         "grains_in_cylinder",
+        "pile_height_mm",
     ]);
     for r in &run.series {
         table.row([
@@ -86,6 +88,7 @@ fn heights(run: &RunRecord) -> Result<Figure, ReportError> {
             cell(r.mean_grain_height_mm),
             cell(r.plate_height_mm),
             r.grains_in_cylinder.to_string(),
+            cell(r.pile_height_mm),
         ]);
     }
     let caption = "Heights over the time of the run.".to_owned();

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::{Parts, fault, short};
-use crate::scenario::Fault;
+use crate::scenario::{BaseKind, Fault, StageSpec};
 
 /// Longest simulated time of a scenario in s: an hour is 180 times the
 /// paper's longest test.
@@ -14,6 +14,67 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
     check_time(parts, faults);
     check_cycles(parts, faults);
     check_ramps(parts, faults);
+    check_piles(parts, faults);
+}
+
+/// Base and time of a pile.
+fn check_piles(parts: &Parts, faults: &mut Vec<Fault>) {
+    let specs = parts.stages.iter().enumerate().filter_map(|(i, s)| Some((i, s.spec.as_ref()?)));
+    for (i, spec) in specs {
+        let StageSpec::SlowPluviation {
+            feed_rate_grains_per_s,
+            spout_diameter_mm,
+            base,
+            base_diameter_mm,
+            time_limit_s,
+            ..
+        } = spec
+        else {
+            continue;
+        };
+        let mut add = |field: &str, found: String, allowed: String, message: &str| {
+            faults.push(fault(&format!("stages[{i}].{field}"), found, allowed, message.into()));
+        };
+        match (base.kind, base.friction) {
+            (BaseKind::Plane, None) => add(
+                "base.friction",
+                String::new(),
+                "a number of at least 0 and at most 10".into(),
+                "a plane needs its friction with the grains",
+            ),
+            (BaseKind::FixedGrains, Some(friction)) => add(
+                "base.friction",
+                friction.to_string(),
+                "the field left out; contact.grain_grain_friction is that of fixed grains, too"
+                    .into(),
+                "fixed grains have the friction between grains",
+            ),
+            _ => {}
+        }
+        if spout_diameter_mm >= base_diameter_mm {
+            add(
+                "base_diameter_mm",
+                base_diameter_mm.to_string(),
+                format!("more than the spout's diameter, {spout_diameter_mm} mm"),
+                "grains would be let go beside the base",
+            );
+        }
+        let Some(sieved) = &parts.sieved else { continue };
+        let grains: f64 = sieved
+            .sieve_table
+            .iter()
+            .map(|f| f.grain_count(sieved.total_mass_g, sieved.density_kg_per_m3))
+            .sum();
+        let feeding = grains / feed_rate_grains_per_s;
+        if feeding.is_finite() && *time_limit_s <= feeding {
+            add(
+                "time_limit_s",
+                time_limit_s.to_string(),
+                format!("more than {} s", short(feeding)),
+                "the stage ends before all grains have been fed",
+            );
+        }
+    }
 }
 
 fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
@@ -28,8 +89,25 @@ fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
         let before = |other: &str| {
             parts.stages[..i].iter().any(|stage| stage.name.as_deref() == Some(other))
         };
-        if i == 0 && name != "fill_funnel" {
-            add("\"fill_funnel\"", "the first stage fills the funnel".into());
+        if i == 0 && !matches!(name, "fill_funnel" | "slow_pluviation") {
+            add(
+                "\"fill_funnel\" or \"slow_pluviation\"",
+                "the first stage fills the funnel, or builds a pile".into(),
+            );
+            continue;
+        }
+        if name == "slow_pluviation" && i > 0 {
+            add(
+                "it as the first stage",
+                "`slow_pluviation` begins with an empty base and all grains at hand".into(),
+            );
+            continue;
+        }
+        if before("slow_pluviation") && name != "rest" {
+            add(
+                "`rest` after `slow_pluviation`",
+                format!("a pile stands in no cylinder: `{name}` cannot be done with it"),
+            );
             continue;
         }
         let needs = match name {
@@ -57,7 +135,10 @@ fn check_time(parts: &Parts, faults: &mut Vec<Fault>) {
     let specs = || parts.stages.iter().enumerate().filter_map(|(i, s)| Some((i, s.spec.as_ref()?)));
     if let Some(settle) = &parts.settle {
         for (i, spec) in specs() {
-            let settles = matches!(spec.name(), "fill_funnel" | "pour" | "place_top_plate");
+            let settles = matches!(
+                spec.name(),
+                "fill_funnel" | "slow_pluviation" | "pour" | "place_top_plate"
+            );
             if settles && spec.longest() <= settle.hold_s {
                 faults.push(fault(
                     &format!("stages[{i}].time_limit_s"),

@@ -141,6 +141,9 @@ fn motions(parts: &Parts) -> Vec<Fast> {
             let radii = (funnel.top_diameter_mm - funnel.opening_diameter_mm) / 2.0;
             fall(radii / from_deg(funnel.half_angle_deg).tan(), "from the funnel's top to its lid")
         }
+        StageSpec::SlowPluviation { drop_height_mm, .. } => {
+            fall(*drop_height_mm, "from the spout to the pile")
+        }
         // Grains leave the funnel's mouth nearly at rest.
         StageSpec::Pour { falling_height_mm, .. } => {
             let height = falling_height_mm + parts.cylinder.as_ref()?.height_mm;

@@ -1,0 +1,165 @@
+//! Claims on the pile of slow pluviation: sections 2 and 3, Figure 2.
+//!
+//! The paper prints one angle and no scatter. No width is put in the place of
+//! one: its number counts as met where the 95 % confidence interval of our mean
+//! over the configurations holds it, as a measured mean and a number are
+//! compared. One configuration has no such interval, and no verdict.
+
+use crate::measure::inference::MeanTest;
+use crate::paper::{
+    Claim, Interval, PaperValue, StudyView, Verdict, claim::Draft, constants, text::number,
+};
+use crate::record::{AngleOfRepose, RunKind, RunRecord};
+
+const CONFIDENCE: f64 = 0.95;
+
+/// Only where piles were simulated: the paper's simulations have none.
+pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
+    let runs: Vec<&RunRecord> = study.of_kind(RunKind::Repose).collect();
+    if runs.is_empty() {
+        return Vec::new();
+    }
+    vec![laboratory(&runs), atan_friction(study, &runs)]
+}
+
+fn angles(runs: &[&RunRecord]) -> Vec<f64> {
+    let angle = |r: &&RunRecord| Some(r.summary.angle_of_repose.as_ref()?.degrees);
+    runs.iter().filter_map(angle).filter(|a| a.is_finite()).collect()
+}
+
+/// A claim on the mean angle, judged by the interval of the configurations.
+fn judged(mut draft: Draft, runs: &[&RunRecord], stated: f64) -> Claim {
+    let angles = angles(runs);
+    let mean = crate::measure::statistics::mean(&angles);
+    let test = MeanTest::of(&angles, CONFIDENCE);
+    draft = draft.ours(mean, "°").runs(runs.iter().copied()).spread(angles.iter().copied());
+    draft = match &test {
+        Some(t) => draft.note(format!(
+            "Judged by our interval, the paper giving no scatter: mean of {} configurations {}°, 95 % \
+             confidence interval {}° to {}°.",
+            t.count,
+            number(t.mean, 1),
+            number(t.mean - t.half_width, 1),
+            number(t.mean + t.half_width, 1),
+        )),
+        None if mean.is_some() => draft.note(
+            "One configuration has no interval, and the paper gives no scatter to judge by.",
+        ),
+        None => draft,
+    };
+    let mut claim = draft.judge();
+    claim.paper = Some(PaperValue::Value { value: stated });
+    claim.verdict = match &test {
+        Some(t) if Interval::new(t.mean - t.half_width, t.mean + t.half_width).contains(stated) => {
+            Verdict::Within
+        }
+        Some(_) => Verdict::Outside,
+        None if mean.is_some() => Verdict::NotStated,
+        // Piles were built, and none had an angle.
+        None => Verdict::Outside,
+    };
+    claim
+}
+
+fn laboratory(runs: &[&RunRecord]) -> Claim {
+    let piles: Vec<&AngleOfRepose> =
+        runs.iter().filter_map(|r| r.summary.angle_of_repose.as_ref()).collect();
+    let volumes = Interval::of(piles.iter().map(|p| p.by_volume_degrees));
+    let mut draft = Draft::new(
+        "angle-of-repose",
+        "Section 2, Figure 2",
+        "Slow pluviation on a rough surface gives an angle of repose of 38.40°.",
+    )
+    .note("Measured in the laboratory; the paper simulates no pile.");
+    if let Some(v) = volumes {
+        draft = draft.note(format!(
+            "By volume and height ours are {}° to {}°.",
+            number(v.low, 1),
+            number(v.high, 1)
+        ));
+    }
+    judged(draft, runs, constants::ANGLE_OF_REPOSE_DEG)
+}
+
+fn atan_friction(study: &StudyView, runs: &[&RunRecord]) -> Claim {
+    let friction = study.pile_friction;
+    let atan = friction.atan().to_degrees();
+    let draft = Draft::new(
+        "repose-is-atan-friction",
+        "Section 3",
+        "The angle of repose of slowly pluviated material is its angle of friction, so that the \
+         friction ratio of the grains' surfaces is its tangent.",
+    )
+    .note(format!(
+        "Ours is the pile of grains whose surfaces have a friction ratio of {}, atan {}°. The law \
+         cited is of the friction of the whole material, which interlocking and rolling make other \
+         than that of two surfaces.",
+        number(friction, 3),
+        number(atan, 2)
+    ));
+    judged(draft, runs, atan)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::{canned, claims as all};
+
+    /// A canned run as a pile of so many degrees.
+    fn pile(configuration: u32, degrees: Option<f64>) -> RunRecord {
+        let mut run = canned::runs().remove(0);
+        run.kind = RunKind::Repose;
+        run.name = format!("repose-c{configuration}");
+        run.configuration = configuration;
+        run.summary.angle_of_repose = degrees.map(|degrees| AngleOfRepose {
+            degrees,
+            standard_deviation_degrees: 2.0,
+            confidence_low_degrees: degrees - 1.0,
+            confidence_high_degrees: degrees + 1.0,
+            by_volume_degrees: degrees - 0.5,
+            pile_height_mm: 90.0,
+            base_radius_mm: 115.0,
+            flank_radii_mm: [23.0, 92.0],
+            volume_cm3: 1500.0,
+            axis_mm: [0.0, 0.0],
+            fallen_off: 0,
+            by_azimuth: Vec::new(),
+        });
+        run
+    }
+
+    fn claim(degrees: &[Option<f64>], id: &str) -> Option<Claim> {
+        let runs: Vec<RunRecord> =
+            (1..).zip(degrees).map(|(c, degrees)| pile(c, *degrees)).collect();
+        all(&canned::study(&runs)).into_iter().find(|c| c.id == id)
+    }
+
+    #[test]
+    fn the_interval_of_the_configurations_decides() {
+        // Mean 38.0, standard error 0.5774, t(2) = 4.303: 35.5 to 40.5.
+        let near = [Some(37.0), Some(38.0), Some(39.0)];
+        // Mean 33.0: 30.5 to 35.5.
+        let far = [Some(32.0), Some(33.0), Some(34.0)];
+        for id in ["angle-of-repose", "repose-is-atan-friction"] {
+            let within = claim(&near, id).expect("a claim");
+            assert_eq!(within.verdict, Verdict::Within, "{within:?}");
+            assert_eq!(within.spread, Some(Interval::new(37.0, 39.0)));
+            assert!(within.note.contains("35.5° to 40.5°"), "{}", within.note);
+            assert_eq!(within.runs.len(), 3);
+            let outside = claim(&far, id).expect("a claim");
+            assert_eq!(outside.verdict, Verdict::Outside, "{outside:?}");
+            assert_eq!(outside.ours, Some(33.0));
+        }
+        let stated = claim(&near, "angle-of-repose").and_then(|c| c.paper);
+        assert_eq!(stated, Some(PaperValue::Value { value: 38.40 }));
+    }
+
+    #[test]
+    fn one_pile_has_no_verdict_and_none_no_claim() {
+        let one = claim(&[Some(38.4)], "angle-of-repose").expect("a claim");
+        assert_eq!((one.verdict, one.ours), (Verdict::NotStated, Some(38.4)), "{one:?}");
+        let flat = claim(&[None, None], "angle-of-repose").expect("a claim");
+        assert_eq!((flat.verdict, flat.ours), (Verdict::Outside, None), "no pile stood: {flat:?}");
+        assert_eq!(claim(&[], "angle-of-repose"), None);
+    }
+}

@@ -1,0 +1,104 @@
+//! What a pile stands on: how it is made, and the bodies it is made of.
+
+use std::sync::Arc;
+
+use super::Setup;
+use crate::apparatus::{ApparatusError, Piece, round_floor};
+use crate::geometry::Pose;
+use crate::grains::{
+    GrainSet,
+    streams::{below, rotation, stream},
+};
+use crate::scenario::{BaseKind, BaseSpec};
+use crate::specimen::{Base, FixedGrain, Specimen, SpecimenState};
+use crate::world::{Material, PairTable};
+
+/// Thickness of the floor in m; nothing is seen of it.
+pub(super) const FLOOR_THICKNESS: f64 = 0.02;
+
+/// The base of a scenario, of the given radius in m.
+///
+/// Fixed grains stand on the points of a triangular lattice whose pitch is the
+/// mean equivalent diameter, about as close as a layer of grains lies. Which
+/// grain it is and how it is turned are random, by a stream of this
+/// configuration; the middle of its height lies at z = 0, so that it is sunk
+/// into the floor by half. Neighbours may overlap: they are one solid.
+pub(super) fn build(
+    spec: &BaseSpec,
+    radius: f64,
+    grains: &GrainSet,
+    seed: u64,
+    configuration: u32,
+) -> Base {
+    let fixed_grains = match spec.kind {
+        BaseKind::Plane => Vec::new(),
+        BaseKind::FixedGrains => fixed_grains(radius, grains, seed, configuration),
+    };
+    Base { radius, friction: spec.friction, fixed_grains }
+}
+
+fn fixed_grains(radius: f64, set: &GrainSet, seed: u64, configuration: u32) -> Vec<FixedGrain> {
+    let count = set.grains.len();
+    let pitch = set.grains.iter().map(|g| g.equivalent_diameter).sum::<f64>() / count as f64;
+    if !(pitch > 0.0) {
+        return Vec::new();
+    }
+    let mut rng = stream(seed, &format!("fixed grains of the base of mixing {configuration}"));
+    let row_pitch = pitch * 3f64.sqrt() / 2.0;
+    let rows = (radius / row_pitch) as i32;
+    let mut fixed = Vec::new();
+    for row in -rows..=rows {
+        let y = f64::from(row) * row_pitch;
+        // Every second row is shifted by half a pitch.
+        let shift = if row % 2 == 0 { 0.0 } else { pitch / 2.0 };
+        let columns = (radius / pitch) as i32 + 1;
+        for column in -columns..=columns {
+            let x = f64::from(column) * pitch + shift;
+            if x * x + y * y > radius * radius {
+                continue;
+            }
+            let grain = below(&mut rng, count as u64) as usize;
+            let turn = rotation(&mut rng);
+            let heights = set.grains[grain].shape.vertices().iter().map(|v| (turn * v).z);
+            let (low, high) =
+                heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+            let z = -f64::midpoint(low, high);
+            fixed.push(FixedGrain {
+                grain,
+                pose: Pose::from_parts(nalgebra::Translation3::new(x, y, z), turn),
+            });
+        }
+    }
+    fixed
+}
+
+/// The bodies of a specimen's base, the floor last; none where it has no base.
+///
+/// # Errors
+/// When the floor cannot be built.
+pub fn base_pieces(specimen: &Specimen) -> Result<Vec<(Piece, Material)>, ApparatusError> {
+    let Some(base) = &specimen.state.base else { return Ok(Vec::new()) };
+    let mut pieces: Vec<(Piece, Material)> = base
+        .fixed_grains
+        .iter()
+        .map(|fixed| {
+            let shape = Arc::clone(&specimen.grains.grains[fixed.grain].shape);
+            (Piece { shape, pose: fixed.pose }, Material::Grain)
+        })
+        .collect();
+    let material = if base.friction.is_some() { Material::Wall } else { Material::Grain };
+    pieces.push((round_floor(base.radius, FLOOR_THICKNESS)?, material));
+    Ok(pieces)
+}
+
+/// The pairs of a laboratory with what the specimen stands on: a plane base has
+/// a friction of its own.
+pub(super) fn pairs(setup: &Setup, state: &SpecimenState) -> PairTable {
+    let mut pairs = setup.pairs.clone();
+    if let Some(friction) = state.base.as_ref().and_then(|base| base.friction) {
+        let mut of_floor = pairs.get(Material::Grain, Material::Wall);
+        of_floor.friction = friction;
+        pairs.set(Material::Grain, Material::Wall, of_floor);
+    }
+    pairs
+}
