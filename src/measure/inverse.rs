@@ -94,7 +94,7 @@ pub fn inverse_prediction(
         slope_half_width: of_slopes.half_width,
         slope_p: of_slopes.p,
         half_width_there: MeanTest::of(&there, confidence)?.half_width,
-        curvature_p: curvature_p(&lever, blocks, confidence),
+        curvature_p: curvature_p(xs, blocks, confidence),
         blocks: blocks.len(),
     })
 }
@@ -113,19 +113,24 @@ fn covariance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - ma) * (b - mb)).sum::<f64>() / (n - 1.0)
 }
 
-/// The t-test of the blocks' quadratic terms, each along what a parabola has
-/// beyond a line.
-fn curvature_p(lever: &[f64], blocks: &[Vec<f64>], confidence: f64) -> Option<f64> {
-    let squares: Vec<f64> = lever.iter().map(|x| x * x).collect();
-    let (offset, tilt) = (mean(&squares)?, along(lever, &squares)?);
-    let bend: Vec<f64> = squares.iter().zip(lever).map(|(s, x)| s - offset - tilt * x).collect();
-    // Of two distinct abscissae nothing is left.
-    let width = squares.iter().copied().fold(0.0, f64::max);
-    if bend.iter().all(|b| b.abs() <= 1e-9 * width) {
-        return None;
-    }
+/// The t-test of the blocks' quadratic terms.
+fn curvature_p(xs: &[f64], blocks: &[Vec<f64>], confidence: f64) -> Option<f64> {
+    let bend = bend_pattern(xs)?;
     let terms: Vec<f64> = blocks.iter().map(|y| along(&bend, y)).collect::<Option<_>>()?;
     MeanTest::of(&terms, confidence).map(|test| test.p)
+}
+
+/// What x² has beyond a straight line at some abscissae, by least squares. Of
+/// results y the quotient Σ p·y / Σ p² is the quadratic term of their parabola.
+/// `None` where two distinct abscissae leave nothing.
+pub fn bend_pattern(xs: &[f64]) -> Option<Vec<f64>> {
+    let centre = mean(xs)?;
+    let lever: Vec<f64> = xs.iter().map(|x| x - centre).collect();
+    let squares: Vec<f64> = lever.iter().map(|x| x * x).collect();
+    let (offset, tilt) = (mean(&squares)?, along(&lever, &squares)?);
+    let bend: Vec<f64> = squares.iter().zip(&lever).map(|(s, x)| s - offset - tilt * x).collect();
+    let width = squares.iter().copied().fold(0.0, f64::max);
+    bend.iter().any(|b| b.abs() > 1e-9 * width).then_some(bend)
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ pub use estimate::{Estimate, paired_difference};
 pub use height_map::{DEFAULT_CELL, HeightMap, StandingHeight};
 pub use heights::{Content, content, mean_grain_height};
 pub use hull::WorldHull;
-pub use inverse::{InversePrediction, inverse_prediction};
+pub use inverse::{InversePrediction, bend_pattern, inverse_prediction};
 pub use overlap::{OverlapStatistics, overlap_statistics};
 pub use pairs::{PairGap, TOUCHING_GAP, pairs_within, pairs_within_of};
 pub use plate::{PlatePosition, plate_position};

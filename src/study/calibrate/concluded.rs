@@ -121,6 +121,17 @@ fn statement(of: &Calibration) -> String {
             of.most_runs,
             ends()
         ),
+        // A line that reaches it just outside, as far as can be told.
+        (Ending::OutOfReach, Some(solved))
+            if of
+                .solution
+                .and_then(|s| s.interval_95)
+                .is_some_and(|i| i.low <= of.between.high && of.between.low <= i.high) =>
+        {
+            format!(
+                "{target} {wanted} is reached at the edge of {range} or beyond: {unknown} {solved}"
+            )
+        }
         (Ending::OutOfReach, _) => {
             format!("no {unknown} in {range} gives {target} {wanted}: {}", ends())
         }

@@ -1,8 +1,8 @@
 //! What was evaluated so far, and what it says of scatter and direction.
 
 use crate::measure::{
-    InversePrediction,
-    inference::{MeanTest, t_quantile},
+    InversePrediction, bend_pattern,
+    inference::{MeanTest, t_quantile, two_sided_p},
     inverse_prediction,
     statistics::mean,
 };
@@ -121,6 +121,22 @@ impl Kept {
         let squares: f64 = rest.map(|r| r * r).sum();
         let freedom = ((rows - 1) * (columns - 1)) as f64;
         Some((Scatter { deviation: (squares / freedom).sqrt(), freedom }, rows))
+    }
+
+    /// Half the second derivative of the means over some values, and the
+    /// p-value of there being none, by Student's t with the scatter of the
+    /// two-way table. `None` of fewer than three values.
+    pub fn bend(&self, values: &[f64]) -> Option<(f64, f64)> {
+        let (scatter, blocks) = self.paired_scatter(values)?;
+        let table = self.blocks(values);
+        let means: Vec<f64> = (0..values.len())
+            .filter_map(|i| mean(&table.iter().map(|b| b[i]).collect::<Vec<_>>()))
+            .collect();
+        let pattern = bend_pattern(values)?;
+        let square: f64 = pattern.iter().map(|p| p * p).sum();
+        let bend = pattern.iter().zip(&means).map(|(p, m)| p * m).sum::<f64>() / square;
+        let error = scatter.deviation / (blocks as f64 * square).sqrt();
+        Some((bend, two_sided_p(bend / error, scatter.freedom)?))
     }
 
     /// Which pairs of values differ beyond scatter: lower value, higher value,

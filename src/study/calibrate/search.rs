@@ -99,14 +99,18 @@ struct Search<'a> {
     kept: Kept,
     /// Values of the line.
     window: Vec<f64>,
+    /// Whether the window was found fit for a line.
+    settled: bool,
     notes: Vec<String>,
 }
 
 /// Most steps of Brent's method; each halves the range at least every other time.
 const MOST_STEPS: u64 = 10;
+/// Least half width of a window, in parts of the range.
+const LEAST_REACH: f64 = 5e-4;
 /// Most windows that are tried for the line.
 const MOST_WINDOWS: usize = 8;
-/// p-value below which a bend or a slope is taken for real.
+/// p-value below which a bend is taken for real.
 const LEVEL: f64 = 0.05;
 /// How far from the place wanted a value may be that is there already, in
 /// parts of the window's half width.
@@ -122,6 +126,7 @@ pub(super) fn search(question: &Question, experiment: Experiment) -> Result<Answ
         experiment,
         kept: Kept::default(),
         window: Vec::new(),
+        settled: false,
         notes: Vec::new(),
     };
     let ending = match search.carry_out() {
@@ -148,7 +153,8 @@ impl Search<'_> {
             };
         };
         self.close_in(bracket)?;
-        let centre = self.crossing().map_or(bracket.0, |pair| self.between_by_chord(pair));
+        let near = self.crossing_within(bracket);
+        let centre = near.map_or(bracket.0, |pair| self.between_by_chord(pair));
         self.local(centre)
     }
 
@@ -214,8 +220,14 @@ impl Search<'_> {
     /// Of several, the one whose ends are farthest from the wanted result:
     /// chance makes crossings of small means.
     fn crossing(&self) -> Option<(f64, f64)> {
+        self.crossing_within(self.question.between)
+    }
+
+    /// The same, of those between two values.
+    fn crossing_within(&self, (low, high): (f64, f64)) -> Option<(f64, f64)> {
         let size = |v: f64| self.off(v).map_or(0.0, f64::abs);
-        self.crossings().into_iter().max_by(|a, b| {
+        let inside = |pair: &(f64, f64)| low <= pair.0 && pair.1 <= high;
+        self.crossings().into_iter().filter(inside).max_by(|a, b| {
             let least = |pair: &(f64, f64)| size(pair.0).max(size(pair.1));
             least(a).total_cmp(&least(b))
         })
@@ -282,18 +294,48 @@ impl Search<'_> {
         }
     }
 
-    /// Half the width of the window for the line: so wide that the line's
-    /// slope is known to a third, by Fieller's g = t²s²/(n·Sxx·b²) = 0.1 for
-    /// three values and n configurations.
-    fn reach(&self, centre: f64) -> f64 {
+    /// Half the width of the window for the line, and whether it may be wider.
+    ///
+    /// So wide that the line's slope is known to a third, by Fieller's
+    /// g = t²s²/(n·Sxx·b²) = 0.1 for three values and n configurations; but
+    /// where the means bend by c·x², not so wide that the line misses the middle
+    /// by more than a tenth of the tolerance: 2/3·c·w² for three values. The
+    /// slope must stand out of a single run's scatter all the same.
+    fn reach(&self, centre: f64) -> (f64, bool) {
         let q = self.question;
         let scatter = self.scatter(&self.kept.usable());
         let n = f64::from(q.replicates);
         let t = t_quantile(0.975, n - 1.0).unwrap_or(12.7);
         let deviations = (t / (0.2 * n).sqrt()).clamp(2.0, 8.0);
         let slope = self.chord_slope(centre, scatter * (2.0 / n).sqrt());
-        let reach = slope.map_or(f64::INFINITY, |slope| deviations * scatter / slope.abs());
-        reach.clamp(0.02 * q.width(), q.width())
+        let of = |deviations: f64| {
+            slope.map_or(f64::INFINITY, |slope| deviations * scatter / slope.abs())
+        };
+        let bend = self.bend(centre).abs();
+        let straight = (0.15 * q.tolerance.unwrap_or(scatter) / bend).sqrt();
+        let (least, most) = (LEAST_REACH * q.width(), q.width());
+        let bounded = straight < of(deviations);
+        let reach = if bounded { straight.max(of(1.0)) } else { of(deviations) };
+        (if reach.is_nan() { most } else { reach.clamp(least, most) }, !bounded)
+    }
+
+    /// How the means bend around a value: by the fewest values there that show
+    /// it beyond scatter, or else by all.
+    fn bend(&self, centre: f64) -> f64 {
+        let mut values = self.kept.usable();
+        values.sort_by(|a, b| (a - centre).abs().total_cmp(&(b - centre).abs()));
+        let mut last = 0.0;
+        for count in 3..=values.len() {
+            let mut nearest = values[..count].to_vec();
+            nearest.sort_by(f64::total_cmp);
+            let Some((bend, p)) = self.kept.bend(&nearest) else { continue };
+            last = bend;
+            let around = nearest[0] < centre && centre < nearest[count - 1];
+            if around && p < LEVEL {
+                break;
+            }
+        }
+        last
     }
 
     /// Slope of the narrowest chord around a value that stands out of the
@@ -335,37 +377,33 @@ impl Search<'_> {
     fn local(&mut self, centre: f64) -> Going<Ending> {
         let q = self.question;
         let (low, high) = q.between;
-        let (mut centre, mut reach) = (centre.clamp(low, high), self.reach(centre));
-        let least = 0.005 * q.width();
-        let mut shrunk = false;
+        let mut centre = centre.clamp(low, high);
+        let (mut reach, mut may_widen) = self.reach(centre);
         for _ in 0..MOST_WINDOWS {
             self.set_window(centre, reach)?;
             let whole = centre - reach <= low && centre + reach >= high;
             let fit = self.kept.fit(&self.window, q.wanted);
             let Some(fit) = fit.filter(|f| f.interval.is_some()) else {
-                if whole || shrunk {
+                if whole || !may_widen {
                     break;
                 }
                 reach = (2.0 * reach).min(q.width());
                 continue;
             };
-            let bent = fit.curvature_p.is_some_and(|p| p < LEVEL);
-            if bent && reach > least {
-                // Not narrower than the slope can be seen in.
-                let narrow = 1.5 * self.scatter(&self.window) / fit.slope.abs();
-                if 0.5 * reach >= narrow.max(least) {
-                    (reach, shrunk) = (0.5 * reach, true);
-                    centre = fit.x.clamp(centre - reach, centre + reach).clamp(low, high);
-                    continue;
-                }
-            }
             let next = fit.x.clamp(low, high);
-            if (next - centre).abs() > reach {
-                centre = next;
-                continue;
+            let moved = (next - centre).abs() > 0.5 * reach;
+            // What was learnt since may ask for a narrower window.
+            let (again, widen) = self.reach(next);
+            let narrower = again < 0.7 * reach;
+            if !moved && !narrower {
+                break;
             }
-            break;
+            centre = next;
+            if narrower {
+                (reach, may_widen) = (again, widen);
+            }
         }
+        self.settled = true;
         self.sharpen()
     }
 
@@ -380,28 +418,43 @@ impl Search<'_> {
         self.question.tolerance.unwrap_or(scatter.max(1e-3 * span.max(0.0)))
     }
 
+    /// Configurations with which a mean is known as well as asked, if what
+    /// scatters belongs to configurations and not to single runs, which is the
+    /// worst. It looks at no more than the scatter, so that a line that came out
+    /// narrow by chance does not end the search.
+    fn configurations_needed(&self) -> u32 {
+        let scatter = self.scatter(&self.kept.usable());
+        let least = self.question.replicates;
+        let enough = |n: u32| {
+            let t = t_quantile(0.975, f64::from(n) - 1.0).unwrap_or(f64::INFINITY);
+            t * scatter / f64::from(n).sqrt() <= self.tolerance()
+        };
+        (least..4 * least).find(|n| enough(*n)).unwrap_or(4 * least)
+    }
+
     /// Adds configurations to the window's values until the interval is
     /// narrow enough.
     fn sharpen(&mut self) -> Going<Ending> {
-        let mut doubled = false;
+        let mut doubled = 0;
+        let needed = self.configurations_needed();
         loop {
             let fit = self.kept.fit(&self.window, self.question.wanted);
             let size = fit.and_then(|f| in_result(&f));
             let tolerance = self.tolerance();
-            if size.is_some_and(|s| s <= tolerance) {
+            let now = self.window.iter().map(|v| self.kept.tried(*v)).max().unwrap_or(0);
+            if now >= needed && size.is_some_and(|s| s <= tolerance) {
                 return Ok(self.found());
             }
-            let now = self.window.iter().map(|v| self.kept.tried(*v)).max().unwrap_or(0);
             // Fewer than two values: more runs there tell nothing of a slope.
-            let hopeless = size.is_none() && doubled || self.window.len() < 2;
-            doubled |= size.is_none();
+            let hopeless = size.is_none() && doubled >= 2 || self.window.len() < 2;
+            doubled += u32::from(size.is_none());
             if hopeless {
                 return Ok(Ending::Flat);
             }
-            let wanted = size.map_or(2.0, |s| (s / tolerance).powi(2)).clamp(1.0, 4.0);
-            let wanted = (f64::from(now) * wanted).ceil().max(f64::from(now) + 1.0) as u32;
+            let more = size.map_or(2.0, |s| (s / tolerance).powi(2)).clamp(1.0, 4.0);
+            let more = (f64::from(now) * more).ceil() as u32;
             let affordable = (self.left() / self.window.len()) as u32;
-            let next = wanted.min(now + affordable);
+            let next = more.max(needed).max(now + 1).min(now + affordable);
             if next == now {
                 return Err(Halt::RunsUsedUp);
             }
@@ -422,18 +475,27 @@ impl Search<'_> {
 
     /// What the runs so far amount to, where no more are allowed.
     fn end_early(&mut self) -> Ending {
-        if self.kept.fit(&self.window, self.question.wanted).is_none() {
-            self.window = self.crossing().map_or_else(Vec::new, |(a, b)| vec![a, b]);
-        }
         if self.kept.usable().len() < 2 {
             return Ending::Failed;
         }
-        match self.kept.fit(&self.window, self.question.wanted) {
+        let fit = self.kept.fit(&self.window, self.question.wanted);
+        match fit.filter(|_| self.settled) {
             Some(fit) if fit.interval.is_none() && self.kept.differences().is_empty() => {
                 Ending::Flat
             }
-            None if self.crossings().is_empty() => Ending::OutOfReach,
-            _ => Ending::RunsUsedUp,
+            Some(fit) if in_result(&fit).is_some_and(|s| s <= self.tolerance()) => self.found(),
+            Some(_) => Ending::RunsUsedUp,
+            // A line through values that were not found fit for one says
+            // nothing: where the result is passed is all that is known.
+            None => {
+                self.window = Vec::new();
+                let Some((low, high)) = self.crossing() else { return Ending::OutOfReach };
+                self.notes.push(format!(
+                    "the wanted result is passed between {low} and {high}; the runs were used up \
+                     before a line could be fitted there"
+                ));
+                Ending::RunsUsedUp
+            }
         }
     }
 
