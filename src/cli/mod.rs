@@ -30,10 +30,9 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 done, but verify, compare,
-calibrate or --strict found an expectation missed; 2 wrong usage or a fault in
-the scenario; 3 the simulation failed, its last good state is kept; 4 files could not be read or
-written; 130 stopped by Ctrl-C.
+Exit codes: 0 done; 1 done, but verify, compare, calibrate or --strict found an expectation missed;
+2 wrong usage or a fault in the scenario; 3 the simulation failed, its last good state is kept;
+4 files could not be read or written; 130 stopped by Ctrl-C.
 
 Example:
   pluvia run scenarios/quick/pluviation.json --out out/first";

@@ -3,6 +3,7 @@
 
 mod concluded;
 mod kept;
+mod line;
 mod question;
 mod search;
 #[cfg(test)]

@@ -6,7 +6,10 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::search::{Answer, Question, in_result, search};
+use super::{
+    line::in_result,
+    search::{Answer, Question, search},
+};
 use crate::report::{CalibrationEnding as Ending, CalibrationRun};
 use crate::study::StudyError;
 
