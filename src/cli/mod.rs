@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each a function of its arguments
 //! and a [`Context`].
 
+mod calibrate;
 mod changes;
 mod compare;
 mod context;
@@ -29,9 +30,9 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 done, but verify, compare or --strict found an expectation missed; 2 wrong usage or a fault in
-the scenario; 3 the simulation failed, its last good state is kept; 4 files could not be read or
-written; 130 stopped by Ctrl-C.
+Exit codes: 0 done; 1 done, but verify, compare, calibrate or --strict found an expectation missed;
+2 wrong usage or a fault in the scenario; 3 the simulation failed, its last good state is kept;
+4 files could not be read or written; 130 stopped by Ctrl-C.
 
 Example:
   pluvia run scenarios/quick/pluviation.json --out out/first";
@@ -67,6 +68,7 @@ enum Command {
     Run(run::RunArgs),
     Grains(grains::GrainsArgs),
     Compare(compare::CompareArgs),
+    Calibrate(Box<calibrate::CalibrateArgs>),
     Converge(converge::ConvergeArgs),
     Sensitivity(sensitivity::SensitivityArgs),
     Verify(verify::VerifyArgs),
@@ -95,6 +97,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Run(args) => run::run(args, &context),
         Command::Grains(args) => grains::run(args, &context),
         Command::Compare(args) => compare::run(args, &context),
+        Command::Calibrate(args) => calibrate::run(args, &context),
         Command::Converge(args) => converge::run(args, &context),
         Command::Sensitivity(args) => sensitivity::run(args, &context),
         Command::Verify(args) => verify::run(args, &context),

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::paper::Verdict as ClaimVerdict;
 use crate::record::{AngleOfRepose, Settlement, StandingHeight, Summary};
-use crate::report::ReadingColumn;
+use crate::report::{Calibration, ReadingColumn, calibration_rows};
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
 
@@ -217,6 +217,16 @@ pub(super) fn of_comparison(record: &CompareRecord) -> String {
     row.extend(record.runs.iter().map(|r| met(&r.summary).to_owned()));
     rows.push(row);
     columns(&rows)
+}
+
+/// What a calibration found, and what must be known of it.
+pub(super) fn of_calibration(of: &Calibration) -> String {
+    let rows = Rows(calibration_rows(of));
+    let mut text = format!("{}\n{}", of.statement, rows.aligned());
+    for note in &of.notes {
+        text += &format!("  note: {note}\n");
+    }
+    text
 }
 
 /// What became of each reading, one a line.

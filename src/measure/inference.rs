@@ -40,11 +40,7 @@ impl MeanTest {
         let freedom = (values.len() - 1) as f64;
         let error = deviation / (values.len() as f64).sqrt();
         let t = if mean == 0.0 { 0.0 } else { mean / error };
-        let p = if t.is_finite() {
-            2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(t.abs())
-        } else {
-            0.0
-        };
+        let p = two_sided_p(t, freedom)?;
         Some(Self {
             count: values.len(),
             mean,
@@ -64,6 +60,16 @@ pub fn t_quantile(probability: f64, freedom: f64) -> Option<f64> {
         return None;
     }
     Some(StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(probability))
+}
+
+/// Two-sided p-value of a value of Student's t: 0 where it is infinite, `None`
+/// where it is not a number or there is no freedom.
+pub fn two_sided_p(t: f64, freedom: f64) -> Option<f64> {
+    match t {
+        t if t.is_nan() => None,
+        t if t.is_infinite() => Some(0.0),
+        t => Some(2.0 * StudentsT::new(0.0, 1.0, freedom).ok()?.sf(t.abs())),
+    }
 }
 
 /// Outcome of Page's test.

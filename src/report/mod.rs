@@ -3,6 +3,8 @@
 
 mod axis;
 mod beside;
+mod calibration;
+mod calibration_page;
 mod choices;
 mod comparison;
 mod convergence;
@@ -41,6 +43,12 @@ use crate::{
 };
 
 pub use beside::{Column, Finding};
+pub use calibration::{
+    Calibration, CalibrationEnding, CalibrationRun, CalibrationSolution, CalibrationValue,
+    FrictionIdentity, target_in_words, unknown_in_words, with_unit, write_calibration,
+    write_calibration_runs,
+};
+pub use calibration_page::found as calibration_rows;
 pub use choices::{Choice, choices};
 pub use comparison::{ComparedQuantity, ComparedRun, Comparison, write_comparison};
 pub use convergence::{

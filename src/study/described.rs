@@ -51,7 +51,8 @@ pub fn secondary_sieve(
         .map(|(n, size)| {
             size.ok_or(match state.bodies.get(n).map(|b| b.fate) {
                 Some(Fate::Spilled) => NotSieved::Spilled,
-                Some(Fate::LeftInFunnel) => NotSieved::LeftInFunnel,
+                // What was not fed was left behind as well.
+                Some(Fate::LeftInFunnel | Fate::Waiting) => NotSieved::LeftInFunnel,
                 // What takes part must be in the engine.
                 Some(Fate::Present | Fate::ThroughWall) | None => NotSieved::Lost,
             })

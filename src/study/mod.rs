@@ -1,6 +1,7 @@
 //! Many runs, one answer.
 
 mod beside;
+mod calibrate;
 mod compare;
 mod converge;
 mod described;
@@ -20,6 +21,9 @@ mod summarise;
 mod tests;
 mod variations;
 
+pub use calibrate::{
+    CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
+};
 pub use compare::{CompareRecord, CompareRun, HEIGHT_BAND, VOID_RATIO_BAND, compare};
 pub use converge::{
     ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign, StudyOptions,

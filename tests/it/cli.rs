@@ -48,6 +48,7 @@ fn every_subcommand_shows_an_example() {
         "run",
         "converge",
         "sensitivity",
+        "calibrate",
         "grains",
         "export",
         "schema",

@@ -1,6 +1,7 @@
 //! The figures: the paper's, drawn from our runs, and those that show how far
 //! the runs can be trusted.
 
+mod calibration;
 mod comparison;
 mod convergence;
 mod grain_size;
@@ -23,6 +24,7 @@ use crate::{
     record::{AngleOfRepose, FileError, RunKind, create_folder, write_file},
 };
 
+pub(super) use calibration::{capital, of_calibration};
 pub(super) use comparison::of_comparison;
 pub(super) use convergence::of_convergence;
 pub(super) use grain_size::of_grains;

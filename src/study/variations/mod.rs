@@ -12,6 +12,7 @@ mod tests;
 pub(super) use keep::{Kept, keep_and_read};
 
 use std::{
+    ops::Range,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -132,14 +133,16 @@ pub fn carry_out_variations(
     options: &RunOptions,
     so_far: &mut dyn FnMut(&[RunRow]) -> Result<(), StudyError>,
 ) -> Result<Vec<RunRow>, StudyError> {
-    carry_out_in(&crate::world::create, varied, configurations, options, so_far)
+    let one_by_one: Vec<_> = (0..configurations).map(|number| number..number + 1).collect();
+    carry_out_in(&crate::world::create, varied, &one_by_one, options, so_far)
 }
 
-/// The same in worlds of the caller's making.
-fn carry_out_in(
+/// The same in ranges of configurations, counted from 0, one range after the
+/// other and all of a range together, in worlds of the caller's making.
+pub(super) fn carry_out_in(
     make_world: WorldMaker,
     varied: &Varied,
-    configurations: u32,
+    configurations: &[Range<u32>],
     options: &RunOptions,
     so_far: &mut dyn FnMut(&[RunRow]) -> Result<(), StudyError>,
 ) -> Result<Vec<RunRow>, StudyError> {
@@ -149,20 +152,26 @@ fn carry_out_in(
     write_grains(&options.out, &varied.base, &own)?;
     let store = StageStore::open(&options.out.join("stages"))?;
     let mut rows = Vec::new();
-    for number in 0..configurations {
+    for together in configurations {
         let mut planned = Vec::new();
-        for (variation, scenario) in &varied.all {
-            if variation.configurations.is_some_and(|most| number >= most) {
-                continue;
+        for number in together.clone() {
+            for (variation, scenario) in &varied.all {
+                if variation.configurations.is_some_and(|most| number >= most) {
+                    continue;
+                }
+                let run = planned_run(variation, scenario, number, grains.of(scenario)?);
+                let mut row = RunRow::of_scenario(
+                    &run.name,
+                    &variation.name,
+                    &variation.group,
+                    &run.scenario,
+                );
+                // Pairs are told by their number, whatever mixing a variation begins with.
+                row.configuration = number + 1;
+                row.changes =
+                    variation.changes.iter().map(Override::text).collect::<Vec<_>>().join("; ");
+                planned.push((run, row));
             }
-            let run = planned_run(variation, scenario, number, grains.of(scenario)?);
-            let mut row =
-                RunRow::of_scenario(&run.name, &variation.name, &variation.group, &run.scenario);
-            // Pairs are told by their number, whatever mixing a variation begins with.
-            row.configuration = number + 1;
-            row.changes =
-                variation.changes.iter().map(Override::text).collect::<Vec<_>>().join("; ");
-            planned.push((run, row));
         }
         for batch in batches(planned) {
             let (runs, begun): (Vec<_>, Vec<_>) = batch.into_iter().unzip();

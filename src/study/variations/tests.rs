@@ -90,8 +90,8 @@ fn a_run_that_fails_is_a_row_and_the_others_go_on() {
         told.push(rows.len());
         Ok(())
     };
-    let rows =
-        carry_out_in(&worlds, &varied, 2, &options(&out), &mut so_far).expect("the study goes on");
+    let rows = carry_out_in(&worlds, &varied, &[0..1, 1..2], &options(&out), &mut so_far)
+        .expect("the study goes on");
     assert_eq!(rows.len(), 8, "law: one row a run, failed or not");
     // Another contact threshold cannot live in the process at the same time.
     assert_eq!(told, [3, 4, 7, 8], "law: rows are told as they come");
@@ -113,7 +113,8 @@ fn a_run_that_fails_is_a_row_and_the_others_go_on() {
 
     // The same again: only what failed is tried again.
     let before = made.swap(0, Ordering::Relaxed);
-    let again = carry_out_in(&worlds, &varied, 2, &options(&out), &mut |_| Ok(())).expect("done");
+    let again = carry_out_in(&worlds, &varied, &[0..1, 1..2], &options(&out), &mut |_| Ok(()))
+        .expect("done");
     assert_eq!(again, rows, "law: stored runs give the same rows, wall time included");
     let tried = made.load(Ordering::Relaxed);
     assert_eq!(tried, 2, "law: the two failed runs are tried again, of {before} worlds before");

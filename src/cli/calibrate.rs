@@ -1,0 +1,115 @@
+//! `pluvia calibrate`.
+
+use std::{path::PathBuf, thread::available_parallelism};
+
+use clap::Args;
+
+use super::{CliError, Context, ExitStatus, changes::Changes, output_folder, table};
+use crate::report::CalibrationEnding;
+use crate::study::{
+    CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
+    RunOptions,
+};
+
+/// Where friction between grains is sought unless a range is given.
+const FRICTION_RANGE: CalibrationRange = CalibrationRange { low: 0.1, high: 1.5 };
+
+/// Find the friction that gives a measured angle of repose, or any field that gives a result
+#[derive(Debug, Args)]
+#[command(after_help = "\
+The range is looked at as a whole, the place where the result is passed closed in on, and a line
+fitted there; the interval says how well the answer is known beside the scatter from mixing to
+mixing of the grains. Leaves calibrate.json, calibrate.md, report.html, evaluations.csv, figures/
+and runs/ in DIR. What is already done there is not done again; interrupted, the same command goes
+on where it stopped. Exit code 1 means that no value gives the result, or that it is known less
+well than asked; what was found is kept all the same.
+
+Examples:
+  pluvia calibrate scenarios/paper/repose.json --angle-of-repose 38.4 --jobs 2
+  pluvia calibrate scenarios/quick/pluviation.json --target standing_height_mm.mean_surface=105 \\
+      --unknown contact.grain_grain_friction --between 0.2..1.2 --out out/height
+  pluvia calibrate scenarios/quick/vibration.json --target settlement_mm.final=9 \\
+      --unknown stages.3.amplitude_mm --between 5..40 --replicates 8 --tolerance 0.5")]
+pub(super) struct CalibrateArgs {
+    /// The scenario file
+    #[arg(value_name = "SCENARIO.json")]
+    scenario: PathBuf,
+    /// Angle of repose that is wanted, in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = angle, conflicts_with = "target",
+          required_unless_present = "target", allow_negative_numbers = true)]
+    angle_of_repose: Option<CalibrationTarget>,
+    /// Any number of a run's summary.json that is to have a value
+    #[arg(long, value_name = "field=value", requires = "unknown", requires = "between")]
+    target: Option<CalibrationTarget>,
+    /// The number of the scenario that is sought [default: contact.grain_grain_friction, with --angle-of-repose]
+    #[arg(long, value_name = "path", requires = "between")]
+    unknown: Option<String>,
+    /// Between which values it is sought [default: 0.1..1.5, with --angle-of-repose]
+    #[arg(long, value_name = "low..high", allow_hyphen_values = true)]
+    between: Option<CalibrationRange>,
+    /// Configurations a value, each the same grains mixed anew; the same at every value
+    #[arg(long, value_name = "N", default_value_t = 5,
+          value_parser = clap::value_parser!(u32).range(2..=1000))]
+    replicates: u32,
+    /// Half of the 95 % interval that is narrow enough, in the result's unit [default: the standard deviation of a single run]
+    #[arg(long, value_name = "WIDTH", value_parser = positive)]
+    tolerance: Option<f64>,
+    /// Most runs altogether [default: 16 a replicate]
+    #[arg(long, value_name = "N")]
+    most_runs: Option<usize>,
+    #[command(flatten)]
+    changes: Changes,
+    /// Stages carried out at the same time [default: the number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Folder for the results; it is made if needed
+    #[arg(long, value_name = "DIR", default_value = "out/calibrate")]
+    out: PathBuf,
+}
+
+fn angle(text: &str) -> Result<CalibrationTarget, String> {
+    let degrees = text.parse().map_err(|_| format!("`{text}` is no number of degrees"))?;
+    CalibrationTarget::angle_of_repose(degrees)
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok().filter(|v: &f64| *v > 0.0 && v.is_finite());
+    value.ok_or_else(|| format!("`{text}` is no positive number"))
+}
+
+pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let target = args.angle_of_repose.clone().or_else(|| args.target.clone());
+    let target = target.ok_or_else(|| CliError::Usage("nothing is wanted".to_owned()))?;
+    let cores = || available_parallelism().map_or(1, usize::from);
+    let options = CalibrationOptions {
+        scenario: args.scenario.clone(),
+        changes: args.changes.overrides(),
+        target,
+        unknown: args.unknown.clone().unwrap_or_else(|| GRAIN_FRICTION.to_owned()),
+        between: args.between.unwrap_or(FRICTION_RANGE),
+        replicates: args.replicates,
+        tolerance: args.tolerance,
+        most_runs: args.most_runs,
+        run: RunOptions {
+            out: args.out.clone(),
+            jobs: args.jobs.map_or_else(cores, usize::from),
+            frames: false,
+            cancel: context.cancel.clone(),
+            progress: context.progress.clone(),
+        },
+    };
+    let study = CalibrationStudy::new(&options)?;
+    output_folder::prepare(&args.out)?;
+    context.stop_on_ctrl_c();
+    let found = study.carry_out()?;
+    let mut text = table::of_calibration(&found);
+    text += &format!("report in {}\n", args.out.join("report.html").display());
+    context.print(&text, &found)?;
+    match found.ending {
+        CalibrationEnding::Found => Ok(ExitStatus::Done),
+        CalibrationEnding::Failed => {
+            Err(CliError::Study(crate::study::StudyError::Measure(found.statement)))
+        }
+        _ => Ok(ExitStatus::ExpectationMissed),
+    }
+}

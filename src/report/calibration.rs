@@ -1,0 +1,208 @@
+//! What a calibration found: the value of an unknown at which a result is as
+//! wanted, with everything that was tried, as tables and a figure.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::{ReportError, calibration_page::page, figures};
+use crate::paper::Interval;
+use crate::record::{FileError, to_csv, write_file, write_json};
+
+/// One run of a calibration.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CalibrationRun {
+    /// Value of the unknown.
+    pub value: f64,
+    /// Which mixing of the grains, counted from the scenario's own as 1.
+    pub configuration: u32,
+    /// Name of the run and of its folder under `runs/`.
+    pub run: String,
+    /// The result; `None` where the run failed or did not measure it.
+    pub result: Option<f64>,
+    /// Wall time in s of all its stages, whenever they were computed.
+    pub wall_s: Option<f64>,
+    /// Why there is no result.
+    pub failure: Option<String>,
+}
+
+/// All runs of one value of the unknown.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CalibrationValue {
+    /// Value of the unknown.
+    pub value: f64,
+    /// Number of runs.
+    pub runs: usize,
+    /// How many have no result.
+    pub failed: usize,
+    /// Mean result.
+    pub mean: Option<f64>,
+    /// Standard deviation of single results, with n − 1 in the denominator.
+    pub standard_deviation: Option<f64>,
+    /// Half the 95 % confidence interval of the mean, by Student's t.
+    pub half_width_95: Option<f64>,
+    /// Whether the final line was fitted to it.
+    pub in_fit: bool,
+}
+
+/// How a calibration ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CalibrationEnding {
+    /// Found, as well as was asked.
+    Found,
+    /// The runs that were allowed are used up; what is known is told.
+    RunsUsedUp,
+    /// No value in the range gives the wanted result.
+    OutOfReach,
+    /// The result does not depend on the unknown beyond its scatter.
+    Flat,
+    /// Too many runs failed.
+    Failed,
+}
+
+/// The value of the unknown that was asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CalibrationSolution {
+    /// Value of the unknown at which the mean result is the wanted one.
+    pub value: f64,
+    /// Its 95 % confidence interval (Fieller's); `None` where it has no ends.
+    /// It may reach beyond the range that was searched.
+    pub interval_95: Option<Interval>,
+    /// Half the 95 % confidence interval of the mean result there.
+    pub result_half_width_95: f64,
+    /// Half the interval of the unknown in units of the result: the larger
+    /// side times the slope. Held against the tolerance.
+    pub interval_in_result: Option<f64>,
+    /// Slope of the line: change of the result for one unit of the unknown.
+    pub slope: f64,
+    /// Half its 95 % confidence interval.
+    pub slope_half_width_95: f64,
+    /// Mean of the values that the line was fitted to.
+    pub centre: f64,
+    /// Height of the line there.
+    pub level: f64,
+    /// p-value of no curvature within the values of the fit; `None` of two values.
+    pub curvature_p: Option<f64>,
+    /// Number of configurations that the line was fitted to.
+    pub configurations: usize,
+}
+
+/// The assumption that the angle of repose is the angle of friction between
+/// surfaces, held against the runs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FrictionIdentity {
+    /// Friction ratio it gives: the tangent of the wanted angle.
+    pub friction: f64,
+    /// Angle of friction in degrees of the ratio that was found; `None` where
+    /// none was.
+    pub friction_angle_found_degrees: Option<f64>,
+    /// Friction ratio of the runs beside it: `friction`, rounded as values are.
+    pub tried: f64,
+    /// Mean angle of repose of these runs in degrees.
+    pub degrees_there: Option<f64>,
+    /// Mean of angle of repose less angle of friction at `tried`, in degrees.
+    pub difference_degrees: Option<f64>,
+    /// Half its 95 % confidence interval.
+    pub difference_half_width_95: Option<f64>,
+    /// Two-sided p-value of no difference (Student's t-test).
+    pub p: Option<f64>,
+    /// Whether the found interval holds `friction`.
+    pub inside_interval: Option<bool>,
+    /// The friction ratio that the paper took from it.
+    pub paper_friction: f64,
+}
+
+/// `calibrate.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Calibration {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Field of the run's `summary.json` that is wanted.
+    pub target: String,
+    /// Its unit; empty for pure numbers.
+    pub unit: String,
+    /// Its wanted value.
+    pub wanted: f64,
+    /// Field of the scenario that is sought.
+    pub unknown: String,
+    /// Between which values.
+    pub between: Interval,
+    /// How it ended.
+    pub ending: CalibrationEnding,
+    /// That in a sentence.
+    pub statement: String,
+    /// The value found.
+    pub solution: Option<CalibrationSolution>,
+    /// How well the result was to be known, in its unit.
+    pub tolerance: Option<f64>,
+    /// Whether the tolerance was given, and not taken from the scatter.
+    pub tolerance_given: bool,
+    /// Standard deviation of a single run about the mean of its value.
+    pub scatter: Option<f64>,
+    /// Runs at least a value of the unknown.
+    pub replicates: u32,
+    /// Most runs allowed.
+    pub most_runs: usize,
+    /// What a reader must know beside.
+    pub notes: Vec<String>,
+    /// Where the target is the angle of repose and the unknown the friction
+    /// between grains.
+    pub identity: Option<FrictionIdentity>,
+    /// Every value tried, in rising order.
+    pub values: Vec<CalibrationValue>,
+    /// Every run.
+    pub runs: Vec<CalibrationRun>,
+}
+
+impl Calibration {
+    /// What is sought, for sentences.
+    pub fn unknown_in_words(&self) -> &str {
+        unknown_in_words(&self.unknown)
+    }
+}
+
+/// What is sought, for sentences: a name where there is one, or the field.
+pub fn unknown_in_words(field: &str) -> &str {
+    if field == "contact.grain_grain_friction" { "friction between grains" } else { field }
+}
+
+/// What is measured, for sentences.
+pub fn target_in_words(field: &str) -> &str {
+    if field == "angle_of_repose.degrees" { "angle of repose" } else { field }
+}
+
+/// A value with its unit, `38.4°` or `160 mm`.
+pub fn with_unit(number: &str, unit: &str) -> String {
+    match unit {
+        "" => number.to_owned(),
+        "°" => format!("{number}°"),
+        unit => format!("{number} {unit}"),
+    }
+}
+
+/// Writes `evaluations.csv`: one row a run.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn write_calibration_runs(out: &Path, runs: &[CalibrationRun]) -> Result<(), FileError> {
+    let path = out.join("evaluations.csv");
+    let table = to_csv(runs).map_err(|e| FileError::new("write", &path, e))?;
+    write_file(&path, &table)
+}
+
+/// Writes `calibrate.json`, `calibrate.md`, `report.html`, `evaluations.csv`
+/// and the figure.
+///
+/// # Errors
+/// [`ReportError`] naming the file or the figure.
+pub fn write_calibration(out: &Path, of: &Calibration) -> Result<(), ReportError> {
+    write_calibration_runs(out, &of.runs)?;
+    write_json(&out.join("calibrate.json"), of)?;
+    let figure = figures::of_calibration(of)?;
+    figure.write(&out.join("figures"))?;
+    let page = page(of, &figure);
+    write_file(&out.join("calibrate.md"), page.markdown().as_bytes())?;
+    write_file(&out.join("report.html"), page.html(&figure).as_bytes())?;
+    Ok(())
+}

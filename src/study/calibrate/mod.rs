@@ -1,0 +1,230 @@
+//! Calibration: the value of a field of the scenario at which a result of the
+//! run is as wanted.
+
+mod concluded;
+mod kept;
+mod line;
+mod question;
+mod search;
+#[cfg(test)]
+mod tests;
+
+pub use question::{CalibrationRange, CalibrationTarget, GRAIN_FRICTION};
+
+use std::{collections::HashMap, ops::Range, path::PathBuf};
+
+use serde_json::Value;
+
+use super::{
+    RunOptions, StudyError,
+    variations::{Variation, Varied, carry_out_in},
+};
+use crate::record::{RunRow, read_json};
+use crate::report::{self, Calibration, CalibrationRun};
+use crate::scenario::{Override, Scenario, load};
+use question::{ANGLE_OF_REPOSE, Reading};
+use search::{Question, search};
+
+/// What to find, and how.
+pub struct CalibrationOptions {
+    /// The scenario's file.
+    pub scenario: PathBuf,
+    /// Changes that every run has.
+    pub changes: Vec<Override>,
+    /// The result that is wanted.
+    pub target: CalibrationTarget,
+    /// The field of the scenario that is sought.
+    pub unknown: String,
+    /// Between which values.
+    pub between: CalibrationRange,
+    /// Configurations a value, at least 2: each the same grains mixed anew.
+    pub replicates: u32,
+    /// How well the result is to be known, in its unit: half of the 95 %
+    /// interval. `None` for the standard deviation of a single run.
+    pub tolerance: Option<f64>,
+    /// Most runs altogether; `None` for 16 a replicate.
+    pub most_runs: Option<usize>,
+    /// Where to, how many at a time, whom to tell.
+    pub run: RunOptions,
+}
+
+/// A calibration that was checked, and not yet carried out.
+pub struct CalibrationStudy<'a> {
+    options: &'a CalibrationOptions,
+    scenario: Scenario,
+    question: Question,
+}
+
+/// Runs by the bits of their value and their configuration.
+type Known = HashMap<(u64, u32), CalibrationRun>;
+
+/// Most runs without a number of one's own, a replicate.
+const RUNS_A_REPLICATE: usize = 16;
+/// Fewer are used up by the first look.
+const LEAST_RUNS_A_REPLICATE: usize = 6;
+
+impl<'a> CalibrationStudy<'a> {
+    /// Checks everything that can be checked before anything runs: the
+    /// scenario at both ends of the range, the unknown, the numbers.
+    ///
+    /// # Errors
+    /// [`StudyError::Faults`] of the scenario, [`StudyError::Scenario`] else.
+    pub fn new(options: &'a CalibrationOptions) -> Result<Self, StudyError> {
+        let scenario = load(&options.scenario, &options.changes)?.scenario;
+        let unknown = question::unknown(&options.unknown, &scenario)?;
+        let CalibrationRange { low, high } = options.between;
+        if unknown.whole && (low.fract() != 0.0 || high.fract() != 0.0) {
+            return Err(StudyError::Scenario(format!(
+                "--between {low}..{high}: `{}` takes whole numbers only",
+                options.unknown
+            )));
+        }
+        let replicates = options.replicates as usize;
+        let most_runs = options.most_runs.unwrap_or(RUNS_A_REPLICATE * replicates);
+        if most_runs < LEAST_RUNS_A_REPLICATE * replicates {
+            return Err(StudyError::Scenario(format!(
+                "--most-runs {most_runs}: at least {} runs are needed, {LEAST_RUNS_A_REPLICATE} a \
+                 replicate",
+                LEAST_RUNS_A_REPLICATE * replicates
+            )));
+        }
+        let identity =
+            options.target.field() == ANGLE_OF_REPOSE && options.unknown == GRAIN_FRICTION;
+        let question = Question {
+            wanted: options.target.wanted(),
+            between: (low, high),
+            replicates: options.replicates,
+            tolerance: options.tolerance,
+            most_runs,
+            whole: unknown.whole,
+            also: identity.then(|| options.target.wanted().to_radians().tan()),
+        };
+        let study = Self { options, scenario, question };
+        // A value that the scenario does not allow is told before anything runs.
+        study.varied(&[low, high])?;
+        Ok(study)
+    }
+
+    /// Carries it out and writes `calibrate.json`, `calibrate.md`,
+    /// `report.html`, `evaluations.csv`, `figures/` and `runs/<name>/`. What is
+    /// stored in the folder is not done again.
+    ///
+    /// # Errors
+    /// [`StudyError`]. A result that cannot be had is none.
+    pub fn carry_out(&self) -> Result<Calibration, StudyError> {
+        let mut known = Known::new();
+        let mut all: Vec<CalibrationRun> = Vec::new();
+        let mut carry_out = |values: &[f64], configurations: Range<u32>| {
+            let runs = self.runs(values, configurations, &mut known)?;
+            all.extend(runs.iter().cloned());
+            all.sort_by(|a, b| {
+                a.value.total_cmp(&b.value).then(a.configuration.cmp(&b.configuration))
+            });
+            all.dedup();
+            report::write_calibration_runs(&self.options.run.out, &all)?;
+            Ok(runs)
+        };
+        // One run tells whether the result is measured at all.
+        carry_out(&[self.question.between.0], 0..1)?;
+        let answer = search(&self.question, &mut carry_out)?;
+        let found = concluded::conclude(self.options, &self.scenario, &self.question, answer);
+        report::write_calibration(&self.options.run.out, &found)?;
+        Ok(found)
+    }
+
+    /// Values of the unknown as variations of the scenario.
+    fn varied(&self, values: &[f64]) -> Result<Varied, StudyError> {
+        let variation = |value: &f64| {
+            let change = if self.question.whole {
+                format!("{}={value:.0}", self.options.unknown)
+            } else {
+                format!("{}={value}", self.options.unknown)
+            };
+            let change = change.parse::<Override>();
+            Ok(Variation {
+                name: format!("at-{value}"),
+                group: self.options.unknown.clone(),
+                changes: vec![change.map_err(|e| StudyError::Scenario(e.to_string()))?],
+                configurations: None,
+            })
+        };
+        let variations = values.iter().map(variation).collect::<Result<_, StudyError>>()?;
+        Ok(Varied::load(&self.options.scenario, &self.options.changes, variations)?)
+    }
+
+    /// Carries out what is not known yet, and gives the runs value by value.
+    fn runs(
+        &self,
+        values: &[f64],
+        configurations: Range<u32>,
+        known: &mut Known,
+    ) -> Result<Vec<CalibrationRun>, StudyError> {
+        let key = |value: f64, configuration: u32| (value.to_bits(), configuration);
+        let missing = |value: &f64| {
+            configurations.clone().any(|number| !known.contains_key(&key(*value, number + 1)))
+        };
+        let wanted: Vec<f64> = values.iter().copied().filter(missing).collect();
+        if !wanted.is_empty() {
+            let varied = self.varied(&wanted)?;
+            let rows = carry_out_in(
+                &crate::world::create,
+                &varied,
+                std::slice::from_ref(&configurations),
+                &self.options.run,
+                &mut |_| Ok(()),
+            )?;
+            for (value, (variation, _)) in wanted.iter().zip(&varied.all) {
+                for row in rows.iter().filter(|row| row.variation == variation.name) {
+                    let run = self.measured(*value, row)?;
+                    let told = known.insert(key(*value, run.configuration), run.clone());
+                    if told.is_none() {
+                        self.tell(&run);
+                    }
+                }
+            }
+        }
+        let of = |value: &f64| {
+            let at = |number: u32| known.get(&key(*value, number + 1)).cloned();
+            configurations.clone().filter_map(at).collect::<Vec<_>>()
+        };
+        Ok(values.iter().flat_map(of).collect())
+    }
+
+    /// Reads the result of a run from its summary.
+    fn measured(&self, value: f64, row: &RunRow) -> Result<CalibrationRun, StudyError> {
+        let run = CalibrationRun {
+            value,
+            configuration: row.configuration,
+            run: row.run.clone(),
+            result: None,
+            wall_s: None,
+            failure: row.failure.clone(),
+        };
+        if run.failure.is_some() {
+            return Ok(run);
+        }
+        let path = self.options.run.out.join("runs").join(&row.run).join("summary.json");
+        let summary: Value = read_json(&path)?;
+        let wall_s = summary.get("wall_s").and_then(Value::as_f64);
+        let first = value == self.question.between.0 && row.configuration == 1;
+        match self.options.target.read(&summary) {
+            Reading::Number(result) => Ok(CalibrationRun { result: Some(result), wall_s, ..run }),
+            Reading::NotMeasured if !first => {
+                let failure = format!("`{}` was not measured", self.options.target.field());
+                Ok(CalibrationRun { wall_s, failure: Some(failure), ..run })
+            }
+            missing => Err(self.options.target.not_there(&summary, missing)),
+        }
+    }
+
+    fn tell(&self, run: &CalibrationRun) {
+        let unit = self.options.target.unit();
+        let result = match (&run.result, &run.failure) {
+            (Some(result), _) => report::with_unit(&crate::paper::text::compact(*result), unit),
+            (None, why) => format!("no result: {}", why.as_deref().unwrap_or("unknown")),
+        };
+        let name = report::unknown_in_words(&self.options.unknown);
+        let text = format!("{name} {}, configuration {}: {result}", run.value, run.configuration);
+        self.options.run.progress.message(&text);
+    }
+}

@@ -1,0 +1,299 @@
+//! What a calibration is asked: which result is wanted, and which field of the
+//! scenario is to give it.
+
+use std::str::FromStr;
+
+use serde_json::Value;
+
+use super::super::StudyError;
+use crate::scenario::{Override, Scenario};
+
+/// A result of a run that is to have a value: a number of its `summary.json`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CalibrationTarget {
+    field: String,
+    wanted: f64,
+    /// Finds the field.
+    place: Override,
+}
+
+/// Where `summary.json` has the angle of repose.
+pub(super) const ANGLE_OF_REPOSE: &str = "angle_of_repose.degrees";
+/// Where a scenario has the friction between grains.
+pub const GRAIN_FRICTION: &str = "contact.grain_grain_friction";
+
+impl FromStr for CalibrationTarget {
+    type Err = String;
+
+    /// Reads `field=value`, as `standing_height_mm.mean_surface=160`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let bad =
+            || format!("`{text}` is not field=number, as in standing_height_mm.mean_surface=160");
+        let (field, wanted) = text.split_once('=').ok_or_else(bad)?;
+        let wanted = wanted.trim().parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(bad)?;
+        let place = text.parse().map_err(|_| bad())?;
+        Ok(Self { field: field.trim().to_owned(), wanted, place })
+    }
+}
+
+/// A result in a summary.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Reading {
+    Number(f64),
+    /// The field, or what it is part of, is null.
+    NotMeasured,
+    /// There is no such field, or it is no number.
+    Missing,
+}
+
+impl CalibrationTarget {
+    /// An angle of repose in degrees.
+    ///
+    /// # Errors
+    /// When it is not between 0 and 90.
+    pub fn angle_of_repose(degrees: f64) -> Result<Self, String> {
+        if !(degrees > 0.0 && degrees < 90.0) {
+            return Err(format!("an angle of repose lies between 0 and 90 degrees, not {degrees}"));
+        }
+        format!("{ANGLE_OF_REPOSE}={degrees}").parse()
+    }
+
+    /// The field of `summary.json`.
+    pub fn field(&self) -> &str {
+        &self.field
+    }
+
+    /// Its wanted value.
+    pub fn wanted(&self) -> f64 {
+        self.wanted
+    }
+
+    /// Its unit, as its name says; empty for pure numbers.
+    pub fn unit(&self) -> &'static str {
+        const ENDINGS: [(&str, &str); 12] = [
+            ("um_per_s", "µm/s"),
+            ("degrees", "°"),
+            ("deg", "°"),
+            ("percent", "%"),
+            ("mm3", "mm³"),
+            ("cm3", "cm³"),
+            ("mib", "MiB"),
+            ("mm", "mm"),
+            ("hz", "Hz"),
+            ("g", "g"),
+            ("j", "J"),
+            ("s", "s"),
+        ];
+        let ends = |name: &str, ending: &str| {
+            name == ending || name.strip_suffix(ending).is_some_and(|rest| rest.ends_with('_'))
+        };
+        let of = |name: &str| ENDINGS.iter().find(|(e, _)| ends(name, e)).map(|(_, unit)| *unit);
+        // A share of a length in mm is no length.
+        let last = self.field.rsplit('.').next().unwrap_or_default();
+        if last.starts_with("share_") || last == "count" {
+            return "";
+        }
+        self.field.rsplit('.').find_map(|part| of(part.split('[').next()?)).unwrap_or("")
+    }
+
+    /// Reads it from a summary.
+    pub(super) fn read(&self, summary: &Value) -> Reading {
+        match self.place.value_before(summary) {
+            Some(Value::Null) => Reading::NotMeasured,
+            Some(value) => value.as_f64().map_or(Reading::Missing, Reading::Number),
+            None => {
+                // Part of what was not measured is not there either.
+                let mut at = summary;
+                for part in self.field.split('.') {
+                    match at.get(part) {
+                        Some(Value::Null) => return Reading::NotMeasured,
+                        Some(next) => at = next,
+                        None => return Reading::Missing,
+                    }
+                }
+                Reading::Missing
+            }
+        }
+    }
+
+    /// Says what a summary has in place of the field.
+    pub(super) fn not_there(&self, summary: &Value, reading: Reading) -> StudyError {
+        let mut numbers = Vec::new();
+        collect_numbers("", summary, &mut numbers);
+        let why = match reading {
+            Reading::NotMeasured => "this scenario does not measure it (it is null)",
+            _ => "there is no such number",
+        };
+        StudyError::Scenario(format!(
+            "summary.json of a run has no number at `{}`: {why}; it has {}",
+            self.field,
+            numbers.join(", ")
+        ))
+    }
+}
+
+/// Paths of all numbers of a value.
+fn collect_numbers(at: &str, value: &Value, found: &mut Vec<String>) {
+    let below = |name: &str| if at.is_empty() { name.to_owned() } else { format!("{at}.{name}") };
+    match value {
+        Value::Number(_) => found.push(at.to_owned()),
+        Value::Object(map) => {
+            map.iter().for_each(|(name, value)| collect_numbers(&below(name), value, found));
+        }
+        Value::Array(items) => items
+            .iter()
+            .enumerate()
+            .for_each(|(i, value)| collect_numbers(&format!("{at}[{i}]"), value, found)),
+        _ => {}
+    }
+}
+
+/// A range of values, `0.2..1.2`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CalibrationRange {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl FromStr for CalibrationRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let ends = text.split_once("..").and_then(|(low, high)| {
+            let end = |t: &str| t.trim().parse().ok().filter(|v: &f64| v.is_finite());
+            Some((end(low)?, end(high)?))
+        });
+        match ends {
+            Some((low, high)) if low < high => Ok(Self { low, high }),
+            Some((low, high)) => Err(format!(
+                "the range {low}..{high} is empty or reversed: the lower end comes first"
+            )),
+            None => Err(format!("`{text}` is not a range, as in 0.2..1.2")),
+        }
+    }
+}
+
+/// The field of the scenario that is sought, as it stands there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Unknown {
+    /// Whether it takes whole numbers only.
+    pub whole: bool,
+}
+
+/// Looks a field up in a scenario.
+///
+/// # Errors
+/// When there is none, it is no number, or it names samples.
+pub(super) fn unknown(field: &str, scenario: &Scenario) -> Result<Unknown, StudyError> {
+    let fault = |why: &str| Err(StudyError::Scenario(format!("--unknown {field}: {why}")));
+    if matches!(field, "seed" | "configuration") {
+        return fault("it tells samples apart, of which --replicates takes several");
+    }
+    let Ok(place) = format!("{field}=0").parse::<Override>() else {
+        return fault("that is no path of a field, as contact.grain_grain_friction");
+    };
+    let all = serde_json::to_value(scenario)
+        .map_err(|e| StudyError::Scenario(format!("the scenario has no JSON form: {e}")))?;
+    match place.value_before(&all) {
+        Some(Value::Number(number)) => Ok(Unknown { whole: number.is_u64() || number.is_i64() }),
+        Some(other) => fault(&format!("the scenario has no number there but {other}")),
+        None => fault("the scenario has no such field"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn targets_are_fields_and_numbers() {
+        let target: CalibrationTarget = "settlement_mm.final=12.5".parse().expect("a target");
+        assert_eq!((target.field(), target.wanted()), ("settlement_mm.final", 12.5));
+        for text in ["", "a", "a=", "a=b", "=1", "a=nan", "a=inf"] {
+            let refused = text.parse::<CalibrationTarget>();
+            assert!(refused.is_err(), "`{text}` must be refused");
+        }
+        assert!(CalibrationTarget::angle_of_repose(38.4).is_ok());
+        for degrees in [0.0, 90.0, -3.0, f64::NAN] {
+            assert!(CalibrationTarget::angle_of_repose(degrees).is_err(), "{degrees}");
+        }
+    }
+
+    #[test]
+    fn units_are_those_of_the_names() {
+        for (field, unit) in [
+            ("standing_height_mm.mean_surface", "mm"),
+            ("settlement_mm.share_after_5_s", ""),
+            ("settlement_mm.after_each_period[1]", "mm"),
+            ("angle_of_repose.degrees", "°"),
+            ("void_ratio", ""),
+            ("creep_um_per_s", "µm/s"),
+            ("overlap.p99_percent", "%"),
+            ("grains.count", ""),
+            ("grains.mass_g", "g"),
+            ("coordination_number", ""),
+        ] {
+            let target: CalibrationTarget = format!("{field}=1").parse().expect("a target");
+            assert_eq!(target.unit(), unit, "unit of {field}");
+        }
+    }
+
+    #[test]
+    fn results_are_read_or_told_missing() {
+        let summary = serde_json::json!({ "a": { "b": 7, "c": null }, "d": null, "e": "x" });
+        for (field, expected) in [
+            ("a.b", Reading::Number(7.0)),
+            ("a.c", Reading::NotMeasured),
+            ("d", Reading::NotMeasured),
+            ("d.f", Reading::NotMeasured),
+            ("e", Reading::Missing),
+            ("a", Reading::Missing),
+            ("g.h", Reading::Missing),
+        ] {
+            let target: CalibrationTarget = format!("{field}=1").parse().expect("a target");
+            assert_eq!(target.read(&summary), expected, "{field}");
+        }
+        let target: CalibrationTarget = "z=1".parse().expect("a target");
+        let said = target.not_there(&summary, Reading::Missing).to_string();
+        assert!(said.contains("`z`") && said.contains("it has a.b"), "{said}");
+    }
+
+    #[test]
+    fn ranges_run_upwards() {
+        let range: CalibrationRange = "0.2..1.2".parse().expect("a range");
+        assert_eq!((range.low, range.high), (0.2, 1.2));
+        assert_eq!("-3..-1".parse(), Ok(CalibrationRange { low: -3.0, high: -1.0 }));
+        for text in ["1.2..0.2", "1..1", "1", "..", "a..b", "0..inf"] {
+            assert!(text.parse::<CalibrationRange>().is_err(), "`{text}` must be refused");
+        }
+    }
+
+    #[test]
+    fn unknowns_are_numbers_of_the_scenario() {
+        let scenario: Scenario = serde_json::from_value(serde_json::json!({
+            "name": "s", "grains": { "file": "g.json" },
+            "stages": [{ "stage": "pour", "falling_height_mm": 50 }]
+        }))
+        .expect("a scenario");
+        for (field, whole) in [
+            (GRAIN_FRICTION, false),
+            ("engine.manifold.sweeps", true),
+            ("stages[0].falling_height_mm", false),
+        ] {
+            let found = unknown(field, &scenario).expect("a number");
+            assert_eq!(found.whole, whole, "{field}");
+        }
+        for (field, words) in [
+            ("contact.colour", "no such field"),
+            ("name", "no number there"),
+            ("seed", "samples"),
+            ("configuration", "samples"),
+            ("a..b", "no path"),
+        ] {
+            let said = unknown(field, &scenario).expect_err("refused").to_string();
+            assert!(said.contains(words) && said.contains(field), "{field}: {said}");
+        }
+    }
+}

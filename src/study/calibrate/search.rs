@@ -1,0 +1,372 @@
+//! The search for a value at which a scattering result is as wanted.
+//!
+//! First the whole range is looked at, at a few values. Where the means pass
+//! the wanted result, Brent's method on the means closes in until the mean is
+//! as close as a single run scatters; nearer it would follow chance. Then a
+//! line is fitted to values on either side, far enough apart that the slope
+//! stands out of the scatter and close enough that the line is straight, and
+//! runs are added until the interval is as narrow as asked.
+
+use std::{cell::RefCell, ops::Range};
+
+use argmin::{
+    core::{CostFunction, Error as Stopped, Executor},
+    solver::brent::BrentRoot,
+};
+
+use super::{super::StudyError, kept::Kept, line::in_result};
+use crate::measure::InversePrediction;
+use crate::report::{CalibrationEnding as Ending, CalibrationRun};
+
+/// What is asked.
+#[derive(Debug, Clone)]
+pub(super) struct Question {
+    /// The result that is wanted.
+    pub wanted: f64,
+    /// Between which values of the unknown.
+    pub between: (f64, f64),
+    /// Runs at least a value.
+    pub replicates: u32,
+    /// How well the result is to be known: half of the interval, in the
+    /// result's unit. `None` for the scatter of a single run.
+    pub tolerance: Option<f64>,
+    /// Most runs altogether.
+    pub most_runs: usize,
+    /// Whether the unknown takes whole numbers only.
+    pub whole: bool,
+    /// A value to try in any case.
+    pub also: Option<f64>,
+}
+
+impl Question {
+    pub(super) fn width(&self) -> f64 {
+        self.between.1 - self.between.0
+    }
+
+    /// A value with no more digits than the range can use: one part in ten
+    /// thousand of it, or whole; the ends are as given.
+    pub(super) fn rounded(&self, value: f64) -> f64 {
+        let (low, high) = self.between;
+        let power = if self.whole { 0 } else { self.width().log10().floor() as i32 - 4 };
+        let rounded = if power < 0 {
+            let decimals = power.unsigned_abs() as usize;
+            format!("{value:.decimals$}").parse().unwrap_or(value)
+        } else {
+            let step = 10f64.powi(power);
+            (value / step).round() * step
+        };
+        if rounded <= low {
+            low
+        } else if rounded >= high {
+            high
+        } else {
+            rounded
+        }
+    }
+}
+
+/// Carries out values in a range of configurations, counted from 0.
+pub(super) type Experiment<'a> =
+    &'a mut dyn FnMut(&[f64], Range<u32>) -> Result<Vec<CalibrationRun>, StudyError>;
+
+/// What was found.
+#[derive(Debug, Clone)]
+pub(super) struct Answer {
+    pub ending: Ending,
+    /// The last line.
+    pub fit: Option<InversePrediction>,
+    /// The values it was fitted to.
+    pub fitted: Vec<f64>,
+    /// The tolerance held against.
+    pub tolerance: Option<f64>,
+    /// Standard deviation of a single run.
+    pub scatter: Option<f64>,
+    pub notes: Vec<String>,
+    pub kept: Kept,
+}
+
+/// Why a search goes no further.
+pub(super) enum Halt {
+    RunsUsedUp,
+    Error(StudyError),
+}
+
+pub(super) type Going<T> = Result<T, Halt>;
+
+pub(super) struct Search<'a> {
+    pub(super) question: &'a Question,
+    experiment: Experiment<'a>,
+    pub(super) kept: Kept,
+    /// Values of the line.
+    pub(super) window: Vec<f64>,
+    /// Whether the window was found fit for a line.
+    pub(super) settled: bool,
+    notes: Vec<String>,
+}
+
+/// Most steps of Brent's method; each halves the range at least every other time.
+const MOST_STEPS: u64 = 10;
+
+/// Searches.
+///
+/// # Errors
+/// Those of the experiment.
+pub(super) fn search(question: &Question, experiment: Experiment) -> Result<Answer, StudyError> {
+    let mut search = Search {
+        question,
+        experiment,
+        kept: Kept::default(),
+        window: Vec::new(),
+        settled: false,
+        notes: Vec::new(),
+    };
+    let ending = match search.carry_out() {
+        Ok(ending) => ending,
+        Err(Halt::RunsUsedUp) => search.end_early(),
+        Err(Halt::Error(error)) => return Err(error),
+    };
+    Ok(search.answer(ending))
+}
+
+impl Search<'_> {
+    fn carry_out(&mut self) -> Going<Ending> {
+        self.first_look()?;
+        if self.kept.usable().len() < 2 {
+            return Ok(Ending::Failed);
+        }
+        if self.crossings().is_empty() {
+            self.look_beside_the_nearest()?;
+        }
+        let Some(bracket) = self.crossing() else {
+            return match self.touching() {
+                Some(value) => self.local(value),
+                None => Ok(Ending::OutOfReach),
+            };
+        };
+        self.close_in(bracket)?;
+        let near = self.crossing_within(bracket);
+        let centre = near.map_or(bracket.0, |pair| self.between_by_chord(pair));
+        self.local(centre)
+    }
+
+    /// Carries out what is missing of values up to a number of configurations.
+    pub(super) fn evaluate(&mut self, values: &[f64], configurations: u32) -> Going<()> {
+        let mut missing: Vec<(u32, Vec<f64>)> = Vec::new();
+        for &value in values {
+            let from = self.kept.tried(value);
+            if from >= configurations {
+                continue;
+            }
+            match missing.iter_mut().find(|(known, _)| *known == from) {
+                Some((_, together)) if !together.contains(&value) => together.push(value),
+                Some(_) => {}
+                None => missing.push((from, vec![value])),
+            }
+        }
+        let runs: usize =
+            missing.iter().map(|(from, v)| (configurations - from) as usize * v.len()).sum();
+        if runs > self.left() {
+            return Err(Halt::RunsUsedUp);
+        }
+        for (from, values) in missing {
+            let runs = (self.experiment)(&values, from..configurations).map_err(Halt::Error)?;
+            self.kept.runs.extend(runs);
+        }
+        Ok(())
+    }
+
+    pub(super) fn left(&self) -> usize {
+        self.question.most_runs.saturating_sub(self.kept.runs.len())
+    }
+
+    /// Both ends, thirds between, and the value to try in any case.
+    fn first_look(&mut self) -> Going<()> {
+        let q = self.question;
+        let (low, high) = q.between;
+        let also = q.also.map(|v| q.rounded(v)).filter(|v| *v > low && *v < high);
+        let apart = |v: &f64| also.is_none_or(|a| (a - v).abs() > 0.1 * q.width());
+        let thirds = [low + q.width() / 3.0, high - q.width() / 3.0].map(|v| q.rounded(v));
+        let mut values: Vec<f64> =
+            thirds.into_iter().filter(apart).chain([low, high]).chain(also).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        self.evaluate(&values, q.replicates)
+    }
+
+    /// Mean result less the wanted one.
+    pub(super) fn off(&self, value: f64) -> Option<f64> {
+        self.kept.mean(value).map(|mean| mean - self.question.wanted)
+    }
+
+    /// Neighbouring usable values between which the means pass the wanted result.
+    fn crossings(&self) -> Vec<(f64, f64)> {
+        let off: Vec<(f64, f64)> =
+            self.kept.usable().into_iter().filter_map(|v| Some((v, self.off(v)?))).collect();
+        off.windows(2)
+            .filter(|w| w[0].1 * w[1].1 < 0.0 || (w[0].1 == 0.0) != (w[1].1 == 0.0))
+            .map(|w| (w[0].0, w[1].0))
+            .collect()
+    }
+
+    /// Of several, the one whose ends are farthest from the wanted result:
+    /// chance makes crossings of small means.
+    fn crossing(&self) -> Option<(f64, f64)> {
+        self.crossing_within(self.question.between)
+    }
+
+    /// The same, of those between two values.
+    fn crossing_within(&self, (low, high): (f64, f64)) -> Option<(f64, f64)> {
+        let size = |v: f64| self.off(v).map_or(0.0, f64::abs);
+        let inside = |pair: &(f64, f64)| low <= pair.0 && pair.1 <= high;
+        self.crossings().into_iter().filter(inside).max_by(|a, b| {
+            let least = |pair: &(f64, f64)| size(pair.0).max(size(pair.1));
+            least(a).total_cmp(&least(b))
+        })
+    }
+
+    /// Where the straight line between two means has the wanted result.
+    fn between_by_chord(&self, (low, high): (f64, f64)) -> f64 {
+        match (self.off(low), self.off(high)) {
+            (Some(a), Some(b)) if a != b => low + (high - low) * a / (a - b),
+            _ => f64::midpoint(low, high),
+        }
+    }
+
+    fn nearest(&self) -> Option<f64> {
+        let size = |v: &f64| self.off(*v).map_or(f64::INFINITY, f64::abs);
+        self.kept.usable().into_iter().min_by(|a, b| size(a).total_cmp(&size(b)))
+    }
+
+    /// No crossing was seen: where the nearest result lies inside the range, a
+    /// crest may hide on either side of it.
+    fn look_beside_the_nearest(&mut self) -> Going<()> {
+        for _ in 0..2 {
+            let (Some(nearest), values) = (self.nearest(), self.kept.usable()) else { break };
+            let Some(at) = values.iter().position(|v| *v == nearest) else { break };
+            if at == 0 || at + 1 == values.len() {
+                break;
+            }
+            let beside = [values[at - 1], values[at + 1]]
+                .map(|v| self.question.rounded(f64::midpoint(v, nearest)));
+            self.evaluate(&beside, self.question.replicates)?;
+            if !self.crossings().is_empty() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// A value whose mean cannot be told from the wanted result.
+    fn touching(&self) -> Option<f64> {
+        let nearest = self.nearest()?;
+        let table = self.kept.table(&[]);
+        let row = table.iter().find(|row| row.value == nearest)?;
+        (self.off(nearest)?.abs() <= row.half_width_95?).then_some(nearest)
+    }
+
+    /// Scatter of a single run, over all usable values.
+    pub(super) fn scatter(&self, values: &[f64]) -> f64 {
+        self.kept.scatter(values).map_or(0.0, |s| s.deviation)
+    }
+
+    /// Brent's method on the means.
+    fn close_in(&mut self, (low, high): (f64, f64)) -> Going<()> {
+        let q = self.question;
+        let solver = BrentRoot::new(low, high, 1e-3 * q.width());
+        let held = RefCell::new((&mut *self, None));
+        let run = Executor::new(Means { search: &held }, solver)
+            .configure(|state| state.max_iters(MOST_STEPS))
+            .run();
+        // A step without a result ends it; what is known then is enough to go on.
+        drop(run);
+        match held.into_inner().1 {
+            Some(halt) => Err(halt),
+            None => Ok(()),
+        }
+    }
+
+    /// What the runs so far amount to, where no more are allowed.
+    fn end_early(&mut self) -> Ending {
+        if self.kept.usable().len() < 2 {
+            return Ending::Failed;
+        }
+        let fit = self.kept.fit(&self.window, self.question.wanted);
+        match fit.filter(|_| self.settled) {
+            Some(fit) if fit.interval.is_none() && self.kept.differences().is_empty() => {
+                Ending::Flat
+            }
+            Some(fit) if in_result(&fit).is_some_and(|s| s <= self.tolerance()) => self.found(),
+            Some(_) => Ending::RunsUsedUp,
+            // A line through values that were not found fit for one says
+            // nothing: where the result is passed is all that is known.
+            None => {
+                self.window = Vec::new();
+                let Some((low, high)) = self.crossing() else { return Ending::OutOfReach };
+                self.notes.push(format!(
+                    "the wanted result is passed between {low} and {high}; the runs were used up \
+                     before a line could be fitted there"
+                ));
+                Ending::RunsUsedUp
+            }
+        }
+    }
+
+    fn answer(mut self, ending: Ending) -> Answer {
+        let crossings = self.crossings();
+        // Means that chance made pass do not count.
+        let beyond = |v: f64| {
+            let rows = self.kept.table(&[]);
+            let half = rows.iter().find(|r| r.value == v).and_then(|r| r.half_width_95);
+            self.off(v).zip(half).is_some_and(|(off, half)| off.abs() > half)
+        };
+        let sure: Vec<&(f64, f64)> =
+            crossings.iter().filter(|(a, b)| beyond(*a) && beyond(*b)).collect();
+        if sure.len() > 1 {
+            let places: Vec<String> = sure.iter().map(|(a, b)| format!("{a} and {b}")).collect();
+            self.notes.push(format!(
+                "the wanted result is passed more than once, between {}: there are several solutions",
+                places.join(", between ")
+            ));
+        }
+        let fit = match ending {
+            Ending::Failed => None,
+            _ => self.kept.fit(&self.window, self.question.wanted),
+        };
+        let scatter = self.kept.scatter(&self.kept.usable()).map(|s| s.deviation);
+        Answer {
+            tolerance: fit.is_some().then(|| self.tolerance()),
+            fit,
+            ending,
+            fitted: self.window,
+            scatter,
+            notes: self.notes,
+            kept: self.kept,
+        }
+    }
+}
+
+/// The means as a function whose root is sought.
+struct Means<'a, 'b, 'c> {
+    search: &'a RefCell<(&'b mut Search<'c>, Option<Halt>)>,
+}
+
+impl CostFunction for Means<'_, '_, '_> {
+    type Param = f64;
+    type Output = f64;
+
+    fn cost(&self, value: &f64) -> Result<f64, Stopped> {
+        let mut held = self.search.borrow_mut();
+        let (search, halted) = &mut *held;
+        let value = search.question.rounded(*value);
+        if let Err(halt) = search.evaluate(&[value], search.question.replicates) {
+            *halted = Some(halt);
+            return Err(Stopped::msg("stopped"));
+        }
+        let usable = search.kept.usable();
+        let off = search.off(value).filter(|_| usable.contains(&value));
+        let off = off.ok_or_else(|| Stopped::msg("too few runs of the value have results"))?;
+        // Closer than a single run scatters the sign is chance.
+        let close = search.scatter(&usable).max(search.question.tolerance.unwrap_or(0.0));
+        Ok(if off.abs() <= close { 0.0 } else { off })
+    }
+}
