@@ -34,7 +34,10 @@ fn the_example_of_stones_makes_grains_and_runs() {
     let sieve = read(&made, "sieve.csv");
     for (row, expected) in sieve.lines().skip(1).zip([48.0, 72.0]) {
         let mass: f64 = row.split(',').nth(7).and_then(|m| m.parse().ok()).expect("a mass");
-        assert!((mass - expected).abs() < 1e-4, "mass on a sieve: expected {expected} g, got {row}");
+        assert!(
+            (mass - expected).abs() < 1e-4,
+            "mass on a sieve: expected {expected} g, got {row}"
+        );
     }
 
     // What was written as meshes are the same grains as meshes.
