@@ -129,11 +129,12 @@ fn fill(
         let stone = &stones[stone];
         density * stone.volume * (size / stone.sieve_size).powi(3)
     };
-    let (fine, coarse) = (least.powi(-3), largest.powi(-3));
+    let inverse_cube = |size: f64| 1.0 / (size * size * size);
+    let (fine, coarse) = (inverse_cube(least), inverse_cube(largest));
     let mut deck = Deck::new(seed, name, stones.len());
     let mut sizes = stream(seed, &format!("sizes of {name}"));
     let mut next = || {
-        let size = (fine + uniform(&mut sizes) * (coarse - fine)).powf(-1.0 / 3.0);
+        let size = 1.0 / (fine + uniform(&mut sizes) * (coarse - fine)).cbrt();
         (deck.draw(), size.clamp(least, largest))
     };
     let mut drawn: Vec<(usize, f64)> = Vec::new();
@@ -142,8 +143,9 @@ fn fill(
         if drawn.len() >= most {
             return Err(fault(format!("more than {MOST_GRAINS} grains"), "fewer grains"));
         }
-        drawn.push(next());
-        total += mass(drawn.last().expect("one was pushed"));
+        let last = next();
+        total += mass(&last);
+        drawn.push(last);
     }
     let over = total - fraction.mass;
     let nearest = drawn.len() - usize::from(over > mass(&drawn[drawn.len() - 1]) / 2.0);

@@ -36,6 +36,13 @@ pub(super) fn surfaces(object: &Object, spec: &MeshGrains) -> Result<Vec<Surface
         )]);
     }
     let (vertices, faces) = welded(object, spec.mesh_unit.metres());
+    if faces.is_empty() {
+        return Err(vec![fault(
+            "no face of the object has an area".into(),
+            format!("{} faces", object.faces.len()),
+            "a closed surface".into(),
+        )]);
+    }
     let mut faults = edge_faults(&faces);
     let pieces = pieces(vertices.len(), &faces);
     if pieces.len() > 1 && !spec.split_surfaces {
