@@ -100,7 +100,7 @@ fn random_points_are_held_whatever_they_are() {
 fn fewer_vertices_leave_out_little_and_say_how_much() {
     let points = on_sphere(4000, 1);
     let whole = hull(&points, usize::MAX).unwrap();
-    check(&whole, &points, 1e-12);
+    check(&whole, &points, 1e-8);
     assert_eq!(whole.vertices.len(), 4000, "every point of a sphere is on the hull");
     let ball = 4.0 / 3.0 * std::f64::consts::PI * 1e-6;
     near("volume of a sphere of many points, m³", volume_of(&whole), ball, 0.005 * ball);
@@ -108,7 +108,8 @@ fn fewer_vertices_leave_out_little_and_say_how_much() {
     for most in [12, 24, 64, 128] {
         let fewer = hull(&points, most).unwrap();
         assert!(fewer.vertices.len() <= most, "{} of {most} vertices", fewer.vertices.len());
-        check(&fewer, &points, fewer.left_out * (1.0 + 1e-9));
+        // Faces of close points are slivers: their planes are sure to a millionth of the radius.
+        check(&fewer, &points, fewer.left_out + 1e-8);
         let share = volume_of(&fewer) / volume_of(&whole);
         assert!(share > before && share < 1.0, "{most} vertices hold {share} of the volume");
         before = share;
