@@ -5,7 +5,7 @@ use std::{fs, path::Path};
 use assert_cmd::Command;
 use serde_json::{Value, json};
 
-const EXAMPLE: &str = "scenarios/examples/stones.json";
+const EXAMPLE: &str = "scenarios/meshes/stones.json";
 
 /// Runs the program; gives its exit code, standard output and standard error.
 fn run(args: &[&str]) -> (Option<i32>, String, String) {
@@ -145,7 +145,7 @@ fn fields_that_do_not_go_together_are_told() {
         "sieve_table": [{ "passing_mm": 16, "retained_mm": 8, "mass_percent": 100 }],
         "cells": { "elongation": 0.5, "relaxation": 3 } });
     let said = faults(cells);
-    for words in ["grains.cells.elongation", "at least 1", "did you mean `relaxation_steps`?"] {
+    for words in ["grains.cells.elongation", "at least 1", "`relaxation_steps`"] {
         assert!(said.contains(words), "`{words}` is missing in: {said}");
     }
 }
