@@ -100,7 +100,8 @@ fn random_points_are_held_whatever_they_are() {
 fn fewer_vertices_leave_out_little_and_say_how_much() {
     let points = on_sphere(4000, 1);
     let whole = hull(&points, usize::MAX).unwrap();
-    check(&whole, &points, 1e-12);
+    // Ten times what counts as on a face: a sliver's plane is less certain.
+    check(&whole, &points, 1e-8);
     assert_eq!(whole.vertices.len(), 4000, "every point of a sphere is on the hull");
     let ball = 4.0 / 3.0 * std::f64::consts::PI * 1e-6;
     near("volume of a sphere of many points, m³", volume_of(&whole), ball, 0.005 * ball);
