@@ -181,3 +181,90 @@ fn all_faults_at_once_and_files_that_are_not_there() {
         "{error}"
     );
 }
+
+/// The same tetrahedron in every format.
+fn sound_files() -> Vec<(&'static str, Vec<u8>)> {
+    let corners = ["0 0 0", "9 0 0", "0 9 0", "0 0 9"];
+    let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let mut obj = String::from("o t\n");
+    let mut ply = String::from(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+         property float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n",
+    );
+    for corner in corners {
+        obj += &format!("v {corner}\n");
+        ply += &format!("{corner}\n");
+    }
+    let mut text = String::from("solid t\n");
+    let mut binary = vec![b' '; 80];
+    binary.extend(4_u32.to_le_bytes());
+    for face in faces {
+        obj += &format!("f {} {} {}\n", face[0] + 1, face[1] + 1, face[2] + 1);
+        ply += &format!("3 {} {} {}\n", face[0], face[1], face[2]);
+        text += "facet normal 0 0 0\nouter loop\n";
+        binary.extend([0; 12]);
+        for corner in face.map(|v| corners[v]) {
+            text += &format!("vertex {corner}\n");
+            for c in corner.split(' ') {
+                binary.extend(c.parse::<f32>().unwrap().to_le_bytes());
+            }
+        }
+        text += "endloop\nendfacet\n";
+        binary.extend([0; 2]);
+    }
+    text += "endsolid t\n";
+    let head = "ply\nformat binary_big_endian 1.0\nelement vertex 4\nproperty double x\n\
+                property double y\nproperty double z\nelement face 4\n\
+                property list uint uint vertex_index\nend_header\n";
+    let mut big = head.as_bytes().to_vec();
+    for corner in corners {
+        corner.split(' ').for_each(|c| big.extend(c.parse::<f64>().unwrap().to_be_bytes()));
+    }
+    for face in faces {
+        big.extend(3_u32.to_be_bytes());
+        face.iter().for_each(|&v| big.extend((v as u32).to_be_bytes()));
+    }
+    vec![
+        ("t.obj", obj.into_bytes()),
+        ("t.ply", ply.into_bytes()),
+        ("big.ply", big),
+        ("t.stl", text.into_bytes()),
+        ("binary.stl", binary),
+    ]
+}
+
+#[test]
+fn sound_files_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, content) in sound_files() {
+        let path = file(folder.path(), name, content);
+        let set = from_meshes(&spec(&[path]), 1).unwrap_or_else(|e| panic!("{name}: {e}"));
+        near(&format!("{name}: volume"), set.grains[0].volume, 1e-9 * 729.0 / 6.0, 1e-18);
+    }
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig::with_cases(60))]
+
+    /// Whatever becomes of the bytes of a file: an answer, not a panic.
+    #[test]
+    fn spoiled_files_do_no_harm(
+        which in 0_usize..5, cut in 0.0..1.5, at in proptest::collection::vec(
+            (0.0..1.0, proptest::prelude::any::<u8>()), 0..8),
+        hull: bool, split_surfaces: bool,
+    ) {
+        let (name, mut content) = sound_files().swap_remove(which);
+        for (place, byte) in at {
+            let place = (place * content.len() as f64) as usize;
+            // Digits, minus signs and newlines spoil text most.
+            content[place] = match byte % 4 { 0 => byte, 1 => b'0' + byte % 10, 2 => b'-', _ => b'\n' };
+        }
+        content.truncate((cut * content.len() as f64) as usize);
+        let folder = tempfile::tempdir().unwrap();
+        let path = file(folder.path(), name, content);
+        match from_meshes(&MeshGrains { hull, split_surfaces, ..spec(&[path]) }, 1) {
+            Ok(set) => proptest::prop_assert!(set.total_volume() > 0.0),
+            Err(error) => proptest::prop_assert!(!error.to_string().is_empty()),
+        }
+    }
+}
