@@ -20,10 +20,33 @@ pub struct CalibrationRun {
     pub run: String,
     /// The result; `None` where the run failed or did not measure it.
     pub result: Option<f64>,
+    /// Grains left hanging in the funnel at the end.
+    pub left_in_funnel: Option<u64>,
+    /// Grains that passed a wall or the floor: an engine failure.
+    pub escaped: Option<u64>,
+    /// Whether overlap and creep meet the accuracy standard.
+    pub meets_standard: Option<bool>,
     /// Wall time in s of all its stages, whenever they were computed.
     pub wall_s: Option<f64>,
     /// Why there is no result.
     pub failure: Option<String>,
+}
+
+impl CalibrationRun {
+    /// A run that has nothing yet.
+    pub fn new(value: f64, configuration: u32, run: &str) -> Self {
+        Self {
+            value,
+            configuration,
+            run: run.to_owned(),
+            result: None,
+            left_in_funnel: None,
+            escaped: None,
+            meets_standard: None,
+            wall_s: None,
+            failure: None,
+        }
+    }
 }
 
 /// All runs of one value of the unknown.

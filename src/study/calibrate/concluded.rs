@@ -9,8 +9,8 @@ use super::{
 use crate::measure::inference::MeanTest;
 use crate::paper::{Interval, constants::FRICTION_RATIO, text::compact};
 use crate::report::{
-    Calibration, CalibrationEnding as Ending, CalibrationSolution, CalibrationValue,
-    FrictionIdentity, target_in_words, unknown_in_words, with_unit,
+    Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationSolution,
+    CalibrationValue, FrictionIdentity, target_in_words, unknown_in_words, with_unit,
 };
 use crate::scenario::Scenario;
 
@@ -23,7 +23,9 @@ pub(super) fn conclude(
 ) -> Calibration {
     let unit = options.target.unit();
     let (low, high) = question.between;
-    let solution = answer.fit.map(|fit| CalibrationSolution {
+    // A slope that cannot be told from zero reaches anything anywhere.
+    let told = |ending| ending != Ending::Flat;
+    let solution = answer.fit.filter(|_| told(answer.ending)).map(|fit| CalibrationSolution {
         value: fit.x,
         interval_95: fit.interval.map(|(low, high)| Interval::new(low, high)),
         result_half_width_95: fit.half_width_there,
@@ -182,6 +184,7 @@ fn notes(of: &Calibration, kept: &Kept) -> Vec<String> {
             of.runs.len()
         ));
     }
+    notes.extend(of_runs(of));
     let Some(solution) = of.solution else { return notes };
     if solution.curvature_p.is_some_and(|p| p < 1.0 - CONFIDENCE) {
         notes.push(
@@ -203,6 +206,33 @@ fn notes(of: &Calibration, kept: &Kept) -> Vec<String> {
         notes.push(format!(
             "the tolerance of {} is not met: --most-runs allows more",
             with_unit(&compact(tolerance), &of.unit)
+        ));
+    }
+    notes
+}
+
+/// What single runs have against them.
+fn of_runs(of: &Calibration) -> Vec<String> {
+    let all = of.runs.len();
+    let count = |is: &dyn Fn(&CalibrationRun) -> bool| of.runs.iter().filter(|r| is(r)).count();
+    let mut notes = Vec::new();
+    let hanging = count(&|r| r.left_in_funnel.is_some_and(|n| n > 0));
+    if hanging > 0 {
+        let most = of.runs.iter().filter_map(|r| r.left_in_funnel).max().unwrap_or(0);
+        notes.push(format!(
+            "grains were left hanging in the funnel in {hanging} of {all} runs, {most} at most: \
+             results of runs that lack grains scatter the more"
+        ));
+    }
+    let escaped = count(&|r| r.escaped.is_some_and(|n| n > 0));
+    if escaped > 0 {
+        notes.push(format!("grains passed a wall in {escaped} of {all} runs"));
+    }
+    let short = count(&|r| r.meets_standard == Some(false));
+    if short > 0 {
+        notes.push(format!(
+            "{short} of {all} runs do not meet the accuracy standard for overlap and creep \
+             (docs/accuracy.md), or did not measure creep"
         ));
     }
     notes
@@ -245,7 +275,6 @@ mod tests {
 
     use super::*;
     use crate::protocol::Silent;
-    use crate::report::CalibrationRun;
     use crate::study::RunOptions;
 
     fn options(target: &str) -> CalibrationOptions {
@@ -282,12 +311,10 @@ mod tests {
         };
         let runs = means.iter().flat_map(|(value, mean)| {
             (1..=3).map(move |configuration| CalibrationRun {
-                value: *value,
-                configuration,
-                run: format!("at-{value}-c{configuration}"),
                 result: Some(mean + around * (f64::from(configuration) - 2.0)),
-                wall_s: Some(1.0),
-                failure: None,
+                left_in_funnel: Some(u64::from(configuration == 2)),
+                meets_standard: Some(configuration != 3),
+                ..CalibrationRun::new(*value, configuration, "run")
             })
         });
         let kept = Kept { runs: runs.collect() };
@@ -319,6 +346,10 @@ mod tests {
             "no friction between grains in 0.1..1.5 gives an angle of repose of 60°: at 0.1 it is \
              20.10 ± 0.50°, at 1.5 it is 43.20 ± 0.50°"
         );
+        for words in ["hanging in the funnel in 3 of 9 runs", "3 of 9 runs do not meet"] {
+            assert!(of.notes.iter().any(|n| n.contains(words)), "`{words}`: {:?}", of.notes);
+        }
+        assert!(!of.notes.iter().any(|n| n.contains("wall")), "none escaped: {:?}", of.notes);
         let of = concluded("void_ratio=0.2", Ending::Flat, &[(0.1, 0.9), (1.5, 0.9)], 0.01);
         assert!(of.statement.starts_with("void_ratio does not depend on"), "{}", of.statement);
         assert!(of.notes.iter().any(|n| n.contains("no two values")), "{:?}", of.notes);

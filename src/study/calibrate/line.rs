@@ -10,7 +10,7 @@ const LEAST_REACH: f64 = 5e-4;
 /// Most windows that are tried for the line.
 const MOST_WINDOWS: usize = 8;
 /// p-value below which a bend is taken for real.
-const LEVEL: f64 = 0.05;
+const LEVEL: f64 = 0.01;
 /// How far from the place wanted a value may be that is there already, in
 /// parts of the window's half width.
 const NEAR: f64 = 0.35;

@@ -192,26 +192,25 @@ impl<'a> CalibrationStudy<'a> {
 
     /// Reads the result of a run from its summary.
     fn measured(&self, value: f64, row: &RunRow) -> Result<CalibrationRun, StudyError> {
-        let run = CalibrationRun {
-            value,
-            configuration: row.configuration,
-            run: row.run.clone(),
-            result: None,
-            wall_s: None,
-            failure: row.failure.clone(),
-        };
-        if run.failure.is_some() {
-            return Ok(run);
+        let run = CalibrationRun::new(value, row.configuration, &row.run);
+        if let Some(why) = &row.failure {
+            return Ok(CalibrationRun { failure: Some(why.clone()), ..run });
         }
         let path = self.options.run.out.join("runs").join(&row.run).join("summary.json");
         let summary: Value = read_json(&path)?;
-        let wall_s = summary.get("wall_s").and_then(Value::as_f64);
+        let run = CalibrationRun {
+            left_in_funnel: summary.pointer("/grains/left_in_funnel").and_then(Value::as_u64),
+            escaped: summary.pointer("/grains/escaped").and_then(Value::as_u64),
+            meets_standard: summary.get("meets_standard").and_then(Value::as_bool),
+            wall_s: summary.get("wall_s").and_then(Value::as_f64),
+            ..run
+        };
         let first = value == self.question.between.0 && row.configuration == 1;
         match self.options.target.read(&summary) {
-            Reading::Number(result) => Ok(CalibrationRun { result: Some(result), wall_s, ..run }),
+            Reading::Number(result) => Ok(CalibrationRun { result: Some(result), ..run }),
             Reading::NotMeasured if !first => {
                 let failure = format!("`{}` was not measured", self.options.target.field());
-                Ok(CalibrationRun { wall_s, failure: Some(failure), ..run })
+                Ok(CalibrationRun { failure: Some(failure), ..run })
             }
             missing => Err(self.options.target.not_there(&summary, missing)),
         }

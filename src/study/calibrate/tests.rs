@@ -46,12 +46,9 @@ impl Scattering {
 
 fn run(value: f64, configuration: u32, result: Option<f64>) -> CalibrationRun {
     CalibrationRun {
-        value,
-        configuration,
-        run: format!("at-{value}-c{configuration}"),
         result,
-        wall_s: None,
         failure: result.is_none().then(|| "it blew up".to_owned()),
+        ..CalibrationRun::new(value, configuration, &format!("at-{value}-c{configuration}"))
     }
 }
 
