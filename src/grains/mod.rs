@@ -23,7 +23,7 @@ pub use file::{
     BlockJson, CellJson, GrainsJson, SieveJson, from_json, read_json, to_json, write_json,
 };
 pub use generate::generate;
-pub use mesh::{write_obj, write_ply, write_stl};
+pub use mesh::{write_obj, write_ply, write_ply_of, write_stl, write_stl_of};
 pub use mixing::{Mixing, RAIN_CLEARANCE, mix, rain};
 pub use psd::{Fraction, ParticleSizeDistribution, UscsClass};
 pub use sieve::{sieve_csv, sieve_size};
