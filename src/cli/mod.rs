@@ -3,6 +3,7 @@
 
 mod changes;
 mod compare;
+mod completions;
 mod context;
 mod converge;
 mod designed;
@@ -10,7 +11,11 @@ mod error;
 mod export;
 mod grains;
 mod info;
+mod lines;
+mod man;
 mod output_folder;
+mod overall;
+mod paint;
 mod progress;
 mod readings;
 mod reproduce;
@@ -73,6 +78,8 @@ enum Command {
     Export(export::ExportArgs),
     Schema(schema::SchemaArgs),
     Info(info::InfoArgs),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
 }
 
 /// Runs the program on the arguments of the process.
@@ -81,7 +88,7 @@ pub fn main() -> ExitCode {
     match command(&cli) {
         Ok(status) => status.into(),
         Err(error) => {
-            context::say(&format!("error: {error}"));
+            context::say(&format!("{}: {error}", paint::bad("error")));
             error.exit_code().into()
         }
     }
@@ -101,6 +108,8 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Export(args) => export::run(args, &context),
         Command::Schema(args) => schema::run(args, &context),
         Command::Info(args) => info::run(args, &context),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args, &context),
     }
 }
 

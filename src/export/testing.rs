@@ -11,9 +11,7 @@ use crate::grains;
 use crate::protocol::Setup;
 use crate::record::Frame;
 use crate::scenario::{GrainsSpec, Scenario};
-use crate::specimen::{
-    Fate, FunnelState, GrainState, Other, Party, SavedContact, SpecimenState,
-};
+use crate::specimen::{Fate, FunnelState, GrainState, Other, Party, SavedContact, SpecimenState};
 use crate::world::BodyState;
 
 /// Speed of every grain along z, in m/s.
@@ -72,10 +70,7 @@ fn state(time: f64, stage: usize, grains: usize) -> SpecimenState {
         Pose::new(at, Vector::z() * (time * (1.0 + n as f64)))
     };
     let bodies = (0..grains).map(|n| GrainState {
-        body: BodyState {
-            linear_velocity: Vector::z() * SPEED,
-            ..BodyState::at_rest(pose(n))
-        },
+        body: BodyState { linear_velocity: Vector::z() * SPEED, ..BodyState::at_rest(pose(n)) },
         fate: if n == 1 { Fate::Spilled } else { Fate::Present },
     });
     let contact = |first, second, force: [f64; 3]| SavedContact {

@@ -6,7 +6,7 @@ use std::io::{BufWriter, Write};
 use super::GrainSet;
 use crate::geometry::{ConvexPolyhedron, Point};
 
-fn cells(grains: &GrainSet) -> impl Iterator<Item = &ConvexPolyhedron> + '_ {
+fn cells(grains: &GrainSet) -> impl Iterator<Item = &ConvexPolyhedron> + Clone + '_ {
     grains.blocks.iter().flat_map(|block| &block.cells)
 }
 

@@ -50,12 +50,7 @@ impl Buffers {
         (number, &mut self.views[number].1)
     }
 
-    fn add(
-        &mut self,
-        of: Use,
-        bytes: impl Iterator<Item = u8>,
-        mut accessor: Value,
-    ) -> usize {
+    fn add(&mut self, of: Use, bytes: impl Iterator<Item = u8>, mut accessor: Value) -> usize {
         let (number, view) = self.view(of);
         accessor["bufferView"] = number.into();
         accessor["byteOffset"] = view.len().into();
@@ -70,8 +65,7 @@ impl Buffers {
     /// positions and with times, where glTF demands them.
     pub fn floats<const N: usize>(&mut self, of: Use, values: &[[f32; N]]) -> usize {
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
-        let mut accessor =
-            json!({ "componentType": FLOAT, "count": values.len(), "type": kind });
+        let mut accessor = json!({ "componentType": FLOAT, "count": values.len(), "type": kind });
         if of == Use::Positions || N == 1 {
             let bound = |best: fn(f32, f32) -> f32| -> Vec<Value> {
                 let least = |n: usize| values.iter().map(|v| v[n]).reduce(best).unwrap_or(0.0);
@@ -86,7 +80,8 @@ impl Buffers {
     /// Adds the corners of triangles; gives the accessor.
     pub fn indices(&mut self, corners: &[u32]) -> usize {
         let largest = corners.iter().max().copied().unwrap_or(0);
-        let accessor = |kind| json!({ "componentType": kind, "count": corners.len(), "type": "SCALAR" });
+        let accessor =
+            |kind| json!({ "componentType": kind, "count": corners.len(), "type": "SCALAR" });
         // The largest number of a kind is kept for other ends.
         if largest < u32::from(u16::MAX) {
             let bytes = corners.iter().flat_map(|&n| (n as u16).to_le_bytes());

@@ -8,14 +8,8 @@ use crate::units::to_mm;
 
 /// Colours that colour-blind readers tell apart (Okabe & Ito 2008), in sRGB,
 /// for the sieve fractions from the coarsest on.
-const COLOURS: [[u8; 3]; 6] = [
-    [0, 114, 178],
-    [230, 159, 0],
-    [0, 158, 115],
-    [204, 121, 167],
-    [86, 180, 233],
-    [213, 94, 0],
-];
+const COLOURS: [[u8; 3]; 6] =
+    [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0]];
 
 /// How much of what is behind the apparatus it hides.
 const CLEAR: f64 = 0.2;

@@ -139,8 +139,7 @@ impl File<'_> {
         let sizes = sieve_sizes(&moments.grains);
         let mut nodes = Vec::new();
         for (n, grain) in moments.grains.grains.iter().enumerate() {
-            let poses: Vec<Option<Pose>> =
-                self.taken.iter().map(|m| m.frame.grains[n]).collect();
+            let poses: Vec<Option<Pose>> = self.taken.iter().map(|m| m.frame.grains[n]).collect();
             if poses.iter().all(Option::is_none) {
                 continue;
             }
@@ -164,8 +163,7 @@ impl File<'_> {
     fn parts(&mut self, moments: &Moments, material: usize) -> Vec<usize> {
         let mut nodes = Vec::new();
         for part in &moments.parts {
-            let poses: Vec<Option<Pose>> =
-                self.taken.iter().map(|m| part.pose(&m.frame)).collect();
+            let poses: Vec<Option<Pose>> = self.taken.iter().map(|m| part.pose(&m.frame)).collect();
             if poses.iter().all(Option::is_none) {
                 continue;
             }

@@ -36,9 +36,7 @@ pub fn grains(moment: &Moment, set: &Arc<GrainSet>, sizes: &[f64]) -> PolyData {
     }
     let touching = touching(&specimen, &present);
     let ints = |of: &dyn Fn(usize) -> i32| Values::Int(present.iter().map(|&n| of(n)).collect());
-    let floats = |of: &dyn Fn(usize) -> Option<f64>| {
-        Values::floats(present.iter().map(|&n| of(n)))
-    };
+    let floats = |of: &dyn Fn(usize) -> Option<f64>| Values::floats(present.iter().map(|&n| of(n)));
     let of_grains = [
         ("grain", ints(&|n| n as i32)),
         ("sieve_fraction", ints(&|n| set.grains[n].fraction as i32)),
@@ -105,9 +103,8 @@ pub fn contacts(setup: &Setup, state: &SpecimenState) -> PolyData {
         data.cell(std::iter::once(number));
     }
     let all = || state.contacts.iter();
-    let party = |which: usize| {
-        Values::Int(all().map(|c| party_number(setup, c.between[which])).collect())
-    };
+    let party =
+        |which: usize| Values::Int(all().map(|c| party_number(setup, c.between[which])).collect());
     data.point_data = vec![
         ("first", party(0)),
         ("second", party(1)),
@@ -141,11 +138,8 @@ pub fn chains(setup: &Setup, state: &SpecimenState) -> PolyData {
     let mut bonds: BTreeMap<_, ([Party; 2], Bond)> = BTreeMap::new();
     for contact in &state.contacts {
         let [a, b] = contact.between;
-        let (between, force) = if key(a) <= key(b) {
-            ([a, b], contact.force_n)
-        } else {
-            ([b, a], -contact.force_n)
-        };
+        let (between, force) =
+            if key(a) <= key(b) { ([a, b], contact.force_n) } else { ([b, a], -contact.force_n) };
         let keys = between.map(key);
         let (_, bond) = bonds.entry(keys).or_insert_with(|| (between, Bond::default()));
         bond.force += force;

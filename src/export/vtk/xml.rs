@@ -214,10 +214,8 @@ pub fn collection(entries: &[(f64, String)]) -> String {
          byte_order=\"LittleEndian\">\n<Collection>\n",
     );
     for (time, file) in entries {
-        let _ = writeln!(
-            xml,
-            "<DataSet timestep=\"{time}\" group=\"\" part=\"0\" file=\"{file}\"/>"
-        );
+        let _ =
+            writeln!(xml, "<DataSet timestep=\"{time}\" group=\"\" part=\"0\" file=\"{file}\"/>");
     }
     xml + "</Collection>\n</VTKFile>\n"
 }
