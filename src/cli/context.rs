@@ -7,7 +7,7 @@ use std::{
 
 use serde::Serialize;
 
-use super::{progress, stop};
+use super::{lines, progress, stop};
 use crate::protocol::{Progress, Silent};
 
 /// How to tell of progress, print results, and stop.
@@ -30,7 +30,7 @@ impl Context {
         } else if io::stderr().is_terminal() {
             Arc::new(progress::Bars::default())
         } else {
-            Arc::new(progress::Lines::new(io::stderr()))
+            Arc::new(lines::Lines::new(io::stderr()))
         };
         Self { json, cancel: Arc::new(AtomicBool::new(false)), progress }
     }
@@ -54,7 +54,8 @@ impl Context {
         if !out.ends_with('\n') {
             out.push('\n');
         }
-        let mut stdout = io::stdout().lock();
+        // Takes colours out where there is no terminal to show them.
+        let mut stdout = anstream::stdout().lock();
         match stdout.write_all(out.as_bytes()).and_then(|()| stdout.flush()) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             other => other,
@@ -64,7 +65,7 @@ impl Context {
 
 /// Writes a line to the standard error; there is nobody left to tell when that fails.
 pub(super) fn say(line: &str) {
-    let _ = writeln!(io::stderr(), "{line}");
+    let _ = writeln!(anstream::stderr(), "{line}");
 }
 
 fn log(verbose: u8) {

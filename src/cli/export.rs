@@ -7,20 +7,29 @@ use serde::Serialize;
 
 use super::{CliError, Context, ExitStatus, output_folder};
 use crate::export::{
-    ExportError, apparatus_obj, contacts_csv, grains_csv, grains_obj, pairs_csv, read_run,
+    DEFAULT_EVERY, ExportError, Exported, StageMoments, apparatus_obj, contacts_csv, glb,
+    grains_csv, grains_obj, grains_ply, grains_stl, pairs_csv, read_moments, read_run, write_vtk,
 };
 use crate::record::{FileError, write_file};
+use crate::specimen::Fate;
 
-/// Write a run's specimen for other programs
+/// Write a run's specimen, or how it moved, for other programs
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Leaves in DIR, in SI units:
   json  scene.json: all that another engine needs to carry on (docs/exchange.md)
   csv   grains.csv, contacts.csv (loaded contacts), pairs.csv (touching grains with their gaps)
   obj   grains.obj, apparatus.obj: one object a body, in world coordinates
+  stl   grains.stl: the triangles of all grains where they are
+  ply   grains.ply: their faces, numbered by grain
+  vtk   for ParaView: grains.pvd and apparatus.pvd with a .vtp file every S seconds and at the end of
+        each stage; contacts.pvd and force_chains.pvd at those ends (docs/export.md)
+  glb   for Blender and browsers: specimen.glb, with --animate also how everything moved
 
 Examples:
   pluvia export out/first --format json --out out/first-for-others
+  pluvia export out/first --format vtk --every 0.2 --out out/paraview
+  pluvia export out/first --format glb --stage pour --animate --out out/blender
   pluvia export out/reproduce/runs/pluviation-c1-fh050 --format obj --stage pour --out out/meshes")]
 pub(super) struct ExportArgs {
     /// Folder of a run, as `pluvia run` and `pluvia reproduce` leave it
@@ -29,10 +38,17 @@ pub(super) struct ExportArgs {
     /// What to write
     #[arg(long, value_enum)]
     format: Format,
-    /// The stage at whose end to take the specimen: its number from 0, its name, or `control`;
-    /// the last one if left out
+    /// The stage to take, at its end: its number from 0, its name, or `control`; if left out the
+    /// last one, and every one with vtk and --animate
     #[arg(long)]
     stage: Option<String>,
+    /// Least time between two frames in simulated seconds, for vtk and --animate [default: 0.4 for
+    /// vtk, every frame for --animate; frames are kept every 0.08 s]
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    every: Option<f64>,
+    /// With glb: how everything moved, as an animation
+    #[arg(long)]
+    animate: bool,
     /// Folder for the files; it is made if needed
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -46,33 +62,110 @@ enum Format {
     Csv,
     /// Meshes in their places, Wavefront OBJ
     Obj,
+    /// Triangles of the grains in their places, STL
+    Stl,
+    /// Faces of the grains in their places, PLY
+    Ply,
+    /// Frames, contacts and chains of force for ParaView
+    Vtk,
+    /// One binary glTF file, still or moving
+    Glb,
+}
+
+/// A time between frames.
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
+        _ => Err("expected a number of seconds above 0".to_owned()),
+    }
 }
 
 /// What was written.
 #[derive(Serialize)]
 struct Written {
     scenario: String,
+    /// The stage at whose end the specimen is, or which the frames end with.
     stage: String,
     time_s: f64,
+    /// Grains that take part at that end; with an animation, at any time.
     grains: usize,
+    /// Moments of the run; 1 for a specimen that does not move.
+    moments: usize,
+    bytes: u64,
     files: Vec<PathBuf>,
+    /// Number of further files, which those above name.
+    more_files: usize,
 }
 
 pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let moving = args.format == Format::Vtk || args.animate;
+    if args.animate && args.format != Format::Glb {
+        return Err(CliError::Usage("--animate goes with --format glb alone".to_owned()));
+    }
+    if args.every.is_some() && !moving {
+        let what = "--every goes with --format vtk and with --animate alone";
+        return Err(CliError::Usage(what.to_owned()));
+    }
+    let written = match args.format {
+        Format::Vtk => frames(args, context)?,
+        Format::Glb => scene(args)?,
+        _ => specimen(args)?,
+    };
+    let mut text = format!(
+        "{}: {} grains at the end of {}, {:.3} s\n",
+        written.scenario, written.grains, written.stage, written.time_s
+    );
+    for file in &written.files {
+        text += &format!("{}\n", file.display());
+    }
+    let files = written.files.len() + written.more_files;
+    text += &format!("{files} files, {:.1} MB", written.bytes as f64 / 1e6);
+    if written.moments > 1 {
+        text += &format!(", {} moments", written.moments);
+    }
+    context.print(&text, &written)?;
+    Ok(ExitStatus::Done)
+}
+
+/// The specimen at the end of a stage, whole files at once.
+fn specimen(args: &ExportArgs) -> Result<Written, CliError> {
     let run = read_run(&args.run, args.stage.as_deref())?;
     output_folder::prepare(&args.out)?;
+    let mut files = Vec::new();
+    let mut bytes = 0;
+    for (name, content) in contents(args, &run)? {
+        let path = args.out.join(name);
+        write_file(&path, &content)?;
+        bytes += content.len() as u64;
+        files.push(path);
+    }
+    Ok(Written {
+        scenario: run.made_by.scenario,
+        stage: run.made_by.stage,
+        time_s: run.made_by.time_s,
+        grains: run.specimen.present().count(),
+        moments: 1,
+        bytes,
+        files,
+        more_files: 0,
+    })
+}
+
+fn contents(args: &ExportArgs, run: &Exported) -> Result<Vec<(&'static str, Vec<u8>)>, CliError> {
     let manifest = args.run.join("manifest.json");
     let apparatus = |reason| ExportError::Apparatus { manifest: manifest.clone(), reason };
+    let refused = |name: &str, why: String| FileError::new("write", &args.out.join(name), why);
     let table = |name: &'static str, content: Result<Vec<u8>, csv::Error>| {
-        let content = content.map_err(|e| FileError::new("write", &args.out.join(name), e))?;
-        Ok::<_, FileError>((name, content))
+        content.map(|content| (name, content)).map_err(|e| refused(name, e.to_string()))
     };
-    let contents = match args.format {
+    let solid = |name: &'static str, content: std::io::Result<Vec<u8>>| {
+        content.map(|content| (name, content)).map_err(|e| refused(name, e.to_string()))
+    };
+    Ok(match args.format {
         Format::Json => {
             let scene = run.scene().map_err(apparatus)?;
-            let path = args.out.join("scene.json");
             let mut text =
-                serde_json::to_vec(&scene).map_err(|e| FileError::new("write", &path, e))?;
+                serde_json::to_vec(&scene).map_err(|e| refused("scene.json", e.to_string()))?;
             text.push(b'\n');
             vec![("scene.json", text)]
         }
@@ -86,27 +179,62 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
             let grains = grains_obj(&run.specimen);
             vec![("grains.obj", grains.into_bytes()), ("apparatus.obj", walls.into_bytes())]
         }
-    };
-    let mut files = Vec::new();
-    for (name, content) in contents {
-        let path = args.out.join(name);
-        write_file(&path, &content)?;
-        files.push(path);
+        Format::Stl => vec![solid("grains.stl", grains_stl(&run.specimen))?],
+        Format::Ply => vec![solid("grains.ply", grains_ply(&run.specimen))?],
+        // These show stages, not one specimen.
+        Format::Vtk | Format::Glb => Vec::new(),
+    })
+}
+
+/// Frames for ParaView.
+fn frames(args: &ExportArgs, context: &Context) -> Result<Written, CliError> {
+    const ID: u64 = 0;
+    let moments = read_moments(&args.run, args.stage.as_deref())?;
+    output_folder::prepare(&args.out)?;
+    let every = args.every.unwrap_or(DEFAULT_EVERY);
+    let count = moments.thinned(every).len();
+    context.progress.begin_pieces(ID, "moments", count);
+    let files = write_vtk(&moments, every, &args.out, |done, _| {
+        context.progress.update(ID, done as f64, "");
+    });
+    context.progress.end_stage(ID);
+    let files = files?;
+    let end = moments.stages.last();
+    let present =
+        |s: &StageMoments| s.end.bodies.iter().filter(|b| b.fate == Fate::Present).count();
+    Ok(Written {
+        scenario: moments.scenario.clone(),
+        stage: end.map_or_else(String::new, |s| s.name.clone()),
+        time_s: end.map_or(0.0, |s| s.end.time),
+        grains: end.map_or(0, present),
+        moments: count,
+        bytes: files.bytes,
+        more_files: files.data.len(),
+        files: files.lists,
+    })
+}
+
+/// One glTF file.
+fn scene(args: &ExportArgs) -> Result<Written, CliError> {
+    // A still picture shows one end alone.
+    let mut moments = read_moments(&args.run, args.stage.as_deref())?;
+    let every = args.animate.then_some(args.every.unwrap_or(0.0));
+    if !args.animate {
+        moments.stages.drain(..moments.stages.len().saturating_sub(1));
     }
-    let written = Written {
-        scenario: run.made_by.scenario,
-        stage: run.made_by.stage,
-        time_s: run.made_by.time_s,
-        grains: run.specimen.present().count(),
-        files,
-    };
-    let mut text = format!(
-        "{}: {} grains at the end of {}, {:.3} s\n",
-        written.scenario, written.grains, written.stage, written.time_s
-    );
-    for file in &written.files {
-        text += &format!("{}\n", file.display());
-    }
-    context.print(&text, &written)?;
-    Ok(ExitStatus::Done)
+    let made = glb(&moments, every).map_err(|e| CliError::Usage(e.to_string()))?;
+    output_folder::prepare(&args.out)?;
+    let path = args.out.join("specimen.glb");
+    write_file(&path, &made.bytes)?;
+    let end = moments.stages.last();
+    Ok(Written {
+        scenario: moments.scenario.clone(),
+        stage: end.map_or_else(String::new, |s| s.name.clone()),
+        time_s: end.map_or(0.0, |s| s.end.time),
+        grains: made.grains,
+        moments: made.keys.max(1),
+        bytes: made.bytes.len() as u64,
+        files: vec![path],
+        more_files: 0,
+    })
 }

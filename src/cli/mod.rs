@@ -4,6 +4,7 @@
 mod calibrate;
 mod changes;
 mod compare;
+mod completions;
 mod context;
 mod converge;
 mod designed;
@@ -11,7 +12,11 @@ mod error;
 mod export;
 mod grains;
 mod info;
+mod lines;
+mod man;
 mod output_folder;
+mod overall;
+mod paint;
 mod progress;
 mod readings;
 mod reproduce;
@@ -75,6 +80,8 @@ enum Command {
     Export(export::ExportArgs),
     Schema(schema::SchemaArgs),
     Info(info::InfoArgs),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
 }
 
 /// Runs the program on the arguments of the process.
@@ -83,7 +90,7 @@ pub fn main() -> ExitCode {
     match command(&cli) {
         Ok(status) => status.into(),
         Err(error) => {
-            context::say(&format!("error: {error}"));
+            context::say(&format!("{}: {error}", paint::bad("error")));
             error.exit_code().into()
         }
     }
@@ -104,6 +111,8 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Export(args) => export::run(args, &context),
         Command::Schema(args) => schema::run(args, &context),
         Command::Info(args) => info::run(args, &context),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args, &context),
     }
 }
 

@@ -1,28 +1,41 @@
-//! Progress for people: bars on a terminal, lines elsewhere.
+//! Progress for people at a terminal: a bar a stage, and one for all of them.
 
 use std::{
     collections::HashMap,
-    io::Write,
     sync::{Mutex, MutexGuard, PoisonError},
-    time::{Duration, Instant},
+    time::Instant,
 };
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
+use super::overall::Overall;
 use crate::protocol::Progress;
 
-/// At most one line about a stage in this time, beside those at its begin and end.
-const LINE_INTERVAL: Duration = Duration::from_secs(10);
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+/// Takes a lock also after a thread that held it has failed.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// One bar a stage, with the time it is expected to take still.
+/// One bar a stage, with the time it is expected to take still, and below them
+/// one of all stages together.
 #[derive(Default)]
 pub(super) struct Bars {
     all: MultiProgress,
-    running: Mutex<HashMap<u64, ProgressBar>>,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    running: HashMap<u64, Running>,
+    overall: Overall,
+    overall_bar: Option<ProgressBar>,
+}
+
+struct Running {
+    bar: ProgressBar,
+    expected: f64,
+    /// When a stage began; none where pieces are counted.
+    began: Option<Instant>,
 }
 
 /// Simulated time as the bar counts it.
@@ -30,33 +43,115 @@ fn ticks(seconds: f64) -> u64 {
     (seconds.max(0.0) * 1000.0) as u64
 }
 
-impl Progress for Bars {
-    fn begin_stage(&self, id: u64, name: &str, expected: f64) {
-        let style = ProgressStyle::with_template(
-            "{prefix} [{bar:24}] {percent:>3} % {elapsed} (ETA {eta}) {wide_msg}",
-        )
-        .unwrap_or_else(|_| ProgressStyle::default_bar())
-        .progress_chars("=> ");
-        let bar = self.all.add(ProgressBar::new(ticks(expected)));
-        bar.set_style(style);
+/// Simulated seconds a second, for people.
+pub(super) fn speed(simulated: f64, began: Instant) -> String {
+    let speed = simulated / began.elapsed().as_secs_f64().max(1e-3);
+    let digits = if speed < 0.1 { 3 } else { 2 };
+    format!("{speed:.digits$} × real time")
+}
+
+fn bar(expected: f64) -> ProgressBar {
+    let style = ProgressStyle::with_template(
+        "{prefix} [{bar:24}] {percent:>3} % {elapsed} (ETA {eta}) {wide_msg}",
+    )
+    .unwrap_or_else(|_| ProgressStyle::default_bar())
+    .progress_chars("=> ");
+    // What is not in a `MultiProgress` yet must not draw itself.
+    let bar = ProgressBar::hidden();
+    bar.set_length(ticks(expected));
+    bar.set_style(style);
+    bar
+}
+
+impl Bars {
+    fn begin(&self, id: u64, name: &str, expected: f64, began: Option<Instant>) {
+        let mut state = lock(&self.state);
+        let State { running, overall, overall_bar } = &mut *state;
+        if began.is_some() {
+            overall.begin_stage(id, expected);
+        }
+        if overall.total() > 0.0 && overall_bar.is_none() {
+            let of_all = self.all.add(bar(overall.total()));
+            of_all.set_prefix("all stages");
+            *overall_bar = Some(of_all);
+        }
+        let bar = bar(expected);
+        let bar = match overall_bar {
+            Some(below) => self.all.insert_before(below, bar),
+            None => self.all.add(bar),
+        };
         bar.set_prefix(name.to_owned());
-        lock(&self.running).insert(id, bar);
+        running.insert(id, Running { bar, expected, began });
+        state.show_overall();
+    }
+}
+
+impl State {
+    fn show_overall(&self) {
+        if let Some(bar) = &self.overall_bar {
+            bar.set_length(ticks(self.overall.total()));
+            bar.set_position(ticks(self.overall.done()));
+            bar.set_message(self.overall.to_string());
+        }
+    }
+}
+
+impl Progress for Bars {
+    fn begin_work(&self, expected: f64) {
+        lock(&self.state).overall = Overall::of(expected);
     }
 
-    fn update(&self, id: u64, simulated: f64, note: &str) {
-        if let Some(bar) = lock(&self.running).get(&id) {
-            let position = ticks(simulated);
-            // Stages that end when the grains have settled may take longer than expected.
-            if bar.length().is_some_and(|length| length < position) {
-                bar.set_length(position);
-            }
-            bar.set_position(position);
-            bar.set_message(note.to_owned());
+    fn already_done(&self, expected: f64) {
+        let mut state = lock(&self.state);
+        state.overall.leave_out(expected);
+        state.show_overall();
+    }
+
+    fn end_work(&self) {
+        let mut state = lock(&self.state);
+        state.overall = Overall::default();
+        if let Some(bar) = state.overall_bar.take() {
+            bar.finish_and_clear();
         }
     }
 
+    fn begin_pieces(&self, id: u64, name: &str, pieces: usize) {
+        self.begin(id, name, pieces as f64, None);
+    }
+
+    fn begin_stage(&self, id: u64, name: &str, expected: f64) {
+        self.begin(id, name, expected, Some(Instant::now()));
+    }
+
+    fn update(&self, id: u64, simulated: f64, note: &str) {
+        let mut state = lock(&self.state);
+        state.overall.update(id, simulated);
+        state.show_overall();
+        let Some(Running { bar, expected, began }) = state.running.get(&id) else { return };
+        let position = ticks(simulated);
+        // Stages that end when the grains have settled may take longer than expected.
+        if bar.length().is_some_and(|length| length < position) {
+            bar.set_length(position);
+        }
+        bar.set_position(position);
+        let mut line = match began {
+            Some(began) => {
+                let whole = expected.max(simulated);
+                format!("{simulated:.2} of {whole:.1} s, {}", speed(simulated, *began))
+            }
+            None => format!("{simulated:.0} of {expected:.0}"),
+        };
+        if !note.is_empty() {
+            line += &format!(", {note}");
+        }
+        bar.set_message(line);
+    }
+
     fn end_stage(&self, id: u64) {
-        if let Some(bar) = lock(&self.running).remove(&id) {
+        let mut state = lock(&self.state);
+        state.overall.end_stage(id);
+        state.show_overall();
+        if let Some(Running { bar, .. }) = state.running.remove(&id) {
             bar.finish_and_clear();
         }
     }
@@ -67,136 +162,70 @@ impl Progress for Bars {
     }
 }
 
-/// Plain lines: one at the begin and the end of a stage, few between.
-pub(super) struct Lines<W> {
-    state: Mutex<LinesState<W>>,
-    interval: Duration,
-}
-
-struct LinesState<W> {
-    out: W,
-    running: HashMap<u64, Running>,
-}
-
-struct Running {
-    name: String,
-    expected: f64,
-    began: Instant,
-    last_line: Instant,
-}
-
-impl<W: Write + Send> Lines<W> {
-    /// Writes to `out`.
-    pub(super) fn new(out: W) -> Self {
-        Self::every(LINE_INTERVAL, out)
-    }
-
-    fn every(interval: Duration, out: W) -> Self {
-        Self { state: Mutex::new(LinesState { out, running: HashMap::new() }), interval }
-    }
-}
-
-impl<W: Write> LinesState<W> {
-    fn line(&mut self, text: &str) {
-        // A reader that is gone must not stop the simulation.
-        let _ = writeln!(self.out, "{text}");
-    }
-}
-
-impl<W: Write + Send> Progress for Lines<W> {
-    // Each piece says a line of its own.
-    fn begin_pieces(&self, _: u64, name: &str, pieces: usize) {
-        lock(&self.state).line(&format!("{name}: {pieces} to do"));
-    }
-
-    fn begin_stage(&self, id: u64, name: &str, expected: f64) {
-        let mut state = lock(&self.state);
-        state.line(&format!("{name}: begins, about {expected:.1} s to simulate"));
-        let now = Instant::now();
-        let name = name.to_owned();
-        state.running.insert(id, Running { name, expected, began: now, last_line: now });
-    }
-
-    fn update(&self, id: u64, simulated: f64, note: &str) {
-        let mut state = lock(&self.state);
-        let Some(stage) = state.running.get_mut(&id) else { return };
-        if stage.last_line.elapsed() < self.interval {
-            return;
-        }
-        stage.last_line = Instant::now();
-        let mut line = format!(
-            "{}: {simulated:.2} of about {:.1} s",
-            stage.name,
-            stage.expected.max(simulated)
-        );
-        if simulated > 0.0 && simulated < stage.expected {
-            let left = stage.began.elapsed().as_secs_f64() * (stage.expected / simulated - 1.0);
-            line += &format!(", ETA {}", super::table::duration(left));
-        }
-        if !note.is_empty() {
-            line += &format!(", {note}");
-        }
-        state.line(&line);
-    }
-
-    fn end_stage(&self, id: u64) {
-        let mut state = lock(&self.state);
-        if let Some(stage) = state.running.remove(&id) {
-            let took = super::table::duration(stage.began.elapsed().as_secs_f64());
-            state.line(&format!("{}: ended after {took}", stage.name));
-        }
-    }
-
-    fn message(&self, text: &str) {
-        lock(&self.state).line(text);
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use indicatif::{InMemoryTerm, ProgressDrawTarget};
+
     use super::*;
-
-    fn lines(interval: Duration) -> Vec<String> {
-        let progress = Lines::every(interval, Vec::new());
-        progress.begin_stage(1, "pour", 4.0);
-        for step in 1..=3 {
-            progress.update(1, f64::from(step), "surface 100 mm");
-        }
-        progress.update(2, 1.0, "a stage that never began");
-        progress.message("hello");
-        progress.end_stage(1);
-        progress.update(1, 4.0, "after its end");
-        progress.end_stage(1);
-        let out = lock(&progress.state).out.clone();
-        String::from_utf8(out).expect("text").lines().map(str::to_owned).collect()
-    }
-
-    #[test]
-    fn lines_are_few() {
-        let got = lines(Duration::from_secs(3600));
-        assert_eq!(got.len(), 3, "begin, message, end: {got:?}");
-        assert!(got[0].contains("pour: begins"), "{got:?}");
-        assert_eq!(got[1], "hello");
-        assert!(got[2].contains("pour: ended"), "{got:?}");
-    }
-
-    #[test]
-    fn lines_tell_how_far_it_is() {
-        let got = lines(Duration::ZERO);
-        assert_eq!(got.len(), 6, "begin, three updates, message, end: {got:?}");
-        assert!(got[1].contains("1.00 of about 4.0 s, ETA"), "{got:?}");
-        assert!(got[1].ends_with("surface 100 mm"), "{got:?}");
-    }
 
     #[test]
     fn bars_outlive_wrong_expectations() {
         let bars = Bars::default();
         bars.begin_stage(7, "pour", 1.0);
         bars.update(7, 2.5, "");
-        let bar = lock(&bars.running).get(&7).cloned().expect("a bar");
+        let bar = lock(&bars.state).running[&7].bar.clone();
         assert_eq!((bar.position(), bar.length()), (2500, Some(2500)), "the bar grows");
         bars.end_stage(7);
-        assert!(lock(&bars.running).is_empty(), "the bar is gone");
+        assert!(lock(&bars.state).running.is_empty(), "the bar is gone");
         bars.update(7, 3.0, "");
+    }
+
+    /// What a terminal of 120 columns shows.
+    fn shown(told: impl Fn(&Bars)) -> String {
+        let terminal = InMemoryTerm::new(10, 120);
+        let target = ProgressDrawTarget::term_like_with_hz(Box::new(terminal.clone()), 255);
+        let bars = Bars { all: MultiProgress::with_draw_target(target), ..Bars::default() };
+        told(&bars);
+        terminal.contents()
+    }
+
+    #[test]
+    fn a_terminal_shows_the_stage_and_all_stages() {
+        let text = shown(|bars| {
+            bars.begin_work(16.0);
+            bars.already_done(6.0);
+            bars.begin_stage(1, "vibrate", 5.0);
+            bars.update(1, 2.5, "settlement 3.1 mm");
+        });
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2, "a stage, and all of them: {text}");
+        for words in ["vibrate [", "50 %", "2.50 of 5.0 s", "× real time", "settlement 3.1 mm"] {
+            assert!(lines[0].contains(words), "`{words}` is missing in: {}", lines[0]);
+        }
+        for words in ["all stages [", "25 %", "ETA", "2.5 of about 10.0 s simulated"] {
+            assert!(lines[1].contains(words), "`{words}` is missing in: {}", lines[1]);
+        }
+    }
+
+    #[test]
+    fn a_terminal_is_left_clean() {
+        let text = shown(|bars| {
+            bars.begin_work(5.0);
+            bars.begin_stage(1, "pour", 5.0);
+            bars.update(1, 1.0, "");
+            bars.end_stage(1);
+            bars.end_work();
+        });
+        assert_eq!(text, "", "law: no bar is left behind");
+    }
+
+    #[test]
+    fn pieces_are_counted() {
+        let text = shown(|bars| {
+            bars.begin_pieces(1, "experiments", 31);
+            bars.update(1, 4.0, "rebound");
+        });
+        assert!(text.contains("4 of 31, rebound"), "{text}");
+        assert!(!text.contains("all stages"), "law: pieces are no stages, {text}");
     }
 }

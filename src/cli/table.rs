@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::paint;
 use crate::paper::Verdict as ClaimVerdict;
 use crate::record::{AngleOfRepose, Settlement, StandingHeight, Summary};
 use crate::report::{Calibration, ReadingColumn, calibration_rows};
@@ -117,8 +118,12 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     if let Some(creep) = summary.creep_um_per_s {
         rows.add("creep at rest", format!("{creep:.1} µm/s"));
     }
-    let standard = if summary.meets_standard { "met" } else { "NOT met (docs/accuracy.md)" };
-    rows.add("accuracy standard", standard.into());
+    let standard = if summary.meets_standard {
+        paint::good("met")
+    } else {
+        paint::bad("NOT met (docs/accuracy.md)")
+    };
+    rows.add("accuracy standard", standard);
     rows.add(
         "cost",
         format!(
@@ -137,7 +142,7 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         rows.aligned()
     );
     for warning in &summary.warnings {
-        text += &format!("  warning: {warning}\n");
+        text += &format!("  {}: {warning}\n", paint::notable("warning"));
     }
     text
 }
@@ -161,6 +166,11 @@ pub(super) fn of_claims(claims: &[Value]) -> String {
             other => text(other),
         };
         let [verdict, id, ours, unit] = ["verdict", "id", "ours", "unit"].map(|f| text(&claim[f]));
+        let verdict = match verdict.as_str() {
+            "within" => paint::good(verdict),
+            "outside" => paint::bad(verdict),
+            _ => paint::faint(verdict),
+        };
         rows.push([verdict, id, paper, ours, unit]);
     }
     let mut out = columns(&rows);
@@ -178,7 +188,7 @@ pub(super) fn of_claims(claims: &[Value]) -> String {
 /// Rows of cells in columns of their widest cell.
 fn columns<R: AsRef<[String]>>(rows: &[R]) -> String {
     let count = rows.iter().map(|row| row.as_ref().len()).max().unwrap_or(0);
-    let cell = |row: &R, column: usize| row.as_ref().get(column).map_or(0, |c| c.chars().count());
+    let cell = |row: &R, column: usize| row.as_ref().get(column).map_or(0, |c| paint::width(c));
     let widths: Vec<usize> = (0..count)
         .map(|column| rows.iter().map(|row| cell(row, column)).max().unwrap_or(0))
         .collect();
@@ -188,7 +198,7 @@ fn columns<R: AsRef<[String]>>(rows: &[R]) -> String {
             .as_ref()
             .iter()
             .zip(&widths)
-            .map(|(cell, width)| format!("{cell:width$}"))
+            .map(|(cell, width)| cell.clone() + &" ".repeat(width - paint::width(cell)))
             .collect();
         out += cells.join("  ").trim_end();
         out.push('\n');
@@ -203,18 +213,20 @@ pub(super) fn of_comparison(record: &CompareRecord) -> String {
     for q in &record.quantities {
         let values = q.values.iter().map(|v| v.map_or_else(|| "-".to_owned(), three_digits));
         let verdict = match q.within_band {
-            Some(true) => " (agree)",
-            Some(false) => " (DIFFER)",
-            None => "",
+            Some(true) => paint::good(" (agree)"),
+            Some(false) => paint::bad(" (DIFFER)"),
+            None => String::new(),
         };
         let mut row = vec![q.quantity.clone()];
         row.extend(values);
         row.push(format!("{}{verdict}", q.unit));
         rows.push(row);
     }
-    let met = |s: &Summary| if s.meets_standard { "met" } else { "NOT met" };
+    let met = |s: &Summary| {
+        if s.meets_standard { paint::good("met") } else { paint::bad("NOT met") }
+    };
     let mut row = vec!["accuracy standard".to_owned()];
-    row.extend(record.runs.iter().map(|r| met(&r.summary).to_owned()));
+    row.extend(record.runs.iter().map(|r| met(&r.summary)));
     rows.push(row);
     columns(&rows)
 }
@@ -261,7 +273,11 @@ pub(super) fn of_verdicts(verdicts: &[Verdict]) -> String {
     let mut rows = vec![header.map(str::to_owned)];
     for v in verdicts {
         rows.push([
-            v.status.words().to_owned(),
+            match v.status {
+                Status::Pass => paint::good(v.status.words()),
+                Status::Fail => paint::bad(v.status.words()),
+                Status::KnownFailure | Status::UnexpectedPass => paint::notable(v.status.words()),
+            },
             v.id.clone(),
             v.setting.clone(),
             number(v.expected),
@@ -318,7 +334,13 @@ mod tests {
             json!({ "id": "heights", "paper": null, "ours": null, "unit": "mm",
                     "verdict": "not_stated" }),
         ];
-        let table = of_claims(&claims);
+        let coloured = of_claims(&claims);
+        let red = coloured.lines().find(|line| line.contains("\x1b[31m"));
+        assert!(
+            red.is_some_and(|line| line.contains("outside")),
+            "law: missed is red, {coloured:?}"
+        );
+        let table = anstream::adapter::strip_str(&coloured).to_string();
         let lines: Vec<&str> = table.lines().collect();
         assert_eq!(lines.len(), 5, "a header, three claims and a sum: {table}");
         assert_eq!(lines[1], "within      settlement  14 to 19.61  16.25  mm");
@@ -349,7 +371,7 @@ mod tests {
             "warnings": ["1 grain hangs"],
         });
         let summary: Summary = serde_json::from_value(value).expect("a summary");
-        let text = of_summary(&summary);
+        let text = anstream::adapter::strip_str(&of_summary(&summary)).to_string();
         for shown in [
             "a, configuration 2",
             "362 in the cylinder",

@@ -1,19 +1,32 @@
 //! What a run left, for other programs: the exchange format that other engines
-//! read, tables, and meshes of everything in its place.
+//! read, tables, meshes of everything in its place, and how it moved for
+//! ParaView and Blender.
 
 mod apparatus;
 mod exchange;
+mod glb;
+mod moments;
 mod obj;
+mod parts;
 mod playback;
 mod run_folder;
+mod solids;
 mod tables;
+#[cfg(test)]
+mod testing;
+mod vtk;
 
 pub use apparatus::{Carrier, StandingPiece, standing};
 pub use exchange::{
     ApparatusPiece, Damping, ExchangeContact, ExchangeGrain, FORMAT, MadeBy, PairValue, Place,
     PlateBody, Scene, SceneError, Table, TableLaw, VERSION,
 };
+pub use glb::{Glb, GlbTooLarge, glb};
+pub use moments::{DEFAULT_EVERY, Moment, Moments, StageMoments, read_moments};
 pub use obj::{apparatus_obj, grains_obj};
+pub use parts::{Part, PartKind, parts};
 pub use playback::{Playback, PlayedStage, read_playback};
 pub use run_folder::{ExportError, Exported, read_run};
+pub use solids::{grains_ply, grains_stl};
 pub use tables::{contacts_csv, grains_csv, pairs_csv};
+pub use vtk::{VtkFiles, write_vtk};

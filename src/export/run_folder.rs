@@ -42,6 +42,9 @@ pub enum ExportError {
     },
 }
 
+/// How the no-shake control after the last stage is asked for.
+pub(super) const CONTROL: &str = "control";
+
 /// What exporting needs of `manifest.json`.
 #[derive(Deserialize)]
 pub(super) struct Manifest {
@@ -144,25 +147,43 @@ fn locate(
         let name = stages.last().map_or_else(String::new, |s| s.stage.clone());
         return Ok((Some(last), name, folder.join("specimen.json")));
     };
-    let stored = |entry: &StageEntry| {
-        let root = beside(folder, "stages");
-        StageStore::folder_in(&root, &entry.key).join("specimen.json")
-    };
-    if let ("control", Some(entry)) = (asked, &manifest.control) {
-        return Ok((None, "control".to_owned(), stored(entry)));
+    let root = beside(folder, "stages");
+    let (number, entry) = manifest.find(path, asked)?;
+    let name = if number.is_some() { entry.stage.clone() } else { CONTROL.to_owned() };
+    Ok((number, name, entry.folder(&root).join("specimen.json")))
+}
+
+impl StageEntry {
+    /// Its folder in the store.
+    pub(super) fn folder(&self, root: &Path) -> PathBuf {
+        StageStore::folder_in(root, &self.key)
     }
-    let number = asked.parse().ok().filter(|&n: &usize| n < stages.len());
-    match number.or_else(|| stages.iter().position(|s| s.stage == asked)) {
-        Some(n) => Ok((Some(n), stages[n].stage.clone(), stored(&stages[n]))),
-        None => {
-            let mut known: Vec<String> =
-                stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.stage)).collect();
-            known.extend(manifest.control.as_ref().map(|_| "control".to_owned()));
-            Err(ExportError::NoStage {
-                asked: asked.to_owned(),
-                stages: known.join(", "),
-                manifest: path.to_owned(),
-            })
+}
+
+impl Manifest {
+    /// The stage of a number or name, and its number; the control has none.
+    pub(super) fn find(
+        &self,
+        path: &Path,
+        asked: &str,
+    ) -> Result<(Option<usize>, &StageEntry), ExportError> {
+        if let (CONTROL, Some(entry)) = (asked, &self.control) {
+            return Ok((None, entry));
+        }
+        let stages = &self.stages;
+        let number = asked.parse().ok().filter(|&n: &usize| n < stages.len());
+        match number.or_else(|| stages.iter().position(|s| s.stage == asked)) {
+            Some(n) => Ok((Some(n), &stages[n])),
+            None => {
+                let mut known: Vec<String> =
+                    stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.stage)).collect();
+                known.extend(self.control.as_ref().map(|_| CONTROL.to_owned()));
+                Err(ExportError::NoStage {
+                    asked: asked.to_owned(),
+                    stages: known.join(", "),
+                    manifest: path.to_owned(),
+                })
+            }
         }
     }
 }

@@ -6,7 +6,7 @@ use std::io::{BufWriter, Write};
 use super::GrainSet;
 use crate::geometry::{ConvexPolyhedron, Point};
 
-fn cells(grains: &GrainSet) -> impl Iterator<Item = &ConvexPolyhedron> + '_ {
+fn cells(grains: &GrainSet) -> impl Iterator<Item = &ConvexPolyhedron> + Clone + '_ {
     grains.blocks.iter().flat_map(|block| &block.cells)
 }
 
@@ -42,21 +42,33 @@ pub fn write_obj(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
 /// # Errors
 /// When writing fails.
 pub fn write_ply(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
+    write_ply_of(cells(grains).enumerate(), into)
+}
+
+/// The same of shapes with the numbers of their grains, where they are.
+///
+/// # Errors
+/// When writing fails.
+pub fn write_ply_of<'a>(
+    shapes: impl Iterator<Item = (usize, &'a ConvexPolyhedron)> + Clone,
+    into: impl Write,
+) -> std::io::Result<()> {
     let mut out = BufWriter::new(into);
-    let vertices: usize = cells(grains).map(|c| c.vertices().len()).sum();
-    let faces: usize = cells(grains).map(|c| c.faces().len()).sum();
+    let all = || shapes.clone().map(|(_, shape)| shape);
+    let vertices: usize = all().map(|c| c.vertices().len()).sum();
+    let faces: usize = all().map(|c| c.faces().len()).sum();
     writeln!(
         out,
         "ply\nformat ascii 1.0\ncomment {} grains, lengths in metres\nelement vertex {vertices}\n\
          property double x\nproperty double y\nproperty double z\nelement face {faces}\n\
          property list uchar int vertex_indices\nproperty int grain\nend_header",
-        cells(grains).count()
+        all().count()
     )?;
-    for v in cells(grains).flat_map(ConvexPolyhedron::vertices) {
+    for v in all().flat_map(ConvexPolyhedron::vertices) {
         writeln!(out, "{} {} {}", v.x, v.y, v.z)?;
     }
     let mut first = 0;
-    for (index, cell) in cells(grains).enumerate() {
+    for (index, cell) in shapes {
         for face in cell.faces() {
             write!(out, "{}", face.len())?;
             for corner in face {
@@ -75,17 +87,28 @@ pub fn write_ply(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
 /// # Errors
 /// When writing fails.
 pub fn write_stl(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
+    write_stl_of(cells(grains), into)
+}
+
+/// The same of shapes where they are.
+///
+/// # Errors
+/// When writing fails.
+pub fn write_stl_of<'a>(
+    shapes: impl Iterator<Item = &'a ConvexPolyhedron> + Clone,
+    into: impl Write,
+) -> std::io::Result<()> {
     let mut out = BufWriter::new(into);
     // Readers take a file for the text form if it begins with "solid".
     let mut header = [b' '; 80];
     let title = b"grains, lengths in metres";
     header[..title.len()].copy_from_slice(title);
     out.write_all(&header)?;
-    let triangles: usize = cells(grains).map(|c| c.triangles().count()).sum();
+    let triangles: usize = shapes.clone().map(|c| c.triangles().count()).sum();
     let triangles = u32::try_from(triangles)
         .map_err(|_| std::io::Error::other("STL cannot hold more than 2³² triangles"))?;
     out.write_all(&triangles.to_le_bytes())?;
-    for triangle in cells(grains).flat_map(ConvexPolyhedron::triangles) {
+    for triangle in shapes.flat_map(ConvexPolyhedron::triangles) {
         let [a, b, c] = triangle;
         let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default();
         for point in [Point::from(normal), a, b, c] {

@@ -32,7 +32,7 @@ pub use file::{
 };
 pub use generate::generate;
 pub use gradation::{Gradation, UscsClass};
-pub use mesh::{write_obj, write_ply, write_stl};
+pub use mesh::{write_obj, write_ply, write_ply_of, write_stl, write_stl_of};
 pub use mixing::{Mixing, RAIN_CLEARANCE, mix, rain};
 pub use psd::{Fraction, ParticleSizeDistribution};
 pub use shape::{GrainShape, ShapeRatio};

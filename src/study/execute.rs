@@ -84,11 +84,13 @@ pub fn execute_each(
         cancelled: false,
     });
     let changed = Condvar::new();
+    progress.begin_work(plan.nodes.iter().map(|node| node.expected).sum());
     std::thread::scope(|scope| {
         for _ in 0..jobs.max(1) {
             scope.spawn(|| shop.work(plan, &board, &changed));
         }
     });
+    progress.end_work();
     let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
     Executed { done: board.done, failed: board.failed, cancelled: board.cancelled }
 }
@@ -165,6 +167,7 @@ impl Shop<'_> {
             progress.message(&format!("{}: {why}", node.label));
         }
         if let Some(stored) = stored {
+            progress.already_done(node.expected);
             return Ok(stored);
         }
         let state = match parent {

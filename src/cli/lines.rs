@@ -1,0 +1,182 @@
+//! Progress for people who read a file or a pipe: plain lines.
+
+use std::{
+    collections::HashMap,
+    io::Write,
+    sync::Mutex,
+    time::{Duration, Instant},
+};
+
+use super::{
+    overall::Overall,
+    progress::{lock, speed},
+};
+use crate::protocol::Progress;
+
+/// At most one line about a stage in this time, beside those at its begin and end.
+const LINE_INTERVAL: Duration = Duration::from_secs(10);
+
+/// Plain lines: one at the begin and the end of a stage, few between.
+pub(super) struct Lines<W> {
+    state: Mutex<LinesState<W>>,
+    interval: Duration,
+}
+
+struct LinesState<W> {
+    out: W,
+    running: HashMap<u64, Running>,
+    overall: Overall,
+}
+
+struct Running {
+    name: String,
+    expected: f64,
+    began: Instant,
+    last_line: Instant,
+}
+
+impl<W: Write + Send> Lines<W> {
+    /// Writes to `out`.
+    pub(super) fn new(out: W) -> Self {
+        Self::every(LINE_INTERVAL, out)
+    }
+
+    fn every(interval: Duration, out: W) -> Self {
+        let (running, overall) = (HashMap::new(), Overall::default());
+        Self { state: Mutex::new(LinesState { out, running, overall }), interval }
+    }
+}
+
+impl<W: Write> LinesState<W> {
+    fn line(&mut self, text: &str) {
+        // A reader that is gone must not stop the simulation.
+        let _ = writeln!(self.out, "{text}");
+    }
+}
+
+impl<W: Write + Send> Progress for Lines<W> {
+    fn begin_work(&self, expected: f64) {
+        lock(&self.state).overall = Overall::of(expected);
+    }
+
+    fn already_done(&self, expected: f64) {
+        lock(&self.state).overall.leave_out(expected);
+    }
+
+    fn end_work(&self) {
+        lock(&self.state).overall = Overall::default();
+    }
+
+    // Each piece says a line of its own.
+    fn begin_pieces(&self, _: u64, name: &str, pieces: usize) {
+        lock(&self.state).line(&format!("{name}: {pieces} to do"));
+    }
+
+    fn begin_stage(&self, id: u64, name: &str, expected: f64) {
+        let mut state = lock(&self.state);
+        state.line(&format!("{name}: begins, about {expected:.1} s to simulate"));
+        state.overall.begin_stage(id, expected);
+        let now = Instant::now();
+        let name = name.to_owned();
+        state.running.insert(id, Running { name, expected, began: now, last_line: now });
+    }
+
+    fn update(&self, id: u64, simulated: f64, note: &str) {
+        let mut state = lock(&self.state);
+        state.overall.update(id, simulated);
+        let Some(stage) = state.running.get_mut(&id) else { return };
+        if stage.last_line.elapsed() < self.interval {
+            return;
+        }
+        stage.last_line = Instant::now();
+        let mut line = format!(
+            "{}: {simulated:.2} of about {:.1} s",
+            stage.name,
+            stage.expected.max(simulated)
+        );
+        if simulated > 0.0 && simulated < stage.expected {
+            let left = stage.began.elapsed().as_secs_f64() * (stage.expected / simulated - 1.0);
+            line += &format!(", ETA {}", super::table::duration(left));
+        }
+        line += &format!(", {}", speed(simulated, stage.began));
+        if !note.is_empty() {
+            line += &format!(", {note}");
+        }
+        state.line(&line);
+    }
+
+    fn end_stage(&self, id: u64) {
+        let mut state = lock(&self.state);
+        if let Some(stage) = state.running.remove(&id) {
+            let took = super::table::duration(stage.began.elapsed().as_secs_f64());
+            let mut line = format!("{}: ended after {took}", stage.name);
+            state.overall.end_stage(id);
+            if state.overall.total() > 0.0 {
+                line += &format!("; in all {}", state.overall);
+                if let Some(left) = state.overall.left() {
+                    line += &format!(", ETA {}", super::table::duration(left));
+                }
+            }
+            state.line(&line);
+        }
+    }
+
+    fn message(&self, text: &str) {
+        lock(&self.state).line(text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(interval: Duration) -> Vec<String> {
+        let progress = Lines::every(interval, Vec::new());
+        progress.begin_stage(1, "pour", 4.0);
+        for step in 1..=3 {
+            progress.update(1, f64::from(step), "surface 100 mm");
+        }
+        progress.update(2, 1.0, "a stage that never began");
+        progress.message("hello");
+        progress.end_stage(1);
+        progress.update(1, 4.0, "after its end");
+        progress.end_stage(1);
+        let out = lock(&progress.state).out.clone();
+        String::from_utf8(out).expect("text").lines().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn lines_are_few() {
+        let got = lines(Duration::from_secs(3600));
+        assert_eq!(got.len(), 3, "begin, message, end: {got:?}");
+        assert!(got[0].contains("pour: begins"), "{got:?}");
+        assert_eq!(got[1], "hello");
+        assert!(got[2].contains("pour: ended"), "{got:?}");
+    }
+
+    #[test]
+    fn lines_tell_how_far_it_is() {
+        let got = lines(Duration::ZERO);
+        assert_eq!(got.len(), 6, "begin, three updates, message, end: {got:?}");
+        assert!(got[1].contains("1.00 of about 4.0 s, ETA"), "{got:?}");
+        assert!(got[1].ends_with("surface 100 mm"), "{got:?}");
+    }
+
+    #[test]
+    fn lines_tell_how_far_all_is() {
+        let progress = Lines::every(Duration::ZERO, Vec::new());
+        progress.begin_work(16.0);
+        progress.already_done(6.0);
+        progress.begin_stage(1, "pour", 5.0);
+        progress.end_stage(1);
+        progress.begin_stage(2, "vibrate", 5.0);
+        progress.end_stage(2);
+        progress.end_work();
+        let out = lock(&progress.state).out.clone();
+        let text = String::from_utf8(out).expect("text");
+        let ends: Vec<&str> = text.lines().filter(|l| l.contains("ended")).collect();
+        assert!(ends[0].contains("; in all 5.0 of about 10.0 s simulated, ETA"), "{text}");
+        assert!(ends[1].ends_with("; in all 10.0 of about 10.0 s simulated"), "{text}");
+        assert!(!text.contains('\x1b'), "law: plain lines, got {text:?}");
+    }
+}

@@ -1,0 +1,93 @@
+//! `pluvia man`.
+
+use std::{
+    io::{self, Write},
+    path::PathBuf,
+};
+
+use clap::{Args, Command, CommandFactory};
+use clap_mangen::Man;
+
+use super::{Cli, CliError, Context, ExitStatus, output_folder};
+use crate::record::write_file;
+
+/// Write the manual pages
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Without --out the page of pluvia itself goes to the standard output; with it, that page and one of
+every subcommand go into DIR, as pluvia.1, pluvia-run.1 and so on.
+
+Examples:
+  pluvia man | man -l -
+  pluvia man --out ~/.local/share/man/man1    # then: man pluvia-export")]
+pub(super) struct ManArgs {
+    /// Folder for the pages; it is made if needed
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &ManArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let Some(out) = &args.out else {
+        let (_, page) = page(program())?;
+        return match io::stdout().lock().write_all(&page) {
+            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
+            _ => Ok(ExitStatus::Done),
+        };
+    };
+    output_folder::prepare(out)?;
+    let mut files = Vec::new();
+    for (name, page) in pages()? {
+        let path = out.join(name);
+        write_file(&path, &page)?;
+        files.push(path);
+    }
+    let text: String = files.iter().map(|file| format!("{}\n", file.display())).collect();
+    context.print(&text, &files)?;
+    Ok(ExitStatus::Done)
+}
+
+/// The whole command, with the names under which its subcommands are called.
+fn program() -> Command {
+    let mut command = Cli::command().disable_help_subcommand(true);
+    command.build();
+    command
+}
+
+/// Name of the file and text of a page.
+fn page(command: Command) -> io::Result<(String, Vec<u8>)> {
+    let man = Man::new(command);
+    let mut text = Vec::new();
+    man.render(&mut text)?;
+    Ok((man.get_filename(), text))
+}
+
+/// The page of the program and those of its subcommands.
+fn pages() -> io::Result<Vec<(String, Vec<u8>)>> {
+    let program = program();
+    let subcommands: Vec<Command> = program.get_subcommands().cloned().collect();
+    std::iter::once(program).chain(subcommands).map(page).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_subcommand_has_a_page_with_its_options_and_examples() {
+        let pages = pages().expect("pages");
+        let commands: Vec<Command> = program().get_subcommands().cloned().collect();
+        assert_eq!(pages.len(), commands.len() + 1, "law: a page a subcommand, and the program's");
+        for command in &commands {
+            let name = format!("pluvia-{}.1", command.get_name());
+            let found = pages.iter().find(|(file, _)| *file == name);
+            let (_, text) = found.unwrap_or_else(|| panic!("no page {name}"));
+            let text = String::from_utf8(text.clone()).expect("text").replace('\\', "");
+            assert!(text.contains("pluvia"), "{name} names the program");
+            assert!(text.contains("Example"), "{name} shows an example");
+            let options = command.get_arguments().filter_map(|a| a.get_long());
+            for option in options.filter(|o| *o != "help") {
+                assert!(text.contains(&format!("--{option}")), "{name} explains --{option}");
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! How far all the stages of a command are together.
+
+use std::{collections::HashMap, fmt, time::Instant};
+
+/// Simulated time of all stages: what is expected, and what is done.
+///
+/// A stage counts as long as it is expected to take, however long it took: one
+/// that ends when the grains have settled may end early or late.
+#[derive(Debug)]
+pub(super) struct Overall {
+    total: f64,
+    finished: f64,
+    /// Of each stage that runs: what is expected and what is simulated, in s.
+    running: HashMap<u64, (f64, f64)>,
+    began: Instant,
+}
+
+impl Default for Overall {
+    fn default() -> Self {
+        Self::of(0.0)
+    }
+}
+
+impl Overall {
+    /// Nothing done yet of so much simulated time in s.
+    pub(super) fn of(total: f64) -> Self {
+        Self { total, finished: 0.0, running: HashMap::new(), began: Instant::now() }
+    }
+
+    /// So much was done before, and is no work any more.
+    pub(super) fn leave_out(&mut self, expected: f64) {
+        self.total = (self.total - expected).max(0.0);
+    }
+
+    /// A stage begins.
+    pub(super) fn begin_stage(&mut self, id: u64, expected: f64) {
+        self.running.insert(id, (expected, 0.0));
+    }
+
+    /// A stage has reached a simulated time in s.
+    pub(super) fn update(&mut self, id: u64, simulated: f64) {
+        if let Some((_, at)) = self.running.get_mut(&id) {
+            *at = simulated;
+        }
+    }
+
+    /// A stage has ended.
+    pub(super) fn end_stage(&mut self, id: u64) {
+        if let Some((expected, _)) = self.running.remove(&id) {
+            self.finished += expected;
+        }
+    }
+
+    /// What is expected in all, in s; 0 where nobody has said.
+    pub(super) fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// What is done of it, in s.
+    pub(super) fn done(&self) -> f64 {
+        let running = self.running.values().map(|(expected, at)| at.min(*expected));
+        (self.finished + running.sum::<f64>()).min(self.total)
+    }
+
+    /// Wall time in s that the rest takes if it goes on as before; none where
+    /// nothing is done or nothing is left.
+    pub(super) fn left(&self) -> Option<f64> {
+        let done = self.done();
+        let left = self.total - done;
+        // Rounding must not leave a rest.
+        let some = 1e-9 * self.total;
+        (done > some && left > some).then(|| self.began.elapsed().as_secs_f64() * left / done)
+    }
+}
+
+impl fmt::Display for Overall {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.1} of about {:.1} s simulated", self.done(), self.total)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_count_as_long_as_expected() {
+        let mut all = Overall::of(20.0);
+        assert_eq!((all.done(), all.left()), (0.0, None), "nothing to judge the rest by");
+        all.begin_stage(1, 6.0);
+        all.update(1, 2.0);
+        assert_eq!(all.done(), 2.0);
+        all.update(1, 9.0);
+        assert_eq!(all.done(), 6.0, "law: one that takes longer counts no more");
+        all.end_stage(1);
+        all.end_stage(1);
+        assert_eq!(all.done(), 6.0, "law: ended once");
+        assert!(all.left().is_some_and(|left| left >= 0.0));
+        all.leave_out(10.0);
+        assert_eq!((all.done(), all.total()), (6.0, 10.0), "law: what is no work is not done");
+        all.begin_stage(2, 4.0);
+        all.end_stage(2);
+        assert_eq!((all.done(), all.left()), (10.0, None), "law: nothing is left");
+    }
+}

@@ -1,0 +1,163 @@
+//! The apparatus as parts that move as one: cylinder wall, floor, funnel, lid
+//! and top plate.
+
+use std::collections::HashMap;
+
+use crate::apparatus::{ApparatusError, Funnel, Piece};
+use crate::geometry::{ConvexPolyhedron, Point, Pose};
+use crate::protocol::Setup;
+use crate::record::Frame;
+
+/// What a part is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PartKind {
+    /// The wall of the cylinder; it goes with the table.
+    CylinderWall,
+    /// Its floor.
+    Floor,
+    /// The funnel.
+    Funnel,
+    /// The lid under the funnel.
+    Lid,
+    /// The top plate.
+    TopPlate,
+}
+
+impl PartKind {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CylinderWall => "cylinder",
+            Self::Floor => "floor",
+            Self::Funnel => "funnel",
+            Self::Lid => "lid",
+            Self::TopPlate => "top_plate",
+        }
+    }
+}
+
+/// A part with its surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// What it is.
+    pub kind: PartKind,
+    /// The outer surface: polygons, counter-clockwise seen from outside, in m
+    /// in the part's own frame. Faces where pieces of a wall meet are left out.
+    pub faces: Vec<Vec<Point>>,
+}
+
+impl Part {
+    /// Where its frame was; none where the part did not stand.
+    pub fn pose(&self, frame: &Frame) -> Option<Pose> {
+        let on_the_table = || Pose::translation(frame.table_x, 0.0, 0.0);
+        match self.kind {
+            PartKind::CylinderWall | PartKind::Floor => frame.cylinder.then(on_the_table),
+            PartKind::Funnel => Some(Pose::translation(0.0, 0.0, frame.funnel?.opening_height)),
+            PartKind::Lid => {
+                let funnel = frame.funnel.filter(|f| f.lid)?;
+                Some(Pose::translation(0.0, 0.0, funnel.opening_height))
+            }
+            PartKind::TopPlate => frame.top_plate,
+        }
+    }
+}
+
+/// Every part of a laboratory. The collar that funnels have while they are
+/// filled is left out.
+///
+/// # Errors
+/// When the funnel's dimensions make no funnel.
+pub fn parts(setup: &Setup) -> Result<Vec<Part>, ApparatusError> {
+    let (floor, wall) = match setup.cylinder.pieces.split_last() {
+        Some((floor, wall)) => (std::slice::from_ref(floor), wall),
+        None => (&[][..], &[][..]),
+    };
+    let funnel = Funnel::new(&setup.funnel, 0.0, 0.0)?;
+    let plate = Piece { shape: setup.plate.shape.clone(), pose: Pose::identity() };
+    let part = |kind, pieces: &[Piece]| Part { kind, faces: surface(pieces) };
+    Ok(vec![
+        part(PartKind::CylinderWall, wall),
+        part(PartKind::Floor, floor),
+        part(PartKind::Funnel, &funnel.pieces),
+        part(PartKind::Lid, &[funnel.lid]),
+        part(PartKind::TopPlate, &[plate]),
+    ])
+}
+
+/// A face's corners.
+pub(super) fn corners<'a>(
+    shape: &'a ConvexPolyhedron,
+    face: &'a [u32],
+    pose: &'a Pose,
+) -> impl Iterator<Item = Point> + 'a {
+    face.iter().map(move |&v| pose * shape.vertices()[v as usize])
+}
+
+/// The faces of pieces that stand side by side, without those that two share.
+fn surface(pieces: &[Piece]) -> Vec<Vec<Point>> {
+    let all: Vec<Vec<Point>> = pieces
+        .iter()
+        .flat_map(|p| p.shape.faces().iter().map(|f| corners(&p.shape, f, &p.pose).collect()))
+        .collect();
+    let mut met: HashMap<[i64; 3], usize> = HashMap::new();
+    for face in &all {
+        *met.entry(middle(face)).or_default() += 1;
+    }
+    all.into_iter().filter(|face| met[&middle(face)] == 1).collect()
+}
+
+/// The mean corner in µm: pieces that meet have it within rounding.
+fn middle(face: &[Point]) -> [i64; 3] {
+    let sum = face.iter().fold([0.0; 3], |s, p| [s[0] + p.x, s[1] + p.y, s[2] + p.z]);
+    sum.map(|x| (x / face.len() as f64 * 1e6).round() as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::testing;
+
+    /// Volume that faces enclose, in m³.
+    fn volume(faces: &[Vec<Point>]) -> f64 {
+        let triangles =
+            faces.iter().flat_map(|f| (1..f.len() - 1).map(move |i| [f[0], f[i], f[i + 1]]));
+        triangles.map(|[a, b, c]| a.coords.dot(&b.coords.cross(&c.coords)) / 6.0).sum()
+    }
+
+    /// Law: leaving out what two pieces share leaves a closed surface, which
+    /// encloses the volume of the pieces.
+    #[test]
+    fn surfaces_are_closed_without_their_inner_faces() {
+        let moments = testing::moments(&[3], 0.08);
+        let setup = &moments.setup;
+        let parts = &moments.parts;
+        let wall = &parts[0];
+        let pieces = setup.cylinder.pieces.len() - 1;
+        assert_eq!(wall.faces.len(), 4 * pieces, "law: in, out, below and above of each piece");
+        let expected: f64 =
+            setup.cylinder.pieces[..pieces].iter().map(|p| p.shape.signed_volume()).sum();
+        let got = volume(&wall.faces);
+        assert!(
+            (got / expected - 1.0).abs() < 1e-9,
+            "law: volume of the wall, expected {expected} m³, got {got}, tolerance 1e-9 of it"
+        );
+        let plate = parts.last().expect("a top plate");
+        assert_eq!(plate.faces.len(), setup.plate.shape.faces().len(), "law: one piece, all faces");
+    }
+
+    #[test]
+    fn parts_stand_where_the_frame_has_them() {
+        let moments = testing::moments(&[3], 0.08);
+        let mut frame = moments.stages[0].frames[1].clone();
+        let at = |kind, frame: &Frame| {
+            Part { kind, faces: Vec::new() }.pose(frame).map(|pose| pose.translation.vector)
+        };
+        frame.table_x = 0.02;
+        frame.funnel = None;
+        assert_eq!(at(PartKind::Floor, &frame).map(|p| p.x), Some(0.02), "law: with the table");
+        assert_eq!(at(PartKind::Funnel, &frame), None, "law: it was taken away");
+        frame.funnel = Some(crate::specimen::FunnelState { opening_height: 0.25, lid: false });
+        assert_eq!(at(PartKind::Funnel, &frame).map(|p| p.z), Some(0.25), "law: its height");
+        assert_eq!(at(PartKind::Lid, &frame), None, "law: the lid is open");
+    }
+}

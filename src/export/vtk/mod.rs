@@ -1,0 +1,99 @@
+//! A run for ParaView and other programs on VTK: a `.vtp` file for every
+//! moment, and `.pvd` files that list them by time.
+
+mod scene;
+#[cfg(test)]
+mod tests;
+mod xml;
+
+use std::path::{Path, PathBuf};
+
+use super::moments::Moments;
+use crate::record::{FileError, create_folder, write_file};
+use xml::{PolyData, collection};
+
+pub(super) use scene::sieve_sizes;
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct VtkFiles {
+    /// The `.pvd` files, to open in ParaView.
+    pub lists: Vec<PathBuf>,
+    /// The `.vtp` files they list.
+    pub data: Vec<PathBuf>,
+    /// Their size together, in bytes.
+    pub bytes: u64,
+}
+
+/// A series of files of one kind: `grains/grains_0000.vtp` and so on.
+struct Series<'a> {
+    folder: &'a Path,
+    name: &'static str,
+    entries: Vec<(f64, String)>,
+}
+
+impl<'a> Series<'a> {
+    fn new(folder: &'a Path, name: &'static str) -> Result<Self, FileError> {
+        create_folder(&folder.join(name))?;
+        Ok(Self { folder, name, entries: Vec::new() })
+    }
+
+    fn add(&mut self, time: f64, data: &PolyData, files: &mut VtkFiles) -> Result<(), FileError> {
+        let name = self.name;
+        let file = format!("{name}/{name}_{:04}.vtp", self.entries.len());
+        let path = self.folder.join(&file);
+        let bytes = data.to_bytes(time).map_err(|e| FileError::new("write", &path, e))?;
+        write_file(&path, &bytes)?;
+        files.bytes += bytes.len() as u64;
+        files.data.push(path);
+        self.entries.push((time, file));
+        Ok(())
+    }
+
+    fn list(&self, files: &mut VtkFiles) -> Result<(), FileError> {
+        let path = self.folder.join(self.name).with_extension("pvd");
+        let text = collection(&self.entries);
+        write_file(&path, text.as_bytes())?;
+        files.bytes += text.len() as u64;
+        files.lists.push(path);
+        Ok(())
+    }
+}
+
+/// Writes the moments of a run, about `every` s apart, into a folder: grains
+/// and apparatus at each, contacts and chains of force at the ends of stages
+/// where the engine gave contacts. `told` hears how many of how many moments
+/// are done.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write_vtk(
+    moments: &Moments,
+    every: f64,
+    out: &Path,
+    mut told: impl FnMut(usize, usize),
+) -> Result<VtkFiles, FileError> {
+    let sizes = sieve_sizes(&moments.grains);
+    let taken = moments.thinned(every);
+    let mut files = VtkFiles::default();
+    let mut grains = Series::new(out, "grains")?;
+    let mut apparatus = Series::new(out, "apparatus")?;
+    let bearing = moments.stages.iter().any(|s| !s.end.contacts.is_empty());
+    let of_contacts =
+        || Ok::<_, FileError>([Series::new(out, "contacts")?, Series::new(out, "force_chains")?]);
+    let mut of_contacts = if bearing { Some(of_contacts()?) } else { None };
+    for (n, moment) in taken.iter().enumerate() {
+        told(n, taken.len());
+        let time = moment.frame.time;
+        grains.add(time, &scene::grains(moment, &moments.grains, &sizes), &mut files)?;
+        apparatus.add(time, &scene::apparatus(moment, &moments.parts), &mut files)?;
+        if let (Some(end), Some([contacts, chains])) = (moment.end, &mut of_contacts) {
+            contacts.add(time, &scene::contacts(&moments.setup, end), &mut files)?;
+            chains.add(time, &scene::chains(&moments.setup, end), &mut files)?;
+        }
+    }
+    for series in [&grains, &apparatus].into_iter().chain(of_contacts.iter().flatten()) {
+        series.list(&mut files)?;
+    }
+    Ok(files)
+}

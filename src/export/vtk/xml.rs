@@ -1,0 +1,221 @@
+//! VTK's XML file of polygons, lines and points (`.vtp`): a head of XML, then
+//! the numbers as they are in memory, each array compressed by zlib. The format
+//! is VTK's own default, and described in its documentation under "VTK XML
+//! formats"; `make test-exports` has VTK itself read what is written here.
+
+use std::{
+    fmt::Write as _,
+    io::{self, Write as _},
+};
+
+use flate2::{Compression, write::ZlibEncoder};
+
+use crate::geometry::{Point, Vector};
+
+/// Numbers of an array, one entry a point or cell.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Whole numbers.
+    Int(Vec<i32>),
+    /// Numbers in single precision.
+    Float(Vec<f32>),
+    /// Vectors in single precision.
+    Vectors(Vec<[f32; 3]>),
+}
+
+impl Values {
+    /// Numbers rounded to single precision; NaN where there is none.
+    pub fn floats(of: impl Iterator<Item = Option<f64>>) -> Self {
+        Self::Float(of.map(|x| x.map_or(f32::NAN, |x| x as f32)).collect())
+    }
+
+    /// Vectors rounded to single precision.
+    pub fn vectors(of: impl Iterator<Item = Vector>) -> Self {
+        Self::Vectors(of.map(|v| [v.x as f32, v.y as f32, v.z as f32]).collect())
+    }
+
+    /// Every entry so many times as is said for it.
+    pub fn repeated(&self, times: &[usize]) -> Self {
+        fn each<T: Copy>(values: &[T], times: &[usize]) -> Vec<T> {
+            let pairs = values.iter().zip(times);
+            pairs.flat_map(|(&v, &n)| std::iter::repeat_n(v, n)).collect()
+        }
+        match self {
+            Self::Int(values) => Self::Int(each(values, times)),
+            Self::Float(values) => Self::Float(each(values, times)),
+            Self::Vectors(values) => Self::Vectors(each(values, times)),
+        }
+    }
+
+    fn kind(&self) -> (&'static str, usize) {
+        match self {
+            Self::Int(_) => ("Int32", 1),
+            Self::Float(_) => ("Float32", 1),
+            Self::Vectors(_) => ("Float32", 3),
+        }
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        match self {
+            Self::Int(values) => values.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Self::Float(values) => values.iter().flat_map(|x| x.to_le_bytes()).collect(),
+            Self::Vectors(values) => {
+                values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect()
+            }
+        }
+    }
+}
+
+/// An array with its name.
+pub type Named = (&'static str, Values);
+
+/// What the cells of a file are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CellKind {
+    /// Points.
+    Verts,
+    /// Lines.
+    Lines,
+    /// Polygons, counter-clockwise seen from outside.
+    Polys,
+}
+
+impl CellKind {
+    const ALL: [Self; 3] = [Self::Verts, Self::Lines, Self::Polys];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Verts => "Verts",
+            Self::Lines => "Lines",
+            Self::Polys => "Polys",
+        }
+    }
+}
+
+/// A file in the making: cells of one kind and what is known of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PolyData {
+    kind: CellKind,
+    points: Vec<[f32; 3]>,
+    corners: Vec<i32>,
+    /// Number of corners up to the end of each cell.
+    ends: Vec<i32>,
+    /// Arrays with an entry a point.
+    pub point_data: Vec<Named>,
+    /// Arrays with an entry a cell.
+    pub cell_data: Vec<Named>,
+}
+
+impl PolyData {
+    /// A file without cells.
+    pub fn new(kind: CellKind) -> Self {
+        let (points, corners, ends) = (Vec::new(), Vec::new(), Vec::new());
+        Self { kind, points, corners, ends, point_data: Vec::new(), cell_data: Vec::new() }
+    }
+
+    /// Adds a point, in m; gives its number.
+    pub fn point(&mut self, at: &Point) -> usize {
+        self.points.push([at.x as f32, at.y as f32, at.z as f32]);
+        self.points.len() - 1
+    }
+
+    /// Adds a cell with the given points.
+    pub fn cell(&mut self, points: impl Iterator<Item = usize>) {
+        self.corners.extend(points.map(|n| n as i32));
+        self.ends.push(self.corners.len() as i32);
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// The file's bytes, for a time in s.
+    ///
+    /// # Errors
+    /// When compression fails, for which nothing in memory gives a reason.
+    pub fn to_bytes(&self, time: f64) -> io::Result<Vec<u8>> {
+        let mut appended = Appended::default();
+        let mut xml = String::from(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" \
+             byte_order=\"LittleEndian\" header_type=\"UInt64\" \
+             compressor=\"vtkZLibDataCompressor\">\n<PolyData>\n<FieldData>\n\
+             <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" \
+             format=\"ascii\">",
+        );
+        // Writing into a string cannot fail.
+        let _ = writeln!(xml, "{time}</DataArray>\n</FieldData>");
+        let _ = write!(xml, "<Piece NumberOfPoints=\"{}\" NumberOfStrips=\"0\"", self.points.len());
+        for kind in CellKind::ALL {
+            let count = if kind == self.kind { self.cells() } else { 0 };
+            let _ = write!(xml, " NumberOf{}=\"{count}\"", kind.name());
+        }
+        xml += ">\n";
+        for (section, arrays) in [("PointData", &self.point_data), ("CellData", &self.cell_data)] {
+            let _ = writeln!(xml, "<{section}>");
+            for (name, values) in arrays {
+                appended.add(&mut xml, name, values)?;
+            }
+            let _ = writeln!(xml, "</{section}>");
+        }
+        xml += "<Points>\n";
+        appended.add(&mut xml, "Points", &Values::Vectors(self.points.clone()))?;
+        let _ = writeln!(xml, "</Points>\n<{}>", self.kind.name());
+        appended.add(&mut xml, "connectivity", &Values::Int(self.corners.clone()))?;
+        appended.add(&mut xml, "offsets", &Values::Int(self.ends.clone()))?;
+        let _ = writeln!(xml, "</{}>\n</Piece>\n</PolyData>", self.kind.name());
+        // The numbers begin after the underscore.
+        xml += "<AppendedData encoding=\"raw\">\n_";
+        let mut bytes = xml.into_bytes();
+        bytes.extend(appended.bytes);
+        bytes.extend(b"\n</AppendedData>\n</VTKFile>\n");
+        Ok(bytes)
+    }
+}
+
+/// Compressed arrays, one after the other.
+#[derive(Default)]
+struct Appended {
+    bytes: Vec<u8>,
+}
+
+impl Appended {
+    fn add(&mut self, xml: &mut String, name: &str, values: &Values) -> io::Result<()> {
+        let (kind, components) = values.kind();
+        let _ = writeln!(
+            xml,
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
+             format=\"appended\" offset=\"{}\"/>",
+            self.bytes.len()
+        );
+        let plain = values.bytes();
+        // Head of an array: number of blocks, size of a block, size of a last
+        // block that is not full, then the compressed size of each block. An
+        // array is one full block here, or none.
+        let blocks = u64::from(!plain.is_empty());
+        for number in [blocks, plain.len() as u64, 0] {
+            self.bytes.extend(number.to_le_bytes());
+        }
+        if !plain.is_empty() {
+            let mut packed = ZlibEncoder::new(Vec::new(), Compression::default());
+            packed.write_all(&plain)?;
+            let packed = packed.finish()?;
+            self.bytes.extend((packed.len() as u64).to_le_bytes());
+            self.bytes.extend(packed);
+        }
+        Ok(())
+    }
+}
+
+/// ParaView's list of files by time (`.pvd`); paths are relative to it.
+pub fn collection(entries: &[(f64, String)]) -> String {
+    let mut xml = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" \
+         byte_order=\"LittleEndian\">\n<Collection>\n",
+    );
+    for (time, file) in entries {
+        let _ =
+            writeln!(xml, "<DataSet timestep=\"{time}\" group=\"\" part=\"0\" file=\"{file}\"/>");
+    }
+    xml + "</Collection>\n</VTKFile>\n"
+}
