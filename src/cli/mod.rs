@@ -11,6 +11,7 @@ mod export;
 mod grains;
 mod info;
 mod output_folder;
+mod picture;
 mod progress;
 mod readings;
 mod reproduce;
@@ -71,6 +72,7 @@ enum Command {
     Sensitivity(sensitivity::SensitivityArgs),
     Verify(verify::VerifyArgs),
     Export(export::ExportArgs),
+    Picture(picture::PictureArgs),
     Schema(schema::SchemaArgs),
     Info(info::InfoArgs),
 }
@@ -99,6 +101,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Sensitivity(args) => sensitivity::run(args, &context),
         Command::Verify(args) => verify::run(args, &context),
         Command::Export(args) => export::run(args, &context),
+        Command::Picture(args) => picture::run(args, &context),
         Command::Schema(args) => schema::run(args, &context),
         Command::Info(args) => info::run(args, &context),
     }

@@ -17,9 +17,10 @@ use super::{
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution, sieve_size};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
+use crate::picture;
 use crate::protocol::{Progress, table_motion};
 use crate::record::{RunKind, RunRecord, create_folder, write_json};
-use crate::report::{self, Column, ReportInput, Standard};
+use crate::report::{self, Column, Picture, ReportInput, Standard};
 use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
 use crate::units::{to_cm3, to_g, to_mm};
 use crate::world::EffectiveSettings;
@@ -216,6 +217,7 @@ fn finish(
     let column =
         Column::new(&scenarios.label, &scenarios.programme_hash(options.configurations)?, &claims);
     let beside = beside::keep_and_read(&options.out, &scenarios.suffix, &column)?;
+    let (pictures, warnings) = pictures(options, scenarios);
     let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
     report::write(
         &options.out,
@@ -228,7 +230,8 @@ fn finish(
             standard: Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s },
             provenance: &provenance(options, scenarios),
             effective,
-            warnings: &[],
+            pictures: &pictures,
+            warnings: &warnings,
         },
     )?;
     let count = |verdict| claims.iter().filter(|c| c.verdict == verdict).count();
@@ -239,6 +242,17 @@ fn finish(
         report: options.out.join("report.html"),
         runs: records,
     })
+}
+
+/// The paper's pictures from the first configuration, and why there are none where
+/// they cannot be made: a report is worth having without them.
+fn pictures(options: &ReproduceOptions, scenarios: &Scenarios) -> (Vec<Picture>, Vec<String>) {
+    let run = format!("vibration-continuous-c1{}", scenarios.suffix);
+    options.progress.message("making the pictures");
+    match picture::of_programme(&options.out.join("runs").join(&run)) {
+        Ok(pictures) => (pictures, Vec::new()),
+        Err(error) => (Vec::new(), vec![format!("There are no pictures of {run}: {error}")]),
+    }
 }
 
 /// Where the results come from, in words.

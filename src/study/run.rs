@@ -57,7 +57,13 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
     };
     let record =
         carry_out(std::slice::from_ref(&run), options, |_| options.out.clone())?.records.remove(0);
-    crate::report::run_figures(&options.out.join("figures"), &record)?;
+    let figures = options.out.join("figures");
+    crate::report::run_figures(&figures, &record)?;
+    match crate::picture::of_run(&options.out) {
+        Ok(pictures) => pictures.iter().try_for_each(|p| p.write(&figures))?,
+        // The numbers are there; a run is not lost for want of a picture.
+        Err(error) => options.progress.message(&format!("there are no pictures: {error}")),
+    }
     Ok(record)
 }
 
