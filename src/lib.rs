@@ -10,6 +10,7 @@ pub mod geometry;
 pub mod grains;
 pub mod measure;
 pub mod paper;
+pub mod picture;
 pub mod protocol;
 pub mod record;
 pub mod report;

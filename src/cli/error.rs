@@ -3,6 +3,7 @@
 use std::{io, process::ExitCode};
 
 use crate::export::ExportError;
+use crate::picture::PictureError;
 use crate::record::FileError;
 use crate::scenario::ScenarioErrors;
 use crate::study::StudyError;
@@ -44,6 +45,9 @@ pub enum CliError {
     /// A run could not be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// A picture could not be made.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
     /// An option names something that is not there.
     #[error("{0}")]
     Usage(String),
@@ -65,6 +69,13 @@ impl CliError {
             Self::File(_) | Self::Output(_) => 4,
             Self::Export(ExportError::NoStage { .. } | ExportError::Apparatus { .. }) => 2,
             Self::Export(ExportError::File(_)) => 4,
+            Self::Picture(error) => {
+                if error.is_usage() {
+                    2
+                } else {
+                    4
+                }
+            }
             Self::Usage(_) | Self::Case(_) => 2,
             Self::Suite(error) => match error {
                 SuiteError::File(_) | SuiteError::Report(_) => 4,

@@ -17,6 +17,7 @@ mod man;
 mod output_folder;
 mod overall;
 mod paint;
+mod picture;
 mod progress;
 mod readings;
 mod reproduce;
@@ -78,6 +79,7 @@ enum Command {
     Sensitivity(sensitivity::SensitivityArgs),
     Verify(verify::VerifyArgs),
     Export(export::ExportArgs),
+    Picture(picture::PictureArgs),
     Schema(schema::SchemaArgs),
     Info(info::InfoArgs),
     Completions(completions::CompletionsArgs),
@@ -109,6 +111,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Sensitivity(args) => sensitivity::run(args, &context),
         Command::Verify(args) => verify::run(args, &context),
         Command::Export(args) => export::run(args, &context),
+        Command::Picture(args) => picture::run(args, &context),
         Command::Schema(args) => schema::run(args, &context),
         Command::Info(args) => info::run(args, &context),
         Command::Completions(args) => completions::run(args),

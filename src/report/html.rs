@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::{Figure, ReportInput, sections, shortfalls, summary, uncertainty};
+use super::{Figure, Picture, ReportInput, sections, shortfalls, summary, uncertainty};
 
 const CSS: &str = include_str!("report.css");
 
@@ -44,7 +44,7 @@ pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
                         }
                     }
                     p.lead { (glue(&summary::paragraph(input))) }
-                    (contents())
+                    (contents(!input.pictures.is_empty()))
                 }
                 main {
                     section id="claims" {
@@ -54,6 +54,12 @@ pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
                     section id="figures" {
                         h2 { "Figures" }
                         @for figure in figures { (figure_block(figure)) }
+                    }
+                    @if !input.pictures.is_empty() {
+                        section id="pictures" {
+                            h2 { "Pictures" }
+                            @for picture in input.pictures { (picture_block(picture)) }
+                        }
                     }
                     section id="uncertainty" {
                         h2 { "How sure the numbers are" }
@@ -90,8 +96,8 @@ pub(super) fn glue(text: &str) -> String {
     })
 }
 
-fn contents() -> Markup {
-    let entries = [
+fn contents(pictures: bool) -> Markup {
+    let mut entries = vec![
         ("claims", "Claims"),
         ("figures", "Figures"),
         ("uncertainty", "How sure"),
@@ -100,6 +106,9 @@ fn contents() -> Markup {
         ("choices", "Our choices"),
         ("provenance", "Provenance"),
     ];
+    if pictures {
+        entries.insert(2, ("pictures", "Pictures"));
+    }
     html! {
         nav aria-label="Contents" {
             ul { @for (id, name) in entries { li { a href={ "#" (id) } { (name) } } } }
@@ -109,6 +118,19 @@ fn contents() -> Markup {
 
 fn list(items: &[String]) -> Markup {
     html! { ul { @for item in items { li { (glue(item)) } } } }
+}
+
+fn picture_block(picture: &Picture) -> Markup {
+    html! {
+        figure id=(picture.stem) {
+            h3 { (picture.title) }
+            div.sheet { img src=(picture.as_data()) alt=(picture.title); }
+            figcaption {
+                (glue(&picture.caption)) " "
+                span.soft.files { a href={ "figures/" (picture.stem) ".png" } { "PNG" } }
+            }
+        }
+    }
 }
 
 pub(super) fn figure_block(figure: &Figure) -> Markup {

@@ -14,6 +14,7 @@ mod figures;
 mod html;
 mod laws;
 mod pile_choices;
+mod picture;
 mod plot;
 mod png;
 mod quality;
@@ -57,6 +58,8 @@ pub use convergence::{
 pub use figures::Figure;
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use pile_choices::pile_choices;
+pub use picture::Picture;
+pub use png::draw as draw_svg;
 pub use quality::Standard;
 pub use readings::{
     ReadingCell, ReadingColumn, ReadingFailure, ReadingRow, ReadingRun, write_readings,
@@ -96,23 +99,29 @@ pub struct ReportInput<'a> {
     pub provenance: &'a BTreeMap<String, String>,
     /// Engine settings as read back from the engine.
     pub effective: &'a EffectiveSettings,
-    /// Pictures of specimens, shown after the figures of the study.
-    pub pictures: &'a [Figure],
+    /// Views of piles, shown after the figures of the study.
+    pub piles: &'a [Figure],
+    /// Pictures of grains, apparatus and specimen, in the paper's order; none where
+    /// they could not be made.
+    pub pictures: &'a [Picture],
     /// Findings of the study itself that a reader must know; those of runs
     /// are taken from their summaries.
     pub warnings: &'a [String],
 }
 
-/// Writes `figures/*.{svg,png,csv}` and then `report.html` into a folder. Each
+/// Writes `figures/*.{svg,png,csv}`, the pictures beside them, and then `report.html` into a folder. Each
 /// file is written whole or not at all.
 ///
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write(out: &Path, input: &ReportInput) -> Result<(), ReportError> {
     let mut figures = figures::of_study(&input.study, &input.standard)?;
-    figures.extend_from_slice(input.pictures);
+    figures.extend_from_slice(input.piles);
     for figure in &figures {
         figure.write(&out.join("figures"))?;
+    }
+    for picture in input.pictures {
+        picture.write(&out.join("figures"))?;
     }
     let page = html::page(input, &figures);
     write_file(&out.join("report.html"), page.as_bytes())?;

@@ -20,11 +20,25 @@ fn fonts() -> Arc<fontdb::Database> {
         .clone()
 }
 
-/// Renders an SVG at its own size.
+/// Renders an SVG at its own size as PNG.
 ///
 /// # Errors
 /// A sentence on what is wrong with the SVG or its size.
 pub fn render(svg: &str) -> Result<Vec<u8>, String> {
+    pixels(svg)?.encode_png().map_err(|e| e.to_string())
+}
+
+/// Draws an SVG at its own size on nothing: width, height, and four bytes a pixel of
+/// sRGB with straight alpha.
+///
+/// # Errors
+/// A sentence on what is wrong with the SVG or its size.
+pub fn draw(svg: &str) -> Result<(u32, u32, Vec<u8>), String> {
+    let pixels = pixels(svg)?;
+    Ok((pixels.width(), pixels.height(), pixels.take_demultiplied()))
+}
+
+fn pixels(svg: &str) -> Result<Pixmap, String> {
     let options =
         Options { fontdb: fonts(), font_family: "DejaVu Sans".to_owned(), ..Options::default() };
     let tree = Tree::from_str(svg, &options).map_err(|e| e.to_string())?;
@@ -32,7 +46,7 @@ pub fn render(svg: &str) -> Result<Vec<u8>, String> {
     let mut pixels = Pixmap::new(size.width(), size.height())
         .ok_or_else(|| format!("no picture of {} × {}", size.width(), size.height()))?;
     resvg::render(&tree, Transform::identity(), &mut pixels.as_mut());
-    pixels.encode_png().map_err(|e| e.to_string())
+    Ok(pixels)
 }
 
 #[cfg(test)]

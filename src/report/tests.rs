@@ -33,6 +33,7 @@ fn with_input<T>(
         standard: STANDARD,
         provenance: &provenance,
         effective: &effective,
+        piles: &[],
         pictures: &[],
         warnings: &["<script>alert(1)</script>".to_owned()],
     })

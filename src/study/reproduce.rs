@@ -18,9 +18,10 @@ use super::{
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
+use crate::picture;
 use crate::protocol::{Progress, table_motion};
 use crate::record::{RunKind, RunRecord, create_folder, read_json, write_json};
-use crate::report::{self, Column, Figure, ReportInput, Standard};
+use crate::report::{self, Column, Figure, Picture, ReportInput, Standard};
 use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
 use crate::specimen::Specimen;
 use crate::units::{to_cm3, to_g, to_mm};
@@ -234,6 +235,7 @@ fn finish(
     // The shaken scenario has every choice of the poured one, and more.
     let mut choices = report::choices(&scenarios.intermittent);
     choices.extend(scenarios.repose.iter().flat_map(report::pile_choices));
+    let (pictures, warnings) = pictures(options, scenarios);
     let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
     report::write(
         &options.out,
@@ -245,8 +247,9 @@ fn finish(
             standard: Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s },
             provenance: &provenance(options, scenarios),
             effective,
-            pictures: &pile_pictures(&options.out, grains, &records)?,
-            warnings: &[],
+            piles: &pile_pictures(&options.out, grains, &records)?,
+            pictures: &pictures,
+            warnings: &warnings,
         },
     )?;
     let count = |verdict| claims.iter().filter(|c| c.verdict == verdict).count();
@@ -270,6 +273,17 @@ fn pile_pictures(
     let state = read_json(&out.join("runs").join(name).join("specimen.json"))?;
     let specimen = Specimen { grains: grains.clone(), state };
     Ok(vec![report::pile_picture(&specimen, &angle)?])
+}
+
+/// The paper's pictures from the first configuration, and why there are none where
+/// they cannot be made: a report is worth having without them.
+fn pictures(options: &ReproduceOptions, scenarios: &Scenarios) -> (Vec<Picture>, Vec<String>) {
+    let run = format!("vibration-continuous-c1{}", scenarios.suffix);
+    options.progress.message("making the pictures");
+    match picture::of_programme(&options.out.join("runs").join(&run)) {
+        Ok(pictures) => (pictures, Vec::new()),
+        Err(error) => (Vec::new(), vec![format!("There are no pictures of {run}: {error}")]),
+    }
 }
 
 /// Where the results come from, in words.

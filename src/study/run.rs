@@ -58,10 +58,15 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
     };
     let record =
         carry_out(std::slice::from_ref(&run), options, |_| options.out.clone())?.records.remove(0);
-    let (folder, known) = (options.out.join("figures"), described(&grains));
-    crate::report::run_figures(&folder, &record)?;
+    let (figures, known) = (options.out.join("figures"), described(&grains));
+    crate::report::run_figures(&figures, &record)?;
     let specified = ParticleSizeDistribution::of(&grains).ok();
-    crate::report::grain_figures(&folder, &known.sieved, specified.as_ref(), &known.shapes)?;
+    crate::report::grain_figures(&figures, &known.sieved, specified.as_ref(), &known.shapes)?;
+    match crate::picture::of_run(&options.out) {
+        Ok(pictures) => pictures.iter().try_for_each(|p| p.write(&figures))?,
+        // The numbers are there; a run is not lost for want of a picture.
+        Err(error) => options.progress.message(&format!("there are no pictures: {error}")),
+    }
     Ok(record)
 }
 

@@ -19,17 +19,19 @@ const ROWS: [&[&str]; 9] = [
     &["protocol"],
     &["measure"],
     &["record", "paper", "report"],
-    &["study", "verify", "export"],
+    &["study", "verify", "export", "picture"],
     &["cli", "main"],
 ];
 
 /// Uses allowed within a row, as (user, used).
-const SAME_ROW: [(&str, &str); 6] = [
+const SAME_ROW: [(&str, &str); 8] = [
     ("geometry", "units"),
     ("specimen", "world"),
     ("paper", "record"),
     ("report", "record"),
     ("report", "paper"),
+    ("picture", "export"),
+    ("study", "picture"),
     ("main", "cli"),
 ];
 
@@ -37,6 +39,8 @@ const SAME_ROW: [(&str, &str); 6] = [
 const ENGINE_FOLDER: &str = "src/world/bullet/";
 /// The only place for rapier's own names.
 const RAPIER_FOLDER: &str = "src/world/rapier/";
+/// The one other file that may use parry, for its tree of boxes.
+const RAYS: &str = "src/picture/scene.rs";
 /// The one file outside that may name what the engines' folders offer.
 const SEAM: &str = "src/world/mod.rs";
 
@@ -118,7 +122,7 @@ fn rapier_names(path: &str, tokens: &[Token]) -> Vec<String> {
     let may_name_backend = path == SEAM || !path.starts_with("src/");
     let foreign = |text: &str| {
         text.starts_with("rapier3d")
-            || text.starts_with("parry3d")
+            || text.starts_with("parry3d") && path != RAYS
             || !may_name_backend && text.starts_with("RapierBackend")
     };
     let followed = |i: usize, next: &str| tokens.get(i + 1).is_some_and(|t| t.text == next);
@@ -325,6 +329,9 @@ mod tests {
             expect(0, "src/world/mod.rs", code);
             expect(1, "src/protocol/mod.rs", code);
         }
+        expect(0, "src/picture/scene.rs", "use parry3d_f64::partitioning::Bvh;");
+        expect(1, "src/picture/mod.rs", "use parry3d_f64::partitioning::Bvh;");
+        expect(1, "src/picture/scene.rs", "use rapier3d_f64::prelude::*;");
         // What a person chooses in a scenario is no engine's name.
         expect(0, "src/study/mod.rs", "fn f(e: &E) { (Backend::Rapier, e.rapier, \"rapier\"); }");
         expect(0, "src/scenario/mod.rs", "mod rapier; pub use rapier::RapierSettings;");

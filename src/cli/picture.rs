@@ -1,0 +1,267 @@
+//! `pluvia picture`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+
+use super::{CliError, Context, ExitStatus, output_folder, table};
+use crate::export::{Playback, read_playback};
+use crate::grains;
+use crate::picture::{
+    Animation, Background, ColourBy, LOOSE_VIEW, Shot, View, Walls, animate, at, loose_grains,
+    picture,
+};
+use crate::record::{FileError, read_json, write_file};
+
+/// Make a picture or an animation of a run, or a picture of grains alone
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Pictures are PNG, animations animated PNG, which browsers play. docs/pictures.md shows some.
+
+Examples:
+  pluvia picture out/first --out out/first.png
+  pluvia picture out/first --stage pour --time 0.9 --colour-by speed --cylinder cut --out out/pour.png
+  pluvia picture out/first --stage vibrate --colour-by displacement --cylinder hidden --out out/moved.png
+  pluvia picture out/grains/grains.json --out out/grains.png
+  pluvia picture out/first --stage pour --animate out/pour-moving.png")]
+pub(super) struct PictureArgs {
+    /// Folder of a run, as `pluvia run` and `pluvia reproduce` leave it, or a file `grains.json`
+    #[arg(value_name = "RUN_DIR|GRAINS.json")]
+    subject: PathBuf,
+    /// File for the picture; its folder is made if needed
+    #[arg(long, value_name = "FILE.png", required_unless_present = "animate")]
+    out: Option<PathBuf>,
+    /// File for an animation instead
+    #[arg(long, value_name = "FILE.png", conflicts_with_all = ["out", "time", "grains"])]
+    animate: Option<PathBuf>,
+    /// The stage: its number from 0 or its name. Its end is shown; animated, all of it
+    #[arg(long)]
+    stage: Option<String>,
+    /// The time to show, in s since the run began (of each stage that kept no frames only the end
+    /// can be shown)
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    time: Option<f64>,
+    /// Show the run's grains alone, in rows by sieve fraction
+    #[arg(long)]
+    grains: bool,
+    /// What the grains' colours tell
+    #[arg(long, value_enum, default_value_t = By::Fraction)]
+    colour_by: By,
+    /// How cylinder and funnel are shown
+    #[arg(long, value_enum, default_value_t = Wall::Transparent)]
+    cylinder: Wall,
+    /// Where the camera stands, counter-clockwise from the front: at 0 the table shakes from left
+    /// to right. [default: 25; 0 of grains alone]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    azimuth: Option<f64>,
+    /// How high the camera stands above the horizon. [default: 18; 48 of grains alone]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    elevation: Option<f64>,
+    /// Width in pixels. [default: 1600; animated 640]
+    #[arg(long, value_name = "PX")]
+    width: Option<u32>,
+    /// Height in pixels. [default: three quarters of the width; animated as the width]
+    #[arg(long, value_name = "PX")]
+    height: Option<u32>,
+    /// What lies behind
+    #[arg(long, value_enum, default_value_t = Behind::White)]
+    background: Behind,
+    /// Leave out the key and the notes beside the picture
+    #[arg(long)]
+    no_key: bool,
+    /// Simulated time from frame to frame of an animation; frames are kept every 0.08 s
+    #[arg(long, value_name = "S", default_value_t = 0.08, requires = "animate")]
+    every: f64,
+    /// Frames of an animation shown in a second
+    #[arg(long, value_name = "N", default_value_t = 12, requires = "animate")]
+    frames_per_second: u16,
+    /// Largest size of an animation; judged before it is made
+    #[arg(long, value_name = "MB", default_value_t = 25.0, requires = "animate")]
+    limit_mb: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum By {
+    /// Sieve fraction
+    Fraction,
+    /// Way since the stage began, as seen from the table
+    Displacement,
+    /// Speed as seen from the table
+    Speed,
+    /// Number of grains that each touches
+    Coordination,
+    /// Nothing: one colour
+    Plain,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Wall {
+    /// As glass
+    Transparent,
+    /// The near half cut away
+    Cut,
+    /// Left out
+    Hidden,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Behind {
+    /// White paper
+    White,
+    /// Nothing, for slides
+    Transparent,
+}
+
+/// What was made.
+#[derive(Serialize)]
+struct Made {
+    scenario: Option<String>,
+    stage: Option<String>,
+    time_s: Option<f64>,
+    frames: Option<usize>,
+    file: PathBuf,
+    bytes: usize,
+}
+
+impl PictureArgs {
+    fn shot(&self, view: View) -> Shot {
+        let width = self.width.unwrap_or(if self.animate.is_some() { 640 } else { 1600 });
+        let high = if self.animate.is_some() { width } else { 3 * (width / 4) };
+        Shot {
+            width,
+            height: self.height.unwrap_or(high),
+            view: View {
+                azimuth_deg: self.azimuth.unwrap_or(view.azimuth_deg),
+                elevation_deg: self.elevation.unwrap_or(view.elevation_deg),
+            },
+            walls: match self.cylinder {
+                Wall::Transparent => Walls::Transparent,
+                Wall::Cut => Walls::Cut,
+                Wall::Hidden => Walls::Hidden,
+            },
+            colour_by: match self.colour_by {
+                By::Fraction => ColourBy::Fraction,
+                By::Displacement => ColourBy::Displacement,
+                By::Speed => ColourBy::Speed,
+                By::Coordination => ColourBy::Coordination,
+                By::Plain => ColourBy::Plain,
+            },
+            background: match self.background {
+                Behind::White => Background::White,
+                Behind::Transparent => Background::Transparent,
+            },
+            notes: !self.no_key,
+        }
+    }
+}
+
+pub(super) fn run(args: &PictureArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let made = match (&args.animate, &args.out) {
+        (Some(file), _) => {
+            ends_in(file, "--animate", &["png", "apng"])?;
+            animation(args, context, file)?
+        }
+        (None, Some(file)) => {
+            ends_in(file, "--out", &["png"])?;
+            still(args, file)?
+        }
+        (None, None) => return Err(CliError::Usage("--out or --animate is needed".into())),
+    };
+    let mut text = String::new();
+    if let Some(scenario) = &made.scenario {
+        text += scenario;
+    }
+    if let (Some(stage), Some(time)) = (&made.stage, made.time_s) {
+        text += &format!(", {stage}, {time:.3} s");
+    }
+    if let Some(frames) = made.frames {
+        let plays = frames as f64 / f64::from(args.frames_per_second);
+        text += &format!(": {frames} frames, plays for {}", table::duration(plays));
+    }
+    text += &format!("\n{} ({} kB)\n", made.file.display(), made.bytes.div_ceil(1000));
+    context.print(text.trim_start(), &made)?;
+    Ok(ExitStatus::Done)
+}
+
+fn ends_in(file: &Path, option: &str, allowed: &[&str]) -> Result<(), CliError> {
+    let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if allowed.contains(&extension.as_str()) {
+        return Ok(());
+    }
+    let allowed = allowed.join(" or .");
+    Err(CliError::Usage(format!("{option} is {}, its name must end in .{allowed}", file.display())))
+}
+
+/// The folder of a file, made and tried before the work.
+fn prepare(file: &Path) -> Result<(), FileError> {
+    if file.is_dir() {
+        return Err(FileError::new("write", file, "it is a folder"));
+    }
+    let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    output_folder::prepare(folder)
+}
+
+fn still(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
+    if args.grains || args.subject.is_file() {
+        return alone(args, file);
+    }
+    let shot = args.shot(View::default());
+    shot.check()?;
+    let run = read_playback(&args.subject)?;
+    let shown = at(&run, args.stage.as_deref(), args.time)?;
+    prepare(file)?;
+    let png = picture(&run, shown, &shot)?.to_png(shot.background).map_err(drawing)?;
+    write_file(file, &png)?;
+    let stage = &run.stages[shown.stage];
+    Ok(Made {
+        stage: Some(stage.name.clone()),
+        time_s: Some(stage.frames[shown.frame].time),
+        frames: None,
+        ..made(Some(run.scenario), file, &png)
+    })
+}
+
+fn alone(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
+    if args.stage.is_some() || args.time.is_some() {
+        let text = "--stage and --time choose a moment of a run; grains alone have none";
+        return Err(CliError::Usage(text.to_owned()));
+    }
+    let shot = args.shot(LOOSE_VIEW);
+    shot.check()?;
+    let set = if args.subject.is_file() {
+        let json = read_json(&args.subject)?;
+        grains::from_json(&json).map_err(|e| FileError::new("use", &args.subject, e))?
+    } else {
+        let Playback { grains, .. } = read_playback(&args.subject)?;
+        (*grains).clone()
+    };
+    prepare(file)?;
+    let png = loose_grains(&set, &shot)?.to_png(shot.background).map_err(drawing)?;
+    write_file(file, &png)?;
+    Ok(made(None, file, &png))
+}
+
+fn animation(args: &PictureArgs, context: &Context, file: &Path) -> Result<Made, CliError> {
+    let animation = Animation {
+        shot: args.shot(View::default()),
+        stage: args.stage.clone(),
+        every_s: args.every,
+        frames_per_second: args.frames_per_second,
+        limit_mb: args.limit_mb,
+    };
+    let run = read_playback(&args.subject)?;
+    prepare(file)?;
+    let film = animate(&run, &animation, context.progress.as_ref())?;
+    write_file(file, &film.png)?;
+    Ok(Made { frames: Some(film.frames), ..made(Some(run.scenario), file, &film.png) })
+}
+
+fn made(scenario: Option<String>, file: &Path, png: &[u8]) -> Made {
+    let bytes = png.len();
+    Made { scenario, stage: None, time_s: None, frames: None, file: file.to_owned(), bytes }
+}
+
+fn drawing(error: png::EncodingError) -> CliError {
+    crate::picture::PictureError::from(error).into()
+}

@@ -1,0 +1,245 @@
+//! The paper's pictures: its Figures 4, 5, 6 and 8, made from a run.
+
+use std::path::Path;
+
+use super::PictureError;
+use super::camera::View;
+use super::colour::Colour;
+use super::image::{Background, Image};
+use super::loose::{self, loose_grains};
+use super::moment::{At, at};
+use super::paint::{ColourBy, number};
+use super::scenery::{Walls, glass_depth, scene_of};
+use super::sheet::{Notes, sheet};
+use super::shot::{Shot, expose, stage_scene};
+use crate::export::{Playback, read_playback};
+use crate::geometry::Point;
+use crate::record::Frame;
+use crate::report::Picture;
+use crate::specimen::FunnelState;
+use crate::units::to_mm;
+
+/// Width of these pictures in pixels.
+const WIDTH: u32 = 1400;
+/// From where apparatus and specimens are seen: nearly level, so that heights can
+/// be compared.
+const LEVEL: View = View { azimuth_deg: 20.0, elevation_deg: 12.0 };
+/// How high the funnel hangs over the cylinder where no pouring tells, in m.
+const LIFTED: f64 = 0.05;
+/// How all of them are made.
+const MADE: &str = "Cast ray by ray from the simulated shapes in their simulated places; walls are \
+                    drawn thinner than simulated, their inner faces where they are.";
+
+/// The paper's Figures 4, 5, 6 and 8 from the folder of a run that fills the
+/// funnel and vibrates; those that its stages do not give are left out.
+///
+/// # Errors
+/// When the run cannot be read or a picture cannot be drawn.
+pub fn of_programme(folder: &Path) -> Result<Vec<Picture>, PictureError> {
+    let run = read_playback(folder)?;
+    let mut pictures =
+        vec![grains(&run, "figure-04-grains", "Figure 4: generated grains")?, apparatus(&run)?];
+    pictures.extend(funnel(&run, "figure-06-funnel", "Figure 6: grains in the funnel")?);
+    let title = "Figure 8: before and after vibration";
+    pictures.extend(vibration(&run, "figure-08-vibration", title)?);
+    Ok(pictures)
+}
+
+/// The grains, the filled funnel and the specimen at its end, before and after
+/// vibration where there was one, from the folder of any run.
+///
+/// # Errors
+/// As [`of_programme`].
+pub fn of_run(folder: &Path) -> Result<Vec<Picture>, PictureError> {
+    let run = read_playback(folder)?;
+    let mut pictures = vec![grains(&run, "picture-grains", "Grains")?];
+    pictures.extend(funnel(&run, "picture-funnel", "Grains in the funnel")?);
+    match vibration(&run, "picture-vibration", "Before and after vibration")? {
+        Some(shaken) => pictures.push(shaken),
+        None => pictures.push(specimen(&run)?),
+    }
+    Ok(pictures)
+}
+
+fn finished(
+    stem: &str,
+    title: &str,
+    caption: String,
+    image: &Image,
+) -> Result<Picture, PictureError> {
+    let png = image.to_png(Background::White)?;
+    Ok(Picture { stem: stem.to_owned(), title: title.to_owned(), caption, png })
+}
+
+fn grains(run: &Playback, stem: &str, title: &str) -> Result<Picture, PictureError> {
+    let shot = Shot { width: WIDTH, height: 760, view: loose::VIEW, ..Shot::default() };
+    let image = loose_grains(&run.grains, &shot)?;
+    let caption = format!(
+        "Grains of each sieve fraction, at most {} of it, evenly picked and laid on their largest \
+         face; {} were made. Colours: sieve fraction.",
+        loose::SHOWN,
+        run.grains.grains.len()
+    );
+    finished(stem, title, caption, &image)
+}
+
+/// The pieces alone: cylinder, and above it funnel and lid.
+fn apparatus(run: &Playback) -> Result<Picture, PictureError> {
+    let poured = run.stages.iter().flat_map(|s| &s.frames).filter(|f| f.cylinder);
+    let hung = poured.filter_map(|f| f.funnel).map(|f| f.opening_height).next();
+    let opening_height = hung.unwrap_or(run.setup.cylinder.height + LIFTED);
+    let frame = Frame {
+        time: 0.0,
+        cylinder: true,
+        funnel: Some(FunnelState { opening_height, lid: true }),
+        table_x: 0.0,
+        top_plate: None,
+        grains: Vec::new(),
+    };
+    let notes = Notes {
+        things: vec![
+            (Colour::WALL, "walls".into()),
+            (Colour::SECTION, "cut".into()),
+            (Colour::FLOOR, "floor, lid".into()),
+        ],
+        ..Notes::default()
+    };
+    let panels = [Walls::Transparent, Walls::Cut].map(|walls| -> Result<Image, PictureError> {
+        let shot = panel_shot(walls, 2, 860);
+        let scene = scene_of(&run.setup, &run.grains, &frame, walls, &shot.view, &[])?;
+        Ok(expose(&scene, &scene.corners(), &shot, glass_depth(&run.setup)))
+    });
+    let [glass, cut] = panels;
+    let panels = [(glass?, "(a) as glass".to_owned()), (cut?, "(b) cut away".to_owned())];
+    let image = sheet(&panels, 2, WIDTH, Some(&notes))?;
+    let (cylinder, funnel) = (&run.setup.cylinder, &run.setup.funnel);
+    let caption = format!(
+        "Funnel, lid and cylinder: the cylinder {} mm wide and {} mm high inside, the funnel opening \
+         {} mm wide and {} mm above its floor. {MADE}",
+        number(to_mm(2.0 * cylinder.radius)),
+        number(to_mm(cylinder.height)),
+        number(funnel.opening_diameter_mm),
+        number(to_mm(opening_height)),
+    );
+    finished("figure-05-apparatus", "Figure 5: funnel, lid and cylinder", caption, &image)
+}
+
+/// A panel of a sheet with so many in a row.
+fn panel_shot(walls: Walls, columns: u32, height: u32) -> Shot {
+    let whole = Shot { width: WIDTH, ..Shot::default() }.camera_width();
+    Shot { width: whole / columns, height, view: LEVEL, walls, notes: false, ..Shot::default() }
+}
+
+/// Moments in panels that share one framing.
+fn panels(
+    run: &Playback,
+    shown: &[(At, Walls, &str)],
+    columns: u32,
+    height: u32,
+) -> Result<Image, PictureError> {
+    let mut scenes = Vec::new();
+    let mut points: Vec<Point> = Vec::new();
+    let mut notes = Notes::default();
+    for (at, walls, name) in shown {
+        let shot = panel_shot(*walls, columns, height);
+        let (scene, said) = stage_scene(run, *at, &shot, None)?;
+        points.extend(scene.corners());
+        notes = Notes { lines: vec![run.scenario.clone()], ..said };
+        scenes.push((scene, shot, *name));
+    }
+    if shown.iter().any(|s| s.1 == Walls::Cut) {
+        notes
+            .things
+            .extend([(Colour::WALL, "wall".to_owned()), (Colour::SECTION, "wall, cut".to_owned())]);
+    }
+    let depth = glass_depth(&run.setup);
+    let exposed = scenes
+        .iter()
+        .map(|(scene, shot, name)| (expose(scene, &points, shot, depth), (*name).to_owned()));
+    sheet(&exposed.collect::<Vec<_>>(), columns, WIDTH, Some(&notes))
+}
+
+/// The end of a stage; none where the run has no such stage.
+fn end_of(run: &Playback, stage: &str) -> Option<At> {
+    at(run, Some(stage), None).ok()
+}
+
+fn funnel(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>, PictureError> {
+    let Some(filled) = end_of(run, "fill_funnel") else { return Ok(None) };
+    let shown =
+        [(filled, Walls::Transparent, "(a) as glass"), (filled, Walls::Cut, "(b) cut away")];
+    let image = panels(run, &shown, 2, 600)?;
+    let caption = format!(
+        "Grains at rest in the funnel before pouring, the lid closed: (a) through its wall, (b) with the \
+         near half of the wall cut away. Colours: {}. {MADE}",
+        ColourBy::Fraction.in_words()
+    );
+    finished(stem, title, caption, &image).map(Some)
+}
+
+fn vibration(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>, PictureError> {
+    let Some(after) = end_of(run, "vibrate") else { return Ok(None) };
+    let Some(before) = after.stage.checked_sub(1) else { return Ok(None) };
+    let Some(frame) = run.stages[before].frames.len().checked_sub(1) else { return Ok(None) };
+    let before = At { stage: before, frame };
+    let shown = [
+        (before, Walls::Hidden, "(a) before, wall left out"),
+        (after, Walls::Hidden, "(b) after, wall left out"),
+        (before, Walls::Cut, "(c) before, wall cut away"),
+        (after, Walls::Cut, "(d) after, wall cut away"),
+    ];
+    let image = panels(run, &shown, 2, 620)?;
+    let time = |at: At| number(run.stages[at.stage].frames[at.frame].time);
+    let caption = format!(
+        "The specimen before vibration (t = {} s) and after it (t = {} s), on one scale: (a) and (b) \
+         without the cylinder's wall, as the paper shows it in 8(c) and 8(d); (c) and (d) with the near half \
+         of the wall cut away. Colours: {}. {MADE}",
+        time(before),
+        time(after),
+        ColourBy::Fraction.in_words()
+    );
+    finished(stem, title, caption, &image).map(Some)
+}
+
+fn specimen(run: &Playback) -> Result<Picture, PictureError> {
+    let end = at(run, None, None)?;
+    let shown = [(end, Walls::Hidden, "(a) wall left out"), (end, Walls::Cut, "(b) wall cut away")];
+    let image = panels(run, &shown, 2, 620)?;
+    let caption = format!(
+        "The specimen at the end of the run. Colours: {}. {MADE}",
+        ColourBy::Fraction.in_words()
+    );
+    finished("picture-specimen", "The specimen", caption, &image)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::moment::tests::canned;
+    use super::*;
+
+    #[test]
+    fn a_run_gives_the_pictures_that_its_stages_allow() {
+        let mut run = canned();
+        let stems = |run: &Playback| -> Vec<String> {
+            let funnel = funnel(run, "funnel", "").expect("a picture");
+            let shaken = vibration(run, "shaken", "").expect("a picture");
+            funnel.into_iter().chain(shaken).map(|p| p.stem).collect()
+        };
+        assert_eq!(stems(&run), ["funnel"], "law: no vibration, no picture of it");
+        run.stages[1].name = "vibrate".to_owned();
+        assert_eq!(stems(&run), ["funnel", "shaken"]);
+        let after = vibration(&run, "s", "").expect("a picture").expect("there is one");
+        assert!(after.caption.contains("t = 0.24 s") && after.caption.contains("t = 1 s"));
+        let header =
+            png::Decoder::new(std::io::Cursor::new(&after.png)).read_info().expect("a PNG");
+        assert_eq!(header.info().width, WIDTH);
+    }
+
+    #[test]
+    fn the_apparatus_says_how_large_it_is() {
+        let picture = apparatus(&canned()).expect("a picture");
+        for word in ["115 mm wide", "200 mm high", "250 mm above"] {
+            assert!(picture.caption.contains(word), "`{word}` is missing in {}", picture.caption);
+        }
+    }
+}

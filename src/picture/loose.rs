@@ -1,0 +1,178 @@
+//! Grains alone, laid out in rows by sieve fraction.
+
+use super::PictureError;
+use super::camera::View;
+use super::colour::Colour;
+use super::image::Image;
+use super::paint::{ColourBy, Moments, number, paint};
+use super::scene::{Body, Scene};
+use super::sheet::{Notes, sheet};
+use super::shot::{Shot, expose};
+use super::solid::Solid;
+use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::grains::{Grain, GrainSet};
+use crate::record::Frame;
+use crate::units::to_mm;
+
+/// Grains shown of each fraction, at most.
+pub const SHOWN: usize = 36;
+/// Grains in a row.
+const ROW: usize = 12;
+/// Angle from one grain to the next about the vertical: the golden angle, so that
+/// none lies as its neighbours do.
+const TURN: f64 = 2.399_963_229_728_653;
+/// Room for a grain, in its row's largest width.
+const ROOM: f64 = 1.12;
+
+/// How loose grains are looked at: from the front, from well above.
+pub const VIEW: View = View { azimuth_deg: 0.0, elevation_deg: 48.0 };
+
+/// A picture of up to 36 grains of each fraction, evenly picked, the coarsest at
+/// the back, each on its largest face, beside a bar of known length.
+///
+/// # Errors
+/// Numbers out of range, colours that need a run, text that cannot be drawn.
+pub fn loose_grains(grains: &GrainSet, shot: &Shot) -> Result<Image, PictureError> {
+    shot.check()?;
+    let all = Frame {
+        time: 0.0,
+        cylinder: false,
+        funnel: None,
+        table_x: 0.0,
+        top_plate: None,
+        grains: vec![Some(Pose::identity()); grains.grains.len()],
+    };
+    let by = match shot.colour_by {
+        by @ (ColourBy::Fraction | ColourBy::Plain) => by,
+        ColourBy::Displacement => return Err(PictureError::NeedsFrames { what: "displacement" }),
+        ColourBy::Speed => return Err(PictureError::NeedsFrames { what: "speed" }),
+        ColourBy::Coordination => return Err(PictureError::NeedsRun),
+    };
+    let moments = Moments { now: &all, before: None, began: None };
+    let (colours, key) = paint(grains, &moments, by, None)?;
+    let (bodies, bar) = laid_out(grains, &colours)?;
+    let shown = bodies.len() - 1;
+    let scene = Scene::new(bodies, Some(0.0));
+    let notes = Notes {
+        key,
+        things: vec![(Colour::BAR, format!("bar: {} mm", number(to_mm(bar))))],
+        lines: vec![
+            format!("{} grains", grains.grains.len()),
+            format!("{shown} shown"),
+            format!("{} g", number((1e4 * grains.total_mass()).round() / 10.0)),
+        ],
+    };
+    // No glass here.
+    let panel = expose(&scene, &scene.corners(), shot, 1.0);
+    sheet(&[(panel, String::new())], 1, shot.width, shot.notes.then_some(&notes))
+}
+
+/// The grains in their places, then the bar; and the bar's length in m.
+fn laid_out(grains: &GrainSet, colours: &[Colour]) -> Result<(Vec<Body>, f64), PictureError> {
+    let mut order: Vec<usize> = (0..grains.blocks.len()).collect();
+    order.sort_by(|&a, &b| grains.blocks[b].retained.total_cmp(&grains.blocks[a].retained));
+    let mut bodies = Vec::new();
+    // From the back to the front; every row as wide as the widest.
+    let mut widest: f64 = 0.0;
+    let mut rows: Vec<(Vec<usize>, f64)> = Vec::new();
+    for fraction in order {
+        let members: Vec<usize> =
+            (0..grains.grains.len()).filter(|&n| grains.grains[n].fraction == fraction).collect();
+        let shown = members.len().min(SHOWN);
+        let picked: Vec<usize> = (0..shown).map(|n| members[n * members.len() / shown]).collect();
+        for row in picked.chunks(ROW) {
+            let width = row
+                .iter()
+                .map(|&n| 2.0 * grains.grains[n].shape.radius_about_origin())
+                .fold(0.0, f64::max);
+            rows.push((row.to_vec(), ROOM * width));
+            widest = widest.max(ROOM * width * ROW as f64);
+        }
+    }
+    let mut y = 0.0;
+    for (row, room) in &rows {
+        y -= room / 2.0;
+        for (place, &n) in row.iter().enumerate() {
+            let x = widest * ((place as f64 + 0.5) / ROW as f64 - 0.5);
+            let grain = &grains.grains[n];
+            let pose = Pose::translation(x, y, 0.0) * at_rest(grain, n);
+            bodies.push(Body::new(Solid::new(&grain.shape, &pose), colours[n]));
+        }
+        y -= room / 2.0;
+    }
+    // The largest of 1, 2, 5 times a power of ten that a third of a row holds.
+    let third = widest / 3.0;
+    let power = 10f64.powf(third.log10().floor());
+    let bar = [5.0, 2.0, 1.0].into_iter().map(|k| k * power).find(|b| *b <= third).unwrap_or(power);
+    let thickness = 0.03 * bar;
+    let drawing = |e: crate::geometry::PolyhedronError| PictureError::Drawing(e.to_string());
+    let sides = Vector::new(bar, 2.0 * thickness, thickness);
+    let shape = ConvexPolyhedron::cuboid(sides).map_err(drawing)?;
+    let at = Pose::translation((bar - widest) / 2.0, y - 3.0 * thickness, thickness / 2.0);
+    bodies.push(Body::new(Solid::new(&shape, &at), Colour::BAR));
+    Ok((bodies, bar))
+}
+
+/// A grain on its largest face, the face at height 0, turned by its number.
+fn at_rest(grain: &Grain, n: usize) -> Pose {
+    let shape = &grain.shape;
+    let area = |face: usize| -> f64 {
+        let corners: Vec<Vector> =
+            shape.faces()[face].iter().map(|&c| shape.vertices()[c as usize].coords).collect();
+        let fan = (1..corners.len() - 1)
+            .map(|i| (corners[i] - corners[0]).cross(&(corners[i + 1] - corners[0])));
+        fan.sum::<Vector>().norm()
+    };
+    let largest = (0..shape.faces().len()).max_by(|&a, &b| area(a).total_cmp(&area(b)));
+    let plane = largest.and_then(|face| shape.plane(face));
+    let (normal, _) = plane.unwrap_or((-Vector::z(), 0.0));
+    let down =
+        nalgebra::UnitQuaternion::rotation_between(&normal, &-Vector::z()).unwrap_or_else(|| {
+            nalgebra::UnitQuaternion::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI)
+        });
+    let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector::z_axis(), TURN * n as f64) * down;
+    let lowest = shape.vertices().iter().map(|v| (turn * v).z).fold(f64::INFINITY, f64::min);
+    Pose::from_parts(nalgebra::Translation3::new(0.0, 0.0, -lowest), turn)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::moment::tests::canned;
+    use super::*;
+
+    #[test]
+    fn grains_lie_on_a_face_and_apart() {
+        let run = canned();
+        let count = run.grains.grains.len();
+        let (bodies, bar) = laid_out(&run.grains, &vec![Colour::STONE; count]).expect("in rows");
+        assert_eq!(bodies.len(), count + 1, "law: every grain of a few, and the bar");
+        assert!(bar >= 0.02 && bar <= 0.1, "a bar of a few cm, got {bar} m");
+        for body in &bodies {
+            assert!(body.solid.low.z.abs() < 1e-12, "law: all lie on the ground");
+            let flat = body.solid.planes.iter().any(|p| p.normal.z < -1.0 + 1e-9);
+            assert!(flat, "law: each on a face");
+        }
+        for (n, a) in bodies.iter().enumerate() {
+            for b in &bodies[n + 1..] {
+                let apart = (0..2).any(|k| {
+                    a.solid.high[k] <= b.solid.low[k] || b.solid.high[k] <= a.solid.low[k]
+                });
+                assert!(apart, "law: no two share their ground");
+            }
+        }
+    }
+
+    #[test]
+    fn only_colours_of_grains_themselves_are_theirs() {
+        let run = canned();
+        let shot =
+            |colour_by| Shot { width: 200, height: 150, colour_by, view: VIEW, ..Shot::default() };
+        for by in [ColourBy::Fraction, ColourBy::Plain] {
+            let image = loose_grains(&run.grains, &shot(by)).expect("a picture");
+            assert!(image.pixels.iter().filter(|p| p[3] > 0.9).count() > 500, "{by:?}");
+        }
+        for by in [ColourBy::Speed, ColourBy::Displacement, ColourBy::Coordination] {
+            assert!(loose_grains(&run.grains, &shot(by)).expect_err("no run").is_usage(), "{by:?}");
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Pictures of specimens and apparatus, by ray casting: no display, no graphics
+//! card, the same pixels on any number of threads.
+//!
+//! A moment of a run becomes a [`Scene`](scene::Scene) of convex solids; a
+//! camera on an orbit around it casts rays; grains are coloured by what is asked
+//! for; a key and notes stand beside the picture.
+
+mod animation;
+mod camera;
+mod colour;
+mod figures;
+mod image;
+mod light;
+mod loose;
+mod moment;
+mod paint;
+mod render;
+mod scene;
+mod scenery;
+mod sheet;
+mod shot;
+mod solid;
+
+pub use animation::{Animated, Animation, animate};
+pub use camera::View;
+pub use figures::{of_programme, of_run};
+pub use image::{Background, Image};
+pub use loose::{VIEW as LOOSE_VIEW, loose_grains};
+pub use moment::{At, at};
+pub use paint::ColourBy;
+pub use scenery::Walls;
+pub use shot::{Shot, picture};
+
+use crate::apparatus::ApparatusError;
+use crate::export::ExportError;
+use crate::record::FileError;
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// The run could not be read.
+    #[error(transparent)]
+    Run(#[from] ExportError),
+    /// A file could not be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The run has no such stage.
+    #[error("no stage `{asked}`; the run has {stages}")]
+    NoStage {
+        /// What was asked for.
+        asked: String,
+        /// The stages there are.
+        stages: String,
+    },
+    /// Nothing was kept of that time.
+    #[error("nothing was kept of {asked_s} s; {allowed}")]
+    NoTime {
+        /// What was asked for, in s since the run began.
+        asked_s: f64,
+        /// Which times there are.
+        allowed: String,
+    },
+    /// Colours that need frames which were not kept.
+    #[error(
+        "colours by {what} need frames of the stage before this moment, and there are none; \
+         fraction, coordination and plain need none"
+    )]
+    NeedsFrames {
+        /// The quantity.
+        what: &'static str,
+    },
+    /// Colours that tell of contacts, of grains that lie apart.
+    #[error("grains alone touch none: their colours can be fraction or plain")]
+    NeedsRun,
+    /// An animation of one frame.
+    #[error("nothing moves: an animation needs two frames at least (frames.bin of the stage)")]
+    NothingMoves,
+    /// A number out of range.
+    #[error("`{option}` is {value}, it must be {allowed}")]
+    Range {
+        /// Which option.
+        option: &'static str,
+        /// What it is.
+        value: f64,
+        /// What it may be.
+        allowed: &'static str,
+    },
+    /// An animation that would become too large.
+    #[error(
+        "the animation would take about {expected_mb:.0} MB in {frames} frames, allowed are \
+         {allowed_mb} MB: take fewer frames (--every), a smaller --width or a larger --limit-mb"
+    )]
+    TooLarge {
+        /// Expected size in MB.
+        expected_mb: f64,
+        /// Number of frames.
+        frames: usize,
+        /// Allowed size in MB.
+        allowed_mb: f64,
+    },
+    /// The apparatus cannot be built.
+    #[error(transparent)]
+    Apparatus(ApparatusError),
+    /// Text or file could not be made.
+    #[error("the picture cannot be drawn: {0}")]
+    Drawing(String),
+}
+
+impl From<png::EncodingError> for PictureError {
+    fn from(error: png::EncodingError) -> Self {
+        Self::Drawing(error.to_string())
+    }
+}
+
+impl PictureError {
+    /// Whether another request would do, so that it is a matter of usage.
+    pub fn is_usage(&self) -> bool {
+        match self {
+            Self::Run(error) => !matches!(error, ExportError::File(_)),
+            Self::File(_) | Self::Drawing(_) => false,
+            _ => true,
+        }
+    }
+}

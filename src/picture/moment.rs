@@ -1,0 +1,156 @@
+//! Finding a moment of a run by stage and time.
+
+use super::PictureError;
+use super::paint::{Moments, number};
+use crate::export::Playback;
+
+/// A frame of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct At {
+    /// Number of the stage, from 0.
+    pub stage: usize,
+    /// Number of the frame in the stage, from 0.
+    pub frame: usize,
+}
+
+/// How far from a frame a time may lie, in s: one interval of frames.
+const NEAR: f64 = 0.0801;
+
+/// The moment of a run at a time in s since it began, in a stage named by its
+/// number from 0 or its name. Without a time it is the end of the stage, without
+/// a stage any may have that time; without both it is the end of the run.
+///
+/// # Errors
+/// [`PictureError::NoStage`] and [`PictureError::NoTime`], saying what there is.
+pub fn at(run: &Playback, stage: Option<&str>, time: Option<f64>) -> Result<At, PictureError> {
+    let chosen = stage.map(|asked| stage_of(run, asked)).transpose()?;
+    let nothing = || PictureError::NoStage { asked: "the last".into(), stages: "none".into() };
+    let last = chosen.or(run.stages.len().checked_sub(1)).ok_or_else(nothing)?;
+    let Some(time) = time else {
+        let frame = run.stages[last].frames.len().checked_sub(1).ok_or_else(nothing)?;
+        return Ok(At { stage: last, frame });
+    };
+    let within = |s: &usize| chosen.is_none_or(|c| c == *s);
+    let nearest = (0..run.stages.len())
+        .filter(within)
+        .flat_map(|stage| (0..run.stages[stage].frames.len()).map(move |frame| At { stage, frame }))
+        .min_by(|a, b| {
+            let off = |at: &At| (run.stages[at.stage].frames[at.frame].time - time).abs();
+            off(a).total_cmp(&off(b))
+        });
+    let found =
+        nearest.filter(|at| (run.stages[at.stage].frames[at.frame].time - time).abs() <= NEAR);
+    found.ok_or_else(|| {
+        let kept = (0..run.stages.len()).filter(within).map(|n| {
+            let stage = &run.stages[n];
+            let end = |f: Option<&crate::record::Frame>| f.map_or(f64::NAN, |f| f.time);
+            let (first, last) = (end(stage.frames.first()), end(stage.frames.last()));
+            match stage.kept {
+                true => format!("{}: {} to {} s", stage.name, number(first), number(last)),
+                false => format!("{}: its end alone, {} s", stage.name, number(last)),
+            }
+        });
+        let allowed = format!("there are {}", kept.collect::<Vec<_>>().join(", "));
+        PictureError::NoTime { asked_s: time, allowed }
+    })
+}
+
+/// Number of a stage named by its number or its name.
+pub fn stage_of(run: &Playback, asked: &str) -> Result<usize, PictureError> {
+    let number = asked.parse().ok().filter(|&n: &usize| n < run.stages.len());
+    number.or_else(|| run.stages.iter().position(|s| s.name == asked)).ok_or_else(|| {
+        let known: Vec<String> =
+            run.stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.name)).collect();
+        PictureError::NoStage { asked: asked.to_owned(), stages: known.join(", ") }
+    })
+}
+
+/// A moment with what came before it. A stage whose frames were not kept began as
+/// the one before it ended.
+pub fn moments(run: &Playback, at: At) -> Moments<'_> {
+    let stage = &run.stages[at.stage];
+    let before_stage = at.stage.checked_sub(1).and_then(|s| run.stages[s].frames.last());
+    let began = if stage.kept { stage.frames.first() } else { before_stage };
+    let before = at.frame.checked_sub(1).map(|n| &stage.frames[n]);
+    // Two frames of one step tell no speed.
+    Moments { now: &stage.frames[at.frame], before, began }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::export::PlayedStage;
+    use crate::geometry::Pose;
+    use crate::grains::{GrainSet, generate};
+    use crate::protocol::Setup;
+    use crate::record::Frame;
+    use crate::scenario::{GrainsSpec, Scenario};
+
+    /// A few grains that sink by 1 mm a frame: a stage with frames, one without.
+    pub fn canned() -> Playback {
+        let scenario: Scenario = serde_json::from_str(
+            r#"{"name": "canned", "grains": {"total_mass_g": 30, "density_kg_per_m3": 2673.9,
+            "sieve_table": [{"passing_mm": 16, "retained_mm": 12.5, "mass_percent": 40},
+            {"passing_mm": 12.5, "retained_mm": 10, "mass_percent": 60}]},
+            "stages": [{"stage": "fill_funnel"}, {"stage": "pour", "falling_height_mm": 0}]}"#,
+        )
+        .expect("a scenario");
+        let GrainsSpec::Sieved(sieved) = &scenario.grains else { panic!("sieved grains") };
+        let grains: Arc<GrainSet> = Arc::new(generate(sieved, 1).expect("grains"));
+        let frame = |time: f64, z: f64| {
+            let place = |n: usize| {
+                let (column, row) = ((n % 4) as f64, (n / 4) as f64);
+                Some(Pose::translation(0.018 * (column - 1.5), 0.018 * (row - 1.5), z))
+            };
+            let grains = (0..grains.grains.len()).map(place).collect();
+            Frame { time, cylinder: true, funnel: None, table_x: 0.0, top_plate: None, grains }
+        };
+        let frames = (0..4).map(|n| frame(0.08 * f64::from(n), 0.02 - 1e-3 * f64::from(n)));
+        let stage = |name: &str, frames, kept| PlayedStage { name: name.to_owned(), frames, kept };
+        let setup = Setup::new(&scenario).expect("a laboratory");
+        let stages = vec![
+            stage("fill_funnel", frames.collect(), true),
+            stage("pour", vec![frame(1.0, 0.01)], false),
+        ];
+        Playback { scenario: scenario.name, setup, grains, stages }
+    }
+
+    #[test]
+    fn moments_are_found_by_stage_and_time() {
+        let run = canned();
+        let found = |stage, time| at(&run, stage, time).expect("a moment");
+        assert_eq!(found(None, None), At { stage: 1, frame: 0 }, "law: the end of the run");
+        assert_eq!(found(Some("fill_funnel"), None), At { stage: 0, frame: 3 });
+        assert_eq!(found(Some("0"), Some(0.09)), At { stage: 0, frame: 1 }, "law: the nearest");
+        assert_eq!(found(None, Some(0.95)), At { stage: 1, frame: 0 }, "law: in any stage");
+    }
+
+    #[test]
+    fn what_is_not_there_is_said_with_what_is() {
+        let run = canned();
+        let refused = |stage, time| at(&run, stage, time).expect_err("nothing there").to_string();
+        for (said, words) in [
+            (refused(Some("melt"), None), ["melt", "0 fill_funnel, 1 pour"]),
+            (refused(Some("7"), None), ["`7`", "1 pour"]),
+            (refused(None, Some(0.6)), ["0.6 s", "fill_funnel: 0 to 0.24 s"]),
+            (refused(Some("pour"), Some(0.1)), ["its end alone", "1 s"]),
+        ] {
+            for word in words {
+                assert!(said.contains(word), "law: `{word}` is said, got `{said}`");
+            }
+        }
+    }
+
+    #[test]
+    fn a_stage_without_frames_began_where_the_last_ended() {
+        let run = canned();
+        let ended = moments(&run, At { stage: 1, frame: 0 });
+        assert_eq!(ended.began.map(|f| f.time), Some(0.24), "law: the end of the stage before");
+        assert!(ended.before.is_none(), "law: no frame before the only one");
+        let going = moments(&run, At { stage: 0, frame: 2 });
+        assert_eq!(going.began.map(|f| f.time), Some(0.0), "law: its own first frame");
+        assert_eq!(going.before.map(|f| f.time), Some(0.08));
+    }
+}

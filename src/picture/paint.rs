@@ -1,0 +1,232 @@
+//! What grains are coloured by, and the key that says so.
+
+use super::PictureError;
+use super::colour::{Colour, round_up, scale, step};
+use crate::geometry::Vector;
+use crate::grains::GrainSet;
+use crate::measure::{TOUCHING_GAP, WorldHull, pairs_within_of};
+use crate::record::Frame;
+use crate::units::to_mm;
+
+/// What the colour of a grain tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ColourBy {
+    /// The sieve fraction it belongs to.
+    #[default]
+    Fraction,
+    /// How far its centroid has come since the stage began, as seen from the table.
+    Displacement,
+    /// How fast its centroid is, as seen from the table.
+    Speed,
+    /// How many grains it touches.
+    Coordination,
+    /// Nothing.
+    Plain,
+}
+
+impl ColourBy {
+    /// In words, as in a caption.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Fraction => "sieve fraction",
+            Self::Displacement => "displacement since the stage began, relative to the table",
+            Self::Speed => "speed relative to the table",
+            Self::Coordination => "number of grains that each grain touches",
+            Self::Plain => "none",
+        }
+    }
+}
+
+/// What the colours stand for.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Key {
+    /// The quantity with its unit, in lines.
+    pub title: Vec<String>,
+    /// A colour and what it stands for, from top to bottom.
+    pub steps: Vec<(Colour, String)>,
+    /// Upper end of a continuous scale from 0 on, instead of steps.
+    pub upper: Option<f64>,
+    /// Whether some grains lie beyond the upper end.
+    pub beyond: bool,
+}
+
+/// The moments that colours are made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Moments<'a> {
+    /// What is shown.
+    pub now: &'a Frame,
+    /// The frame before it, for speeds; none where there is none in the stage.
+    pub before: Option<&'a Frame>,
+    /// How the stage began, for displacements; none where no frame tells.
+    pub began: Option<&'a Frame>,
+}
+
+/// A colour for each grain, and the key. A continuous scale ends at `upper`, or
+/// where 98 % of the grains lie below, rounded up.
+///
+/// # Errors
+/// When frames are missing that the quantity needs.
+pub fn paint(
+    grains: &GrainSet,
+    moments: &Moments,
+    by: ColourBy,
+    upper: Option<f64>,
+) -> Result<(Vec<Colour>, Key), PictureError> {
+    let count = grains.grains.len();
+    match by {
+        ColourBy::Plain => Ok((vec![Colour::STONE; count], Key::default())),
+        ColourBy::Fraction => Ok(by_fraction(grains, moments.now)),
+        ColourBy::Coordination => Ok(by_coordination(grains, moments.now)),
+        ColourBy::Displacement | ColourBy::Speed => {
+            let values = values(moments, by)?;
+            let title = match by {
+                ColourBy::Speed => ["Speed", "(mm/s)"],
+                _ => ["Displacement", "(mm)"],
+            };
+            let upper = upper.unwrap_or_else(|| upper_end(&values));
+            let colour = |v: &Option<f64>| v.map_or(Colour::GREY, |v| scale(v / upper));
+            let beyond = values.iter().flatten().any(|&v| v > upper);
+            let title = title.map(str::to_owned).to_vec();
+            let key = Key { title, steps: Vec::new(), upper: Some(upper), beyond };
+            Ok((values.iter().map(colour).collect(), key))
+        }
+    }
+}
+
+/// Displacements in mm or speeds in mm/s; none of grains that are not there.
+///
+/// # Errors
+/// When the frames for it are missing.
+pub fn values(moments: &Moments, by: ColourBy) -> Result<Vec<Option<f64>>, PictureError> {
+    let now = moments.now;
+    let missing = |what| PictureError::NeedsFrames { what };
+    let (from, per) = match by {
+        ColourBy::Speed => {
+            let before = moments.before.filter(|f| f.time < now.time);
+            let before = before.ok_or(missing("speed"))?;
+            (before, now.time - before.time)
+        }
+        _ => (moments.began.ok_or(missing("displacement"))?, 1.0),
+    };
+    let table = Vector::new(now.table_x - from.table_x, 0.0, 0.0);
+    let way = |(now, from): (&Option<_>, &Option<_>)| match (now, from) {
+        (Some(now), Some(from)) => {
+            let (now, from): (&crate::geometry::Pose, &crate::geometry::Pose) = (now, from);
+            Some(to_mm((now.translation.vector - from.translation.vector - table).norm()) / per)
+        }
+        _ => None,
+    };
+    Ok(now.grains.iter().zip(&from.grains).map(way).collect())
+}
+
+/// A round number that 98 % of the values do not exceed; 1 without values.
+pub fn upper_end(values: &[Option<f64>]) -> f64 {
+    let mut sorted: Vec<f64> = values.iter().flatten().copied().collect();
+    sorted.sort_by(f64::total_cmp);
+    let place = (0.98 * sorted.len() as f64).ceil() as usize;
+    round_up(sorted.get(place.saturating_sub(1)).copied().unwrap_or(0.0))
+}
+
+fn by_fraction(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
+    // From small to large, whatever the order of the table.
+    let mut order: Vec<usize> = (0..grains.blocks.len()).collect();
+    order.sort_by(|&a, &b| grains.blocks[a].retained.total_cmp(&grains.blocks[b].retained));
+    let mut colours = vec![Colour::STONE; order.len()];
+    let mut steps = Vec::new();
+    for (n, &fraction) in order.iter().enumerate() {
+        let block = &grains.blocks[fraction];
+        colours[fraction] = step(n, order.len());
+        let there = grains.grains.iter().zip(&now.grains);
+        let count = there.filter(|(g, pose)| g.fraction == fraction && pose.is_some()).count();
+        let sizes =
+            format!("{} to {}", number(to_mm(block.retained)), number(to_mm(block.passing)));
+        steps.push((colours[fraction], format!("{sizes}: {count}")));
+    }
+    steps.reverse();
+    let of = |g: &crate::grains::Grain| colours.get(g.fraction).copied().unwrap_or(Colour::STONE);
+    let title = ["Sieve fraction (mm)", "and number of grains"].map(str::to_owned).to_vec();
+    let key = Key { title, steps, ..Key::default() };
+    (grains.grains.iter().map(of).collect(), key)
+}
+
+fn by_coordination(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
+    let present: Vec<usize> = (0..now.grains.len()).filter(|&n| now.grains[n].is_some()).collect();
+    let hull = |&n: &usize| {
+        let pose = now.grains[n].as_ref()?;
+        Some(WorldHull::new(&grains.grains.get(n)?.shape, pose))
+    };
+    let hulls: Vec<WorldHull> = present.iter().filter_map(hull).collect();
+    let mut touching = vec![0_usize; now.grains.len()];
+    for (a, b, _) in pairs_within_of(&hulls, TOUCHING_GAP) {
+        touching[present[a]] += 1;
+        touching[present[b]] += 1;
+    }
+    // Few grains touch more than ten others; one colour a number stays legible.
+    let most = touching.iter().copied().max().unwrap_or(0);
+    let last = most.min(10);
+    let colour = |n: usize| step(n.min(last), last + 1);
+    let name = |n: usize| match n == last && most > last {
+        true => format!("{n} or more"),
+        false => n.to_string(),
+    };
+    let steps = (0..=last).rev().map(|n| (colour(n), name(n))).collect();
+    let title = ["Coordination:", "grains touched"].map(str::to_owned).to_vec();
+    let key = Key { title, steps, ..Key::default() };
+    (touching.into_iter().map(colour).collect(), key)
+}
+
+/// A number without trailing zeros.
+pub fn number(value: f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+
+    fn frame(time: f64, table_x: f64, xs: &[Option<f64>]) -> Frame {
+        let pose = |x: &Option<f64>| x.map(|x| Pose::translation(x, 0.0, 0.0));
+        let grains = xs.iter().map(pose).collect();
+        Frame { time, cylinder: true, funnel: None, table_x, top_plate: None, grains }
+    }
+
+    #[test]
+    fn displacement_and_speed_are_those_seen_from_the_table() {
+        let began = frame(1.0, 0.0, &[Some(0.0), Some(0.1), Some(0.0)]);
+        let before = frame(1.5, 0.01, &[Some(0.01), Some(0.1), None]);
+        let now = frame(1.75, 0.02, &[Some(0.025), Some(0.12), None]);
+        let moments = Moments { now: &now, before: Some(&before), began: Some(&began) };
+        for (by, expected) in [
+            (ColourBy::Displacement, [Some(5.0), Some(0.0), None]),
+            (ColourBy::Speed, [Some(20.0), Some(40.0), None]),
+        ] {
+            let got = values(&moments, by).expect("values");
+            for (got, expected) in got.iter().zip(expected) {
+                let close = match (got, expected) {
+                    (Some(a), Some(b)) => (a - b).abs() < 1e-9,
+                    (a, b) => a.is_none() && b.is_none(),
+                };
+                assert!(close, "law: {by:?} {expected:?}, got {got:?}, tolerance 1e-9");
+            }
+        }
+        let alone = Moments { before: None, began: None, ..moments };
+        for by in [ColourBy::Displacement, ColourBy::Speed] {
+            assert!(matches!(values(&alone, by), Err(PictureError::NeedsFrames { .. })), "{by:?}");
+        }
+    }
+
+    #[test]
+    fn scales_end_where_nearly_all_grains_lie_below() {
+        let values: Vec<Option<f64>> =
+            (1..=100).map(|n| Some(f64::from(n))).chain([None]).collect();
+        assert_eq!(upper_end(&values), 100.0, "law: 98 of 100 up to 98, rounded up");
+        assert_eq!(upper_end(&[None]), 1.0, "nothing moves: a scale all the same");
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!([12.5, 16.0, 0.063].map(number), ["12.5", "16", "0.063"]);
+    }
+}

@@ -1,0 +1,225 @@
+//! From a scene to pixels.
+//!
+//! One ray a pixel finds what is seen and what light falls on it; pixels on the
+//! edge of a face or a body are drawn anew from nine rays. Each pixel is computed
+//! by itself, so that the number of threads changes no bit.
+
+use rayon::prelude::*;
+
+use super::camera::Camera;
+use super::colour::Colour;
+use super::image::Image;
+use super::light::{Light, Lit, SQUARE};
+use super::scene::Scene;
+use super::solid::Ray;
+use crate::geometry::Vector;
+
+/// Rays along one side of a pixel on an edge.
+const FINE: usize = 3;
+/// What the rays of a pixel see when it is nothing.
+const NOTHING: u32 = u32::MAX;
+/// The same of the ground.
+const GROUND: u32 = u32::MAX - 1;
+/// How far from everything shadows may fall, in radii of the scene.
+const GROUND_REACH: f64 = 3.0;
+/// Neighbouring pixels through which glass lets so unlike shares of the light
+/// lie on an edge of it.
+const GLASS_EDGE: f32 = 0.03;
+
+/// What a ray sees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Seen {
+    body: u32,
+    plane: u32,
+    t: f64,
+    /// Share of the light that the glass before it lets through.
+    clear: f32,
+}
+
+impl Seen {
+    fn same_face(&self, other: &Self) -> bool {
+        self.body == other.body && self.plane == other.plane
+    }
+}
+
+/// What a picture is made with.
+struct Studio<'a> {
+    scene: &'a Scene,
+    camera: &'a Camera,
+    light: Light,
+    radius: f64,
+    // Length of glass that lets 1/e of the light through, in m.
+    glass_depth: f64,
+}
+
+/// A picture of a scene; `glass_depth` is the length of glass in m that lets 1/e
+/// of the light through.
+pub fn render(scene: &Scene, camera: &Camera, width: u32, height: u32, glass_depth: f64) -> Image {
+    let radius = scene.radius();
+    let light = Light::new(&camera.axes(), 0.3 * radius);
+    let studio = Studio { scene, camera, light, radius, glass_depth };
+    let (columns, rows) = (width as usize, height as usize);
+    let seen = by_rows(columns, rows, |x, y| studio.look(x as f64 + 0.5, y as f64 + 0.5));
+    let lit = by_rows(columns, rows, |x, y| studio.sample(&seen[y * columns + x], x, y));
+    let grid = Grid { columns, rows, seen: &seen, lit: &lit };
+    let pixels = by_rows(columns, rows, |x, y| {
+        let own = &seen[y * columns + x];
+        if !grid.on_edge(x, y) {
+            return studio.colour(own, &studio.ray(x, y), grid.mean(own, x, y));
+        }
+        let mut sum = [0.0; 4];
+        for n in 0..FINE * FINE {
+            let part = |n: usize| (n as f64 + 0.5) / FINE as f64;
+            let (px, py) = (x as f64 + part(n % FINE), y as f64 + part(n / FINE));
+            let seen = studio.look(px, py);
+            let ray = studio.camera.ray(px, py);
+            let lit = grid.near(&seen, x, y).or_else(|| studio.sample_alone(&seen, &ray));
+            let colour = studio.colour(&seen, &ray, lit);
+            sum = std::array::from_fn(|n| sum[n] + colour[n]);
+        }
+        sum.map(|c| c / (FINE * FINE) as f32)
+    });
+    Image { width, height, pixels }
+}
+
+/// Computes every pixel by itself, rows side by side.
+fn by_rows<T: Send + Default + Clone>(
+    columns: usize,
+    rows: usize,
+    pixel: impl Fn(usize, usize) -> T + Sync,
+) -> Vec<T> {
+    let mut out = vec![T::default(); columns * rows];
+    out.par_chunks_mut(columns.max(1)).enumerate().for_each(|(y, row)| {
+        for (x, out) in row.iter_mut().enumerate() {
+            *out = pixel(x, y);
+        }
+    });
+    out
+}
+
+impl Default for Seen {
+    fn default() -> Self {
+        Self { body: NOTHING, plane: 0, t: f64::MAX, clear: 1.0 }
+    }
+}
+
+impl Studio<'_> {
+    fn ray(&self, x: usize, y: usize) -> Ray {
+        self.camera.ray(x as f64 + 0.5, y as f64 + 0.5)
+    }
+
+    fn look(&self, x: f64, y: f64) -> Seen {
+        let ray = self.camera.ray(x, y);
+        let mut seen = match self.scene.first_hit(&ray) {
+            Some(hit) => Seen { body: hit.body, plane: hit.plane, t: hit.t, clear: 1.0 },
+            None => self.ground(&ray).unwrap_or_default(),
+        };
+        let length = self.scene.glass_on(&ray, seen.t);
+        seen.clear = (-length / self.glass_depth).exp() as f32;
+        seen
+    }
+
+    /// The ground, where shadows may fall on it.
+    fn ground(&self, ray: &Ray) -> Option<Seen> {
+        let height = self.scene.ground?;
+        let t = (height - ray.origin.z) / ray.direction.z;
+        let before = ray.direction.z < 0.0 && t > 0.0;
+        let near = ray.at(t).norm() < GROUND_REACH * self.radius + ray.at(t).z.abs();
+        (before && near).then_some(Seen { body: GROUND, plane: 0, t, clear: 1.0 })
+    }
+
+    fn normal(&self, seen: &Seen) -> Option<Vector> {
+        match seen.body {
+            NOTHING => None,
+            GROUND => Some(Vector::z()),
+            body => Some(self.scene.plane(body, seen.plane).normal),
+        }
+    }
+
+    fn sample(&self, seen: &Seen, x: usize, y: usize) -> Lit {
+        let Some(normal) = self.normal(seen) else { return Lit::default() };
+        let at = self.ray(x, y).at(seen.t);
+        let pixel = SQUARE * (y % SQUARE) + x % SQUARE;
+        self.light.sample(self.scene, at, &normal, seen.body, pixel)
+    }
+
+    fn sample_alone(&self, seen: &Seen, ray: &Ray) -> Option<Lit> {
+        let normal = self.normal(seen)?;
+        Some(self.light.sample_alone(self.scene, ray.at(seen.t), &normal, seen.body))
+    }
+
+    /// Colour with alpha, both multiplied already.
+    fn colour(&self, seen: &Seen, ray: &Ray, lit: Option<Lit>) -> [f32; 4] {
+        let lit = lit.unwrap_or_default();
+        let behind = match self.normal(seen) {
+            None => [0.0; 4],
+            Some(_) if seen.body == GROUND => {
+                // Shadows end softly where the ground does.
+                let far = ray.at(seen.t).norm() / (GROUND_REACH * self.radius);
+                let fade = (4.0 * (1.0 - far)).clamp(0.0, 1.0) as f32;
+                [0.0, 0.0, 0.0, fade * Light::shadow(lit)]
+            }
+            Some(normal) => {
+                let body = &self.scene.bodies[seen.body as usize];
+                let section = seen.plane as usize >= body.sections_from;
+                let colour = if section { Colour::SECTION } else { body.colour };
+                let [r, g, b] = self.light.shade(colour, &normal, lit);
+                [r, g, b, 1.0]
+            }
+        };
+        let [r, g, b] = Colour::GLASS.0.map(|c| c * (1.0 - seen.clear));
+        let glass = [r, g, b, 1.0 - seen.clear];
+        std::array::from_fn(|n| glass[n] + seen.clear * behind[n])
+    }
+}
+
+/// What all pixels see.
+struct Grid<'a> {
+    columns: usize,
+    rows: usize,
+    seen: &'a [Seen],
+    lit: &'a [Lit],
+}
+
+impl Grid<'_> {
+    /// Numbers of the pixels around one, from `back` before to `ahead` after it.
+    fn around(&self, x: usize, y: usize, back: usize, ahead: usize) -> impl Iterator<Item = usize> {
+        let columns = self.columns;
+        let rows = y.saturating_sub(back)..=(y + ahead).min(self.rows - 1);
+        let across = x.saturating_sub(back)..=(x + ahead).min(columns - 1);
+        rows.flat_map(move |y| across.clone().map(move |x| y * columns + x))
+    }
+
+    fn on_edge(&self, x: usize, y: usize) -> bool {
+        let own = &self.seen[y * self.columns + x];
+        self.around(x, y, 1, 1).any(|n| {
+            let other = &self.seen[n];
+            !own.same_face(other) || (own.clear - other.clear).abs() > GLASS_EDGE
+        })
+    }
+
+    fn mean_over(&self, seen: &Seen, pixels: impl Iterator<Item = usize>) -> Option<Lit> {
+        let (mut sum, mut count) = (Lit::default(), 0);
+        for n in pixels.filter(|&n| seen.same_face(&self.seen[n])) {
+            sum.sky += self.lit[n].sky;
+            sum.lamp += self.lit[n].lamp;
+            count += 1;
+        }
+        let count_f = count as f32;
+        (count > 0).then(|| Lit { sky: sum.sky / count_f, lamp: sum.lamp / count_f })
+    }
+
+    /// The light on a surface over the square of pixels that holds all samples.
+    fn mean(&self, seen: &Seen, x: usize, y: usize) -> Option<Lit> {
+        self.mean_over(seen, self.around(x, y, SQUARE / 2, SQUARE - 1 - SQUARE / 2))
+    }
+
+    /// The same, for a surface that a ray near this pixel sees.
+    fn near(&self, seen: &Seen, x: usize, y: usize) -> Option<Lit> {
+        self.mean_over(seen, self.around(x, y, SQUARE / 2, SQUARE / 2))
+    }
+}
+
+#[cfg(test)]
+#[path = "render_tests.rs"]
+mod tests;

@@ -1,0 +1,201 @@
+//! A moment of a run as a scene: grains, walls, plate and ground.
+
+use super::PictureError;
+use super::camera::View;
+use super::colour::Colour;
+use super::scene::{Body, Scene};
+use super::solid::{Plane, Solid};
+use crate::apparatus::Piece;
+use crate::export::{StandingPiece, standing};
+use crate::geometry::{Point, Vector};
+use crate::grains::GrainSet;
+use crate::protocol::Setup;
+use crate::record::Frame;
+use crate::specimen::SpecimenState;
+
+/// How cylinder and funnel are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Walls {
+    /// As glass.
+    #[default]
+    Transparent,
+    /// Without the half that is nearer to the camera.
+    Cut,
+    /// Not at all.
+    Hidden,
+}
+
+/// Drawn thickness of walls, in inner radii of the cylinder. The simulated walls
+/// are thicker outwards, so that no grain can pass them; their inner faces are
+/// where they are drawn.
+const WALL_THICKNESS: f64 = 0.05;
+
+/// Length of glass that lets 1/e of the light through, in drawn thicknesses.
+const GLASS_DEPTH: f64 = 9.0;
+
+/// Drawn thickness of walls in a laboratory, in m.
+fn wall_thickness(setup: &Setup) -> f64 {
+    WALL_THICKNESS * setup.cylinder.radius
+}
+
+/// Length of glass that lets 1/e of the light through, in m.
+pub fn glass_depth(setup: &Setup) -> f64 {
+    GLASS_DEPTH * wall_thickness(setup)
+}
+
+/// Everything there is at a moment; `colours` has one entry a grain.
+///
+/// # Errors
+/// When the apparatus cannot be built.
+pub fn scene_of(
+    setup: &Setup,
+    grains: &GrainSet,
+    frame: &Frame,
+    walls: Walls,
+    view: &View,
+    colours: &[Colour],
+) -> Result<Scene, PictureError> {
+    let mut bodies = Vec::new();
+    for ((grain, pose), colour) in grains.grains.iter().zip(&frame.grains).zip(colours) {
+        if let Some(pose) = pose {
+            bodies.push(Body::new(Solid::new(&grain.shape, pose), *colour));
+        }
+    }
+    if let Some(pose) = &frame.top_plate {
+        bodies.push(Body::new(Solid::new(&setup.plate.shape, pose), Colour::PLATE));
+    }
+    let thickness = wall_thickness(setup);
+    let mut ground = None;
+    for standing in pieces(setup, frame)? {
+        let whole = Solid::new(&standing.piece.shape, &standing.piece.pose);
+        let axis = match standing.name.starts_with("cylinder") {
+            true => Vector::new(frame.table_x, 0.0, 0.0),
+            false => Vector::zeros(),
+        };
+        match standing.name.as_str() {
+            "floor" => {
+                ground = Some(whole.low.z);
+                bodies.push(Body::new(whole, Colour::FLOOR));
+            }
+            "lid" => {
+                let bottom = Plane { normal: -Vector::z(), offset: thickness - whole.high.z };
+                let low = Point::new(whole.low.x, whole.low.y, whole.high.z - thickness);
+                let thin = Solid { low, ..whole.cut(bottom) };
+                bodies.push(Body::new(thin, Colour::FLOOR));
+            }
+            _ if walls == Walls::Hidden => {}
+            _ => bodies.extend(wall(&standing.piece, whole, &axis, thickness, walls, view)),
+        }
+    }
+    Ok(Scene::new(bodies, ground))
+}
+
+fn pieces(setup: &Setup, frame: &Frame) -> Result<Vec<StandingPiece>, PictureError> {
+    let mut state = SpecimenState::before_everything(0);
+    (state.cylinder, state.funnel, state.table_x) = (frame.cylinder, frame.funnel, frame.table_x);
+    standing(setup, &state).map_err(PictureError::Apparatus)
+}
+
+/// A piece of a round wall, thinned from outside; none where it is cut away.
+fn wall(
+    piece: &Piece,
+    whole: Solid,
+    axis: &Vector,
+    thickness: f64,
+    walls: Walls,
+    view: &View,
+) -> Option<Body> {
+    let thin = thinned(piece, whole, axis, thickness);
+    if walls == Walls::Transparent {
+        return Some(Body { glass: true, ..Body::new(thin, Colour::WALL) });
+    }
+    // The half towards the camera goes.
+    let plane = Plane { normal: view.level(), offset: view.level().dot(axis) };
+    let behind = |v: &Point| plane.normal.dot(&(piece.pose * v).coords) < plane.offset;
+    if !piece.shape.vertices().iter().any(behind) {
+        return None;
+    }
+    let sections_from = thin.planes.len();
+    Some(Body { sections_from, ..Body::new(thin.cut(plane), Colour::WALL) })
+}
+
+/// What of a piece lies within a thickness (m) of its face towards the axis.
+fn thinned(piece: &Piece, whole: Solid, axis: &Vector, thickness: f64) -> Solid {
+    let inwards = axis - piece.pose.translation.vector;
+    let inwards = Vector::new(inwards.x, inwards.y, 0.0);
+    let towards = |n: usize| whole.planes[n].normal.dot(&inwards);
+    let inner = (0..whole.planes.len()).max_by(|&a, &b| towards(a).total_cmp(&towards(b)));
+    let Some(inner) = inner else { return whole };
+    let face = whole.planes[inner];
+    let outer = Plane { normal: -face.normal, offset: thickness - face.offset };
+    // A box around the inner face with room for the thickness, within the old one.
+    let corners = piece.shape.faces()[inner].iter();
+    let corners = corners.map(|&c| piece.pose * piece.shape.vertices()[c as usize]);
+    let (low, high) = corners.fold((whole.high, whole.low), |(lo, hi), p| (lo.inf(&p), hi.sup(&p)));
+    // The slope of a funnel's wall makes it wider than thick on the level.
+    let slope = face.normal.xy().norm().max(0.1);
+    let room = Vector::new(1.5, 1.5, 0.0) * thickness / slope;
+    let (low, high) = ((low - room).sup(&whole.low), (high + room).inf(&whole.high));
+    Solid { low, high, ..whole.cut(outer) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::solid::{Ray, stretch};
+    use super::*;
+    use crate::apparatus::{Cylinder, Funnel};
+    use crate::scenario::{CylinderSpec, FunnelSpec};
+
+    fn across(solid: &Solid, height: f64, angle: f64) -> Option<(f64, f64)> {
+        let direction = Vector::new(angle.cos(), angle.sin(), 0.0);
+        let ray = Ray { origin: Vector::new(0.0, 0.0, height), direction };
+        stretch(&solid.planes, &ray).map(|s| (s.enters, s.leaves))
+    }
+
+    #[test]
+    fn walls_keep_their_inner_face_and_lose_their_outside() {
+        let cylinder = Cylinder::new(&CylinderSpec::default()).expect("a cylinder");
+        let funnel = Funnel::new(&FunnelSpec::default(), 0.25, 0.0).expect("a funnel");
+        for (pieces, height) in [(&cylinder.pieces[..48], 0.1), (&funnel.pieces[..], 0.27)] {
+            for piece in pieces {
+                let whole = Solid::new(&piece.shape, &piece.pose);
+                let thin = thinned(piece, whole.clone(), &Vector::zeros(), 0.003);
+                let at = piece.pose.translation.vector;
+                let angle = at.y.atan2(at.x);
+                let (was, is) = (across(&whole, height, angle), across(&thin, height, angle));
+                let (was, is) = (was.expect("a wall"), is.expect("a wall"));
+                assert_eq!(was.0, is.0, "law: the inner face stays");
+                let slope = thin.planes.last().expect("a plane").normal.xy().norm();
+                let width = (is.1 - is.0) * slope;
+                assert!((width - 0.003).abs() < 1e-12, "law: 3 mm thick, got {width}");
+                let outside = Point::from(is.1 * Vector::new(angle.cos(), angle.sin(), 0.0));
+                let boxed = (0..2).all(|k| {
+                    thin.low[k] <= outside[k] + 1e-12 && outside[k] <= thin.high[k] + 1e-12
+                });
+                assert!(boxed, "law: the box holds what is left");
+            }
+        }
+    }
+
+    #[test]
+    fn the_near_half_is_cut_away() {
+        let cylinder = Cylinder::new(&CylinderSpec::default()).expect("a cylinder");
+        let view = View { azimuth_deg: 30.0, elevation_deg: 10.0 };
+        let walls: Vec<Body> = cylinder.pieces[..48]
+            .iter()
+            .filter_map(|p| {
+                let whole = Solid::new(&p.shape, &p.pose);
+                wall(p, whole, &Vector::zeros(), 0.003, Walls::Cut, &view)
+            })
+            .collect();
+        assert!((24..=26).contains(&walls.len()), "law: half of 48 pieces, got {}", walls.len());
+        let from_camera =
+            Ray { origin: 10.0 * view.level() + 0.1 * Vector::z(), direction: -view.level() };
+        let first = walls
+            .iter()
+            .filter_map(|b| stretch(&b.solid.planes, &from_camera))
+            .map(|s| s.enters)
+            .fold(f64::MAX, f64::min);
+        assert!(first > 10.0, "law: nothing stands before the axis, met at {first} of 10 m");
+    }
+}
