@@ -18,4 +18,5 @@ pub mod specimen;
 pub mod study;
 pub mod units;
 pub mod verify;
+pub mod viewer;
 pub mod world;

@@ -7,6 +7,7 @@ use crate::record::FileError;
 use crate::scenario::ScenarioErrors;
 use crate::study::StudyError;
 use crate::verify::{SuiteError, VerifyError};
+use crate::viewer::ServerError;
 
 /// How a command ended that did what it was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,6 +45,9 @@ pub enum CliError {
     /// A run could not be exported.
     #[error(transparent)]
     Export(#[from] ExportError),
+    /// A page could not be served.
+    #[error(transparent)]
+    Server(#[from] ServerError),
     /// An option names something that is not there.
     #[error("{0}")]
     Usage(String),
@@ -65,7 +69,7 @@ impl CliError {
             Self::File(_) | Self::Output(_) => 4,
             Self::Export(ExportError::NoStage { .. } | ExportError::Apparatus { .. }) => 2,
             Self::Export(ExportError::File(_)) => 4,
-            Self::Usage(_) | Self::Case(_) => 2,
+            Self::Usage(_) | Self::Case(_) | Self::Server(_) => 2,
             Self::Suite(error) => match error {
                 SuiteError::File(_) | SuiteError::Report(_) => 4,
                 SuiteError::Threads(_) => 3,

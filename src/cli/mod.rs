@@ -20,6 +20,7 @@ mod sensitivity;
 mod stop;
 mod table;
 mod verify;
+mod view;
 
 pub use context::Context;
 pub use error::{CliError, ExitStatus};
@@ -71,6 +72,7 @@ enum Command {
     Sensitivity(sensitivity::SensitivityArgs),
     Verify(verify::VerifyArgs),
     Export(export::ExportArgs),
+    View(view::ViewArgs),
     Schema(schema::SchemaArgs),
     Info(info::InfoArgs),
 }
@@ -99,6 +101,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Sensitivity(args) => sensitivity::run(args, &context),
         Command::Verify(args) => verify::run(args, &context),
         Command::Export(args) => export::run(args, &context),
+        Command::View(args) => view::run(args, &context),
         Command::Schema(args) => schema::run(args, &context),
         Command::Info(args) => info::run(args, &context),
     }

@@ -71,7 +71,11 @@ impl Frame {
         }
     }
 
-    fn write(&self, out: &mut impl Write) -> io::Result<()> {
+    /// Writes it as one frame of the file, without the file's head.
+    ///
+    /// # Errors
+    /// When `out` refuses.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let mut there = 0;
         for (flag, is) in [
             (CYLINDER, self.cylinder),

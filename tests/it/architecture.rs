@@ -19,17 +19,18 @@ const ROWS: [&[&str]; 9] = [
     &["protocol"],
     &["measure"],
     &["record", "paper", "report"],
-    &["study", "verify", "export"],
+    &["study", "verify", "export", "viewer"],
     &["cli", "main"],
 ];
 
 /// Uses allowed within a row, as (user, used).
-const SAME_ROW: [(&str, &str); 6] = [
+const SAME_ROW: [(&str, &str); 7] = [
     ("geometry", "units"),
     ("specimen", "world"),
     ("paper", "record"),
     ("report", "record"),
     ("report", "paper"),
+    ("viewer", "export"),
     ("main", "cli"),
 ];
 
