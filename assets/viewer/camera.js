@@ -18,18 +18,24 @@ export class Camera {
     this.moved = false;
     this.size = [1, 1];
     // Parts of the picture, from 0 to 1, that panels cover.
-    this.covered = { right: 0, bottom: 0 };
+    this.covered = { right: 0, top: 0, bottom: 0 };
   }
 
-  // Sees all within `radius` of `centre`.
-  fit(centre, radius) {
-    const [width, height] = this.size;
-    const free = Math.min(height * (1 - this.covered.bottom), width * (1 - this.covered.right));
-    const half = Math.atan(Math.tan(ANGLE / 2) * (free / height));
+  // Sees an upright cylinder about a centre whole: its radius and half its height.
+  fit(centre, radius, half) {
+    const [width, height] = this.size, { right, top, bottom } = this.covered;
+    const tan = Math.tan(ANGLE / 2), margin = 1.06;
+    const up = half * Math.cos(this.elevation) + radius * Math.abs(Math.sin(this.elevation));
+    const high = up / (tan * (1 - top - bottom)), wide = (radius * height) / (tan * width * (1 - right));
     this.target = centre.slice();
-    this.reach = radius;
-    this.distance = radius / Math.sin(half);
+    this.reach = Math.hypot(radius, half);
+    this.distance = margin * Math.max(high, wide) + radius;
     this.moved = false;
+  }
+
+  // How far the middle of the free part of the picture is above its middle.
+  get raised() {
+    return this.covered.bottom - this.covered.top;
   }
 
   get back() {
@@ -46,7 +52,7 @@ export class Camera {
     const lens = perspective(ANGLE, this.size[0] / this.size[1], near, this.distance + 8 * this.reach);
     // The middle of the free part of the picture is the middle of the view.
     lens[8] += this.covered.right;
-    lens[9] -= this.covered.bottom;
+    lens[9] -= this.raised;
     return product(lens, lookingAt(this.eye, this.target, [0, 0, 1]));
   }
 
@@ -61,7 +67,7 @@ export class Camera {
     const tan = Math.tan(ANGLE / 2), aspect = this.size[0] / this.size[1];
     const right = normalised(cross([0, 0, 1], this.back)), above = cross(this.back, right);
     const across = ((2 * x) / this.size[0] - 1 + this.covered.right) * tan * aspect;
-    const up = (1 - (2 * y) / this.size[1] - this.covered.bottom) * tan;
+    const up = (1 - (2 * y) / this.size[1] - this.raised) * tan;
     const direction = normalised(subtract(add(scaled(right, across), scaled(above, up)), this.back));
     return [this.eye, direction];
   }

@@ -2,19 +2,21 @@
 // in sRGB.
 
 // Matplotlib's viridis at eleven points: even steps look even, also in grey
-// and to eyes that do not tell red from green.
+// and to eyes that do not tell red from green. Its dark end is lifted, so that
+// light and shade can still be seen on it.
 const VIRIDIS = ["#440154", "#482475", "#414487", "#355f8d", "#2a788e", "#21918c", "#22a884", "#44bf70", "#7ad151", "#bddf26", "#fde725"];
 
 // Its inferno without the black end, for forces.
 const INFERNO = ["#57106e", "#7f1e6c", "#a52c60", "#c73e4c", "#e25734", "#f37819", "#fca50a", "#f6d746", "#fcffa4"];
 
 // Fractions from the coarsest to the finest: stones in daylight.
-const STONES = ["#8c5a4a", "#c9805b", "#e3ae68", "#e9d8a6", "#a7b58c", "#5f9a94", "#47708f", "#5b5680", "#8a5f86"];
+const STONES = ["#a2543f", "#cf8349", "#e8b95c", "#efe0a6", "#b3c9a0", "#6aa9a0", "#4083a3", "#3d5a92", "#5d4b80"];
 
 export const UNKNOWN = [0.62, 0.62, 0.62];
 
 const parsed = (hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16) / 255);
-const scales = { viridis: VIRIDIS.map(parsed), inferno: INFERNO.map(parsed) };
+const lifted = (rgb, k, all) => rgb.map((c) => c + 0.22 * (1 - k / (all.length - 1)) * (1 - c));
+const scales = { viridis: VIRIDIS.map(parsed).map(lifted), inferno: INFERNO.map(parsed) };
 
 // The colour at a share from 0 to 1 of a scale.
 export function colourAt(name, share) {

@@ -2,7 +2,7 @@
 
 import { Camera } from "./camera.js";
 import { UNKNOWN, colourAt, linear } from "./colours.js";
-import { CYLINDER, FUNNEL, LID, PLATE, loadRun } from "./data.js";
+import { CYLINDER, FUNNEL, LID, PLATE, loadRun, placeOf } from "./data.js";
 import { MODES, Measures, niceAbove } from "./measures.js";
 import { slab } from "./meshes.js";
 import { showFacts, showForces, showLegend, showPicked } from "./panels.js";
@@ -14,7 +14,7 @@ import { Timeline } from "./timeline.js";
 const $ = (id) => document.getElementById(id);
 const UPRIGHT = [0, 0, 0, 1];
 // Colours of the apparatus in sRGB.
-const METAL = [0.72, 0.75, 0.78], GLASS = [0.55, 0.68, 0.76], PLATE_COLOUR = [0.62, 0.66, 0.7], TABLE = [0.5, 0.53, 0.56];
+const METAL = [0.72, 0.75, 0.78], GLASS = [0.55, 0.68, 0.76], PLATE_COLOUR = [0.62, 0.66, 0.7], TABLE = { light: [0.6, 0.62, 0.64], dark: [0.34, 0.37, 0.4] };
 // A link that bears the largest force has this radius in m; the section grows with the force.
 const THICKEST = 0.0022;
 
@@ -37,9 +37,8 @@ class Viewer {
     this.picked = null;
     this.draws = 0;
     this.dirty = true;
-    this.reach = run.header.cylinder.radius_m + 0.02;
     const floor = run.shapes[run.grains].vertices.reduce((low, z, k) => (k % 3 === 2 ? Math.min(low, z) : low), 0);
-    const table = slab(2.1 * run.header.cylinder.radius_m, floor - 0.012, floor - 0.0002);
+    const table = slab(1.9 * run.header.cylinder.radius_m, floor - 0.012, floor - 0.0002);
     this.renderer = new Renderer($("view"), [...run.shapes, table], run.grains);
     showFacts(run);
     this.timeline = new Timeline(run, this.playback, () => this.change());
@@ -66,7 +65,8 @@ class Viewer {
     $("toggle").addEventListener("click", () => {
       const open = $("controls").classList.toggle("open");
       $("toggle").setAttribute("aria-expanded", String(open));
-      $("toggle").textContent = open ? "Hide" : "Show";
+      $("toggle").textContent = open ? "Close" : "Options";
+      this.refit();
     });
     $("keys-list").append(...KEYS.flatMap(([key, what]) => {
       const [dt, dd] = ["dt", "dd"].map((name) => document.createElement(name));
@@ -121,7 +121,7 @@ class Viewer {
 
   setTheme(theme) {
     document.documentElement.dataset.theme = theme;
-    this.dirty = true;
+    this.change();
   }
 
   setColour(mode) {
@@ -141,11 +141,18 @@ class Viewer {
   pick(grain) {
     this.picked = grain;
     this.change();
+    this.refit();
   }
 
   toStageEnd() {
     this.timeline.pause();
     this.timeline.go(this.playback.stage.end);
+  }
+
+  // After panels came or went; a view that the watcher chose stays.
+  refit() {
+    if (!this.camera.moved) this.fit();
+    this.dirty = true;
   }
 
   reset() {
@@ -155,8 +162,14 @@ class Viewer {
     this.dirty = true;
   }
 
-  // The middle and radius of what stands in this stage.
-  scene() {
+  // The middle and radius of what is there in this stage.
+  get scene() {
+    const number = this.playback.stage.number;
+    this.scenes ??= [];
+    return (this.scenes[number] ??= this.sceneNow());
+  }
+
+  sceneNow() {
     const { cylinder, funnel } = this.run.header;
     const { frames } = this.run, { stage } = this.playback;
     const last = frames[stage.last], first = frames[stage.first];
@@ -170,16 +183,32 @@ class Viewer {
     for (const frame of [first, last]) {
       if (frame.flags & FUNNEL) hold(frame.opening, frame.opening + funnel.height_m, funnel.top_radius_m);
     }
+    for (const frame of [first, last]) {
+      for (let n = 1; n <= this.run.grains; n++) {
+        const place = placeOf(frame, n);
+        // Spilled grains may lie anywhere.
+        if (place && Math.hypot(place[0], place[1]) < 2 * wide) hold(place[2] - 0.01, place[2] + 0.01, 0);
+      }
+    }
     if (low > high) hold(0, cylinder.height_m, cylinder.radius_m);
-    return { centre: [0, 0, (low + high) / 2], radius: Math.hypot((high - low) / 2, wide) };
+    const half = (high - low) / 2;
+    return { centre: [0, 0, (low + high) / 2], wide, half, radius: Math.hypot(half, wide) };
   }
 
+  // Brings what is there into the part of the picture that no panel covers.
   fit() {
     const [width, height] = this.camera.size;
     const narrow = width <= 760;
-    this.camera.covered = { right: narrow ? 0 : Math.min(310 / width, 0.4), bottom: Math.min((narrow ? 130 : 110) / height, 0.4) };
-    const { centre, radius } = this.scene();
-    this.camera.fit(centre, radius);
+    const panels = ["bar", ...(narrow ? ["controls", "picked"] : [])].map((id) => $(id).getBoundingClientRect());
+    const lowest = panels.filter((box) => box.height > 0).reduce((y, box) => Math.min(y, box.top), height);
+    const top = narrow ? $("head").getBoundingClientRect().bottom : 12;
+    this.camera.covered = {
+      right: narrow ? 0 : Math.min(310 / width, 0.4),
+      top: Math.min(top / height, 0.3),
+      bottom: Math.min((height - lowest) / height, 0.6),
+    };
+    const { centre, wide, half } = this.scene;
+    this.camera.fit(centre, wide, half);
     this.framed = this.playback.stage.number;
   }
 
@@ -189,8 +218,7 @@ class Viewer {
     canvas.width = Math.max(Math.round(size[0] * ratio), 1);
     canvas.height = Math.max(Math.round(size[1] * ratio), 1);
     this.camera.size = size.map((x) => Math.max(x, 1));
-    if (!this.camera.moved) this.fit();
-    this.dirty = true;
+    this.refit();
   }
 
   // What the picture is moved by, along x, when the watcher goes with the table.
@@ -258,7 +286,7 @@ class Viewer {
     const plate = now.flags & PLATE ? now.plate : null;
     const at = plate ? [plate.position[0] + shift, plate.position[1], plate.position[2]] : null;
     renderer.setBody(body("top_plate"), plate !== null, at, plate?.turn, colourOf("plate", PLATE_COLOUR));
-    renderer.setBody(grains + header.apparatus.length, true, [table, 0, 0], UPRIGHT, linear(TABLE));
+    renderer.setBody(grains + header.apparatus.length, true, [table, 0, 0], UPRIGHT, linear(TABLE[this.theme]));
   }
 
   // The colours of forces end at this many newtons: a few carry far more than the others.
@@ -309,7 +337,7 @@ class Viewer {
       apparatus,
       cut: this.cut?.plane ?? null,
       picked: this.picked !== null && this.playback.present[this.picked] ? this.picked : null,
-      scene: this.scene(),
+      scene: this.scene,
       background: dark ? [0.082, 0.098, 0.11] : [0.925, 0.937, 0.945],
       line: linear(dark ? [0.85, 0.92, 0.96] : [0.2, 0.3, 0.36]),
     });

@@ -72,15 +72,15 @@ export function dataOf(run, playback, n) {
   return [
     ["fraction", "Sieve fraction", `${fraction.retained_mm} to ${fraction.passing_mm}`, "mm"],
     ["sieve_size_mm", "Passes a sieve of", field(1).toFixed(2), "mm"],
-    ["equivalent_diameter_mm", "Diameter of its volume", field(4).toFixed(2), "mm"],
+    ["equivalent_diameter_mm", "Equivalent diameter", field(4).toFixed(2), "mm"],
     ["volume_mm3", "Volume", field(3).toFixed(1), "mm³"],
     ["mass_g", "Mass", field(2).toFixed(3), "g"],
     ["x_mm", "x", x.toFixed(2), "mm", !there],
     ["y_mm", "y", y.toFixed(2), "mm", !there],
     ["z_mm", "z", z.toFixed(2), "mm", !there],
-    ["speed_mm_per_s", "Speed in the laboratory", exact.toFixed(1), "mm/s", !Number.isFinite(exact)],
-    ["relative_speed_mm_per_s", "Speed on the table", (1000 * playback.speed(n)).toFixed(1), "mm/s", Number.isNaN(playback.speed(n))],
-    ["displacement_mm", "Displacement in the stage", (1000 * playback.displacement(n)).toFixed(2), "mm", Number.isNaN(playback.displacement(n))],
+    ["speed_mm_per_s", "Speed (laboratory)", exact.toFixed(1), "mm/s", !Number.isFinite(exact)],
+    ["relative_speed_mm_per_s", "Speed (to the table)", (1000 * playback.speed(n)).toFixed(1), "mm/s", Number.isNaN(playback.speed(n))],
+    ["displacement_mm", "Moved in this stage", (1000 * playback.displacement(n)).toFixed(2), "mm", Number.isNaN(playback.displacement(n))],
     ["neighbours", "Grains that touch it", String(playback.stage.coordination[n]), "", !playback.atEnd || !there],
   ];
 }
@@ -91,7 +91,7 @@ export function showPicked(run, playback, n) {
   const gone = playback.present[n] ? "" : " (no longer there)";
   at("picked-name").textContent = `Grain ${n}${gone}`;
   at("picked-data").replaceChildren(...dataOf(run, playback, n).flatMap(([name, label, text, unit, unknown]) => {
-    const value = element("dd", unknown ? "–" : `${text} ${unit}`.trim());
+    const value = element("dd", unknown ? "–" : `${text} ${unit}`.trim().replace(/^-/, "−"));
     value.dataset.field = name;
     if (!unknown) value.dataset.value = text;
     return [element("dt", label), value];

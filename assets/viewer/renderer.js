@@ -127,6 +127,7 @@ export class Renderer {
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ROW, this.texels.length / (4 * ROW), gl.RGBA, gl.FLOAT, this.texels);
     gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
     gl.depthMask(true);
     gl.disable(gl.BLEND);
     const all = { first: this.ranges[0]?.[0] ?? 0, count: this.grains ? this.ranges[this.grains - 1][0] + this.ranges[this.grains - 1][1] : 0 };
@@ -169,14 +170,18 @@ export class Renderer {
     gl.bindVertexArray(this.bodyArray);
     if (look.grains === "faint") {
       this.cull(gl.BACK);
-      this.pass(this.body, KINDS.glass, 0.07);
+      this.pass(this.body, KINDS.glass, 0.035);
       gl.drawArrays(gl.TRIANGLES, all.first, all.count);
-      if (look.picked !== null) {
-        this.pass(this.body, KINDS.grains, 0.85);
-        this.drawBody(look.picked);
-      }
     }
-    this.pass(this.body, KINDS.glass, 0.16);
+    if (look.picked !== null) {
+      // Seen through whatever stands before it.
+      this.cull(gl.BACK);
+      gl.depthFunc(gl.ALWAYS);
+      this.pass(this.body, KINDS.grains, look.grains === "solid" ? 0.22 : 0.85);
+      this.drawBody(look.picked);
+      gl.depthFunc(gl.LEQUAL);
+    }
+    this.pass(this.body, KINDS.glass, 0.1);
     const glass = look.apparatus.filter((a) => a.how === "glass");
     // Far sides before near ones.
     for (const side of [gl.FRONT, gl.BACK]) {

@@ -98,7 +98,7 @@ void main() {
     // Glass: most is seen of it where one looks along it.
     float grazing = 1.0 - abs(dot(normal, towards));
     float alpha = opacity * (0.35 + 1.9 * grazing * grazing);
-    colour = vec4(pow(mix(base, line_colour, 0.6 * line), vec3(1.0 / 2.2)), clamp(max(alpha, line * 0.55), 0.0, 0.9));
+    colour = vec4(pow(mix(base, line_colour, 0.6 * line), vec3(1.0 / 2.2)), clamp(max(alpha, line * opacity * 5.5), 0.0, 0.9));
     return;
   }
   vec3 shade;

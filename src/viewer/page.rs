@@ -137,7 +137,8 @@ mod tests {
         let whole = self_contained(&run());
         for (word, why) in [
             ("src=", "loads a file"),
-            ("href=", "loads a file"),
+            ("href=\"v", "loads a file"),
+            ("href=\"/", "loads a file"),
             ("http://", "names another site"),
             ("https://", "names another site"),
             ("@import", "loads a style"),

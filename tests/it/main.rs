@@ -12,3 +12,4 @@ mod scenario;
 mod small;
 mod studies;
 mod verification;
+mod viewer;
