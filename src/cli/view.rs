@@ -93,7 +93,7 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
     let (stop, stopped) = std::sync::mpsc::channel();
     // One sender stays here, so that waiting goes on where no handler can be set.
     let sender = stop.clone();
-    if let Err(error) = ctrlc::set_handler(move || drop(sender.send(()))) {
+    if let Err(error) = ctrlc::set_handler(move || sender.send(()).unwrap_or_default()) {
         say(&format!("warning: Ctrl-C will stop at once, not cleanly: {error}"));
     }
     let mut shown = Shown::of(&data, None, None);

@@ -134,7 +134,7 @@ fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> 
     let funnel = Funnel::new(&setup.funnel, 0.0, 0.0)?;
 
     let sizes: Vec<f64> = set.grains.par_iter().map(|g| sieve_size(&g.shape)).collect();
-    let constants = set.grains.iter().zip(&sizes).flat_map(|(g, sieve)| {
+    let constants = set.grains.iter().zip(&sizes).flat_map(|(g, sieve)| -> [f64; CONSTANTS] {
         let fraction = g.fraction as f64;
         // The units of grains.csv.
         [fraction, to_mm(*sieve), g.mass * 1e3, g.volume * 1e9, to_mm(g.equivalent_diameter)]
