@@ -3,6 +3,10 @@
 #
 #   scripts/setup.sh        what building and running needs
 #   scripts/setup.sh lint   also what `make lint` needs
+#   scripts/setup.sh browser  also Chromium, in which the page of `pluvia view`
+#                           is tested; without one that test is left out
+#
+# Several of these words may stand together.
 #
 # Says nothing and changes nothing when all is there, so that every make
 # target can call it. What cannot be mended ends with one sentence and one
@@ -39,14 +43,26 @@ have_bullet() {
     have pkg-config && pkg-config --exists bullet bullet-float64
 }
 
+have_chromium() {
+    have chromium || have chromium-browser || have google-chrome || have google-chrome-stable
+}
+
+asked=" $* "
+wanted() {
+    [[ $asked == *" $1 "* ]]
+}
+
 missing=()
 have g++ || missing+=(g++)
 have make || missing+=(make)
 have pkg-config || missing+=(pkg-config)
 have_bullet || missing+=(libbullet-dev)
 have_libclang || missing+=(libclang-dev)
-if [ "${1:-}" = lint ]; then
+if wanted lint; then
     have clang-format || missing+=(clang-format)
+fi
+if wanted browser && ! have_chromium; then
+    missing+=(chromium)
 fi
 
 if [ ${#missing[@]} -gt 0 ]; then
@@ -76,7 +92,7 @@ have cargo || fail \
     "cargo, Rust's build tool, was not found" \
     "curl --proto '=https' --tlsv1.2 -sSf https://sh.rustup.rs | sh -s -- -y"
 
-if [ "${1:-}" = lint ]; then
+if wanted lint; then
     # rustup leaves a stand-in where a component is missing: only running tells.
     works() { cargo "$1" --version >/dev/null 2>&1; }
     works fmt || { have rustup && rustup component add rustfmt; } || fail \

@@ -19,4 +19,5 @@ pub mod specimen;
 pub mod study;
 pub mod units;
 pub mod verify;
+pub mod viewer;
 pub mod world;

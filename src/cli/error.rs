@@ -8,6 +8,7 @@ use crate::record::FileError;
 use crate::scenario::ScenarioErrors;
 use crate::study::StudyError;
 use crate::verify::{SuiteError, VerifyError};
+use crate::viewer::ServerError;
 
 /// How a command ended that did what it was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +49,9 @@ pub enum CliError {
     /// A picture could not be made.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// A page could not be served.
+    #[error(transparent)]
+    Server(#[from] ServerError),
     /// An option names something that is not there.
     #[error("{0}")]
     Usage(String),
@@ -76,7 +80,7 @@ impl CliError {
                     4
                 }
             }
-            Self::Usage(_) | Self::Case(_) => 2,
+            Self::Usage(_) | Self::Case(_) | Self::Server(_) => 2,
             Self::Suite(error) => match error {
                 SuiteError::File(_) | SuiteError::Report(_) => 4,
                 SuiteError::Threads(_) => 3,

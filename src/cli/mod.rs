@@ -27,6 +27,7 @@ mod sensitivity;
 mod stop;
 mod table;
 mod verify;
+mod view;
 
 pub use context::Context;
 pub use error::{CliError, ExitStatus};
@@ -80,6 +81,7 @@ enum Command {
     Verify(verify::VerifyArgs),
     Export(export::ExportArgs),
     Picture(picture::PictureArgs),
+    View(view::ViewArgs),
     Schema(schema::SchemaArgs),
     Info(info::InfoArgs),
     Completions(completions::CompletionsArgs),
@@ -112,6 +114,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Verify(args) => verify::run(args, &context),
         Command::Export(args) => export::run(args, &context),
         Command::Picture(args) => picture::run(args, &context),
+        Command::View(args) => view::run(args, &context),
         Command::Schema(args) => schema::run(args, &context),
         Command::Info(args) => info::run(args, &context),
         Command::Completions(args) => completions::run(args),

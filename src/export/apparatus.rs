@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::apparatus::{ApparatusError, Funnel, Piece};
+use crate::grains::GrainSet;
 use crate::protocol::{Setup, base_pieces};
-use crate::specimen::Specimen;
+use crate::specimen::SpecimenState;
 use crate::world::Material;
 
 /// What a piece of the apparatus stands on.
@@ -32,16 +33,18 @@ pub struct StandingPiece {
 }
 
 /// The pieces that stand in this state: cylinder with floor, funnel, lid, a pile's
-/// base. The
-/// top plate is a free body and none of them; the collar that funnels have
+/// base. The top plate is a free body and none of them; the collar that funnels have
 /// while they are filled is left out.
 ///
 /// # Errors
 /// When the funnel's dimensions make no funnel.
-pub fn standing(setup: &Setup, specimen: &Specimen) -> Result<Vec<StandingPiece>, ApparatusError> {
-    let state = &specimen.state;
+pub fn standing(
+    setup: &Setup,
+    grains: &GrainSet,
+    state: &SpecimenState,
+) -> Result<Vec<StandingPiece>, ApparatusError> {
     let mut found = Vec::new();
-    for (n, (piece, material)) in base_pieces(specimen)?.into_iter().enumerate() {
+    for (n, (piece, material)) in base_pieces(grains, state)?.into_iter().enumerate() {
         let name = format!("base_{n:04}");
         found.push(StandingPiece { name, carrier: Carrier::Fixed, material, piece });
     }

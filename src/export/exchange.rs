@@ -271,7 +271,7 @@ impl Scene {
         made_by: MadeBy,
     ) -> Result<Self, ApparatusError> {
         let state = &specimen.state;
-        let apparatus = standing(setup, specimen)?
+        let apparatus = standing(setup, &specimen.grains, &specimen.state)?
             .into_iter()
             .map(|s| ApparatusPiece {
                 name: s.name,

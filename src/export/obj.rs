@@ -56,7 +56,7 @@ pub fn grains_obj(specimen: &Specimen) -> String {
 /// When the apparatus cannot be built.
 pub fn apparatus_obj(setup: &Setup, specimen: &Specimen) -> Result<String, ApparatusError> {
     let mut objects = Objects::new("apparatus");
-    for s in standing(setup, specimen)? {
+    for s in standing(setup, &specimen.grains, &specimen.state)? {
         objects.add(&s.name, &s.piece.shape, &s.piece.pose);
     }
     if let Some(plate) = &specimen.state.top_plate {

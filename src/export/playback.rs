@@ -48,12 +48,16 @@ pub fn read_playback(folder: &Path) -> Result<Playback, ExportError> {
         let stored = StageStore::folder_in(&root, &entry.key);
         let kept = stored.join(FRAMES_FILE);
         let is_kept = kept.exists();
+        let end = stored.join("specimen.json");
+        let end_frame = Frame::of(&read_json::<SpecimenState>(&end)?);
         let (frames, path) = if is_kept {
-            (read_frames(&kept)?, kept)
+            let mut frames = read_frames(&kept)?;
+            for frame in &mut frames {
+                frame.base.clone_from(&end_frame.base);
+            }
+            (frames, kept)
         } else {
-            let path = stored.join("specimen.json");
-            let state: SpecimenState = read_json(&path)?;
-            (vec![Frame::of(&state)], path)
+            (vec![end_frame], end)
         };
         let expected = grains.grains.len();
         if let Some(frame) = frames.iter().find(|frame| frame.grains.len() != expected) {

@@ -84,6 +84,7 @@ fn state(time: f64, stage: usize, grains: usize) -> SpecimenState {
         bodies: bodies.collect(),
         funnel: (stage == 0).then_some(FunnelState { opening_height: 0.2, lid: false }),
         cylinder: true,
+        base: None,
         top_plate: (stage > 0).then(|| BodyState::at_rest(Pose::translation(table_x, 0.0, 0.1))),
         contacts: vec![
             contact(Party::Grain(0), Party::Grain(2), [3.0, 0.0, 4.0]),

@@ -89,6 +89,7 @@ fn apparatus(run: &Playback) -> Result<Picture, PictureError> {
     let hung = poured.filter_map(|f| f.funnel).map(|f| f.opening_height).next();
     let opening_height = hung.unwrap_or(run.setup.cylinder.height + LIFTED);
     let frame = Frame {
+        base: None,
         time: 0.0,
         cylinder: true,
         funnel: Some(FunnelState { opening_height, lid: true }),

@@ -35,6 +35,7 @@ pub const VIEW: View = View { azimuth_deg: 0.0, elevation_deg: 48.0 };
 pub fn loose_grains(grains: &GrainSet, shot: &Shot) -> Result<Image, PictureError> {
     shot.check()?;
     let all = Frame {
+        base: None,
         time: 0.0,
         cylinder: false,
         funnel: None,

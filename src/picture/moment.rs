@@ -105,7 +105,15 @@ pub(super) mod tests {
                 Some(Pose::translation(0.018 * (column - 1.5), 0.018 * (row - 1.5), z))
             };
             let grains = (0..grains.grains.len()).map(place).collect();
-            Frame { time, cylinder: true, funnel: None, table_x: 0.0, top_plate: None, grains }
+            Frame {
+                time,
+                cylinder: true,
+                funnel: None,
+                base: None,
+                table_x: 0.0,
+                top_plate: None,
+                grains,
+            }
         };
         let frames = (0..4).map(|n| frame(0.08 * f64::from(n), 0.02 - 1e-3 * f64::from(n)));
         let stage = |name: &str, frames, kept| PlayedStage { name: name.to_owned(), frames, kept };

@@ -66,7 +66,7 @@ pub fn scene_of(
     }
     let thickness = wall_thickness(setup);
     let mut ground = None;
-    for standing in pieces(setup, frame)? {
+    for standing in pieces(setup, grains, frame)? {
         let whole = Solid::new(&standing.piece.shape, &standing.piece.pose);
         let axis = match standing.name.starts_with("cylinder") {
             true => Vector::new(frame.table_x, 0.0, 0.0),
@@ -90,10 +90,15 @@ pub fn scene_of(
     Ok(Scene::new(bodies, ground))
 }
 
-fn pieces(setup: &Setup, frame: &Frame) -> Result<Vec<StandingPiece>, PictureError> {
+fn pieces(
+    setup: &Setup,
+    grains: &GrainSet,
+    frame: &Frame,
+) -> Result<Vec<StandingPiece>, PictureError> {
     let mut state = SpecimenState::before_everything(0);
     (state.cylinder, state.funnel, state.table_x) = (frame.cylinder, frame.funnel, frame.table_x);
-    standing(setup, &state).map_err(PictureError::Apparatus)
+    state.base = frame.base.as_deref().cloned();
+    standing(setup, grains, &state).map_err(PictureError::Apparatus)
 }
 
 /// A piece of a round wall, thinned from outside; none where it is cut away.

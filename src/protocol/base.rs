@@ -10,7 +10,7 @@ use crate::grains::{
     streams::{below, rotation, stream},
 };
 use crate::scenario::{BaseKind, BaseSpec};
-use crate::specimen::{Base, FixedGrain, Specimen, SpecimenState};
+use crate::specimen::{Base, FixedGrain, SpecimenState};
 use crate::world::{Material, PairTable};
 
 /// Thickness of the floor in m; nothing is seen of it.
@@ -76,13 +76,16 @@ fn fixed_grains(radius: f64, set: &GrainSet, seed: u64, configuration: u32) -> V
 ///
 /// # Errors
 /// When the floor cannot be built.
-pub fn base_pieces(specimen: &Specimen) -> Result<Vec<(Piece, Material)>, ApparatusError> {
-    let Some(base) = &specimen.state.base else { return Ok(Vec::new()) };
+pub fn base_pieces(
+    grains: &GrainSet,
+    state: &SpecimenState,
+) -> Result<Vec<(Piece, Material)>, ApparatusError> {
+    let Some(base) = &state.base else { return Ok(Vec::new()) };
     let mut pieces: Vec<(Piece, Material)> = base
         .fixed_grains
         .iter()
         .map(|fixed| {
-            let shape = Arc::clone(&specimen.grains.grains[fixed.grain].shape);
+            let shape = Arc::clone(&grains.grains[fixed.grain].shape);
             (Piece { shape, pose: fixed.pose }, Material::Grain)
         })
         .collect();

@@ -18,13 +18,14 @@ use std::{
     fs::File,
     io::{self, BufWriter, Write},
     path::Path,
+    sync::Arc,
 };
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 use super::{FileError, read_file};
 use crate::geometry::Pose;
-use crate::specimen::{Fate, FunnelState, SpecimenState};
+use crate::specimen::{Base, Fate, FunnelState, SpecimenState};
 
 /// Name of the file in a stage's folder.
 pub const FRAMES_FILE: &str = "frames.bin";
@@ -48,6 +49,8 @@ pub struct Frame {
     pub cylinder: bool,
     /// The funnel, where it stood.
     pub funnel: Option<FunnelState>,
+    /// What a pile stands on; a file of frames does not hold it.
+    pub base: Option<Arc<Base>>,
     /// Displacement of the table along x in m.
     pub table_x: f64,
     /// Pose of the top plate's centroid, where it was placed.
@@ -65,13 +68,18 @@ impl Frame {
             time: state.time,
             cylinder: state.cylinder,
             funnel: state.funnel,
+            base: state.base.clone().map(Arc::new),
             table_x: state.table_x,
             top_plate: state.top_plate.map(|plate| plate.pose),
             grains: state.bodies.iter().map(grain).collect(),
         }
     }
 
-    fn write(&self, out: &mut impl Write) -> io::Result<()> {
+    /// Writes it as one frame of the file, without the file's head.
+    ///
+    /// # Errors
+    /// When `out` refuses.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let mut there = 0;
         for (flag, is) in [
             (CYLINDER, self.cylinder),
@@ -102,6 +110,7 @@ impl Frame {
                 opening_height: f64::from(f32::from_le_bytes(four(bytes, 16))),
                 lid: is(LID),
             }),
+            base: None,
             table_x: f64::from(f32::from_le_bytes(four(bytes, 12))),
             top_plate: is(TOP_PLATE).then(|| read_place(&bytes[20..])).flatten(),
             grains: bytes[BEFORE_GRAINS..].chunks_exact(PLACE).map(read_place).collect(),
@@ -231,6 +240,7 @@ mod tests {
             time: 3.76,
             cylinder: true,
             funnel: Some(FunnelState { opening_height: 0.25, lid: true }),
+            base: None,
             table_x: -0.015625,
             top_plate: Some(pose(0.5)),
             grains: vec![Some(pose(0.031)), None, Some(pose(-0.04))],

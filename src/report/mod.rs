@@ -13,8 +13,8 @@ mod dash;
 mod figures;
 mod html;
 mod laws;
-mod pile_choices;
 mod picture;
+mod pile_choices;
 mod plot;
 mod png;
 mod quality;
@@ -57,8 +57,8 @@ pub use convergence::{
 };
 pub use figures::Figure;
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
-pub use pile_choices::pile_choices;
 pub use picture::Picture;
+pub use pile_choices::pile_choices;
 pub use png::draw as draw_svg;
 pub use quality::Standard;
 pub use readings::{

@@ -19,12 +19,12 @@ const ROWS: [&[&str]; 9] = [
     &["protocol"],
     &["measure"],
     &["record", "paper", "report"],
-    &["study", "verify", "export", "picture"],
+    &["study", "verify", "export", "picture", "viewer"],
     &["cli", "main"],
 ];
 
 /// Uses allowed within a row, as (user, used).
-const SAME_ROW: [(&str, &str); 8] = [
+const SAME_ROW: [(&str, &str); 9] = [
     ("geometry", "units"),
     ("specimen", "world"),
     ("paper", "record"),
@@ -32,6 +32,7 @@ const SAME_ROW: [(&str, &str); 8] = [
     ("report", "paper"),
     ("picture", "export"),
     ("study", "picture"),
+    ("viewer", "export"),
     ("main", "cli"),
 ];
 

@@ -51,6 +51,7 @@ fn every_subcommand_shows_an_example() {
         "calibrate",
         "grains",
         "export",
+        "view",
         "schema",
         "info",
     ] {

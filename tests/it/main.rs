@@ -15,3 +15,4 @@ mod small;
 mod stones;
 mod studies;
 mod verification;
+mod viewer;

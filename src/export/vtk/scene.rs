@@ -78,7 +78,7 @@ pub fn apparatus(moment: &Moment, parts: &[Part]) -> PolyData {
 }
 
 /// A grain's number, or a negative one for what is no grain: -1 top plate,
-/// -2 cylinder, -3 floor, -4 funnel or lid.
+/// -2 cylinder, -3 floor, -4 funnel or lid, -5 a pile's base.
 pub fn party_number(setup: &Setup, party: Party) -> i32 {
     let floor = setup.cylinder.pieces.len().saturating_sub(1);
     match party {
@@ -87,6 +87,7 @@ pub fn party_number(setup: &Setup, party: Party) -> i32 {
         Party::Other(Other::Cylinder(n)) if n == floor => -3,
         Party::Other(Other::Cylinder(_)) => -2,
         Party::Other(Other::Funnel(_)) => -4,
+        Party::Other(Other::Base(_)) => -5,
     }
 }
 
@@ -134,6 +135,7 @@ pub fn chains(setup: &Setup, state: &SpecimenState) -> PolyData {
         Party::Other(Other::TopPlate) => (usize::MAX, 0, 0),
         Party::Other(Other::Cylinder(n)) => (usize::MAX, 1, n),
         Party::Other(Other::Funnel(n)) => (usize::MAX, 2, n),
+        Party::Other(Other::Base(n)) => (usize::MAX, 3, n),
     };
     let mut bonds: BTreeMap<_, ([Party; 2], Bond)> = BTreeMap::new();
     for contact in &state.contacts {

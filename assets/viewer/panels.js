@@ -1,0 +1,99 @@
+// What is written beside the picture: facts, legend, the data of a grain.
+
+import { css, gradient } from "./colours.js";
+import { MODES, MODE_NAMES } from "./measures.js";
+
+const at = (id) => document.getElementById(id);
+
+function element(name, text, kind) {
+  const made = document.createElement(name);
+  if (text !== undefined) made.textContent = text;
+  if (kind) made.className = kind;
+  return made;
+}
+
+export function showFacts(run) {
+  at("scenario").textContent = run.scenario;
+  const mass = Array.from({ length: run.grains }, (_, n) => run.constants[5 * n + 2]).reduce((a, b) => a + b, 0);
+  at("facts").textContent = `${run.grains} grains, ${mass.toFixed(0)} g; ${run.frames.length} frames of ${run.stages.length} stages`;
+  const note = at("frames-note");
+  note.hidden = run.kept;
+  const ends = run.stages.filter((stage) => !stage.kept).map((stage) => stage.name).join(", ");
+  note.textContent = run.noneKept
+    ? "This run kept no frames: only the end of each stage can be shown, and nothing in between."
+    : `No frames were kept of ${ends}: only the end is shown.`;
+  at("colour").append(...MODES.map((mode) => new Option(MODE_NAMES[mode], mode)));
+}
+
+export function showLegend(legend) {
+  const box = at("legend");
+  if (legend.rows) {
+    box.replaceChildren(element("div", legend.title, "what"), ...legend.rows.map((row) => {
+      const line = element("div", undefined, "swatch"), swatch = element("i");
+      swatch.style.background = css(row.colour);
+      line.append(swatch, element("span", row.text), element("span", String(row.count), "what"));
+      return line;
+    }));
+    return;
+  }
+  box.replaceChildren(element("div", legend.title, "what"), scaleOf(legend.scale), marksOf(legend.marks));
+}
+
+function scaleOf(name) {
+  const scale = element("div", undefined, "scale");
+  scale.style.background = gradient(name);
+  return scale;
+}
+
+function marksOf(texts) {
+  const marks = element("div", undefined, "marks");
+  marks.append(...texts.map((text) => element("span", text)));
+  return marks;
+}
+
+export function showForces(most, weakest) {
+  at("weakest-value").textContent = `${force(weakest)} N`;
+  at("forces-legend").replaceChildren(
+    element("div", "Force between two bodies, N; the section of a line grows with it", "what"),
+    scaleOf("inferno"),
+    marksOf(["0", force(most / 2), `${force(most)} +`]),
+  );
+}
+
+const force = (x) => String(Number(x.toPrecision(2)));
+
+// Numbers of a grain now, with their units, by the names that grains.csv has.
+export function dataOf(run, playback, n) {
+  const field = (k) => run.constants[5 * n + k];
+  const fraction = run.fractions[field(0)];
+  const there = playback.present[n] === 1;
+  const [x, y, z] = playback.position(n).map((v) => 1000 * v);
+  const exact = 1000 * playback.exactSpeed(n);
+  return [
+    ["fraction", "Sieve fraction", `${fraction.retained_mm} to ${fraction.passing_mm}`, "mm"],
+    ["sieve_size_mm", "Passes a sieve of", field(1).toFixed(2), "mm"],
+    ["equivalent_diameter_mm", "Equivalent diameter", field(4).toFixed(2), "mm"],
+    ["volume_mm3", "Volume", field(3).toFixed(1), "mm³"],
+    ["mass_g", "Mass", field(2).toFixed(3), "g"],
+    ["x_mm", "x", x.toFixed(2), "mm", !there],
+    ["y_mm", "y", y.toFixed(2), "mm", !there],
+    ["z_mm", "z", z.toFixed(2), "mm", !there],
+    ["speed_mm_per_s", "Speed (laboratory)", exact.toFixed(1), "mm/s", !Number.isFinite(exact)],
+    ["relative_speed_mm_per_s", "Speed (to the table)", (1000 * playback.speed(n)).toFixed(1), "mm/s", Number.isNaN(playback.speed(n))],
+    ["displacement_mm", "Moved in this stage", (1000 * playback.displacement(n)).toFixed(2), "mm", Number.isNaN(playback.displacement(n))],
+    ["neighbours", "Grains that touch it", String(playback.stage.coordination[n]), "", !playback.atEnd || !there],
+  ];
+}
+
+export function showPicked(run, playback, n) {
+  at("picked").hidden = n === null;
+  if (n === null) return;
+  const gone = playback.present[n] ? "" : " (no longer there)";
+  at("picked-name").textContent = `Grain ${n}${gone}`;
+  at("picked-data").replaceChildren(...dataOf(run, playback, n).flatMap(([name, label, text, unit, unknown]) => {
+    const value = element("dd", unknown ? "–" : `${text} ${unit}`.trim().replace(/^-/, "−"));
+    value.dataset.field = name;
+    if (!unknown) value.dataset.value = text;
+    return [element("dt", label), value];
+  }));
+}

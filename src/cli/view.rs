@@ -1,0 +1,111 @@
+//! `pluvia view`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+
+use super::context::say;
+use super::{CliError, Context, ExitStatus};
+use crate::record::{FileError, write_file};
+use crate::viewer::{RunData, Server, Site, read_run_data, self_contained};
+
+/// Play a run in the browser, in three dimensions
+#[derive(Debug, Args)]
+#[command(after_help = "\
+The page is served to this machine alone, until Ctrl-C. docs/viewer.md says what it shows.
+
+Examples:
+  pluvia view out/first
+  pluvia view out/reproduce/runs/vibration-continuous-c1 --no-browser --port 8000
+  pluvia view out/first --save first.html")]
+pub(super) struct ViewArgs {
+    /// Folder of a run, as `pluvia run` and `pluvia reproduce` leave it
+    #[arg(value_name = "RUN_DIR")]
+    run: PathBuf,
+    /// Port on 127.0.0.1; 0 takes a free one
+    #[arg(long, default_value_t = 0)]
+    port: u16,
+    /// Print the address, and leave opening it to you
+    #[arg(long)]
+    no_browser: bool,
+    /// Write the page with the run inside as one file, to hand to others, and serve nothing; a
+    /// file that is there is kept
+    #[arg(long, value_name = "FILE.html", conflicts_with_all = ["port", "no_browser"])]
+    save: Option<PathBuf>,
+}
+
+/// What is shown, and where.
+#[derive(Serialize)]
+struct Shown {
+    scenario: String,
+    grains: usize,
+    stages: usize,
+    frames: usize,
+    /// Whether every stage kept frames.
+    frames_kept: bool,
+    /// Address of the page, where it is served.
+    address: Option<String>,
+    /// The file, where it is saved.
+    file: Option<PathBuf>,
+}
+
+impl Shown {
+    fn of(run: &RunData, address: Option<String>, file: Option<PathBuf>) -> Self {
+        Self {
+            scenario: run.scenario.clone(),
+            grains: run.grains,
+            stages: run.stages,
+            frames: run.frames,
+            frames_kept: run.kept,
+            address,
+            file,
+        }
+    }
+
+    fn text(&self) -> String {
+        let Self { scenario, grains, stages, frames, .. } = self;
+        let mut text = format!("{scenario}: {grains} grains, {stages} stages, {frames} frames\n");
+        if !self.frames_kept {
+            text += "Not every stage kept frames: of such a stage only the end is shown.\n";
+        }
+        match (&self.address, &self.file) {
+            (Some(address), _) => text += &format!("{address}  (Ctrl-C ends it)\n"),
+            (None, Some(file)) => text += &format!("wrote {}\n", file.display()),
+            (None, None) => {}
+        }
+        text
+    }
+}
+
+pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    if let Some(file) = args.save.as_ref().filter(|file| file.exists()) {
+        let reason = "it is there already; name another, or remove it";
+        return Err(FileError::new("write", file, reason).into());
+    }
+    let data = read_run_data(&args.run)?;
+    if let Some(file) = &args.save {
+        write_file(file, self_contained(&data).as_bytes())?;
+        let shown = Shown::of(&data, None, Some(file.clone()));
+        context.print(&shown.text(), &shown)?;
+        return Ok(ExitStatus::Done);
+    }
+    let (stop, stopped) = std::sync::mpsc::channel();
+    // One sender stays here, so that waiting goes on where no handler can be set.
+    let sender = stop.clone();
+    if let Err(error) = ctrlc::set_handler(move || sender.send(()).unwrap_or_default()) {
+        say(&format!("warning: Ctrl-C will stop at once, not cleanly: {error}"));
+    }
+    let mut shown = Shown::of(&data, None, None);
+    let server = Server::start(Site::new(data), args.port)?;
+    shown.address = Some(server.url());
+    context.print(&shown.text(), &shown)?;
+    if !args.no_browser {
+        if let Err(error) = open::that_detached(server.url()) {
+            say(&format!("warning: no browser could be opened ({error}); open the address above"));
+        }
+    }
+    let _ = stopped.recv();
+    drop(stop);
+    Ok(ExitStatus::Done)
+}

@@ -1,0 +1,300 @@
+//! What the page is given of a run, as one block of bytes.
+//!
+//! Little endian: the eight bytes of [`MAGIC`], the length of a JSON text as a
+//! 32-bit integer, the text (padded with blanks to a multiple of four bytes
+//! from the block's beginning), and sections of numbers. The text
+//! ([`Header`]) says where each section begins, in bytes from the end of the
+//! text. `docs/viewer.md` lists the sections.
+
+use std::{io, path::Path};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::links::links;
+use super::shapes::Shape;
+use crate::apparatus::{ApparatusError, Funnel};
+use crate::export::{ExportError, Exported, Playback, PlayedStage, read_playback, read_run};
+use crate::grains::sieve_size;
+use crate::measure::{TOUCHING_GAP, pairs_within};
+use crate::specimen::{SavedContact, Specimen};
+use crate::units::to_mm;
+
+/// The first bytes of every such block.
+pub const MAGIC: &[u8; 8] = b"PLUVIEW1";
+
+/// What `format` says in the text.
+pub const FORMAT: &str = "pluvia-view";
+
+/// Raised whenever a page made for the format before would misread the block.
+pub const VERSION: u32 = 1;
+
+/// A run as the page is given it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunData {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Number of grains.
+    pub grains: usize,
+    /// Number of stages.
+    pub stages: usize,
+    /// Number of frames of all stages.
+    pub frames: usize,
+    /// Whether every stage kept frames.
+    pub kept: bool,
+    /// The block.
+    pub bytes: Vec<u8>,
+}
+
+/// The text.
+#[derive(Debug, Serialize)]
+struct Header {
+    format: &'static str,
+    version: u32,
+    program: String,
+    scenario: String,
+    grains: usize,
+    frame_bytes: usize,
+    fractions: Vec<FractionEntry>,
+    cylinder: CylinderEntry,
+    funnel: FunnelEntry,
+    /// Names of the shapes after those of the grains.
+    apparatus: [&'static str; 4],
+    constants: Section,
+    shapes: ShapeSections,
+    stages: Vec<StageEntry>,
+}
+
+/// Where numbers begin, and how many there are.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct Section {
+    offset: usize,
+    count: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct FractionEntry {
+    passing_mm: f64,
+    retained_mm: f64,
+    grains: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct CylinderEntry {
+    radius_m: f64,
+    height_m: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct FunnelEntry {
+    top_radius_m: f64,
+    height_m: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct ShapeSections {
+    vertex_counts: Section,
+    face_counts: Section,
+    vertices_m: Section,
+    face_sizes: Section,
+    corners: Section,
+}
+
+#[derive(Debug, Serialize)]
+struct StageEntry {
+    name: String,
+    kept: bool,
+    frames: Section,
+    velocities_m_per_s: Section,
+    coordination: Section,
+    links: Section,
+}
+
+/// Numbers of a grain that do not change: see `docs/viewer.md`.
+const CONSTANTS: usize = 5;
+
+/// Reads a run folder as `pluvia run` and `reproduce` write it.
+///
+/// # Errors
+/// [`ExportError`], naming the file.
+pub fn read_run_data(folder: &Path) -> Result<RunData, ExportError> {
+    let playback = read_playback(folder)?;
+    let ends = (0..playback.stages.len())
+        .map(|n| read_run(folder, Some(&n.to_string())))
+        .collect::<Result<Vec<Exported>, _>>()?;
+    let ends: Vec<Specimen> = ends.into_iter().map(|end| end.specimen).collect();
+    let manifest = folder.join("manifest.json");
+    encode(&playback, &ends).map_err(|reason| ExportError::Apparatus { manifest, reason })
+}
+
+/// A run and the specimen at the end of each of its stages.
+fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> {
+    let mut body = Body::default();
+    let (set, setup) = (&run.grains, &run.setup);
+    let funnel = Funnel::new(&setup.funnel, 0.0, 0.0)?;
+
+    let sizes: Vec<f64> = set.grains.par_iter().map(|g| sieve_size(&g.shape)).collect();
+    let constants = set.grains.iter().zip(&sizes).flat_map(|(g, sieve)| -> [f64; CONSTANTS] {
+        let fraction = g.fraction as f64;
+        // The units of grains.csv.
+        [fraction, to_mm(*sieve), g.mass * 1e3, g.volume * 1e9, to_mm(g.equivalent_diameter)]
+    });
+    let constants = body.floats(constants);
+
+    let mut shapes: Vec<Shape> = set.grains.iter().map(|g| Shape::of(&g.shape)).collect();
+    shapes.push(Shape::of_pieces(&setup.cylinder.pieces));
+    shapes.push(Shape::of_pieces(&funnel.pieces));
+    shapes.push(Shape::of_pieces(std::slice::from_ref(&funnel.lid)));
+    shapes.push(Shape::of(&setup.plate.shape));
+    let shapes = body.shapes(&shapes);
+
+    let stages: Vec<StageEntry> =
+        run.stages.iter().zip(ends).map(|(stage, end)| body.stage(stage, end)).collect();
+
+    let fractions = set
+        .blocks
+        .iter()
+        .enumerate()
+        .map(|(n, block)| FractionEntry {
+            passing_mm: to_mm(block.passing),
+            retained_mm: to_mm(block.retained),
+            grains: set.grains.iter().filter(|g| g.fraction == n).count(),
+        })
+        .collect();
+    let frames = run.stages.iter().map(|s| s.frames.len()).sum();
+    let header = Header {
+        format: FORMAT,
+        version: VERSION,
+        program: format!("pluvia {}", env!("CARGO_PKG_VERSION")),
+        scenario: run.scenario.clone(),
+        grains: set.grains.len(),
+        frame_bytes: frame_bytes(run),
+        fractions,
+        cylinder: CylinderEntry {
+            radius_m: setup.cylinder.radius,
+            height_m: setup.cylinder.height,
+        },
+        funnel: FunnelEntry { top_radius_m: funnel.top_radius, height_m: funnel.top_height },
+        apparatus: ["cylinder", "funnel", "lid", "top_plate"],
+        constants,
+        shapes,
+        stages,
+    };
+    Ok(RunData {
+        scenario: run.scenario.clone(),
+        grains: set.grains.len(),
+        stages: run.stages.len(),
+        frames,
+        kept: run.stages.iter().all(|s| s.kept),
+        bytes: block(&header, &body.bytes),
+    })
+}
+
+/// Length of a frame, which all of a run share.
+fn frame_bytes(run: &Playback) -> usize {
+    let mut bytes = Vec::new();
+    if let Some(frame) = run.stages.iter().find_map(|s| s.frames.first()) {
+        written(frame.write(&mut bytes));
+    }
+    bytes.len()
+}
+
+fn block(header: &Header, body: &[u8]) -> Vec<u8> {
+    // A value of plain structs and names has JSON.
+    let mut text = serde_json::to_vec(header).unwrap_or_default();
+    while (MAGIC.len() + 4 + text.len()) % 4 != 0 {
+        text.push(b' ');
+    }
+    let mut bytes = Vec::with_capacity(MAGIC.len() + 4 + text.len() + body.len());
+    bytes.extend(MAGIC);
+    bytes.extend((text.len() as u32).to_le_bytes());
+    bytes.extend(text);
+    bytes.extend(body);
+    bytes
+}
+
+/// Writing to memory does not fail.
+fn written(result: io::Result<()>) {
+    debug_assert!(result.is_ok(), "memory refuses nothing: {result:?}");
+}
+
+/// The sections; every number has four bytes, so that all are aligned.
+#[derive(Default)]
+struct Body {
+    bytes: Vec<u8>,
+}
+
+impl Body {
+    fn words(&mut self, words: impl Iterator<Item = [u8; 4]>) -> Section {
+        let offset = self.bytes.len();
+        words.for_each(|word| self.bytes.extend(word));
+        Section { offset, count: (self.bytes.len() - offset) / 4 }
+    }
+
+    fn floats(&mut self, values: impl Iterator<Item = f64>) -> Section {
+        self.words(values.map(|x| (x as f32).to_le_bytes()))
+    }
+
+    fn integers(&mut self, values: impl Iterator<Item = u32>) -> Section {
+        self.words(values.map(u32::to_le_bytes))
+    }
+
+    fn shapes(&mut self, shapes: &[Shape]) -> ShapeSections {
+        let faces = || shapes.iter().flat_map(|s| &s.faces);
+        let vertices = shapes.iter().flat_map(|s| &s.vertices);
+        ShapeSections {
+            vertex_counts: self.integers(shapes.iter().map(|s| s.vertices.len() as u32)),
+            face_counts: self.integers(shapes.iter().map(|s| s.faces.len() as u32)),
+            vertices_m: self.floats(vertices.flat_map(|v| [v.x, v.y, v.z])),
+            face_sizes: self.integers(faces().map(|f| f.len() as u32)),
+            corners: self.integers(faces().flatten().copied()),
+        }
+    }
+
+    fn stage(&mut self, stage: &PlayedStage, end: &Specimen) -> StageEntry {
+        let offset = self.bytes.len();
+        for frame in &stage.frames {
+            written(frame.write(&mut self.bytes));
+        }
+        let frames = Section { offset, count: stage.frames.len() };
+        let velocities = end.state.bodies.iter().flat_map(|g| {
+            let v = g.body.linear_velocity;
+            [v.x, v.y, v.z]
+        });
+        StageEntry {
+            name: stage.name.clone(),
+            kept: stage.kept,
+            frames,
+            velocities_m_per_s: self.floats(velocities),
+            coordination: self.integers(neighbours(end).into_iter()),
+            links: self.links(&end.state.contacts),
+        }
+    }
+
+    /// Eight words a link: two parties, a point, the force on the first.
+    fn links(&mut self, contacts: &[SavedContact]) -> Section {
+        let words = links(contacts).into_iter().flat_map(|link| {
+            let numbers = link.point.into_iter().chain(link.force);
+            link.between
+                .map(i32::to_le_bytes)
+                .into_iter()
+                .chain(numbers.map(|x| (x as f32).to_le_bytes()))
+        });
+        self.words(words)
+    }
+}
+
+/// How many grains each grain touches.
+fn neighbours(specimen: &Specimen) -> Vec<u32> {
+    let present: Vec<usize> = specimen.present().collect();
+    let mut counts = vec![0; specimen.grains.grains.len()];
+    for pair in pairs_within(specimen, &present, TOUCHING_GAP) {
+        counts[pair.a] += 1;
+        counts[pair.b] += 1;
+    }
+    counts
+}
+
+#[cfg(test)]
+#[path = "data_tests.rs"]
+mod tests;

@@ -1,0 +1,190 @@
+//! `pluvia view`: the server as others on the machine may meet it, and the page
+//! in a real browser.
+
+mod browser;
+mod page;
+
+use std::{
+    fs,
+    io::{BufRead, BufReader, ErrorKind, Read, Write},
+    net::{Ipv4Addr, Shutdown, SocketAddr, TcpStream, UdpSocket},
+    path::Path,
+    process::{Command, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
+
+use pluvia::viewer::{Server, Site, read_run_data};
+
+use super::export::small_run;
+
+/// The page of the small run on a free port.
+fn serve(run: &Path) -> Server {
+    let data = read_run_data(run).expect("the run can be read");
+    Server::start(Site::new(data), 0).expect("a free port")
+}
+
+/// Sends bytes and reads what comes back until the connection ends.
+fn exchange(address: SocketAddr, request: &[u8]) -> Vec<u8> {
+    let mut stream = TcpStream::connect(address).expect("the server listens");
+    stream.set_read_timeout(Some(Duration::from_secs(20))).expect("a timeout");
+    // A refused request may be cut off while it is sent.
+    let _ = stream.write_all(request);
+    let _ = stream.shutdown(Shutdown::Write);
+    let mut answer = Vec::new();
+    let _ = stream.read_to_end(&mut answer);
+    answer
+}
+
+fn get(server: &Server, path: &str) -> Vec<u8> {
+    let host = server.address();
+    exchange(host, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes())
+}
+
+fn status(answer: &[u8]) -> String {
+    String::from_utf8_lossy(answer).lines().next().unwrap_or_default().to_owned()
+}
+
+fn assert_status(answer: &[u8], expected: u16, law: &str) {
+    let got = status(answer);
+    assert!(
+        got.starts_with(&format!("HTTP/1.1 {expected} ")),
+        "law: {law}, expected {expected}, got `{got}`"
+    );
+}
+
+#[test]
+fn the_page_and_the_run_are_served_and_nothing_else() {
+    let server = serve(small_run());
+    assert_status(&get(&server, "/"), 200, "the page is there");
+    let whole = get(&server, "/run.bin");
+    let body = whole.windows(4).position(|w| w == b"\r\n\r\n").expect("a head") + 4;
+    let expected = read_run_data(small_run()).expect("the run").bytes;
+    assert!(whole[body..] == expected, "law: the run comes over the wire byte by byte");
+    for path in ["/grains.csv", "/../manifest.json", "/%2e%2e/%2e%2e/etc/passwd", "//", "/\\..\\a"]
+    {
+        assert_status(&get(&server, path), 404, path);
+    }
+    // Read as a whole first, or a pair of dots would be lost on the way.
+    let raw = format!("GET /run.bin/../../x HTTP/1.1\r\nHost: {}\r\n\r\n", server.address());
+    assert_status(&exchange(server.address(), raw.as_bytes()), 404, "dots lead nowhere");
+}
+
+#[test]
+fn only_the_loopback_address_listens() {
+    let server = serve(small_run());
+    assert!(server.address().ip().is_loopback(), "law: {} is loopback", server.address());
+    // The address by which others would reach this machine; no packet is sent.
+    let outward = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))
+        .and_then(|socket| socket.connect("192.0.2.1:9").and_then(|()| socket.local_addr()));
+    let Ok(outward) = outward.map(|address| address.ip()) else { return };
+    if !outward.is_loopback() {
+        let there = SocketAddr::new(outward, server.address().port());
+        let got = TcpStream::connect_timeout(&there, Duration::from_secs(2));
+        assert!(got.is_err(), "law: nobody else reaches the page, but {there} answers");
+    }
+}
+
+#[test]
+fn what_is_sent_does_no_harm() {
+    let server = serve(small_run());
+    let host = server.address();
+    let field = format!("Host: {host}\r\n");
+    let huge = format!("GET / HTTP/1.1\r\n{field}A: {}\r\n\r\n", "a".repeat(4 << 20));
+    let posted =
+        format!("POST / HTTP/1.1\r\n{field}Content-Length: 50000\r\n\r\n{}", "b".repeat(50_000));
+    for (request, expected, law) in [
+        (huge.into_bytes(), 431, "a head of 4 MiB is refused"),
+        (posted.into_bytes(), 405, "nothing can be posted"),
+        (b"GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n".to_vec(), 403, "other hosts are refused"),
+        (b"\x16\x03\x01\x00\xa5\x01\x00\x00\xa1\x03\x03\r\n".to_vec(), 400, "TLS is no request"),
+        (b"\r\n\r\nnonsense\r\n\r\n".to_vec(), 400, "nonsense is no request"),
+    ] {
+        let answer = exchange(host, &request);
+        // What is refused while it is still being sent may break the connection.
+        if !(answer.is_empty() && request.len() > 1 << 20) {
+            assert_status(&answer, expected, law);
+        }
+    }
+    let head = exchange(host, format!("HEAD / HTTP/1.1\r\n{field}\r\n").as_bytes());
+    assert_status(&head, 200, "HEAD is answered");
+    assert!(head.ends_with(b"\r\n\r\n"), "law: HEAD has no content");
+    assert!(exchange(host, b"").is_empty(), "law: who says nothing is told nothing");
+
+    // More connections that say nothing than are taken, and the page still comes.
+    let idle: Vec<_> = (0..40).filter_map(|_| TcpStream::connect(host).ok()).collect();
+    assert!(idle.len() > 32, "the check opens more than are taken, got {}", idle.len());
+    drop(idle);
+    let latest = Instant::now() + Duration::from_secs(20);
+    while !status(&get(&server, "/")).starts_with("HTTP/1.1 200 ") {
+        assert!(Instant::now() < latest, "law: the page comes once the others are gone");
+        thread::sleep(Duration::from_millis(50));
+    }
+}
+
+#[test]
+fn it_ends_when_it_is_dropped() {
+    let server = serve(small_run());
+    let address = server.address();
+    drop(server);
+    let got = TcpStream::connect_timeout(&address, Duration::from_secs(2)).map(|_| ());
+    let refused = got.as_ref().is_err_and(|e| e.kind() == ErrorKind::ConnectionRefused);
+    assert!(refused, "law: nobody listens any more, got {got:?}");
+}
+
+fn pluvia() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_pluvia"))
+}
+
+#[test]
+fn the_command_serves_until_ctrl_c() {
+    let mut command = pluvia();
+    command.arg("view").arg(small_run()).args(["--no-browser"]).stdout(Stdio::piped());
+    let mut child = command.spawn().expect("it starts");
+    let mut lines = BufReader::new(child.stdout.take().expect("a pipe")).lines();
+    let address = loop {
+        let line = lines.next().expect("an address is printed").expect("text");
+        if let Some(rest) = line.strip_prefix("http://") {
+            break rest.split('/').next().unwrap_or_default().to_owned();
+        }
+    };
+    let address: SocketAddr = address.parse().expect("an address and a port");
+    let request = format!("GET / HTTP/1.1\r\nHost: {address}\r\n\r\n");
+    assert_status(&exchange(address, request.as_bytes()), 200, "the page is there");
+    // A port that is taken is told as such.
+    let port = address.port().to_string();
+    let second =
+        pluvia().arg("view").arg(small_run()).args(["--no-browser", "--port", &port]).output();
+    let second = second.expect("it starts");
+    let said = String::from_utf8_lossy(&second.stderr).into_owned();
+    assert!(second.status.code() == Some(2) && said.contains(&port), "law: port taken: {said}");
+
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(sent.is_ok_and(|s| s.success()), "the signal is sent");
+    let ended = child.wait().expect("it ends");
+    assert_eq!(ended.code(), Some(0), "law: Ctrl-C is the way to end it");
+}
+
+#[test]
+fn a_file_is_saved_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("run.html");
+    let save = || pluvia().arg("view").arg(small_run()).arg("--save").arg(&file).output();
+    let first = save().expect("it starts");
+    assert_eq!(first.status.code(), Some(0), "{}", String::from_utf8_lossy(&first.stderr));
+    let content = fs::read(&file).expect("the file");
+    let second = save().expect("it starts");
+    let said = String::from_utf8_lossy(&second.stderr);
+    assert_eq!(second.status.code(), Some(4), "law: nothing is written over: {said}");
+    assert!(said.contains("there already"), "{said}");
+    assert!(fs::read(&file).expect("the file") == content, "law: it is as it was");
+}
+
+#[test]
+fn a_folder_that_is_no_run_is_told_as_such() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = pluvia().arg("view").arg(folder.path()).output().expect("it starts");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{said}");
+    assert!(said.contains("manifest.json"), "law: the missing file is named: {said}");
+}
