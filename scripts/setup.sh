@@ -3,6 +3,7 @@
 #
 #   scripts/setup.sh        what building and running needs
 #   scripts/setup.sh lint   also what `make lint` needs
+#   scripts/setup.sh exports   also what `make test-exports` needs
 #
 # Says nothing and changes nothing when all is there, so that every make
 # target can call it. What cannot be mended ends with one sentence and one
@@ -47,6 +48,10 @@ have_bullet || missing+=(libbullet-dev)
 have_libclang || missing+=(libclang-dev)
 if [ "${1:-}" = lint ]; then
     have clang-format || missing+=(clang-format)
+fi
+if [ "${1:-}" = exports ]; then
+    python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || missing+=(python3 python3-venv)
+    have node && have npm || missing+=(nodejs npm)
 fi
 
 if [ ${#missing[@]} -gt 0 ]; then

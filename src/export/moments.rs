@@ -206,7 +206,6 @@ fn place(pose: Pose) -> Vector {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::export::testing;
 
     #[test]

@@ -11,4 +11,5 @@ mod readings;
 mod scenario;
 mod small;
 mod studies;
+mod terminal;
 mod verification;
