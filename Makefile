@@ -9,7 +9,7 @@ PRECISIONS ?= double
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce convergence sensitivity test lint format bench bench-peers clean
+.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports lint format bench bench-peers clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -46,6 +46,11 @@ sensitivity: build ## what each choice of ours moves, in $(OUT)/sensitivity.md
 
 test: setup ## run every test
 	cargo test --locked
+
+test-exports: setup ## have VTK and the glTF validator read what `pluvia export` writes
+	@bash scripts/setup.sh exports
+	cargo build --locked
+	bash scripts/test-exports.sh
 
 lint: setup-lint ## check formatting, lints and documentation
 	cargo fmt --check

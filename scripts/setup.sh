@@ -5,6 +5,7 @@
 #   scripts/setup.sh lint   also what `make lint` needs
 #   scripts/setup.sh browser  also Chromium, in which the page of `pluvia view`
 #                           is tested; without one that test is left out
+#   scripts/setup.sh exports   also what `make test-exports` needs
 #
 # Several of these words may stand together.
 #
@@ -63,6 +64,10 @@ if wanted lint; then
 fi
 if wanted browser && ! have_chromium; then
     missing+=(chromium)
+fi
+if wanted exports; then
+    python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || missing+=(python3 python3-venv)
+    have node && have npm || missing+=(nodejs npm)
 fi
 
 if [ ${#missing[@]} -gt 0 ]; then

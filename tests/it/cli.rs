@@ -54,6 +54,8 @@ fn every_subcommand_shows_an_example() {
         "view",
         "schema",
         "info",
+        "completions",
+        "man",
     ] {
         let (code, out, _) = run(&[command, "--help"]);
         assert_eq!(code, Some(0), "{command} --help");

@@ -9,6 +9,7 @@ use std::{
 
 use pluvia::export::{Carrier, Scene, read_playback, read_run};
 use pluvia::geometry::Pose;
+use serde_json::Value;
 use tempfile::TempDir;
 
 use super::small;
@@ -199,6 +200,89 @@ fn frames_lead_from_the_first_stage_to_the_last_specimen() {
 }
 
 #[test]
+fn frames_for_paraview_are_listed_and_counted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output =
+        export(small_run(), &["--format", "vtk", "--every", "0.08", "--json"], folder.path());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let told: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let lists: Vec<&str> =
+        told["files"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+    let mut found = 0;
+    let mut bytes = 0;
+    for list in &lists {
+        let text = fs::read_to_string(list).expect("a list");
+        bytes += text.len() as u64;
+        for file in text.split("file=\"").skip(1).filter_map(|rest| rest.split('"').next()) {
+            let path = folder.path().join(file);
+            let content = fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+            assert!(content.starts_with(b"<?xml"), "{} is XML", path.display());
+            bytes += content.len() as u64;
+            found += 1;
+        }
+    }
+    assert_eq!(lists.len(), 4, "grains, apparatus, contacts, force chains: {lists:?}");
+    assert_eq!(told["more_files"], found, "law: as many files as told");
+    assert_eq!(told["bytes"], bytes, "law: as many bytes as told");
+    let moments = told["moments"].as_u64().expect("a number");
+    // Both kinds of files a moment, both kinds at the ends of four stages.
+    assert_eq!(2 * moments + 8, found, "law: files are complete");
+    assert!(moments > 8, "law: frames between the ends, got {moments}");
+
+    let one = folder.path().join("one");
+    done(small_run(), &["--format", "vtk", "--stage", "control"], &one);
+    let text = fs::read_to_string(one.join("contacts.pvd")).expect("a list");
+    assert_eq!(text.matches("<DataSet").count(), 1, "law: the end of one stage");
+}
+
+#[test]
+fn a_scene_for_blender_stands_still_or_moves() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let read = |more: &[&str]| {
+        done(small_run(), &[&["--format", "glb"], more].concat(), folder.path());
+        let bytes = fs::read(folder.path().join("specimen.glb")).expect("a file");
+        gltf::Gltf::from_slice(&bytes).expect("a sound glTF file")
+    };
+    let run = read_run(small_run(), None).expect("the run can be read");
+    let grains = |file: &gltf::Gltf| {
+        file.nodes().filter(|n| n.name().is_some_and(|n| n.starts_with("grain_"))).count()
+    };
+    let still = read(&[]);
+    assert_eq!((grains(&still), still.animations().count()), (run.specimen.present().count(), 0));
+    let moving = read(&["--animate", "--every", "0.1"]);
+    assert_eq!(moving.animations().count(), 1, "law: with --animate it moves");
+    let has = |file: &gltf::Gltf, name| file.nodes().any(|n| n.name() == Some(name));
+    assert!(has(&moving, "funnel") && !has(&still, "funnel"), "law: the funnel was there before");
+    assert!(has(&read(&["--stage", "fill_funnel"]), "lid"), "law: the stage that is asked for");
+}
+
+#[test]
+fn solids_lie_where_the_grains_lie() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = read_run(small_run(), None).expect("the run can be read");
+    let present: Vec<usize> = run.specimen.present().collect();
+    let grains = &run.specimen.grains.grains;
+    done(small_run(), &["--format", "ply"], folder.path());
+    let text = fs::read_to_string(folder.path().join("grains.ply")).expect("PLY");
+    let vertices: usize = present.iter().map(|&n| grains[n].shape.vertices().len()).sum();
+    assert!(text.contains(&format!("element vertex {vertices}\n")), "law: every corner");
+    let body = text.split_once("end_header\n").expect("a header").1;
+    let first = body.lines().next().expect("a corner");
+    let got: Vec<f64> = first.split(' ').map(|n| n.parse().expect("a number")).collect();
+    let n = present[0];
+    let expected = run.specimen.state.bodies[n].body.pose * grains[n].shape.vertices()[0];
+    assert_eq!(got, [expected.x, expected.y, expected.z], "law: where the grain is");
+    let last: usize =
+        body.lines().last().and_then(|l| l.rsplit(' ').next()?.parse().ok()).expect("a number");
+    assert_eq!(last, *present.last().expect("grains"), "law: faces carry their grain's number");
+
+    done(small_run(), &["--format", "stl"], folder.path());
+    let bytes = fs::read(folder.path().join("grains.stl")).expect("STL");
+    let triangles: usize = present.iter().map(|&n| grains[n].shape.triangles().count()).sum();
+    assert_eq!(bytes.len(), 84 + 50 * triangles, "law: 84 bytes and 50 a triangle");
+}
+
+#[test]
 fn what_cannot_be_exported_is_said_in_one_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let refused = |run: &Path, more: &[&str], code: i32, words: &[&str]| {
@@ -213,8 +297,16 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     };
     let run = small_run();
     refused(run, &["--format", "json", "--stage", "melt"], 2, &["melt", "1 pour", "control"]);
-    for not_yet in ["vtk", "glb"] {
-        refused(run, &["--format", not_yet], 2, &[not_yet]);
+    for format in ["vtk", "glb"] {
+        let words = ["melt", "1 pour", "control"];
+        refused(run, &["--format", format, "--stage", "melt"], 2, &words);
+    }
+    refused(run, &["--format", "dwg"], 2, &["dwg", "vtk", "glb"]);
+    refused(run, &["--format", "vtk", "--animate"], 2, &["--animate", "glb"]);
+    refused(run, &["--format", "glb", "--every", "0.1"], 2, &["--every", "--animate"]);
+    for every in ["0", "-1", "soon"] {
+        let every = format!("--every={every}");
+        refused(run, &["--format", "vtk", &every], 2, &["--every", "above 0"]);
     }
     refused(&folder.path().join("none"), &["--format", "csv"], 4, &["none", "manifest.json"]);
 
@@ -223,7 +315,9 @@ fn what_cannot_be_exported_is_said_in_one_line() {
     for file in ["manifest.json", "grains.json"] {
         fs::copy(run.join(file), damaged.join(file)).expect("a copy");
     }
-    refused(&damaged, &["--format", "csv"], 4, &["specimen.json"]);
+    for format in ["csv", "vtk", "glb"] {
+        refused(&damaged, &["--format", format], 4, &["specimen.json"]);
+    }
     let state = fs::read_to_string(run.join("specimen.json")).expect("a specimen");
     let state = state.replace("\"table_x\"", "\"table_y\"");
     fs::write(damaged.join("specimen.json"), state).expect("a damaged specimen");

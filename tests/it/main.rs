@@ -14,5 +14,6 @@ mod scenario;
 mod small;
 mod stones;
 mod studies;
+mod terminal;
 mod verification;
 mod viewer;
