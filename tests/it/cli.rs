@@ -50,6 +50,7 @@ fn every_subcommand_shows_an_example() {
         "sensitivity",
         "grains",
         "export",
+        "picture",
         "schema",
         "info",
     ] {

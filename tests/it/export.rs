@@ -14,7 +14,7 @@ use tempfile::TempDir;
 use super::small;
 
 /// Thirty grams of gravel poured and shaken for a moment, once for all tests.
-fn small_run() -> &'static Path {
+pub fn small_run() -> &'static Path {
     static RUN: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
     let (_, out) = RUN.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a folder");

@@ -7,6 +7,7 @@ mod compare;
 mod docs;
 mod export;
 mod interruption;
+mod picture;
 mod readings;
 mod scenario;
 mod small;
