@@ -52,6 +52,7 @@ fn every_subcommand_shows_an_example() {
         "grains",
         "export",
         "view",
+        "picture",
         "schema",
         "info",
         "completions",

@@ -8,6 +8,7 @@ mod compare;
 mod docs;
 mod export;
 mod interruption;
+mod picture;
 mod readings;
 mod repose;
 mod scenario;
