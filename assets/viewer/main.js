@@ -85,9 +85,9 @@ class Viewer {
 
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || $("keys").open) return;
-    const typing = event.target.closest?.("input, select, button");
-    if (typing && (event.key.startsWith("Arrow") || event.key === " " || event.key === "Home" || event.key === "End")) return;
-    if (event.target.closest?.("select") && event.key.length === 1) return;
+    // Keys that the control in use understands itself.
+    const own = { INPUT: /^(Arrow.*|Home|End| )$/, SELECT: /^(Arrow.*|Home|End|.)$/, BUTTON: /^( |Enter)$/ };
+    if (own[event.target.tagName]?.test(event.key)) return;
     const direction = event.key === "ArrowRight" ? 1 : -1;
     const next = (id) => {
       $(id).selectedIndex = ($(id).selectedIndex + 1) % $(id).options.length;
@@ -258,10 +258,14 @@ class Viewer {
     const cut = this.cut;
     $("cut").disabled = !cut;
     $("cut-value").textContent = cut ? `${(1000 * cut.place).toFixed(0)} mm` : "";
-    showLegend(this.measures.legend(this.mode));
+    const legend = `${this.mode} ${now.stage.number}`;
+    if (legend !== this.legend) showLegend(this.measures.legend(this.mode));
+    this.legend = legend;
     showPicked(this.run, now, this.picked);
     const forces = $("forces").checked;
-    $("forces-more").hidden = !forces;
+    const known = now.stage.links.length > 0;
+    $("forces-more").hidden = !(forces && known);
+    $("no-forces").hidden = !forces || known;
     $("ends-note").hidden = now.atEnd || !(forces || this.mode === "coordination");
     this.place();
     this.renderer.setLinks(forces && now.atEnd ? this.linkNumbers() : new Float32Array(0));

@@ -15,7 +15,8 @@ function element(name, text, kind) {
 export function showFacts(run) {
   at("scenario").textContent = run.scenario;
   const mass = Array.from({ length: run.grains }, (_, n) => run.constants[5 * n + 2]).reduce((a, b) => a + b, 0);
-  at("facts").textContent = `${run.grains} grains, ${mass.toFixed(0)} g; ${run.frames.length} frames of ${run.stages.length} stages`;
+  const seen = run.noneKept ? `the ends of ${run.stages.length} stages` : `${run.frames.length} frames of ${run.stages.length} stages`;
+  at("facts").textContent = `${run.grains} grains, ${mass.toFixed(0)} g; ${seen}`;
   const note = at("frames-note");
   note.hidden = run.kept;
   const ends = run.stages.filter((stage) => !stage.kept).map((stage) => stage.name).join(", ");
@@ -89,7 +90,8 @@ export function showPicked(run, playback, n) {
   at("picked").hidden = n === null;
   if (n === null) return;
   const gone = playback.present[n] ? "" : " (no longer there)";
-  at("picked-name").textContent = `Grain ${n}${gone}`;
+  const name = `Grain ${n}${gone}`;
+  if (at("picked-name").textContent !== name) at("picked-name").textContent = name;
   at("picked-data").replaceChildren(...dataOf(run, playback, n).flatMap(([name, label, text, unit, unknown]) => {
     const value = element("dd", unknown ? "–" : `${text} ${unit}`.trim().replace(/^-/, "−"));
     value.dataset.field = name;

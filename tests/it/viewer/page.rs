@@ -38,7 +38,7 @@ fn in_table(run: &Path, grain: usize, column: &str) -> f64 {
 fn clickable(browser: &mut Browser) -> (usize, f64, f64) {
     let found = browser.evaluate(
         "(() => { for (let n = 0; n < pluvia.grains; n++) { const [x, y] = pluvia.screenOf(n); \
-         if (pluvia.pickAt(x, y) === n && document.elementFromPoint(x, y).id === 'view') \
+         if (pluvia.pickAt(x, y) === n && document.elementFromPoint(x, y)?.id === 'view') \
          return [n, x, y]; } })()",
     );
     let part = |n: usize| found[n].as_f64().expect("some grain is seen");
