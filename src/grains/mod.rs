@@ -55,7 +55,9 @@ pub struct GrainSet {
     pub stones: Vec<StoneRecord>,
 }
 
-/// One cube of a sieve fraction's solid volume and the points of its tessellation.
+/// One cube of a sieve fraction's solid volume and the points of its
+/// tessellation; or the stones of a fraction side by side, without points, in
+/// a cube that holds them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
     /// Opening of the sieve the fraction passes, in m.

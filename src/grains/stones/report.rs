@@ -141,7 +141,8 @@ pub fn stones_csv(stones: &[StoneRecord], into: impl Write) -> Result<(), Grains
             stone.vertices.to_string(),
             stone.faces.to_string(),
             format!("{:.6}", stone.volume * 1e9),
-            format!("{:.4}", stone.volume_change_percent()),
+            // No minus before what rounds to zero.
+            format!("{:.4}", (stone.volume_change_percent() * 1e4).round() / 1e4 + 0.0),
             format!("{:.6}", to_mm(stone.left_out)),
             format!("{:.4}", to_mm(stone.sieve_size)),
             stone.grains.to_string(),
