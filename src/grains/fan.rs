@@ -197,14 +197,18 @@ impl Shadow {
     /// square to one of its sides.
     pub fn least_width(&self) -> ShadowWidth {
         let mut least = ShadowWidth { width: f64::INFINITY, along: [1.0, 0.0] };
-        for (from, along) in self.normals() {
-            let mut width = 0.0_f64;
+        for along in self.normals() {
+            // Both ways: corners that coincide but for rounding have a side
+            // between them that points anywhere.
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
             for p in &self.outline {
-                width = width.max((from[0] - p[0]) * along[0] + (from[1] - p[1]) * along[1]);
-                if width >= least.width {
+                let at = p[0] * along[0] + p[1] * along[1];
+                (low, high) = (low.min(at), high.max(at));
+                if high - low >= least.width {
                     break;
                 }
             }
+            let width = high - low;
             if width < least.width {
                 least = ShadowWidth { width, along };
             }
@@ -217,29 +221,29 @@ impl Shadow {
     /// rectangle for an arbitrary closed curve"). Its area in m², and its sides in m.
     pub fn least_rectangle(&self) -> (f64, [f64; 2]) {
         let mut least = (f64::INFINITY, [f64::INFINITY; 2]);
-        for (from, along) in self.normals() {
-            let (mut depth, mut low, mut high) = (0.0_f64, 0.0_f64, 0.0_f64);
-            for p in &self.outline {
-                let [x, y] = [from[0] - p[0], from[1] - p[1]];
-                depth = depth.max(x * along[0] + y * along[1]);
-                let beside = x * along[1] - y * along[0];
-                (low, high) = (low.min(beside), high.max(beside));
-            }
-            let area = depth * (high - low);
+        for along in self.normals() {
+            let extent = |x: f64, y: f64| {
+                let places = self.outline.iter().map(|p| p[0] * x + p[1] * y);
+                let none = (f64::INFINITY, f64::NEG_INFINITY);
+                let (low, high) = places.fold(none, |(low, high), at| (low.min(at), high.max(at)));
+                high - low
+            };
+            let sides = [extent(along[0], along[1]), extent(along[1], -along[0])];
+            let area = sides[0] * sides[1];
             if area < least.0 {
-                least = (area, [depth, high - low]);
+                least = (area, sides);
             }
         }
         least
     }
 
-    /// The sides as a corner and the outward unit normal.
-    fn normals(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+    /// Outward unit normals of the sides.
+    fn normals(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let next = self.outline.iter().cycle().skip(1);
         self.outline.iter().zip(next).filter_map(|(p, q)| {
             let [x, y] = [q[0] - p[0], q[1] - p[1]];
             let length = x.hypot(y);
-            (length > 0.0).then(|| (*p, [y / length, -x / length]))
+            (length > 0.0).then(|| [y / length, -x / length])
         })
     }
 }
