@@ -1,10 +1,10 @@
 //! Pictures of small scenes against what they must show.
 
-use super::super::camera::View;
-use super::super::scene::Body;
-use super::super::solid::Solid;
 use super::*;
 use crate::geometry::{ConvexPolyhedron, Pose};
+use crate::picture::camera::View;
+use crate::picture::scene::Body;
+use crate::picture::solid::Solid;
 
 const SIZE: u32 = 120;
 
@@ -32,7 +32,7 @@ fn ball(planes: usize) -> Solid {
         let z = 1.0 - (2 * n + 1) as f64 / planes as f64;
         let (r, angle) = ((1.0 - z * z).sqrt(), golden * n as f64);
         let normal = Vector::new(r * angle.cos(), r * angle.sin(), z);
-        solid.cut(super::super::solid::Plane { normal, offset: 1.0 })
+        solid.cut(crate::picture::solid::Plane { normal, offset: 1.0 })
     })
 }
 

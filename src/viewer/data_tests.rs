@@ -1,3 +1,5 @@
+//! The block of numbers that the page is given, read back.
+
 use std::sync::Arc;
 
 use serde_json::Value;

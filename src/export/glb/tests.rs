@@ -1,3 +1,5 @@
+//! A scene as binary glTF, read back by the `gltf` crate.
+
 use std::collections::BTreeSet;
 
 use gltf::{Gltf, animation::util::ReadOutputs};

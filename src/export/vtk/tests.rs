@@ -1,3 +1,5 @@
+//! Files for ParaView, read back as XML.
+
 use std::{collections::BTreeMap, fs, io::Read, path::Path};
 
 use flate2::read::ZlibDecoder;
