@@ -1,3 +1,5 @@
+//! Tests of the block that the page is given, read back by a reader of their own.
+
 use std::sync::Arc;
 
 use serde_json::Value;
