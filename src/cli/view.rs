@@ -100,10 +100,10 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
     let server = Server::start(Site::new(data), args.port)?;
     shown.address = Some(server.url());
     context.print(&shown.text(), &shown)?;
-    if !args.no_browser {
-        if let Err(error) = open::that_detached(server.url()) {
-            say(&format!("warning: no browser could be opened ({error}); open the address above"));
-        }
+    if !args.no_browser
+        && let Err(error) = open::that_detached(server.url())
+    {
+        say(&format!("warning: no browser could be opened ({error}); open the address above"));
     }
     let _ = stopped.recv();
     drop(stop);

@@ -202,7 +202,7 @@ fn frame_bytes(run: &Playback) -> usize {
 fn block(header: &Header, body: &[u8]) -> Vec<u8> {
     // A value of plain structs and names has JSON.
     let mut text = serde_json::to_vec(header).unwrap_or_default();
-    while (MAGIC.len() + 4 + text.len()) % 4 != 0 {
+    while !(MAGIC.len() + 4 + text.len()).is_multiple_of(4) {
         text.push(b' ');
     }
     let mut bytes = Vec::with_capacity(MAGIC.len() + 4 + text.len() + body.len());

@@ -1,4 +1,4 @@
-//! The block of numbers that the page is given, read back.
+//! Tests of the block that the page is given, read back by a reader of their own.
 
 use std::sync::Arc;
 
