@@ -170,7 +170,8 @@ fn stages(scenario: &Scenario) -> Vec<Choice> {
                 )
             },
             "Not given; every period starts and ends in the middle.",
-            "A jerk at the start and end of each period, small beside a period of many cycles.",
+            "The jerk at either end of each period loosens the grains: with a ramp of 1 s in its \
+             place the intermittent settlement of configuration 1 was 11.6 mm, without 19.6 mm.",
         ));
         if *periods > 1 {
             choices.push(choice(

@@ -5,7 +5,9 @@ mod markdown;
 
 use std::{collections::BTreeSet, fs, path::Path};
 
-use pluvia::scenario::{EngineSettings, ManifoldSettings, RapierSettings, Scenario, StockSettings};
+use pluvia::scenario::{
+    EngineSettings, ManifoldSettings, RapierSettings, Scenario, StockSettings, load,
+};
 use serde_json::Value;
 
 use markdown::{anchors, blocks, links, make_targets};
@@ -116,6 +118,18 @@ fn the_readme_scenarios_are_scenarios() {
     for value in readme_scenarios() {
         let parsed: Result<Scenario, _> = serde_json::from_value(value);
         assert!(parsed.is_ok(), "a scenario of README.md is refused: {:?}", parsed.err());
+    }
+}
+
+#[test]
+fn the_gravel_of_the_tutorial_is_a_scenario() {
+    let text = read("docs/tutorial.md");
+    let block = text.split("```json\n").nth(1).and_then(|rest| rest.split("```").next());
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("my-gravel.json");
+    std::fs::write(&path, block.expect("the tutorial has a scenario")).expect("it is written");
+    if let Err(faults) = load(&path, &[]) {
+        panic!("the scenario of docs/tutorial.md is refused: {faults}");
     }
 }
 
