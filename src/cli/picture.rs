@@ -55,13 +55,14 @@ pub(super) struct PictureArgs {
     /// to right. [default: 25; 0 of grains alone]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     azimuth: Option<f64>,
-    /// How high the camera stands above the horizon. [default: 18; 48 of grains alone]
+    /// How high the camera stands above the horizon. [default: 18; 60 of grains alone]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     elevation: Option<f64>,
     /// Width in pixels. [default: 1600; animated 640]
     #[arg(long, value_name = "PX")]
     width: Option<u32>,
-    /// Height in pixels. [default: three quarters of the width; animated as the width]
+    /// Height in pixels. [default: three quarters of the width; five eighths of grains alone; animated as
+    /// the width]
     #[arg(long, value_name = "PX")]
     height: Option<u32>,
     /// What lies behind
@@ -125,9 +126,11 @@ struct Made {
 }
 
 impl PictureArgs {
-    fn shot(&self, view: View) -> Shot {
+    /// The shot that the options ask for, where they leave open: from a view, and so
+    /// high by its width.
+    fn shot(&self, view: View, high: f64) -> Shot {
         let width = self.width.unwrap_or(if self.animate.is_some() { 640 } else { 1600 });
-        let high = if self.animate.is_some() { width } else { 3 * (width / 4) };
+        let high = (high * f64::from(width)) as u32;
         Shot {
             width,
             height: self.height.unwrap_or(high),
@@ -206,7 +209,7 @@ fn still(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
     if args.grains || args.subject.is_file() {
         return alone(args, file);
     }
-    let shot = args.shot(View::default());
+    let shot = args.shot(View::default(), 0.75);
     shot.check()?;
     let run = read_playback(&args.subject)?;
     let shown = at(&run, args.stage.as_deref(), args.time)?;
@@ -227,7 +230,7 @@ fn alone(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
         let text = "--stage and --time choose a moment of a run; grains alone have none";
         return Err(CliError::Usage(text.to_owned()));
     }
-    let shot = args.shot(LOOSE_VIEW);
+    let shot = args.shot(LOOSE_VIEW, 0.625);
     shot.check()?;
     let set = if args.subject.is_file() {
         let json = read_json(&args.subject)?;
@@ -244,7 +247,7 @@ fn alone(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
 
 fn animation(args: &PictureArgs, context: &Context, file: &Path) -> Result<Made, CliError> {
     let animation = Animation {
-        shot: args.shot(View::default()),
+        shot: args.shot(View::default(), 1.0),
         stage: args.stage.clone(),
         every_s: args.every,
         frames_per_second: args.frames_per_second,

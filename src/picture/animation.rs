@@ -194,7 +194,7 @@ const FOUND: usize = 254;
 /// 256 colours and the nearest of them to any other.
 struct Palette {
     colours: Vec<u8>,
-    // By the five highest bits of red, green and blue.
+    // By the six highest bits of red, green and blue.
     nearest: Vec<u8>,
 }
 
@@ -216,8 +216,8 @@ impl Palette {
             colours.extend(rgba.chunks_exact(4).take(FOUND).flat_map(|p| [p[0], p[1], p[2]]));
         }
         let count = colours.len() / 3;
-        let nearest = (0..1_u32 << 15).into_par_iter().map(|bin| {
-            let middle = [10, 5, 0].map(|shift| 8 * (bin >> shift & 31) as i32 + 4);
+        let nearest = (0..1_u32 << 18).into_par_iter().map(|bin| {
+            let middle = [12, 6, 0].map(|shift| 4 * (bin >> shift & 63) as i32 + 2);
             let off = |n: &usize| -> i32 {
                 (0..3).map(|k| (i32::from(colours[3 * n + k]) - middle[k]).pow(2)).sum()
             };
@@ -231,8 +231,8 @@ impl Palette {
         let index = |p: &[u8]| match p {
             [255, 255, 255] => WHITE,
             _ => {
-                let bits = |k: usize| usize::from(p[k] >> 3);
-                self.nearest[bits(0) << 10 | bits(1) << 5 | bits(2)]
+                let bits = |k: usize| usize::from(p[k] >> 2);
+                self.nearest[bits(0) << 12 | bits(1) << 6 | bits(2)]
             }
         };
         image.to_rgb().chunks_exact(3).map(index).collect()

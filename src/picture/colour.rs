@@ -52,7 +52,7 @@ impl Colour {
 
 /// Viridis at 0 to 1, without its darkest end, which shading would swallow.
 pub fn scale(share: f64) -> Colour {
-    const FIRST: f64 = 0.12;
+    const FIRST: f64 = 0.18;
     let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
     let c = colorous::VIRIDIS.eval_continuous(FIRST + (1.0 - FIRST) * share);
     Colour::from_srgb([c.r, c.g, c.b])
@@ -62,7 +62,7 @@ pub fn scale(share: f64) -> Colour {
 pub fn step(n: usize, of: usize) -> Colour {
     match of {
         0 | 1 => Colour::STONE,
-        _ => scale(0.12 + 0.83 * n as f64 / (of - 1) as f64),
+        _ => scale(0.14 + 0.66 * n as f64 / (of - 1) as f64),
     }
 }
 

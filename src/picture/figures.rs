@@ -75,9 +75,9 @@ fn grains(run: &Playback, stem: &str, title: &str) -> Result<Picture, PictureErr
     let shot = Shot { width: WIDTH, height: 760, view: loose::VIEW, ..Shot::default() };
     let image = loose_grains(&run.grains, &shot)?;
     let caption = format!(
-        "Grains of each sieve fraction, at most {} of it, evenly picked and laid on their largest \
+        "Grains of each sieve fraction, at most {} rows of it, evenly picked and laid on their largest \
          face; {} were made. Colours: sieve fraction.",
-        loose::SHOWN,
+        loose::ROWS,
         run.grains.grains.len()
     );
     finished(stem, title, caption, &image)

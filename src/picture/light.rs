@@ -14,10 +14,10 @@ use crate::geometry::Vector;
 
 /// Side of the square of pixels that share the samples.
 pub const SQUARE: usize = 4;
-/// Number of pixels of that square, and of samples of the lamp.
+/// Number of pixels of that square.
 const PIXELS: usize = SQUARE * SQUARE;
-/// Samples of the sky in the square.
-const SKY: usize = 2 * PIXELS;
+/// Samples of the sky, and of the lamp, in the square.
+const SAMPLES: usize = 2 * PIXELS;
 /// Half the angle under which the lamp is seen, in radians: large, for soft edges.
 const LAMP_RADIUS: f64 = 0.06;
 /// How much of the light of a fully lit surface comes from the sky.
@@ -37,29 +37,32 @@ pub struct Lit {
 /// Where the light comes from.
 pub struct Light {
     lamp: Vector,
-    lamps: [Vector; PIXELS],
+    lamps: [Vector; SAMPLES],
     // About the z axis, weighted with the cosine.
-    sky: [Vector; SKY],
-    // How far off something still takes light from the sky, in m.
-    reach: f64,
+    sky: [Vector; SAMPLES],
+    // How far off something still takes light from the sky, in m, by sample: apart, so
+    // that what ends there leaves no line.
+    reach: [f64; SAMPLES],
 }
 
 impl Light {
-    /// Lamp and sky for a camera's axes; beyond `reach` (m) nothing takes light
-    /// from the sky.
+    /// Lamp and sky for a camera's axes; beyond some `reach` (m) nothing takes
+    /// light from the sky.
     pub fn new(axes: &[Vector; 3], reach: f64) -> Self {
         // From behind the camera's left shoulder.
         let level = axes[0].cross(&Vector::z());
-        let lamp = (-0.5 * axes[0] + 0.55 * level + 0.9 * Vector::z()).normalize();
+        let lamp = (-0.45 * axes[0] + 0.55 * level + 1.1 * Vector::z()).normalize();
         let [a, b] = across(&lamp);
         let lamps = std::array::from_fn(|n| {
-            let (r, angle) = disc(n, PIXELS);
+            let (r, angle) = disc(n, SAMPLES);
             (lamp + LAMP_RADIUS * r * (angle.cos() * a + angle.sin() * b)).normalize()
         });
         let sky = std::array::from_fn(|n| {
-            let (r, angle) = disc(n, SKY);
+            let (r, angle) = disc(n, SAMPLES);
             Vector::new(r * angle.cos(), r * angle.sin(), (1.0 - r * r).sqrt())
         });
+        let part = |n: usize| (n as f64 * 0.618_033_988_75).fract();
+        let reach = std::array::from_fn(|n| reach * (0.3 + 1.4 * part(n)));
         Self { lamp, lamps, sky, reach }
     }
 
@@ -73,15 +76,13 @@ impl Light {
         pixel: usize,
     ) -> Lit {
         let pixel = pixel % PIXELS;
-        let skies = [pixel, pixel + PIXELS];
-        self.gather(scene, at, normal, own, &skies, std::slice::from_ref(&pixel))
+        self.gather(scene, at, normal, own, &[pixel, pixel + PIXELS])
     }
 
     /// A quarter of all samples, for points whose surface no pixel shows.
     pub fn sample_alone(&self, scene: &Scene, at: Vector, normal: &Vector, own: u32) -> Lit {
-        let skies: [usize; SKY / 4] = std::array::from_fn(|n| 4 * n + n % 4);
-        let lamps: [usize; PIXELS / 4] = std::array::from_fn(|n| 4 * n + n % 4);
-        self.gather(scene, at, normal, own, &skies, &lamps)
+        let samples: [usize; SAMPLES / 4] = std::array::from_fn(|n| 4 * n + n % 4);
+        self.gather(scene, at, normal, own, &samples)
     }
 
     fn gather(
@@ -90,23 +91,21 @@ impl Light {
         at: Vector,
         normal: &Vector,
         own: u32,
-        skies: &[usize],
-        lamps: &[usize],
+        samples: &[usize],
     ) -> Lit {
         let [a, b] = across(normal);
-        let share = |free: usize, of: usize| free as f32 / of.max(1) as f32;
+        let share = |free: usize| free as f32 / samples.len().max(1) as f32;
         let sees = |direction: Vector, most: f64| {
             !scene.is_shaded(&Ray { origin: at, direction }, own, most)
         };
-        let sky = skies.iter().filter(|&&n| {
+        let sky = samples.iter().filter(|&&n| {
             let s = self.sky[n];
-            sees(s.x * a + s.y * b + s.z * normal, self.reach)
+            sees(s.x * a + s.y * b + s.z * normal, self.reach[n])
         });
-        let sky = share(sky.count(), skies.len());
+        let sky = share(sky.count());
         let faces = normal.dot(&self.lamp) > 0.0;
         let lamp = if faces {
-            let free = lamps.iter().filter(|&&n| sees(self.lamps[n], f64::MAX)).count();
-            share(free, lamps.len())
+            share(samples.iter().filter(|&&n| sees(self.lamps[n], f64::MAX)).count())
         } else {
             0.0
         };
@@ -174,7 +173,8 @@ mod tests {
     fn the_sky_is_weighted_with_the_cosine() {
         let light = light();
         // ∫ cos² over a half-space, weighted with cos / π, is a half; ∫ cos is 2/3.
-        let mean = |f: &dyn Fn(&Vector) -> f64| light.sky.iter().map(f).sum::<f64>() / SKY as f64;
+        let mean =
+            |f: &dyn Fn(&Vector) -> f64| light.sky.iter().map(f).sum::<f64>() / SAMPLES as f64;
         let (first, second) = (mean(&|s| s.z), mean(&|s| s.z * s.z));
         assert!((first - 2.0 / 3.0).abs() < 5e-3, "law: mean cosine 2/3, got {first}");
         assert!((second - 0.5).abs() < 1e-9, "law: mean square 1/2, got {second}");

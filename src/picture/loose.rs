@@ -1,5 +1,9 @@
 //! Grains alone, laid out in rows by sieve fraction.
 
+use std::collections::VecDeque;
+
+use nalgebra::UnitQuaternion;
+
 use super::PictureError;
 use super::camera::View;
 use super::colour::Colour;
@@ -14,21 +18,21 @@ use crate::grains::{Grain, GrainSet};
 use crate::record::Frame;
 use crate::units::to_mm;
 
-/// Grains shown of each fraction, at most.
-pub const SHOWN: usize = 36;
-/// Grains in a row.
-const ROW: usize = 12;
+/// Rows of each fraction, at most.
+pub const ROWS: usize = 3;
+/// Grains in a row of the coarsest fraction; finer ones have as many as fit.
+const ROW: f64 = 13.0;
 /// Angle from one grain to the next about the vertical: the golden angle, so that
 /// none lies as its neighbours do.
 const TURN: f64 = 2.399_963_229_728_653;
-/// Room for a grain, in its row's largest width.
-const ROOM: f64 = 1.12;
+/// Space between grains and between rows, in mean widths of the coarsest fraction.
+const SPACE: f64 = 0.22;
 
 /// How loose grains are looked at: from the front, from well above.
-pub const VIEW: View = View { azimuth_deg: 0.0, elevation_deg: 48.0 };
+pub const VIEW: View = View { azimuth_deg: 0.0, elevation_deg: 60.0 };
 
-/// A picture of up to 36 grains of each fraction, evenly picked, the coarsest at
-/// the back, each on its largest face, beside a bar of known length.
+/// A picture of up to three rows of grains of each fraction, evenly picked, the
+/// coarsest at the back, each on its largest face, beside a bar of known length.
 ///
 /// # Errors
 /// Numbers out of range, colours that need a run, text that cannot be drawn.
@@ -72,37 +76,57 @@ pub fn loose_grains(grains: &GrainSet, shot: &Shot) -> Result<Image, PictureErro
 fn laid_out(grains: &GrainSet, colours: &[Colour]) -> Result<(Vec<Body>, f64), PictureError> {
     let mut order: Vec<usize> = (0..grains.blocks.len()).collect();
     order.sort_by(|&a, &b| grains.blocks[b].retained.total_cmp(&grains.blocks[a].retained));
+    let lying = |n: usize| Solid::new(&grains.grains[n].shape, &at_rest(&grains.grains[n], n));
+    let width = |s: &Solid| s.high.x - s.low.x;
     let mut bodies = Vec::new();
-    // From the back to the front; every row as wide as the widest.
-    let mut widest: f64 = 0.0;
-    let mut rows: Vec<(Vec<usize>, f64)> = Vec::new();
+    let (mut space, mut widest) = (0.0, 0.0);
+    let mut y = 0.0;
     for fraction in order {
         let members: Vec<usize> =
             (0..grains.grains.len()).filter(|&n| grains.grains[n].fraction == fraction).collect();
-        let shown = members.len().min(SHOWN);
-        let picked: Vec<usize> = (0..shown).map(|n| members[n * members.len() / shown]).collect();
-        for row in picked.chunks(ROW) {
-            let width = row
-                .iter()
-                .map(|&n| 2.0 * grains.grains[n].shape.radius_about_origin())
-                .fold(0.0, f64::max);
-            rows.push((row.to_vec(), ROOM * width));
-            widest = widest.max(ROOM * width * ROW as f64);
+        if members.is_empty() {
+            continue;
         }
-    }
-    let mut y = 0.0;
-    for (row, room) in &rows {
-        y -= room / 2.0;
-        for (place, &n) in row.iter().enumerate() {
-            let x = widest * ((place as f64 + 0.5) / ROW as f64 - 0.5);
-            let grain = &grains.grains[n];
-            let pose = Pose::translation(x, y, 0.0) * at_rest(grain, n);
-            bodies.push(Body::new(Solid::new(&grain.shape, &pose), colours[n]));
+        let mean = members.iter().map(|&n| width(&lying(n))).sum::<f64>() / members.len() as f64;
+        if widest == 0.0 {
+            (space, widest) = (SPACE * mean, ROW * (1.0 + SPACE) * mean);
         }
-        y -= room / 2.0;
+        // About as many as fill the rows, from all over the fraction.
+        let fit = ROWS as f64 * widest / (mean + space);
+        let picked = (fit as usize).clamp(1, members.len());
+        let mut left: VecDeque<usize> =
+            (0..picked).map(|n| members[n * members.len() / picked]).collect();
+        for _ in 0..ROWS {
+            let mut row: Vec<(usize, Solid)> = Vec::new();
+            let mut taken = 0.0;
+            while let Some(&n) = left.front() {
+                let solid = lying(n);
+                if !row.is_empty() && taken + width(&solid) + space > widest {
+                    break;
+                }
+                taken += width(&solid) + space;
+                row.push((n, solid));
+                left.pop_front();
+            }
+            let depth = row.iter().map(|(_, s)| s.high.y - s.low.y).fold(0.0, f64::max);
+            // What is left over is shared out, but in a last row that is not full.
+            let more = if left.is_empty() { 0.0 } else { (widest - taken) / row.len() as f64 };
+            let mut x = -widest / 2.0;
+            y -= depth / 2.0;
+            for (n, s) in row {
+                let to = Vector::new(x - s.low.x, y - (s.low.y + s.high.y) / 2.0, 0.0);
+                let pose = Pose::from_parts(to.into(), UnitQuaternion::identity())
+                    * at_rest(&grains.grains[n], n);
+                x += width(&s) + space + more;
+                bodies.push(Body::new(Solid::new(&grains.grains[n].shape, &pose), colours[n]));
+            }
+            if depth > 0.0 {
+                y -= depth / 2.0 + space;
+            }
+        }
     }
     // The largest of 1, 2, 5 times a power of ten that a third of a row holds.
-    let third = widest / 3.0;
+    let third: f64 = widest / 3.0;
     let power = 10f64.powf(third.log10().floor());
     let bar = [5.0, 2.0, 1.0].into_iter().map(|k| k * power).find(|b| *b <= third).unwrap_or(power);
     let thickness = 0.03 * bar;
@@ -127,11 +151,10 @@ fn at_rest(grain: &Grain, n: usize) -> Pose {
     let largest = (0..shape.faces().len()).max_by(|&a, &b| area(a).total_cmp(&area(b)));
     let plane = largest.and_then(|face| shape.plane(face));
     let (normal, _) = plane.unwrap_or((-Vector::z(), 0.0));
-    let down =
-        nalgebra::UnitQuaternion::rotation_between(&normal, &-Vector::z()).unwrap_or_else(|| {
-            nalgebra::UnitQuaternion::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI)
-        });
-    let turn = nalgebra::UnitQuaternion::from_axis_angle(&Vector::z_axis(), TURN * n as f64) * down;
+    let down = UnitQuaternion::rotation_between(&normal, &-Vector::z()).unwrap_or_else(|| {
+        UnitQuaternion::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI)
+    });
+    let turn = UnitQuaternion::from_axis_angle(&Vector::z_axis(), TURN * n as f64) * down;
     let lowest = shape.vertices().iter().map(|v| (turn * v).z).fold(f64::INFINITY, f64::min);
     Pose::from_parts(nalgebra::Translation3::new(0.0, 0.0, -lowest), turn)
 }

@@ -22,6 +22,8 @@ const NOTHING: u32 = u32::MAX;
 const GROUND: u32 = u32::MAX - 1;
 /// How far from everything shadows may fall, in radii of the scene.
 const GROUND_REACH: f64 = 3.0;
+/// Share of the picture's sides over which shadows on the ground fade away.
+const FADE: f32 = 0.10;
 /// Neighbouring pixels through which glass lets so unlike shares of the light
 /// lie on an edge of it.
 const GLASS_EDGE: f32 = 0.03;
@@ -50,6 +52,8 @@ struct Studio<'a> {
     radius: f64,
     // Length of glass that lets 1/e of the light through, in m.
     glass_depth: f64,
+    // Of the picture in pixels.
+    size: [f32; 2],
 }
 
 /// A picture of a scene; `glass_depth` is the length of glass in m that lets 1/e
@@ -57,15 +61,23 @@ struct Studio<'a> {
 pub fn render(scene: &Scene, camera: &Camera, width: u32, height: u32, glass_depth: f64) -> Image {
     let radius = scene.radius();
     let light = Light::new(&camera.axes(), 0.3 * radius);
-    let studio = Studio { scene, camera, light, radius, glass_depth };
+    let size = [width as f32, height as f32];
+    let studio = Studio { scene, camera, light, radius, glass_depth, size };
     let (columns, rows) = (width as usize, height as usize);
     let seen = by_rows(columns, rows, |x, y| studio.look(x as f64 + 0.5, y as f64 + 0.5));
     let lit = by_rows(columns, rows, |x, y| studio.sample(&seen[y * columns + x], x, y));
+    // Averaged twice, once before and once after each pixel, so that nothing is shifted.
+    let raw = Grid { columns, rows, seen: &seen, lit: &lit };
+    let lit = by_rows(columns, rows, |x, y| {
+        let (back, ahead) = (SQUARE / 2, SQUARE - 1 - SQUARE / 2);
+        raw.mean(&seen[y * columns + x], x, y, back, ahead).unwrap_or_default()
+    });
     let grid = Grid { columns, rows, seen: &seen, lit: &lit };
     let pixels = by_rows(columns, rows, |x, y| {
         let own = &seen[y * columns + x];
         if !grid.on_edge(x, y) {
-            return studio.colour(own, &studio.ray(x, y), grid.mean(own, x, y));
+            let lit = grid.mean(own, x, y, SQUARE - 1 - SQUARE / 2, SQUARE / 2);
+            return studio.at_edge(x, y, studio.colour(own, &studio.ray(x, y), lit));
         }
         let mut sum = [0.0; 4];
         for n in 0..FINE * FINE {
@@ -73,11 +85,12 @@ pub fn render(scene: &Scene, camera: &Camera, width: u32, height: u32, glass_dep
             let (px, py) = (x as f64 + part(n % FINE), y as f64 + part(n / FINE));
             let seen = studio.look(px, py);
             let ray = studio.camera.ray(px, py);
-            let lit = grid.near(&seen, x, y).or_else(|| studio.sample_alone(&seen, &ray));
+            let near = grid.mean(&seen, x, y, SQUARE / 2, SQUARE / 2);
+            let lit = near.or_else(|| studio.sample_alone(&seen, &ray));
             let colour = studio.colour(&seen, &ray, lit);
             sum = std::array::from_fn(|n| sum[n] + colour[n]);
         }
-        sum.map(|c| c / (FINE * FINE) as f32)
+        studio.at_edge(x, y, sum.map(|c| c / (FINE * FINE) as f32))
     });
     Image { width, height, pixels }
 }
@@ -148,6 +161,20 @@ impl Studio<'_> {
         Some(self.light.sample_alone(self.scene, ray.at(seen.t), &normal, seen.body))
     }
 
+    /// A pixel's colour, where shadows that the picture would cut off fade away.
+    fn at_edge(&self, x: usize, y: usize, colour: [f32; 4]) -> [f32; 4] {
+        // Shadows are black; what else there is lies well within the picture.
+        if colour[..3] != [0.0; 3] {
+            return colour;
+        }
+        let free = |at: usize, side: f32| {
+            let at = at as f32 + 0.5;
+            (at.min(side - at) / (FADE * side)).min(1.0)
+        };
+        let share = free(x, self.size[0]).min(free(y, self.size[1]));
+        [0.0, 0.0, 0.0, colour[3] * share * share * (3.0 - 2.0 * share)]
+    }
+
     /// Colour with alpha, both multiplied already.
     fn colour(&self, seen: &Seen, ray: &Ray, lit: Option<Lit>) -> [f32; 4] {
         let lit = lit.unwrap_or_default();
@@ -198,25 +225,17 @@ impl Grid<'_> {
         })
     }
 
-    fn mean_over(&self, seen: &Seen, pixels: impl Iterator<Item = usize>) -> Option<Lit> {
+    /// The light on a surface over the pixels around one that show it; none where
+    /// none does.
+    fn mean(&self, seen: &Seen, x: usize, y: usize, back: usize, ahead: usize) -> Option<Lit> {
         let (mut sum, mut count) = (Lit::default(), 0);
-        for n in pixels.filter(|&n| seen.same_face(&self.seen[n])) {
+        for n in self.around(x, y, back, ahead).filter(|&n| seen.same_face(&self.seen[n])) {
             sum.sky += self.lit[n].sky;
             sum.lamp += self.lit[n].lamp;
             count += 1;
         }
         let count_f = count as f32;
         (count > 0).then(|| Lit { sky: sum.sky / count_f, lamp: sum.lamp / count_f })
-    }
-
-    /// The light on a surface over the square of pixels that holds all samples.
-    fn mean(&self, seen: &Seen, x: usize, y: usize) -> Option<Lit> {
-        self.mean_over(seen, self.around(x, y, SQUARE / 2, SQUARE - 1 - SQUARE / 2))
-    }
-
-    /// The same, for a surface that a ray near this pixel sees.
-    fn near(&self, seen: &Seen, x: usize, y: usize) -> Option<Lit> {
-        self.mean_over(seen, self.around(x, y, SQUARE / 2, SQUARE / 2))
     }
 }
 

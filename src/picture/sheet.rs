@@ -136,18 +136,18 @@ fn fitting(words: &str, size: f64, width: f64) -> f64 {
 
 /// A continuous scale from 0 at the foot to its upper end.
 fn bar(svg: &mut String, x: f64, y: f64, height: f64, size: f64, upper: f64, beyond: bool) {
-    const STEPS: u32 = 64;
+    const STOPS: u32 = 32;
     let width = 1.3 * size;
-    let part = height / f64::from(STEPS);
-    for n in 0..STEPS {
-        let fill = scale((f64::from(n) + 0.5) / f64::from(STEPS)).to_hex();
-        let top = y + height - f64::from(n + 1) * part;
-        let _ = write!(
-            svg,
-            r#"<rect x="{x:.1}" y="{top:.2}" width="{width:.1}" height="{:.2}" fill="{fill}"/>"#,
-            part + 0.6
-        );
+    svg.push_str(r#"<linearGradient id="scale" x1="0" y1="1" x2="0" y2="0">"#);
+    for n in 0..=STOPS {
+        let share = f64::from(n) / f64::from(STOPS);
+        let colour = scale(share).to_hex();
+        let _ = write!(svg, r#"<stop offset="{share:.4}" stop-color="{colour}"/>"#);
     }
+    let _ = write!(
+        svg,
+        r##"</linearGradient><rect x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}" fill="url(#scale)"/>"##
+    );
     const TICKS: u32 = 5;
     for n in 0..=TICKS {
         let share = f64::from(n) / f64::from(TICKS);
