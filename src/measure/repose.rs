@@ -294,7 +294,7 @@ impl Line {
         let (mr, mh) = (weighed(&|r, _| r) / all, weighed(&|_, h| h) / all);
         let across = weighed(&|r, _| (r - mr).powi(2));
         let slope = -weighed(&|r, h| (r - mr) * (h - mh)) / across;
-        slope.is_finite().then(|| Self { slope, at_axis: mh + slope * mr })
+        slope.is_finite().then_some(Self { slope, at_axis: mh + slope * mr })
     }
 }
 

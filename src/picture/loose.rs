@@ -170,7 +170,7 @@ mod tests {
         let count = run.grains.grains.len();
         let (bodies, bar) = laid_out(&run.grains, &vec![Colour::STONE; count]).expect("in rows");
         assert_eq!(bodies.len(), count + 1, "law: every grain of a few, and the bar");
-        assert!(bar >= 0.02 && bar <= 0.1, "a bar of a few cm, got {bar} m");
+        assert!((0.02..=0.1).contains(&bar), "a bar of a few cm, got {bar} m");
         for body in &bodies {
             assert!(body.solid.low.z.abs() < 1e-12, "law: all lie on the ground");
             let flat = body.solid.planes.iter().any(|p| p.normal.z < -1.0 + 1e-9);

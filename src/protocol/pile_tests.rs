@@ -52,8 +52,11 @@ fn plane(friction: f64) -> BaseSpec {
     BaseSpec { kind: BaseKind::Plane, friction: Some(friction) }
 }
 
-/// Time and every present grain's place, at every observation.
-struct Seen(Mutex<Vec<(f64, Vec<(usize, Vector)>)>>);
+/// Time and every present grain's place.
+type Observation = (f64, Vec<(usize, Vector)>);
+
+/// Every observation.
+struct Seen(Mutex<Vec<Observation>>);
 
 impl Observer for &Seen {
     fn observe(&mut self, specimen: &Specimen, moment: Moment) {
@@ -66,7 +69,7 @@ impl Observer for &Seen {
 fn build(
     make: impl Fn() -> ScriptedWorld + Sync,
     stage: &StageSpec,
-) -> (StageOutcome, Vec<(f64, Vec<(usize, Vector)>)>) {
+) -> (StageOutcome, Vec<Observation>) {
     let setup = Setup::new(&scenario()).expect("a laboratory");
     let seen = Seen(Mutex::new(Vec::new()));
     let outcome = run(

@@ -180,8 +180,8 @@ mod tests {
             }
             let exports = module.lines().filter_map(|line| line.strip_prefix("export "));
             let names = exports.filter_map(|line| {
-                let words = line.split(|c: char| !c.is_alphanumeric() && c != '_');
-                words.filter(|w| !["async", "function", "const", "class"].contains(w)).next()
+                let mut words = line.split(|c: char| !c.is_alphanumeric() && c != '_');
+                words.find(|w| !["async", "function", "const", "class"].contains(w))
             });
             before.extend(names.map(str::to_owned));
         }

@@ -54,12 +54,11 @@ pub(super) fn draw(
     Ok(set)
 }
 
-/// Per block the sieves (retaining and passed, in m) and the grains.
-fn plan(
-    spec: &MeshGrains,
-    seed: u64,
-    stones: &[Stone],
-) -> Result<Vec<((f64, f64), Vec<Drawn>)>, Fault> {
+/// Sieves (retaining and passed, in m) and grains of a block.
+type PlannedBlock = ((f64, f64), Vec<Drawn>);
+
+/// The blocks.
+fn plan(spec: &MeshGrains, seed: u64, stones: &[Stone]) -> Result<Vec<PlannedBlock>, Fault> {
     let Some(sieved) = spec.as_sieved() else {
         let indices = match spec.count {
             Some(count) => {

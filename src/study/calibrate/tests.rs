@@ -85,9 +85,12 @@ fn saturating_root(angle: f64) -> f64 {
     -(1.0 - (angle - 15.0) / 30.0_f64).ln() / 1.8
 }
 
+/// Name, response, what is wanted, and the root or the end of the range.
+type Case = (&'static str, fn(f64) -> f64, f64, f64);
+
 #[test]
 fn without_scatter_roots_are_found() {
-    let cases: [(&str, fn(f64) -> f64, f64, f64); 5] = [
+    let cases: [Case; 5] = [
         ("a line", |x| 3.0 * x, 2.4, 0.8),
         ("falling", |x| 10.0 - 5.0 * x, 4.0, 1.2),
         ("saturating", saturating, 36.0, saturating_root(36.0)),
@@ -152,7 +155,7 @@ fn coverage(found: &[(f64, (f64, f64))], root: f64, take: Take) -> Result<(), St
 #[test]
 fn the_interval_holds_the_root_as_often_as_it_says() {
     let steep = |x: f64| 30.0 + 20.0 * ((x - 0.7) * 20.0).tanh();
-    let cases: [(&str, fn(f64) -> f64, f64, f64); 4] = [
+    let cases: [Case; 4] = [
         ("rising", |x| 30.0 * x, 20.0, 2.0 / 3.0),
         ("falling", |x| 60.0 - 25.0 * x, 38.0, 0.88),
         ("saturating", saturating, 36.0, saturating_root(36.0)),
