@@ -151,7 +151,7 @@ impl<'a> Film<'a> {
         let mut upper: Option<f64> = None;
         for at in chosen {
             let (scene, _) = stage_scene(run, *at, shot, upper)?;
-            points.extend(outermost(&scene.corners(), shot));
+            points.extend(outermost(&scene.outline(), shot));
             if matches!(shot.colour_by, ColourBy::Displacement | ColourBy::Speed) {
                 let end = upper_end(&values(&moments(run, *at), shot.colour_by)?);
                 upper = Some(upper.map_or(end, |upper| upper.max(end)));

@@ -55,6 +55,19 @@ impl View {
     }
 }
 
+/// Height over width of a picture that these points fill, seen from far off; 1
+/// without points.
+pub fn aspect(points: &[Point], view: &View) -> f64 {
+    let [right, up, _] = view.axes();
+    let extent = |axis: Vector| {
+        let along = points.iter().map(|p| axis.dot(&p.coords));
+        let ends = along.fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(v), b.max(v)));
+        ends.1 - ends.0
+    };
+    let (wide, high) = (extent(right), extent(up));
+    if wide > 0.0 && high > 0.0 { high / wide } else { 1.0 }
+}
+
 /// A camera in its place, for a picture of a number of pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
@@ -173,6 +186,14 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn an_aspect_is_that_of_what_is_seen() {
+        let front = View { azimuth_deg: 0.0, elevation_deg: 0.0 };
+        let got = aspect(&cloud(), &front);
+        assert!((got - 0.45 / 0.4).abs() < 1e-12, "law: height over width, got {got}");
+        assert_eq!(aspect(&[], &front), 1.0, "nothing is square");
     }
 
     #[test]

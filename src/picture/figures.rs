@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use super::PictureError;
-use super::camera::View;
+use super::camera::{View, aspect};
 use super::colour::Colour;
 use super::image::{Background, Image};
 use super::loose::{self, loose_grains};
 use super::moment::{At, at};
 use super::paint::{ColourBy, number};
+use super::scene::Scene;
 use super::scenery::{Walls, glass_depth, scene_of};
 use super::sheet::{Notes, sheet};
 use super::shot::{Shot, expose, stage_scene};
@@ -21,9 +22,11 @@ use crate::units::to_mm;
 
 /// Width of these pictures in pixels.
 const WIDTH: u32 = 1400;
+/// Panels in a row.
+const COLUMNS: u32 = 2;
 /// From where apparatus and specimens are seen: nearly level, so that heights can
 /// be compared.
-const LEVEL: View = View { azimuth_deg: 20.0, elevation_deg: 12.0 };
+const LEVEL: View = View { azimuth_deg: 20.0, elevation_deg: 16.0 };
 /// How high the funnel hangs over the cylinder where no pouring tells, in m.
 const LIFTED: f64 = 0.05;
 /// How all of them are made.
@@ -105,14 +108,12 @@ fn apparatus(run: &Playback) -> Result<Picture, PictureError> {
         ],
         ..Notes::default()
     };
-    let panels = [Walls::Transparent, Walls::Cut].map(|walls| -> Result<Image, PictureError> {
-        let shot = panel_shot(walls, 2, 860);
-        let scene = scene_of(&run.setup, &run.grains, &frame, walls, &shot.view, &[])?;
-        Ok(expose(&scene, &scene.corners(), &shot, glass_depth(&run.setup)))
-    });
-    let [glass, cut] = panels;
-    let panels = [(glass?, "(a) as glass".to_owned()), (cut?, "(b) cut away".to_owned())];
-    let image = sheet(&panels, 2, WIDTH, Some(&notes))?;
+    let mut scenes = Vec::new();
+    for (walls, name) in [(Walls::Transparent, "(a) as glass"), (Walls::Cut, "(b) cut away")] {
+        scenes.push((scene_of(&run.setup, &run.grains, &frame, walls, &LEVEL, &[])?, name));
+    }
+    let points = scenes[0].0.outline();
+    let image = sheet(&exposed(run, &scenes, &points), COLUMNS, WIDTH, Some(&notes))?;
     let (cylinder, funnel) = (&run.setup.cylinder, &run.setup.funnel);
     let caption = format!(
         "Funnel, lid and cylinder: the cylinder {} mm wide and {} mm high inside, the funnel opening \
@@ -125,39 +126,40 @@ fn apparatus(run: &Playback) -> Result<Picture, PictureError> {
     finished("figure-05-apparatus", "Figure 5: funnel, lid and cylinder", caption, &image)
 }
 
-/// A panel of a sheet with so many in a row.
-fn panel_shot(walls: Walls, columns: u32, height: u32) -> Shot {
+/// One of two panels side by side.
+fn panel_shot(walls: Walls) -> Shot {
     let whole = Shot { width: WIDTH, ..Shot::default() }.camera_width();
-    Shot { width: whole / columns, height, view: LEVEL, walls, notes: false, ..Shot::default() }
+    let width = whole / COLUMNS;
+    Shot { width, height: width, view: LEVEL, walls, notes: false, ..Shot::default() }
+}
+
+/// Scenes as panels of one height, just high enough for these points.
+fn exposed(run: &Playback, scenes: &[(Scene, &str)], points: &[Point]) -> Vec<(Image, String)> {
+    let mut shot = panel_shot(Walls::default());
+    let high = aspect(points, &shot.view).clamp(0.4, 1.6);
+    shot.height = (high * f64::from(shot.width)) as u32;
+    let depth = glass_depth(&run.setup);
+    let panel =
+        |(scene, name): &(Scene, &str)| (expose(scene, points, &shot, depth), (*name).to_owned());
+    scenes.iter().map(panel).collect()
 }
 
 /// Moments in panels that share one framing.
-fn panels(
-    run: &Playback,
-    shown: &[(At, Walls, &str)],
-    columns: u32,
-    height: u32,
-) -> Result<Image, PictureError> {
+fn panels(run: &Playback, shown: &[(At, Walls, &'static str)]) -> Result<Image, PictureError> {
     let mut scenes = Vec::new();
     let mut points: Vec<Point> = Vec::new();
     let mut notes = Notes::default();
     for (at, walls, name) in shown {
-        let shot = panel_shot(*walls, columns, height);
-        let (scene, said) = stage_scene(run, *at, &shot, None)?;
-        points.extend(scene.corners());
+        let (scene, said) = stage_scene(run, *at, &panel_shot(*walls), None)?;
+        points.extend(scene.outline());
         notes = Notes { lines: vec![run.scenario.clone()], ..said };
-        scenes.push((scene, shot, *name));
+        scenes.push((scene, *name));
     }
     if shown.iter().any(|s| s.1 == Walls::Cut) {
-        notes
-            .things
-            .extend([(Colour::WALL, "wall".to_owned()), (Colour::SECTION, "wall, cut".to_owned())]);
+        let cut = [(Colour::WALL, "wall".to_owned()), (Colour::SECTION, "wall, cut".to_owned())];
+        notes.things.extend(cut);
     }
-    let depth = glass_depth(&run.setup);
-    let exposed = scenes
-        .iter()
-        .map(|(scene, shot, name)| (expose(scene, &points, shot, depth), (*name).to_owned()));
-    sheet(&exposed.collect::<Vec<_>>(), columns, WIDTH, Some(&notes))
+    sheet(&exposed(run, &scenes, &points), COLUMNS, WIDTH, Some(&notes))
 }
 
 /// The end of a stage; none where the run has no such stage.
@@ -169,7 +171,7 @@ fn funnel(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>, Pi
     let Some(filled) = end_of(run, "fill_funnel") else { return Ok(None) };
     let shown =
         [(filled, Walls::Transparent, "(a) as glass"), (filled, Walls::Cut, "(b) cut away")];
-    let image = panels(run, &shown, 2, 600)?;
+    let image = panels(run, &shown)?;
     let caption = format!(
         "Grains at rest in the funnel before pouring, the lid closed: (a) through its wall, (b) with the \
          near half of the wall cut away. Colours: {}. {MADE}",
@@ -189,7 +191,7 @@ fn vibration(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>,
         (before, Walls::Cut, "(c) before, wall cut away"),
         (after, Walls::Cut, "(d) after, wall cut away"),
     ];
-    let image = panels(run, &shown, 2, 620)?;
+    let image = panels(run, &shown)?;
     let time = |at: At| number(run.stages[at.stage].frames[at.frame].time);
     let caption = format!(
         "The specimen before vibration (t = {} s) and after it (t = {} s), on one scale: (a) and (b) \
@@ -205,7 +207,7 @@ fn vibration(run: &Playback, stem: &str, title: &str) -> Result<Option<Picture>,
 fn specimen(run: &Playback) -> Result<Picture, PictureError> {
     let end = at(run, None, None)?;
     let shown = [(end, Walls::Hidden, "(a) wall left out"), (end, Walls::Cut, "(b) wall cut away")];
-    let image = panels(run, &shown, 2, 620)?;
+    let image = panels(run, &shown)?;
     let caption = format!(
         "The specimen at the end of the run. Colours: {}. {MADE}",
         ColourBy::Fraction.in_words()

@@ -68,7 +68,7 @@ pub fn loose_grains(grains: &GrainSet, shot: &Shot) -> Result<Image, PictureErro
         ],
     };
     // No glass here.
-    let panel = expose(&scene, &scene.corners(), shot, 1.0);
+    let panel = expose(&scene, &scene.outline(), shot, 1.0);
     sheet(&[(panel, String::new())], 1, shot.width, shot.notes.then_some(&notes))
 }
 

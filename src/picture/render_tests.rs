@@ -14,7 +14,7 @@ fn body(sides: Vector, at: Vector, colour: Colour) -> Body {
 }
 
 fn picture(scene: &Scene, view: &View) -> (Camera, Image) {
-    let camera = Camera::framing(&scene.corners(), view, SIZE, SIZE);
+    let camera = Camera::framing(&scene.outline(), view, SIZE, SIZE);
     let image = render(scene, &camera, SIZE, SIZE, 0.1);
     (camera, image)
 }

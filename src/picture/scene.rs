@@ -165,13 +165,9 @@ impl Scene {
         length
     }
 
-    /// Corners of the boxes of all bodies, for framing.
-    pub fn corners(&self) -> Vec<Point> {
-        let corner = |s: &Solid, n: usize| {
-            let pick = |axis: usize| if n >> axis & 1 == 0 { s.low[axis] } else { s.high[axis] };
-            Point::new(pick(0), pick(1), pick(2))
-        };
-        self.bodies.iter().flat_map(|b| (0..8).map(move |n| corner(&b.solid, n))).collect()
+    /// Points whose hull holds all bodies, for framing.
+    pub fn outline(&self) -> Vec<Point> {
+        self.bodies.iter().flat_map(|b| b.solid.outline.iter().copied()).collect()
     }
 
     /// Lowest and highest corner of the box around everything, in m; none of nothing.

@@ -80,7 +80,9 @@ pub fn scene_of(
             "lid" => {
                 let bottom = Plane { normal: -Vector::z(), offset: thickness - whole.high.z };
                 let low = Point::new(whole.low.x, whole.low.y, whole.high.z - thickness);
-                let thin = Solid { low, ..whole.cut(bottom) };
+                let raised = |v: &mut Point| v.z = v.z.max(low.z);
+                let mut thin = Solid { low, ..whole.cut(bottom) };
+                thin.outline.iter_mut().for_each(raised);
                 bodies.push(Body::new(thin, Colour::FLOOR));
             }
             _ if walls == Walls::Hidden => {}
@@ -141,7 +143,7 @@ fn thinned(piece: &Piece, whole: Solid, axis: &Vector, thickness: f64) -> Solid 
     let slope = face.normal.xy().norm().max(0.1);
     let room = Vector::new(1.5, 1.5, 0.0) * thickness / slope;
     let (low, high) = ((low - room).sup(&whole.low), (high + room).inf(&whole.high));
-    Solid { low, high, ..whole.cut(outer) }
+    whole.cut(outer).boxed(low, high)
 }
 
 #[cfg(test)]

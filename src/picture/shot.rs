@@ -112,7 +112,7 @@ pub(super) fn stage_scene(
 pub fn picture(run: &Playback, at: At, shot: &Shot) -> Result<Image, PictureError> {
     shot.check()?;
     let (scene, notes) = stage_scene(run, at, shot, None)?;
-    let panel = expose(&scene, &scene.corners(), shot, glass_depth(&run.setup));
+    let panel = expose(&scene, &scene.outline(), shot, glass_depth(&run.setup));
     sheet(&[(panel, String::new())], 1, shot.width, shot.notes.then_some(&notes))
 }
 

@@ -49,6 +49,8 @@ pub struct Solid {
     pub low: Point,
     /// Highest corner of that box.
     pub high: Point,
+    /// Points whose hull holds it, in m: what must be in the picture.
+    pub outline: Vec<Point>,
 }
 
 impl Solid {
@@ -61,10 +63,19 @@ impl Solid {
         };
         // A checked polyhedron has no face without area.
         let planes = (0..shape.faces().len()).filter_map(plane).collect();
-        let mut vertices = shape.vertices().iter().map(|v| pose * v);
-        let first = vertices.next().unwrap_or_else(Point::origin);
-        let (low, high) = vertices.fold((first, first), |(lo, hi), v| (lo.inf(&v), hi.sup(&v)));
-        Self { planes, low, high }
+        let outline: Vec<Point> = shape.vertices().iter().map(|v| pose * v).collect();
+        let first = outline.first().copied().unwrap_or_else(Point::origin);
+        let (low, high) = outline.iter().fold((first, first), |(lo, hi), v| (lo.inf(v), hi.sup(v)));
+        Self { planes, low, high, outline }
+    }
+
+    /// The same within a smaller box, which holds all that was left of it.
+    pub fn boxed(self, low: Point, high: Point) -> Self {
+        let corner = |n: usize| {
+            let pick = |axis: usize| if n >> axis & 1 == 0 { low[axis] } else { high[axis] };
+            Point::new(pick(0), pick(1), pick(2))
+        };
+        Self { low, high, outline: (0..8).map(corner).collect(), ..self }
     }
 
     /// What of it lies behind one more plane; the box stays as it is.
