@@ -104,7 +104,8 @@ fn shadows_fall_on_the_ground_and_nowhere_else() {
     let view = View { azimuth_deg: 0.0, elevation_deg: 30.0 };
     let (bare, shaded) = (picture(&bare, &view).1, picture(&on_ground, &view).1);
     let (a, b) = (covered(&bare), covered(&shaded));
-    assert!(b > 1.02 * a, "law: a shadow covers more than the block, {a} and {b}");
+    // Most of it lies behind the block, and it is not black throughout.
+    assert!(b > a + 50.0, "law: a shadow covers more than the block, {a} and {b} pixels");
     let black = |p: &&[f32; 4]| p[3] > 0.05 && p[0] == 0.0 && p[1] == 0.0 && p[2] == 0.0;
     assert!(shaded.pixels.iter().filter(black).count() > 50, "law: shadows are black");
     assert_eq!(bare.pixels.iter().filter(black).count(), 0, "law: no ground, no shadow");
