@@ -1,3 +1,5 @@
+//! Binary glTF as it is read back, against what it was made from.
+
 use std::collections::BTreeSet;
 
 use gltf::{Gltf, animation::util::ReadOutputs};

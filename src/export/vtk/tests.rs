@@ -1,3 +1,5 @@
+//! Files for ParaView as they are read back, against what they were made from.
+
 use std::{collections::BTreeMap, fs, io::Read, path::Path};
 
 use flate2::read::ZlibDecoder;
