@@ -119,7 +119,8 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
         text += &format!("{}\n", file.display());
     }
     let files = written.files.len() + written.more_files;
-    text += &format!("{files} files, {:.1} MB", written.bytes as f64 / 1e6);
+    let noun = if files == 1 { "file" } else { "files" };
+    text += &format!("{files} {noun}, {:.1} MB", written.bytes as f64 / 1e6);
     if written.moments > 1 {
         text += &format!(", {} moments", written.moments);
     }

@@ -6,7 +6,10 @@ use std::{
 };
 
 use clap::{Args, Command, CommandFactory};
-use clap_mangen::Man;
+use clap_mangen::{
+    Man,
+    roff::{Roff, roman},
+};
 
 use super::{Cli, CliError, Context, ExitStatus, output_folder};
 use crate::record::write_file;
@@ -53,11 +56,20 @@ fn program() -> Command {
     command
 }
 
-/// Name of the file and text of a page.
+/// Name of the file and text of a page. What stands below the options in
+/// `--help` comes last, line by line as it is there.
 fn page(command: Command) -> io::Result<(String, Vec<u8>)> {
-    let man = Man::new(command);
+    let notes = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    let man = Man::new(command.after_help(None::<&'static str>));
     let mut text = Vec::new();
     man.render(&mut text)?;
+    let mut below = Roff::new();
+    below.control("SH", ["NOTES"]).control("nf", []);
+    for line in notes.lines() {
+        below.text([roman(line)]);
+    }
+    below.control("fi", []);
+    text.extend(below.to_roff().into_bytes());
     Ok((man.get_filename(), text))
 }
 

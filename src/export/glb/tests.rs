@@ -1,4 +1,4 @@
-//! A scene as binary glTF, read back by the `gltf` crate.
+//! Binary glTF as it is read back, against what it was made from.
 
 use std::collections::BTreeSet;
 

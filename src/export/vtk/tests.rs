@@ -1,4 +1,4 @@
-//! Files for ParaView, read back as XML.
+//! Files for ParaView as they are read back, against what they were made from.
 
 use std::{collections::BTreeMap, fs, io::Read, path::Path};
 
