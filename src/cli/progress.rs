@@ -137,7 +137,11 @@ impl Progress for Bars {
         let mut line = match began {
             Some(began) => {
                 let whole = expected.max(simulated);
-                format!("{simulated:.2} of {whole:.1} s, {}", speed(simulated, *began))
+                let mut line = format!("{simulated:.2} of {whole:.1} s");
+                if simulated > 0.0 {
+                    line += &format!(", {}", speed(simulated, *began));
+                }
+                line
             }
             None => format!("{simulated:.0} of {expected:.0}"),
         };

@@ -12,7 +12,7 @@ const COLOURS: [[u8; 3]; 6] =
     [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0]];
 
 /// How much of what is behind the apparatus it hides.
-const CLEAR: f64 = 0.2;
+const CLEAR: f64 = 0.1;
 
 /// The materials of the sieve fractions, by their numbers, and that of the
 /// apparatus, whose number comes with them.
