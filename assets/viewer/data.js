@@ -28,6 +28,7 @@ export function parseRun(buffer) {
     number: n,
     name: stage.name,
     kept: stage.kept,
+    base: stage.base,
     velocities: floats(stage.velocities_m_per_s),
     coordination: integers(stage.coordination),
     links: readLinks(buffer, base + stage.links.offset, stage.links.count / 8),

@@ -38,7 +38,8 @@ class Viewer {
     this.draws = 0;
     this.dirty = true;
     const floor = run.shapes[run.grains].vertices.reduce((low, z, k) => (k % 3 === 2 ? Math.min(low, z) : low), 0);
-    const table = slab(1.9 * run.header.cylinder.radius_m, floor - 0.012, floor - 0.0002);
+    const { cylinder, base } = run.header;
+    const table = slab(Math.max(1.9 * cylinder.radius_m, 1.2 * (base?.radius_m ?? 0)), floor - 0.012, floor - 0.0002);
     this.renderer = new Renderer($("view"), [...run.shapes, table], run.grains);
     showFacts(run);
     this.timeline = new Timeline(run, this.playback, () => this.change());
@@ -170,7 +171,7 @@ class Viewer {
   }
 
   sceneNow() {
-    const { cylinder, funnel } = this.run.header;
+    const { cylinder, funnel, base } = this.run.header;
     const { frames } = this.run, { stage } = this.playback;
     const last = frames[stage.last], first = frames[stage.first];
     let low = Infinity, high = -Infinity, wide = 0;
@@ -180,6 +181,7 @@ class Viewer {
       wide = Math.max(wide, radius);
     };
     if ((first.flags | last.flags) & CYLINDER) hold(-0.02, cylinder.height_m, cylinder.radius_m + 0.02);
+    if (stage.base) hold(-0.02, 0.01, base.radius_m);
     for (const frame of [first, last]) {
       if (frame.flags & FUNNEL) hold(frame.opening, frame.opening + funnel.height_m, funnel.top_radius_m);
     }
@@ -230,8 +232,10 @@ class Viewer {
     const axis = "xyz".indexOf($("cut-axis").value || "-");
     if (axis < 0) return null;
     const share = Number($("cut").value);
-    const { radius_m: r, height_m: h } = this.run.header.cylinder;
-    const top = this.playback.flags & FUNNEL ? this.playback.opening + this.run.header.funnel.height_m : h;
+    const { cylinder, base, funnel } = this.run.header;
+    const pile = this.playback.stage.base;
+    const [r, h] = pile ? [base.radius_m, base.radius_m] : [cylinder.radius_m, cylinder.height_m];
+    const top = this.playback.flags & FUNNEL ? this.playback.opening + funnel.height_m : h;
     const normal = [0, 0, 0];
     // Half of what is between the watcher and the middle goes first.
     const sign = axis === 2 || this.camera.back[axis] >= 0 ? 1 : -1;
@@ -287,6 +291,7 @@ class Viewer {
     renderer.setBody(body("cylinder"), now.flags & CYLINDER, [table, 0, 0], UPRIGHT, colourOf("cylinder", METAL));
     renderer.setBody(body("funnel"), now.flags & FUNNEL, funnel, UPRIGHT, colourOf("funnel", METAL));
     renderer.setBody(body("lid"), now.flags & LID, funnel, UPRIGHT, colourOf("funnel", METAL));
+    if (header.base) renderer.setBody(body("base"), now.stage.base, [shift, 0, 0], UPRIGHT, linear(METAL));
     const plate = now.flags & PLATE ? now.plate : null;
     const at = plate ? [plate.position[0] + shift, plate.position[1], plate.position[2]] : null;
     renderer.setBody(body("top_plate"), plate !== null, at, plate?.turn, colourOf("plate", PLATE_COLOUR));
@@ -332,7 +337,7 @@ class Viewer {
 
   draw() {
     const { grains, header } = this.run;
-    const how = (name) => (name === "lid" ? $("funnel").value : name === "top_plate" ? $("plate").value : $(name).value);
+    const how = (name) => (name === "base" ? "solid" : name === "lid" ? $("funnel").value : name === "top_plate" ? $("plate").value : $(name).value);
     const apparatus = header.apparatus.map((name, n) => ({ body: grains + n, how: how(name), shadow: true }));
     apparatus.push({ body: grains + apparatus.length, how: "solid", shadow: false });
     const dark = this.theme === "dark";

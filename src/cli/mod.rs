@@ -10,6 +10,7 @@ mod converge;
 mod designed;
 mod error;
 mod export;
+mod field_page;
 mod grains;
 mod info;
 mod lines;

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 
-use super::{CliError, Context, ExitStatus};
+use super::{CliError, Context, ExitStatus, field_page::page};
 use crate::scenario;
 use crate::study::{ConvergenceDesign, SensitivityDesign};
 
@@ -14,11 +14,15 @@ own \"$schema\".
 
 Examples:
   pluvia schema > scenario.schema.json
-  pluvia schema --of convergence > convergence.schema.json")]
+  pluvia schema --of convergence > convergence.schema.json
+  pluvia schema --page > scenario.md")]
 pub(super) struct SchemaArgs {
     /// Which file
     #[arg(long, value_enum, value_name = "FILE", default_value_t = Of::Scenario)]
     of: Of,
+    /// As a page of Markdown with a table of fields, their limits and defaults
+    #[arg(long)]
+    page: bool,
 }
 
 /// Files with a schema.
@@ -32,12 +36,40 @@ enum Of {
     Sensitivity,
 }
 
+impl Of {
+    /// Title of the page and what stands below it.
+    fn heading(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Scenario => (
+                "Every field of a scenario",
+                "Written by `pluvia schema --page`, from the same source by which scenarios are \
+                 checked. The\nREADME shows one scenario with nearly every field in its place; \
+                 units are in the names. A file needs\nonly what has no default. Any field can be \
+                 changed for one run by its path: `--set engine.rate_hz=960`.",
+            ),
+            Self::Convergence => (
+                "Every field of a convergence design",
+                "Written by `pluvia schema --of convergence --page`. docs/studies.md explains it.",
+            ),
+            Self::Sensitivity => (
+                "Every field of a sensitivity design",
+                "Written by `pluvia schema --of sensitivity --page`. docs/studies.md explains it.",
+            ),
+        }
+    }
+}
+
 pub(super) fn run(args: &SchemaArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let schema = match args.of {
         Of::Scenario => scenario::schema(),
         Of::Convergence => scenario::document_schema::<ConvergenceDesign>(),
         Of::Sensitivity => scenario::document_schema::<SensitivityDesign>(),
     };
+    if args.page {
+        let (title, introduction) = args.of.heading();
+        context.print(page(title, introduction, &schema).trim_end(), &schema)?;
+        return Ok(ExitStatus::Done);
+    }
     context.print(&format!("{schema:#}"), &schema)?;
     Ok(ExitStatus::Done)
 }

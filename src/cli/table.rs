@@ -76,20 +76,27 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         ),
     );
     rows.add("grains", format!("{}, {:.1} g", grains.count, grains.mass_g));
-    rows.add(
-        "",
-        format!(
-            "{} in the cylinder, {} spilled, {} left in the funnel, {} escaped through walls",
-            grains.in_cylinder, grains.spilled, grains.left_in_funnel, grains.escaped
-        ),
-    );
+    if summary.angle_of_repose.is_none() {
+        rows.add(
+            "",
+            format!(
+                "{} in the cylinder, {} spilled, {} left in the funnel, {} escaped through walls",
+                grains.in_cylinder, grains.spilled, grains.left_in_funnel, grains.escaped
+            ),
+        );
+    }
     if let (Some(poured), Some(void_ratio)) = (&summary.poured_height_mm, summary.poured_void_ratio)
     {
         rows.add("poured height", height(poured));
         rows.add("poured void ratio", format!("{void_ratio:.3}"));
     }
-    rows.add("standing height", height(&summary.standing_height_mm));
-    rows.add("void ratio", format!("{:.3} (porosity {:.3})", summary.void_ratio, summary.porosity));
+    // A pile has no walls: what is measured within the cylinder says nothing of it.
+    if summary.angle_of_repose.is_none() {
+        rows.add("standing height", height(&summary.standing_height_mm));
+        if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {
+            rows.add("void ratio", format!("{void_ratio:.3} (porosity {porosity:.3})"));
+        }
+    }
     if let Some(of) = &summary.settlement_mm {
         rows.add("settlement, plate", settlement(of));
     }

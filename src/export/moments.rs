@@ -95,18 +95,22 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
     let mut stages = Vec::new();
     for (name, entry, before) in chosen {
         let kept = entry.folder(&root).join(FRAMES_FILE);
-        let frames = if kept.exists() { read_frames(&kept)? } else { Vec::new() };
-        for frame in &frames {
+        let end = state_of(entry)?;
+        let base = end.base.clone().map(Arc::new);
+        let mut frames = if kept.exists() { read_frames(&kept)? } else { Vec::new() };
+        for frame in &mut frames {
             fits(&kept, frame.grains.len(), &grains)?;
+            frame.base.clone_from(&base);
         }
         let begin = match (frames.first(), before) {
             (Some(first), _) => Some(first.clone()),
             (None, Some(before)) => Some(Frame::of(&state_of(before)?)),
             (None, None) => None,
         };
-        stages.push(StageMoments { name, frames, begin, end: state_of(entry)? });
+        stages.push(StageMoments { name, frames, begin, end });
     }
-    let parts = parts(&setup)
+    let base = stages.iter().find_map(|s| s.end.base.as_ref());
+    let parts = parts(&setup, &grains, base)
         .map_err(|reason| ExportError::Apparatus { manifest: path.clone(), reason })?;
     Ok(Moments { scenario: manifest.scenario.name, setup, grains, parts, stages })
 }

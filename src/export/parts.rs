@@ -1,12 +1,14 @@
-//! The apparatus as parts that move as one: cylinder wall, floor, funnel, lid
-//! and top plate.
+//! The apparatus as parts that move as one: cylinder wall, floor, funnel, lid,
+//! top plate and a pile's base.
 
 use std::collections::HashMap;
 
 use crate::apparatus::{ApparatusError, Funnel, Piece};
 use crate::geometry::{ConvexPolyhedron, Point, Pose};
-use crate::protocol::Setup;
+use crate::grains::GrainSet;
+use crate::protocol::{Setup, base_pieces};
 use crate::record::Frame;
+use crate::specimen::Base;
 
 /// What a part is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,6 +23,8 @@ pub enum PartKind {
     Lid,
     /// The top plate.
     TopPlate,
+    /// The floor under a pile with the grains fixed to it.
+    Base,
 }
 
 impl PartKind {
@@ -32,6 +36,7 @@ impl PartKind {
             Self::Funnel => "funnel",
             Self::Lid => "lid",
             Self::TopPlate => "top_plate",
+            Self::Base => "base",
         }
     }
 }
@@ -58,16 +63,21 @@ impl Part {
                 Some(Pose::translation(0.0, 0.0, funnel.opening_height))
             }
             PartKind::TopPlate => frame.top_plate,
+            PartKind::Base => frame.base.is_some().then(Pose::identity),
         }
     }
 }
 
-/// Every part of a laboratory. The collar that funnels have while they are
-/// filled is left out.
+/// Every part of a laboratory, and the base of a pile where there is one. The
+/// collar that funnels have while they are filled is left out.
 ///
 /// # Errors
-/// When the funnel's dimensions make no funnel.
-pub fn parts(setup: &Setup) -> Result<Vec<Part>, ApparatusError> {
+/// When the dimensions of the funnel or of the base make none.
+pub fn parts(
+    setup: &Setup,
+    grains: &GrainSet,
+    base: Option<&Base>,
+) -> Result<Vec<Part>, ApparatusError> {
     let (floor, wall) = match setup.cylinder.pieces.split_last() {
         Some((floor, wall)) => (std::slice::from_ref(floor), wall),
         None => (&[][..], &[][..]),
@@ -75,13 +85,19 @@ pub fn parts(setup: &Setup) -> Result<Vec<Part>, ApparatusError> {
     let funnel = Funnel::new(&setup.funnel, 0.0, 0.0)?;
     let plate = Piece { shape: setup.plate.shape.clone(), pose: Pose::identity() };
     let part = |kind, pieces: &[Piece]| Part { kind, faces: surface(pieces) };
-    Ok(vec![
+    let mut found = vec![
         part(PartKind::CylinderWall, wall),
         part(PartKind::Floor, floor),
         part(PartKind::Funnel, &funnel.pieces),
         part(PartKind::Lid, &[funnel.lid]),
         part(PartKind::TopPlate, &[plate]),
-    ])
+    ];
+    if base.is_some() {
+        let pieces: Vec<Piece> =
+            base_pieces(grains, base)?.into_iter().map(|(piece, _)| piece).collect();
+        found.push(part(PartKind::Base, &pieces));
+    }
+    Ok(found)
 }
 
 /// A face's corners.

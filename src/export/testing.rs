@@ -53,7 +53,7 @@ pub(super) fn moments(frames: &[usize], step: f64) -> Moments {
         let begin = frames.first().cloned();
         stages.push(StageMoments { name: format!("stage_{number}"), frames, begin, end });
     }
-    let parts = parts(&setup).expect("an apparatus");
+    let parts = parts(&setup, &grains, None).expect("an apparatus");
     Moments { scenario: scenario.name, setup, grains, parts, stages }
 }
 

@@ -72,15 +72,15 @@ fn fixed_grains(radius: f64, set: &GrainSet, seed: u64, configuration: u32) -> V
     fixed
 }
 
-/// The bodies of a specimen's base, the floor last; none where it has no base.
+/// The bodies of a pile's base, the floor last; none where there is no base.
 ///
 /// # Errors
 /// When the floor cannot be built.
 pub fn base_pieces(
     grains: &GrainSet,
-    state: &SpecimenState,
+    base: Option<&Base>,
 ) -> Result<Vec<(Piece, Material)>, ApparatusError> {
-    let Some(base) = &state.base else { return Ok(Vec::new()) };
+    let Some(base) = base else { return Ok(Vec::new()) };
     let mut pieces: Vec<(Piece, Material)> = base
         .fixed_grains
         .iter()

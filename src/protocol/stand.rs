@@ -89,7 +89,7 @@ impl<'a> Stand<'a> {
         let pairs = base::pairs(setup, &specimen.state);
         let mut world =
             make_world(&setup.engine, gravity, &pairs).map_err(|source| fail(source, &specimen))?;
-        let base = base::base_pieces(&specimen.grains, &specimen.state)?;
+        let base = base::base_pieces(&specimen.grains, specimen.state.base.as_ref())?;
         let state = &specimen.state;
         let funnel = state
             .funnel

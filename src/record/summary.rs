@@ -66,12 +66,13 @@ pub struct Summary {
     pub standing_height_mm: StandingHeight,
     /// Standing height at the end of pouring, before plate and vibration.
     pub poured_height_mm: Option<StandingHeight>,
-    /// Volume of voids over volume of solids, to the mean surface.
-    pub void_ratio: f64,
+    /// Volume of voids over volume of solids, to the mean surface; none of a pile
+    /// or where nothing is.
+    pub void_ratio: Option<f64>,
     /// Void ratio at the end of pouring.
     pub poured_void_ratio: Option<f64>,
-    /// Volume of voids over total volume, to the mean surface.
-    pub porosity: f64,
+    /// Volume of voids over total volume, to the mean surface; none as above.
+    pub porosity: Option<f64>,
     /// Settlement of the top plate, where vibrated.
     pub settlement_mm: Option<Settlement>,
     /// Settlement of the mean surface, where vibrated.

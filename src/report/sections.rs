@@ -235,7 +235,7 @@ fn run_row(run: &RunRecord) -> Markup {
             td.n { (number(s.standing_height_mm.mean_surface, 1)) }
             td.n { (number(s.standing_height_mm.p95, 1)) }
             td.n { (number(s.standing_height_mm.highest, 1)) }
-            td.n { (number(s.void_ratio, 3)) }
+            td.n { (optional(s.void_ratio, 3)) }
             td.n { (end(&s.settlement_mm)) }
             td.n { (end(&s.surface_settlement_mm)) }
             td.n { (optional(share, 0)) @if share.is_some() { " %" } }

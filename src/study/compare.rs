@@ -199,7 +199,7 @@ const QUANTITIES: [Compared; 13] = [
     Compared {
         name: "void ratio after pouring",
         unit: "",
-        value: |r| Some(r.summary.poured_void_ratio.unwrap_or(r.summary.void_ratio)),
+        value: |r| r.summary.poured_void_ratio.or(r.summary.void_ratio),
         band: Some(Band::Absolute(VOID_RATIO_BAND)),
     },
     Compared {
@@ -211,7 +211,7 @@ const QUANTITIES: [Compared; 13] = [
     Compared {
         name: "void ratio at the end",
         unit: "",
-        value: |r| Some(r.summary.void_ratio),
+        value: |r| r.summary.void_ratio,
         band: None,
     },
     Compared {

@@ -144,7 +144,7 @@ pub fn summarise(
         standing_height_mm: end.height,
         poured_height_mm: poured.as_ref().map(|p| p.height),
         void_ratio: end.void_ratio,
-        poured_void_ratio: poured.as_ref().map(|p| p.void_ratio),
+        poured_void_ratio: poured.as_ref().and_then(|p| p.void_ratio),
         porosity: end.porosity,
         settlement_mm: plate,
         surface_settlement_mm: surface,
@@ -176,8 +176,8 @@ pub fn grains_hash(grains: &GrainSet) -> String {
 /// Standing height and void ratio of a specimen.
 struct Standing {
     height: StandingHeight,
-    void_ratio: f64,
-    porosity: f64,
+    void_ratio: Option<f64>,
+    porosity: Option<f64>,
 }
 
 impl Standing {
@@ -185,15 +185,19 @@ impl Standing {
         let height = HeightMap::of(specimen, container, DEFAULT_CELL)
             .map_err(StudyError::measure)?
             .standing_height();
-        let voids = void_ratio(specimen, container, height.mean_surface);
+        // A pile has no walls that its voids could be counted within.
+        let voids = match specimen.state.base {
+            Some(_) => None,
+            None => void_ratio(specimen, container, height.mean_surface),
+        };
         Ok(Self {
             height: StandingHeight {
                 mean_surface: to_mm(height.mean_surface),
                 p95: to_mm(height.p95),
                 highest: to_mm(height.highest),
             },
-            void_ratio: voids.map_or(0.0, |v| v.void_ratio),
-            porosity: voids.map_or(0.0, |v| v.porosity),
+            void_ratio: voids.map(|v| v.void_ratio),
+            porosity: voids.map(|v| v.porosity),
         })
     }
 }

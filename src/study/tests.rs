@@ -134,8 +134,9 @@ fn a_summary_tells_where_every_grain_is() {
         s.grains.in_cylinder + s.grains.escaped + s.grains.spilled + s.grains.left_in_funnel;
     assert_eq!(accounted, s.grains.count, "law: every grain is somewhere");
     assert_eq!(s.grains.escaped, 0, "law: nothing passes a wall: {:?}", s.warnings);
-    assert!(s.void_ratio > 0.0 && s.porosity > 0.0 && s.porosity < 1.0, "{s:?}");
-    assert!((s.porosity - s.void_ratio / (1.0 + s.void_ratio)).abs() < 1e-12, "law: n = e/(1+e)");
+    let (void_ratio, porosity) = (s.void_ratio.expect("voids"), s.porosity.expect("voids"));
+    assert!(void_ratio > 0.0 && porosity > 0.0 && porosity < 1.0, "{s:?}");
+    assert!((porosity - void_ratio / (1.0 + void_ratio)).abs() < 1e-12, "law: n = e/(1+e)");
     assert!(s.control.is_some() && s.creep_um_per_s.is_some());
     assert!(s.settlement_mm.is_none(), "nothing was shaken");
     assert_eq!(s.falling_height_mm, Some(50.0));

@@ -13,10 +13,11 @@ use serde::Serialize;
 
 use super::links::links;
 use super::shapes::Shape;
-use crate::apparatus::{ApparatusError, Funnel};
+use crate::apparatus::{ApparatusError, Funnel, Piece};
 use crate::export::{ExportError, Exported, Playback, PlayedStage, read_playback, read_run};
 use crate::grains::sieve_size;
 use crate::measure::{TOUCHING_GAP, pairs_within};
+use crate::protocol::base_pieces;
 use crate::specimen::{SavedContact, Specimen};
 use crate::units::to_mm;
 
@@ -58,8 +59,11 @@ struct Header {
     fractions: Vec<FractionEntry>,
     cylinder: CylinderEntry,
     funnel: FunnelEntry,
-    /// Names of the shapes after those of the grains.
-    apparatus: [&'static str; 4],
+    /// Of the floor under a pile; none where there is none.
+    base: Option<BaseEntry>,
+    /// Names of the shapes after those of the grains; `base` is among them where
+    /// there is a pile.
+    apparatus: Vec<&'static str>,
     constants: Section,
     shapes: ShapeSections,
     stages: Vec<StageEntry>,
@@ -92,6 +96,11 @@ struct FunnelEntry {
 }
 
 #[derive(Debug, Serialize)]
+struct BaseEntry {
+    radius_m: f64,
+}
+
+#[derive(Debug, Serialize)]
 struct ShapeSections {
     vertex_counts: Section,
     face_counts: Section,
@@ -104,6 +113,8 @@ struct ShapeSections {
 struct StageEntry {
     name: String,
     kept: bool,
+    /// Whether a pile's base stood.
+    base: bool,
     frames: Section,
     velocities_m_per_s: Section,
     coordination: Section,
@@ -146,6 +157,13 @@ fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> 
     shapes.push(Shape::of_pieces(&funnel.pieces));
     shapes.push(Shape::of_pieces(std::slice::from_ref(&funnel.lid)));
     shapes.push(Shape::of(&setup.plate.shape));
+    let mut apparatus = vec!["cylinder", "funnel", "lid", "top_plate"];
+    let base = ends.iter().find_map(|end| end.state.base.as_ref());
+    if base.is_some() {
+        let pieces = base_pieces(set, base)?.into_iter().map(|(piece, _)| piece);
+        shapes.push(Shape::of_pieces(&pieces.collect::<Vec<Piece>>()));
+        apparatus.push("base");
+    }
     let shapes = body.shapes(&shapes);
 
     let stages: Vec<StageEntry> =
@@ -175,7 +193,8 @@ fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> 
             height_m: setup.cylinder.height,
         },
         funnel: FunnelEntry { top_radius_m: funnel.top_radius, height_m: funnel.top_height },
-        apparatus: ["cylinder", "funnel", "lid", "top_plate"],
+        base: base.map(|base| BaseEntry { radius_m: base.radius }),
+        apparatus,
         constants,
         shapes,
         stages,
@@ -264,6 +283,7 @@ impl Body {
         StageEntry {
             name: stage.name.clone(),
             kept: stage.kept,
+            base: end.state.base.is_some(),
             frames,
             velocities_m_per_s: self.floats(velocities),
             coordination: self.integers(neighbours(end).into_iter()),

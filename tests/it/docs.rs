@@ -172,6 +172,23 @@ fn paths<'a>(prefix: &str, value: &'a Value) -> Box<dyn Iterator<Item = String> 
 }
 
 #[test]
+fn every_field_of_a_scenario_is_on_its_page() {
+    let printed = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"))
+        .args(["schema", "--page"])
+        .output()
+        .expect("the program starts");
+    let printed = String::from_utf8(printed.stdout).expect("UTF-8");
+    let kept = read("docs/scenario.md");
+    let differs = printed.lines().zip(kept.lines()).find(|(new, old)| new != old);
+    assert!(
+        printed == kept,
+        "law: docs/scenario.md is what `pluvia schema --page` prints; \
+         `cargo run -- schema --page > docs/scenario.md` writes it anew. First difference \
+         (printed, kept): {differs:?}"
+    );
+}
+
+#[test]
 fn engine_settings_are_explained_with_their_defaults() {
     let table = read("docs/parameters.md");
     let settings = [

@@ -11,6 +11,7 @@ mod interruption;
 mod picture;
 mod readings;
 mod repose;
+mod reproduce;
 mod scenario;
 mod small;
 mod stones;

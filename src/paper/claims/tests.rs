@@ -180,7 +180,7 @@ fn missing_runs_never_read_as_within() {
 fn looser_after_vibration_is_outside() {
     let mut runs = canned::runs();
     let run = runs.iter_mut().find(|r| r.summary.poured_void_ratio.is_some()).expect("a run");
-    run.summary.void_ratio = 1.2;
+    run.summary.void_ratio = Some(1.2);
     let c = claim(&canned::study(&runs), "denser-after-vibration");
     assert_eq!((c.verdict, c.ours), (Verdict::Outside, Some(5.0)), "{c:?}");
 }
@@ -211,7 +211,7 @@ fn values_that_are_no_numbers_do_not_panic_or_pass() {
     let mut runs = canned::runs();
     for run in &mut runs {
         run.summary.standing_height_mm.mean_surface = f64::NAN;
-        run.summary.void_ratio = f64::NAN;
+        run.summary.void_ratio = Some(f64::NAN);
         run.series.clear();
         if let Some(s) = &mut run.summary.settlement_mm {
             s.final_mm = f64::NAN;

@@ -77,7 +77,7 @@ fn every_run(study: &StudyView, draft: Draft, shows: impl Fn(&RunRecord) -> Opti
 }
 
 fn denser(study: &StudyView) -> Claim {
-    let before_after = |r: &RunRecord| Some((r.summary.poured_void_ratio?, r.summary.void_ratio));
+    let before_after = |r: &RunRecord| Some((r.summary.poured_void_ratio?, r.summary.void_ratio?));
     let change = |r: &RunRecord| before_after(r).map(|(before, after)| after - before);
     let draft = Draft::new(
         "denser-after-vibration",

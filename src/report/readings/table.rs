@@ -171,7 +171,7 @@ fn trust(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
         ("largest overlap", "mm", |r| Some(r.summary.overlap.max_mm)),
         ("creep at rest, unshaken", "µm/s", |r| r.summary.creep_um_per_s),
         ("void ratio after pouring", "", |r| {
-            (r.kind == RunKind::Pluviation).then_some(r.summary.void_ratio)
+            r.summary.void_ratio.filter(|_| r.kind == RunKind::Pluviation)
         }),
         ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64)),
         ("grains through walls or floor", "", |r| Some(r.summary.grains.escaped as f64)),

@@ -1,7 +1,7 @@
 //! `pluvia view`: the server as others on the machine may meet it, and the page
 //! in a real browser.
 
-mod browser;
+pub mod browser;
 mod page;
 
 use std::{
