@@ -15,7 +15,8 @@ function element(name, text, kind) {
 export function showFacts(run) {
   at("scenario").textContent = run.scenario;
   const mass = Array.from({ length: run.grains }, (_, n) => run.constants[5 * n + 2]).reduce((a, b) => a + b, 0);
-  const seen = run.noneKept ? `the ends of ${run.stages.length} stages` : `${run.frames.length} frames of ${run.stages.length} stages`;
+  const stages = run.stages.length === 1 ? "1 stage" : `${run.stages.length} stages`;
+  const seen = run.noneKept ? `the end of ${stages}` : `${run.frames.length} frames of ${stages}`;
   at("facts").textContent = `${run.grains} grains, ${mass.toFixed(0)} g; ${seen}`;
   const note = at("frames-note");
   note.hidden = run.kept;

@@ -76,26 +76,27 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         ),
     );
     rows.add("grains", format!("{}, {:.1} g", grains.count, grains.mass_g));
-    if summary.angle_of_repose.is_none() {
-        rows.add(
-            "",
-            format!(
-                "{} in the cylinder, {} spilled, {} left in the funnel, {} escaped through walls",
-                grains.in_cylinder, grains.spilled, grains.left_in_funnel, grains.escaped
-            ),
-        );
-    }
+    // A pile has no walls: its grains lie, but in no cylinder and with no void ratio.
+    let pile = summary.void_ratio.is_none() && grains.in_cylinder > 0;
+    let places = if pile {
+        format!("{} on the base, {} fallen off", grains.in_cylinder, grains.spilled)
+    } else {
+        format!(
+            "{} in the cylinder, {} spilled, {} left in the funnel, {} escaped through walls",
+            grains.in_cylinder, grains.spilled, grains.left_in_funnel, grains.escaped
+        )
+    };
+    rows.add("", places);
     if let (Some(poured), Some(void_ratio)) = (&summary.poured_height_mm, summary.poured_void_ratio)
     {
         rows.add("poured height", height(poured));
         rows.add("poured void ratio", format!("{void_ratio:.3}"));
     }
-    // A pile has no walls: what is measured within the cylinder says nothing of it.
-    if summary.angle_of_repose.is_none() {
+    if !pile {
         rows.add("standing height", height(&summary.standing_height_mm));
-        if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {
-            rows.add("void ratio", format!("{void_ratio:.3} (porosity {porosity:.3})"));
-        }
+    }
+    if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {
+        rows.add("void ratio", format!("{void_ratio:.3} (porosity {porosity:.3})"));
     }
     if let Some(of) = &summary.settlement_mm {
         rows.add("settlement, plate", settlement(of));
@@ -392,6 +393,15 @@ mod tests {
         }
         for hidden in ["poured", "creep", "settlement, surface"] {
             assert!(!text.contains(hidden), "`{hidden}` does not apply, in:\n{text}");
+        }
+        let pile = Summary { void_ratio: None, porosity: None, ..summary };
+        let text = anstream::adapter::strip_str(&of_summary(&pile)).to_string();
+        assert!(
+            text.contains("362 on the base, 1 fallen off"),
+            "law: a pile's places, got\n{text}"
+        );
+        for hidden in ["cylinder", "standing height", "void ratio"] {
+            assert!(!text.contains(hidden), "`{hidden}` is not of a pile, in:\n{text}");
         }
     }
 }

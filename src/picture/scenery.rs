@@ -85,6 +85,11 @@ pub fn scene_of(
                 thin.outline.iter_mut().for_each(raised);
                 bodies.push(Body::new(thin, Colour::FLOOR));
             }
+            // What a pile lies on is no wall: it is drawn whole, and stays.
+            name if name.starts_with("base_") => {
+                ground = Some(ground.map_or(whole.low.z, |low: f64| low.min(whole.low.z)));
+                bodies.push(Body::new(whole, Colour::FLOOR));
+            }
             _ if walls == Walls::Hidden => {}
             _ => bodies.extend(wall(&standing.piece, whole, &axis, thickness, walls, view)),
         }
@@ -148,10 +153,13 @@ fn thinned(piece: &Piece, whole: Solid, axis: &Vector, thickness: f64) -> Solid 
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::super::solid::{Ray, stretch};
     use super::*;
     use crate::apparatus::{Cylinder, Funnel};
-    use crate::scenario::{CylinderSpec, FunnelSpec};
+    use crate::scenario::{CylinderSpec, FunnelSpec, Scenario};
+    use crate::specimen::Base;
 
     fn across(solid: &Solid, height: f64, angle: f64) -> Option<(f64, f64)> {
         let direction = Vector::new(angle.cos(), angle.sin(), 0.0);
@@ -204,5 +212,33 @@ mod tests {
             .map(|s| s.enters)
             .fold(f64::MAX, f64::min);
         assert!(first > 10.0, "law: nothing stands before the axis, met at {first} of 10 m");
+    }
+
+    /// Law: what a pile lies on is drawn as it is, however walls are shown: taken
+    /// for a wall, its floor was cut to a strip.
+    #[test]
+    fn the_base_of_a_pile_is_whole() {
+        let mut frame = Frame::of(&SpecimenState::before_everything(0));
+        frame.cylinder = false;
+        frame.base = Some(Arc::new(Base { radius: 0.1, friction: None, fixed_grains: vec![] }));
+        let scenario: Scenario = serde_json::from_value(serde_json::json!({
+            "name": "pile",
+            "grains": { "total_mass_g": 8, "density_kg_per_m3": 2650, "sieve_table":
+                [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
+            "stages": [{ "stage": "slow_pluviation", "base_diameter_mm": 200 }],
+        }))
+        .expect("a scenario");
+        let setup = Setup::new(&scenario).expect("a laboratory");
+        let no_grains =
+            GrainSet { grains: vec![], blocks: vec![], density: 2650.0, stones: vec![] };
+        let view = View { azimuth_deg: 0.0, elevation_deg: 10.0 };
+        for walls in [Walls::Transparent, Walls::Cut, Walls::Hidden] {
+            let scene = scene_of(&setup, &no_grains, &frame, walls, &view, &[]).expect("a scene");
+            assert_eq!(scene.bodies.len(), 1, "law: the floor alone, {walls:?}");
+            let Body { solid, glass, .. } = &scene.bodies[0];
+            assert!(!glass, "law: it is no glass, {walls:?}");
+            let width = solid.high.x - solid.low.x;
+            assert!(width > 0.199, "law: 200 mm wide, got {width} m, {walls:?}");
+        }
     }
 }

@@ -13,7 +13,9 @@ use super::{Fault, ScenarioErrors, source, structure};
 pub fn document_schema<T: JsonSchema>() -> Value {
     let mut schema = typed::<T>();
     if let Some(properties) = schema["properties"].as_object_mut() {
-        properties.insert("$schema".into(), json!({ "type": "string" }));
+        let of_schema = "Where this file's JSON Schema lies, for editors; not read.";
+        let schema_field = json!({ "description": of_schema, "type": "string" });
+        properties.insert("$schema".into(), schema_field);
     }
     schema
 }

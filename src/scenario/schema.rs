@@ -31,7 +31,9 @@ pub fn schema() -> Value {
     if let Some(properties) = root.get_mut("properties").and_then(Value::as_object_mut) {
         let grains = "#/$defs/GrainsChange";
         properties.insert("grains".into(), json!({ "$ref": grains }));
-        properties.insert("$schema".into(), json!({ "type": "string" }));
+        let of_schema = "Where this file's JSON Schema lies, for editors; not read.";
+        let schema_field = json!({ "description": of_schema, "type": "string" });
+        properties.insert("$schema".into(), schema_field);
         let extends = json!({
             "description": "Path, relative to this file, of a scenario from which everything not \
                             given here is taken. Objects are merged field by field, lists replaced.",
