@@ -32,6 +32,15 @@ impl MeanTest {
     /// as Snedecor & Cochran, *Statistical Methods*, chapter 5), for a
     /// confidence such as 0.95. `None` of fewer than two values, or where one
     /// is not finite.
+    ///
+    /// ```
+    /// use pluvia::measure::inference::MeanTest;
+    ///
+    /// // Final settlements of three configurations, in mm.
+    /// let settlement = MeanTest::of(&[15.9, 15.1, 15.0], 0.95).expect("three values");
+    /// assert!((settlement.mean - 15.33).abs() < 0.01);
+    /// assert!((settlement.half_width - 1.23).abs() < 0.01);
+    /// ```
     pub fn of(values: &[f64], confidence: f64) -> Option<Self> {
         if values.iter().any(|v| !v.is_finite()) {
             return None;

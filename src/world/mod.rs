@@ -326,6 +326,35 @@ pub struct BackendInfo {
 /// # Errors
 /// [`WorldError::BadSetting`] and [`WorldError::Engine`] as the engine has it;
 /// [`WorldError::BadSetting`] also for an engine this program was built without.
+///
+/// A cube of 10 mm falls for a quarter of a second:
+///
+/// ```
+/// use std::sync::Arc;
+/// use pluvia::geometry::{ConvexPolyhedron, Pose, Vector};
+/// use pluvia::scenario::EngineSettings;
+/// use pluvia::world::{self, Body, BodyState, Material, Motion, PairCoefficients, PairTable};
+///
+/// let pairs = PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.3 });
+/// let down = Vector::new(0.0, 0.0, -9.81);
+/// let mut world = world::create(&EngineSettings::default(), down, &pairs)?;
+/// world.add(&Body {
+///     shape: Arc::new(ConvexPolyhedron::cuboid(Vector::repeat(0.01))?),
+///     motion: Motion::Free { mass: 2.65e-3, inertia: Vector::repeat(4.4e-8) },
+///     material: Material::Grain,
+///     state: BodyState::at_rest(Pose::translation(0.0, 0.0, 1.0)),
+/// })?;
+/// let steps = (0.25 / world.time_step()).round() as usize;
+/// for _ in 0..steps {
+///     world.step()?;
+/// }
+/// let mut states = Vec::new();
+/// world.read(&mut states);
+/// let height = states[0].expect("it is there").pose.translation.z;
+/// // 1 m − g t²/2, to the error of a finite step.
+/// assert!((height - 0.6934).abs() < 0.003);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn create(
     settings: &EngineSettings,
     gravity: Vector,
