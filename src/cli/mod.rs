@@ -26,6 +26,7 @@ mod run;
 mod schema;
 mod sensitivity;
 mod stop;
+mod sweep;
 mod table;
 mod verify;
 mod view;
@@ -38,7 +39,8 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 done, but verify, compare, calibrate or --strict found an expectation missed;
+Exit codes: 0 done; 1 done, but verify, compare, calibrate or --strict found an expectation missed,
+or no run of a sweep has a result;
 2 wrong usage or a fault in the scenario; 3 the simulation failed, its last good state is kept;
 4 files could not be read or written; 130 stopped by Ctrl-C.
 
@@ -79,6 +81,7 @@ enum Command {
     Calibrate(Box<calibrate::CalibrateArgs>),
     Converge(converge::ConvergeArgs),
     Sensitivity(sensitivity::SensitivityArgs),
+    Sweep(Box<sweep::SweepArgs>),
     Verify(verify::VerifyArgs),
     Export(export::ExportArgs),
     Picture(picture::PictureArgs),
@@ -112,6 +115,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Calibrate(args) => calibrate::run(args, &context),
         Command::Converge(args) => converge::run(args, &context),
         Command::Sensitivity(args) => sensitivity::run(args, &context),
+        Command::Sweep(args) => sweep::run(args, &context),
         Command::Verify(args) => verify::run(args, &context),
         Command::Export(args) => export::run(args, &context),
         Command::Picture(args) => picture::run(args, &context),

@@ -5,6 +5,7 @@
 //! cylinder" takes its grains from [`Container::members`], so that height,
 //! void ratio and coordination number always speak of the same grains.
 
+mod bootstrap;
 mod container;
 mod coordination;
 mod energy;
@@ -27,6 +28,7 @@ pub mod statistics;
 mod testing;
 mod void_ratio;
 
+pub use bootstrap::bootstrap_interval;
 pub use container::Container;
 pub use coordination::{Coordination, coordination};
 pub use energy::{Energy, body_energy, grain_energy, largest_speed};

@@ -26,6 +26,8 @@ mod shortfalls;
 mod silhouette;
 mod style;
 mod summary;
+mod sweep;
+mod sweep_page;
 mod uncertainty;
 
 #[cfg(test)]
@@ -65,6 +67,10 @@ pub use readings::{
     ReadingCell, ReadingColumn, ReadingFailure, ReadingRow, ReadingRun, write_readings,
 };
 pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};
+pub use sweep::{
+    MAIN_OUTCOMES, OUTCOMES, Sweep, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun,
+    write_sweep,
+};
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]

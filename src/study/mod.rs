@@ -17,6 +17,7 @@ mod run;
 mod sensitivity;
 mod side_by_side;
 mod summarise;
+mod sweep;
 #[cfg(test)]
 mod tests;
 mod variations;
@@ -36,6 +37,10 @@ pub use run::{RunOptions, make_grains, run_scenario, write_grains};
 pub use sensitivity::{ParameterDesign, SensitivityDesign, SensitivityStudy};
 pub use side_by_side::{ReadingsOptions, ReadingsOutcome, readings};
 pub use summarise::STANDARD;
+pub use sweep::{
+    Design, Factor, PLAN_FILE, PlannedPoint, Point, SampledRange, SweepOptions, SweepPlan,
+    SweepStudy,
+};
 pub use variations::{Variation, Varied, carry_out_variations, write_variations};
 
 use std::path::PathBuf;

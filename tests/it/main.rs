@@ -16,6 +16,7 @@ mod scenario;
 mod small;
 mod stones;
 mod studies;
+mod sweep;
 mod terminal;
 mod verification;
 mod viewer;

@@ -14,6 +14,7 @@ mod sensitivity;
 mod settlement;
 mod shape;
 mod standing_height;
+mod sweep;
 mod uncertainty;
 
 use std::path::Path;
@@ -34,6 +35,7 @@ pub(super) use pile::{of_pile, side_view};
 pub(super) use readings::of_readings;
 pub(super) use sensitivity::of_sensitivity;
 pub(super) use shape::figure as of_shapes;
+pub(super) use sweep::of_sweep;
 
 /// A figure with the numbers it shows.
 #[derive(Debug, Clone, PartialEq)]

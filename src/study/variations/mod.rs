@@ -184,10 +184,10 @@ pub(super) fn carry_out_in(
 
 /// Sets of grains, each made once.
 #[derive(Default)]
-struct GrainSets(Vec<(String, Arc<GrainSet>)>);
+pub(super) struct GrainSets(Vec<(String, Arc<GrainSet>)>);
 
 impl GrainSets {
-    fn of(&mut self, scenario: &Scenario) -> Result<Arc<GrainSet>, StudyError> {
+    pub(super) fn of(&mut self, scenario: &Scenario) -> Result<Arc<GrainSet>, StudyError> {
         let key = hash_json(&(&scenario.grains, scenario.seed));
         if let Some((_, set)) = self.0.iter().find(|(known, _)| *known == key) {
             return Ok(set.clone());
@@ -199,7 +199,7 @@ impl GrainSets {
 }
 
 /// A run of a variation in its n-th configuration, counted from 0.
-fn planned_run(
+pub(super) fn planned_run(
     variation: &Variation,
     scenario: &Scenario,
     number: u32,

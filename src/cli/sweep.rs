@@ -1,0 +1,108 @@
+//! `pluvia sweep`.
+
+use std::{path::PathBuf, thread::available_parallelism};
+
+use clap::Args;
+use serde_json::json;
+
+use super::{CliError, Context, ExitStatus, changes::Changes, output_folder};
+use crate::record::read_file;
+use crate::study::{Design, Factor, RunOptions, SampledRange, SweepOptions, SweepStudy};
+
+/// Carry out a scenario at many values of its fields and put the results into one table
+#[derive(Debug, Args)]
+#[command(after_help = "\
+--over gives a field its values; several make a grid of all combinations, or with --one-at-a-time
+each field is varied by itself around the scenario. --samples latin-hypercube:N draws N points from
+the ranges of --range. Leaves plan.json, sweep.csv (one row a run), sweep.json, sweep.md,
+report.html, figures/ and runs/ in DIR. What is already done there is not done again; the same
+command with more --configurations adds to it. A run that fails is a row that says why.
+
+Examples:
+  pluvia sweep scenarios/quick/pluviation.json --over contact.grain_grain_friction=0.4,0.6,0.8 \\
+      --over stages.1.falling_height_mm=0,50,200 --configurations 3 --out out/sweep
+  pluvia sweep scenarios/quick/vibration.json --one-at-a-time --configurations 3 \\
+      --over contact.grain_wall_friction=0.3,0.7 --over contact.restitution=0.1,0.5 --out out/choices
+  pluvia sweep scenarios/quick/pluviation.json --samples latin-hypercube:20 \\
+      --range contact.grain_grain_friction=0.3..0.9 --range contact.restitution=0.1..0.6")]
+pub(super) struct SweepArgs {
+    /// The scenario file
+    #[arg(value_name = "SCENARIO.json")]
+    scenario: PathBuf,
+    /// A field of the scenario and its values (repeatable)
+    #[arg(long, value_name = "path=v1,v2,...", required_unless_present = "samples")]
+    over: Vec<Factor>,
+    /// Vary each field by itself around the scenario, in place of all combinations
+    #[arg(long, conflicts_with = "samples")]
+    one_at_a_time: bool,
+    /// Draw so many points from the ranges, each as evenly filled as can be
+    #[arg(long, value_name = "latin-hypercube:N", value_parser = samples, requires = "range")]
+    samples: Option<usize>,
+    /// A number of the scenario and the range from which it is drawn (repeatable)
+    #[arg(long, value_name = "path=low..high", requires = "samples")]
+    range: Vec<SampledRange>,
+    /// Configurations a point, each the same grains mixed anew; the same at every point
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u32).range(1..=1000))]
+    configurations: u32,
+    /// Only write plan.json, which lists every run
+    #[arg(long)]
+    plan_only: bool,
+    #[command(flatten)]
+    changes: Changes,
+    /// Stages carried out at the same time [default: the number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Folder for the results; it is made if needed
+    #[arg(long, value_name = "DIR", default_value = "out/sweep")]
+    out: PathBuf,
+}
+
+fn samples(text: &str) -> Result<usize, String> {
+    let count = text.strip_prefix("latin-hypercube:").and_then(|n| n.parse().ok());
+    count
+        .filter(|n| (2..=10_000).contains(n))
+        .ok_or_else(|| format!("`{text}` is not latin-hypercube:N with N from 2 to 10000"))
+}
+
+pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let cores = || available_parallelism().map_or(1, usize::from);
+    let options = SweepOptions {
+        scenario: args.scenario.clone(),
+        changes: args.changes.overrides(),
+        over: args.over.clone(),
+        ranges: args.range.clone(),
+        design: match args.samples {
+            Some(count) => Design::LatinHypercube(count),
+            None if args.one_at_a_time => Design::OneAtATime,
+            None => Design::Grid,
+        },
+        configurations: args.configurations,
+        run: RunOptions {
+            out: args.out.clone(),
+            jobs: args.jobs.map_or_else(cores, usize::from),
+            frames: false,
+            cancel: context.cancel.clone(),
+            progress: context.progress.clone(),
+        },
+    };
+    let study = SweepStudy::new(&options)?;
+    output_folder::prepare(&args.out)?;
+    if args.plan_only {
+        let plan = study.plan()?;
+        plan.write(&args.out)?;
+        let text = format!("{} runs planned in {}\n", plan.runs.len(), args.out.display());
+        context.print(&text, &json!({ "runs": plan.runs.len() }))?;
+        return Ok(ExitStatus::Done);
+    }
+    context.stop_on_ctrl_c();
+    let found = study.carry_out()?;
+    let page = args.out.join("sweep.md");
+    let text = String::from_utf8_lossy(&read_file(&page)?).into_owned();
+    let end = text.find("\n![").or_else(|| text.find("\n## How to read it")).unwrap_or(text.len());
+    context.print(&format!("{}\nall of it in {}\n", &text[..end], page.display()), &found)?;
+    if found.failed().count() == found.runs.len() {
+        return Ok(ExitStatus::ExpectationMissed);
+    }
+    Ok(ExitStatus::Done)
+}

@@ -1,0 +1,232 @@
+//! What a sweep found, and its files.
+
+use std::{collections::BTreeMap, path::Path};
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::{ReportError, figures, sweep_page::page};
+use crate::measure::{bootstrap_interval, inference::MeanTest};
+use crate::record::{FileError, write_file, write_json};
+
+/// Numbers of a run that stand in the table, by their path in `summary.json`,
+/// with what they are in words. The first five have figures.
+pub const OUTCOMES: [(&str, &str); 18] = [
+    ("poured_height_mm.mean_surface", "Poured height (mm)"),
+    ("settlement_mm.final", "Plate settlement (mm)"),
+    ("surface_settlement_mm.final", "Surface settlement (mm)"),
+    ("angle_of_repose.degrees", "Angle of repose (degrees)"),
+    ("void_ratio", "Void ratio"),
+    ("standing_height_mm.mean_surface", "Height of the mean surface at the end (mm)"),
+    ("poured_void_ratio", "Void ratio after pouring"),
+    ("settlement_mm.after_5_s", "Settlement of the plate after 5 s (mm)"),
+    ("surface_settlement_mm.after_5_s", "Settlement of the mean surface after 5 s (mm)"),
+    ("coordination_number", "Coordination number"),
+    ("overlap.mean_percent", "Mean overlap (%)"),
+    ("overlap.p99_percent", "99th percentile of the overlap (%)"),
+    ("creep_um_per_s", "Creep (µm/s)"),
+    ("grains.spilled", "Grains spilled"),
+    ("grains.left_in_funnel", "Grains left in the funnel"),
+    ("grains.escaped", "Grains through walls"),
+    ("simulated_s", "Simulated time (s)"),
+    ("wall_s", "Wall time (s)"),
+];
+
+/// How many of [`OUTCOMES`] have figures and effects.
+pub const MAIN_OUTCOMES: usize = 5;
+
+/// What is varied.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepFactor {
+    /// The field of the scenario.
+    pub path: String,
+    /// Its values in the order in which they were given; of a sampled range
+    /// its two ends.
+    pub values: Vec<Value>,
+    /// Whether values were drawn from between the two.
+    pub sampled: bool,
+    /// Whether all values are numbers.
+    pub numeric: bool,
+}
+
+impl SweepFactor {
+    /// A value as a number: the number of its place, from 1, where values are
+    /// no numbers.
+    pub fn number(&self, value: &Value) -> f64 {
+        let place = || self.values.iter().position(|v| v == value).map_or(0, |n| n + 1);
+        if self.numeric { value.as_f64().unwrap_or(f64::NAN) } else { place() as f64 }
+    }
+}
+
+/// One run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepRun {
+    /// Its name and that of its folder.
+    pub run: String,
+    /// The point that it belongs to.
+    pub point: String,
+    /// Which mixing of the grains, counted from 1.
+    pub configuration: u32,
+    /// The value of each factor.
+    pub values: Vec<Value>,
+    /// Results by their path in `summary.json`; what was not measured is absent.
+    pub outcomes: BTreeMap<String, f64>,
+    /// Whether overlap and creep meet the accuracy standard; none without result.
+    pub meets_standard: Option<bool>,
+    /// Why it has no result.
+    pub failure: Option<String>,
+}
+
+/// A mean over the configurations of a point.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SweepEstimate {
+    /// Number of values.
+    pub count: usize,
+    /// Their mean.
+    pub mean: f64,
+    /// Standard deviation; none of a single value.
+    pub standard_deviation: Option<f64>,
+    /// 95 % confidence interval of the mean by Student's t; none of a single value.
+    pub t_low: Option<f64>,
+    /// Its upper end.
+    pub t_high: Option<f64>,
+    /// 95 % percentile bootstrap interval; none of fewer than three values.
+    pub bootstrap_low: Option<f64>,
+    /// Its upper end.
+    pub bootstrap_high: Option<f64>,
+}
+
+impl SweepEstimate {
+    /// Of values; none of no values.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let mean = crate::measure::statistics::mean(values)?;
+        let test = MeanTest::of(values, 0.95);
+        let bootstrap = bootstrap_interval(values, 0.95);
+        Some(Self {
+            count: values.len(),
+            mean,
+            standard_deviation: test.map(|t| t.standard_deviation),
+            t_low: test.map(|t| t.mean - t.half_width),
+            t_high: test.map(|t| t.mean + t.half_width),
+            bootstrap_low: bootstrap.map(|b| b.0),
+            bootstrap_high: bootstrap.map(|b| b.1),
+        })
+    }
+}
+
+/// One point: means over its configurations.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepPoint {
+    /// Its name.
+    pub point: String,
+    /// The value of each factor.
+    pub values: Vec<Value>,
+    /// Runs with a result.
+    pub runs: usize,
+    /// Runs without.
+    pub failed: usize,
+    /// Results by their path in `summary.json`.
+    pub outcomes: BTreeMap<String, SweepEstimate>,
+}
+
+/// How one factor moves one result, all others averaged over.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SweepEffect {
+    /// The field of the scenario.
+    pub factor: String,
+    /// The result, by its path in `summary.json`.
+    pub outcome: String,
+    /// The mean at each value; empty where values were drawn.
+    pub means: Vec<(Value, SweepEstimate)>,
+    /// Change of the result for one unit of the factor: the mean over
+    /// configurations of each one's own slope. None where values are no numbers.
+    pub slope: Option<f64>,
+    /// Half of its 95 % confidence interval by Student's t; none of one configuration.
+    pub slope_half_width: Option<f64>,
+    /// Two-sided p-value of no slope.
+    pub slope_p: Option<f64>,
+    /// One-sided p-value of Page's trend test by ranks, in the direction of the
+    /// slope; none of fewer than three values or two configurations.
+    pub page_p: Option<f64>,
+    /// Configurations that would show a slope of this size among this scatter, at
+    /// 95 % confidence with a probability of 80 %; none where it is not known, or
+    /// more than 100 000.
+    pub configurations_needed: Option<usize>,
+}
+
+/// Everything that a sweep found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sweep {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// `grid`, `one_at_a_time` or `latin_hypercube`.
+    pub design: &'static str,
+    /// What is varied.
+    pub factors: Vec<SweepFactor>,
+    /// Configurations of each point.
+    pub configurations: u32,
+    /// How many runs the plan has; fewer have been carried out so far, or failed.
+    pub planned: usize,
+    /// The runs.
+    pub runs: Vec<SweepRun>,
+    /// The points.
+    pub points: Vec<SweepPoint>,
+    /// The effects, factor by factor.
+    pub effects: Vec<SweepEffect>,
+}
+
+impl Sweep {
+    /// Runs that have no result.
+    pub fn failed(&self) -> impl Iterator<Item = &SweepRun> {
+        self.runs.iter().filter(|r| r.failure.is_some())
+    }
+}
+
+/// What a result is in words.
+pub(super) fn in_words(outcome: &str) -> &str {
+    OUTCOMES.iter().find(|(path, _)| *path == outcome).map_or(outcome, |(_, words)| words)
+}
+
+/// `sweep.csv`: one row a run, one column a factor and result.
+fn table(of: &Sweep) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut header = vec!["run", "point", "configuration"];
+    header.extend(of.factors.iter().map(|f| f.path.as_str()));
+    header.extend(OUTCOMES.iter().map(|(path, _)| *path));
+    header.extend(["meets_standard", "failure"]);
+    writer.write_record(&header)?;
+    for run in &of.runs {
+        let mut row = vec![run.run.clone(), run.point.clone(), run.configuration.to_string()];
+        row.extend(run.values.iter().map(shown));
+        let number = |path: &str| run.outcomes.get(path).map_or(String::new(), f64::to_string);
+        row.extend(OUTCOMES.iter().map(|(path, _)| number(path)));
+        row.push(run.meets_standard.map_or(String::new(), |m| m.to_string()));
+        row.push(run.failure.clone().unwrap_or_default());
+        writer.write_record(&row)?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
+/// A value without the quotes of a text.
+pub(super) fn shown(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// Writes `sweep.csv`, `sweep.json`, `sweep.md`, `report.html` and `figures/`.
+///
+/// # Errors
+/// [`ReportError`] naming the file or the figure.
+pub fn write_sweep(out: &Path, of: &Sweep) -> Result<(), ReportError> {
+    let path = out.join("sweep.csv");
+    let rows = table(of).map_err(|e| FileError::new("write", &path, e))?;
+    write_file(&path, &rows)?;
+    write_json(&out.join("sweep.json"), of)?;
+    let figures = figures::of_sweep(of)?;
+    for figure in &figures {
+        figure.write(&out.join("figures"))?;
+    }
+    let page = page(of, &figures);
+    write_file(&out.join("sweep.md"), page.markdown().as_bytes())?;
+    write_file(&out.join("report.html"), page.html(&figures).as_bytes())?;
+    Ok(())
+}

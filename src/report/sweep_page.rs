@@ -1,0 +1,226 @@
+//! The page of a sweep, as Markdown and as HTML.
+
+use std::fmt::Write;
+
+use maud::{DOCTYPE, Markup, html};
+
+use super::{
+    Figure, MAIN_OUTCOMES, OUTCOMES, Sweep, SweepEstimate,
+    html::{figure_block, glue, head},
+    sweep::{in_words, shown},
+};
+use crate::paper::text::{compact, number};
+
+/// A table with its header; all cells as text.
+struct Table {
+    id: &'static str,
+    title: &'static str,
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+/// What the page says, without its form.
+pub(super) struct Page {
+    title: String,
+    lead: String,
+    good: bool,
+    tables: Vec<Table>,
+    figures: Vec<(String, String, String)>,
+}
+
+const HOW_TO_READ: &str = "Every point is carried out in the same configurations, each the same grains mixed anew. \
+     Intervals hold 95 % of what the mean over configurations may be, by Student's t; sweep.json has those of the bootstrap \
+     as well. A change for one unit is the slope of a line through each configuration's own results, its mean and interval \
+     over configurations; where values were drawn from ranges, it is the coefficient in a linear model of all of them. \
+     The test by ranks (Page 1963) asks whether results rise or fall from value to value without asking for a line. \
+     Configurations needed: so many would show a slope of this size among this scatter with a probability of 80 %.";
+
+/// Puts the page together.
+pub(super) fn page(of: &Sweep, figures: &[Figure]) -> Page {
+    let failed = of.failed().count();
+    let done = of.runs.len() - failed;
+    let mut lead = format!(
+        "{} points in {} configurations: {done} of {} runs have results",
+        of.points.len(),
+        of.configurations,
+        of.planned
+    );
+    if failed > 0 {
+        let _ = write!(lead, ", {failed} failed");
+    }
+    let below = of.runs.iter().filter(|r| r.meets_standard == Some(false)).count();
+    if below > 0 {
+        let _ = write!(lead, "; {below} do not meet the accuracy standard for overlap and creep");
+    }
+    lead.push('.');
+    let mut tables = vec![effects(of), points(of)];
+    if failed > 0 {
+        tables.push(failures(of));
+    }
+    Page {
+        title: format!("Sweep of {}", of.scenario),
+        lead,
+        good: failed == 0,
+        tables,
+        figures: figures
+            .iter()
+            .map(|f| (f.title.clone(), f.stem.clone(), f.caption.clone()))
+            .collect(),
+    }
+}
+
+fn texts<const N: usize>(of: [&str; N]) -> Vec<String> {
+    of.map(str::to_owned).to_vec()
+}
+
+/// A probability for people.
+fn probability(p: Option<f64>) -> String {
+    match p {
+        None => "–".to_owned(),
+        Some(p) if p < 0.001 => "< 0.001".to_owned(),
+        Some(p) => number(p, 3),
+    }
+}
+
+fn effects(of: &Sweep) -> Table {
+    let rows = of.effects.iter().map(|e| {
+        let slope = match (e.slope, e.slope_half_width) {
+            (Some(slope), Some(half)) => format!("{} ± {}", compact(slope), compact(half)),
+            (Some(slope), None) => compact(slope),
+            (None, _) => "–".to_owned(),
+        };
+        vec![
+            e.factor.clone(),
+            in_words(&e.outcome).to_owned(),
+            slope,
+            probability(e.slope_p),
+            probability(e.page_p),
+            e.configurations_needed.map_or_else(|| "–".to_owned(), |n| n.to_string()),
+        ]
+    });
+    Table {
+        id: "effects",
+        title: "What each factor moves",
+        header: texts([
+            "factor",
+            "result",
+            "change for one unit",
+            "p",
+            "p by ranks",
+            "configurations needed",
+        ]),
+        rows: rows.collect(),
+    }
+}
+
+/// Mean and half of the interval.
+fn estimate(e: Option<&SweepEstimate>) -> String {
+    let Some(e) = e else { return "–".to_owned() };
+    match e.t_high {
+        Some(high) => format!("{} ± {}", compact(e.mean), compact(high - e.mean)),
+        None => compact(e.mean),
+    }
+}
+
+fn points(of: &Sweep) -> Table {
+    let outcomes: Vec<&(&str, &str)> = OUTCOMES[..MAIN_OUTCOMES]
+        .iter()
+        .filter(|(path, _)| of.points.iter().any(|p| p.outcomes.contains_key(*path)))
+        .collect();
+    let mut header = texts(["point"]);
+    header.extend(of.factors.iter().map(|f| f.path.clone()));
+    header.push("runs".to_owned());
+    header.extend(outcomes.iter().map(|(_, words)| (*words).to_owned()));
+    let rows = of.points.iter().map(|p| {
+        let mut row = vec![p.point.clone()];
+        row.extend(p.values.iter().map(shown));
+        let failed = if p.failed > 0 { format!(", {} failed", p.failed) } else { String::new() };
+        row.push(format!("{}{failed}", p.runs));
+        row.extend(outcomes.iter().map(|(path, _)| estimate(p.outcomes.get(*path))));
+        row
+    });
+    Table { id: "points", title: "Points", header, rows: rows.collect() }
+}
+
+fn failures(of: &Sweep) -> Table {
+    let row = |r: &super::SweepRun| {
+        let values: Vec<String> = of
+            .factors
+            .iter()
+            .zip(&r.values)
+            .map(|(f, v)| format!("{}={}", f.path, shown(v)))
+            .collect();
+        vec![r.run.clone(), values.join(" "), r.failure.clone().unwrap_or_default()]
+    };
+    Table {
+        id: "failures",
+        title: "Runs without result",
+        header: texts(["run", "values", "why"]),
+        rows: of.failed().map(row).collect(),
+    }
+}
+
+impl Page {
+    /// As Markdown.
+    pub(super) fn markdown(&self) -> String {
+        let mut text = format!("# {}\n\n{}\n", self.title, self.lead);
+        for table in &self.tables {
+            let _ = write!(
+                text,
+                "\n## {}\n\n| {} |\n|{}\n",
+                table.title,
+                table.header.join(" | "),
+                " --- |".repeat(table.header.len())
+            );
+            for row in &table.rows {
+                let cells: Vec<String> = row.iter().map(|c| c.replace('|', "\\|")).collect();
+                let _ = writeln!(text, "| {} |", cells.join(" | "));
+            }
+        }
+        for (title, stem, caption) in &self.figures {
+            let _ = write!(text, "\n![{title}](figures/{stem}.png)\n\n{caption}\n");
+        }
+        let _ = write!(text, "\n## How to read it\n\n{HOW_TO_READ}\n");
+        text
+    }
+
+    /// As a page that needs nothing else.
+    pub(super) fn html(&self, figures: &[Figure]) -> String {
+        html! {
+            (DOCTYPE)
+            html lang="en" {
+                (head(&self.title))
+                body {
+                    header {
+                        h1 { (self.title) }
+                        @if self.good { p.lead { (glue(&self.lead)) } }
+                        @else { p.banner { (glue(&self.lead)) } }
+                    }
+                    main {
+                        @for table in &self.tables { (section(table)) }
+                        section id="figures" {
+                            h2 { "Figures" }
+                            @for figure in figures { (figure_block(figure)) }
+                        }
+                        section id="reading" { h2 { "How to read it" } p { (HOW_TO_READ) } }
+                    }
+                }
+            }
+        }
+        .into_string()
+    }
+}
+
+fn section(table: &Table) -> Markup {
+    html! {
+        section id=(table.id) {
+            h2 { (table.title) }
+            div.scroll { table {
+                thead { tr { @for name in &table.header { th { (name) } } } }
+                tbody {
+                    @for row in &table.rows { tr { @for cell in row { td { (glue(cell)) } } } }
+                }
+            } }
+        }
+    }
+}

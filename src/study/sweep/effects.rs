@@ -1,0 +1,317 @@
+//! What the runs of a sweep say together.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+use serde_json::Value;
+
+use super::points::{Design, Point};
+use crate::measure::{
+    inference::{MeanTest, page_test, values_needed},
+    statistics::{least_squares_slope, mean},
+};
+use crate::report::{
+    MAIN_OUTCOMES, OUTCOMES, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun,
+};
+
+/// Confidence of intervals, and of the test that decides how many
+/// configurations are needed.
+const CONFIDENCE: f64 = 0.95;
+
+/// With what probability that many show the slope.
+const POWER: f64 = 0.8;
+
+/// Means of each point over its configurations.
+pub(super) fn point_rows(points: &[Point], runs: &[SweepRun]) -> Vec<SweepPoint> {
+    let row = |point: &Point| {
+        let of: Vec<&SweepRun> = runs.iter().filter(|r| r.point == point.name).collect();
+        let mut outcomes = BTreeMap::new();
+        for (path, _) in OUTCOMES {
+            let values: Vec<f64> =
+                of.iter().filter_map(|r| r.outcomes.get(path).copied()).collect();
+            if let Some(estimate) = SweepEstimate::of(&values) {
+                outcomes.insert(path.to_owned(), estimate);
+            }
+        }
+        let failed = of.iter().filter(|r| r.failure.is_some()).count();
+        SweepPoint {
+            point: point.name.clone(),
+            values: point.values.clone(),
+            runs: of.len() - failed,
+            failed,
+            outcomes,
+        }
+    };
+    points.iter().map(row).collect()
+}
+
+/// The effect of every factor on every main result that was measured.
+pub(super) fn effects(
+    design: Design,
+    factors: &[SweepFactor],
+    points: &[Point],
+    runs: &[SweepRun],
+) -> Vec<SweepEffect> {
+    let mut found = Vec::new();
+    for (n, factor) in factors.iter().enumerate() {
+        for (outcome, _) in &OUTCOMES[..MAIN_OUTCOMES] {
+            if !runs.iter().any(|r| r.outcomes.contains_key(*outcome)) {
+                continue;
+            }
+            // Of factors varied one at a time only the scenario itself and the
+            // factor's own points tell of it.
+            let own: Vec<&Point> = points
+                .iter()
+                .filter(|p| design != Design::OneAtATime || p.varies.is_none_or(|v| v == n))
+                .collect();
+            let runs: Vec<&SweepRun> = runs
+                .iter()
+                .filter(|r| r.outcomes.contains_key(*outcome))
+                .filter(|r| own.iter().any(|p| p.name == r.point))
+                .collect();
+            found.push(match design {
+                Design::LatinHypercube(_) => drawn(factors, n, outcome, &runs),
+                _ => listed(factor, n, outcome, &own, &runs),
+            });
+        }
+    }
+    found
+}
+
+/// Configurations that have results, ascending.
+fn configurations(runs: &[&SweepRun]) -> Vec<u32> {
+    let mut all: Vec<u32> = runs.iter().map(|r| r.configuration).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// Of a factor with listed values: means at each, all else averaged over, by
+/// configurations that have every value.
+fn listed(
+    factor: &SweepFactor,
+    n: usize,
+    outcome: &str,
+    points: &[&Point],
+    runs: &[&SweepRun],
+) -> SweepEffect {
+    let mut values: Vec<&Value> = Vec::new();
+    for point in points {
+        if !values.contains(&&point.values[n]) {
+            values.push(&point.values[n]);
+        }
+    }
+    values.sort_by(|a, b| factor.number(a).total_cmp(&factor.number(b)));
+    let at = |configuration: u32, value: &Value| {
+        // A point that failed must not shift the mean of its value.
+        let wanted = points.iter().filter(|p| p.values[n] == *value).count();
+        let of: Vec<f64> = runs
+            .iter()
+            .filter(|r| r.configuration == configuration && r.values[n] == *value)
+            .map(|r| r.outcomes[outcome])
+            .collect();
+        if of.len() == wanted { mean(&of) } else { None }
+    };
+    let rows: Vec<Vec<f64>> = configurations(runs)
+        .into_iter()
+        .filter_map(|c| values.iter().map(|v| at(c, v)).collect())
+        .collect();
+    let means = values.iter().enumerate().filter_map(|(k, value)| {
+        let column: Vec<f64> = rows.iter().map(|row| row[k]).collect();
+        Some(((*value).clone(), SweepEstimate::of(&column)?))
+    });
+    let means: Vec<_> = means.collect();
+    let numbers: Vec<f64> = values.iter().map(|v| factor.number(v)).collect();
+    let slopes: Vec<f64> = if factor.numeric {
+        let line = |row: &Vec<f64>| {
+            let points: Vec<(f64, f64)> =
+                numbers.iter().copied().zip(row.iter().copied()).collect();
+            least_squares_slope(&points)
+        };
+        rows.iter().filter_map(line).collect()
+    } else {
+        Vec::new()
+    };
+    let falls = mean(&slopes).is_some_and(|s| s < 0.0);
+    let along: Vec<Vec<f64>> =
+        rows.iter().map(|row| row.iter().map(|v| if falls { -v } else { *v }).collect()).collect();
+    let page_p = if factor.numeric { page_test(&along).map(|t| t.p) } else { None };
+    effect(factor, outcome, means, &slopes, page_p)
+}
+
+/// Of a factor whose values were drawn: its coefficient in a linear model of all
+/// factors, fitted to each configuration by itself.
+fn drawn(factors: &[SweepFactor], n: usize, outcome: &str, runs: &[&SweepRun]) -> SweepEffect {
+    let fit = |configuration: u32| -> Option<f64> {
+        let of: Vec<&&SweepRun> =
+            runs.iter().filter(|r| r.configuration == configuration).collect();
+        if of.len() < factors.len() + 2 {
+            return None;
+        }
+        let centre: Vec<f64> = (0..factors.len())
+            .map(|f| mean(&of.iter().map(|r| factors[f].number(&r.values[f])).collect::<Vec<_>>()))
+            .collect::<Option<_>>()?;
+        let model = DMatrix::from_fn(of.len(), factors.len() + 1, |row, column| match column {
+            0 => 1.0,
+            c => factors[c - 1].number(&of[row].values[c - 1]) - centre[c - 1],
+        });
+        let results = DVector::from_iterator(of.len(), of.iter().map(|r| r.outcomes[outcome]));
+        // Columns of very different size are brought to one before they are told
+        // apart from rounding.
+        let sizes: Vec<f64> = model.column_iter().map(|c| c.norm()).collect();
+        if sizes.iter().any(|s| *s == 0.0) {
+            return None;
+        }
+        let scaled =
+            DMatrix::from_fn(model.nrows(), model.ncols(), |r, c| model[(r, c)] / sizes[c]);
+        let solved = scaled.svd(true, true).solve(&results, 1e-12).ok()?;
+        Some(solved[n + 1] / sizes[n + 1])
+    };
+    let slopes: Vec<f64> = configurations(runs).into_iter().filter_map(fit).collect();
+    effect(&factors[n], outcome, Vec::new(), &slopes, None)
+}
+
+fn effect(
+    factor: &SweepFactor,
+    outcome: &str,
+    means: Vec<(Value, SweepEstimate)>,
+    slopes: &[f64],
+    page_p: Option<f64>,
+) -> SweepEffect {
+    let test = MeanTest::of(slopes, CONFIDENCE);
+    let size = test.map(|t| (t.mean / t.standard_deviation).abs()).filter(|s| s.is_finite());
+    SweepEffect {
+        factor: factor.path.clone(),
+        outcome: outcome.to_owned(),
+        means,
+        slope: mean(slopes),
+        slope_half_width: test.map(|t| t.half_width),
+        slope_p: test.map(|t| t.p),
+        page_p,
+        configurations_needed: size.and_then(|s| values_needed(s, CONFIDENCE, POWER)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::super::points::points;
+    use super::*;
+    use crate::scenario::Scenario;
+
+    const RESULT: &str = "void_ratio";
+
+    fn factor(path: &str, values: &[Value], sampled: bool) -> SweepFactor {
+        let numeric = values.iter().all(Value::is_number);
+        SweepFactor { path: path.into(), values: values.to_vec(), sampled, numeric }
+    }
+
+    /// Results by a rule of the factors' numbers and the configuration.
+    fn runs(
+        points: &[Point],
+        factors: &[SweepFactor],
+        rule: impl Fn(&[f64], u32) -> f64,
+    ) -> Vec<SweepRun> {
+        let of = |point: &Point, configuration: u32| {
+            let numbers: Vec<f64> =
+                factors.iter().zip(&point.values).map(|(f, v)| f.number(v)).collect();
+            SweepRun {
+                run: format!("{}-c{configuration}", point.name),
+                point: point.name.clone(),
+                configuration,
+                values: point.values.clone(),
+                outcomes: BTreeMap::from([(RESULT.to_owned(), rule(&numbers, configuration))]),
+                meets_standard: Some(true),
+                failure: None,
+            }
+        };
+        (1..=3).flat_map(|c| points.iter().map(move |p| (p, c))).map(|(p, c)| of(p, c)).collect()
+    }
+
+    fn base() -> Scenario {
+        serde_json::from_value(json!({
+            "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
+        }))
+        .expect("a scenario")
+    }
+
+    fn assert_slope(effect: &SweepEffect, expected: f64) {
+        let got = effect.slope.expect("a slope");
+        assert!(
+            (got - expected).abs() < 1e-9,
+            "law: slope of {}, expected {expected}, got {got}, tolerance 1e-9",
+            effect.factor
+        );
+    }
+
+    /// Law: on a plane the slopes of a grid are the plane's, whatever each
+    /// configuration adds.
+    #[test]
+    fn a_grid_gives_the_slopes_of_a_plane() {
+        let over = ["a=1,2,4", "b=10,20"].map(|t| t.parse().expect("a factor"));
+        let all = points(Design::Grid, &over, &[], &base()).expect("points");
+        let factors = [
+            factor("a", &[json!(1), json!(2), json!(4)], false),
+            factor("b", &[json!(10), json!(20)], false),
+        ];
+        let runs = runs(&all, &factors, |x, c| 3.0 * x[0] - 0.5 * x[1] + f64::from(c));
+        let found = effects(Design::Grid, &factors, &all, &runs);
+        assert_eq!(found.len(), 2, "law: one result that was measured, two factors");
+        assert_slope(&found[0], 3.0);
+        assert_slope(&found[1], -0.5);
+        let p = found[0].page_p.expect("three values in three configurations");
+        assert!(p < 0.01, "law: three perfect orders of three have p = 1/216, got {p}");
+        assert_eq!(found[1].page_p, None, "law: two values make no order");
+        let half = found[0].slope_half_width.expect("three configurations");
+        assert!(half < 1e-9, "law: slopes that agree leave no doubt, got ± {half}");
+        let rows = point_rows(&all, &runs);
+        assert_eq!(rows.len(), 6);
+        assert_eq!(rows[0].outcomes[RESULT].count, 3, "law: three configurations a point");
+    }
+
+    /// Law: a configuration that lacks a point does not take part.
+    #[test]
+    fn a_failed_run_takes_its_configuration_with_it() {
+        let over = ["a=1,2".parse().expect("a factor")];
+        let all = points(Design::Grid, &over, &[], &base()).expect("points");
+        let factors = [factor("a", &[json!(1), json!(2)], false)];
+        let mut runs = runs(&all, &factors, |x, c| x[0] * f64::from(c));
+        runs[5].outcomes.clear();
+        runs[5].failure = Some("it broke".into());
+        let found = effects(Design::Grid, &factors, &all, &runs);
+        assert_eq!(found[0].means[0].1.count, 2, "law: two whole configurations are left");
+        assert_slope(&found[0], 1.5);
+        assert_eq!(point_rows(&all, &runs)[1].failed, 1);
+    }
+
+    /// Law: values drawn from ranges give the coefficients of a linear law.
+    #[test]
+    fn drawn_values_give_the_coefficients_of_a_linear_law() {
+        let ranges = ["contact.restitution=0..1", "gravity_m_per_s2=1000..3000"]
+            .map(|t| t.parse().expect("a range"));
+        let design = Design::LatinHypercube(12);
+        let all = points(design, &[], &ranges, &base()).expect("points");
+        let factors = [
+            factor("contact.restitution", &[json!(0.0), json!(1.0)], true),
+            factor("gravity_m_per_s2", &[json!(1000.0), json!(3000.0)], true),
+        ];
+        let runs = runs(&all, &factors, |x, c| 2.0 * x[0] - 0.001 * x[1] + f64::from(c));
+        let found = effects(design, &factors, &all, &runs);
+        assert_slope(&found[0], 2.0);
+        assert_slope(&found[1], -0.001);
+    }
+
+    /// Law: words have means and no slope.
+    #[test]
+    fn words_have_means_and_no_slope() {
+        let over = ["engine.backend=bullet,rapier".parse().expect("a factor")];
+        let all = points(Design::Grid, &over, &[], &base()).expect("points");
+        let factors = [factor("engine.backend", &[json!("bullet"), json!("rapier")], false)];
+        let runs = runs(&all, &factors, |x, _| x[0]);
+        let found = effects(Design::Grid, &factors, &all, &runs);
+        assert_eq!(found[0].slope, None);
+        let means: Vec<f64> = found[0].means.iter().map(|(_, e)| e.mean).collect();
+        assert_eq!(means, [1.0, 2.0], "law: in the order in which they were given");
+    }
+}

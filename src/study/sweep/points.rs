@@ -1,0 +1,230 @@
+//! The points of a sweep: which values of all factors go together.
+
+use serde_json::Value;
+
+use super::super::StudyError;
+use super::factor::{Factor, SampledRange};
+use crate::grains::streams::{shuffle, stream, uniform};
+use crate::scenario::{Override, Scenario};
+
+/// Most points of a sweep: more is a slip of the hand.
+const MOST_POINTS: usize = 10_000;
+
+/// One point of a sweep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// `point-0001` and so on; the folders of its runs begin so.
+    pub name: String,
+    /// The value of each factor, in their order.
+    pub values: Vec<Value>,
+    /// What it changes in the scenario.
+    pub changes: Vec<Override>,
+    /// The factor that differs from the scenario, where they are varied one at
+    /// a time; none of the scenario itself, and in other sweeps.
+    pub varies: Option<usize>,
+}
+
+/// How points are made of values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Design {
+    /// Every value of each factor with every value of the others.
+    Grid,
+    /// The scenario itself, then each value of each factor by itself.
+    OneAtATime,
+    /// So many points that fill the ranges evenly.
+    LatinHypercube(usize),
+}
+
+/// Makes the points. `ranges` are factors after those of `factors`; they are
+/// sampled, and only then.
+pub(super) fn points(
+    design: Design,
+    factors: &[Factor],
+    ranges: &[SampledRange],
+    base: &Scenario,
+) -> Result<Vec<Point>, StudyError> {
+    let points = match design {
+        Design::Grid => grid(factors)?,
+        Design::OneAtATime => one_at_a_time(factors, base)?,
+        Design::LatinHypercube(count) => {
+            let mut all = Vec::new();
+            let samples = latin_hypercube(count, ranges, base)?;
+            for at in grid(factors)? {
+                for (values, changes) in &samples {
+                    let mut point = at.clone();
+                    point.values.extend(values.iter().cloned());
+                    point.changes.extend(changes.iter().cloned());
+                    all.push(point);
+                }
+            }
+            all
+        }
+    };
+    if points.len() > MOST_POINTS {
+        return Err(StudyError::Scenario(format!(
+            "the sweep has {} points, at most {MOST_POINTS} are allowed",
+            points.len()
+        )));
+    }
+    let named = points.into_iter().enumerate();
+    Ok(named.map(|(n, point)| Point { name: format!("point-{:04}", n + 1), ..point }).collect())
+}
+
+fn grid(factors: &[Factor]) -> Result<Vec<Point>, StudyError> {
+    let count = factors.iter().try_fold(1_usize, |n, f| n.checked_mul(f.values.len()));
+    if count.is_none_or(|n| n > MOST_POINTS) {
+        return Err(StudyError::Scenario(format!(
+            "the values of --over make more than {MOST_POINTS} points"
+        )));
+    }
+    let mut points =
+        vec![Point { name: String::new(), values: vec![], changes: vec![], varies: None }];
+    for factor in factors {
+        let extended = points.iter().flat_map(|point| {
+            factor.values.iter().map(|(value, change)| {
+                let mut point = point.clone();
+                point.values.push(value.clone());
+                point.changes.push(change.clone());
+                point
+            })
+        });
+        points = extended.collect();
+    }
+    Ok(points)
+}
+
+fn one_at_a_time(factors: &[Factor], base: &Scenario) -> Result<Vec<Point>, StudyError> {
+    let own: Vec<Value> =
+        factors.iter().map(|f| value_in(base, &f.path)).collect::<Result<_, _>>()?;
+    let scenario =
+        Point { name: String::new(), values: own.clone(), changes: vec![], varies: None };
+    let mut points = vec![scenario.clone()];
+    for (n, factor) in factors.iter().enumerate() {
+        for (value, change) in factor.values.iter().filter(|(value, _)| !same(value, &own[n])) {
+            let mut point = scenario.clone();
+            point.values[n] = value.clone();
+            point.changes.push(change.clone());
+            point.varies = Some(n);
+            points.push(point);
+        }
+    }
+    Ok(points)
+}
+
+/// Whether two values are the same to an engine: 480 and 480.0 are.
+fn same(a: &Value, b: &Value) -> bool {
+    a == b || a.as_f64().is_some_and(|a| Some(a) == b.as_f64())
+}
+
+/// What the scenario has at a path.
+fn value_in(scenario: &Scenario, path: &str) -> Result<Value, StudyError> {
+    let json = serde_json::to_value(scenario).unwrap_or_default();
+    let place: Override = format!("{path}=0")
+        .parse()
+        .map_err(|e| StudyError::Scenario(format!("--over {path}: {e}")))?;
+    place.value_before(&json).filter(|v| !v.is_null()).cloned().ok_or_else(|| {
+        StudyError::Scenario(format!(
+            "the scenario has no value at `{path}` around which it could be varied; give it one \
+             with --set {path}=..."
+        ))
+    })
+}
+
+/// Values of all ranges at one sample, and what they change.
+type Sample = (Vec<Value>, Vec<Override>);
+
+/// A latin hypercube sample (McKay, Beckman & Conover 1979): each range is cut
+/// into as many equal parts as there are samples, and each part is drawn from
+/// once. The draws come from a stream named after the path, so that another
+/// range does not shift them.
+fn latin_hypercube(
+    count: usize,
+    ranges: &[SampledRange],
+    base: &Scenario,
+) -> Result<Vec<Sample>, StudyError> {
+    let mut samples: Vec<Sample> = vec![(Vec::new(), Vec::new()); count];
+    for range in ranges {
+        let whole = value_in(base, &range.path)?.is_i64() || value_in(base, &range.path)?.is_u64();
+        let mut rng = stream(base.seed, &format!("sweep {}", range.path));
+        let mut parts: Vec<usize> = (0..count).collect();
+        shuffle(&mut rng, &mut parts);
+        for ((values, changes), part) in samples.iter_mut().zip(parts) {
+            let share = (part as f64 + uniform(&mut rng)) / count as f64;
+            let value = range.low + share * (range.high - range.low);
+            // Six digits are enough to tell points apart and can be typed again.
+            let text = if whole { format!("{value:.0}") } else { format!("{value:.6}") };
+            let (value, change) =
+                Factor::value(&range.path, &text).map_err(StudyError::Scenario)?;
+            values.push(value);
+            changes.push(change);
+        }
+    }
+    Ok(samples)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn base() -> Scenario {
+        serde_json::from_value(json!({
+            "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
+        }))
+        .expect("a scenario")
+    }
+
+    fn over(list: &[&str]) -> Vec<Factor> {
+        list.iter().map(|text| text.parse().expect("a factor")).collect()
+    }
+
+    #[test]
+    fn a_grid_has_every_combination_once() {
+        let factors = over(&["engine.rate_hz=480,960", "seed=1,2,3"]);
+        let all = points(Design::Grid, &factors, &[], &base()).expect("points");
+        assert_eq!(all.len(), 6, "law: 2 × 3");
+        assert_eq!(all[0].name, "point-0001");
+        assert_eq!(all[5].values, [json!(960), json!(3)], "law: the last factor runs fastest");
+        let changes: Vec<&str> = all[1].changes.iter().map(Override::text).collect();
+        assert_eq!(changes, ["engine.rate_hz=480", "seed=2"]);
+    }
+
+    #[test]
+    fn one_at_a_time_begins_with_the_scenario_itself() {
+        let factors = over(&["engine.rate_hz=240,480,960", "contact.restitution=0.2"]);
+        let all = points(Design::OneAtATime, &factors, &[], &base()).expect("points");
+        let varies: Vec<_> = all.iter().map(|p| p.varies).collect();
+        assert_eq!(varies, [None, Some(0), Some(0), Some(1)], "law: the default is not repeated");
+        assert_eq!(all[3].values, [json!(480.0), json!(0.2)], "law: all else as it is");
+        assert!(all[0].changes.is_empty(), "law: the first is the scenario");
+    }
+
+    #[test]
+    fn a_latin_hypercube_draws_once_from_each_part() {
+        let ranges: Vec<SampledRange> = ["contact.restitution=0..1", "seed=1..100"]
+            .iter()
+            .map(|t| t.parse().expect("a range"))
+            .collect();
+        let all = points(Design::LatinHypercube(10), &[], &ranges, &base()).expect("points");
+        let mut parts: Vec<usize> =
+            all.iter().map(|p| (p.values[0].as_f64().expect("a number") * 10.0) as usize).collect();
+        parts.sort_unstable();
+        assert_eq!(parts, (0..10).collect::<Vec<_>>(), "law: one a tenth");
+        assert!(all.iter().all(|p| p.values[1].is_u64()), "law: seeds are whole numbers");
+        let again = points(Design::LatinHypercube(10), &[], &ranges, &base()).expect("points");
+        assert_eq!(all, again, "law: the same sample every time");
+    }
+
+    #[test]
+    fn what_cannot_be_is_told() {
+        let too_many: Vec<String> = (0..101).map(|n| n.to_string()).collect();
+        let many = format!("seed={}", too_many.join(","));
+        let factors = over(&[&many, &many.replace("seed", "configuration")]);
+        let refused = points(Design::Grid, &factors, &[], &base()).expect_err("too many");
+        assert!(refused.to_string().contains("10000"), "{refused}");
+        let nowhere = over(&["grains.total_mass_g=1"]);
+        let refused = points(Design::OneAtATime, &nowhere, &[], &base()).expect_err("no value");
+        assert!(refused.to_string().contains("grains.total_mass_g"), "{refused}");
+    }
+}

@@ -1,0 +1,173 @@
+//! `pluvia sweep` on a few grains: what it plans, what it finds, what it
+//! refuses, and that it goes on from where it was.
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use serde_json::{Value, json};
+
+/// Few grains poured through a wide funnel.
+fn write(folder: &Path) -> PathBuf {
+    let scenario = json!({
+        "name": "small",
+        "grains": {
+            "total_mass_g": 30, "density_kg_per_m3": 2673.9,
+            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+        },
+        "apparatus": {
+            "cylinder": { "inner_diameter_mm": 75, "height_mm": 120 },
+            "funnel": { "opening_diameter_mm": 72, "top_diameter_mm": 140 }
+        },
+        "engine": { "rate_hz": 240 },
+        "stages": [
+            { "stage": "fill_funnel", "time_limit_s": 1 },
+            { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 1.5 }
+        ],
+        "control_s": 0
+    });
+    let path = folder.join("small.json");
+    fs::write(&path, scenario.to_string()).expect("a scenario file");
+    path
+}
+
+/// Runs the command; gives its exit code, standard output and standard error.
+fn sweep(scenario: &Path, out: &Path, more: &[&str]) -> (Option<i32>, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+        .args(["sweep", "--quiet", "--json"])
+        .arg(scenario)
+        .arg("--out")
+        .arg(out)
+        .args(more)
+        .output()
+        .expect("the program starts");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+const GRID: [&str; 4] =
+    ["--over", "grains.total_mass_g=30,60", "--over", "contact.grain_grain_friction=0.3,0.8"];
+
+/// The table without the wall time, which no two runs share.
+fn rows(out: &Path) -> Vec<Vec<String>> {
+    let mut table = csv::Reader::from_path(out.join("sweep.csv")).expect("sweep.csv");
+    let header = table.headers().expect("a header").clone();
+    let all: Vec<csv::StringRecord> = table.records().map(|r| r.expect("a row")).collect();
+    std::iter::once(header.clone())
+        .chain(all)
+        .map(|row| {
+            let cells = row.iter().zip(&header).filter(|(_, name)| *name != "wall_s");
+            cells.map(|(cell, _)| cell.to_owned()).collect()
+        })
+        .collect()
+}
+
+#[test]
+fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (scenario, out) = (write(folder.path()), folder.path().join("out"));
+    let (code, _, said) = sweep(&scenario, &out, &GRID);
+    assert_eq!(code, Some(0), "{said}");
+    let first = rows(&out);
+    assert_eq!(first.len(), 5, "law: a header and 2 × 2 points in one configuration");
+    let column = |name: &str| {
+        first[0].iter().position(|n| n == name).unwrap_or_else(|| panic!("no column {name}"))
+    };
+    let heights: Vec<f64> = first[1..]
+        .iter()
+        .map(|row| row[column("standing_height_mm.mean_surface")].parse().expect("a height"))
+        .collect();
+    assert!(heights[2] > heights[0], "law: more grains stand higher, got {heights:?}");
+
+    // With two more configurations only what is new is carried out.
+    let stages = || -> BTreeSet<_> {
+        let found = fs::read_dir(out.join("stages")).expect("stages").flatten();
+        found.map(|e| (e.file_name(), e.metadata().and_then(|m| m.modified()).ok())).collect()
+    };
+    let before = stages();
+    let more = [&GRID[..], &["--configurations", "3"]].concat();
+    let (code, printed, said) = sweep(&scenario, &out, &more);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(before.is_subset(&stages()), "law: stored stages are taken as they are");
+    let second = rows(&out);
+    assert_eq!(second.len(), 13, "law: three configurations");
+    assert_eq!(first[..5], second[..5], "law: the first configuration is what it was");
+    let found: Value = serde_json::from_str(&printed).expect("JSON");
+    let effects = found["effects"].as_array().expect("effects");
+    let of_mass = effects.iter().find(|e| e["factor"] == "grains.total_mass_g").expect("mass");
+    assert!(of_mass["slope"].as_f64().is_some_and(|s| s > 0.0), "law: height grows, {of_mass}");
+    assert!(of_mass["slope_half_width"].is_number(), "law: three configurations, an interval");
+    for file in ["plan.json", "sweep.json", "sweep.md", "report.html"] {
+        assert!(out.join(file).exists(), "{file} is missing");
+    }
+    let drawn = fs::read_dir(out.join("figures")).expect("figures").count();
+    assert_eq!(drawn, 9, "law: two factors and a pair, in three formats each");
+
+    let plan: Value =
+        serde_json::from_str(&fs::read_to_string(out.join("plan.json")).expect("plan.json"))
+            .expect("JSON");
+    let runs = plan["runs"].as_array().expect("runs");
+    assert_eq!(runs.len(), 12, "law: the plan has every run");
+    for run in runs {
+        // Folders have the first digits of the key.
+        let key = run["key"].as_str().and_then(|k| k.get(..24)).expect("a key");
+        assert!(out.join("stages").join(key).is_dir(), "law: the last stage lies under its key");
+    }
+
+    let other = ["--over", "seed=1,2"];
+    let (code, _, said) = sweep(&scenario, &out, &other);
+    assert_eq!(code, Some(2), "law: the folder of another sweep is refused");
+    assert!(said.contains("another sweep"), "{said}");
+    assert_eq!(rows(&out), second, "law: nothing was written over");
+}
+
+#[test]
+fn values_can_be_drawn_and_varied_one_at_a_time() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write(folder.path());
+    let drawn = [
+        "--samples",
+        "latin-hypercube:3",
+        "--range",
+        "contact.grain_grain_friction=0.2..0.9",
+        "--plan-only",
+    ];
+    let out = folder.path().join("drawn");
+    let (code, printed, said) = sweep(&scenario, &out, &drawn);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(serde_json::from_str::<Value>(&printed).expect("JSON")["runs"], 3);
+    assert!(!out.join("stages").exists(), "law: only the plan is written");
+
+    let out = folder.path().join("single");
+    let one = ["--one-at-a-time", "--over", "contact.grain_grain_friction=0.3,0.793"];
+    let (code, printed, said) = sweep(&scenario, &out, &one);
+    assert_eq!(code, Some(0), "{said}");
+    let found: Value = serde_json::from_str(&printed).expect("JSON");
+    let points = found["points"].as_array().expect("points").len();
+    assert_eq!(points, 2, "law: the scenario and what differs from it");
+}
+
+#[test]
+fn what_cannot_be_swept_is_told_before_anything_runs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (scenario, out) = (write(folder.path()), folder.path().join("out"));
+    for (more, words) in [
+        (&["--over", "contact.grain_friction=1,2"][..], ["grain_friction", "point-0001"]),
+        (&["--over", "contact.restitution=0.3,7"][..], ["restitution", "7"]),
+        (&["--over", "seed=1", "--over", "seed=2"][..], ["seed", "twice"]),
+        (&["--over", "seed"][..], ["path=value", "seed"]),
+        (&["--samples", "sobol:4", "--range", "seed=1..9"][..], ["latin-hypercube:N", "sobol"]),
+        (&[][..], ["--over", "required"]),
+    ] {
+        let (code, printed, said) = sweep(&scenario, &out, more);
+        assert_eq!(code, Some(2), "{more:?}: {said}");
+        assert!(printed.is_empty(), "nothing is printed as a result: {printed}");
+        for word in words {
+            assert!(said.contains(word), "{more:?}: `{word}` is missing in: {said}");
+        }
+    }
+    assert!(!out.exists(), "law: nothing was made");
+}
