@@ -25,6 +25,7 @@ mod reproduce;
 mod run;
 mod schema;
 mod sensitivity;
+mod stage;
 mod stop;
 mod sweep;
 mod table;
@@ -82,6 +83,7 @@ enum Command {
     Converge(converge::ConvergeArgs),
     Sensitivity(sensitivity::SensitivityArgs),
     Sweep(Box<sweep::SweepArgs>),
+    Stage(stage::StageArgs),
     Verify(verify::VerifyArgs),
     Export(export::ExportArgs),
     Picture(picture::PictureArgs),
@@ -116,6 +118,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Converge(args) => converge::run(args, &context),
         Command::Sensitivity(args) => sensitivity::run(args, &context),
         Command::Sweep(args) => sweep::run(args, &context),
+        Command::Stage(args) => stage::run(args, &context),
         Command::Verify(args) => verify::run(args, &context),
         Command::Export(args) => export::run(args, &context),
         Command::Picture(args) => picture::run(args, &context),

@@ -7,7 +7,11 @@ use serde_json::json;
 
 use super::{CliError, Context, ExitStatus, changes::Changes, output_folder};
 use crate::record::read_file;
-use crate::study::{Design, Factor, RunOptions, SampledRange, SweepOptions, SweepStudy};
+use crate::report::Sweep;
+use crate::study::{
+    Design, Factor, RunOptions, SampledRange, SlurmRequest, SweepOptions, SweepStudy, SweepTasks,
+    submit_to_slurm, this_program,
+};
 
 /// Carry out a scenario at many values of its fields and put the results into one table
 #[derive(Debug, Args)]
@@ -17,6 +21,7 @@ each field is varied by itself around the scenario. --samples latin-hypercube:N 
 the ranges of --range. Leaves plan.json, sweep.csv (one row a run), sweep.json, sweep.md,
 report.html, figures/ and runs/ in DIR. What is already done there is not done again; the same
 command with more --configurations adds to it. A run that fails is a row that says why.
+--slurm submits what is not stored yet to a cluster; --status and --collect need only --out.
 
 Examples:
   pluvia sweep scenarios/quick/pluviation.json --over contact.grain_grain_friction=0.4,0.6,0.8 \\
@@ -24,13 +29,16 @@ Examples:
   pluvia sweep scenarios/quick/vibration.json --one-at-a-time --configurations 3 \\
       --over contact.grain_wall_friction=0.3,0.7 --over contact.restitution=0.1,0.5 --out out/choices
   pluvia sweep scenarios/quick/pluviation.json --samples latin-hypercube:20 \\
-      --range contact.grain_grain_friction=0.3..0.9 --range contact.restitution=0.1..0.6")]
+      --range contact.grain_grain_friction=0.3..0.9 --range contact.restitution=0.1..0.6
+  pluvia sweep scenarios/quick/pluviation.json --over contact.restitution=0.1,0.3,0.5 \\
+      --configurations 10 --slurm --time 00:30:00 --out out/cluster
+  pluvia sweep --status --out out/cluster")]
 pub(super) struct SweepArgs {
     /// The scenario file
-    #[arg(value_name = "SCENARIO.json")]
-    scenario: PathBuf,
+    #[arg(value_name = "SCENARIO.json", required_unless_present_any = ["status", "collect"])]
+    scenario: Option<PathBuf>,
     /// A field of the scenario and its values (repeatable)
-    #[arg(long, value_name = "path=v1,v2,...", required_unless_present = "samples")]
+    #[arg(long, value_name = "path=v1,v2,...", required_unless_present_any = ["samples", "status", "collect"])]
     over: Vec<Factor>,
     /// Vary each field by itself around the scenario, in place of all combinations
     #[arg(long, conflicts_with = "samples")]
@@ -48,6 +56,14 @@ pub(super) struct SweepArgs {
     /// Only write plan.json, which lists every run
     #[arg(long)]
     plan_only: bool,
+    /// Print how far the sweep in DIR is
+    #[arg(long, conflicts_with_all = ["scenario", "over", "plan_only", "collect"])]
+    status: bool,
+    /// Put what is stored of the sweep in DIR together, and carry out nothing
+    #[arg(long, conflicts_with_all = ["scenario", "over", "plan_only"])]
+    collect: bool,
+    #[command(flatten)]
+    slurm: SlurmArgs,
     #[command(flatten)]
     changes: Changes,
     /// Stages carried out at the same time [default: the number of cores]
@@ -58,6 +74,26 @@ pub(super) struct SweepArgs {
     out: PathBuf,
 }
 
+/// What jobs ask of a cluster.
+#[derive(Debug, Args)]
+struct SlurmArgs {
+    /// Submit the stages as Slurm job arrays; only what is not stored yet
+    #[arg(long, conflicts_with_all = ["plan_only", "status", "collect"])]
+    slurm: bool,
+    /// Partition for the jobs
+    #[arg(long, value_name = "NAME", requires = "slurm")]
+    partition: Option<String>,
+    /// Time limit of a stage, as sbatch takes it
+    #[arg(long, value_name = "HH:MM:SS", requires = "slurm")]
+    time: Option<String>,
+    /// Memory of a stage, as sbatch takes it
+    #[arg(long, value_name = "SIZE", requires = "slurm")]
+    mem: Option<String>,
+    /// Account that pays for the jobs
+    #[arg(long, value_name = "NAME", requires = "slurm")]
+    account: Option<String>,
+}
+
 fn samples(text: &str) -> Result<usize, String> {
     let count = text.strip_prefix("latin-hypercube:").and_then(|n| n.parse().ok());
     count
@@ -66,9 +102,19 @@ fn samples(text: &str) -> Result<usize, String> {
 }
 
 pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let cores = || available_parallelism().map_or(1, usize::from);
+    let run = run_options(args, context);
+    if args.status {
+        return status(&SweepTasks::read(run)?, context);
+    }
+    if args.collect {
+        let found = SweepTasks::read(run)?.study().collect()?;
+        return tell(args, &found, context);
+    }
+    let Some(scenario) = args.scenario.clone() else {
+        return Err(CliError::Usage("no scenario is given".to_owned()));
+    };
     let options = SweepOptions {
-        scenario: args.scenario.clone(),
+        scenario,
         changes: args.changes.overrides(),
         over: args.over.clone(),
         ranges: args.range.clone(),
@@ -78,29 +124,76 @@ pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, Cli
             None => Design::Grid,
         },
         configurations: args.configurations,
-        run: RunOptions {
-            out: args.out.clone(),
-            jobs: args.jobs.map_or_else(cores, usize::from),
-            frames: false,
-            cancel: context.cancel.clone(),
-            progress: context.progress.clone(),
-        },
+        run,
     };
-    let study = SweepStudy::new(&options)?;
+    let study = SweepStudy::new(options)?;
     output_folder::prepare(&args.out)?;
-    if args.plan_only {
+    if args.plan_only || args.slurm.slurm {
         let plan = study.plan()?;
         plan.write(&args.out)?;
+        if args.slurm.slurm {
+            return on_slurm(args, context);
+        }
         let text = format!("{} runs planned in {}\n", plan.runs.len(), args.out.display());
         context.print(&text, &json!({ "runs": plan.runs.len() }))?;
         return Ok(ExitStatus::Done);
     }
     context.stop_on_ctrl_c();
     let found = study.carry_out()?;
+    tell(args, &found, context)
+}
+
+fn run_options(args: &SweepArgs, context: &Context) -> RunOptions {
+    let cores = || available_parallelism().map_or(1, usize::from);
+    RunOptions {
+        out: args.out.clone(),
+        jobs: args.jobs.map_or_else(cores, usize::from),
+        frames: false,
+        cancel: context.cancel.clone(),
+        progress: context.progress.clone(),
+    }
+}
+
+fn on_slurm(args: &SweepArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let tasks = SweepTasks::read(run_options(args, context))?;
+    let SlurmArgs { partition, time, mem, account, .. } = &args.slurm;
+    let request = SlurmRequest {
+        partition: partition.clone(),
+        time: time.clone(),
+        memory: mem.clone(),
+        account: account.clone(),
+    };
+    let jobs = submit_to_slurm(&tasks, &this_program()?, &request)?;
+    let mut text = String::new();
+    for job in &jobs {
+        text += &match job.level {
+            Some(level) => format!("job {}: {} stages of level {level}\n", job.id, job.tasks),
+            None => format!("job {}: collects the results when all have ended\n", job.id),
+        };
+    }
+    context.print(&text, &jobs)?;
+    Ok(ExitStatus::Done)
+}
+
+fn status(tasks: &SweepTasks, context: &Context) -> Result<ExitStatus, CliError> {
+    let status = tasks.status();
+    let mut text = format!(
+        "{} of {} stages stored, {} of {} runs complete\n",
+        status.stored, status.stages, status.complete, status.runs
+    );
+    for (stage, why) in &status.failed {
+        text += &format!("failed: {stage}: {why}\n");
+    }
+    context.print(&text, &status)?;
+    Ok(ExitStatus::Done)
+}
+
+/// Prints what was found.
+fn tell(args: &SweepArgs, found: &Sweep, context: &Context) -> Result<ExitStatus, CliError> {
     let page = args.out.join("sweep.md");
     let text = String::from_utf8_lossy(&read_file(&page)?).into_owned();
     let end = text.find("\n![").or_else(|| text.find("\n## How to read it")).unwrap_or(text.len());
-    context.print(&format!("{}\nall of it in {}\n", &text[..end], page.display()), &found)?;
+    context.print(&format!("{}\nall of it in {}\n", &text[..end], page.display()), found)?;
     if found.failed().count() == found.runs.len() {
         return Ok(ExitStatus::ExpectationMissed);
     }

@@ -179,6 +179,21 @@ impl StageStore {
         Self::read(&target)
     }
 
+    /// Whether a stage is there; its hashes are checked when it is read.
+    pub fn holds(&self, key: &str) -> bool {
+        self.folder(key).join("stage.json").is_file()
+    }
+
+    /// Why a stage failed when it was last carried out; none where it did not.
+    pub fn failure(&self, key: &str) -> Option<String> {
+        let kept: serde_json::Value = read_json(&self.failed_file(key)).ok()?;
+        kept.get("failure")?.as_str().map(str::to_owned)
+    }
+
+    fn failed_file(&self, key: &str) -> PathBuf {
+        self.root.join(format!("failed-{}.json", key.get(..24).unwrap_or(key)))
+    }
+
     /// Keeps the last good state of a stage that failed, and why; returns the file.
     ///
     /// # Errors
@@ -189,7 +204,7 @@ impl StageStore {
         state: &SpecimenState,
         why: &str,
     ) -> Result<PathBuf, FileError> {
-        let path = self.root.join(format!("failed-{}.json", &key[..key.len().min(24)]));
+        let path = self.failed_file(key);
         write_json(&path, &serde_json::json!({ "failure": why, "last_good": state }))?;
         Ok(path)
     }

@@ -16,6 +16,7 @@ mod reproduce;
 mod run;
 mod sensitivity;
 mod side_by_side;
+mod slurm;
 mod summarise;
 mod sweep;
 #[cfg(test)]
@@ -36,10 +37,11 @@ pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
 pub use run::{RunOptions, make_grains, run_scenario, write_grains};
 pub use sensitivity::{ParameterDesign, SensitivityDesign, SensitivityStudy};
 pub use side_by_side::{ReadingsOptions, ReadingsOutcome, readings};
+pub use slurm::{SlurmJob, SlurmRequest, submit as submit_to_slurm, this_program};
 pub use summarise::STANDARD;
 pub use sweep::{
     Design, Factor, PLAN_FILE, PlannedPoint, Point, SampledRange, SweepOptions, SweepPlan,
-    SweepStudy,
+    SweepStatus, SweepStudy, SweepTasks,
 };
 pub use variations::{Variation, Varied, carry_out_variations, write_variations};
 

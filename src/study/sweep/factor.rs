@@ -13,6 +13,8 @@ pub struct Factor {
     pub path: String,
     /// Its values as they were typed, each with the change it makes.
     pub values: Vec<(Value, Override)>,
+    /// As it was typed.
+    pub text: String,
 }
 
 /// A field of the scenario and the range from which its values are drawn.
@@ -24,6 +26,8 @@ pub struct SampledRange {
     pub low: f64,
     /// Largest value.
     pub high: f64,
+    /// As it was typed.
+    pub text: String,
 }
 
 impl Factor {
@@ -56,7 +60,7 @@ impl FromStr for Factor {
             }
             values.push(value);
         }
-        Ok(Self { path: path.to_owned(), values })
+        Ok(Self { path: path.to_owned(), values, text: text.to_owned() })
     }
 }
 
@@ -97,7 +101,7 @@ impl FromStr for SampledRange {
         if low >= high {
             return Err(format!("`{text}`: {low} is not below {high}"));
         }
-        Ok(Self { path: path.trim().to_owned(), low, high })
+        Ok(Self { path: path.trim().to_owned(), low, high, text: text.to_owned() })
     }
 }
 

@@ -4,10 +4,12 @@ mod effects;
 mod factor;
 mod plan_file;
 mod points;
+mod tasks;
 
 pub use factor::{Factor, SampledRange};
 pub use plan_file::{PLAN_FILE, PlannedPoint, SweepPlan};
 pub use points::{Design, Point};
+pub use tasks::{SweepStatus, SweepTasks};
 
 use std::path::PathBuf;
 
@@ -15,7 +17,7 @@ use serde_json::Value;
 
 use super::{
     RunOptions, StudyError,
-    variations::{Variation, Varied, carry_out_variations},
+    variations::{Variation, Varied, carry_out_variations, collect_stored},
 };
 use crate::record::{RunRow, read_json};
 use crate::report::{self, OUTCOMES, Sweep, SweepFactor, SweepRun};
@@ -40,26 +42,22 @@ pub struct SweepOptions {
 }
 
 /// A sweep that was checked, and not yet carried out.
-pub struct SweepStudy<'a> {
-    options: &'a SweepOptions,
+pub struct SweepStudy {
+    options: SweepOptions,
     scenario: Scenario,
     points: Vec<Point>,
     varied: Varied,
 }
 
-impl<'a> SweepStudy<'a> {
+impl SweepStudy {
     /// Makes the points and checks the scenario at each of them.
     ///
     /// # Errors
     /// [`StudyError::Faults`] with the faults of all points,
     /// [`StudyError::Scenario`] of what is varied.
-    pub fn new(options: &'a SweepOptions) -> Result<Self, StudyError> {
-        let paths: Vec<&String> = options
-            .over
-            .iter()
-            .map(|f| &f.path)
-            .chain(options.ranges.iter().map(|r| &r.path))
-            .collect();
+    pub fn new(options: SweepOptions) -> Result<Self, StudyError> {
+        let listed = options.over.iter().map(|f| &f.path);
+        let paths: Vec<&String> = listed.chain(options.ranges.iter().map(|r| &r.path)).collect();
         if let Some(twice) = paths.iter().enumerate().find(|(n, p)| paths[..*n].contains(p)) {
             return Err(StudyError::Scenario(format!("`{}` is varied twice", twice.1)));
         }
@@ -81,7 +79,7 @@ impl<'a> SweepStudy<'a> {
     /// # Errors
     /// When grains or apparatus of a point cannot be made.
     pub fn plan(&self) -> Result<SweepPlan, StudyError> {
-        plan_file::plan(self.options, &self.scenario.name, &self.points, &self.varied)
+        plan_file::plan(&self.options, &self.scenario.name, &self.points, &self.varied)
     }
 
     /// Carries it out and writes `plan.json`, `sweep.csv`, `sweep.json`,
@@ -103,6 +101,18 @@ impl<'a> SweepStudy<'a> {
         let configurations = self.options.configurations;
         carry_out_variations(&self.varied, configurations, &self.options.run, &mut so_far)?;
         found.ok_or_else(|| StudyError::Scenario("the sweep has no point".to_owned()))
+    }
+
+    /// Puts what is stored of it into the same files, whoever carried it out;
+    /// a run that is not whole is a row that says so.
+    ///
+    /// # Errors
+    /// [`StudyError`].
+    pub fn collect(&self) -> Result<Sweep, StudyError> {
+        let rows = collect_stored(&self.varied, self.options.configurations, &self.options.run)?;
+        let sweep = self.found(&rows)?;
+        report::write_sweep(&self.options.run.out, &sweep)?;
+        Ok(sweep)
     }
 
     /// What is varied, as the report has it.

@@ -1,13 +1,13 @@
 //! `plan.json`: every run of a sweep before any is carried out.
 
-use std::path::Path;
+use std::{fmt::Display, path::Path, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::{
     super::{
-        StudyError,
+        RunOptions, StudyError,
         plan::Plan,
         variations::{GrainSets, Varied, planned_run},
     },
@@ -39,10 +39,16 @@ pub struct SweepPlan {
     pub name: String,
     /// `grid`, `one_at_a_time` or `latin_hypercube`.
     pub design: String,
-    /// Fields that are varied.
-    pub factors: Vec<String>,
+    /// Number of samples of a latin hypercube; none else.
+    pub samples: Option<usize>,
+    /// Fields with listed values, `path=v1,v2`.
+    pub over: Vec<String>,
+    /// Fields whose values are drawn, `path=low..high`.
+    pub ranges: Vec<String>,
     /// Changes that every run has, `path=value`.
     pub changes: Vec<String>,
+    /// Configurations of each point.
+    pub configurations: u32,
     /// Every run, point by point, configurations in a row.
     pub runs: Vec<PlannedPoint>,
 }
@@ -117,8 +123,14 @@ pub(super) fn plan(
         scenario: options.scenario.display().to_string(),
         name: scenario_name.to_owned(),
         design: name(options.design).to_owned(),
-        factors,
+        samples: match options.design {
+            Design::LatinHypercube(count) => Some(count),
+            Design::Grid | Design::OneAtATime => None,
+        },
+        over: options.over.iter().map(|f| f.text.clone()).collect(),
+        ranges: options.ranges.iter().map(|r| r.text.clone()).collect(),
         changes: options.changes.iter().map(|c| c.text().to_owned()).collect(),
+        configurations: options.configurations,
         runs,
     })
 }
@@ -143,6 +155,56 @@ impl SweepPlan {
         Ok(write_json(&path, self)?)
     }
 
+    /// Reads it from a folder.
+    ///
+    /// # Errors
+    /// [`StudyError::File`], [`StudyError::Scenario`] for a plan of another
+    /// version.
+    pub fn read(out: &Path) -> Result<Self, StudyError> {
+        let path = out.join(PLAN_FILE);
+        let plan: Self = read_json(&path)?;
+        if plan.format != FORMAT || plan.version != VERSION {
+            return Err(StudyError::Scenario(format!(
+                "{} is of format `{}`, version {}; this program reads `{FORMAT}`, version {VERSION}",
+                path.display(),
+                plan.format,
+                plan.version
+            )));
+        }
+        Ok(plan)
+    }
+
+    /// What was asked for, with results in `run.out`.
+    ///
+    /// # Errors
+    /// [`StudyError::Scenario`] for what cannot be read.
+    pub fn options(&self, run: RunOptions) -> Result<SweepOptions, StudyError> {
+        fn parsed<T: FromStr<Err: Display>>(texts: &[String]) -> Result<Vec<T>, StudyError> {
+            let each = texts.iter().map(|t| t.parse().map_err(|e: T::Err| e.to_string()));
+            each.collect::<Result<_, _>>().map_err(StudyError::Scenario)
+        }
+        let design = match (self.design.as_str(), self.samples) {
+            ("grid", None) => Design::Grid,
+            ("one_at_a_time", None) => Design::OneAtATime,
+            ("latin_hypercube", Some(count)) => Design::LatinHypercube(count),
+            (other, _) => {
+                return Err(StudyError::Scenario(format!(
+                    "the plan's design is `{other}`; allowed are grid, one_at_a_time, and \
+                     latin_hypercube with samples"
+                )));
+            }
+        };
+        Ok(SweepOptions {
+            scenario: self.scenario.clone().into(),
+            changes: parsed(&self.changes)?,
+            over: parsed(&self.over)?,
+            ranges: parsed(&self.ranges)?,
+            design,
+            configurations: self.configurations,
+            run,
+        })
+    }
+
     /// What makes it this sweep: configurations may be added to it.
     fn points(&self) -> (&str, &[String], &[String], Vec<(&str, &[String])>) {
         let mut points: Vec<(&str, &[String])> = Vec::new();
@@ -151,6 +213,6 @@ impl SweepPlan {
                 points.push((&run.point, &run.changes));
             }
         }
-        (&self.name, &self.factors, &self.changes, points)
+        (&self.name, &self.over, &self.changes, points)
     }
 }

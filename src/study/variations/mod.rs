@@ -153,33 +153,75 @@ pub(super) fn carry_out_in(
     let store = StageStore::open(&options.out.join("stages"))?;
     let mut rows = Vec::new();
     for together in configurations {
-        let mut planned = Vec::new();
+        let mut all = Vec::new();
         for number in together.clone() {
-            for (variation, scenario) in &varied.all {
-                if variation.configurations.is_some_and(|most| number >= most) {
-                    continue;
-                }
-                let run = planned_run(variation, scenario, number, grains.of(scenario)?);
-                let mut row = RunRow::of_scenario(
-                    &run.name,
-                    &variation.name,
-                    &variation.group,
-                    &run.scenario,
-                );
-                // Pairs are told by their number, whatever mixing a variation begins with.
-                row.configuration = number + 1;
-                row.changes =
-                    variation.changes.iter().map(Override::text).collect::<Vec<_>>().join("; ");
-                planned.push((run, row));
-            }
+            all.extend(planned(varied, number, &mut grains)?);
         }
-        for batch in batches(planned) {
+        for batch in batches(all) {
             let (runs, begun): (Vec<_>, Vec<_>) = batch.into_iter().unzip();
             rows.extend(carry_out_batch(make_world, &runs, begun, &own, &store, options)?);
             so_far(&rows)?;
         }
     }
     Ok(rows)
+}
+
+/// The rows of runs whose stages are all stored, by whatever program carried
+/// them out; the others say in `failure` what is missing.
+pub(super) fn collect_stored(
+    varied: &Varied,
+    configurations: u32,
+    options: &RunOptions,
+) -> Result<Vec<RunRow>, StudyError> {
+    create_folder(&options.out)?;
+    let mut grains = GrainSets::default();
+    let own = grains.of(&varied.base)?;
+    write_grains(&options.out, &varied.base, &own)?;
+    let store = StageStore::open(&options.out.join("stages"))?;
+    let mut rows = Vec::new();
+    for number in 0..configurations {
+        for planned in planned(varied, number, &mut grains)? {
+            let (run, row) = planned;
+            let plan = Plan::new(std::slice::from_ref(&run))?;
+            let missing = plan.nodes.iter().find(|node| !store.holds(&node.key));
+            rows.extend(match missing {
+                Some(node) => {
+                    let why = store.failure(&node.key);
+                    let why = why.map_or_else(String::new, |why| format!(": {why}"));
+                    let failure = format!("{} is not stored{why}", stage_label(&node.stage));
+                    vec![RunRow { failure: Some(failure), ..row }]
+                }
+                None => {
+                    let make = &crate::world::create;
+                    carry_out_batch(make, &[run], vec![row], &own, &store, options)?
+                }
+            });
+        }
+    }
+    Ok(rows)
+}
+
+/// Every variation in its n-th configuration, counted from 0, with the row that
+/// it will complete.
+fn planned(
+    varied: &Varied,
+    number: u32,
+    grains: &mut GrainSets,
+) -> Result<Vec<Planned>, StudyError> {
+    let mut planned = Vec::new();
+    for (variation, scenario) in &varied.all {
+        if variation.configurations.is_some_and(|most| number >= most) {
+            continue;
+        }
+        let run = planned_run(variation, scenario, number, grains.of(scenario)?);
+        let mut row =
+            RunRow::of_scenario(&run.name, &variation.name, &variation.group, &run.scenario);
+        // Pairs are told by their number, whatever mixing a variation begins with.
+        row.configuration = number + 1;
+        row.changes = variation.changes.iter().map(Override::text).collect::<Vec<_>>().join("; ");
+        planned.push((run, row));
+    }
+    Ok(planned)
 }
 
 /// Sets of grains, each made once.

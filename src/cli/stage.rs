@@ -1,0 +1,59 @@
+//! `pluvia stage`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::{CliError, Context, ExitStatus};
+use crate::study::{RunOptions, SweepTasks};
+
+/// Carry out one stage of a planned sweep and store it
+#[derive(Debug, Args)]
+#[command(after_help = "\
+For engines that spread a sweep over many machines: `pluvia sweep --plan-only` makes the plan, this
+carries out one of its stages in the folder that all machines share, `pluvia sweep --collect` puts
+the results together. Stages of a level need only such of the levels before. One that is stored is
+left alone; one whose beginning is not stored is refused with exit code 2.
+
+Examples:
+  pluvia stage out/sweep --list
+  pluvia stage out/sweep --level 0 --task 3")]
+pub(super) struct StageArgs {
+    /// Folder of the sweep, with its plan.json
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Level of the stage, from 0
+    #[arg(long, value_name = "N", requires = "task", required_unless_present = "list")]
+    level: Option<usize>,
+    /// Number of the stage within its level, from 0
+    #[arg(long, value_name = "N", requires = "level")]
+    task: Option<usize>,
+    /// Print how many stages each level has, and which are not stored
+    #[arg(long, conflicts_with = "level")]
+    list: bool,
+}
+
+pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let tasks = SweepTasks::read(RunOptions {
+        out: args.folder.clone(),
+        jobs: 1,
+        frames: false,
+        cancel: context.cancel.clone(),
+        progress: context.progress.clone(),
+    })?;
+    let (Some(level), Some(task)) = (args.level, args.task) else {
+        let levels = tasks.levels();
+        let missing: Vec<Vec<usize>> = (0..levels.len()).map(|n| tasks.missing(n)).collect();
+        let mut text = String::new();
+        for (n, (stages, missing)) in levels.iter().zip(&missing).enumerate() {
+            text += &format!("level {n}: {stages} stages, {} not stored\n", missing.len());
+        }
+        context.print(&text, &json!({ "levels": levels, "missing": missing }))?;
+        return Ok(ExitStatus::Done);
+    };
+    context.stop_on_ctrl_c();
+    let label = tasks.carry_out(level, task)?;
+    context.print(&format!("{label}: stored\n"), &json!({ "stored": label }))?;
+    Ok(ExitStatus::Done)
+}

@@ -1,0 +1,222 @@
+//! Slurm job arrays for the stages of a sweep.
+//!
+//! Each level of stages becomes one array (or several, where the cluster takes
+//! no larger ones), which begins when that before has ended, whether all of it
+//! went well or not: a stage whose beginning is missing says so and ends, the
+//! others go on. A last job collects the results.
+
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use serde::Serialize;
+
+use super::{StudyError, SweepTasks};
+use crate::record::{FileError, create_folder, write_file, write_json};
+
+/// Largest number of tasks of an array; Slurm's own default limit
+/// (`MaxArraySize`, slurm.conf) is 1001.
+const MOST_TASKS: usize = 1000;
+
+/// What jobs ask of the cluster.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+pub struct SlurmRequest {
+    /// Partition; the cluster's default where none is given.
+    pub partition: Option<String>,
+    /// Time limit of a stage, as `sbatch --time` takes it.
+    pub time: Option<String>,
+    /// Memory of a stage, as `sbatch --mem` takes it.
+    pub memory: Option<String>,
+    /// Account that pays, as `sbatch --account` takes it.
+    pub account: Option<String>,
+}
+
+/// One job that was submitted.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SlurmJob {
+    /// Slurm's number of it.
+    pub id: String,
+    /// The level of stages; none of the job that collects.
+    pub level: Option<usize>,
+    /// How many tasks it has.
+    pub tasks: usize,
+}
+
+/// Writes the jobs of all stages that are not stored into `DIR/slurm/` and
+/// submits them; gives them in the order in which they were submitted.
+///
+/// # Errors
+/// [`StudyError::File`]; [`StudyError::Scenario`] with what sbatch says.
+pub fn submit(
+    tasks: &SweepTasks,
+    program: &Path,
+    request: &SlurmRequest,
+) -> Result<Vec<SlurmJob>, StudyError> {
+    let folder = tasks.folder().join("slurm");
+    create_folder(&folder)?;
+    let mut jobs: Vec<SlurmJob> = Vec::new();
+    let mut before: Vec<String> = Vec::new();
+    for level in 0..tasks.levels().len() {
+        let missing = tasks.missing(level);
+        let mut ids = Vec::new();
+        for (part, numbers) in missing.chunks(MOST_TASKS).enumerate() {
+            let script = folder.join(format!("level-{level}-{part}.sh"));
+            let command = format!(
+                "{} stage {} --level {level} --task \"$SLURM_ARRAY_TASK_ID\" --quiet",
+                quoted(program),
+                quoted(tasks.folder())
+            );
+            let name = format!("pluvia-{level}");
+            let text = script_text(&name, Some(numbers), &before, request, &folder, &command);
+            write_file(&script, text.as_bytes())?;
+            let id = sbatch(&script)?;
+            jobs.push(SlurmJob { id: id.clone(), level: Some(level), tasks: numbers.len() });
+            ids.push(id);
+        }
+        if !ids.is_empty() {
+            before = ids;
+        }
+    }
+    let script = folder.join("collect.sh");
+    let command =
+        format!("{} sweep --collect --out {} --quiet", quoted(program), quoted(tasks.folder()));
+    let text = script_text("pluvia-collect", None, &before, request, &folder, &command);
+    write_file(&script, text.as_bytes())?;
+    jobs.push(SlurmJob { id: sbatch(&script)?, level: None, tasks: 1 });
+    write_json(&folder.join("jobs.json"), &jobs)?;
+    Ok(jobs)
+}
+
+/// A path for the shell, within single quotes.
+fn quoted(path: &Path) -> String {
+    format!("'{}'", path.display().to_string().replace('\'', "'\\''"))
+}
+
+/// Numbers in ascending order as Slurm's lists have them: `0-3,7`.
+fn ranges(numbers: &[usize]) -> String {
+    let mut parts: Vec<(usize, usize)> = Vec::new();
+    for &n in numbers {
+        match parts.last_mut() {
+            Some((_, last)) if *last + 1 == n => *last = n,
+            _ => parts.push((n, n)),
+        }
+    }
+    let part = |&(a, b): &(usize, usize)| if a == b { a.to_string() } else { format!("{a}-{b}") };
+    parts.iter().map(part).collect::<Vec<_>>().join(",")
+}
+
+fn script_text(
+    name: &str,
+    array: Option<&[usize]>,
+    after: &[String],
+    request: &SlurmRequest,
+    logs: &Path,
+    command: &str,
+) -> String {
+    let mut text = String::from("#!/bin/sh\n");
+    let mut option = |name: &str, value: &str| {
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "#SBATCH --{name}={value}");
+    };
+    option("job-name", name);
+    option("ntasks", "1");
+    option("cpus-per-task", "1");
+    // A node that fails must not fail the array: what it had is done again.
+    option("requeue", "");
+    let log = if array.is_some() { "%x-%A_%a.log" } else { "%x-%j.log" };
+    option("output", &logs.join(log).display().to_string());
+    // A stage that comes near its time limit is told, and keeps its checkpoint.
+    option("signal", "TERM@30");
+    if let Some(numbers) = array {
+        option("array", &ranges(numbers));
+    }
+    if !after.is_empty() {
+        option("dependency", &format!("afterany:{}", after.join(":")));
+    }
+    for (name, value) in [
+        ("partition", &request.partition),
+        ("time", &request.time),
+        ("mem", &request.memory),
+        ("account", &request.account),
+    ] {
+        if let Some(value) = value {
+            option(name, value);
+        }
+    }
+    let text = text.replace("--requeue=\n", "--requeue\n");
+    format!("{text}exec {command}\n")
+}
+
+/// Submits a script; gives the job's number.
+fn sbatch(script: &Path) -> Result<String, StudyError> {
+    let told = |what: String| {
+        StudyError::Scenario(format!("sbatch does not take {}: {what}", script.display()))
+    };
+    let output = Command::new("sbatch")
+        .arg("--parsable")
+        .arg(script)
+        .output()
+        .map_err(|e| told(format!("{e}; is Slurm installed on this machine?")))?;
+    if !output.status.success() {
+        return Err(told(String::from_utf8_lossy(&output.stderr).trim().to_owned()));
+    }
+    // `--parsable`: the number, and after a semicolon the cluster's name.
+    let text = String::from_utf8_lossy(&output.stdout);
+    let id = text.trim().split(';').next().unwrap_or_default();
+    if id.is_empty() {
+        return Err(told("it names no job".to_owned()));
+    }
+    Ok(id.to_owned())
+}
+
+/// The program that is running, for jobs to start.
+///
+/// # Errors
+/// When the system does not tell.
+pub fn this_program() -> Result<PathBuf, StudyError> {
+    let unknown = |e| FileError::new("find", Path::new("the running program"), e);
+    Ok(std::env::current_exe().map_err(unknown)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_put_into_ranges() {
+        assert_eq!(ranges(&[0, 1, 2, 3, 7, 9, 10]), "0-3,7,9-10");
+        assert_eq!(ranges(&[5]), "5");
+    }
+
+    #[test]
+    fn a_script_asks_for_what_was_given() {
+        let request = SlurmRequest {
+            partition: Some("long".into()),
+            time: Some("02:00:00".into()),
+            ..SlurmRequest::default()
+        };
+        let logs = Path::new("out/slurm");
+        let text =
+            script_text("pluvia-1", Some(&[0, 1]), &["7".into()], &request, logs, "pluvia x");
+        for line in [
+            "#!/bin/sh",
+            "#SBATCH --requeue",
+            "#SBATCH --array=0-1",
+            "#SBATCH --dependency=afterany:7",
+            "#SBATCH --partition=long",
+            "#SBATCH --time=02:00:00",
+            "#SBATCH --output=out/slurm/%x-%A_%a.log",
+            "exec pluvia x",
+        ] {
+            assert!(text.lines().any(|l| l == line), "law: there is a line {line}, got\n{text}");
+        }
+        assert!(!text.contains("--mem"), "law: what was not given is left to the cluster");
+    }
+
+    #[test]
+    fn paths_survive_the_shell() {
+        assert_eq!(quoted(Path::new("a b/it's")), "'a b/it'\\''s'");
+    }
+}

@@ -1,0 +1,161 @@
+//! The stages of a planned sweep one by one, for engines that spread them over
+//! many machines with a folder in common.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::{
+    super::{RunOptions, StudyError, execute::execute, plan::Plan, variations::GrainSets},
+    SweepPlan, SweepStudy,
+};
+use crate::record::StageStore;
+
+/// The stages of a sweep, in levels: those of a level need only such of the
+/// levels before, so that a level can be carried out all at once.
+pub struct SweepTasks {
+    study: SweepStudy,
+    plan: Plan,
+    store: StageStore,
+    levels: Vec<Vec<usize>>,
+}
+
+/// How far a sweep is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SweepStatus {
+    /// Stages of all runs, shared ones once.
+    pub stages: usize,
+    /// How many are stored.
+    pub stored: usize,
+    /// Runs of the plan.
+    pub runs: usize,
+    /// Runs whose stages are all stored.
+    pub complete: usize,
+    /// Stages that failed when they were last carried out: name and reason.
+    pub failed: Vec<(String, String)>,
+}
+
+impl SweepTasks {
+    /// Reads the plan of a folder and makes its stages again.
+    ///
+    /// # Errors
+    /// [`StudyError`]; [`StudyError::Scenario`] where the scenario, or the
+    /// program, is no longer what it was when the plan was made.
+    pub fn read(run: RunOptions) -> Result<Self, StudyError> {
+        let file = SweepPlan::read(&run.out)?;
+        let out = run.out.clone();
+        let frames = run.frames;
+        let study = SweepStudy::new(file.options(run)?)?;
+        let now = study.plan()?;
+        if now.runs != file.runs {
+            return Err(StudyError::Scenario(format!(
+                "{} was made of another scenario, or by another version of the program; run \
+                 `pluvia sweep` with --plan-only into another folder",
+                out.join(super::PLAN_FILE).display()
+            )));
+        }
+        let mut runs = Vec::new();
+        let mut grains = GrainSets::default();
+        for (variation, scenario) in &study.varied.all {
+            let set = grains.of(scenario)?;
+            for number in 0..study.options.configurations {
+                let run =
+                    super::super::variations::planned_run(variation, scenario, number, set.clone());
+                runs.push(run);
+            }
+        }
+        let plan = Plan::new(&runs)?;
+        let mut depth = vec![0; plan.nodes.len()];
+        let mut levels: Vec<Vec<usize>> = Vec::new();
+        // Parents come before children.
+        for (n, node) in plan.nodes.iter().enumerate() {
+            depth[n] = node.parent.map_or(0, |parent| depth[parent] + 1);
+            levels.resize(levels.len().max(depth[n] + 1), Vec::new());
+            levels[depth[n]].push(n);
+        }
+        let store = StageStore::open(&out.join("stages"))?.with_frames(frames);
+        Ok(Self { study, plan, store, levels })
+    }
+
+    /// How many stages each level has.
+    pub fn levels(&self) -> Vec<usize> {
+        self.levels.iter().map(Vec::len).collect()
+    }
+
+    /// Numbers, within their level, of the stages of a level that are not stored.
+    pub fn missing(&self, level: usize) -> Vec<usize> {
+        let Some(nodes) = self.levels.get(level) else { return Vec::new() };
+        let is_missing = |n: &usize| !self.store.holds(&self.plan.nodes[*n].key);
+        nodes.iter().enumerate().filter(|(_, n)| is_missing(n)).map(|(task, _)| task).collect()
+    }
+
+    /// Carries out one stage and stores it; one that is stored is left alone.
+    ///
+    /// # Errors
+    /// [`StudyError::Scenario`] for a stage that there is not, or one whose
+    /// beginning is not stored; [`StudyError`] of the stage.
+    pub fn carry_out(&self, level: usize, task: usize) -> Result<String, StudyError> {
+        let node = self.levels.get(level).and_then(|nodes| nodes.get(task)).copied();
+        let node = node.ok_or_else(|| {
+            StudyError::Scenario(format!(
+                "the plan has no stage {task} on level {level}; its levels have {:?} stages",
+                self.levels()
+            ))
+        })?;
+        let (chain, label) = (self.chain(node), self.plan.nodes[node].label.clone());
+        let needed = chain.nodes.iter().rev().skip(1).find(|n| !self.store.holds(&n.key));
+        if let Some(needed) = needed {
+            return Err(StudyError::Scenario(format!(
+                "{label} goes on from {}, which is not stored",
+                needed.label
+            )));
+        }
+        let options = &self.study.options.run;
+        let make = &crate::world::create;
+        let progress = options.progress.as_ref();
+        execute(&chain, &self.store, 1, make, &options.cancel, progress)?;
+        Ok(label)
+    }
+
+    /// A stage with all that it goes on from, as a plan of its own.
+    fn chain(&self, node: usize) -> Plan {
+        let mut numbers = vec![node];
+        while let Some(parent) = self.plan.nodes[numbers[numbers.len() - 1]].parent {
+            numbers.push(parent);
+        }
+        numbers.reverse();
+        let nodes = numbers.iter().enumerate().map(|(place, n)| {
+            let mut node = self.plan.nodes[*n].clone();
+            node.parent = place.checked_sub(1);
+            node
+        });
+        Plan { nodes: nodes.collect(), runs: Vec::new() }
+    }
+
+    /// How far it is.
+    pub fn status(&self) -> SweepStatus {
+        let held = |n: &usize| self.store.holds(&self.plan.nodes[*n].key);
+        let complete =
+            self.plan.runs.iter().filter(|run| run.stages.iter().chain(&run.control).all(held));
+        let failed = self.plan.nodes.iter().filter(|node| !self.store.holds(&node.key));
+        SweepStatus {
+            stages: self.plan.nodes.len(),
+            stored: (0..self.plan.nodes.len()).filter(held).count(),
+            runs: self.plan.runs.len(),
+            complete: complete.count(),
+            failed: failed
+                .filter_map(|node| Some((node.label.clone(), self.store.failure(&node.key)?)))
+                .collect(),
+        }
+    }
+
+    /// The sweep, to collect its results.
+    pub fn study(&self) -> &SweepStudy {
+        &self.study
+    }
+
+    /// Folder of the sweep.
+    pub fn folder(&self) -> &Path {
+        &self.study.options.run.out
+    }
+}
