@@ -9,7 +9,7 @@ PRECISIONS ?= double
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports lint format bench bench-peers clean
+.PHONY: test-slurm help setup setup-lint build reproduce convergence sensitivity test test-exports lint format bench bench-peers clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -51,6 +51,11 @@ test-exports: setup ## have VTK and the glTF validator read what `pluvia export`
 	@bash scripts/setup.sh exports
 	cargo build --locked
 	bash scripts/test-exports.sh
+
+test-slurm: setup ## send a sweep through a Slurm cluster on this machine, and kill a node
+	@bash scripts/setup.sh slurm
+	cargo build --locked
+	bash scripts/test-slurm.sh
 
 lint: setup-lint ## check formatting, lints and documentation
 	cargo fmt --check

@@ -6,6 +6,7 @@
 #   scripts/setup.sh browser  also Chromium, in which the page of `pluvia view`
 #                           is tested; without one that test is left out
 #   scripts/setup.sh exports   also what `make test-exports` needs
+#   scripts/setup.sh slurm  also what `make test-slurm` needs
 #
 # Several of these words may stand together.
 #
@@ -68,6 +69,12 @@ fi
 if wanted exports; then
     python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || missing+=(python3 python3-venv)
     have node && have npm || missing+=(nodejs npm)
+fi
+
+if wanted slurm; then
+    have slurmctld && have slurmd || missing+=(slurm-wlm)
+    have munged || missing+=(munge)
+    have python3 || missing+=(python3)
 fi
 
 if [ ${#missing[@]} -gt 0 ]; then

@@ -26,7 +26,7 @@ start)
         command -v "$tool" >/dev/null ||
             fail "$tool is missing. Try: apt-get install slurm-wlm munge"
     done
-    mkdir -p "$folder/state" "$folder/spool0" "$folder/spool1" "$folder/munge"
+    mkdir -p "$folder/state" "$folder/spool-node0" "$folder/spool-node1" "$folder/munge"
     chmod 755 "$folder" "$folder/munge"
     [ -f "$folder/munge/key" ] || head -c 128 /dev/urandom >"$folder/munge/key"
     chmod 600 "$folder/munge/key"
@@ -42,7 +42,7 @@ AuthType=auth/munge
 AuthInfo=socket=$folder/munge/socket
 SlurmctldPort=16817
 StateSaveLocation=$folder/state
-SlurmdSpoolDir=$folder/spool%n
+SlurmdSpoolDir=$folder/spool-%n
 SlurmctldPidFile=$folder/slurmctld.pid
 SlurmdPidFile=$folder/%n.pid
 SlurmctldLogFile=$folder/slurmctld.log
@@ -57,13 +57,10 @@ ReturnToService=2
 SlurmdTimeout=15
 MinJobAge=3600
 JobRequeue=1
-RequeueExitHold=0
 NodeName=node0 NodeHostname=$host NodeAddr=127.0.0.1 Port=16818 CPUs=1 RealMemory=500
 NodeName=node1 NodeHostname=$host NodeAddr=127.0.0.1 Port=16819 CPUs=1 RealMemory=500
 PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 EOF
-    sed -i '/RequeueExitHold/d' "$folder/slurm.conf"
-    mkdir -p "$folder/spoolnode0" "$folder/spoolnode1"
     slurmctld -f "$folder/slurm.conf" -L "$folder/slurmctld.log"
     start_node 0
     start_node 1
@@ -78,16 +75,10 @@ EOF
     ;;
 kill)
     node=node${3:?0 or 1}
-    # Its jobs are of its own process groups: all below the daemon's spool.
-    pids=$(pgrep -f "slurmstepd: .*" || true)
     kill -9 "$(cat "$folder/$node.pid")" 2>/dev/null || true
-    for pid in $pids; do
-        if tr '\0' '\n' <"/proc/$pid/environ" 2>/dev/null | grep -q "SLURMD_NODENAME=$node"; then
-            kill -9 -- "-$pid" 2>/dev/null || kill -9 "$pid" 2>/dev/null || true
-        fi
-    done
-    pgrep -f . | while read -r pid; do
-        if tr '\0' '\n' <"/proc/$pid/environ" 2>/dev/null | grep -q "^SLURMD_NODENAME=$node$"; then
+    # Its jobs carry its name; processes may end while they are looked at.
+    for pid in $(pgrep -f .); do
+        if grep -qsz "^SLURMD_NODENAME=$node\$" "/proc/$pid/environ"; then
             kill -9 "$pid" 2>/dev/null || true
         fi
     done

@@ -1,0 +1,104 @@
+#!/usr/bin/env bash
+# A sweep of 24 runs through a Slurm cluster on this machine, with a node killed
+# in mid-run and a task over its time limit: complete in the end, and the same
+# as without Slurm.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+program=${PLUVIA:-target/debug/pluvia}
+folder=$PWD/target/slurm
+scenario=$folder/small.json
+
+fail() {
+    printf 'error: %s\n' "$1" >&2
+    exit 1
+}
+
+scripts/slurm-here.sh stop "$folder/cluster" 2>/dev/null || true
+rm -rf "$folder"
+mkdir -p "$folder"
+cat >"$scenario" <<'EOF'
+{
+  "name": "small",
+  "grains": {
+    "total_mass_g": 60, "density_kg_per_m3": 2673.9,
+    "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+  },
+  "apparatus": {
+    "cylinder": { "inner_diameter_mm": 75, "height_mm": 120 },
+    "funnel": { "opening_diameter_mm": 72, "top_diameter_mm": 140 }
+  },
+  "stages": [
+    { "stage": "fill_funnel", "time_limit_s": 2 },
+    { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 3 },
+    { "stage": "rest", "duration_s": 2 }
+  ],
+  "control_s": 0.5
+}
+EOF
+sweep=("$scenario" --over contact.grain_grain_friction=0.3,0.5,0.7
+    --over stages.1.falling_height_mm=0,20,40,60 --configurations 2)
+
+"$program" sweep "${sweep[@]}" --quiet --out "$folder/local" >/dev/null
+scripts/slurm-here.sh start "$folder/cluster"
+trap 'scripts/slurm-here.sh stop "$folder/cluster"' EXIT
+. "$folder/cluster/env"
+
+# Waits until no job is left, at most so many seconds.
+drained() {
+    for _ in $(seq "$1"); do
+        [ -z "$(squeue -h)" ] && return
+        sleep 1
+    done
+    squeue >&2
+    fail "jobs are left after $1 s"
+}
+
+# The table without the wall time, which no two runs share.
+table() {
+    python3 - "$1" <<'EOF'
+import csv, sys
+rows = list(csv.reader(open(sys.argv[1] + "/sweep.csv")))
+wall = rows[0].index("wall_s")
+for row in rows:
+    print([cell for n, cell in enumerate(row) if n != wall])
+EOF
+}
+
+"$program" sweep "${sweep[@]}" --slurm --time 00:10:00 --out "$folder/cluster-run"
+for _ in $(seq 60); do
+    squeue -h -t running -w node0 -o %i | grep -q . && break
+    sleep 0.2
+done
+lost=$(squeue -h -t running -w node0 -o %i)
+[ -n "$lost" ] || fail "nothing runs on node 0, so that nothing can be killed"
+scripts/slurm-here.sh kill "$folder/cluster" 0
+printf 'killed node 0 in the middle of %s\n' "$lost"
+sleep 20
+scripts/slurm-here.sh node "$folder/cluster" 0
+drained 300
+"$program" sweep --status --out "$folder/cluster-run"
+# What was lost with the node, if Slurm did not begin it again, is missing and no more.
+missing=$("$program" sweep --status --json --out "$folder/cluster-run" |
+    python3 -c 'import json, sys; s = json.load(sys.stdin); print(s["stages"] - s["stored"])')
+if [ "$missing" -gt 0 ]; then
+    "$program" sweep "${sweep[@]}" --slurm --time 00:10:00 --out "$folder/cluster-run"
+    drained 300
+fi
+diff <(table "$folder/local") <(table "$folder/cluster-run") ||
+    fail "the sweep on Slurm is not the local one"
+echo '24 runs through Slurm with a node killed: the same table as without'
+
+# A stage that takes longer than its limit of one minute is told before it ends,
+# and goes on from its checkpoint when it is submitted again.
+long=("$scenario" --over contact.restitution=0.2 --set stages.2.duration_s=500)
+"$program" sweep "${long[@]}" --slurm --time 00:01:00 --out "$folder/long"
+drained 300
+"$program" sweep --status --out "$folder/long"
+grep -q stopped "$folder"/long/slurm/pluvia-2-*.log ||
+    fail "the stage over its limit was not told; see $folder/long/slurm"
+"$program" sweep "${long[@]}" --slurm --time 00:20:00 --out "$folder/long"
+drained 900
+"$program" sweep --status --out "$folder/long" | tee "$folder/long.txt"
+grep -q '1 of 1 runs complete' "$folder/long.txt" || fail "the stage over its limit was not finished"
+echo 'a stage over its time limit was stopped, submitted again and finished'
