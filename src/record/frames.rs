@@ -22,8 +22,9 @@ use std::{
 };
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use sha2::{Digest, Sha256};
 
-use super::{FileError, read_file};
+use super::{FileError, atomic::make_readable, hash::hexadecimal, read_unchanged};
 use crate::geometry::Pose;
 use crate::specimen::{Base, Fate, FunnelState, SpecimenState};
 
@@ -154,7 +155,11 @@ fn read_place(bytes: &[u8]) -> Option<Pose> {
 /// Writes the frames of a stage one after the other into a file.
 #[derive(Debug)]
 pub struct FrameWriter {
-    file: BufWriter<tempfile::NamedTempFile>,
+    out: BufWriter<File>,
+    path: tempfile::TempPath,
+    hash: Sha256,
+    /// Bytes of one frame, used again for the next.
+    frame: Vec<u8>,
     fault: Option<io::Error>,
 }
 
@@ -168,51 +173,61 @@ impl FrameWriter {
         let refused = |e| FileError::new("create a file in", folder, e);
         let file =
             tempfile::Builder::new().prefix(".part-").tempfile_in(folder).map_err(refused)?;
-        let mut file = BufWriter::new(file);
-        file.write_all(MAGIC).map_err(refused)?;
-        file.write_all(&(grains as u32).to_le_bytes()).map_err(refused)?;
-        Ok(Self { file, fault: None })
+        let (file, path) = file.into_parts();
+        let mut writer = Self {
+            out: BufWriter::new(file),
+            path,
+            hash: Sha256::new(),
+            frame: Vec::new(),
+            fault: None,
+        };
+        let mut head = MAGIC.to_vec();
+        head.extend((grains as u32).to_le_bytes());
+        writer.write(&head).map_err(refused)?;
+        Ok(writer)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.hash.update(bytes);
+        self.out.write_all(bytes)
     }
 
     /// Adds a state at a time in s since the run began. A fault is told at the end.
     pub fn add(&mut self, state: &SpecimenState, time: f64) {
         if self.fault.is_none() {
             let frame = Frame { time, ..Frame::of(state) };
-            self.fault = frame.write(&mut self.file).err();
+            let mut bytes = std::mem::take(&mut self.frame);
+            bytes.clear();
+            let written = frame.write(&mut bytes).and_then(|()| self.write(&bytes));
+            self.fault = written.err();
+            self.frame = bytes;
         }
     }
 
-    /// Moves the file to its place.
+    /// Moves the file to its place; gives the SHA-256 of its content.
     ///
     /// # Errors
     /// When not everything could be written.
-    pub fn keep(self, path: &Path) -> Result<(), FileError> {
+    pub fn keep(self, path: &Path) -> Result<String, FileError> {
         let refused = |e| FileError::new("write", path, e);
-        match self.fault {
-            Some(fault) => Err(refused(fault)),
-            None => {
-                let file = self.file.into_inner().map_err(|e| refused(e.into_error()))?;
-                file.as_file().sync_all().map_err(refused)?;
-                let file: File = file.persist(path).map_err(|e| refused(e.error))?;
-                #[cfg(unix)]
-                {
-                    use std::os::unix::fs::PermissionsExt;
-                    // Temporary files are private to their owner; results are not.
-                    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-                        .map_err(refused)?;
-                }
-                Ok(())
-            }
+        if let Some(fault) = self.fault {
+            return Err(refused(fault));
         }
+        let file = self.out.into_inner().map_err(|e| refused(e.into_error()))?;
+        file.sync_all().map_err(refused)?;
+        make_readable(&file).map_err(refused)?;
+        self.path.persist(path).map_err(|e| refused(e.error))?;
+        Ok(hexadecimal(&self.hash.finalize()))
     }
 }
 
-/// Reads the frames of a stage.
+/// Reads the frames of a stage, whose SHA-256 is compared unless it is empty.
 ///
 /// # Errors
-/// [`FileError`] when the file cannot be read or is none of these.
-pub fn read_frames(path: &Path) -> Result<Vec<Frame>, FileError> {
-    let bytes = read_file(path)?;
+/// [`FileError`] when the file cannot be read, is none of these, or is not
+/// what was written.
+pub(super) fn read_frames(path: &Path, sha256: &str) -> Result<Vec<Frame>, FileError> {
+    let bytes = read_unchanged(path, sha256)?;
     frames_of(&bytes).map_err(|why| FileError::new("use", path, why))
 }
 

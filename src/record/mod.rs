@@ -10,8 +10,11 @@ mod summary;
 mod tables;
 mod variations;
 
-pub use atomic::{FileError, create_folder, read_file, read_json, write_file, write_json};
-pub use frames::{FRAMES_FILE, Frame, FrameWriter, read_frames};
+pub use atomic::{
+    FileError, create_folder, json_text, read_file, read_json, read_unchanged, write_file,
+    write_json,
+};
+pub use frames::{FRAMES_FILE, Frame, FrameWriter};
 pub use hash::{hash_bytes, hash_json};
 pub use run::{RunKind, RunRecord};
 pub use sieve::{

@@ -18,7 +18,7 @@ use super::{
 use crate::geometry::Vector;
 use crate::grains::Passage;
 use crate::protocol::{Progress, StageError, WorldMaker, run as run_stage};
-use crate::record::{StageRecord, StageStore, StoredStage};
+use crate::record::{FileError, StageRecord, StageStore, StoredStage};
 use crate::specimen::{Specimen, SpecimenState};
 use crate::units::to_mm;
 
@@ -179,7 +179,8 @@ impl Shop<'_> {
         progress.begin_stage(id, &node.label, node.expected);
         let started = Instant::now();
         let began = specimen.state.time;
-        let frames = store.frames(node.grains.grains.len())?;
+        let kept = |error| StudyError::File(store.keeping(error));
+        let frames = store.frames(node.grains.grains.len()).map_err(kept)?;
         let mut recorder = Recorder::new(&node.setup, &node.stage, frames, |row| {
             let time = row.time_s - began;
             progress.update(id, time, &note(row));
@@ -200,7 +201,10 @@ impl Shop<'_> {
                 let what = source.to_string();
                 match store.keep_failed(&node.key, &last_good.state, &what) {
                     Ok(kept) => StudyError::Simulation { stage: node.label.clone(), what, kept },
-                    Err(error) => StudyError::File(error),
+                    Err(error) => {
+                        let reason = format!("{}; what failed was {what}", error.reason);
+                        kept(FileError { reason, ..error })
+                    }
                 }
             }
             other => StudyError::Stage { stage: node.label.clone(), what: other.to_string() },
@@ -214,12 +218,11 @@ impl Shop<'_> {
             warnings: outcome.warnings,
             effective: outcome.effective,
             sieved_mm: sieved_mm(&outcome.corners),
-            specimen_sha256: String::new(),
-            series_sha256: String::new(),
+            ..StageRecord::default()
         };
         let (series, frames) = recorder.into_parts();
         let stage = StoredStage { record, state: outcome.specimen.state, series };
-        store.save(&node.key, stage, frames).map_err(StudyError::File)
+        store.save(&node.key, stage, frames).map_err(kept)
     }
 }
 
