@@ -11,7 +11,8 @@ const DEEPEST: usize = 6;
 /// [`crate::scenario`]: objects, references, unions of objects, and strings
 /// that are one of several.
 pub(super) fn page(title: &str, introduction: &str, schema: &Value) -> String {
-    let mut page = Page { schema, text: format!("# {title}\n\n{introduction}\n"), told: HashSet::new() };
+    let mut page =
+        Page { schema, text: format!("# {title}\n\n{introduction}\n"), told: HashSet::new() };
     page.object("", schema, 1);
     page.text
 }
@@ -86,7 +87,9 @@ impl<'a> Page<'a> {
             let (_, object) = self.resolve(kind);
             let title = match object["properties"]["stage"]["const"].as_str() {
                 Some(stage) => format!("`\"stage\": \"{stage}\"`"),
-                None => format!("`{path}`: {}", flowing(&kind["description"]).trim_end_matches('.')),
+                None => {
+                    format!("`{path}`: {}", flowing(&kind["description"]).trim_end_matches('.'))
+                }
             };
             self.text += &format!("\n{level} {title}\n");
             if object["description"] != kind["description"] || title.starts_with("`\"") {

@@ -44,7 +44,8 @@ pub fn standing(
     state: &SpecimenState,
 ) -> Result<Vec<StandingPiece>, ApparatusError> {
     let mut found = Vec::new();
-    for (n, (piece, material)) in base_pieces(grains, state.base.as_ref())?.into_iter().enumerate() {
+    for (n, (piece, material)) in base_pieces(grains, state.base.as_ref())?.into_iter().enumerate()
+    {
         let name = format!("base_{n:04}");
         found.push(StandingPiece { name, carrier: Carrier::Fixed, material, piece });
     }

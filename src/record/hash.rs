@@ -20,12 +20,21 @@ pub fn hash_bytes(bytes: &[u8]) -> String {
 /// When it cannot be read.
 pub(super) fn hash_file(path: &Path) -> io::Result<String> {
     let mut hash = Sha256::new();
-    let mut file = File::open(path)?;
+    hash_of(&mut File::open(path)?, &mut hash)?;
+    Ok(hexadecimal(&hash.finalize()))
+}
+
+/// Feeds all that can be read to a hash; gives the number of bytes.
+pub(super) fn hash_of(from: &mut impl Read, hash: &mut Sha256) -> io::Result<u64> {
     let mut piece = vec![0; 1 << 16];
+    let mut read = 0;
     loop {
-        match file.read(&mut piece) {
-            Ok(0) => return Ok(hexadecimal(&hash.finalize())),
-            Ok(length) => hash.update(&piece[..length]),
+        match from.read(&mut piece) {
+            Ok(0) => return Ok(read),
+            Ok(length) => {
+                hash.update(&piece[..length]);
+                read += length as u64;
+            }
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
             Err(error) => return Err(error),
         }

@@ -9,19 +9,16 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{
-    FRAMES_FILE, FileError, Frame, FrameWriter, SeriesRow,
-    atomic::sync_folder,
-    create_folder,
-    frames::read_frames,
-    hash::hash_file,
-    hash_bytes, hash_json, read_json, read_unchanged, series_from_csv, to_csv, write_file,
-    write_json,
+    Checkpoints, FRAMES_FILE, FileError, Frame, FrameWriter, SeriesRow, atomic::sync_folder,
+    create_folder, frames::read_frames, hash::hash_file, hash_bytes, hash_json, read_json,
+    read_unchanged, series_from_csv, to_csv, write_file, write_json,
 };
 use crate::specimen::SpecimenState;
 use crate::world::EffectiveSettings;
 
 /// `stage.json`: what a finished stage says of itself.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct StageRecord {
     /// Name of the stage as in the scenario.
     pub stage: String,
@@ -127,6 +124,20 @@ impl StageStore {
         self.frames.then(|| FrameWriter::new(&self.root, grains)).transpose()
     }
 
+    /// The checkpoints of a stage that is to be carried out; none where another
+    /// program is at it just now.
+    ///
+    /// # Errors
+    /// When their folder cannot be made.
+    pub fn checkpoints(&self, key: &str) -> Result<Option<Checkpoints>, FileError> {
+        Checkpoints::open(&self.root, key)
+    }
+
+    /// Whether frames are kept of stages that are carried out.
+    pub fn keeps_frames(&self) -> bool {
+        self.frames
+    }
+
     /// Folder of a stage.
     pub fn folder(&self, key: &str) -> PathBuf {
         Self::folder_in(&self.root, key)
@@ -145,7 +156,10 @@ impl StageStore {
             return (None, None);
         }
         match self.read(&folder) {
-            Ok(stage) => (Some(stage), None),
+            Ok(stage) => {
+                Checkpoints::discard(&self.root, key);
+                (Some(stage), None)
+            }
             Err(error) => (None, Some(format!("stored stage is damaged and done again: {error}"))),
         }
     }
@@ -226,8 +240,7 @@ impl StageStore {
         {
             use std::os::unix::fs::PermissionsExt;
             // Temporary folders are private to their owner; results are not.
-            fs::set_permissions(part.path(), fs::Permissions::from_mode(0o755))
-                .map_err(refused)?;
+            fs::set_permissions(part.path(), fs::Permissions::from_mode(0o755)).map_err(refused)?;
         }
         sync_folder(part.path()).map_err(refused)?;
         if target.exists() {
@@ -254,8 +267,12 @@ impl StageStore {
         });
         let kept = match finished {
             Ok(0) => "no stage had been finished".to_owned(),
-            Ok(1) => format!("the finished stage in {root} is kept; the same command goes on from it"),
-            Ok(n) => format!("the {n} finished stages in {root} are kept; the same command goes on from them"),
+            Ok(1) => {
+                format!("the finished stage in {root} is kept; the same command goes on from it")
+            }
+            Ok(n) => format!(
+                "the {n} finished stages in {root} are kept; the same command goes on from them"
+            ),
             Err(_) => format!("the finished stages in {root} are gone too"),
         };
         FileError { reason: format!("{} ({kept})", error.reason), ..error }

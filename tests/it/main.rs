@@ -1,6 +1,7 @@
 //! Tests of the crate as a whole: its source, its documents, its files.
 
 mod architecture;
+mod bits;
 mod calibrate;
 mod cli;
 mod collision;
@@ -8,13 +9,15 @@ mod compare;
 mod docs;
 mod export;
 mod files;
+mod fuzz;
 mod interruption;
+mod legs;
 mod picture;
 mod readings;
 mod repose;
 mod reproduce;
-mod scenario;
 mod same;
+mod scenario;
 mod small;
 mod soak;
 mod stones;
