@@ -52,7 +52,7 @@ pub struct ManifoldSettings {
     /// from there. Left out, it is what a core does in about a minute, by the
     /// number of grains and the rate. It changes the bits of a stage that takes
     /// longer, not what is simulated.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub checkpoint_every_s: Option<f64>,
 }
