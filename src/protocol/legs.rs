@@ -21,7 +21,7 @@ const LEG_WALL: f64 = 60.0;
 const GRAIN_STEP: f64 = 12e-6;
 
 /// Interval in s at which guards look and grains are counted; legs end there.
-pub(super) const CHECK_INTERVAL: f64 = 0.02;
+const CHECK_INTERVAL: f64 = 0.02;
 
 /// Where a stage is between two of its legs: all that it needs to go on, beside
 /// its grains.
@@ -65,9 +65,9 @@ impl Midway {
     }
 }
 
-/// Steps between two checks at a rate in steps a second.
-pub(super) fn steps_a_check(rate_hz: f64) -> u64 {
-    (CHECK_INTERVAL * rate_hz).round().max(1.0) as u64
+/// Steps of a length in s between two checks.
+pub(super) fn steps_a_check(step: f64) -> u64 {
+    (CHECK_INTERVAL / step).round().max(1.0) as u64
 }
 
 /// Engine steps of a leg, by the engine's settings and the number of grains
@@ -78,7 +78,7 @@ pub(super) fn leg_steps(setup: &Setup, grains: usize) -> Option<u64> {
     if engine.backend != Backend::Bullet || engine.contact_path != ContactPath::Manifold {
         return None;
     }
-    let check = steps_a_check(engine.rate_hz);
+    let check = steps_a_check(1.0 / engine.rate_hz);
     let steps = match engine.manifold.checkpoint_every_s {
         Some(time) => time * engine.rate_hz,
         None => LEG_WALL / (GRAIN_STEP * grains.max(1) as f64),
@@ -126,7 +126,7 @@ mod tests {
         for (rate, grains) in [(480.0, 364), (480.0, 2000), (960.0, 50), (77.7, 100_000)] {
             let setup = setup(|s| s.engine.rate_hz = rate);
             let steps = leg_steps(&setup, grains).expect("legs");
-            let check = steps_a_check(rate);
+            let check = steps_a_check(1.0 / rate);
             let wall = steps as f64 * grains as f64 * GRAIN_STEP;
             let one = check as f64 * grains as f64 * GRAIN_STEP;
             assert_eq!(steps % check, 0, "law: legs end at a check");

@@ -214,7 +214,7 @@ impl<'a> Stand<'a> {
     ) -> Result<LegEnd, StageError> {
         let dt = self.world.time_step();
         let last_step = (until.limit / dt).round().max(1.0) as u64;
-        let check_every = steps_a_check(1.0 / dt);
+        let check_every = steps_a_check(dt);
         let leg = leg_steps(self.setup, self.specimen.grains.grains.len());
         let seam = leg.map(|leg| (self.midway.steps / leg + 1).saturating_mul(leg));
         let mut settled = false;

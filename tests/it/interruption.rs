@@ -206,6 +206,9 @@ fn soak_kills() {
     let mut counts = [[0; 2]; 3];
     while soak.goes_on() {
         for ((_, victim), [rounds, kills]) in victims.iter().zip(&mut counts) {
+            if !soak.goes_on() {
+                break;
+            }
             let killed = folder.path().join("killed");
             let wanted = rng.random_range(2..12);
             *kills += victim.survives(&killed, wanted, &mut rng);
