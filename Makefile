@@ -2,6 +2,8 @@
 
 OUT ?= out/reproduce
 ARGS ?=
+# How long `make soak` goes on.
+MINUTES ?= 10
 # Builds that `make convergence` compares: double, single or both.
 PRECISIONS ?= double
 
@@ -9,7 +11,7 @@ PRECISIONS ?= double
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: test-slurm help setup setup-lint build reproduce convergence sensitivity test test-exports lint format bench bench-peers clean
+.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-slurm soak deny lint format bench bench-peers clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -56,6 +58,16 @@ test-slurm: setup ## send a sweep through a Slurm cluster on this machine, and k
 	@bash scripts/setup.sh slurm
 	cargo build --locked
 	bash scripts/test-slurm.sh
+
+soak: setup ## kill runs and feed readers for $(MINUTES) minutes, with counts (docs/robustness.md)
+	PLUVIA_SOAK=$(MINUTES) cargo test --locked --release --test it -- soak_ --nocapture
+
+deny: ## licences, sources and known weaknesses of what is linked; needs cargo-deny
+	@if cargo deny --version > /dev/null 2>&1; then \
+	    cargo deny --locked check; \
+	else \
+	    echo 'not checked: cargo-deny is missing; cargo install --locked cargo-deny'; \
+	fi
 
 lint: setup-lint ## check formatting, lints and documentation
 	cargo fmt --check

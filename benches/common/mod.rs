@@ -56,7 +56,7 @@ pub fn sieved(scenario: &Scenario) -> &SievedGrains {
 
 /// A stage carried out.
 pub fn stage(setup: &Setup, specimen: Specimen, stage: &StageSpec) -> StageOutcome {
-    run(setup, &world::create, specimen, stage, &mut Nobody, &AtomicBool::new(false))
+    run(setup, &world::create, specimen, stage, None, &mut Nobody, &AtomicBool::new(false))
         .expect("a finished stage")
 }
 

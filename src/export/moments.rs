@@ -8,7 +8,7 @@ use super::run_folder::{CONTROL, ExportError, Manifest, StageEntry, beside, grai
 use crate::geometry::{Pose, Vector};
 use crate::grains::GrainSet;
 use crate::protocol::Setup;
-use crate::record::{FRAMES_FILE, FileError, Frame, read_frames, read_json};
+use crate::record::{FileError, Frame, StageStore, read_json};
 use crate::specimen::{Fate, GrainState, Specimen, SpecimenState};
 use crate::world::BodyState;
 
@@ -84,20 +84,18 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
         },
     };
     let setup = setup_of(&manifest, &path)?;
-    let grains = Arc::new(grains_of(folder)?);
+    let grains = Arc::new(grains_of(folder, &manifest)?);
     let root = beside(folder, "stages");
     let state_of = |entry: &StageEntry| -> Result<SpecimenState, FileError> {
-        let path = entry.folder(&root).join("specimen.json");
-        let state: SpecimenState = read_json(&path)?;
+        let (state, path) = StageStore::state_in(&root, &entry.key)?;
         fits(&path, state.bodies.len(), &grains)?;
         Ok(state)
     };
     let mut stages = Vec::new();
     for (name, entry, before) in chosen {
-        let kept = entry.folder(&root).join(FRAMES_FILE);
         let end = state_of(entry)?;
         let base = end.base.clone().map(Arc::new);
-        let mut frames = if kept.exists() { read_frames(&kept)? } else { Vec::new() };
+        let (mut frames, kept) = StageStore::frames_in(&root, &entry.key)?.unwrap_or_default();
         for frame in &mut frames {
             fits(&kept, frame.grains.len(), &grains)?;
             frame.base.clone_from(&base);

@@ -5,8 +5,7 @@ use std::{path::Path, sync::Arc};
 use super::run_folder::{ExportError, Manifest, beside, grains_of, setup_of};
 use crate::grains::GrainSet;
 use crate::protocol::Setup;
-use crate::record::{FRAMES_FILE, FileError, Frame, StageStore, read_frames, read_json};
-use crate::specimen::SpecimenState;
+use crate::record::{FileError, Frame, StageStore, read_json};
 
 /// A run from its first stage to its last.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,24 +40,18 @@ pub fn read_playback(folder: &Path) -> Result<Playback, ExportError> {
     let path = folder.join("manifest.json");
     let manifest: Manifest = read_json(&path)?;
     let setup = setup_of(&manifest, &path)?;
-    let grains = Arc::new(grains_of(folder)?);
+    let grains = Arc::new(grains_of(folder, &manifest)?);
     let root = beside(folder, "stages");
     let mut stages = Vec::new();
     for entry in &manifest.stages {
-        let stored = StageStore::folder_in(&root, &entry.key);
-        let kept = stored.join(FRAMES_FILE);
-        let is_kept = kept.exists();
-        let end = stored.join("specimen.json");
-        let end_frame = Frame::of(&read_json::<SpecimenState>(&end)?);
-        let (frames, path) = if is_kept {
-            let mut frames = read_frames(&kept)?;
-            for frame in &mut frames {
-                frame.base.clone_from(&end_frame.base);
-            }
-            (frames, kept)
-        } else {
-            (vec![end_frame], end)
-        };
+        let (end, end_file) = StageStore::state_in(&root, &entry.key)?;
+        let end = Frame::of(&end);
+        let found = StageStore::frames_in(&root, &entry.key)?;
+        let is_kept = found.is_some();
+        let (mut frames, path) = found.unwrap_or_else(|| (vec![end.clone()], end_file));
+        for frame in &mut frames {
+            frame.base.clone_from(&end.base);
+        }
         let expected = grains.grains.len();
         if let Some(frame) = frames.iter().find(|frame| frame.grains.len() != expected) {
             let reason =

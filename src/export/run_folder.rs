@@ -2,17 +2,18 @@
 //! the end of a stage.
 
 use std::{
+    collections::BTreeMap,
     path::{Path, PathBuf},
     sync::Arc,
 };
 
-use serde::Deserialize;
+use serde::{Deserialize, de::DeserializeOwned};
 
 use super::exchange::{MadeBy, Scene};
 use crate::apparatus::{ApparatusError, TableMotion};
 use crate::grains::{self, GrainSet};
 use crate::protocol::{Setup, table_motion};
-use crate::record::{FileError, StageStore, read_json};
+use crate::record::{FileError, StageStore, read_json, read_unchanged};
 use crate::scenario::Scenario;
 use crate::specimen::{Specimen, SpecimenState};
 
@@ -52,6 +53,9 @@ pub(super) struct Manifest {
     pub(super) scenario: Scenario,
     pub(super) stages: Vec<StageEntry>,
     control: Option<StageEntry>,
+    /// SHA-256 of the files beside it; none for those of older versions.
+    #[serde(default)]
+    files_sha256: BTreeMap<String, String>,
 }
 
 #[derive(Deserialize)]
@@ -93,9 +97,8 @@ pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportEr
     let path = folder.join("manifest.json");
     let manifest: Manifest = read_json(&path)?;
     let setup = setup_of(&manifest, &path)?;
-    let set = grains_of(folder)?;
-    let (index, name, file) = locate(folder, &path, &manifest, stage)?;
-    let state: SpecimenState = read_json(&file)?;
+    let set = grains_of(folder, &manifest)?;
+    let (index, name, state, file) = locate(folder, &path, &manifest, stage)?;
     let (found, expected) = (state.bodies.len(), set.grains.len());
     if found != expected {
         let reason = format!("`bodies` has {found} entries, and grains.json {expected} grains");
@@ -120,9 +123,9 @@ pub(super) fn setup_of(manifest: &Manifest, path: &Path) -> Result<Setup, Export
 }
 
 /// The grains of a run.
-pub(super) fn grains_of(folder: &Path) -> Result<GrainSet, FileError> {
+pub(super) fn grains_of(folder: &Path, manifest: &Manifest) -> Result<GrainSet, FileError> {
     let path = beside(folder, "grains.json");
-    let json = read_json(&path)?;
+    let json = manifest.read(&path)?;
     grains::from_json(&json).map_err(|e| FileError::new("use", &path, e))
 }
 
@@ -134,33 +137,37 @@ pub(super) fn beside(folder: &Path, name: &str) -> PathBuf {
     if !own.exists() && shared.exists() { shared } else { own }
 }
 
-/// Number (none for the control), name and specimen file of a stage.
+/// Number (none for the control) and name of a stage, the state at its end, and
+/// the file that this stands in.
 fn locate(
     folder: &Path,
     path: &Path,
     manifest: &Manifest,
     stage: Option<&str>,
-) -> Result<(Option<usize>, String, PathBuf), ExportError> {
+) -> Result<(Option<usize>, String, SpecimenState, PathBuf), ExportError> {
     let stages = &manifest.stages;
     let Some(asked) = stage else {
         let last = stages.len().saturating_sub(1);
         let name = stages.last().map_or_else(String::new, |s| s.stage.clone());
-        return Ok((Some(last), name, folder.join("specimen.json")));
+        let file = folder.join("specimen.json");
+        return Ok((Some(last), name, manifest.read(&file)?, file));
     };
     let root = beside(folder, "stages");
     let (number, entry) = manifest.find(path, asked)?;
     let name = if number.is_some() { entry.stage.clone() } else { CONTROL.to_owned() };
-    Ok((number, name, entry.folder(&root).join("specimen.json")))
-}
-
-impl StageEntry {
-    /// Its folder in the store.
-    pub(super) fn folder(&self, root: &Path) -> PathBuf {
-        StageStore::folder_in(root, &self.key)
-    }
+    let (state, file) = StageStore::state_in(&root, &entry.key)?;
+    Ok((number, name, state, file))
 }
 
 impl Manifest {
+    /// Reads a file of the run that must be as it was written.
+    fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<T, FileError> {
+        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+        let sha256 = self.files_sha256.get(name).map_or("", String::as_str);
+        let content = read_unchanged(path, sha256)?;
+        serde_json::from_slice(&content).map_err(|e| FileError::new("read", path, e))
+    }
+
     /// The stage of a number or name, and its number; the control has none.
     pub(super) fn find(
         &self,

@@ -1,6 +1,7 @@
 //! The spout: when the next grain of a pile is let go, and where.
 
 use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Pose, Vector};
 use crate::grains::{
@@ -36,18 +37,31 @@ pub(super) struct Feeder {
     mixing: Mixing,
     /// Radius of the sphere around each grain with its clearance, in m.
     radii: Vec<f64>,
-    /// Number of grains let go so far.
-    fed: usize,
-    /// Grains let go, and when they count as landed, in s.
-    falling: Vec<(usize, f64)>,
     /// Highest point of the base in m.
     base_top: f64,
+    so_far: Fed,
+}
+
+/// What changes about a spout.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Fed {
+    /// Number of grains let go so far.
+    count: usize,
+    /// Grains let go, and when they count as landed, in s since feeding began.
+    falling: Vec<(usize, f64)>,
+    /// Where the places under the spout come from.
     rng: Pcg64,
 }
 
 impl Feeder {
-    /// All grains of a specimen, mixed.
-    pub(super) fn new(specimen: &Specimen, feed: Feed, seed: u64, configuration: u32) -> Self {
+    /// All grains of a specimen, mixed, of which some may have been let go.
+    pub(super) fn new(
+        specimen: &Specimen,
+        feed: Feed,
+        seed: u64,
+        configuration: u32,
+        so_far: Option<Fed>,
+    ) -> Self {
         let set = &specimen.grains;
         let fixed = specimen.state.base.iter().flat_map(|base| &base.fixed_grains);
         let base_top = fixed
@@ -58,46 +72,54 @@ impl Feeder {
             feed,
             mixing: grains::mix(set, seed, configuration),
             radii: set.grains.iter().map(radius).collect(),
-            fed: 0,
-            falling: Vec::new(),
             base_top,
-            rng: stream(seed, &format!("places under the spout of mixing {configuration}")),
+            so_far: so_far.unwrap_or_else(|| Fed {
+                count: 0,
+                falling: Vec::new(),
+                rng: stream(seed, &format!("places under the spout of mixing {configuration}")),
+            }),
         }
+    }
+
+    /// What has changed so far.
+    pub(super) fn into_fed(self) -> Fed {
+        self.so_far
     }
 
     /// Whether every grain has been let go.
     pub(super) fn is_empty(&self) -> bool {
-        self.fed == self.mixing.order.len()
+        self.so_far.count == self.mixing.order.len()
     }
 
     /// Number of grains not let go yet.
     pub(super) fn waiting(&self) -> usize {
-        self.mixing.order.len() - self.fed
+        self.mixing.order.len() - self.so_far.count
     }
 
     /// The grains to let go at a time, in s since feeding began, with their poses.
     /// A grain that is due waits while others are where it would begin.
     pub(super) fn due(&mut self, specimen: &Specimen, time: f64) -> Vec<(usize, Pose)> {
-        self.falling.retain(|(_, landed)| *landed > time);
+        self.so_far.falling.retain(|(_, landed)| *landed > time);
         let mut released: Vec<(usize, Pose)> = Vec::new();
         let mut top = None;
-        while !self.is_empty() && self.fed as f64 <= time * self.feed.rate {
+        while !self.is_empty() && self.so_far.count as f64 <= time * self.feed.rate {
             let top = *top.get_or_insert_with(|| self.top_of_pile(specimen));
-            let grain = self.mixing.order[self.fed];
+            let grain = self.mixing.order[self.so_far.count];
             let Some(place) = self.find_room(grain, top, specimen, &released) else { break };
             let pose = Pose::from_parts(place.into(), self.mixing.orientations[grain]);
             let fall =
                 (2.0 * (self.feed.drop_height + self.radii[grain]) / self.feed.gravity).sqrt();
-            self.falling.push((grain, time + FALLS * fall + LANDED_AFTER));
+            self.so_far.falling.push((grain, time + FALLS * fall + LANDED_AFTER));
             released.push((grain, pose));
-            self.fed += 1;
+            self.so_far.count += 1;
         }
         released
     }
 
     /// Highest point in m of the base and of the grains that have landed.
     fn top_of_pile(&self, specimen: &Specimen) -> f64 {
-        let landed = specimen.present().filter(|i| !self.falling.iter().any(|(g, _)| g == i));
+        let landed =
+            specimen.present().filter(|i| !self.so_far.falling.iter().any(|(g, _)| g == i));
         landed.map(|i| highest_point(specimen, i)).fold(self.base_top, f64::max)
     }
 
@@ -112,7 +134,7 @@ impl Feeder {
         let z = top + self.feed.drop_height + self.radii[grain];
         let radius = self.radii[grain];
         (0..TRIES).find_map(|_| {
-            let (x, y, _) = in_unit_disc(&mut self.rng);
+            let (x, y, _) = in_unit_disc(&mut self.so_far.rng);
             let place = Vector::new(x * self.feed.spout_radius, y * self.feed.spout_radius, z);
             let clear = |other: usize, at: &Vector| {
                 (at - place).norm_squared() > (radius + self.radii[other]).powi(2)

@@ -2,10 +2,12 @@
 //!
 //! A stage builds a fresh world from the specimen it is given, runs it and
 //! reads it back, so that it does not matter whether the specimen came
-//! straight from the stage before or from a file.
+//! straight from the stage before or from a file. A long stage does the same
+//! between its legs.
 
 mod base;
 mod feeder;
+mod legs;
 #[cfg(test)]
 mod pile_tests;
 mod progress;
@@ -17,13 +19,14 @@ mod tests;
 mod whereabouts;
 
 pub use base::base_pieces;
+pub use legs::{Midway, legs};
 pub use progress::{Progress, Silent};
 pub use setup::SettleCriterion;
 pub use setup::Setup;
 pub use stages::{run, table_motion};
 pub use stand::WorldMaker;
 
-use std::time::Duration;
+use std::{ops::ControlFlow, time::Duration};
 
 use crate::apparatus::ApparatusError;
 use crate::geometry::Vector;
@@ -34,6 +37,13 @@ use crate::world::{EffectiveSettings, WorldError};
 pub trait Observer {
     /// Called at the start of a stage, then every sample interval, then at its end.
     fn observe(&mut self, specimen: &Specimen, moment: Moment);
+
+    /// Called at the end of every leg but the last, after what was observed
+    /// there, with what the stage can go on from. `Break` ends the stage as if
+    /// it had been cancelled.
+    fn seam(&mut self, _midway: &Midway) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 }
 
 /// When and in what motion of the table an observation is made.

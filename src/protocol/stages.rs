@@ -1,11 +1,11 @@
 //! The stages themselves.
 
-use std::sync::atomic::AtomicBool;
+use std::{ops::ControlFlow, sync::atomic::AtomicBool};
 
 use super::{
-    Observer, Setup, StageError, StageOutcome, base,
+    Midway, Observer, Setup, StageError, StageOutcome, base,
     feeder::{Feed, Feeder},
-    stand::{Stand, Until, WorldMaker},
+    stand::{LegEnd, Stand, Until, WorldMaker},
 };
 use crate::apparatus::{Funnel, TableMotion};
 use crate::geometry::Pose;
@@ -22,7 +22,8 @@ const COLLAR_CLEARANCE: f64 = 2e-3;
 /// lands with 44 mm/s ("allowed to fall slowly", paper, section 3).
 const PLATE_RELEASE: f64 = 1e-4;
 
-/// Carries out one stage on a specimen.
+/// Carries out one stage on a specimen, as it is at the end of the stage before;
+/// from `midway`, where it was interrupted.
 ///
 /// # Errors
 /// See [`StageError`]; on a failed simulation it holds the last good specimen.
@@ -31,10 +32,11 @@ pub fn run(
     make_world: WorldMaker,
     specimen: Specimen,
     stage: &StageSpec,
+    midway: Option<Midway>,
     observer: &mut dyn Observer,
     cancel: &AtomicBool,
 ) -> Result<StageOutcome, StageError> {
-    let lab = Laboratory { setup, make_world, cancel };
+    let lab = Laboratory { setup, make_world, cancel, midway };
     match *stage {
         StageSpec::FillFunnel { time_limit_s } => lab.fill(specimen, time_limit_s, observer),
         StageSpec::SlowPluviation { .. } => lab.slow_pluviation(specimen, stage, observer),
@@ -82,9 +84,62 @@ struct Laboratory<'a> {
     setup: &'a Setup,
     make_world: WorldMaker<'a>,
     cancel: &'a AtomicBool,
+    /// Where the stage was interrupted.
+    midway: Option<Midway>,
 }
 
-impl Laboratory<'_> {
+/// How a stage goes.
+struct Course {
+    until: Until,
+    motion: Option<TableMotion>,
+    feed: Option<Feed>,
+}
+
+impl Course {
+    fn until_settled(limit: f64) -> Self {
+        Self { until: Until { limit, settled: true }, motion: None, feed: None }
+    }
+}
+
+/// A stage that has run its course.
+struct Ended<'a> {
+    stand: Stand<'a>,
+    settled: bool,
+    feeder: Option<Feeder>,
+}
+
+impl<'a> Laboratory<'a> {
+    /// Carries a stage out leg by leg, from where it was interrupted or else from
+    /// the specimen, with a funnel's collar of the given height in m.
+    fn carry_out(
+        &self,
+        specimen: Specimen,
+        collar: f64,
+        course: &Course,
+        observer: &mut dyn Observer,
+    ) -> Result<Ended<'a>, StageError> {
+        let Setup { seed, configuration, .. } = *self.setup;
+        let Specimen { grains, state } = specimen;
+        let mut midway = match &self.midway {
+            Some(midway) => midway.clone(),
+            None => Midway::at_start(state, collar, self.setup),
+        };
+        loop {
+            let fed = midway.fed.take();
+            let mut stand = Stand::new(self.setup, self.make_world, grains.clone(), midway)?;
+            let begin = |feed| Feeder::new(stand.specimen(), feed, seed, configuration, fed);
+            let mut feeder = course.feed.map(begin);
+            let motion = course.motion.as_ref();
+            match stand.leg(&course.until, motion, feeder.as_mut(), observer, self.cancel)? {
+                LegEnd::OfStage { settled } => return Ok(Ended { stand, settled, feeder }),
+                LegEnd::Seam => midway = stand.pause(feeder),
+            }
+            if let ControlFlow::Break(()) = observer.seam(&midway) {
+                return Err(StageError::Cancelled);
+            }
+        }
+    }
+
     fn fill(
         &self,
         mut specimen: Specimen,
@@ -116,8 +171,9 @@ impl Laboratory<'_> {
         specimen.state.cylinder = false;
 
         let collar = highest - bare.top_height;
-        let mut stand = Stand::new(self.setup, self.make_world, specimen, collar)?;
-        let settled = stand.advance(Until { limit, settled: true }, None, observer, self.cancel)?;
+        let course = Course::until_settled(limit);
+        let Ended { mut stand, settled, .. } =
+            self.carry_out(specimen, collar, &course, observer)?;
         if !settled {
             stand.warn(not_settled("filling the funnel", limit));
         }
@@ -158,15 +214,14 @@ impl Laboratory<'_> {
             spout_radius: from_mm(spout_diameter_mm) / 2.0,
             gravity,
         };
-        let mut feeder = Feeder::new(&specimen, feed, seed, configuration);
-        let mut stand = Stand::new(self.setup, self.make_world, specimen, 0.0)?;
-        let until = Until { limit: time_limit_s, settled: true };
-        let settled = stand.feed(until, &mut feeder, observer, self.cancel)?;
-        if !feeder.is_empty() {
+        let course = Course { feed: Some(feed), ..Course::until_settled(time_limit_s) };
+        let Ended { mut stand, settled, feeder } =
+            self.carry_out(specimen, 0.0, &course, observer)?;
+        let waiting = feeder.map_or(0, |feeder| feeder.waiting());
+        if waiting > 0 {
             stand.warn(format!(
-                "after {time_limit_s} s {} grains had not been fed: each waits until the one \
-                 before it is out of its way",
-                feeder.waiting()
+                "after {time_limit_s} s {waiting} grains had not been fed: each waits until the \
+                 one before it is out of its way"
             ));
         } else if !settled {
             stand.warn(not_settled("slow pluviation", time_limit_s));
@@ -198,8 +253,8 @@ impl Laboratory<'_> {
         specimen.state.funnel = Some(FunnelState { opening_height, lid: false });
         specimen.state.cylinder = true;
 
-        let mut stand = Stand::new(self.setup, self.make_world, specimen, 0.0)?;
-        let settled = stand.advance(Until { limit, settled: true }, None, observer, self.cancel)?;
+        let course = Course::until_settled(limit);
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
         if !settled {
             stand.warn(not_settled("pouring", limit));
         }
@@ -244,8 +299,8 @@ impl Laboratory<'_> {
         let height = highest + PLATE_RELEASE + self.setup.plate.thickness / 2.0;
         specimen.state.top_plate =
             Some(BodyState::at_rest(Pose::translation(specimen.state.table_x, 0.0, height)));
-        let mut stand = Stand::new(self.setup, self.make_world, specimen, 0.0)?;
-        let settled = stand.advance(Until { limit, settled: true }, None, observer, self.cancel)?;
+        let course = Course::until_settled(limit);
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
         if !settled {
             stand.warn(not_settled("placing the top plate", limit));
         }
@@ -264,10 +319,9 @@ impl Laboratory<'_> {
                 reason: "it needs grains poured into the cylinder",
             });
         };
-        let mut stand = Stand::new(self.setup, self.make_world, specimen, 0.0)?;
         let until = Until { limit: motion.total(), settled: false };
-        stand.advance(until, Some(&motion), observer, self.cancel)?;
-        Ok(stand.finish())
+        let course = Course { until, motion: Some(motion), feed: None };
+        Ok(self.carry_out(specimen, 0.0, &course, observer)?.stand.finish())
     }
 
     fn rest(
@@ -276,10 +330,9 @@ impl Laboratory<'_> {
         duration: f64,
         observer: &mut dyn Observer,
     ) -> Result<StageOutcome, StageError> {
-        let mut stand = Stand::new(self.setup, self.make_world, specimen, 0.0)?;
         let until = Until { limit: duration, settled: false };
-        stand.advance(until, None, observer, self.cancel)?;
-        Ok(stand.finish())
+        let course = Course { until, motion: None, feed: None };
+        Ok(self.carry_out(specimen, 0.0, &course, observer)?.stand.finish())
     }
 }
 

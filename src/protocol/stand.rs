@@ -2,18 +2,23 @@
 
 use std::{
     collections::HashMap,
-    sync::atomic::{AtomicBool, Ordering},
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
     time::{Duration, Instant},
 };
 
 use super::{
-    Moment, Observer, Setup, StageError, StageOutcome, base, feeder::Feeder,
+    Midway, Moment, Observer, Setup, StageError, StageOutcome, base,
+    feeder::Feeder,
+    legs::{leg_steps, steps_a_check},
     whereabouts::Whereabouts,
 };
 use crate::apparatus::{Funnel, Piece, TableMotion};
 use crate::geometry::{Pose, Vector};
-use crate::grains::Grain;
-use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen};
+use crate::grains::{Grain, GrainSet};
+use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen, SpecimenState};
 use crate::world::{
     Body, BodyId, BodyState, Guard, GuardLimits, Material, Motion, PairTable, RememberedContact,
     Snapshot, World, WorldError,
@@ -28,9 +33,6 @@ pub type WorldMaker<'a> = &'a (
 ) -> Result<Box<dyn World + Send>, WorldError>
             + Sync
     );
-
-/// Interval in s at which guards look and grains are counted.
-const CHECK_INTERVAL: f64 = 0.02;
 
 /// Nothing in this laboratory is faster: a grain reaches 2.8 m/s in the
 /// highest fall of the paper and 5 m/s from more than a metre.
@@ -57,10 +59,20 @@ pub(super) struct Stand<'a> {
     whereabouts: Whereabouts,
     guard: Guard,
     snapshot: Snapshot,
-    start_time: f64,
-    steps: u64,
-    engine_time: Duration,
-    warnings: Vec<String>,
+    /// Where the stage is; the specimen is in the field of that name, and the
+    /// spout is handed in.
+    midway: Midway,
+}
+
+/// How a leg ended.
+pub(super) enum LegEnd {
+    /// With the stage, and whether everything had settled.
+    OfStage {
+        /// Whether it had.
+        settled: bool,
+    },
+    /// Because its time was up.
+    Seam,
 }
 
 /// How long to go on.
@@ -73,14 +85,16 @@ pub(super) struct Until {
 
 impl<'a> Stand<'a> {
     /// Builds the world of a specimen: cylinder, funnel and plate where its
-    /// state says they stand, every present grain with its velocity. The
-    /// funnel's collar has the given height in m.
+    /// state says they stand, every present grain with its velocity.
     pub(super) fn new(
         setup: &'a Setup,
         make_world: WorldMaker,
-        specimen: Specimen,
-        collar: f64,
+        grains: Arc<GrainSet>,
+        mut midway: Midway,
     ) -> Result<Self, StageError> {
+        let nothing = SpecimenState::before_everything(0);
+        let specimen = Specimen { grains, state: std::mem::replace(&mut midway.state, nothing) };
+        let under_way = midway.steps > 0;
         let gravity = Vector::new(0.0, 0.0, -setup.gravity);
         let fail = |source, specimen: &Specimen| StageError::World {
             source,
@@ -94,7 +108,8 @@ impl<'a> Stand<'a> {
         let funnel = state
             .funnel
             .map(|f| {
-                Funnel::new(&setup.funnel, f.opening_height, collar).map(|built| (built, f.lid))
+                Funnel::new(&setup.funnel, f.opening_height, midway.collar_m)
+                    .map(|built| (built, f.lid))
             })
             .transpose()?;
         let wall = crate::units::from_mm(setup.funnel.wall_thickness_mm);
@@ -104,7 +119,11 @@ impl<'a> Stand<'a> {
         let mut build = || -> Result<_, WorldError> {
             if state.cylinder {
                 for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
-                    let id = world.add(&wall_piece(piece, Motion::Driven))?;
+                    let mut body = wall_piece(piece, Motion::Driven);
+                    if under_way {
+                        body.state.pose.translation.vector.x += state.table_x;
+                    }
+                    let id = world.add(&body)?;
                     parties.insert(Party::Other(Other::Cylinder(n)), id);
                     on_table.push((id, piece.pose));
                 }
@@ -150,17 +169,23 @@ impl<'a> Stand<'a> {
         parties.extend(present.filter_map(|(n, id)| Some((Party::Grain(n), (*id)?))));
         let remembered = remembered(&state.contacts, &parties);
         world.recall(&remembered).map_err(|source| fail(source, &specimen))?;
-        let whereabouts = Whereabouts::new(
+        let mut whereabouts = Whereabouts::new(
             grains.len(),
             state.cylinder.then_some(&setup.cylinder),
             funnel.as_ref().map(|(f, _)| f),
             state.base.as_ref().map(|b| b.radius),
             wall,
         );
+        if under_way {
+            // Whoever leaves must have been seen inside.
+            for index in specimen.present() {
+                let position = &state.bodies[index].body.pose.translation.vector;
+                whereabouts.note(index, position, state.table_x);
+            }
+        }
         Ok(Self {
             setup,
             world,
-            start_time: state.time,
             specimen,
             grains,
             plate,
@@ -173,67 +198,43 @@ impl<'a> Stand<'a> {
                 distance: DISTANCE_LIMIT,
             }),
             snapshot: Snapshot::new(),
-            steps: 0,
-            engine_time: Duration::ZERO,
-            warnings: Vec::new(),
+            midway,
         })
     }
 
-    /// Steps the world until it is told to end; returns whether everything
-    /// had settled by then.
-    pub(super) fn advance(
+    /// Steps the world until the stage or its leg ends. A feeder lets grains go
+    /// at every check; nothing counts as settled while some are still to come.
+    pub(super) fn leg(
         &mut self,
-        until: Until,
-        motion: Option<&TableMotion>,
-        observer: &mut dyn Observer,
-        cancel: &AtomicBool,
-    ) -> Result<bool, StageError> {
-        self.go_on(until, motion, None, observer, cancel)
-    }
-
-    /// The same, letting grains go at every check; nothing counts as settled
-    /// while some are still to come.
-    pub(super) fn feed(
-        &mut self,
-        until: Until,
-        feeder: &mut Feeder,
-        observer: &mut dyn Observer,
-        cancel: &AtomicBool,
-    ) -> Result<bool, StageError> {
-        self.go_on(until, None, Some(feeder), observer, cancel)
-    }
-
-    fn go_on(
-        &mut self,
-        until: Until,
+        until: &Until,
         motion: Option<&TableMotion>,
         mut feeder: Option<&mut Feeder>,
         observer: &mut dyn Observer,
         cancel: &AtomicBool,
-    ) -> Result<bool, StageError> {
+    ) -> Result<LegEnd, StageError> {
         let dt = self.world.time_step();
         let last_step = (until.limit / dt).round().max(1.0) as u64;
-        let check_every = (CHECK_INTERVAL / dt).round().max(1.0) as u64;
-        let mut next_sample = self.setup.sample_interval;
-        let mut calm_since: Option<f64> = None;
+        let check_every = steps_a_check(dt);
+        let leg = leg_steps(self.setup, self.specimen.grains.grains.len());
+        let seam = leg.map(|leg| (self.midway.steps / leg + 1).saturating_mul(leg));
         let mut settled = false;
         let table_velocity = |time: f64| motion.map_or(0.0, |m| m.velocity(time));
-        observer.observe(
-            &self.specimen,
-            Moment { stage_time: 0.0, table_velocity: table_velocity(0.0) },
-        );
-        for step in 1..=last_step {
+        if self.midway.steps == 0 {
+            let moment = Moment { stage_time: 0.0, table_velocity: table_velocity(0.0) };
+            observer.observe(&self.specimen, moment);
+        }
+        for step in self.midway.steps + 1..=last_step {
             let time = step as f64 * dt;
             if let Some(motion) = motion {
                 self.move_table(motion.displacement(time))?;
             }
             let started = Instant::now();
             let stepped = self.world.step();
-            self.engine_time += started.elapsed();
-            self.steps += 1;
+            self.midway.engine_s += started.elapsed().as_secs_f64();
+            self.midway.steps = step;
             stepped.map_err(|source| self.failed(source))?;
 
-            let sample = time >= next_sample - dt / 2.0 || step == last_step;
+            let sample = time >= self.midway.next_sample_s - dt / 2.0 || step == last_step;
             let check = sample || step % check_every == 0;
             if !check {
                 continue;
@@ -244,11 +245,13 @@ impl<'a> Stand<'a> {
             self.read_back(time)?;
             if until.settled {
                 let fed = feeder.as_ref().is_none_or(|f| f.is_empty());
-                calm_since = if fed && self.calm() { calm_since.or(Some(time)) } else { None };
-                settled = calm_since.is_some_and(|since| time - since >= self.setup.settle.hold);
+                let calm = fed && self.calm();
+                let since = self.midway.calm_since_s.unwrap_or(time);
+                self.midway.calm_since_s = calm.then_some(since);
+                settled = calm && time - since >= self.setup.settle.hold;
             }
             if sample || settled {
-                next_sample += self.setup.sample_interval;
+                self.midway.next_sample_s += self.setup.sample_interval;
                 let moment = Moment { stage_time: time, table_velocity: table_velocity(time) };
                 observer.observe(&self.specimen, moment);
             }
@@ -260,8 +263,21 @@ impl<'a> Stand<'a> {
                     self.let_go(grain, pose)?;
                 }
             }
+            if Some(step) == seam && step < last_step {
+                return Ok(LegEnd::Seam);
+            }
         }
-        Ok(settled)
+        Ok(LegEnd::OfStage { settled })
+    }
+
+    /// Takes the stage out of the world, to go on in another.
+    pub(super) fn pause(self, feeder: Option<Feeder>) -> Midway {
+        let contacts = self.contacts();
+        let mut midway = self.midway;
+        midway.state = self.specimen.state;
+        midway.state.contacts = contacts;
+        midway.fed = feeder.map(Feeder::into_fed);
+        midway
     }
 
     /// Adds a grain that was waiting.
@@ -283,12 +299,12 @@ impl<'a> Stand<'a> {
         let of_grain = |id: &Option<BodyId>| corners.get(id.as_ref()?.0 as usize)?.clone();
         StageOutcome {
             corners: self.grains.iter().map(of_grain).collect(),
-            simulated: self.steps as f64 * self.world.time_step(),
+            simulated: self.midway.steps as f64 * self.world.time_step(),
             effective: self.world.effective(),
             specimen: self.specimen,
-            steps: self.steps,
-            engine_time: self.engine_time,
-            warnings: self.warnings,
+            steps: self.midway.steps,
+            engine_time: Duration::from_secs_f64(self.midway.engine_s),
+            warnings: self.midway.warnings,
         }
     }
 
@@ -312,10 +328,15 @@ impl<'a> Stand<'a> {
 
     /// Keeps a finding for the reader.
     pub(super) fn warn(&mut self, warning: String) {
-        self.warnings.push(warning);
+        self.midway.warnings.push(warning);
     }
 
     /// The specimen as last read.
+    pub(super) fn specimen(&self) -> &Specimen {
+        &self.specimen
+    }
+
+    /// The same, to be changed.
     pub(super) fn specimen_mut(&mut self) -> &mut Specimen {
         &mut self.specimen
     }
@@ -358,7 +379,7 @@ impl<'a> Stand<'a> {
                 }
                 if fate == Fate::ThroughWall {
                     let at = body.pose.translation.vector * 1e3;
-                    self.warnings.push(format!(
+                    self.midway.warnings.push(format!(
                         "grain {index} passed through a wall at {time:.3} s, last seen at \
                          ({:.1}, {:.1}, {:.1}) mm",
                         at.x, at.y, at.z
@@ -369,7 +390,7 @@ impl<'a> Stand<'a> {
         if let Some(id) = self.plate {
             self.specimen.state.top_plate = self.snapshot[id.0 as usize];
         }
-        self.specimen.state.time = self.start_time + time;
+        self.specimen.state.time = self.midway.began_s + time;
         Ok(())
     }
 

@@ -63,6 +63,7 @@ fn carry_out(
         &|_, _, _| Ok(Box::new(make()) as Box<dyn World + Send>),
         specimen,
         stage,
+        None,
         &mut times,
         &AtomicBool::new(false),
     );
@@ -149,6 +150,7 @@ fn the_table_is_driven_to_the_exact_sinusoid_at_the_end_of_each_step() {
         &|_, _, _| Ok(Box::new(ScriptedWorld::still(STEP)) as Box<dyn World + Send>),
         poured(&[]),
         &stage,
+        None,
         &mut X(&seen),
         &AtomicBool::new(false),
     )
@@ -240,6 +242,7 @@ fn a_request_to_stop_is_heard() {
         &|_, _, _| Ok(Box::new(ScriptedWorld::still(STEP)) as Box<dyn World + Send>),
         poured(&[]),
         &rest(100.0),
+        None,
         &mut Times(Vec::new()),
         &cancel,
     );

@@ -8,6 +8,8 @@ use std::{
 
 use serde::{Serialize, de::DeserializeOwned};
 
+use super::hash_bytes;
+
 /// A file or folder that could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot {action} {}: {reason}", path.display())]
@@ -24,6 +26,11 @@ impl FileError {
     /// An error of the operating system or a parser about a path.
     pub fn new(action: &'static str, path: &Path, reason: impl ToString) -> Self {
         Self { action, path: path.to_owned(), reason: reason.to_string() }
+    }
+
+    /// A file that has another content than it was given.
+    pub(super) fn changed(path: &Path) -> Self {
+        Self::new("use", path, "its content is not what was written")
     }
 }
 
@@ -49,11 +56,26 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<(), FileError> {
     temporary.as_file().sync_all().map_err(fail)?;
     make_readable(temporary.as_file()).map_err(fail)?;
     temporary.persist(path).map_err(|e| fail(e.error))?;
-    Ok(())
+    sync_folder(folder).map_err(fail)
+}
+
+/// Has the names in a folder written to the disk: without that, a file renamed
+/// into it may be gone after the power fails, whole as it is.
+pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    match File::open(folder).and_then(|folder| folder.sync_all()) {
+        // Some file systems have no such call for folders.
+        Err(e) if matches!(e.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => {
+            Ok(())
+        }
+        done => done,
+    }
 }
 
 /// Temporary files are private to their owner; results are not.
-fn make_readable(file: &File) -> io::Result<()> {
+pub(super) fn make_readable(file: &File) -> io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -67,10 +89,18 @@ fn make_readable(file: &File) -> io::Result<()> {
 /// # Errors
 /// [`FileError`] naming the file.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), FileError> {
+    write_file(path, &json_text(path, value)?)
+}
+
+/// The bytes that [`write_json`] writes.
+///
+/// # Errors
+/// [`FileError`] naming the file, when the value has no JSON form.
+pub fn json_text(path: &Path, value: &impl Serialize) -> Result<Vec<u8>, FileError> {
     let mut text =
         serde_json::to_vec_pretty(value).map_err(|e| FileError::new("write", path, e))?;
     text.push(b'\n');
-    write_file(path, &text)
+    Ok(text)
 }
 
 /// Reads a file.
@@ -89,6 +119,19 @@ pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, FileError> {
     serde_json::from_slice(&read_file(path)?).map_err(|e| FileError::new("read", path, e))
 }
 
+/// Reads a file whose SHA-256 was noted when it was written; an empty one was
+/// not noted, and nothing is compared.
+///
+/// # Errors
+/// [`FileError`] naming the file, also when it is not what was written.
+pub fn read_unchanged(path: &Path, sha256: &str) -> Result<Vec<u8>, FileError> {
+    let content = read_file(path)?;
+    if !sha256.is_empty() && hash_bytes(&content) != sha256 {
+        return Err(FileError::changed(path));
+    }
+    Ok(content)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -101,6 +144,19 @@ mod tests {
         write_json(&path, &[3]).expect("second");
         assert_eq!(read_json::<Vec<i32>>(&path).expect("read back"), [3]);
         assert_eq!(fs::read_dir(folder.path()).expect("listing").count(), 1);
+    }
+
+    #[test]
+    fn what_is_read_is_what_was_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a");
+        write_file(&path, b"written").expect("written");
+        let noted = hash_bytes(b"written");
+        assert_eq!(read_unchanged(&path, &noted).expect("unchanged"), b"written");
+        fs::write(&path, b"Written").expect("changed");
+        let said = read_unchanged(&path, &noted).expect_err("changed").to_string();
+        assert!(said.contains("is not what was written") && said.contains("/a:"), "{said}");
+        assert!(read_unchanged(&path, "").is_ok(), "law: what was not noted is not compared");
     }
 
     #[test]

@@ -15,15 +15,22 @@
 //! A quaternion's rounding turns a grain by less than 0.003°.
 
 use std::{
-    fs::File,
-    io::{self, BufWriter, Write},
-    path::Path,
+    fs::{self, File},
+    io::{self, BufWriter, Read, Write},
+    path::{Path, PathBuf},
     sync::Arc,
 };
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
-use super::{FileError, read_file};
+use super::{
+    FileError,
+    atomic::make_readable,
+    hash::{hash_of, hexadecimal},
+    read_unchanged,
+};
 use crate::geometry::Pose;
 use crate::specimen::{Base, Fate, FunnelState, SpecimenState};
 
@@ -151,10 +158,34 @@ fn read_place(bytes: &[u8]) -> Option<Pose> {
     Some(Isometry3::from_parts(Translation3::from(position), rotation))
 }
 
+/// Where frames stand until the stage is finished.
+#[derive(Debug)]
+enum Place {
+    /// In a file that goes when it is not kept.
+    Temporary(tempfile::TempPath),
+    /// In one that stays, to be gone on with.
+    Staying(PathBuf),
+}
+
+/// How far a file of frames was written when a leg of its stage ended.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FramesSoFar {
+    /// Bytes.
+    length: u64,
+    /// SHA-256 of them.
+    sha256: String,
+}
+
 /// Writes the frames of a stage one after the other into a file.
 #[derive(Debug)]
 pub struct FrameWriter {
-    file: BufWriter<tempfile::NamedTempFile>,
+    out: BufWriter<File>,
+    place: Place,
+    hash: Sha256,
+    /// Bytes written.
+    length: u64,
+    /// Bytes of one frame, used again for the next.
+    frame: Vec<u8>,
     fault: Option<io::Error>,
 }
 
@@ -168,51 +199,110 @@ impl FrameWriter {
         let refused = |e| FileError::new("create a file in", folder, e);
         let file =
             tempfile::Builder::new().prefix(".part-").tempfile_in(folder).map_err(refused)?;
-        let mut file = BufWriter::new(file);
-        file.write_all(MAGIC).map_err(refused)?;
-        file.write_all(&(grains as u32).to_le_bytes()).map_err(refused)?;
-        Ok(Self { file, fault: None })
+        let (file, path) = file.into_parts();
+        Self::begin(file, Place::Temporary(path), grains).map_err(refused)
+    }
+
+    /// Begins a file that stays where it is when the stage is interrupted, in
+    /// place of what may be there.
+    pub(super) fn staying(path: &Path, grains: usize) -> Result<Self, FileError> {
+        let refused = |e| FileError::new("create", path, e);
+        let file = File::create(path).map_err(refused)?;
+        Self::begin(file, Place::Staying(path.to_owned()), grains).map_err(refused)
+    }
+
+    /// Goes on with such a file where a leg had ended; what was written since is
+    /// forgotten.
+    pub(super) fn going_on(path: &Path, so_far: &FramesSoFar) -> Result<Self, FileError> {
+        let refused = |e| FileError::new("go on with", path, e);
+        let mut file = File::options().read(true).write(true).open(path).map_err(refused)?;
+        let mut hash = Sha256::new();
+        let read = hash_of(&mut (&mut file).take(so_far.length), &mut hash).map_err(refused)?;
+        if read != so_far.length || hexadecimal(&hash.clone().finalize()) != so_far.sha256 {
+            return Err(FileError::changed(path));
+        }
+        file.set_len(so_far.length).map_err(refused)?;
+        let place = Place::Staying(path.to_owned());
+        Ok(Self::of(file, place, hash, so_far.length))
+    }
+
+    fn of(file: File, place: Place, hash: Sha256, length: u64) -> Self {
+        let out = BufWriter::new(file);
+        Self { out, place, hash, length, frame: Vec::new(), fault: None }
+    }
+
+    fn begin(file: File, place: Place, grains: usize) -> io::Result<Self> {
+        let mut writer = Self::of(file, place, Sha256::new(), 0);
+        let mut head = MAGIC.to_vec();
+        head.extend((grains as u32).to_le_bytes());
+        writer.write(&head)?;
+        Ok(writer)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.hash.update(bytes);
+        self.length += bytes.len() as u64;
+        self.out.write_all(bytes)
+    }
+
+    /// Has everything so far written to the disk, and says how much it is.
+    pub(super) fn so_far(&mut self) -> Result<FramesSoFar, FileError> {
+        let path = match &self.place {
+            Place::Temporary(path) => path.to_path_buf(),
+            Place::Staying(path) => path.clone(),
+        };
+        let refused = |e| FileError::new("write", &path, e);
+        if let Some(fault) = self.fault.take() {
+            return Err(refused(fault));
+        }
+        self.out.flush().map_err(refused)?;
+        self.out.get_ref().sync_all().map_err(refused)?;
+        Ok(FramesSoFar { length: self.length, sha256: hexadecimal(&self.hash.clone().finalize()) })
     }
 
     /// Adds a state at a time in s since the run began. A fault is told at the end.
     pub fn add(&mut self, state: &SpecimenState, time: f64) {
         if self.fault.is_none() {
             let frame = Frame { time, ..Frame::of(state) };
-            self.fault = frame.write(&mut self.file).err();
+            let mut bytes = std::mem::take(&mut self.frame);
+            bytes.clear();
+            let written = frame.write(&mut bytes).and_then(|()| self.write(&bytes));
+            self.fault = written.err();
+            self.frame = bytes;
         }
     }
 
-    /// Moves the file to its place.
+    /// Puts the file in its place; gives the SHA-256 of its content. One that
+    /// stays is there too until its folder is removed.
     ///
     /// # Errors
     /// When not everything could be written.
-    pub fn keep(self, path: &Path) -> Result<(), FileError> {
+    pub fn keep(self, path: &Path) -> Result<String, FileError> {
         let refused = |e| FileError::new("write", path, e);
-        match self.fault {
-            Some(fault) => Err(refused(fault)),
-            None => {
-                let file = self.file.into_inner().map_err(|e| refused(e.into_error()))?;
-                file.as_file().sync_all().map_err(refused)?;
-                let file: File = file.persist(path).map_err(|e| refused(e.error))?;
-                #[cfg(unix)]
-                {
-                    use std::os::unix::fs::PermissionsExt;
-                    // Temporary files are private to their owner; results are not.
-                    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-                        .map_err(refused)?;
-                }
-                Ok(())
-            }
+        if let Some(fault) = self.fault {
+            return Err(refused(fault));
         }
+        let file = self.out.into_inner().map_err(|e| refused(e.into_error()))?;
+        file.sync_all().map_err(refused)?;
+        make_readable(&file).map_err(refused)?;
+        match self.place {
+            Place::Temporary(from) => from.persist(path).map_err(|e| refused(e.error))?,
+            // Where there are no links, it is copied.
+            Place::Staying(from) => fs::hard_link(&from, path)
+                .or_else(|_| fs::copy(&from, path).and_then(|_| File::open(path)?.sync_all()))
+                .map_err(refused)?,
+        }
+        Ok(hexadecimal(&self.hash.finalize()))
     }
 }
 
-/// Reads the frames of a stage.
+/// Reads the frames of a stage, whose SHA-256 is compared unless it is empty.
 ///
 /// # Errors
-/// [`FileError`] when the file cannot be read or is none of these.
-pub fn read_frames(path: &Path) -> Result<Vec<Frame>, FileError> {
-    let bytes = read_file(path)?;
+/// [`FileError`] when the file cannot be read, is none of these, or is not
+/// what was written.
+pub(super) fn read_frames(path: &Path, sha256: &str) -> Result<Vec<Frame>, FileError> {
+    let bytes = read_unchanged(path, sha256)?;
     frames_of(&bytes).map_err(|why| FileError::new("use", path, why))
 }
 

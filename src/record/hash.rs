@@ -1,11 +1,49 @@
 //! Content hashes: the names under which results are stored.
 
+use std::{
+    fs::File,
+    io::{self, Read},
+    path::Path,
+};
+
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 /// SHA-256 of bytes, in lower-case hexadecimal.
 pub fn hash_bytes(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// SHA-256 of a file's content, read in pieces.
+///
+/// # Errors
+/// When it cannot be read.
+pub(super) fn hash_file(path: &Path) -> io::Result<String> {
+    let mut hash = Sha256::new();
+    hash_of(&mut File::open(path)?, &mut hash)?;
+    Ok(hexadecimal(&hash.finalize()))
+}
+
+/// Feeds all that can be read to a hash; gives the number of bytes.
+pub(super) fn hash_of(from: &mut impl Read, hash: &mut Sha256) -> io::Result<u64> {
+    let mut piece = vec![0; 1 << 16];
+    let mut read = 0;
+    loop {
+        match from.read(&mut piece) {
+            Ok(0) => return Ok(read),
+            Ok(length) => {
+                hash.update(&piece[..length]);
+                read += length as u64;
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+/// Bytes in lower-case hexadecimal.
+pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
 /// SHA-256 of a value's JSON. Maps must be ordered (structs and `BTreeMap`

@@ -1,6 +1,7 @@
 //! What a run leaves on disk.
 
 mod atomic;
+mod checkpoint;
 mod frames;
 mod hash;
 mod run;
@@ -10,8 +11,12 @@ mod summary;
 mod tables;
 mod variations;
 
-pub use atomic::{FileError, create_folder, read_file, read_json, write_file, write_json};
-pub use frames::{FRAMES_FILE, Frame, FrameWriter, read_frames};
+pub use atomic::{
+    FileError, create_folder, json_text, read_file, read_json, read_unchanged, write_file,
+    write_json,
+};
+pub use checkpoint::{Checkpoints, Observed, Reference, Resumed};
+pub use frames::{FRAMES_FILE, Frame, FrameWriter};
 pub use hash::{hash_bytes, hash_json};
 pub use run::{RunKind, RunRecord};
 pub use sieve::{

@@ -1,21 +1,24 @@
 //! Finished stages on disk, each under the hash of everything that determines it.
 
 use std::{
-    fs,
+    fs::{self, File},
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use serde::{Deserialize, Serialize};
 
 use super::{
-    FRAMES_FILE, FileError, FrameWriter, SeriesRow, create_folder, hash_bytes, read_file,
-    read_json, series_from_csv, to_csv, write_file, write_json,
+    Checkpoints, FRAMES_FILE, FileError, Frame, FrameWriter, SeriesRow, atomic::sync_folder,
+    create_folder, frames::read_frames, hash::hash_file, hash_bytes, hash_json, read_json,
+    read_unchanged, series_from_csv, to_csv, write_file, write_json,
 };
 use crate::specimen::SpecimenState;
 use crate::world::EffectiveSettings;
 
 /// `stage.json`: what a finished stage says of itself.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct StageRecord {
     /// Name of the stage as in the scenario.
     pub stage: String,
@@ -41,6 +44,20 @@ pub struct StageRecord {
     pub specimen_sha256: String,
     /// SHA-256 of `series.csv`.
     pub series_sha256: String,
+    /// SHA-256 of `frames.bin`; empty where no frames were kept, or the stage
+    /// was stored before this was recorded.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub frames_sha256: String,
+    /// SHA-256 of this record as JSON in one line without this field; empty
+    /// where the stage was stored before this was recorded.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub record_sha256: String,
+}
+
+impl StageRecord {
+    fn own_hash(&self) -> String {
+        hash_json(&Self { record_sha256: String::new(), ..self.clone() })
+    }
 }
 
 /// A finished stage read from the store.
@@ -59,25 +76,37 @@ pub struct StoredStage {
 pub struct StageStore {
     root: PathBuf,
     frames: bool,
+    /// Held, shared with others, as long as somebody may be writing.
+    _lock: Arc<File>,
 }
 
 impl StageStore {
     /// A store in a folder, which is created when missing; leftovers of
-    /// writers that were killed are removed.
+    /// writers that were killed are removed, unless another program or store
+    /// is at work there.
     ///
     /// # Errors
     /// When the folder cannot be made or listed.
     pub fn open(root: &Path) -> Result<Self, FileError> {
         create_folder(root)?;
-        let entries = fs::read_dir(root).map_err(|e| FileError::new("list", root, e))?;
-        for entry in entries.flatten() {
-            if entry.file_name().to_string_lossy().starts_with(".part-") {
-                // A leftover that cannot be removed does no harm.
-                let _ = fs::remove_dir_all(entry.path());
-                let _ = fs::remove_file(entry.path());
+        let refused = |e| FileError::new("open", root, e);
+        let lock = root.join(".lock");
+        let lock = File::options().create(true).append(true).open(lock).map_err(refused)?;
+        if lock.try_lock().is_ok() {
+            // Nobody else works here, so that what is half written is of the dead.
+            let entries = fs::read_dir(root).map_err(|e| FileError::new("list", root, e))?;
+            for entry in entries.flatten() {
+                if entry.file_name().to_string_lossy().starts_with(".part-") {
+                    // A leftover that cannot be removed does no harm.
+                    let _ = fs::remove_dir_all(entry.path());
+                    let _ = fs::remove_file(entry.path());
+                }
             }
         }
-        Ok(Self { root: root.to_owned(), frames: false })
+        // A file system without locks keeps leftovers of others from nobody.
+        let _ = lock.unlock();
+        let _ = lock.try_lock_shared();
+        Ok(Self { root: root.to_owned(), frames: false, _lock: Arc::new(lock) })
     }
 
     /// The same, keeping the frames of stages that are carried out, where that is
@@ -93,6 +122,20 @@ impl StageStore {
     /// When the file cannot be made.
     pub fn frames(&self, grains: usize) -> Result<Option<FrameWriter>, FileError> {
         self.frames.then(|| FrameWriter::new(&self.root, grains)).transpose()
+    }
+
+    /// The checkpoints of a stage that is to be carried out; none where another
+    /// program is at it just now.
+    ///
+    /// # Errors
+    /// When their folder cannot be made.
+    pub fn checkpoints(&self, key: &str) -> Result<Option<Checkpoints>, FileError> {
+        Checkpoints::open(&self.root, key)
+    }
+
+    /// Whether frames are kept of stages that are carried out.
+    pub fn keeps_frames(&self) -> bool {
+        self.frames
     }
 
     /// Folder of a stage.
@@ -112,28 +155,55 @@ impl StageStore {
         if !folder.is_dir() {
             return (None, None);
         }
-        match Self::read(&folder) {
-            Ok(stage) => (Some(stage), None),
+        match self.read(&folder) {
+            Ok(stage) => {
+                Checkpoints::discard(&self.root, key);
+                (Some(stage), None)
+            }
             Err(error) => (None, Some(format!("stored stage is damaged and done again: {error}"))),
         }
     }
 
-    fn read(folder: &Path) -> Result<StoredStage, FileError> {
-        let record: StageRecord = read_json(&folder.join("stage.json"))?;
-        let checked = |name: &str, expected: &str| {
-            let path = folder.join(name);
-            let content = read_file(&path)?;
-            if hash_bytes(&content) != expected {
-                return Err(FileError::new("use", &path, "its content is not what was written"));
-            }
-            Ok((path, content))
-        };
-        let (path, content) = checked("specimen.json", &record.specimen_sha256)?;
-        let state =
-            serde_json::from_slice(&content).map_err(|e| FileError::new("read", &path, e))?;
-        let (path, content) = checked("series.csv", &record.series_sha256)?;
+    fn read(&self, folder: &Path) -> Result<StoredStage, FileError> {
+        let record = read_record(folder)?;
+        let path = folder.join("series.csv");
+        let content = read_unchanged(&path, &record.series_sha256)?;
         let series = series_from_csv(&content).map_err(|e| FileError::new("read", &path, e))?;
+        let state = read_state(folder, &record)?;
+        if self.frames && !record.frames_sha256.is_empty() {
+            let path = folder.join(FRAMES_FILE);
+            let found = hash_file(&path).map_err(|e| FileError::new("read", &path, e))?;
+            if found != record.frames_sha256 {
+                return Err(FileError::changed(&path));
+            }
+        }
         Ok(StoredStage { record, state, series })
+    }
+
+    /// The specimen's state at the end of a stage of a store that is only to be
+    /// read, and the file it stands in.
+    ///
+    /// # Errors
+    /// When it is not there, or not as it was written.
+    pub fn state_in(root: &Path, key: &str) -> Result<(SpecimenState, PathBuf), FileError> {
+        let folder = Self::folder_in(root, key);
+        let state = read_state(&folder, &read_record(&folder)?)?;
+        Ok((state, folder.join("specimen.json")))
+    }
+
+    /// The frames of a stage of a store that is only to be read, and the file
+    /// they stand in; none where none were kept.
+    ///
+    /// # Errors
+    /// When they are not as they were written.
+    pub fn frames_in(root: &Path, key: &str) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError> {
+        let folder = Self::folder_in(root, key);
+        let path = folder.join(FRAMES_FILE);
+        let noted = read_record(&folder)?.frames_sha256;
+        if noted.is_empty() && !path.exists() {
+            return Ok(None);
+        }
+        Ok(Some((read_frames(&path, &noted)?, path)))
     }
 
     /// Stores a stage: written into a folder of its own first, then renamed,
@@ -149,6 +219,7 @@ impl StageStore {
         frames: Option<FrameWriter>,
     ) -> Result<StoredStage, FileError> {
         let target = self.folder(key);
+        let refused = |e| FileError::new("create", &target, e);
         let part = tempfile::Builder::new()
             .prefix(".part-")
             .tempdir_in(&self.root)
@@ -161,22 +232,50 @@ impl StageStore {
         write_file(&part.path().join("specimen.json"), &specimen)?;
         write_file(&part.path().join("series.csv"), &series)?;
         if let Some(frames) = frames {
-            frames.keep(&part.path().join(FRAMES_FILE))?;
+            stage.record.frames_sha256 = frames.keep(&part.path().join(FRAMES_FILE))?;
         }
+        stage.record.record_sha256 = stage.record.own_hash();
         write_json(&part.path().join("stage.json"), &stage.record)?;
-        if target.exists() {
-            fs::remove_dir_all(&target).map_err(|e| FileError::new("replace", &target, e))?;
-        }
-        let part = part.keep();
-        fs::rename(&part, &target).map_err(|e| FileError::new("create", &target, e))?;
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
             // Temporary folders are private to their owner; results are not.
-            fs::set_permissions(&target, fs::Permissions::from_mode(0o755))
-                .map_err(|e| FileError::new("open up", &target, e))?;
+            fs::set_permissions(part.path(), fs::Permissions::from_mode(0o755)).map_err(refused)?;
         }
-        Self::read(&target)
+        sync_folder(part.path()).map_err(refused)?;
+        if target.exists() {
+            fs::remove_dir_all(&target).map_err(|e| FileError::new("replace", &target, e))?;
+        }
+        // Whoever else works here may have stored the same just now, to the bit.
+        if let Err(error) = fs::rename(part.path(), &target)
+            && !target.exists()
+        {
+            return Err(refused(error));
+        }
+        sync_folder(&self.root).map_err(refused)?;
+        let state = read_state(&target, &stage.record)?;
+        Ok(StoredStage { state, ..stage })
+    }
+
+    /// An error with what is not lost by it.
+    #[must_use]
+    pub fn keeping(&self, error: FileError) -> FileError {
+        let root = self.root.display();
+        let finished = fs::read_dir(&self.root).map(|entries| {
+            let whole = |e: &fs::DirEntry| e.path().join("stage.json").is_file();
+            entries.flatten().filter(whole).count()
+        });
+        let kept = match finished {
+            Ok(0) => "no stage had been finished".to_owned(),
+            Ok(1) => {
+                format!("the finished stage in {root} is kept; the same command goes on from it")
+            }
+            Ok(n) => format!(
+                "the {n} finished stages in {root} are kept; the same command goes on from them"
+            ),
+            Err(_) => format!("the finished stages in {root} are gone too"),
+        };
+        FileError { reason: format!("{} ({kept})", error.reason), ..error }
     }
 
     /// Whether a stage is there; its hashes are checked when it is read.
@@ -209,3 +308,23 @@ impl StageStore {
         Ok(path)
     }
 }
+
+/// What a stage says of itself, if that is as it was written.
+fn read_record(folder: &Path) -> Result<StageRecord, FileError> {
+    let path = folder.join("stage.json");
+    let record: StageRecord = read_json(&path)?;
+    if !record.record_sha256.is_empty() && record.record_sha256 != record.own_hash() {
+        return Err(FileError::changed(&path));
+    }
+    Ok(record)
+}
+
+fn read_state(folder: &Path, record: &StageRecord) -> Result<SpecimenState, FileError> {
+    let path = folder.join("specimen.json");
+    let content = read_unchanged(&path, &record.specimen_sha256)?;
+    serde_json::from_slice(&content).map_err(|e| FileError::new("read", &path, e))
+}
+
+#[cfg(test)]
+#[path = "store_tests.rs"]
+mod tests;

@@ -1,6 +1,6 @@
 //! What can be wrong with a scenario, said so that it can be mended.
 
-use std::{fmt, path::PathBuf};
+use std::{borrow::Cow, fmt, path::PathBuf};
 
 /// One fault of a scenario.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -22,7 +22,7 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for place in [&self.file, &self.path] {
             if !place.is_empty() {
-                write!(f, "{place}: ")?;
+                write!(f, "{}: ", shortened(place))?;
             }
         }
         f.write_str(&self.message)?;
@@ -33,6 +33,23 @@ impl fmt::Display for Fault {
             (false, false) => write!(f, " (found {}; allowed: {})", self.found, self.allowed),
         }
     }
+}
+
+/// Longest place that is written out, in characters.
+const LONGEST_PLACE: usize = 400;
+
+/// Most faults that are written out.
+const MOST_FAULTS: usize = 100;
+
+/// A place without its middle, where nobody would read it all.
+fn shortened(place: &str) -> Cow<'_, str> {
+    let count = place.chars().count();
+    if count <= LONGEST_PLACE {
+        return Cow::Borrowed(place);
+    }
+    let begin: String = place.chars().take(LONGEST_PLACE / 2).collect();
+    let end: String = place.chars().skip(count - LONGEST_PLACE / 4).collect();
+    Cow::Owned(format!("{begin}…{end}"))
 }
 
 /// Why a scenario was not accepted.
@@ -68,7 +85,11 @@ impl fmt::Display for ScenarioErrors {
             Self::Faults(faults) if faults.len() == 1 => faults[0].fmt(f),
             Self::Faults(faults) => {
                 write!(f, "{} faults", faults.len())?;
-                faults.iter().try_for_each(|fault| write!(f, "\n  {fault}"))
+                faults.iter().take(MOST_FAULTS).try_for_each(|fault| write!(f, "\n  {fault}"))?;
+                match faults.len().checked_sub(MOST_FAULTS) {
+                    Some(more @ 1..) => write!(f, "\n  … and {more} more"),
+                    _ => Ok(()),
+                }
             }
         }
     }

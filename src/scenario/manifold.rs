@@ -47,6 +47,14 @@ pub struct ManifoldSettings {
     /// which is slower and there to compare with.
     #[schemars(extend("enum" = [1, 8]))]
     pub contacts_at_once: u32,
+    /// Simulated time in s after which a stage is stored on its way, read back
+    /// and carried on in a world built anew, so that an interrupted run goes on
+    /// from there. Left out, it is what a core does in about a minute, by the
+    /// number of grains and the rate. It changes the bits of a stage that takes
+    /// longer, not what is simulated.
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub checkpoint_every_s: Option<f64>,
 }
 
 impl ManifoldSettings {
@@ -69,6 +77,7 @@ impl Default for ManifoldSettings {
             threads: 1,
             portable: false,
             contacts_at_once: 8,
+            checkpoint_every_s: None,
         }
     }
 }

@@ -4,7 +4,7 @@
 //! `meshes` is there, a stage by its `stage` — and the part is then checked against that
 //! variant alone: "not valid under any of the schemas" helps nobody.
 
-use std::sync::LazyLock;
+use std::{collections::HashSet, sync::LazyLock};
 
 use jsonschema::{Validator, error::ValidationErrorKind};
 use serde_json::{Value, json};
@@ -179,10 +179,11 @@ impl Part {
                         };
                         let found = error.instance().get(name).map(shown).unwrap_or_default();
                         add(field_path(&here, name), found, listed(&known), message);
-                        let parent = into.cleaned.pointer_mut(&format!("{pointer}{inner}"));
-                        if let Some(Value::Object(parent)) = parent {
-                            parent.shift_remove(name);
-                        }
+                    }
+                    let gone: HashSet<&str> = unexpected.iter().map(String::as_str).collect();
+                    let parent = into.cleaned.pointer_mut(&format!("{pointer}{inner}"));
+                    if let Some(Value::Object(parent)) = parent {
+                        parent.retain(|name, _| !gone.contains(name.as_str()));
                     }
                 }
                 ValidationErrorKind::Required { property } => {

@@ -1,11 +1,8 @@
 //! Carries out a plan on several threads, taking from the store what is there.
 
-use std::{
-    sync::{
-        Arc, Condvar, Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicBool, Ordering},
-    },
-    time::Instant,
+use std::sync::{
+    Arc, Condvar, Mutex, MutexGuard, PoisonError,
+    atomic::{AtomicBool, Ordering},
 };
 
 use rayon::prelude::*;
@@ -18,7 +15,7 @@ use super::{
 use crate::geometry::Vector;
 use crate::grains::Passage;
 use crate::protocol::{Progress, StageError, WorldMaker, run as run_stage};
-use crate::record::{StageRecord, StageStore, StoredStage};
+use crate::record::{Checkpoints, FileError, FrameWriter, StageRecord, StageStore, StoredStage};
 use crate::specimen::{Specimen, SpecimenState};
 use crate::units::to_mm;
 
@@ -177,49 +174,91 @@ impl Shop<'_> {
         let specimen = Specimen { grains: node.grains.clone(), state };
         let id = index as u64;
         progress.begin_stage(id, &node.label, node.expected);
-        let started = Instant::now();
         let began = specimen.state.time;
-        let frames = store.frames(node.grains.grains.len())?;
+        let kept = |error| StudyError::File(store.keeping(error));
+        let checkpoints =
+            if node.has_legs { store.checkpoints(&node.key).map_err(kept)? } else { None };
+        let (resumed, damaged) =
+            checkpoints.as_ref().map_or_else(Default::default, |c| c.last(store.keeps_frames()));
+        for why in damaged {
+            progress.message(&format!("{}: a checkpoint is damaged: {why}", node.label));
+        }
+        let (midway, observed, frames) = match resumed {
+            Some(resumed) => (Some(resumed.midway), Some(resumed.observed), resumed.frames),
+            None => (None, None, self.frames(node, checkpoints.as_ref()).map_err(kept)?),
+        };
         let mut recorder = Recorder::new(&node.setup, &node.stage, frames, |row| {
             let time = row.time_s - began;
             progress.update(id, time, &note(row));
         });
         recorder.begin_at(began);
+        recorder.keep_in(checkpoints.as_ref());
+        if let (Some(midway), Some(observed)) = (&midway, observed) {
+            let done = midway.steps as f64 / node.setup.engine.rate_hz;
+            progress.message(&format!("{}: goes on from {done:.2} s", node.label));
+            recorder.go_on(observed);
+        }
         let outcome = run_stage(
             &node.setup,
             self.make_world,
             specimen,
             &node.stage,
+            midway,
             &mut recorder,
             self.cancel,
         );
         progress.end_stage(id);
+        if let Some(error) = recorder.fault() {
+            return Err(kept(error));
+        }
         let outcome = outcome.map_err(|error| match error {
             StageError::Cancelled => StudyError::Cancelled,
             StageError::World { source, last_good } => {
                 let what = source.to_string();
                 match store.keep_failed(&node.key, &last_good.state, &what) {
                     Ok(kept) => StudyError::Simulation { stage: node.label.clone(), what, kept },
-                    Err(error) => StudyError::File(error),
+                    Err(error) => {
+                        let reason = format!("{}; what failed was {what}", error.reason);
+                        kept(FileError { reason, ..error })
+                    }
                 }
             }
             other => StudyError::Stage { stage: node.label.clone(), what: other.to_string() },
         })?;
+        let (observed, frames) = recorder.into_parts();
         let record = StageRecord {
             stage: stage_name(&node.stage).into(),
             steps: outcome.steps,
             simulated_s: outcome.simulated,
-            wall_s: started.elapsed().as_secs_f64(),
+            wall_s: observed.wall_s,
             engine_s: outcome.engine_time.as_secs_f64(),
             warnings: outcome.warnings,
             effective: outcome.effective,
             sieved_mm: sieved_mm(&outcome.corners),
-            specimen_sha256: String::new(),
-            series_sha256: String::new(),
+            ..StageRecord::default()
         };
-        let (series, frames) = recorder.into_parts();
+        let series = observed.rows;
         let stage = StoredStage { record, state: outcome.specimen.state, series };
-        store.save(&node.key, stage, frames).map_err(StudyError::File)
+        let stored = store.save(&node.key, stage, frames).map_err(kept)?;
+        if let Some(checkpoints) = checkpoints {
+            checkpoints.remove();
+        }
+        Ok(stored)
+    }
+
+    /// Where the frames of a stage are written that begins: beside its
+    /// checkpoints, where it has some.
+    fn frames(
+        &self,
+        node: &Node,
+        checkpoints: Option<&Checkpoints>,
+    ) -> Result<Option<FrameWriter>, FileError> {
+        let grains = node.grains.grains.len();
+        match checkpoints {
+            Some(checkpoints) if self.store.keeps_frames() => checkpoints.frames(grains).map(Some),
+            Some(_) => Ok(None),
+            None => self.store.frames(grains),
+        }
     }
 }
 

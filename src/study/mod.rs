@@ -50,7 +50,7 @@ use std::path::PathBuf;
 use crate::apparatus::ApparatusError;
 use crate::grains::GrainsError;
 use crate::measure::MeasureError;
-use crate::record::FileError;
+use crate::record::{FileError, StageStore};
 use crate::report::ReportError;
 use crate::scenario::ScenarioErrors;
 
@@ -96,6 +96,14 @@ pub enum StudyError {
 }
 
 impl StudyError {
+    /// An error with what is not lost by it, where it is about a file.
+    fn keeping(self, store: &StageStore) -> Self {
+        match self {
+            Self::File(error) => Self::File(store.keeping(error)),
+            other => other,
+        }
+    }
+
     fn apparatus(error: ApparatusError) -> Self {
         Self::Scenario(error.to_string())
     }

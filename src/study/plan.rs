@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::{StudyError, summarise::grains_hash};
 use crate::grains::GrainSet;
-use crate::protocol::{Setup, table_motion};
+use crate::protocol::{Setup, legs, table_motion};
 use crate::record::{RunKind, hash_json};
 use crate::scenario::{
     ApparatusSpec, ContactSpec, EngineSettings, Scenario, SettleSpec, StageSpec,
@@ -60,6 +60,8 @@ pub struct Node {
     pub setup: Arc<Setup>,
     /// The grains.
     pub grains: Arc<GrainSet>,
+    /// Whether it may take longer than one leg, and can go on from their ends.
+    pub has_legs: bool,
     /// For people: `configuration 1, pour from 50 mm`.
     pub label: String,
     /// Simulated time expected, in s.
@@ -103,6 +105,10 @@ struct Determinants<'a> {
     configuration: u32,
     parent: &'a str,
     stage: &'a StageSpec,
+    /// Steps of a leg; left out where the stage is over within one, whose bits
+    /// do not depend on it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    leg_steps: Option<u64>,
 }
 
 /// A scenario with its laboratory built.
@@ -193,6 +199,7 @@ impl Plan {
         stage: &StageSpec,
     ) -> usize {
         let scenario = &laboratory.scenario;
+        let leg_steps = legs(&laboratory.setup, run.grains.grains.len(), stage);
         let key = hash_json(&Determinants {
             format: FORMAT,
             version: env!("CARGO_PKG_VERSION"),
@@ -206,6 +213,7 @@ impl Plan {
             configuration: scenario.configuration,
             parent: parent.map_or(grains_hash, |p| &self.nodes[p].key),
             stage,
+            leg_steps,
         });
         if let Some(&node) = known.get(&key) {
             return node;
@@ -217,6 +225,7 @@ impl Plan {
             stage: stage.clone(),
             setup: laboratory.setup.clone(),
             grains: run.grains.clone(),
+            has_legs: leg_steps.is_some(),
             label: format!("configuration {}, {}", run.scenario.configuration, stage_label(stage)),
             expected,
             remaining: expected,

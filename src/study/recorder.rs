@@ -1,12 +1,14 @@
 //! Measures what is observed during a stage.
 
+use std::{ops::ControlFlow, time::Instant};
+
 use crate::geometry::Vector;
 use crate::measure::{
     self, Container, DEFAULT_CELL, HeightMap, body_energy, content, grain_energy, largest_speed,
     mean_grain_height, plate_position,
 };
-use crate::protocol::{Moment, Observer, Setup};
-use crate::record::{FrameWriter, SeriesRow};
+use crate::protocol::{Midway, Moment, Observer, Setup};
+use crate::record::{Checkpoints, FileError, FrameWriter, Observed, Reference, SeriesRow};
 use crate::scenario::StageSpec;
 use crate::specimen::Specimen;
 use crate::units::to_mm;
@@ -16,12 +18,16 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     setup: &'a Setup,
     vibrating: bool,
     start: f64,
-    /// Plate height and mean surface in mm at the start of vibration.
-    reference: Option<(Option<f64>, f64)>,
-    /// Mean height in m of a pile's base, once measured.
-    base_level: Option<f64>,
+    reference: Reference,
     rows: Vec<SeriesRow>,
     frames: Option<FrameWriter>,
+    /// Where checkpoints are kept, in a stage that has legs.
+    checkpoints: Option<&'a Checkpoints>,
+    /// Why one could not be.
+    fault: Option<FileError>,
+    /// When this began to record, and the wall time in s before that.
+    began: Instant,
+    wall_before: f64,
     /// Told of every row as it comes.
     on_row: F,
 }
@@ -50,10 +56,13 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
             setup,
             vibrating: matches!(stage, StageSpec::Vibrate { .. }),
             start: 0.0,
-            reference: None,
-            base_level: None,
+            reference: Reference::default(),
             rows: Vec::new(),
             frames,
+            checkpoints: None,
+            fault: None,
+            began: Instant::now(),
+            wall_before: 0.0,
             on_row,
         }
     }
@@ -66,14 +75,34 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     /// Height of a pile above its base in m; none without a base.
     fn pile_height(&mut self, specimen: &Specimen) -> Option<f64> {
         specimen.state.base.as_ref()?;
-        let level =
-            *self.base_level.get_or_insert_with(|| measure::base_level(specimen).unwrap_or(0.0));
+        let level = *self
+            .reference
+            .base_level_m
+            .get_or_insert_with(|| measure::base_level(specimen).unwrap_or(0.0));
         Some(measure::pile_top(specimen).map_or(0.0, |top| (top - level).max(0.0)))
     }
 
-    /// The rows and frames recorded.
-    pub fn into_parts(self) -> (Vec<SeriesRow>, Option<FrameWriter>) {
-        (self.rows, self.frames)
+    /// Keeps checkpoints at the ends of legs.
+    pub fn keep_in(&mut self, checkpoints: Option<&'a Checkpoints>) {
+        self.checkpoints = checkpoints;
+    }
+
+    /// Goes on from what was observed before.
+    pub fn go_on(&mut self, observed: Observed) {
+        self.rows = observed.rows;
+        self.reference = observed.reference;
+        self.wall_before = observed.wall_s;
+    }
+
+    /// Why a checkpoint could not be kept, if that is so.
+    pub fn fault(&mut self) -> Option<FileError> {
+        self.fault.take()
+    }
+
+    /// What was observed, and its frames.
+    pub fn into_parts(self) -> (Observed, Option<FrameWriter>) {
+        let wall_s = self.wall_before + self.began.elapsed().as_secs_f64();
+        (Observed { rows: self.rows, reference: self.reference, wall_s }, self.frames)
     }
 }
 
@@ -116,15 +145,17 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         }
         let plate_height_mm = position.map(|p| to_mm(p.height));
         let mean_surface_mm = to_mm(surface);
-        if self.vibrating && self.reference.is_none() {
-            self.reference = Some((plate_height_mm, mean_surface_mm));
+        let before = &mut self.reference.before_vibration_mm;
+        if self.vibrating && before.is_none() {
+            *before = Some((plate_height_mm, mean_surface_mm));
         }
+        let before = *before;
         let row = SeriesRow {
             time_s: self.start + moment.stage_time,
             stage: 0,
             plate_height_mm,
-            settlement_mm: self.reference.and_then(|(p, _)| Some(p? - plate_height_mm?)),
-            surface_settlement_mm: self.reference.map(|(_, s)| s - mean_surface_mm),
+            settlement_mm: before.and_then(|(p, _)| Some(p? - plate_height_mm?)),
+            surface_settlement_mm: before.map(|(_, s)| s - mean_surface_mm),
             kinetic_energy_j: kinetic,
             table_x_mm: to_mm(state.table_x),
             mean_surface_mm,
@@ -139,5 +170,18 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         }
         (self.on_row)(&row);
         self.rows.push(row);
+    }
+
+    fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
+        let Some(checkpoints) = self.checkpoints else { return ControlFlow::Continue(()) };
+        let observed = Observed {
+            rows: std::mem::take(&mut self.rows),
+            reference: self.reference,
+            wall_s: self.wall_before + self.began.elapsed().as_secs_f64(),
+        };
+        let kept = checkpoints.keep(midway, &observed, self.frames.as_mut());
+        self.rows = observed.rows;
+        self.fault = kept.err();
+        if self.fault.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

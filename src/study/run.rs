@@ -1,7 +1,7 @@
 //! One scenario, from grains to figures.
 
 use std::{
-    collections::HashMap,
+    collections::{BTreeMap, HashMap},
     path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
 };
@@ -18,11 +18,14 @@ use super::{
 use crate::grains::{self, GrainSet, ParticleSizeDistribution};
 use crate::protocol::Progress;
 use crate::record::{
-    FileError, RunKind, RunRecord, StageStore, StoredStage, create_folder, grains_csv, read_json,
-    to_csv, write_file, write_json,
+    FileError, RunKind, RunRecord, StageStore, StoredStage, create_folder, grains_csv, hash_bytes,
+    json_text, read_json, to_csv, write_file, write_json,
 };
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
 use crate::world::EffectiveSettings;
+
+/// The file that holds a run's grains.
+const GRAINS_FILE: &str = "grains.json";
 
 /// How to carry out a run.
 pub struct RunOptions {
@@ -99,7 +102,8 @@ pub(super) fn carry_out(
         .iter()
         .zip(&plan.runs)
         .map(|(run, nodes)| write_run(&folder(run), run, &plan, nodes, &done))
-        .collect::<Result<_, _>>()?;
+        .collect::<Result<_, StudyError>>()
+        .map_err(|error| error.keeping(&store))?;
     let effective = done.first().map(|d| d.record.effective.clone()).unwrap_or_default();
     Ok(CarriedOut { records, effective })
 }
@@ -179,7 +183,7 @@ pub fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
 /// When a file cannot be written.
 pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(), StudyError> {
     create_folder(out)?;
-    write_json(&out.join("grains.json"), &grains::to_json(set))?;
+    write_json(&out.join(GRAINS_FILE), &grains::to_json(set))?;
     let sieved = match &scenario.grains {
         GrainsSpec::Sieved(sieved) => Some(sieved.clone()),
         GrainsSpec::Meshes(meshes) => meshes.as_sieved(),
@@ -238,20 +242,29 @@ pub(super) fn write_run(
         .ok_or_else(|| StudyError::Scenario("a scenario needs at least one stage".to_owned()))?;
     let Summarised { summary, specimen, series, control } =
         summarise(run, &plan.nodes[last].setup, nodes, done)?;
-    let table = |name: &str, content: Result<Vec<u8>, csv::Error>| {
-        let path = out.join(name);
-        let content = content.map_err(|e| FileError::new("write", &path, e))?;
-        write_file(&path, &content)
+    let mut written = BTreeMap::new();
+    let mut write = |name: &str, content: Vec<u8>| {
+        written.insert(name.to_owned(), hash_bytes(&content));
+        write_file(&out.join(name), &content)
     };
-    table("series.csv", to_csv(&series))?;
+    let table = |name: &str, content: Result<Vec<u8>, csv::Error>| {
+        content.map_err(|e| FileError::new("write", &out.join(name), e))
+    };
+    write("series.csv", table("series.csv", to_csv(&series))?)?;
     let known = described(&run.grains);
     let at_end = &done[last].record.sieved_mm;
-    table("grains.csv", grains_csv(&specimen, known.sieved.grains(), &known.shapes, at_end))?;
+    let grains = grains_csv(&specimen, known.sieved.grains(), &known.shapes, at_end);
+    write("grains.csv", table("grains.csv", grains)?)?;
     if !control.is_empty() {
-        table("control.csv", to_csv(&control))?;
+        write("control.csv", table("control.csv", to_csv(&control))?)?;
     }
-    write_json(&out.join("specimen.json"), &specimen.state)?;
-    write_json(&out.join("manifest.json"), &manifest(run, plan, nodes, done))?;
+    let path = out.join("specimen.json");
+    write("specimen.json", json_text(&path, &specimen.state)?)?;
+    // Written already, by `write_grains`, maybe for several runs at once.
+    let path = out.join(GRAINS_FILE);
+    let grains = json_text(&path, &grains::to_json(&run.grains))?;
+    written.insert(GRAINS_FILE.to_owned(), hash_bytes(&grains));
+    write_json(&out.join("manifest.json"), &manifest(run, plan, nodes, done, &written))?;
     write_json(&out.join("summary.json"), &summary)?;
     if let Some(pile) = &summary.angle_of_repose {
         crate::report::pile_figures(&out.join("figures"), &specimen, pile)?;
@@ -267,12 +280,13 @@ pub(super) fn write_run(
 }
 
 /// What made a run: scenario, versions, settings as the engine held them,
-/// stages by name and hash.
+/// stages by name and hash, and the hashes of files that are read again.
 fn manifest(
     run: &PlannedRun,
     plan: &Plan,
     nodes: &RunNodes,
     done: &[Arc<StoredStage>],
+    written: &BTreeMap<String, String>,
 ) -> serde_json::Value {
     let stage = |&n: &usize| {
         let record = &done[n].record;
@@ -297,5 +311,6 @@ fn manifest(
         "engine_settings_read_back": effective,
         "stages": nodes.stages.iter().map(stage).collect::<Vec<_>>(),
         "control": nodes.control.as_ref().map(stage),
+        "files_sha256": written,
     })
 }

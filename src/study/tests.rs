@@ -107,11 +107,13 @@ fn same_bits_on_one_thread_or_two_and_when_resumed_in_the_middle() {
     let last = plan.runs[1].stages[1];
     fs::remove_dir_all(store.folder(&plan.nodes[last].key)).expect("removed");
     fs::create_dir(two.path().join(".part-killed")).expect("a leftover");
+    drop(store);
     let resumed = bits(&carry_out(&plan, two.path(), 2).expect("done"));
     assert_eq!(serial, resumed, "law: resumed, the same bits as uninterrupted");
     assert!(!two.path().join(".part-killed").exists(), "and leftovers are gone");
 
     // A damaged file is noticed and its stage done again.
+    let store = StageStore::open(two.path()).expect("a store");
     let damaged = store.folder(&plan.nodes[last].key).join("specimen.json");
     let mut content = fs::read_to_string(&damaged).expect("read");
     content = content.replacen('1', "2", 1);

@@ -5,23 +5,68 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::{Command, Stdio},
+    sync::OnceLock,
     thread::sleep,
     time::{Duration, Instant},
 };
 
-use serde_json::Value;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use serde_json::{Value, json};
+use tempfile::TempDir;
 
-use super::small;
+use super::{
+    same::{assert_same_files, assert_whole_files},
+    small,
+    soak::{self, Soak},
+};
 
 /// Forty grams of gravel, poured and shaken for half a second.
-fn write_scenario(folder: &Path) -> PathBuf {
+pub fn write_scenario(folder: &Path) -> PathBuf {
     let path = folder.join("small.json");
     let scenario = small::scenario(40.0, 0.5, 0.2);
     fs::write(&path, scenario.to_string()).expect("a scenario file");
     path
 }
 
-fn pluvia(scenario: &Path, out: &Path) -> Command {
+/// The same, stored on its way after every tenth of a simulated second.
+pub fn write_scenario_in_legs(folder: &Path) -> PathBuf {
+    let path = folder.join("legs.json");
+    let mut scenario = small::scenario(40.0, 0.5, 0.2);
+    scenario["engine"] = json!({ "manifold": { "checkpoint_every_s": 0.1 } });
+    fs::write(&path, scenario.to_string()).expect("a scenario file");
+    path
+}
+
+/// What an uninterrupted run of [`write_scenario`] leaves, once for all tests.
+pub fn finished() -> &'static Path {
+    static MADE: OnceLock<TempDir> = OnceLock::new();
+    static OUT: OnceLock<PathBuf> = OnceLock::new();
+    let folder = MADE.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let scenario = write_scenario(folder.path());
+        let done = pluvia(&scenario, &folder.path().join("out")).status().expect("started");
+        assert!(done.success(), "law: the small scenario can be carried out");
+        folder
+    });
+    OUT.get_or_init(|| folder.path().join("out"))
+}
+
+/// A copy of a folder, to be changed.
+pub fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).expect("a folder");
+    for entry in fs::read_dir(from).expect("a folder").flatten() {
+        let (source, target) = (entry.path(), to.join(entry.file_name()));
+        if source.is_dir() {
+            copy(&source, &target);
+        } else {
+            fs::copy(&source, &target).expect("a copy");
+        }
+    }
+}
+
+/// `pluvia run`, saying nothing.
+pub fn pluvia(scenario: &Path, out: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
     command.arg("run").arg(scenario).arg("--out").arg(out).arg("--quiet");
     command.stdout(Stdio::null()).stderr(Stdio::null());
@@ -39,7 +84,8 @@ fn summary(out: &Path) -> Value {
     summary
 }
 
-fn assert_same(a: &Path, b: &Path, what: &str) {
+/// The same results.
+pub fn assert_same(a: &Path, b: &Path, what: &str) {
     assert_eq!(summary(a), summary(b), "law: {what}: the same summary but for timings");
     for file in ["specimen.json", "series.csv", "grains.csv", "control.csv", "grains.json"] {
         let (one, two) = (fs::read(a.join(file)), fs::read(b.join(file)));
@@ -50,35 +96,127 @@ fn assert_same(a: &Path, b: &Path, what: &str) {
     }
 }
 
-fn stages(out: &Path) -> usize {
+/// How many stages are stored.
+pub fn stages(out: &Path) -> usize {
     let named = |e: &fs::DirEntry| !e.file_name().to_string_lossy().starts_with('.');
     fs::read_dir(out.join("stages")).map_or(0, |entries| entries.flatten().filter(named).count())
+}
+
+/// Waits until so many stages are stored, two minutes at most.
+pub fn wait_for_stages(out: &Path, wanted: usize) {
+    let patience = Instant::now();
+    while stages(out) < wanted && patience.elapsed() < Duration::from_secs(120) {
+        sleep(Duration::from_millis(2));
+    }
 }
 
 #[test]
 fn killed_in_the_middle_and_started_again_gives_the_same_as_uninterrupted() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write_scenario(folder.path());
-    let [whole, again, killed] = ["whole", "again", "killed"].map(|name| folder.path().join(name));
-    assert!(pluvia(&scenario, &whole).status().expect("started").success());
-    assert!(pluvia(&scenario, &again).status().expect("started").success());
-    assert_same(&whole, &again, "same seed twice");
-
+    let killed = folder.path().join("killed");
     // Killed when one stage is stored, then when three are.
     for wanted in [1, 3] {
         let mut run = pluvia(&scenario, &killed).spawn().expect("started");
-        let patience = Instant::now();
-        while stages(&killed) < wanted && patience.elapsed() < Duration::from_secs(120) {
-            if run.try_wait().expect("asked").is_some() {
-                break;
-            }
-            sleep(Duration::from_millis(2));
-        }
+        wait_for_stages(&killed, wanted);
         // It may have ended by itself in the meantime: then nothing is killed.
         let _ = run.kill();
         run.wait().expect("ended");
         assert!(stages(&killed) >= wanted, "{wanted} stages stored before the kill");
     }
     assert!(pluvia(&scenario, &killed).status().expect("started").success());
-    assert_same(&whole, &killed, "killed and started again");
+    assert_same(finished(), &killed, "killed and started again");
+    assert_same_files(finished(), &killed, "killed and started again");
+}
+
+/// What can be killed: a command that writes into a folder, what it leaves
+/// uninterrupted, and how long that takes.
+struct Victim<'a> {
+    command: &'a dyn Fn(&Path) -> Command,
+    whole: PathBuf,
+    takes: Duration,
+}
+
+impl<'a> Victim<'a> {
+    /// Carries it out once without a kill.
+    fn new(command: &'a dyn Fn(&Path) -> Command, whole: PathBuf) -> Self {
+        let started = Instant::now();
+        assert!(command(&whole).status().expect("started").success(), "law: it can be done");
+        Self { command, whole, takes: started.elapsed() }
+    }
+
+    /// Kills it so many times, at moments drawn at random of which early ones
+    /// are likelier, then has it finish, and compares. Returns how many of the
+    /// kills came before the end.
+    fn survives(&self, killed: &Path, kills: u32, rng: &mut impl Rng) -> u32 {
+        let mut met = 0;
+        for number in 1..=kills {
+            let mut run = (self.command)(killed).spawn().expect("started");
+            let after = self.takes.mul_f64(rng.random::<f64>().powi(2));
+            sleep(after);
+            // Killed outright (SIGKILL), whatever it is doing.
+            let _ = run.kill();
+            let ended = run.wait().expect("ended");
+            met += u32::from(!ended.success());
+            let what = format!("kill {number} after {after:?}");
+            assert_whole_files(killed, &self.whole, &what);
+        }
+        let last = (self.command)(killed).status().expect("started");
+        assert!(last.success(), "law: after {kills} kills it can be finished");
+        assert_same_files(&self.whole, killed, &format!("{kills} kills"));
+        met
+    }
+}
+
+/// The whole programme on some fifteen grains.
+fn reproduce(out: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    command.args(["reproduce", "--quick", "--configurations", "1", "--quiet", "--jobs", "2"]);
+    command.args(["--set", "grains.total_mass_g=30", "--set", "control_s=0.2", "--out"]);
+    command.arg(out).stdout(Stdio::null()).stderr(Stdio::null());
+    command
+}
+
+#[test]
+fn killed_at_random_moments_a_run_leaves_only_whole_files_and_ends_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario_in_legs(folder.path());
+    let command = |out: &Path| pluvia(&scenario, out);
+    let run = Victim::new(&command, folder.path().join("whole"));
+    let met = run.survives(&folder.path().join("killed"), 6, &mut Pcg64::seed_from_u64(7));
+    assert!(met >= 3, "law: most kills come before the end, got {met} of 6");
+}
+
+/// `make soak`: a run, a run in many legs and the whole programme, killed over
+/// and over.
+#[test]
+fn soak_kills() {
+    let Some(soak) = Soak::begin() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let in_legs = write_scenario_in_legs(folder.path());
+    let run = |out: &Path| pluvia(&scenario, out);
+    let run_in_legs = |out: &Path| pluvia(&in_legs, out);
+    let victims = [
+        ("run in legs", Victim::new(&run_in_legs, folder.path().join("legs"))),
+        ("run", Victim::new(&run, folder.path().join("run"))),
+        ("reproduce", Victim::new(&reproduce, folder.path().join("reproduce"))),
+    ];
+    let mut rng = Pcg64::seed_from_u64(soak::seed());
+    let mut counts = [[0; 2]; 3];
+    while soak.goes_on() {
+        for ((_, victim), [rounds, kills]) in victims.iter().zip(&mut counts) {
+            if !soak.goes_on() {
+                break;
+            }
+            let killed = folder.path().join("killed");
+            let wanted = rng.random_range(2..12);
+            *kills += victim.survives(&killed, wanted, &mut rng);
+            *rounds += 1;
+            fs::remove_dir_all(&killed).expect("removed");
+        }
+    }
+    for ((name, _), [rounds, kills]) in victims.iter().zip(counts) {
+        println!("soak, kills, {name}: {kills} kills in {rounds} rounds, all ended the same");
+    }
 }

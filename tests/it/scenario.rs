@@ -1,6 +1,8 @@
 //! Scenario files: those of the project load, and faulty ones are answered
 //! with every fault, its place and what is allowed there.
 
+mod hostile;
+mod random;
 mod stages;
 
 use std::{

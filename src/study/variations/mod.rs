@@ -316,7 +316,7 @@ fn carry_out_batch(
                 match write_run(&folder, run, &alone, &alone.runs[0], &finished) {
                     Ok(record) => Ok(record.summary),
                     Err(error) if is_of_the_run(&error) => Err(error.to_string()),
-                    Err(error) => return Err(error),
+                    Err(error) => return Err(error.keeping(store)),
                 }
             }
             None => Err(nodes

@@ -1,0 +1,159 @@
+//! Legs: a long stage in pieces of fixed simulated length, so that one that is
+//! interrupted goes on from the end of a piece.
+//!
+//! At the end of a leg the specimen is read back with its contacts, and the
+//! next leg builds its world from it, whether the stage was interrupted there
+//! or not. So it makes no difference to the bits whether it was.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Setup, feeder::Fed, stages::table_motion};
+use crate::scenario::{Backend, ContactPath, StageSpec};
+use crate::specimen::SpecimenState;
+
+/// What a leg should take one core, in s: so much work is lost at most when a
+/// run is killed, and it is long enough that storing costs nothing beside it.
+const LEG_WALL: f64 = 60.0;
+
+/// What a grain takes one core in a step, in s, on the contact path `manifold`
+/// at its default settings (docs/performance.md), to the order of magnitude. A
+/// faster machine has shorter legs; the bits must not depend on it.
+const GRAIN_STEP: f64 = 12e-6;
+
+/// Interval in s at which guards look and grains are counted; legs end there.
+const CHECK_INTERVAL: f64 = 0.02;
+
+/// Where a stage is between two of its legs: all that it needs to go on, beside
+/// its grains.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Midway {
+    /// The specimen.
+    pub state: SpecimenState,
+    /// Time in s since the first stage began at which this stage did.
+    pub began_s: f64,
+    /// Engine steps taken in this stage.
+    pub steps: u64,
+    /// Height of the funnel's collar in m.
+    pub collar_m: f64,
+    /// Time since the stage began at which the next observation is due, in s.
+    pub next_sample_s: f64,
+    /// Time since the stage began from which on everything was slow enough to
+    /// count as settled, in s; none where something is not.
+    pub calm_since_s: Option<f64>,
+    /// Wall time inside the engine so far, in s.
+    pub engine_s: f64,
+    /// Findings so far.
+    pub warnings: Vec<String>,
+    /// The grains still in the spout of slow pluviation.
+    pub fed: Option<Fed>,
+}
+
+impl Midway {
+    /// A stage that is about to begin.
+    pub(super) fn at_start(state: SpecimenState, collar_m: f64, setup: &Setup) -> Self {
+        Self {
+            began_s: state.time,
+            state,
+            steps: 0,
+            collar_m,
+            next_sample_s: setup.sample_interval,
+            calm_since_s: None,
+            engine_s: 0.0,
+            warnings: Vec::new(),
+            fed: None,
+        }
+    }
+}
+
+/// Steps of a length in s between two checks.
+pub(super) fn steps_a_check(step: f64) -> u64 {
+    (CHECK_INTERVAL / step).round().max(1.0) as u64
+}
+
+/// Engine steps of a leg, by the engine's settings and the number of grains
+/// alone; none where the engine cannot be told of contacts, so that a packing
+/// would feel the seam.
+pub(super) fn leg_steps(setup: &Setup, grains: usize) -> Option<u64> {
+    let engine = &setup.engine;
+    if engine.backend != Backend::Bullet || engine.contact_path != ContactPath::Manifold {
+        return None;
+    }
+    let check = steps_a_check(1.0 / engine.rate_hz);
+    let steps = match engine.manifold.checkpoint_every_s {
+        Some(time) => time * engine.rate_hz,
+        None => LEG_WALL / (GRAIN_STEP * grains.max(1) as f64),
+    };
+    Some(((steps / check as f64).round() as u64).max(1).saturating_mul(check))
+}
+
+/// Engine steps of the legs of a stage; none where it is over within one at the
+/// latest.
+pub fn legs(setup: &Setup, grains: usize, stage: &StageSpec) -> Option<u64> {
+    let limit = match *stage {
+        StageSpec::FillFunnel { time_limit_s }
+        | StageSpec::SlowPluviation { time_limit_s, .. }
+        | StageSpec::Pour { time_limit_s, .. }
+        | StageSpec::PlaceTopPlate { time_limit_s } => time_limit_s,
+        StageSpec::Rest { duration_s } => duration_s,
+        StageSpec::Vibrate { duration_s, .. } => {
+            table_motion(stage).map_or(duration_s, |motion| motion.total())
+        }
+    };
+    leg_steps(setup, grains).filter(|leg| limit * setup.engine.rate_hz > *leg as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Scenario;
+
+    fn setup(change: impl Fn(&mut Scenario)) -> Setup {
+        let mut scenario: Scenario = serde_json::from_value(serde_json::json!({
+            "name": "test",
+            "grains": {
+                "total_mass_g": 60, "density_kg_per_m3": 2673.9,
+                "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+            },
+            "stages": []
+        }))
+        .expect("a scenario");
+        change(&mut scenario);
+        Setup::new(&scenario).expect("a laboratory")
+    }
+
+    #[test]
+    fn a_leg_is_about_a_minute_and_ends_at_a_check() {
+        for (rate, grains) in [(480.0, 364), (480.0, 2000), (960.0, 50), (77.7, 100_000)] {
+            let setup = setup(|s| s.engine.rate_hz = rate);
+            let steps = leg_steps(&setup, grains).expect("legs");
+            let check = steps_a_check(1.0 / rate);
+            let wall = steps as f64 * grains as f64 * GRAIN_STEP;
+            let one = check as f64 * grains as f64 * GRAIN_STEP;
+            assert_eq!(steps % check, 0, "law: legs end at a check");
+            assert!(
+                (wall - LEG_WALL).abs() <= one,
+                "law: a leg takes {LEG_WALL} s to the nearest check, of {one:.2} s; got {wall:.2} s"
+            );
+        }
+    }
+
+    #[test]
+    fn engines_that_forget_contacts_have_no_legs() {
+        let forgetful: [fn(&mut Scenario); 2] = [
+            |s| s.engine.contact_path = ContactPath::Bullet,
+            |s| s.engine.backend = Backend::Rapier,
+        ];
+        for change in forgetful {
+            assert_eq!(leg_steps(&setup(change), 1000), None);
+        }
+    }
+
+    #[test]
+    fn only_stages_longer_than_a_leg_have_legs() {
+        let setup = setup(|s| s.engine.manifold.checkpoint_every_s = Some(0.5));
+        for (duration_s, expected) in [(0.1, None), (0.5, None), (0.51, Some(240))] {
+            let stage = StageSpec::Rest { duration_s };
+            assert_eq!(legs(&setup, 1, &stage), expected, "a rest of {duration_s} s");
+        }
+    }
+}

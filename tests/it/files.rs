@@ -1,0 +1,216 @@
+//! Disks that are full, folders that are read-only, in the way or gone: one
+//! message that names the file and what is kept, exit code 4, and the same
+//! command goes on when there is room again.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output, Stdio},
+};
+
+use super::{
+    interruption::{copy, finished, pluvia, stages, wait_for_stages, write_scenario},
+    same::assert_same_files,
+};
+
+/// Runs the program under a limit of the size of any file, in blocks of 1 KiB:
+/// what it writes beyond is refused, as on a full disk.
+fn limited(scenario: &Path, out: &Path, blocks: u32) -> Output {
+    let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+    let mut command = Command::new("bash");
+    command.arg("-c").arg(script).arg(env!("CARGO_BIN_EXE_pluvia")).arg("run");
+    command.arg(scenario).arg("--out").arg(out).arg("--quiet");
+    command.output().expect("bash starts")
+}
+
+/// Exit code 4 and one line that holds all the words; gives the line.
+fn refused(output: &Output, words: &[&str]) -> String {
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(4), "law: exit code 4 for files, got: {said}");
+    assert_eq!(said.trim().lines().count(), 1, "law: one message, got: {said}");
+    assert!(!said.contains("panicked"), "law: no panic, got: {said}");
+    for word in words {
+        assert!(said.contains(word), "law: the message holds `{word}`, got: {said}");
+    }
+    said
+}
+
+/// Runs it whole.
+fn run(scenario: &Path, out: &Path) -> Output {
+    pluvia(scenario, out).stderr(Stdio::piped()).output().expect("the program starts")
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+#[test]
+fn a_full_disk_ends_a_run_that_goes_on_when_there_is_room() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let (whole, full) = (finished(), folder.path().join("full"));
+    // Too little for the grains; for the pictures.
+    let largest = |name: &str| fs::metadata(whole.join(name)).expect("a file").len() / 1024;
+    let grains = u32::try_from(largest("grains.json")).expect("small");
+    refused(&limited(&scenario, &full, grains / 2), &["cannot write", "grains.json", "too large"]);
+    let said = refused(&limited(&scenario, &full, grains + 2), &["cannot write", "figures"]);
+    assert!(stages(&full) == 5, "law: what was finished before is there, after: {said}");
+    assert!(run(&scenario, &full).status.success(), "law: with room it goes on");
+    assert_same_files(whole, &full, "a disk that was full twice");
+}
+
+/// Whether a small file system could be mounted here, which takes leave that
+/// tests seldom have.
+fn mount(at: &Path, kib: u32) -> bool {
+    let mut command = Command::new("mount");
+    command.args(["-t", "tmpfs", "-o", &format!("size={kib}k"), "tmpfs"]).arg(at);
+    command.output().is_ok_and(|output| output.status.success())
+}
+
+#[test]
+fn a_disk_that_fills_up_between_stages_keeps_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let small = folder.path().join("small");
+    fs::create_dir(&small).expect("a folder");
+    if !mount(&small, 180) {
+        eprintln!("not tested here: no file system can be mounted");
+        return;
+    }
+    let out = small.join("out");
+    let output = run(&scenario, &out);
+    let kept = stages(&out);
+    let unmounted = Command::new("umount").arg(&small).status().expect("umount starts");
+    let said = refused(&output, &["No space left on device", "finished stage"]);
+    assert!((1..5).contains(&kept), "law: some stages fit into 180 KiB, got {kept}; {said}");
+    assert!(unmounted.success(), "law: nobody holds a file there");
+}
+
+#[test]
+fn what_is_in_the_way_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    for blocked in ["", "stages", "stages/.lock", "figures", "summary.json", "grains.json"] {
+        let out = folder.path().join(format!("out-{}", blocked.replace('/', "-")));
+        let place = if blocked.is_empty() { out.clone() } else { out.join(blocked) };
+        if blocked == "figures" || blocked == "summary.json" {
+            // Only this is to be done again.
+            copy(&finished().join("stages"), &out.join("stages"));
+        }
+        fs::create_dir_all(place.parent().expect("a folder")).expect("made");
+        // A file where a folder is to be made, a folder where a file is.
+        if blocked.contains('.') {
+            fs::create_dir_all(place.join("inside")).expect("made");
+        } else {
+            fs::write(&place, "").expect("made");
+        }
+        let name = place.file_name().map_or("", |n| n.to_str().expect("UTF-8"));
+        let named = if name == ".lock" { "stages" } else { name };
+        refused(&run(&scenario, &out), &["cannot", named]);
+    }
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_into_is_told_at_once() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let closed = folder.path().join("closed");
+    fs::create_dir(&closed).expect("a folder");
+    fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).expect("closed");
+    // Whoever may do everything is not held up by permissions; /proc holds up everybody.
+    let all_powerful = fs::write(closed.join("probe"), "").is_ok();
+    let place = if all_powerful { PathBuf::from("/proc/pluvia") } else { closed.join("out") };
+    let words = ["cannot create the folder", text(&place)];
+    refused(&run(&scenario, &place), &words);
+}
+
+#[test]
+fn a_folder_that_is_removed_under_way_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let out = folder.path().join("out");
+    let mut command = pluvia(&scenario, &out);
+    command.stderr(Stdio::piped());
+    let run = command.spawn().expect("started");
+    wait_for_stages(&out, 1);
+    // Files may come while the folder is being emptied.
+    while fs::remove_dir_all(&out).is_err() && out.exists() {}
+    let output = run.wait_with_output().expect("ended");
+    refused(&output, &["cannot", "out"]);
+}
+
+#[test]
+fn standard_output_that_is_full_is_told() {
+    let full = fs::File::options().write(true).open("/dev/full");
+    let Ok(full) = full else {
+        eprintln!("not tested here: there is no /dev/full");
+        return;
+    };
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    let output = command.args(["info", "--json"]).stdout(full).output().expect("it starts");
+    refused(&output, &["standard output", "No space left"]);
+}
+
+/// Damage to what a finished run has in store.
+type Damage = fn(&Path);
+
+#[test]
+fn a_damaged_stage_is_told_and_done_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let hurt = folder.path().join("hurt");
+    copy(finished(), &hurt);
+    let damages: [(&str, Damage); 3] = [
+        ("frames.bin", |file| {
+            let length = fs::metadata(file).expect("a file").len();
+            let open = fs::File::options().write(true).open(file).expect("opened");
+            open.set_len(length - 7).expect("cut off");
+        }),
+        ("specimen.json", |file| {
+            let content = fs::read_to_string(file).expect("a file");
+            fs::write(file, content.replacen("0.0", "0.1", 1)).expect("changed");
+        }),
+        ("stage.json", |file| {
+            let content = fs::read_to_string(file).expect("a file");
+            fs::write(file, content.replacen("\"steps\": ", "\"steps\": 1", 1)).expect("changed");
+        }),
+    ];
+    let stored: Vec<PathBuf> =
+        fs::read_dir(hurt.join("stages")).expect("stages").flatten().map(|e| e.path()).collect();
+    let folders: Vec<&PathBuf> = stored.iter().filter(|p| p.join("stage.json").exists()).collect();
+    for ((name, damage), stage) in damages.iter().zip(folders) {
+        damage(&stage.join(name));
+    }
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    command.arg("run").arg(&scenario).arg("--out").arg(&hurt);
+    let output = command.output().expect("it starts");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "law: damage does not end a run, got {said}");
+    for (name, _) in damages {
+        let told = said.lines().any(|l| l.contains("damaged and done again") && l.contains(name));
+        assert!(told, "law: `{name}` is told, got {said}");
+    }
+    assert_same_files(finished(), &hurt, "three damaged stages");
+}
+
+#[test]
+fn a_run_that_was_changed_by_hand_is_not_exported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    copy(finished(), &out);
+    let export = |format: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+        command.arg("export").arg(&out).args(["--format", format, "--quiet", "--out"]);
+        command.arg(folder.path().join("exported")).output().expect("it starts")
+    };
+    assert!(export("csv").status.success(), "law: as it was written it is exported");
+    for name in ["grains.json", "specimen.json"] {
+        let path = out.join(name);
+        let was = fs::read_to_string(&path).expect("a file");
+        fs::write(&path, was.replacen("0.0", "0.5", 1)).expect("changed");
+        refused(&export("csv"), &[name, "not what was written"]);
+        fs::write(&path, was).expect("as it was");
+    }
+    assert!(export("csv").status.success(), "law: put back it is exported again");
+}

@@ -1,0 +1,175 @@
+//! The readers of `fuzz/targets.rs` on the corpora of `fuzz/corpus/` and what
+//! becomes of these by mutation: some of each in every test run, and for as
+//! long as one likes by `make soak`. It needs no nightly compiler, and knows
+//! nothing of coverage, unlike cargo-fuzz.
+
+#[path = "../../fuzz/targets.rs"]
+mod targets;
+
+use std::{
+    fs,
+    panic::{AssertUnwindSafe, catch_unwind},
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+use super::soak::{self, Soak};
+
+type Target = (&'static str, fn(&[u8]));
+
+const TARGETS: [Target; 4] = [
+    ("scenario", targets::scenario),
+    ("mesh", targets::mesh),
+    ("specimen", targets::specimen),
+    ("grains", targets::grains),
+];
+
+/// No input may take longer, whatever the machine does beside.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// Pieces that formats give a meaning to.
+const TOKENS: [&[u8]; 24] = [
+    b"0",
+    b"-1",
+    b"1e308",
+    b"1e-320",
+    b"NaN",
+    b"inf",
+    b"null",
+    b"[]",
+    b"{}",
+    b"\"\"",
+    b",",
+    b":",
+    b"\n",
+    b"v 0 0 0\n",
+    b"f 1 2 3\n",
+    b"solid",
+    b"endfacet",
+    b"element face 4294967295\n",
+    b"end_header\n",
+    b"\xff\xff\xff\xff",
+    b"\0\0\0\0",
+    b"extends",
+    b"\xc0\x7f\0\0",
+    b"PLUVFRM1",
+];
+
+fn corpus(target: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target);
+    let mut files: Vec<PathBuf> =
+        fs::read_dir(&folder).expect("a corpus").flatten().map(|e| e.path()).collect();
+    files.sort();
+    files.iter().map(|file| fs::read(file).expect("a file")).collect()
+}
+
+/// One of the corpus, changed at a few places.
+fn mutated(corpus: &[Vec<u8>], rng: &mut impl Rng) -> Vec<u8> {
+    let pick = |rng: &mut dyn Rng| &corpus[rng.random_range(0..corpus.len())];
+    let mut data = pick(rng).clone();
+    for _ in 0..rng.random_range(1..6) {
+        let at = rng.random_range(0..=data.len());
+        let end = (at + rng.random_range(1..32)).min(data.len());
+        match rng.random_range(0..7) {
+            0 if at < data.len() => data[at] ^= 1 << rng.random_range(0..8),
+            1 if at < data.len() => data[at] = rng.random(),
+            2 => drop(data.drain(at..end)),
+            3 => {
+                let piece = data[at..end].to_vec();
+                data.splice(at..at, piece);
+            }
+            4 => {
+                let token = TOKENS[rng.random_range(0..TOKENS.len())];
+                data.splice(at..end.min(at + token.len()), token.iter().copied());
+            }
+            5 => {
+                let other = pick(rng);
+                let from = rng.random_range(0..=other.len());
+                let to = (from + rng.random_range(1..64)).min(other.len());
+                data.splice(at..at, other[from..to].iter().copied());
+            }
+            _ => data.truncate(at),
+        }
+    }
+    data.truncate(1 << 16);
+    data
+}
+
+/// Feeds one input; one that fails is kept, so that it can be fed again.
+fn feed((name, target): Target, data: &[u8]) {
+    let started = Instant::now();
+    let survived = catch_unwind(AssertUnwindSafe(|| target(data))).is_ok();
+    let took = started.elapsed();
+    if !survived || took > LONGEST {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fuzz");
+        fs::create_dir_all(&folder).expect("a folder");
+        let file = folder.join(format!("{name}-{}", pluvia::record::hash_bytes(data)));
+        fs::write(&file, data).expect("written");
+        panic!(
+            "law: any bytes are read or refused, and soon; {} bytes for `{name}` were {} after \
+             {took:?}; they are in {}",
+            data.len(),
+            if survived { "answered" } else { "not answered" },
+            file.display()
+        );
+    }
+}
+
+#[test]
+fn corpora_are_read_or_refused() {
+    for target in TARGETS {
+        let corpus = corpus(target.0);
+        assert!(corpus.len() >= 3, "law: {} has something to begin with", target.0);
+        corpus.iter().for_each(|data| feed(target, data));
+    }
+}
+
+#[test]
+fn a_few_mutations_of_them_are_too() {
+    for target in TARGETS {
+        let (corpus, mut rng) = (corpus(target.0), Pcg64::seed_from_u64(3));
+        let until = Instant::now() + Duration::from_millis(800);
+        let mut fed = 0;
+        // At least some, however slow the machine.
+        while fed < 20 || (Instant::now() < until && fed < 3000) {
+            feed(target, &mutated(&corpus, &mut rng));
+            fed += 1;
+        }
+    }
+}
+
+/// `make soak`: mutations for as long as there is time.
+#[test]
+fn soak_fuzz() {
+    let Some(soak) = Soak::begin() else { return };
+    let corpora = TARGETS.map(|(name, _)| corpus(name));
+    let mut rng = Pcg64::seed_from_u64(soak::seed());
+    let mut fed = [0u64; TARGETS.len()];
+    while soak.goes_on() {
+        for ((target, corpus), fed) in TARGETS.into_iter().zip(&corpora).zip(&mut fed) {
+            // As long for each, whatever one input takes.
+            let until = Instant::now() + Duration::from_millis(500);
+            while Instant::now() < until {
+                feed(target, &mutated(corpus, &mut rng));
+                *fed += 1;
+            }
+        }
+    }
+    for ((name, _), fed) in TARGETS.iter().zip(fed) {
+        println!("soak, fuzz, {name}: {fed} inputs, all read or refused");
+    }
+}
+
+#[test]
+fn an_input_that_fails_is_kept() {
+    let target: Target = ("test", |data| assert_ne!(data, b"bad"));
+    feed(target, b"good");
+    let said = catch_unwind(|| feed(target, b"bad")).expect_err("law: a panic is noticed");
+    let said = said.downcast_ref::<String>().expect("a message");
+    let file = said.rsplit(' ').next().expect("a file");
+    assert_eq!(fs::read(file).expect("kept"), b"bad", "law: the input is kept");
+    fs::remove_file(file).expect("removed");
+}
