@@ -19,16 +19,21 @@ use super::{
 
 /// What an uninterrupted run in legs of a tenth of a second leaves.
 fn in_legs() -> &'static Path {
-    static MADE: OnceLock<TempDir> = OnceLock::new();
     static OUT: OnceLock<PathBuf> = OnceLock::new();
-    let folder = MADE.get_or_init(|| {
+    OUT.get_or_init(|| in_legs_timed().0.path().join("out"))
+}
+
+/// The folder that holds it in `out`, and how long it took.
+pub fn in_legs_timed() -> &'static (TempDir, Duration) {
+    static MADE: OnceLock<(TempDir, Duration)> = OnceLock::new();
+    MADE.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a folder");
         let scenario = write_scenario_in_legs(folder.path());
+        let started = Instant::now();
         let done = pluvia(&scenario, &folder.path().join("out")).status().expect("started");
         assert!(done.success(), "law: the scenario can be carried out in legs");
-        folder
-    });
-    OUT.get_or_init(|| folder.path().join("out"))
+        (folder, started.elapsed())
+    })
 }
 
 /// A column of a table, empty cells as NaN.
