@@ -192,7 +192,8 @@ impl StageStore {
     }
 
     /// The frames of a stage of a store that is only to be read, and the file
-    /// they stand in; none where none were kept.
+    /// they stand in; none where none were kept, or where the file was removed to
+    /// make room: no number hangs on it.
     ///
     /// # Errors
     /// When they are not as they were written.
@@ -200,7 +201,7 @@ impl StageStore {
         let folder = Self::folder_in(root, key);
         let path = folder.join(FRAMES_FILE);
         let noted = read_record(&folder)?.frames_sha256;
-        if noted.is_empty() && !path.exists() {
+        if !path.exists() {
             return Ok(None);
         }
         Ok(Some((read_frames(&path, &noted)?, path)))
