@@ -159,7 +159,7 @@ fn drawn(factors: &[SweepFactor], n: usize, outcome: &str, runs: &[&SweepRun]) -
         // Columns of very different size are brought to one before they are told
         // apart from rounding.
         let sizes: Vec<f64> = model.column_iter().map(|c| c.norm()).collect();
-        if sizes.iter().any(|s| *s == 0.0) {
+        if sizes.contains(&0.0) {
             return None;
         }
         let scaled =

@@ -206,13 +206,20 @@ impl SweepPlan {
     }
 
     /// What makes it this sweep: configurations may be added to it.
-    fn points(&self) -> (&str, &[String], &[String], Vec<(&str, &[String])>) {
-        let mut points: Vec<(&str, &[String])> = Vec::new();
+    fn points(&self) -> Vec<Vec<&str>> {
+        let mut points: Vec<Vec<&str>> = vec![
+            vec![self.name.as_str()],
+            self.over.iter().map(String::as_str).collect(),
+            self.ranges.iter().map(String::as_str).collect(),
+            self.changes.iter().map(String::as_str).collect(),
+        ];
+        let mut before = "";
         for run in &self.runs {
-            if points.last().is_none_or(|(name, _)| *name != run.point) {
-                points.push((&run.point, &run.changes));
+            if run.point != before {
+                points.push(run.changes.iter().map(String::as_str).collect());
             }
+            before = &run.point;
         }
-        (&self.name, &self.over, &self.changes, points)
+        points
     }
 }
