@@ -91,7 +91,8 @@ echo '24 runs through Slurm with a node killed: the same table as without'
 
 # A stage that takes longer than its limit of one minute is told before it ends,
 # and goes on from its checkpoint when it is submitted again.
-long=("$scenario" --over contact.restitution=0.2 --set stages.2.duration_s=500)
+long=("$scenario" --over contact.restitution=0.2 --set stages.2.duration_s=600
+    --set grains.total_mass_g=120)
 "$program" sweep "${long[@]}" --slurm --time 00:01:00 --out "$folder/long"
 drained 300
 "$program" sweep --status --out "$folder/long"
