@@ -27,7 +27,7 @@ Examples:
   pluvia sweep scenarios/quick/pluviation.json --over contact.grain_grain_friction=0.4,0.6,0.8 \\
       --over stages.1.falling_height_mm=0,50,200 --configurations 3 --out out/sweep
   pluvia sweep scenarios/quick/vibration.json --one-at-a-time --configurations 3 \\
-      --over contact.grain_wall_friction=0.3,0.7 --over contact.restitution=0.1,0.5 --out out/choices
+      --over contact.grain_wall_friction=0.3,0.7 --over contact.restitution=0.1,0.5
   pluvia sweep scenarios/quick/pluviation.json --samples latin-hypercube:20 \\
       --range contact.grain_grain_friction=0.3..0.9 --range contact.restitution=0.1..0.6
   pluvia sweep scenarios/quick/pluviation.json --over contact.restitution=0.1,0.3,0.5 \\

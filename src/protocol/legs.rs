@@ -16,7 +16,7 @@ use crate::specimen::SpecimenState;
 const LEG_WALL: f64 = 60.0;
 
 /// What a grain takes one core in a step, in s, on the contact path `manifold`
-/// at its default settings (docs/performance.md), to the order of magnitude. A
+/// at its default settings (docs/contacts.md), to the order of magnitude. A
 /// faster machine has shorter legs; the bits must not depend on it.
 const GRAIN_STEP: f64 = 12e-6;
 

@@ -1,4 +1,4 @@
-//! A scenario that runs in a second: a few grains, poured and shaken.
+//! Scenarios that run in a second: a few grains, poured and shaken, or only poured.
 
 use serde_json::{Value, json};
 
@@ -17,5 +17,27 @@ pub fn scenario(mass_g: f64, shaken_s: f64, control_s: f64) -> Value {
             { "stage": "vibrate", "frequency_hz": 4, "amplitude_mm": 10, "duration_s": shaken_s },
         ],
         "control_s": control_s
+    })
+}
+
+/// Gravel of a mass in g poured through a wide funnel: a layer whose height
+/// depends on how many grains there are.
+pub fn layer(mass_g: f64) -> Value {
+    json!({
+        "name": "small",
+        "grains": {
+            "total_mass_g": mass_g, "density_kg_per_m3": 2673.9,
+            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+        },
+        "apparatus": {
+            "cylinder": { "inner_diameter_mm": 75, "height_mm": 120 },
+            "funnel": { "opening_diameter_mm": 72, "top_diameter_mm": 140 }
+        },
+        "engine": { "rate_hz": 240 },
+        "stages": [
+            { "stage": "fill_funnel", "time_limit_s": 1 },
+            { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 1.5 }
+        ],
+        "control_s": 0
     })
 }

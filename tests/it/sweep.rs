@@ -8,29 +8,13 @@ use std::{
     process::Command,
 };
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
-/// Few grains poured through a wide funnel.
+use super::small;
+
 fn write(folder: &Path) -> PathBuf {
-    let scenario = json!({
-        "name": "small",
-        "grains": {
-            "total_mass_g": 30, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
-        "apparatus": {
-            "cylinder": { "inner_diameter_mm": 75, "height_mm": 120 },
-            "funnel": { "opening_diameter_mm": 72, "top_diameter_mm": 140 }
-        },
-        "engine": { "rate_hz": 240 },
-        "stages": [
-            { "stage": "fill_funnel", "time_limit_s": 1 },
-            { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 1.5 }
-        ],
-        "control_s": 0
-    });
     let path = folder.join("small.json");
-    fs::write(&path, scenario.to_string()).expect("a scenario file");
+    fs::write(&path, small::layer(30.0).to_string()).expect("a scenario file");
     path
 }
 

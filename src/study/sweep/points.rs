@@ -144,7 +144,8 @@ fn latin_hypercube(
 ) -> Result<Vec<Sample>, StudyError> {
     let mut samples: Vec<Sample> = vec![(Vec::new(), Vec::new()); count];
     for range in ranges {
-        let whole = value_in(base, &range.path)?.is_i64() || value_in(base, &range.path)?.is_u64();
+        let own = value_in(base, &range.path)?;
+        let whole = own.is_i64() || own.is_u64();
         let mut rng = stream(base.seed, &format!("sweep {}", range.path));
         let mut parts: Vec<usize> = (0..count).collect();
         shuffle(&mut rng, &mut parts);

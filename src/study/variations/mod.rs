@@ -146,11 +146,7 @@ pub(super) fn carry_out_in(
     options: &RunOptions,
     so_far: &mut dyn FnMut(&[RunRow]) -> Result<(), StudyError>,
 ) -> Result<Vec<RunRow>, StudyError> {
-    create_folder(&options.out)?;
-    let mut grains = GrainSets::default();
-    let own = grains.of(&varied.base)?;
-    write_grains(&options.out, &varied.base, &own)?;
-    let store = StageStore::open(&options.out.join("stages"))?;
+    let (mut grains, own, store) = open(varied, options)?;
     let mut rows = Vec::new();
     for together in configurations {
         let mut all = Vec::new();
@@ -166,6 +162,20 @@ pub(super) fn carry_out_in(
     Ok(rows)
 }
 
+/// The output folder of a study: sets of grains with that of the base scenario,
+/// which is written there, and the store.
+fn open(
+    varied: &Varied,
+    options: &RunOptions,
+) -> Result<(GrainSets, Arc<GrainSet>, StageStore), StudyError> {
+    create_folder(&options.out)?;
+    let mut grains = GrainSets::default();
+    let own = grains.of(&varied.base)?;
+    write_grains(&options.out, &varied.base, &own)?;
+    let store = StageStore::open(&options.out.join("stages"))?;
+    Ok((grains, own, store))
+}
+
 /// The rows of runs whose stages are all stored, by whatever program carried
 /// them out; the others say in `failure` what is missing.
 pub(super) fn collect_stored(
@@ -173,11 +183,7 @@ pub(super) fn collect_stored(
     configurations: u32,
     options: &RunOptions,
 ) -> Result<Vec<RunRow>, StudyError> {
-    create_folder(&options.out)?;
-    let mut grains = GrainSets::default();
-    let own = grains.of(&varied.base)?;
-    write_grains(&options.out, &varied.base, &own)?;
-    let store = StageStore::open(&options.out.join("stages"))?;
+    let (mut grains, own, store) = open(varied, options)?;
     let mut rows = Vec::new();
     for number in 0..configurations {
         for planned in planned(varied, number, &mut grains)? {
