@@ -9,15 +9,22 @@ namespace {
 // Cosine of the angle between old and new normal from which impulses go on as they are.
 constexpr double SAME_NORMAL = 0.99;
 
-double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+// Kept in single precision, worked on in double.
+double dot(const float a[3], const float b[3]) {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+        sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
+    }
+    return sum;
+}
 
-double square(const double a[3], const double b[3]) {
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+double square(const float a[3], const float b[3]) {
+    const float d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     return dot(d, d);
 }
 
 // For each new point the old one that it continues, or -1.
-void match_points(const PairContact &contact, const PairContact &before, double match,
+void match_points(const KeptContact &contact, const KeptContact &before, double match,
                   int from[4]) {
     bool taken[4] = {false, false, false, false};
     int left = 0;
@@ -41,8 +48,8 @@ void match_points(const PairContact &contact, const PairContact &before, double 
                 if (from[i] >= 0 || taken[k]) {
                     continue;
                 }
-                const PairPoint &point = contact.points[i];
-                const PairPoint &old = before.points[k];
+                const KeptPoint &point = contact.points[i];
+                const KeptPoint &old = before.points[k];
                 const double distance =
                     std::min(square(old.on_a, point.on_a), square(old.on_b, point.on_b));
                 if (distance < nearest) {
@@ -63,19 +70,23 @@ void match_points(const PairContact &contact, const PairContact &before, double 
 
 // A load on a contact whose normal has turned; normals lead out of A, so that
 // what presses on A points against them.
-Load turned(const Load &load, const double before[3], const double now[3]) {
+Load turned(const Load &load, const float before[3], const float now[3]) {
     Load out = load;
     ++out.age;
     const bool same = dot(before, now) >= SAME_NORMAL;
     const double pressed = std::max(0.0, -dot(load.impulse, same ? before : now));
     double rest[3];
+    double out_of_plane = 0;
     for (int i = 0; i < 3; ++i) {
-        rest[i] = load.impulse[i] + pressed * (same ? before[i] : now[i]);
+        rest[i] = static_cast<double>(load.impulse[i]) +
+                  pressed * static_cast<double>(same ? before[i] : now[i]);
+        out_of_plane += rest[i] * static_cast<double>(now[i]);
     }
-    const double out_of_plane = dot(rest, now);
     for (int i = 0; i < 3; ++i) {
         // What would pull holds by no friction.
-        out.impulse[i] = pressed > 0 ? rest[i] - (out_of_plane + pressed) * now[i] : 0;
+        out.impulse[i] = pressed > 0 ? static_cast<float>(rest[i] - (out_of_plane + pressed) *
+                                                                        static_cast<double>(now[i]))
+                                     : 0;
     }
     return out;
 }
@@ -83,27 +94,24 @@ Load turned(const Load &load, const double before[3], const double now[3]) {
 } // namespace
 
 void take_contact(const PairContact &contact, double match, PairState &state) {
-    PairContact &before = state.memory.last;
+    const KeptContact before = state.memory.last;
+    KeptContact &now = state.memory.last;
+    now.keep(contact);
     Load loads[4];
     if (contact.held) {
-        for (int i = 0; i < contact.count; ++i) {
-            loads[i] = turned(state.loads[i], before.normal, contact.normal);
+        for (int i = 0; i < now.count; ++i) {
+            loads[i] = turned(state.loads[i], before.normal, now.normal);
         }
     } else {
         int from[4];
-        match_points(contact, before, match, from);
-        for (int i = 0; i < contact.count; ++i) {
+        match_points(now, before, match, from);
+        for (int i = 0; i < now.count; ++i) {
             if (from[i] >= 0) {
-                loads[i] = turned(state.loads[from[i]], before.normal, contact.normal);
+                loads[i] = turned(state.loads[from[i]], before.normal, now.normal);
             }
         }
     }
-    std::copy(loads, loads + contact.count, state.loads);
-    before.count = contact.count;
-    before.feature = contact.feature;
-    before.held = contact.held;
-    std::copy(contact.normal, contact.normal + 3, before.normal);
-    std::copy(contact.points, contact.points + contact.count, before.points);
+    std::copy(loads, loads + now.count, state.loads);
 }
 
 } // namespace pluvia

@@ -10,16 +10,16 @@ namespace pluvia {
 
 // What a contact point bears.
 struct Load {
-    double impulse[3] = {0, 0, 0}; // of the last step on A, in the world
-    double arrival = 0;            // the solver's: speed of approach, until they rebound
-    std::int32_t age = 0;          // steps since the point was made
+    float impulse[3] = {0, 0, 0}; // of the last step on A, in the world
+    float arrival = 0;            // the solver's: speed of approach, until they rebound
+    std::int32_t age = 0;         // steps since the point was made
 };
 
 // One pair: the contact found last with its loads, point by point.
 struct PairState {
     PairMemory memory;
     Load loads[4];
-    double friction = 0, restitution = 0;
+    float friction = 0, restitution = 0;
 };
 
 // Makes a contact found now the one of the pair.

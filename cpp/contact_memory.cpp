@@ -22,19 +22,19 @@ std::uint64_t key(std::uint32_t a, std::uint32_t b) { return std::uint64_t(a) <<
 
 namespace {
 
-btVector3 vector(const double x[3]) {
+template <class N> btVector3 vector(const N x[3]) {
     return btVector3(static_cast<btScalar>(x[0]), static_cast<btScalar>(x[1]),
                      static_cast<btScalar>(x[2]));
 }
 
 // What does not depend on where the bodies are.
 ContactRead described(const Units &units, const Touching &pair, int point) {
-    const PairContact &contact = pair.state->memory.last;
+    const KeptContact &contact = pair.state->memory.last;
     ContactRead read{};
     read.a = number(*pair.a->object);
     read.b = number(*pair.b->object);
     read.normal = array(-vector(contact.normal));
-    read.gap = contact.points[point].gap / units.scale();
+    read.gap = static_cast<double>(contact.points[point].gap) / units.scale();
     read.impulse = units.metres(vector(pair.state->loads[point].impulse));
     read.feature = contact.feature;
     read.id = contact.points[point].id;
@@ -44,7 +44,7 @@ ContactRead described(const Units &units, const Touching &pair, int point) {
 } // namespace
 
 void read(const Units &units, const Touching &pair, rust::Vec<ContactRead> &out) {
-    const PairContact &contact = pair.state->memory.last;
+    const KeptContact &contact = pair.state->memory.last;
     for (int p = 0; p < contact.count; ++p) {
         double on_a[3], on_b[3];
         pair.a->pose.apply(contact.points[p].on_a, on_a);
@@ -56,7 +56,7 @@ void read(const Units &units, const Touching &pair, rust::Vec<ContactRead> &out)
 }
 
 void remember(const Units &units, const Touching &pair, rust::Vec<ContactRead> &out) {
-    const PairContact &contact = pair.state->memory.last;
+    const KeptContact &contact = pair.state->memory.last;
     const btVector3 normal = -vector(contact.normal);
     for (int p = 0; p < contact.count; ++p) {
         if (!(vector(pair.state->loads[p].impulse).dot(normal) > 0)) {
@@ -92,19 +92,19 @@ void RecalledContacts::give(const btCollisionObject &a, const btCollisionObject 
         return;
     }
     recall(hull_a, hull_b, points->front().feature, state.memory);
-    PairContact &contact = state.memory.last;
+    KeptContact &contact = state.memory.last;
     contact.count = static_cast<int>(std::min<std::size_t>(points->size(), 4));
     for (int i = 0; i < contact.count; ++i) {
         const Recalled &r = (*points)[static_cast<std::size_t>(i)];
         const btVector3 on_a = a.getWorldTransform().invXform(r.point);
         const btVector3 on_b = b.getWorldTransform().invXform(r.point);
-        PairPoint &point = contact.points[i];
+        KeptPoint &point = contact.points[i];
         point.id = r.id;
         for (int k = 0; k < 3; ++k) {
-            contact.normal[k] = static_cast<double>(-r.normal[k]);
-            point.on_a[k] = static_cast<double>(on_a[k]);
-            point.on_b[k] = static_cast<double>(on_b[k]);
-            state.loads[i].impulse[k] = static_cast<double>(r.impulse[k]);
+            contact.normal[k] = static_cast<float>(-r.normal[k]);
+            point.on_a[k] = static_cast<float>(on_a[k]);
+            point.on_b[k] = static_cast<float>(on_b[k]);
+            state.loads[i].impulse[k] = static_cast<float>(r.impulse[k]);
         }
     }
 }

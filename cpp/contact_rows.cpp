@@ -7,7 +7,9 @@ namespace pluvia {
 
 namespace {
 
-Three<double> three(const double x[3]) { return {x[0], x[1], x[2]}; }
+template <class N> Three<double> three(const N x[3]) {
+    return {static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2])};
+}
 
 // Two tangents of a unit normal (Duff et al. 2017, "Building an orthonormal
 // basis, revisited").
@@ -28,7 +30,7 @@ Three<double> speed_at(const SolverBody &body, const Three<double> &arm) {
 
 ContactRow make_row(const ContactLaw &law, double step, const Touching &pair, int point, int a,
                     int b, const SolverBody &body_a, const SolverBody &body_b) {
-    const PairContact &contact = pair.state->memory.last;
+    const KeptContact &contact = pair.state->memory.last;
     ContactRow row;
     row.a = a;
     row.b = b;
@@ -40,10 +42,10 @@ ContactRow make_row(const ContactLaw &law, double step, const Touching &pair, in
     row.arm_a = three(arm);
     pair.b->pose.turn(contact.points[point].on_b, arm);
     row.arm_b = three(arm);
-    row.friction = pair.state->friction;
-    row.restitution = pair.state->restitution;
-    row.arrival = row.load->arrival;
-    row.gap = contact.points[point].gap;
+    row.friction = static_cast<double>(pair.state->friction);
+    row.restitution = static_cast<double>(pair.state->restitution);
+    row.arrival = static_cast<double>(row.load->arrival);
+    row.gap = static_cast<double>(contact.points[point].gap);
 
     // The last step's impulses, whole: what is thrown away has to be found
     // again in a few iterations, and the packing creeps while it is not.
@@ -61,10 +63,10 @@ ContactRow make_row(const ContactLaw &law, double step, const Touching &pair, in
 void write_row(const ContactRow &row) {
     const Three<double> borne =
         row.normal * row.impulse + row.tangent_1 * row.impulse_1 + row.tangent_2 * row.impulse_2;
-    row.load->impulse[0] = borne.x;
-    row.load->impulse[1] = borne.y;
-    row.load->impulse[2] = borne.z;
-    row.load->arrival = row.arrival;
+    row.load->impulse[0] = static_cast<float>(borne.x);
+    row.load->impulse[1] = static_cast<float>(borne.y);
+    row.load->impulse[2] = static_cast<float>(borne.z);
+    row.load->arrival = static_cast<float>(row.arrival);
 }
 
 } // namespace pluvia

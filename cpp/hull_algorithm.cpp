@@ -64,8 +64,8 @@ HullAlgorithm::HullAlgorithm(const btCollisionAlgorithmConstructionInfo &info,
                              HullCollision &shared, const btCollisionObject *a,
                              const btCollisionObject *b)
     : btCollisionAlgorithm(info), shared_(shared) {
-    state_.friction = static_cast<double>(gCalculateCombinedFrictionCallback(a, b));
-    state_.restitution = static_cast<double>(gCalculateCombinedRestitutionCallback(a, b));
+    state_.friction = static_cast<float>(gCalculateCombinedFrictionCallback(a, b));
+    state_.restitution = static_cast<float>(gCalculateCombinedRestitutionCallback(a, b));
 }
 
 btCollisionAlgorithm *

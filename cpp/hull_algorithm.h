@@ -79,9 +79,7 @@ struct Touching {
 };
 
 // Makes the algorithm; register it for (CONVEX_HULL, CONVEX_HULL) where every
-// such shape is a TightHull. The pool of collision algorithms must have
-// elements of sizeof(HullAlgorithm) at least
-// (btDefaultCollisionConstructionInfo::m_customCollisionAlgorithmMaxElementSize).
+// such shape is a TightHull.
 class HullCreateFunc final : public btCollisionAlgorithmCreateFunc {
   public:
     explicit HullCreateFunc(HullCollision &shared) : shared_(shared) {}

@@ -16,12 +16,12 @@ struct Rigid {
     double r[9];
     double t[3];
 
-    void apply(const double x[3], double out[3]) const {
+    template <class N> void apply(const N x[3], double out[3]) const {
         for (int i = 0; i < 3; ++i) {
             out[i] = r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2] + t[i];
         }
     }
-    void turn(const double x[3], double out[3]) const {
+    template <class N> void turn(const N x[3], double out[3]) const {
         for (int i = 0; i < 3; ++i) {
             out[i] = r[3 * i] * x[0] + r[3 * i + 1] * x[1] + r[3 * i + 2] * x[2];
         }

@@ -6,6 +6,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace pluvia {
 
@@ -32,6 +33,24 @@ HullDispatcher::HullDispatcher(btCollisionConfiguration *configuration, HullColl
                                 create_.get());
     workers_ = std::make_unique<Workers>(threads);
     scratch_.resize(static_cast<std::size_t>(threads));
+}
+
+void *HullDispatcher::allocateCollisionAlgorithm(int size) {
+    if (collision_ == nullptr) {
+        return btCollisionDispatcher::allocateCollisionAlgorithm(size);
+    }
+    if (size < 0 || static_cast<std::size_t>(size) > pool_.size()) {
+        throw std::logic_error("a pair that is not one of hulls");
+    }
+    return pool_.take();
+}
+
+void HullDispatcher::freeCollisionAlgorithm(void *algorithm) {
+    if (collision_ == nullptr) {
+        btCollisionDispatcher::freeCollisionAlgorithm(algorithm);
+    } else {
+        pool_.give_back(algorithm);
+    }
 }
 
 // As Bullet's near callback, for pairs of hulls only: leaves out what cannot

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hull_algorithm.h"
+#include "pair_pool.h"
 #include "workers.h"
 
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
@@ -31,12 +32,17 @@ class HullDispatcher final : public btCollisionDispatcher {
     void dispatchAllCollisionPairs(btOverlappingPairCache *pairs, const btDispatcherInfo &info,
                                    btDispatcher *dispatcher) override;
 
+    // With `collision`, of HullAlgorithms only.
+    void *allocateCollisionAlgorithm(int size) override;
+    void freeCollisionAlgorithm(void *algorithm) override;
+
   private:
     struct Work {
         HullAlgorithm *algorithm;
         const HullBody *a, *b;
     };
     HullCollision *collision_;
+    PairPool pool_{sizeof(HullAlgorithm)};
     std::unique_ptr<HullCreateFunc> create_;
     std::unique_ptr<Workers> workers_;
     std::vector<Work> work_;

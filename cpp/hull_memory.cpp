@@ -1,5 +1,7 @@
 #include "hull_memory.h"
 
+#include <algorithm>
+
 namespace pluvia {
 
 namespace {
@@ -14,6 +16,19 @@ std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second) {
     return static_cast<std::uint32_t>(feature) << 2 * INDEX_BITS |
            (static_cast<std::uint32_t>(first) & INDEX) << INDEX_BITS |
            (static_cast<std::uint32_t>(second) & INDEX);
+}
+
+void KeptContact::keep(const PairContact &contact) {
+    count = contact.count;
+    feature = contact.feature;
+    std::copy(contact.normal, contact.normal + 3, normal);
+    for (int i = 0; i < contact.count; ++i) {
+        const PairPoint &point = contact.points[i];
+        std::copy(point.on_a, point.on_a + 3, points[i].on_a);
+        std::copy(point.on_b, point.on_b + 3, points[i].on_b);
+        points[i].gap = static_cast<float>(point.gap);
+        points[i].id = point.id;
+    }
 }
 
 void recall(const HullData &a, const HullData &b, std::uint32_t feature, PairMemory &memory) {

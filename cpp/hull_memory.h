@@ -26,6 +26,26 @@ struct PairContact {
     PairPoint points[4];
 };
 
+// A contact as its pair keeps it: in single precision, which the solver reads it
+// in anyway. There are many more pairs than fit into a cache, and all are read
+// in every step. A point that stays where it is on its bodies is not rounded
+// anew.
+struct KeptPoint {
+    float on_a[3] = {0, 0, 0};
+    float on_b[3] = {0, 0, 0};
+    float gap = 0;
+    std::uint32_t id = 0;
+};
+
+struct KeptContact {
+    std::int32_t count = 0;
+    std::uint32_t feature = 0;
+    float normal[3] = {0, 0, 0};
+    KeptPoint points[4];
+
+    void keep(const PairContact &contact);
+};
+
 // What a pair remembers.
 struct PairMemory {
     Feature feature = Feature::None; // of the last step
@@ -40,7 +60,7 @@ struct PairMemory {
     float widest = 0;
     Relative pose = {};
     // The contact of the last step, which who calls puts here.
-    PairContact last;
+    KeptContact last;
     // Of a face contact: where the smaller body was in the frame of the larger
     // when its points were found.
     Relative met_at = {};

@@ -156,7 +156,7 @@ class Pair {
         const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
         ClipPoint points[4];
         for (int i = 0; i < memory_.last.count; ++i) {
-            const PairPoint &before = memory_.last.points[i];
+            const KeptPoint &before = memory_.last.points[i];
             ClipPoint &point = points[i];
             from_incident(is_a).apply(is_a ? before.on_b : before.on_a, point.x);
             point.gap = normal[0] * point.x[0] + normal[1] * point.x[1] + normal[2] * point.x[2] -

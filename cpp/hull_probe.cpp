@@ -21,7 +21,7 @@ rust::Vec<HullProbePoint> HullProbe::step(const HullProbePose &a, const HullProb
     const Rigid pose_a = rigid(units_.pose(a.position, a.rotation));
     const Rigid pose_b = rigid(units_.pose(b.position, b.rotation));
     find(pose_a, pose_b);
-    const PairContact &contact = state_.memory.last;
+    const KeptContact &contact = state_.memory.last;
     const btVector3 normal(static_cast<btScalar>(-contact.normal[0]),
                            static_cast<btScalar>(-contact.normal[1]),
                            static_cast<btScalar>(-contact.normal[2]));
@@ -31,20 +31,22 @@ rust::Vec<HullProbePoint> HullProbe::step(const HullProbePose &a, const HullProb
     };
     rust::Vec<HullProbePoint> out;
     for (int i = 0; i < contact.count; ++i) {
-        const PairPoint &p = contact.points[i];
+        const KeptPoint &p = contact.points[i];
         const Load &load = state_.loads[i];
         double on_a[3], on_b[3], rubbed[3];
         pose_a.apply(p.on_a, on_a);
         pose_b.apply(p.on_b, on_b);
         double pressed = 0;
         for (int k = 0; k < 3; ++k) {
-            pressed -= load.impulse[k] * contact.normal[k];
+            pressed -=
+                static_cast<double>(load.impulse[k]) * static_cast<double>(contact.normal[k]);
         }
         for (int k = 0; k < 3; ++k) {
-            rubbed[k] = load.impulse[k] + pressed * contact.normal[k];
+            rubbed[k] = static_cast<double>(load.impulse[k]) +
+                        pressed * static_cast<double>(contact.normal[k]);
         }
         HullProbePoint point{};
-        point.gap = p.gap / units_.scale();
+        point.gap = static_cast<double>(p.gap) / units_.scale();
         point.normal = array(normal);
         point.on_a = metres(on_a);
         point.on_b = metres(on_b);
@@ -66,13 +68,13 @@ void HullProbe::find(const Rigid &pose_a, const Rigid &pose_b) {
 
 void HullProbe::set_impulse(std::size_t point, double normal,
                             const std::array<double, 3> &friction) {
-    const PairContact &contact = state_.memory.last;
+    const KeptContact &contact = state_.memory.last;
     if (point >= static_cast<std::size_t>(contact.count)) {
         throw std::runtime_error("the pair has no such contact point");
     }
     for (std::size_t k = 0; k < 3; ++k) {
-        state_.loads[point].impulse[k] =
-            (friction[k] - normal * contact.normal[k]) * units_.scale();
+        state_.loads[point].impulse[k] = static_cast<float>(
+            (friction[k] - normal * static_cast<double>(contact.normal[k])) * units_.scale());
     }
 }
 

@@ -24,13 +24,14 @@ namespace pluvia {
 
 namespace {
 
-btDefaultCollisionConstructionInfo pool_sizes() {
+btDefaultCollisionConstructionInfo pool_sizes(bool own_collision) {
     // Bullet falls back to the heap when a pool is full, which is slow. A
-    // dense specimen of 1456 grains holds about 20 000 pairs.
+    // dense specimen of 1456 grains holds about 20 000 pairs. Pluvia's own
+    // contacts have a pool of their own.
+    const int pairs = own_collision ? 1 : 32768;
     btDefaultCollisionConstructionInfo info;
-    info.m_customCollisionAlgorithmMaxElementSize = static_cast<int>(sizeof(HullAlgorithm));
-    info.m_defaultMaxPersistentManifoldPoolSize = 32768;
-    info.m_defaultMaxCollisionAlgorithmPoolSize = 32768;
+    info.m_defaultMaxPersistentManifoldPoolSize = pairs;
+    info.m_defaultMaxCollisionAlgorithmPoolSize = pairs;
     return info;
 }
 
@@ -61,7 +62,7 @@ class BulletWorld::Impl {
           globals(global_settings(units, definition)),
           hull_collision(definition.own_collision ? make_hull_collision(units, definition)
                                                   : nullptr),
-          configuration(pool_sizes()),
+          configuration(pool_sizes(definition.own_collision)),
           dispatcher(&configuration, hull_collision.get(), definition.threads),
           contact_solver(
               definition.own_collision

@@ -69,8 +69,8 @@ impl ManifoldSettings {
 impl Default for ManifoldSettings {
     fn default() -> Self {
         Self {
-            substep_rate_hz: 1920.0,
-            sweeps: 5,
+            substep_rate_hz: 1440.0,
+            sweeps: 8,
             contact_stiffness_n_per_m: 10000.0,
             contact_damping_ratio: 1.0,
             push_out_speed_m_per_s: 0.3,

@@ -225,7 +225,7 @@ mod tests {
                     ("pair_friction", 0.793),
                     ("pair_restitution", 0.315),
                     ("deactivation", 0.0),
-                    ("substeps", 4.0),
+                    ("substeps", 3.0),
                 ],
             ),
             ("per_body", &[("pair_friction", 0.628_849), ("pair_restitution", 0.099_225)]),
