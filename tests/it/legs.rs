@@ -5,6 +5,7 @@ use std::{
     path::{Path, PathBuf},
     process::{Command, Stdio},
     sync::OnceLock,
+    thread,
     time::{Duration, Instant},
 };
 
@@ -12,7 +13,7 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use super::{
-    interruption::{finished, pluvia, stages, write_scenario_in_legs},
+    interruption::{copy, finished, pluvia, stages, write_scenario_in_legs},
     same::assert_same_files,
     small,
 };
@@ -217,6 +218,7 @@ fn killed_between_legs(scenario: &Path, out: &Path) -> Option<Vec<PathBuf>> {
         let patience = Instant::now();
         while checkpoints(out).len() < 2 && stages(out) < 5 {
             assert!(patience.elapsed() < Duration::from_secs(120), "law: it gets on");
+            thread::sleep(Duration::from_millis(2));
         }
         let _ = run.kill();
         run.wait().expect("ended");
@@ -232,10 +234,16 @@ fn killed_between_legs(scenario: &Path, out: &Path) -> Option<Vec<PathBuf>> {
 fn damaged_checkpoints_are_told_and_those_before_are_used() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write_scenario_in_legs(folder.path());
+    let killed = folder.path().join("killed");
+    let found = killed_between_legs(&scenario, &killed).expect("law: legs can be met");
     // The last is torn; both are; the frames are cut off, which both need.
     for torn in [1, 2, 3] {
         let out = folder.path().join(format!("out-{torn}"));
-        let found = killed_between_legs(&scenario, &out).expect("law: legs can be met");
+        copy(&killed, &out);
+        let found: Vec<PathBuf> = found
+            .iter()
+            .map(|file| out.join(file.strip_prefix(&killed).expect("a file of the run")))
+            .collect();
         if torn < 3 {
             for file in found.iter().rev().take(torn) {
                 let content = fs::read(file).expect("a checkpoint");
