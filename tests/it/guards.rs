@@ -7,11 +7,7 @@ use std::{
 
 use serde_json::{Value, json};
 
-use super::{
-    interruption::{finished, pluvia},
-    legs::in_legs_timed,
-    small,
-};
+use super::{interruption::finished, legs::in_legs_timed, small};
 
 fn summary(out: &Path) -> Value {
     let text = fs::read(out.join("summary.json")).expect("a summary");
