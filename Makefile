@@ -4,6 +4,9 @@ OUT ?= out/reproduce
 ARGS ?=
 # How long `make soak` goes on.
 MINUTES ?= 10
+# How many grains `make load` pours, 10000 or 50000, and how much memory they may take.
+GRAINS ?= 10000
+LIMIT_MIB ?= $(if $(filter 50000,$(GRAINS)),4096,1024)
 # Builds that `make convergence` compares: double, single or both.
 PRECISIONS ?= double
 
@@ -11,7 +14,7 @@ PRECISIONS ?= double
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-slurm soak deny lint format bench bench-peers clean
+.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-slurm soak load deny lint format bench bench-peers clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -61,6 +64,10 @@ test-slurm: setup ## send a sweep through a Slurm cluster on this machine, and k
 
 soak: setup ## kill runs and feed readers for $(MINUTES) minutes, with counts (docs/robustness.md)
 	PLUVIA_SOAK=$(MINUTES) cargo test --locked --release --test it -- soak_ --nocapture
+
+load: OUT = out/load-$(GRAINS)
+load: build ## pour $(GRAINS) grains within $(LIMIT_MIB) MiB (docs/robustness.md)
+	bash scripts/load.sh "$(GRAINS)" "$(LIMIT_MIB)" "$(OUT)" $(ARGS)
 
 deny: ## licences, sources and known weaknesses of what is linked; needs cargo-deny
 	@if cargo deny --version > /dev/null 2>&1; then \

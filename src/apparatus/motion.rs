@@ -51,6 +51,13 @@ impl TableMotion {
         }
     }
 
+    /// A speed in m/s that the table never exceeds: that of the sinusoid, and of
+    /// the growth of its amplitude.
+    pub fn peak_speed(&self) -> f64 {
+        let growth = if self.ramp > 0.0 { 0.5 * PI / self.ramp } else { 0.0 };
+        self.amplitude.abs() * (2.0 * PI * self.frequency + growth)
+    }
+
     /// Times in s at which the periods of vibration end.
     pub fn period_ends(&self) -> Vec<f64> {
         (0..self.periods)
@@ -94,6 +101,20 @@ mod tests {
     };
 
     const RAMPED: TableMotion = TableMotion { ramp: 1.0, ..MOTION };
+
+    #[test]
+    fn the_table_never_exceeds_its_peak_speed() {
+        for motion in [MOTION, RAMPED] {
+            let fastest = (0..23_000)
+                .map(|ms| motion.velocity(f64::from(ms) * 1e-3).abs())
+                .fold(0.0, f64::max);
+            let peak = motion.peak_speed();
+            assert!(
+                fastest <= peak && fastest > 0.7 * peak,
+                "law: speeds up to the peak of {peak} m/s and near it, got {fastest} m/s"
+            );
+        }
+    }
 
     #[test]
     fn peaks_at_the_amplitude_and_rests_in_the_middle() {

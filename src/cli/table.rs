@@ -132,6 +132,10 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         paint::bad("NOT met (docs/accuracy.md)")
     };
     rows.add("accuracy standard", standard);
+    if let Some(guards) = &summary.guards {
+        let line = guards.line();
+        rows.add("guards", if guards.passed == Some(false) { paint::bad(line) } else { line });
+    }
     rows.add(
         "cost",
         format!(

@@ -25,7 +25,7 @@ pub use glb::{Glb, GlbTooLarge, glb};
 pub use moments::{DEFAULT_EVERY, Moment, Moments, StageMoments, read_moments};
 pub use obj::{apparatus_obj, grains_obj};
 pub use parts::{Part, PartKind, parts};
-pub use playback::{Playback, PlayedStage, read_playback};
+pub use playback::{Playback, PlayedStage, read_playback, read_playback_ends};
 pub use run_folder::{ExportError, Exported, read_run};
 pub use solids::{grains_ply, grains_stl};
 pub use tables::{contacts_csv, grains_csv, pairs_csv};

@@ -1,6 +1,9 @@
 //! Reads back how a run went: the frames of its stages.
 
-use std::{path::Path, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use super::run_folder::{ExportError, Manifest, beside, grains_of, setup_of};
 use crate::grains::GrainSet;
@@ -37,6 +40,22 @@ pub struct PlayedStage {
 /// # Errors
 /// [`ExportError`], naming the file.
 pub fn read_playback(folder: &Path) -> Result<Playback, ExportError> {
+    read(folder, StageStore::frames_in)
+}
+
+/// The same with the first frame of every stage and the last two alone, so that a
+/// long run takes no more memory than a short one.
+///
+/// # Errors
+/// [`ExportError`], naming the file.
+pub fn read_playback_ends(folder: &Path) -> Result<Playback, ExportError> {
+    read(folder, StageStore::frame_ends_in)
+}
+
+/// Reads frames of a stage from a store, by its name; none where none were kept.
+type FrameReader = fn(&Path, &str) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError>;
+
+fn read(folder: &Path, frames_in: FrameReader) -> Result<Playback, ExportError> {
     let path = folder.join("manifest.json");
     let manifest: Manifest = read_json(&path)?;
     let setup = setup_of(&manifest, &path)?;
@@ -46,7 +65,7 @@ pub fn read_playback(folder: &Path) -> Result<Playback, ExportError> {
     for entry in &manifest.stages {
         let (end, end_file) = StageStore::state_in(&root, &entry.key)?;
         let end = Frame::of(&end);
-        let found = StageStore::frames_in(&root, &entry.key)?;
+        let found = frames_in(&root, &entry.key)?;
         let is_kept = found.is_some();
         let (mut frames, path) = found.unwrap_or_else(|| (vec![end.clone()], end_file));
         for frame in &mut frames {

@@ -6,6 +6,7 @@
 use std::io::{Read, Write};
 
 use nalgebra::Matrix3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{Block, GrainSet, GrainsError, psd::positive, sieve::sieve_size};
@@ -91,7 +92,7 @@ pub fn to_json(grains: &GrainSet) -> GrainsJson {
         side_m: block.side,
         origin_m: block.origin.into(),
         points_m: block.points.iter().map(|&p| p.into()).collect(),
-        cells: block.cells.iter().map(cell).collect(),
+        cells: block.cells.par_iter().map(cell).collect(),
     };
     GrainsJson {
         density_kg_per_m3: Some(grains.density),

@@ -17,6 +17,7 @@ mod mixing;
 pub mod psd;
 mod shape;
 mod sieve;
+mod sieve_memory;
 mod sieve_table;
 mod stones;
 pub mod streams;
@@ -37,6 +38,7 @@ pub use mixing::{Mixing, RAIN_CLEARANCE, mix, rain};
 pub use psd::{Fraction, ParticleSizeDistribution};
 pub use shape::{GrainShape, ShapeRatio};
 pub use sieve::{Passage, SIEVE_TOLERANCE, sieve_size};
+pub use sieve_memory::sieve_size_of;
 pub use sieve_table::{sieve_csv, sieve_table};
 pub use stones::{StoneRecord, from_meshes, stones_csv};
 

@@ -1,6 +1,7 @@
 //! The virtual sieve: the smallest square opening that a grain passes.
 
 use super::fan::{EdgeFan, Piece, ROUNDING, Shadow, width};
+use super::sieve_memory::sieve_size_of;
 use crate::geometry::{ConvexPolyhedron, Vector};
 
 /// How much smaller than what was found the smallest opening could be, as a
@@ -94,7 +95,7 @@ impl Passage {
 /// ```
 pub fn sieve_size(shape: &ConvexPolyhedron) -> f64 {
     let corners: Vec<Vector> = shape.vertices().iter().map(|v| v.coords).collect();
-    Passage::of(&corners).side
+    sieve_size_of(&corners)
 }
 
 /// A range of directions on the fan of an edge.

@@ -47,11 +47,9 @@ pub fn body_energy(
     gravity: f64,
     table_velocity: &Vector,
 ) -> Energy {
-    // The moments are about body axes, the angular velocity is in world axes.
-    let spin = state.pose.rotation.inverse() * state.angular_velocity;
     Energy {
         translational: 0.5 * mass * (state.linear_velocity - table_velocity).norm_squared(),
-        rotational: 0.5 * inertia.dot(&spin.component_mul(&spin)),
+        rotational: state.rotational_energy(inertia),
         potential: mass * gravity * state.pose.translation.z,
     }
 }

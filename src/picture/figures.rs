@@ -13,7 +13,7 @@ use super::scene::Scene;
 use super::scenery::{Walls, glass_depth, scene_of};
 use super::sheet::{Notes, sheet};
 use super::shot::{Shot, expose, stage_scene};
-use crate::export::{Playback, read_playback};
+use crate::export::{Playback, read_playback_ends};
 use crate::geometry::Point;
 use crate::record::Frame;
 use crate::report::Picture;
@@ -39,7 +39,7 @@ const MADE: &str = "Cast ray by ray from the simulated shapes in their simulated
 /// # Errors
 /// When the run cannot be read or a picture cannot be drawn.
 pub fn of_programme(folder: &Path) -> Result<Vec<Picture>, PictureError> {
-    let run = read_playback(folder)?;
+    let run = read_playback_ends(folder)?;
     let mut pictures =
         vec![grains(&run, "figure-04-grains", "Figure 4: generated grains")?, apparatus(&run)?];
     pictures.extend(funnel(&run, "figure-06-funnel", "Figure 6: grains in the funnel")?);
@@ -54,7 +54,7 @@ pub fn of_programme(folder: &Path) -> Result<Vec<Picture>, PictureError> {
 /// # Errors
 /// As [`of_programme`].
 pub fn of_run(folder: &Path) -> Result<Vec<Picture>, PictureError> {
-    let run = read_playback(folder)?;
+    let run = read_playback_ends(folder)?;
     let mut pictures = vec![grains(&run, "picture-grains", "Grains")?];
     pictures.extend(funnel(&run, "picture-funnel", "Grains in the funnel")?);
     match vibration(&run, "picture-vibration", "Before and after vibration")? {

@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Setup, feeder::Fed, stages::table_motion};
+use super::{Setup, Watch, feeder::Fed, stages::table_motion};
 use crate::scenario::{Backend, ContactPath, StageSpec};
 use crate::specimen::SpecimenState;
 
@@ -44,6 +44,9 @@ pub struct Midway {
     pub engine_s: f64,
     /// Findings so far.
     pub warnings: Vec<String>,
+    /// What was watched so far; not in a checkpoint of before this was.
+    #[serde(default)]
+    pub watch: Watch,
     /// The grains still in the spout of slow pluviation.
     pub fed: Option<Fed>,
 }
@@ -60,6 +63,7 @@ impl Midway {
             calm_since_s: None,
             engine_s: 0.0,
             warnings: Vec::new(),
+            watch: Watch::default(),
             fed: None,
         }
     }

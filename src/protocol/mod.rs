@@ -6,6 +6,7 @@
 //! between its legs.
 
 mod base;
+mod bodies;
 mod feeder;
 mod legs;
 #[cfg(test)]
@@ -16,6 +17,10 @@ mod stages;
 mod stand;
 #[cfg(test)]
 mod tests;
+mod watch;
+#[cfg(test)]
+mod watch_tests;
+mod watched;
 mod whereabouts;
 
 pub use base::base_pieces;
@@ -25,6 +30,8 @@ pub use setup::SettleCriterion;
 pub use setup::Setup;
 pub use stages::{run, table_motion};
 pub use stand::WorldMaker;
+pub use watch::Watch;
+pub use watched::Watched;
 
 use std::{ops::ControlFlow, time::Duration};
 
@@ -44,6 +51,9 @@ pub trait Observer {
     fn seam(&mut self, _midway: &Midway) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
+
+    /// Called when a guard finds what a reader should know at once.
+    fn warn(&mut self, _finding: &str) {}
 }
 
 /// When and in what motion of the table an observation is made.
@@ -72,6 +82,8 @@ pub struct StageOutcome {
     pub engine_time: Duration,
     /// Findings a reader must know.
     pub warnings: Vec<String>,
+    /// What was watched about its motion.
+    pub watch: Watch,
     /// The engine's settings as read back.
     pub effective: EffectiveSettings,
 }

@@ -11,17 +11,19 @@ use std::{
 
 use super::{
     Midway, Moment, Observer, Setup, StageError, StageOutcome, base,
+    bodies::{free_grain, remembered, wall_piece},
     feeder::Feeder,
     legs::{leg_steps, steps_a_check},
+    watch::{Finding, Tally, steps_a_look},
     whereabouts::Whereabouts,
 };
-use crate::apparatus::{Funnel, Piece, TableMotion};
+use crate::apparatus::{Funnel, TableMotion};
 use crate::geometry::{Pose, Vector};
 use crate::grains::{Grain, GrainSet};
 use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen, SpecimenState};
 use crate::world::{
-    Body, BodyId, BodyState, Guard, GuardLimits, Material, Motion, PairTable, RememberedContact,
-    Snapshot, World, WorldError,
+    Body, BodyId, BodyState, Guard, GuardLimits, Material, Motion, PairTable, Snapshot, World,
+    WorldError,
 };
 
 /// Makes the empty world of a stage.
@@ -217,8 +219,11 @@ impl<'a> Stand<'a> {
         let check_every = steps_a_check(dt);
         let leg = leg_steps(self.setup, self.specimen.grains.grains.len());
         let seam = leg.map(|leg| (self.midway.steps / leg + 1).saturating_mul(leg));
+        let look_every = motion.map(|m| steps_a_look(m.frequency, dt)).filter(|n| *n < check_every);
         let mut settled = false;
         let table_velocity = |time: f64| motion.map_or(0.0, |m| m.velocity(time));
+        let peak = motion.map_or(0.0, TableMotion::peak_speed);
+        self.begin_watch((peak, table_velocity(self.midway.steps as f64 * dt)));
         if self.midway.steps == 0 {
             let moment = Moment { stage_time: 0.0, table_velocity: table_velocity(0.0) };
             observer.observe(&self.specimen, moment);
@@ -237,12 +242,21 @@ impl<'a> Stand<'a> {
             let sample = time >= self.midway.next_sample_s - dt / 2.0 || step == last_step;
             let check = sample || step % check_every == 0;
             if !check {
+                if look_every.is_some_and(|n| step % n == 0) {
+                    self.world.read(&mut self.snapshot);
+                    let now = self.tally();
+                    self.midway.watch.follow(&now, table_velocity(time));
+                }
                 continue;
             }
             if cancel.load(Ordering::Relaxed) {
                 return Err(StageError::Cancelled);
             }
-            self.read_back(time)?;
+            let told = self.midway.warnings.len();
+            let finding = self.read_back(time, table_velocity(time))?;
+            for text in self.midway.warnings[told..].iter().chain(&finding) {
+                observer.warn(text);
+            }
             if until.settled {
                 let fed = feeder.as_ref().is_none_or(|f| f.is_empty());
                 let calm = fed && self.calm();
@@ -288,6 +302,8 @@ impl<'a> Stand<'a> {
         self.grains[index] = Some(id);
         self.parties.insert(Party::Grain(index), id);
         self.specimen.state.bodies[index] = GrainState { body: state, fate: Fate::Present };
+        let grain = &self.specimen.grains.grains[index];
+        self.midway.watch.let_go((grain.mass, &grain.inertia, &state));
         Ok(())
     }
 
@@ -305,6 +321,7 @@ impl<'a> Stand<'a> {
             steps: self.midway.steps,
             engine_time: Duration::from_secs_f64(self.midway.engine_s),
             warnings: self.midway.warnings,
+            watch: self.midway.watch,
         }
     }
 
@@ -357,10 +374,50 @@ impl<'a> Stand<'a> {
         Ok(())
     }
 
+    /// Begins to watch the bodies as the specimen has them; the table's peak
+    /// speed and its velocity now in m/s.
+    fn begin_watch(&mut self, table: (f64, f64)) {
+        let Specimen { grains, state } = &self.specimen;
+        let present = |(_, s): &(&Grain, &GrainState)| s.fate == Fate::Present;
+        let bodies = grains.grains.iter().zip(&state.bodies).filter(present);
+        let bodies = bodies.map(|(grain, s)| (grain.mass, &grain.inertia, &s.body));
+        let plate = &self.setup.plate;
+        let plate = state.top_plate.iter().map(|s| (plate.mass, &plate.inertia, s));
+        let lowest = self.whereabouts.lowest();
+        self.midway.watch.begin(bodies.chain(plate), lowest, self.setup.gravity, table);
+    }
+
+    /// Sums over the bodies of the last snapshot that are still followed.
+    fn tally(&self) -> Tally {
+        let body = |id: &Option<BodyId>| self.snapshot.get((*id)?.0 as usize)?.as_ref();
+        let grains = self.specimen.grains.grains.iter().zip(&self.grains);
+        let grains = grains.filter_map(|(g, id)| Some((g.mass, &g.inertia, body(id)?)));
+        let plate = &self.setup.plate;
+        let plate = body(&self.plate).map(|s| (plate.mass, &plate.inertia, s));
+        Tally::of(grains.chain(plate), self.setup.gravity)
+    }
+
     /// Reads the world, checks it, and only then takes it over into the specimen.
-    fn read_back(&mut self, time: f64) -> Result<(), StageError> {
+    /// Gives what a guard has to tell.
+    fn read_back(&mut self, time: f64, table: f64) -> Result<Option<String>, StageError> {
         self.world.read(&mut self.snapshot);
         self.guard.check(&self.snapshot, time).map_err(|source| self.failed(source))?;
+        let held = |id: &BodyId| self.snapshot.get(id.0 as usize).is_some_and(Option::is_some);
+        if let Some(lost) = self.grains.iter().flatten().chain(&self.plate).find(|id| !held(id)) {
+            let what = format!("body {} is no longer in the engine", lost.0);
+            return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
+        }
+        let now = self.tally();
+        let watch = &mut self.midway.watch;
+        watch.checks += 1;
+        let finding = match watch.look(&now, table, self.midway.began_s + time) {
+            Finding::Nothing => None,
+            Finding::Warning(text) => Some(format!("at {time:.3} s {text}")),
+            Finding::Runaway(what) => {
+                return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
+            }
+        };
+        let mut gone = false;
         let table_x = self.specimen.state.table_x;
         for (index, slot) in self.grains.iter_mut().enumerate() {
             let Some(id) = *slot else { continue };
@@ -371,6 +428,7 @@ impl<'a> Stand<'a> {
             if fate != Fate::Present {
                 state.fate = fate;
                 *slot = None;
+                gone = true;
                 if let Err(source) = self.world.remove(id) {
                     return Err(StageError::World {
                         source,
@@ -378,6 +436,7 @@ impl<'a> Stand<'a> {
                     });
                 }
                 if fate == Fate::ThroughWall {
+                    self.midway.watch.through_walls += 1;
                     let at = body.pose.translation.vector * 1e3;
                     self.midway.warnings.push(format!(
                         "grain {index} passed through a wall at {time:.3} s, last seen at \
@@ -391,7 +450,11 @@ impl<'a> Stand<'a> {
             self.specimen.state.top_plate = self.snapshot[id.0 as usize];
         }
         self.specimen.state.time = self.midway.began_s + time;
-        Ok(())
+        if gone {
+            let left = self.tally();
+            self.midway.watch.taken_away(left);
+        }
+        Ok(finding)
     }
 
     /// Whether every body is slow enough to count as settled just now.
@@ -409,42 +472,5 @@ impl<'a> Stand<'a> {
         count > 0
             && (squares / f64::from(count)).sqrt() <= limits.rms_speed
             && largest.sqrt() <= limits.largest_speed
-    }
-}
-
-/// Saved contacts in terms of a new world's bodies, without those of what is
-/// not in it.
-fn remembered(
-    contacts: &[SavedContact],
-    parties: &HashMap<Party, BodyId>,
-) -> Vec<RememberedContact> {
-    let contacts = contacts.iter().filter_map(|c| {
-        Some(RememberedContact {
-            a: *parties.get(&c.between[0])?,
-            b: *parties.get(&c.between[1])?,
-            point: c.point_m,
-            normal: c.normal,
-            force: c.force_n,
-            feature: c.feature,
-        })
-    });
-    contacts.collect()
-}
-
-fn free_grain(grain: &Grain, state: BodyState) -> Body {
-    Body {
-        shape: grain.shape.clone(),
-        motion: Motion::Free { mass: grain.mass, inertia: grain.inertia },
-        material: Material::Grain,
-        state,
-    }
-}
-
-fn wall_piece(piece: &Piece, motion: Motion) -> Body {
-    Body {
-        shape: piece.shape.clone(),
-        motion,
-        material: Material::Wall,
-        state: BodyState::at_rest(piece.pose),
     }
 }

@@ -58,6 +58,11 @@ impl Whereabouts {
         }
     }
 
+    /// Height in m below which no grain is seen: it is taken away there.
+    pub(super) fn lowest(&self) -> f64 {
+        self.floor - FALL
+    }
+
     /// Notes where a grain is now; tells what became of it when it has left
     /// for good. `x` is the table's displacement in m.
     pub(super) fn note(&mut self, grain: usize, position: &Vector, x: f64) -> Fate {

@@ -14,8 +14,8 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{
-    FRAMES_FILE, FileError, FrameWriter, SeriesRow, create_folder, frames::FramesSoFar, hash_bytes,
-    read_file, series_from_csv, to_csv, write_file,
+    FRAMES_FILE, FileError, FrameWriter, OverlapWatch, SeriesRow, create_folder,
+    frames::FramesSoFar, hash_bytes, read_file, series_from_csv, to_csv, write_file,
 };
 use crate::protocol::Midway;
 
@@ -32,6 +32,8 @@ pub struct Observed {
     pub rows: Vec<SeriesRow>,
     /// What settlement is counted from.
     pub reference: Reference,
+    /// What was seen of the overlap of grains.
+    pub overlap: OverlapWatch,
     /// Wall time in s.
     pub wall_s: f64,
 }
@@ -51,6 +53,9 @@ struct Stored {
     midway: Midway,
     series_csv: String,
     reference: Reference,
+    /// Not in a checkpoint of before this was recorded.
+    #[serde(default)]
+    overlap: OverlapWatch,
     frames: Option<FramesSoFar>,
     wall_s: f64,
 }
@@ -146,6 +151,7 @@ impl Checkpoints {
             observed: Observed {
                 rows: rows.map_err(|e| unread(e.to_string()))?,
                 reference: stored.reference,
+                overlap: stored.overlap,
                 wall_s: stored.wall_s,
             },
             frames,
@@ -169,6 +175,7 @@ impl Checkpoints {
             midway: midway.clone(),
             series_csv: String::from_utf8(series).map_err(|e| refused(e.to_string()))?,
             reference: observed.reference,
+            overlap: observed.overlap,
             frames: frames.map(FrameWriter::so_far).transpose()?,
             wall_s: observed.wall_s,
         };

@@ -16,7 +16,7 @@
 
 use std::{
     fs::{self, File},
-    io::{self, BufWriter, Read, Write},
+    io::{self, BufWriter, Read, Seek, SeekFrom, Write},
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -28,7 +28,7 @@ use sha2::{Digest, Sha256};
 use super::{
     FileError,
     atomic::make_readable,
-    hash::{hash_of, hexadecimal},
+    hash::{hash_file, hash_of, hexadecimal},
     read_unchanged,
 };
 use crate::geometry::Pose;
@@ -306,12 +306,50 @@ pub(super) fn read_frames(path: &Path, sha256: &str) -> Result<Vec<Frame>, FileE
     frames_of(&bytes).map_err(|why| FileError::new("use", path, why))
 }
 
-fn frames_of(bytes: &[u8]) -> Result<Vec<Frame>, String> {
-    if bytes.len() < HEAD || &bytes[..8] != MAGIC {
+/// The first frame of a stage and the last two, or as many as there are: what
+/// tells its beginning and end, without holding in memory what lies between.
+///
+/// # Errors
+/// As [`read_frames`].
+pub(super) fn read_frame_ends(path: &Path, sha256: &str) -> Result<Vec<Frame>, FileError> {
+    let unread = |e| FileError::new("read", path, e);
+    if !sha256.is_empty() && hash_file(path).map_err(unread)? != sha256 {
+        return Err(FileError::changed(path));
+    }
+    let mut file = File::open(path).map_err(unread)?;
+    let size = file.metadata().map_err(unread)?.len();
+    let mut head = Vec::new();
+    (&mut file).take(HEAD as u64).read_to_end(&mut head).map_err(unread)?;
+    let unusable = |why| FileError::new("use", path, why);
+    let length = frame_length(&head).map_err(unusable)? as u64;
+    let body = size.saturating_sub(HEAD as u64);
+    if body % length != 0 {
+        return Err(unusable("its last frame is cut off".to_owned()));
+    }
+    let count = body / length;
+    let mut wanted = vec![0, count.saturating_sub(2), count.saturating_sub(1)];
+    wanted.dedup();
+    let mut bytes = vec![0; length as usize];
+    let mut frames = Vec::new();
+    for n in wanted.into_iter().filter(|n| *n < count) {
+        file.seek(SeekFrom::Start(HEAD as u64 + n * length)).map_err(unread)?;
+        file.read_exact(&mut bytes).map_err(unread)?;
+        frames.push(Frame::read(&bytes));
+    }
+    Ok(frames)
+}
+
+/// Bytes of a frame, by the head of its file.
+fn frame_length(head: &[u8]) -> Result<usize, String> {
+    if head.len() < HEAD || &head[..8] != MAGIC {
         return Err("it does not begin as frames do".to_owned());
     }
-    let grains = u32::from_le_bytes(four(bytes, 8)) as usize;
-    let length = BEFORE_GRAINS + PLACE * grains;
+    Ok(BEFORE_GRAINS + PLACE * u32::from_le_bytes(four(head, 8)) as usize)
+}
+
+fn frames_of(bytes: &[u8]) -> Result<Vec<Frame>, String> {
+    let length = frame_length(bytes)?;
+    let grains = (length - BEFORE_GRAINS) / PLACE;
     let frames = bytes[HEAD..].chunks_exact(length);
     if !frames.remainder().is_empty() {
         return Err(format!("its last frame of {grains} grains is cut off"));
@@ -367,6 +405,30 @@ mod tests {
                 assert!(shift < 1e-7, "law: same place, expected 0, got {shift} m, tolerance 1e-7");
                 assert!(turn < 0.006, "law: same turn, expected 0, got {turn}°, tolerance 0.006");
             }
+        }
+    }
+
+    #[test]
+    fn the_ends_are_those_of_all_frames() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("frames.bin");
+        let at = |n: usize| Frame { time: 0.08 * n as f64, ..frame() };
+        for (count, ends) in
+            [(0, vec![]), (1, vec![0]), (2, vec![0, 1]), (3, vec![0, 1, 2]), (9, vec![0, 7, 8])]
+        {
+            let content = bytes(&(0..count).map(at).collect::<Vec<_>>());
+            fs::write(&path, &content).expect("written");
+            let hash = crate::record::hash_bytes(&content);
+            let all = read_frames(&path, &hash).expect("frames");
+            let expected: Vec<Frame> = ends.iter().map(|&n: &usize| all[n].clone()).collect();
+            let got = read_frame_ends(&path, &hash).expect("frames");
+            assert_eq!(got, expected, "law: first and last two of {count}");
+            read_frame_ends(&path, "0").expect_err("law: changed files are refused");
+        }
+        let cut = &bytes(&[at(0)])[..80];
+        fs::write(&path, cut).expect("written");
+        for refused in [read_frames(&path, ""), read_frame_ends(&path, "")] {
+            assert!(refused.expect_err("cut off").to_string().contains("cut off"));
         }
     }
 

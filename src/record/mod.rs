@@ -3,6 +3,7 @@
 mod atomic;
 mod checkpoint;
 mod frames;
+mod guards;
 mod hash;
 mod run;
 mod sieve;
@@ -17,6 +18,7 @@ pub use atomic::{
 };
 pub use checkpoint::{Checkpoints, Observed, Reference, Resumed};
 pub use frames::{FRAMES_FILE, Frame, FrameWriter};
+pub use guards::{GuardSummary, Guards, OverlapWatch, StageGuards};
 pub use hash::{hash_bytes, hash_json};
 pub use run::{RunKind, RunRecord};
 pub use sieve::{

@@ -9,9 +9,13 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Checkpoints, FRAMES_FILE, FileError, Frame, FrameWriter, SeriesRow, atomic::sync_folder,
-    create_folder, frames::read_frames, hash::hash_file, hash_bytes, hash_json, read_json,
-    read_unchanged, series_from_csv, to_csv, write_file, write_json,
+    Checkpoints, FRAMES_FILE, FileError, Frame, FrameWriter, SeriesRow, StageGuards,
+    atomic::sync_folder,
+    create_folder,
+    frames::{read_frame_ends, read_frames},
+    hash::hash_file,
+    hash_bytes, hash_json, read_json, read_unchanged, series_from_csv, to_csv, write_file,
+    write_json,
 };
 use crate::specimen::SpecimenState;
 use crate::world::EffectiveSettings;
@@ -32,6 +36,10 @@ pub struct StageRecord {
     pub engine_s: f64,
     /// Findings a reader must know.
     pub warnings: Vec<String>,
+    /// What its guards found; none where the stage was stored before this was
+    /// recorded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub guards: Option<StageGuards>,
     /// Engine settings as read back.
     pub effective: EffectiveSettings,
     /// Smallest square opening in mm that each grain passes with the shape that
@@ -198,13 +206,33 @@ impl StageStore {
     /// # Errors
     /// When they are not as they were written.
     pub fn frames_in(root: &Path, key: &str) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError> {
+        Self::read_frames_in(root, key, read_frames)
+    }
+
+    /// The first of these frames and the last two, without holding the others
+    /// in memory.
+    ///
+    /// # Errors
+    /// As [`Self::frames_in`].
+    pub fn frame_ends_in(
+        root: &Path,
+        key: &str,
+    ) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError> {
+        Self::read_frames_in(root, key, read_frame_ends)
+    }
+
+    fn read_frames_in(
+        root: &Path,
+        key: &str,
+        read: fn(&Path, &str) -> Result<Vec<Frame>, FileError>,
+    ) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError> {
         let folder = Self::folder_in(root, key);
         let path = folder.join(FRAMES_FILE);
         let noted = read_record(&folder)?.frames_sha256;
         if !path.exists() {
             return Ok(None);
         }
-        Ok(Some((read_frames(&path, &noted)?, path)))
+        Ok(Some((read(&path, &noted)?, path)))
     }
 
     /// Stores a stage: written into a folder of its own first, then renamed,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ShapeSummary, SieveSummary};
+use super::{Guards, ShapeSummary, SieveSummary};
 use crate::world::BackendInfo;
 
 /// One row of `series.csv`: the state of the experiment at one moment.
@@ -91,6 +91,10 @@ pub struct Summary {
     pub control: Option<Control>,
     /// Whether overlap and creep meet the accuracy standard (docs/accuracy.md).
     pub meets_standard: bool,
+    /// What was watched while it went on; none where the run is of before this
+    /// was recorded.
+    #[serde(default)]
+    pub guards: Option<Guards>,
     /// Kinetic energy at the end in J.
     pub kinetic_energy_j: f64,
     /// Simulated time in s, control included.

@@ -274,6 +274,31 @@ pub(super) fn choices(choices: &[Choice]) -> Markup {
     }
 }
 
+/// What was watched while the runs went on, in a line each where something was found.
+fn guards(input: &ReportInput) -> Markup {
+    let runs = input.study.runs;
+    let line = |run: &RunRecord| match &run.summary.guards {
+        Some(guards) => (guards.passed, guards.line()),
+        None => (None, "not watched, being stored before guards were".to_owned()),
+    };
+    let lines: Vec<(&str, Option<bool>, String)> = runs
+        .iter()
+        .map(|run| {
+            let (passed, line) = line(run);
+            (run.name.as_str(), passed, line)
+        })
+        .collect();
+    let passed = lines.iter().filter(|(_, passed, _)| *passed == Some(true)).count();
+    html! {
+        p { (passed) " of " (lines.len()) " runs passed every guard: numbers, grains, walls, speeds, energy, overlap and creep are watched while a run goes on (docs/accuracy.md)." }
+        @if passed < lines.len() {
+            ul { @for (name, _, line) in lines.iter().filter(|(_, p, _)| *p != Some(true)) {
+                li { strong { (name) } ": " (line) }
+            } }
+        }
+    }
+}
+
 /// Versions, settings, warnings.
 pub(super) fn provenance(input: &ReportInput) -> Markup {
     let mut warnings: Vec<(&str, String)> =
@@ -291,6 +316,8 @@ pub(super) fn provenance(input: &ReportInput) -> Markup {
                 tr { td { code { (name) } } td { code { (value.to_string()) } } }
             } } }
         }
+        h3 { "Guards" }
+        (guards(input))
         h3 { "Warnings" }
         @if warnings.is_empty() {
             p { "None." }

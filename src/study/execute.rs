@@ -8,14 +8,16 @@ use std::sync::{
 use rayon::prelude::*;
 
 use super::{
-    StudyError,
+    StudyError, guards,
     plan::{Node, Plan, stage_name},
     recorder::{Recorder, note},
 };
 use crate::geometry::Vector;
-use crate::grains::Passage;
+use crate::grains::sieve_size_of;
 use crate::protocol::{Progress, StageError, WorldMaker, run as run_stage};
-use crate::record::{Checkpoints, FileError, FrameWriter, StageRecord, StageStore, StoredStage};
+use crate::record::{
+    Checkpoints, FileError, FrameWriter, StageGuards, StageRecord, StageStore, StoredStage,
+};
 use crate::specimen::{Specimen, SpecimenState};
 use crate::units::to_mm;
 
@@ -187,11 +189,13 @@ impl Shop<'_> {
             Some(resumed) => (Some(resumed.midway), Some(resumed.observed), resumed.frames),
             None => (None, None, self.frames(node, checkpoints.as_ref()).map_err(kept)?),
         };
+        let tell = |finding: &str| progress.message(&format!("{}: {finding}", node.label));
         let mut recorder = Recorder::new(&node.setup, &node.stage, frames, |row| {
             let time = row.time_s - began;
             progress.update(id, time, &note(row));
         });
         recorder.begin_at(began);
+        recorder.tell(&tell);
         recorder.keep_in(checkpoints.as_ref());
         if let (Some(midway), Some(observed)) = (&midway, observed) {
             let done = midway.steps as f64 / node.setup.engine.rate_hz;
@@ -225,14 +229,20 @@ impl Shop<'_> {
             }
             other => StudyError::Stage { stage: node.label.clone(), what: other.to_string() },
         })?;
+        recorder.end(&outcome.specimen, outcome.simulated);
         let (observed, frames) = recorder.into_parts();
+        let creep = guards::creep(&node.stage, &observed.rows);
+        let guards = StageGuards::of(&outcome.watch, observed.overlap, creep);
+        let mut warnings = outcome.warnings;
+        warnings.extend(guards::warnings(&guards));
         let record = StageRecord {
             stage: stage_name(&node.stage).into(),
             steps: outcome.steps,
             simulated_s: outcome.simulated,
             wall_s: observed.wall_s,
             engine_s: outcome.engine_time.as_secs_f64(),
-            warnings: outcome.warnings,
+            warnings,
+            guards: Some(guards),
             effective: outcome.effective,
             sieved_mm: sieved_mm(&outcome.corners),
             ..StageRecord::default()
@@ -267,5 +277,5 @@ fn sieved_mm(corners: &[Option<Vec<Vector>>]) -> Vec<Option<f64>> {
     if corners.iter().all(Option::is_none) {
         return Vec::new();
     }
-    corners.par_iter().map(|c| Some(to_mm(Passage::of(c.as_ref()?).side))).collect()
+    corners.par_iter().map(|c| Some(to_mm(sieve_size_of(c.as_ref()?)))).collect()
 }

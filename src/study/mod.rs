@@ -7,6 +7,7 @@ mod converge;
 mod described;
 mod design;
 mod execute;
+mod guards;
 mod pile;
 mod plan;
 mod presets;

@@ -2,13 +2,16 @@
 
 use std::{ops::ControlFlow, time::Instant};
 
+use super::guards::{last_look_at_overlap, look_at_overlap};
 use crate::geometry::Vector;
 use crate::measure::{
     self, Container, DEFAULT_CELL, HeightMap, body_energy, content, grain_energy, largest_speed,
     mean_grain_height, plate_position,
 };
 use crate::protocol::{Midway, Moment, Observer, Setup};
-use crate::record::{Checkpoints, FileError, FrameWriter, Observed, Reference, SeriesRow};
+use crate::record::{
+    Checkpoints, FileError, FrameWriter, Observed, OverlapWatch, Reference, SeriesRow,
+};
 use crate::scenario::StageSpec;
 use crate::specimen::Specimen;
 use crate::units::to_mm;
@@ -16,9 +19,10 @@ use crate::units::to_mm;
 /// An observer that turns every observation into a row of `series.csv`.
 pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     setup: &'a Setup,
-    vibrating: bool,
+    stage: &'a StageSpec,
     start: f64,
     reference: Reference,
+    overlap: OverlapWatch,
     rows: Vec<SeriesRow>,
     frames: Option<FrameWriter>,
     /// Where checkpoints are kept, in a stage that has legs.
@@ -30,6 +34,8 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     wall_before: f64,
     /// Told of every row as it comes.
     on_row: F,
+    /// Told of what a guard finds.
+    on_finding: &'a dyn Fn(&str),
 }
 
 /// The cylinder where the specimen has it, or the space over a pile's base.
@@ -48,15 +54,16 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     /// A recorder for one stage; `frames` get every state that is observed.
     pub fn new(
         setup: &'a Setup,
-        stage: &StageSpec,
+        stage: &'a StageSpec,
         frames: Option<FrameWriter>,
         on_row: F,
     ) -> Self {
         Self {
             setup,
-            vibrating: matches!(stage, StageSpec::Vibrate { .. }),
+            stage,
             start: 0.0,
             reference: Reference::default(),
+            overlap: OverlapWatch::default(),
             rows: Vec::new(),
             frames,
             checkpoints: None,
@@ -64,6 +71,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
             began: Instant::now(),
             wall_before: 0.0,
             on_row,
+            on_finding: &|_| {},
         }
     }
 
@@ -82,6 +90,19 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         Some(measure::pile_top(specimen).map_or(0.0, |top| (top - level).max(0.0)))
     }
 
+    /// Tells somebody of what guards find, at once.
+    pub fn tell(&mut self, on_finding: &'a dyn Fn(&str)) {
+        self.on_finding = on_finding;
+    }
+
+    /// Looks once more, at a finished stage of a length in s.
+    pub fn end(&mut self, specimen: &Specimen, length: f64) {
+        let time = self.start + length;
+        if let Some(text) = last_look_at_overlap(&mut self.overlap, specimen, length, time) {
+            (self.on_finding)(&text);
+        }
+    }
+
     /// Keeps checkpoints at the ends of legs.
     pub fn keep_in(&mut self, checkpoints: Option<&'a Checkpoints>) {
         self.checkpoints = checkpoints;
@@ -91,6 +112,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     pub fn go_on(&mut self, observed: Observed) {
         self.rows = observed.rows;
         self.reference = observed.reference;
+        self.overlap = observed.overlap;
         self.wall_before = observed.wall_s;
     }
 
@@ -102,7 +124,8 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     /// What was observed, and its frames.
     pub fn into_parts(self) -> (Observed, Option<FrameWriter>) {
         let wall_s = self.wall_before + self.began.elapsed().as_secs_f64();
-        (Observed { rows: self.rows, reference: self.reference, wall_s }, self.frames)
+        let Self { rows, reference, overlap, frames, .. } = self;
+        (Observed { rows, reference, overlap, wall_s }, frames)
     }
 }
 
@@ -146,7 +169,7 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         let plate_height_mm = position.map(|p| to_mm(p.height));
         let mean_surface_mm = to_mm(surface);
         let before = &mut self.reference.before_vibration_mm;
-        if self.vibrating && before.is_none() {
+        if matches!(self.stage, StageSpec::Vibrate { .. }) && before.is_none() {
             *before = Some((plate_height_mm, mean_surface_mm));
         }
         let before = *before;
@@ -170,6 +193,15 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         }
         (self.on_row)(&row);
         self.rows.push(row);
+        let at = moment.stage_time;
+        let found = look_at_overlap(&mut self.overlap, self.stage, specimen, at, row.time_s);
+        if let Some(text) = found {
+            (self.on_finding)(&text);
+        }
+    }
+
+    fn warn(&mut self, finding: &str) {
+        (self.on_finding)(finding);
     }
 
     fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
@@ -177,6 +209,7 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         let observed = Observed {
             rows: std::mem::take(&mut self.rows),
             reference: self.reference,
+            overlap: self.overlap,
             wall_s: self.wall_before + self.began.elapsed().as_secs_f64(),
         };
         let kept = checkpoints.keep(midway, &observed, self.frames.as_mut());

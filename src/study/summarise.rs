@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::{
     StudyError,
     described::{described, secondary_sieve},
+    guards,
     plan::{PlannedRun, RunNodes},
     recorder::container,
 };
@@ -154,6 +155,7 @@ pub fn summarise(
         creep_um_per_s: creep,
         control: control_figures,
         meets_standard,
+        guards: Some(guards::of_run(all.clone().map(|s| &s.record))),
         kinetic_energy_j: series.last().map_or(0.0, |r| r.kinetic_energy_j),
         simulated_s: all.clone().map(|s| s.record.simulated_s).sum(),
         steps: all.clone().map(|s| s.record.steps).sum(),
@@ -278,7 +280,7 @@ fn control(series: &[SeriesRow]) -> Option<Control> {
 /// Speed in µm/s at which the mean grain sinks in the second half of the
 /// control. In the first, what still moved comes to rest: a specimen poured by
 /// a stated criterion of calm, or one whose table stops from full speed.
-fn creep_um_per_s(series: &[SeriesRow]) -> Option<f64> {
+pub(super) fn creep_um_per_s(series: &[SeriesRow]) -> Option<f64> {
     let (first, last) = (series.first()?, series.last()?);
     let half = (first.time_s + last.time_s) / 2.0;
     let from = series.iter().find(|row| row.time_s >= half)?;

@@ -138,6 +138,13 @@ impl BodyState {
     pub fn at_rest(pose: Pose) -> Self {
         Self { pose, linear_velocity: Vector::zeros(), angular_velocity: Vector::zeros() }
     }
+
+    /// ½ ω · I ω in J, from principal moments of inertia in kg m² about the body axes.
+    pub fn rotational_energy(&self, inertia: &Vector) -> f64 {
+        // The moments are about body axes, the angular velocity is in world axes.
+        let spin = self.pose.rotation.inverse() * self.angular_velocity;
+        0.5 * inertia.dot(&spin.component_mul(&spin))
+    }
 }
 
 /// Names a body in the world that returned it; bodies are numbered in the

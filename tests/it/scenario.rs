@@ -29,7 +29,7 @@ fn files() -> Vec<PathBuf> {
         }
     }
     let mut found = Vec::new();
-    for folder in ["paper", "quick"] {
+    for folder in ["load", "paper", "quick"] {
         walk(&root().join("scenarios").join(folder), &mut found);
     }
     found.sort();
@@ -55,6 +55,10 @@ fn every_scenario_of_the_project_loads_and_says_its_choices() {
         let expected = match file.parent().and_then(Path::file_name) {
             Some(folder) if folder == "paper" => Some(1456),
             Some(folder) if folder == "quick" => Some(364),
+            Some(folder) if folder == "load" => {
+                let name = file.file_stem().expect("a name").to_string_lossy();
+                Some(name.trim_end_matches("-grains").parse().expect("a number of grains"))
+            }
             _ => None,
         };
         if let Some(expected) = expected {

@@ -1,0 +1,73 @@
+//! Sieve sizes that were found before: the same grains are sieved as they are
+//! made, for every table and at the end of every stage, and the exact search
+//! takes some milliseconds a grain.
+
+use std::{
+    collections::HashMap,
+    sync::{Mutex, PoisonError},
+};
+
+use sha2::{Digest, Sha256};
+
+use super::sieve::Passage;
+use crate::geometry::Vector;
+
+/// Sizes that are remembered at most; with more, all are forgotten. Those of a
+/// quarter of a million grains take some 16 MiB.
+const MOST: usize = 1 << 18;
+
+/// Sizes in m by the SHA-256 of the corners' bits.
+static KNOWN: Mutex<Option<HashMap<[u8; 32], f64>>> = Mutex::new(None);
+
+/// Side in m of the smallest square opening that the hull of a body's corners
+/// passes: [`Passage::of`], or what that gave for these corners, to the bit, before.
+pub fn sieve_size_of(corners: &[Vector]) -> f64 {
+    let name = name(corners);
+    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(side) = known().as_ref().and_then(|known| known.get(&name)) {
+        return *side;
+    }
+    let side = Passage::of(corners).side;
+    let mut known = known();
+    let known = known.get_or_insert_with(HashMap::new);
+    if known.len() >= MOST {
+        known.clear();
+    }
+    known.insert(name, side);
+    side
+}
+
+fn name(corners: &[Vector]) -> [u8; 32] {
+    let mut hash = Sha256::new();
+    for x in corners.iter().flat_map(|corner| corner.iter()) {
+        hash.update(x.to_bits().to_le_bytes());
+    }
+    hash.finalize().into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_remembered_is_what_is_found_and_a_bit_makes_another_body() {
+        let mut brick: Vec<Vector> = (0..8)
+            .map(|n| {
+                let side = |bit: usize, length: f64| if n >> bit & 1 == 1 { length } else { 0.0 };
+                Vector::new(side(0, 0.0101), side(1, 0.0123), side(2, 0.03))
+            })
+            .collect();
+        let found = Passage::of(&brick).side;
+        for _ in 0..2 {
+            assert_eq!(sieve_size_of(&brick), found, "law: the same bits, first and later");
+        }
+        let before = name(&brick);
+        brick[7].y = f64::from_bits(brick[7].y.to_bits() + 1);
+        assert_ne!(name(&brick), before, "law: a changed bit is seen");
+        for corner in &mut brick {
+            corner.y *= 2.0;
+        }
+        let wider = sieve_size_of(&brick);
+        assert!(wider > 1.5 * found, "law: a wider body is sieved anew, got {wider} after {found}");
+    }
+}

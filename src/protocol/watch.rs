@@ -1,0 +1,231 @@
+//! Energy and speeds while a stage goes on: whether gravity and the table can
+//! have given them.
+//!
+//! Between two looks the mechanical energy of what moves (kinetic, and m g z)
+//! can rise only by the work of the table: contacts and friction take. The
+//! table pushes along x alone, so that its work is the integral of its velocity
+//! over the momentum along x that it gives, and at most the larger of its
+//! velocities at the two looks times that momentum. What rises beyond comes
+//! from nowhere. It is summed up, and the sum falls, to zero at the least,
+//! where more is lost than given: it is the largest rise without a cause from
+//! any earlier moment to now.
+
+use serde::{Deserialize, Serialize};
+
+use super::Watched;
+use crate::geometry::Vector;
+use crate::world::BodyState;
+
+/// A stage is warned of when the energy from nowhere exceeds this share of what
+/// gravity and table could give together.
+const ENERGY_SHARE: f64 = 0.05;
+
+/// The same share, at which it ends: from nowhere has come as much as there was.
+const ENERGY_RUNAWAY: f64 = 1.0;
+
+/// A stage is warned of when something is faster than this many times what
+/// free fall through the whole apparatus and a blow of the table give together.
+const SPEED_FACTOR: f64 = 1.5;
+
+/// The same, at which it ends.
+const SPEED_RUNAWAY: f64 = 5.0;
+
+/// Looks in a cycle of the table, at least: between them its velocity changes
+/// by less than 40 % of its peak.
+const LOOKS_A_CYCLE: f64 = 16.0;
+
+/// What is watched about the motion of a stage.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Watch {
+    /// How often every body was checked to be somewhere, with finite numbers.
+    pub checks: u64,
+    /// Grains that passed through a wall or a floor.
+    pub through_walls: u32,
+    /// Largest speed of grains and plate in m/s.
+    pub speed: Watched,
+    /// Energy from nowhere in J.
+    pub energy: Watched,
+    /// None before the stage has begun.
+    budget: Option<Budget>,
+}
+
+/// What speeds and energies are held against, in SI units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Budget {
+    /// Peak speed of the table.
+    table_peak: f64,
+    /// Height below which nothing is seen.
+    lowest: f64,
+    /// Gravitational acceleration.
+    gravity: f64,
+    /// Largest speed that something can have by fall and table.
+    speed: f64,
+    /// Energy that gravity and the table can give at once, with what there was.
+    available: f64,
+    /// Energy and momentum along x at the last look, and the table's velocity.
+    energy: f64,
+    momentum: f64,
+    table: f64,
+    /// Energy from nowhere.
+    gained: f64,
+}
+
+/// A body that moves freely: mass in kg, principal moments of inertia in kg m², state.
+pub(super) type Moving<'a> = (f64, &'a Vector, &'a BodyState);
+
+/// What is summed over all bodies that move freely, in SI units.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Tally {
+    energy: f64,
+    /// Along x.
+    momentum: f64,
+    fastest: f64,
+}
+
+impl Tally {
+    /// The sums of bodies under a gravity in m/s².
+    pub(super) fn of<'a>(bodies: impl Iterator<Item = Moving<'a>>, gravity: f64) -> Self {
+        bodies.fold(Self::default(), |sum, (mass, inertia, state)| {
+            let square = state.linear_velocity.norm_squared();
+            let kinetic = 0.5 * mass * square + state.rotational_energy(inertia);
+            Self {
+                energy: sum.energy + kinetic + mass * gravity * state.pose.translation.z,
+                momentum: sum.momentum + mass * state.linear_velocity.x,
+                fastest: sum.fastest.max(square.sqrt()),
+            }
+        })
+    }
+}
+
+/// What a look found.
+#[derive(Debug, PartialEq)]
+pub(super) enum Finding {
+    /// All is as it should be, or was told of before.
+    Nothing,
+    /// A reader must know, for the first time in this stage.
+    Warning(String),
+    /// No use going on.
+    Runaway(String),
+}
+
+impl Watch {
+    /// Begins, where that has not been done, with the bodies of a stage, a table
+    /// whose peak speed is given in m/s, and the height in m below which
+    /// nothing is seen.
+    pub(super) fn begin<'a>(
+        &mut self,
+        bodies: impl Iterator<Item = Moving<'a>> + Clone,
+        lowest: f64,
+        gravity: f64,
+        table: (f64, f64),
+    ) {
+        if self.budget.is_some() {
+            return;
+        }
+        let (table_peak, table) = table;
+        let now = Tally::of(bodies.clone(), gravity);
+        let mut budget = Budget {
+            table_peak,
+            lowest,
+            gravity,
+            speed: 2.0 * table_peak,
+            available: 0.0,
+            energy: now.energy,
+            momentum: now.momentum,
+            table,
+            gained: 0.0,
+        };
+        for body in bodies {
+            budget.add(body);
+        }
+        self.budget = Some(budget);
+    }
+
+    /// Takes a body that is let go into account.
+    pub(super) fn let_go(&mut self, body: Moving) {
+        if let Some(budget) = &mut self.budget {
+            budget.add(body);
+            let own = Tally::of(std::iter::once(body), budget.gravity);
+            budget.energy += own.energy;
+            budget.momentum += own.momentum;
+        }
+    }
+
+    /// Goes on from what there is after bodies were taken away.
+    pub(super) fn taken_away(&mut self, left: Tally) {
+        if let Some(budget) = &mut self.budget {
+            (budget.energy, budget.momentum) = (left.energy, left.momentum);
+        }
+    }
+
+    /// Notes energy and momentum between two looks, where the table is fast.
+    pub(super) fn follow(&mut self, now: &Tally, table: f64) {
+        if let Some(budget) = &mut self.budget {
+            budget.follow(now, table);
+        }
+    }
+
+    /// Looks: at sums, with the table's velocity along x in m/s, at a time in s
+    /// since the first stage began.
+    pub(super) fn look(&mut self, now: &Tally, table: f64, time: f64) -> Finding {
+        let Some(budget) = &mut self.budget else { return Finding::Nothing };
+        budget.follow(now, table);
+        let (gained, available, natural) = (budget.gained, budget.available, budget.speed);
+        let fast = self.speed.note(now.fastest, SPEED_FACTOR * natural, time);
+        let energetic = self.energy.note(gained, ENERGY_SHARE * available, time);
+        let energy = || {
+            format!(
+                "energy from nowhere: {gained:.3e} J more than contacts can give, {:.1} % of the \
+                 {available:.3e} J of gravity and table",
+                100.0 * gained / available
+            )
+        };
+        let speed = || {
+            format!(
+                "a body has a speed of {:.2} m/s; free fall through the apparatus and the table give \
+                 at most {natural:.2} m/s",
+                now.fastest
+            )
+        };
+        // Written so that what is no number counts as too much.
+        if !(gained <= ENERGY_RUNAWAY * available) {
+            return Finding::Runaway(energy());
+        }
+        if !(now.fastest <= SPEED_RUNAWAY * natural) {
+            return Finding::Runaway(speed());
+        }
+        match (energetic, fast) {
+            (true, _) => Finding::Warning(energy()),
+            (false, true) => Finding::Warning(speed()),
+            (false, false) => Finding::Nothing,
+        }
+    }
+}
+
+impl Budget {
+    /// Takes into account what gravity and table can do with a body.
+    fn add(&mut self, (mass, inertia, state): Moving) {
+        let height = (state.pose.translation.z - self.lowest).max(0.0);
+        let square = state.linear_velocity.norm_squared();
+        let fall = (square + 2.0 * self.gravity * height).sqrt();
+        // A body that a wall meets at its peak may leave with twice that.
+        self.speed = self.speed.max(fall + 2.0 * self.table_peak);
+        self.available += 0.5 * mass * (square + self.table_peak * self.table_peak)
+            + state.rotational_energy(inertia)
+            + mass * self.gravity * height;
+    }
+
+    fn follow(&mut self, now: &Tally, table: f64) {
+        let given = now.momentum - self.momentum;
+        let work = (self.table * given).max(table * given);
+        self.gained = (self.gained + now.energy - self.energy - work).max(0.0);
+        (self.energy, self.momentum, self.table) = (now.energy, now.momentum, table);
+    }
+}
+
+/// Engine steps between two looks at the momentum under a table of the given
+/// frequency in Hz; a step has a length in s.
+pub(super) fn steps_a_look(frequency: f64, step: f64) -> u64 {
+    // What is whole but for rounding is whole.
+    (1.0 / (LOOKS_A_CYCLE * frequency * step) + 1e-9).floor().max(1.0) as u64
+}

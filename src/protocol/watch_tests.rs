@@ -1,0 +1,249 @@
+//! Energy from nowhere and impossible speeds are found; what falls, lies or is
+//! shaken is not taken for them.
+
+use std::sync::{Arc, atomic::AtomicBool};
+
+use super::{
+    Moment, Observer, Setup, StageError, StageOutcome, run,
+    watch::{Finding, Moving, Tally, Watch, steps_a_look},
+};
+use crate::geometry::{Pose, Vector};
+use crate::grains::{GrainSet, generate};
+use crate::scenario::{GrainsSpec, Scenario, StageSpec};
+use crate::specimen::{Specimen, SpecimenState};
+use crate::world::{
+    Body, BodyId, BodyState, Contact, EffectiveSettings, PairCoefficients, Snapshot, World,
+    WorldError, scripted::ScriptedWorld,
+};
+
+const GRAVITY: f64 = 9.81;
+const STEP: f64 = 1.0 / 480.0;
+
+fn moving(z: f64, speed: f64) -> BodyState {
+    BodyState {
+        linear_velocity: Vector::new(speed, 0.0, 0.0),
+        ..BodyState::at_rest(Pose::translation(0.0, 0.0, z))
+    }
+}
+
+const MASS: f64 = 2e-3;
+const INERTIA: Vector = Vector::new(2e-8, 2e-8, 2e-8);
+
+fn body(state: &BodyState) -> Moving<'_> {
+    (MASS, &INERTIA, state)
+}
+
+/// Looks at one body after the other state, with the table's velocity at each.
+fn watched(states: &[(BodyState, f64)], table_peak: f64) -> (Watch, Vec<Finding>) {
+    let mut watch = Watch::default();
+    let (first, table) = &states[0];
+    watch.begin(std::iter::once(body(first)), -0.05, GRAVITY, (table_peak, *table));
+    let findings = states[1..].iter().enumerate().map(|(n, (state, table))| {
+        let now = Tally::of(std::iter::once(body(state)), GRAVITY);
+        watch.look(&now, *table, n as f64)
+    });
+    let findings = findings.collect();
+    (watch, findings)
+}
+
+#[test]
+fn a_fall_and_a_blow_of_the_table_cost_nothing() {
+    // From 0.2 m to the floor, where half of the speed is lost.
+    let fall = (2.0 * GRAVITY * 0.2_f64).sqrt();
+    let mut landing = moving(0.0, 0.0);
+    landing.linear_velocity.z = -fall;
+    let mut up = landing;
+    up.linear_velocity.z = fall / 2.0;
+    let (watch, findings) = watched(&[(moving(0.2, 0.0), 0.0), (landing, 0.0), (up, 0.0)], 0.0);
+    assert!(findings.iter().all(|f| *f == Finding::Nothing), "{findings:?}");
+    assert!(watch.energy.worst < 1e-15, "law: falling gains nothing, got {}", watch.energy.worst);
+    // A wall at 0.4 m/s takes the body along, then stops it; elastic is twice its speed.
+    let shaken = [(moving(0.0, 0.0), 0.4), (moving(0.0, 0.8), 0.4), (moving(0.0, 0.0), 0.0)];
+    let (watch, findings) = watched(&shaken, 0.4);
+    assert!(findings.iter().all(|f| *f == Finding::Nothing), "{findings:?}");
+    let got = watch.energy.worst;
+    assert!(got < 1e-15, "law: ½ m (2V)² is V times the momentum 2mV, got {got} J from nowhere");
+}
+
+#[test]
+fn energy_from_nowhere_is_told_and_then_ends_it() {
+    let available = MASS * GRAVITY * 0.05;
+    let rising = |share: f64| moving(share * 0.05, 0.0);
+    let at = |share| (rising(share), 0.0);
+    let (watch, findings) = watched(&[at(0.0), at(0.04), at(0.06), at(0.07), at(1.01)], 0.0);
+    assert_eq!(findings[0], Finding::Nothing, "law: up to 5 %");
+    assert!(matches!(&findings[1], Finding::Warning(t) if t.contains("from nowhere")));
+    assert_eq!(findings[2], Finding::Nothing, "law: told once");
+    assert!(matches!(&findings[3], Finding::Runaway(t) if t.contains("from nowhere")));
+    let share = watch.energy.worst / available;
+    assert!((share - 1.01).abs() < 1e-12, "law: m g z of the rise, expected 1.01, got {share}");
+    assert_eq!(watch.energy.first_beyond_s, Some(1.0));
+    // The same momentum, from a table at rest, is from nowhere.
+    let (_, findings) = watched(&[(moving(0.0, 0.0), 0.0), (moving(0.0, 0.8), 0.0)], 0.4);
+    assert!(matches!(findings[0], Finding::Warning(_)), "{findings:?}");
+}
+
+#[test]
+fn what_is_gained_in_small_pieces_adds_up_and_losses_take_it_away() {
+    let rise = |n: u32| (moving(1e-4 * f64::from(n), 0.0), 0.0);
+    let states: Vec<_> = (0..40).map(rise).collect();
+    let (watch, findings) = watched(&states, 0.0);
+    assert!(findings.iter().any(|f| matches!(f, Finding::Warning(_))), "law: 39 × 0.2 % is 7.8 %");
+    assert!(watch.energy.worst > 0.07 * MASS * GRAVITY * 0.05);
+    let back_and_forth: Vec<_> = (0..1000).map(|n| rise(n % 2)).collect();
+    let (watch, _) = watched(&back_and_forth, 0.0);
+    let share = watch.energy.worst / (MASS * GRAVITY * 0.05);
+    assert!(share < 0.0021, "law: what goes back is not counted, got {share}");
+}
+
+#[test]
+fn impossible_speeds_are_told_and_then_end_it() {
+    // A heavy budget of energy, so that speed alone is at fault.
+    let natural = (2.0 * GRAVITY * 0.05_f64).sqrt();
+    let mut watch = Watch::default();
+    let bodies = [moving(0.0, 0.0)];
+    let heavy = bodies.iter().map(|state| (1e6, &INERTIA, state));
+    watch.begin(heavy, -0.05, GRAVITY, (0.0, 0.0));
+    let mut look = |factor: f64| {
+        let state = moving(0.0, factor * natural);
+        watch.look(&Tally::of(std::iter::once(body(&state)), GRAVITY), 0.0, factor)
+    };
+    assert_eq!(look(1.49), Finding::Nothing);
+    assert!(matches!(look(1.51), Finding::Warning(t) if t.contains("speed")));
+    assert_eq!(look(4.9), Finding::Nothing, "law: told once");
+    assert!(matches!(look(5.1), Finding::Runaway(t) if t.contains("speed")));
+    assert_eq!((watch.speed.looks, watch.speed.beyond), (4, 3));
+}
+
+#[test]
+fn a_fast_table_is_looked_at_sixteen_times_a_cycle() {
+    for (frequency, expected) in [(3.0, 10), (10.0, 3), (30.0, 1), (400.0, 1)] {
+        assert_eq!(steps_a_look(frequency, STEP), expected, "law: at {frequency} Hz");
+    }
+}
+
+fn specimen() -> (Setup, Specimen) {
+    let scenario: Scenario = serde_json::from_value(serde_json::json!({
+        "name": "test",
+        "grains": {
+            "total_mass_g": 30, "density_kg_per_m3": 2673.9,
+            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+        },
+        "stages": []
+    }))
+    .expect("a scenario");
+    let GrainsSpec::Sieved(spec) = &scenario.grains else { panic!("sieved") };
+    let grains: Arc<GrainSet> = Arc::new(generate(spec, 1).expect("grains"));
+    let mut state = SpecimenState::before_everything(grains.grains.len());
+    state.cylinder = true;
+    for grain in &mut state.bodies {
+        grain.body.pose = Pose::translation(0.0, 0.0, 0.05);
+    }
+    (Setup::new(&scenario).expect("a laboratory"), Specimen { grains, state })
+}
+
+#[derive(Default)]
+struct Heard(Vec<String>);
+
+impl Observer for Heard {
+    fn observe(&mut self, _: &Specimen, _: Moment) {}
+
+    fn warn(&mut self, finding: &str) {
+        self.0.push(finding.to_owned());
+    }
+}
+
+fn rest(
+    make: &(dyn Fn() -> Box<dyn World + Send> + Sync),
+) -> (Result<StageOutcome, StageError>, Heard) {
+    let (setup, specimen) = specimen();
+    let mut heard = Heard::default();
+    let stage = StageSpec::Rest { duration_s: 1.0 };
+    let cancel = AtomicBool::new(false);
+    let outcome = run(&setup, &|_, _, _| Ok(make()), specimen, &stage, None, &mut heard, &cancel);
+    (outcome, heard)
+}
+
+fn scripted(script: fn(&BodyState) -> BodyState) -> (Result<StageOutcome, StageError>, Heard) {
+    rest(&move || -> Box<dyn World + Send> {
+        Box::new(ScriptedWorld::new(STEP, Box::new(move |_, s, _, _| script(s))))
+    })
+}
+
+#[test]
+fn grains_that_rise_by_themselves_end_the_stage_with_the_last_good_state() {
+    let (outcome, heard) = scripted(|state| {
+        let mut next = *state;
+        next.pose.translation.vector.z += 1e-3;
+        next
+    });
+    let error = outcome.expect_err("law: no stage in which grains rise for ever");
+    let StageError::World { source, last_good } = error else { panic!("{error}") };
+    assert!(source.to_string().contains("energy from nowhere"), "{source}");
+    let height = last_good.state.bodies[0].body.pose.translation.z;
+    assert!((0.05..0.2).contains(&height), "law: kept from before, got {height} m");
+    assert_eq!(heard.0.len(), 1, "law: it was told once before, got {:?}", heard.0);
+}
+
+#[test]
+fn a_stage_of_which_nothing_is_to_be_told_says_how_often_it_was_looked_at() {
+    let (outcome, heard) = scripted(|state| BodyState::at_rest(state.pose));
+    let watch = outcome.expect("rests").watch;
+    // Every 10 steps, and at samples 38 or 39 steps apart.
+    assert!((48..=62).contains(&watch.checks), "law: every 0.02 s, got {}", watch.checks);
+    assert_eq!((watch.speed.looks, watch.energy.looks), (watch.checks, watch.checks));
+    assert_eq!((watch.energy.passed(), watch.speed.passed()), (Some(true), Some(true)));
+    assert!(heard.0.is_empty(), "{:?}", heard.0);
+}
+
+/// A world that forgets a body after some steps.
+struct Forgetful {
+    inner: ScriptedWorld,
+    steps: u64,
+}
+
+impl World for Forgetful {
+    fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
+        self.inner.add(body)
+    }
+    fn remove(&mut self, id: BodyId) -> Result<(), WorldError> {
+        self.inner.remove(id)
+    }
+    fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
+        self.inner.drive(id, pose)
+    }
+    fn step(&mut self) -> Result<(), WorldError> {
+        self.steps += 1;
+        self.inner.step()
+    }
+    fn time_step(&self) -> f64 {
+        self.inner.time_step()
+    }
+    fn read(&self, into: &mut Snapshot) {
+        self.inner.read(into);
+        if self.steps > 100
+            && let Some(last) = into.last_mut()
+        {
+            *last = None;
+        }
+    }
+    fn contacts(&self, into: &mut Vec<Contact>) {
+        self.inner.contacts(into);
+    }
+    fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {
+        self.inner.pair_coefficients(a, b)
+    }
+    fn effective(&self) -> EffectiveSettings {
+        self.inner.effective()
+    }
+}
+
+#[test]
+fn a_grain_that_the_engine_loses_ends_the_stage() {
+    let make = || -> Box<dyn World + Send> {
+        Box::new(Forgetful { inner: ScriptedWorld::still(STEP), steps: 0 })
+    };
+    let (outcome, _) = rest(&make);
+    let error = outcome.expect_err("law: no grain is lost in silence").to_string();
+    assert!(error.contains("no longer in the engine"), "{error}");
+}
