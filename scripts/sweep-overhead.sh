@@ -23,7 +23,7 @@ cat >"$scenario" <<'JSON'
 {
   "name": "tiny",
   "grains": {
-    "total_mass_g": 90, "density_kg_per_m3": 2673.9,
+    "total_mass_g": 60, "density_kg_per_m3": 2673.9,
     "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
   },
   "apparatus": {
@@ -33,7 +33,7 @@ cat >"$scenario" <<'JSON'
   "stages": [
     { "stage": "fill_funnel", "time_limit_s": 2 },
     { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 3 },
-    { "stage": "rest", "duration_s": 4 }
+    { "stage": "rest", "duration_s": 2 }
   ],
   "control_s": 0
 }

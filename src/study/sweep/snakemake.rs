@@ -16,7 +16,8 @@ const HEAD: &str = r##"# Written by `pluvia sweep --snakemake`. From any folder:
 # The folder can be moved. Another program: --config pluvia=/path/to/pluvia
 #
 # Stages lie under the hash of all that determines them: whether one is there
-# counts, its age does not, therefore `ancient`.
+# counts, its age does not. Therefore `ancient`, and `update`, which leaves alone
+# what is there: asked for a stage that is stored, the program does nothing.
 
 workdir: workflow.basedir
 
@@ -27,19 +28,26 @@ def stored(stage):
     return f"stages/{stage}/stage.json"
 
 def goes_on_from(wildcards):
-    return ancient(stored(FROM[wildcards.stage]))
+    return stored(FROM[wildcards.stage])
 
 def named(wildcards):
     return NAME[wildcards.stage]
 
 "#;
 
-const COLLECT: &str = r#"rule collect:
-    default_target: True
-    input: [stored(stage) for level in LEVELS for stage in level]
-    output: "sweep.csv", "sweep.json", "sweep.md", "report.html"
-    message: "collects the results"
+const COLLECT: &str = r#"ALL = [stored(stage) for level in LEVELS for stage in level]
+TABLES = ["sweep.csv", "sweep.json", "sweep.md", "report.html"]
+
+rule collect:
+    input: ALL
+    output: TABLES
+    message: "collect the results"
     shell: "{PLUVIA:q} sweep --collect --out . --quiet"
+
+# Stages are asked for by themselves: one that is lost is missed though the tables are there.
+rule all:
+    default_target: True
+    input: ALL, TABLES
 "#;
 
 /// Writes the Snakefile of a planned sweep into its folder.
@@ -81,10 +89,10 @@ fn text(tasks: &SweepTasks, program: &Path) -> String {
     text += "}\n";
     text += RULES_BEGIN;
     for level in 0..levels.len() {
-        let input = if level == 0 { "ancient(\"plan.json\")" } else { "goes_on_from" };
+        let input = if level == 0 { "ancient(\"plan.json\")" } else { "ancient(goes_on_from)" };
         let _ = write!(
             text,
-            "rule level_{level}:\n    input: {input}\n    output: \"stages/{{stage}}/stage.json\"\n    \
+            "rule level_{level}:\n    input: {input}\n    output: update(\"stages/{{stage}}/stage.json\")\n    \
              wildcard_constraints: stage=\"|\".join(LEVELS[{level}])\n    \
              params: name=named\n    message: \"{{params.name}}\"\n    threads: 1\n    \
              shell: \"{{PLUVIA:q}} stage . --key {{wildcards.stage}} --quiet\"\n\n"
