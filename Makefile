@@ -14,7 +14,7 @@ PRECISIONS ?= double
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-slurm soak load deny lint format bench bench-peers clean
+.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-slurm test-snakemake soak load deny lint format bench bench-peers bench-sweep clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -62,6 +62,11 @@ test-slurm: setup ## send a sweep through a Slurm cluster on this machine, and k
 	cargo build --locked
 	bash scripts/test-slurm.sh
 
+test-snakemake: setup ## have Snakemake carry out a sweep, and compare
+	@bash scripts/setup.sh snakemake
+	cargo build --locked
+	bash scripts/test-snakemake.sh
+
 soak: setup ## kill runs and feed readers for $(MINUTES) minutes, with counts (docs/robustness.md)
 	PLUVIA_SOAK=$(MINUTES) cargo test --locked --release --test it -- soak_ --nocapture
 
@@ -92,6 +97,9 @@ bench: setup ## run the benchmarks
 
 bench-peers: setup ## other engines on the same specimens: a table, and out/peers.json
 	cargo bench --locked --bench peers -- $(ARGS)
+
+bench-sweep: build ## what a sweep costs beside its runs (a few minutes)
+	bash scripts/sweep-overhead.sh
 
 clean: ## remove what was built; results in out/ stay
 	cargo clean

@@ -7,6 +7,7 @@
 #                           is tested; without one that test is left out
 #   scripts/setup.sh exports   also what `make test-exports` needs
 #   scripts/setup.sh slurm  also what `make test-slurm` needs
+#   scripts/setup.sh snakemake   also what `make test-snakemake` needs
 #
 # Several of these words may stand together.
 #
@@ -66,8 +67,10 @@ fi
 if wanted browser && ! have_chromium; then
     missing+=(chromium)
 fi
-if wanted exports; then
+if wanted exports || wanted snakemake; then
     python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || missing+=(python3 python3-venv)
+fi
+if wanted exports; then
     have node && have npm || missing+=(nodejs npm)
 fi
 

@@ -39,13 +39,13 @@ SlurmctldHost=$host(localhost)
 SlurmUser=$(id -un)
 SlurmdUser=$(id -un)
 AuthType=auth/munge
-AuthInfo=socket=$folder/munge/socket
+AuthInfo="socket=$folder/munge/socket"
 SlurmctldPort=16817
-StateSaveLocation=$folder/state
-SlurmdSpoolDir=$folder/spool-%n
-SlurmctldPidFile=$folder/slurmctld.pid
-SlurmdPidFile=$folder/%n.pid
-SlurmctldLogFile=$folder/slurmctld.log
+StateSaveLocation="$folder/state"
+SlurmdSpoolDir="$folder/spool-%n"
+SlurmctldPidFile="$folder/slurmctld.pid"
+SlurmdPidFile="$folder/%n.pid"
+SlurmctldLogFile="$folder/slurmctld.log"
 ProctrackType=proctrack/pgid
 TaskPlugin=task/none
 SwitchType=switch/none
@@ -64,7 +64,7 @@ EOF
     slurmctld -f "$folder/slurm.conf" -L "$folder/slurmctld.log"
     start_node 0
     start_node 1
-    echo "export SLURM_CONF=$folder/slurm.conf" >"$folder/env"
+    printf 'export SLURM_CONF=%q\n' "$folder/slurm.conf" >"$folder/env"
     export SLURM_CONF=$folder/slurm.conf
     for _ in $(seq 60); do
         [ "$(sinfo -h -o '%t' 2>/dev/null | sort -u)" = idle ] && exit 0

@@ -18,13 +18,17 @@ left alone; one whose beginning is not stored is refused with exit code 2.
 
 Examples:
   pluvia stage out/sweep --list
-  pluvia stage out/sweep --level 0 --task 3")]
+  pluvia stage out/sweep --level 0 --task 3
+  pluvia stage out/sweep --key 5f0c1a2b3c4d")]
 pub(super) struct StageArgs {
     /// Folder of the sweep, with its plan.json
     #[arg(value_name = "DIR")]
     folder: PathBuf,
+    /// The stage's name in the store, or its beginning
+    #[arg(long, value_name = "KEY", conflicts_with_all = ["level", "task", "list"])]
+    key: Option<String>,
     /// Level of the stage, from 0
-    #[arg(long, value_name = "N", requires = "task", required_unless_present = "list")]
+    #[arg(long, value_name = "N", requires = "task", required_unless_present_any = ["list", "key"])]
     level: Option<usize>,
     /// Number of the stage within its level, from 0
     #[arg(long, value_name = "N", requires = "level")]
@@ -42,7 +46,11 @@ pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, Cli
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),
     })?;
-    let (Some(level), Some(task)) = (args.level, args.task) else {
+    let asked = match &args.key {
+        Some(key) => Some(tasks.find(key)?),
+        None => args.level.zip(args.task),
+    };
+    let Some((level, task)) = asked else {
         let levels = tasks.levels();
         let missing: Vec<Vec<usize>> = (0..levels.len()).map(|n| tasks.missing(n)).collect();
         let mut text = String::new();

@@ -9,8 +9,8 @@ use super::{CliError, Context, ExitStatus, changes::Changes, output_folder};
 use crate::record::read_file;
 use crate::report::Sweep;
 use crate::study::{
-    Design, Factor, RunOptions, SampledRange, SlurmRequest, SweepOptions, SweepStudy, SweepTasks,
-    submit_to_slurm, this_program,
+    Design, Factor, RunOptions, SNAKEFILE, SampledRange, SlurmRequest, SweepOptions, SweepStudy,
+    SweepTasks, quoted, submit_to_slurm, this_program, write_snakefile,
 };
 
 /// Carry out a scenario at many values of its fields and put the results into one table
@@ -21,7 +21,10 @@ each field is varied by itself around the scenario. --samples latin-hypercube:N 
 the ranges of --range. Leaves plan.json, sweep.csv (one row a run), sweep.json, sweep.md,
 report.html, figures/ and runs/ in DIR. What is already done there is not done again; the same
 command with more --configurations adds to it. A run that fails is a row that says why.
---slurm submits what is not stored yet to a cluster; --status and --collect need only --out.
+--design varies the parameters of a sensitivity design, one at a time, and leaves sensitivity.md,
+sensitivity.csv and sensitivity.json as well, as every sweep does that varies one thing at a time.
+--slurm submits what is not stored yet to a cluster, --snakemake writes a Snakefile; --status and
+--collect need only --out.
 
 Examples:
   pluvia sweep scenarios/quick/pluviation.json --over contact.grain_grain_friction=0.4,0.6,0.8 \\
@@ -32,13 +35,17 @@ Examples:
       --range contact.grain_grain_friction=0.3..0.9 --range contact.restitution=0.1..0.6
   pluvia sweep scenarios/quick/pluviation.json --over contact.restitution=0.1,0.3,0.5 \\
       --configurations 10 --slurm --time 00:30:00 --out out/cluster
-  pluvia sweep --status --out out/cluster")]
+  pluvia sweep --status --out out/cluster
+  pluvia sweep --design scenarios/studies/sensitivity.json --quick --out out/sensitivity
+  pluvia sweep scenarios/quick/pluviation.json --over contact.restitution=0.1,0.3,0.5 \\
+      --snakemake --out out/flow")]
 pub(super) struct SweepArgs {
     /// The scenario file
-    #[arg(value_name = "SCENARIO.json", required_unless_present_any = ["status", "collect"])]
+    #[arg(value_name = "SCENARIO.json", required_unless_present_any = ["design", "status", "collect"])]
     scenario: Option<PathBuf>,
     /// A field of the scenario and its values (repeatable)
-    #[arg(long, value_name = "path=v1,v2,...", required_unless_present_any = ["samples", "status", "collect"])]
+    #[arg(long, value_name = "path=v1,v2,...",
+          required_unless_present_any = ["samples", "design", "status", "collect"])]
     over: Vec<Factor>,
     /// Vary each field by itself around the scenario, in place of all combinations
     #[arg(long, conflicts_with = "samples")]
@@ -49,18 +56,28 @@ pub(super) struct SweepArgs {
     /// A number of the scenario and the range from which it is drawn (repeatable)
     #[arg(long, value_name = "path=low..high", requires = "samples")]
     range: Vec<SampledRange>,
+    /// A design as `pluvia sensitivity` reads it, in place of scenario and fields
+    #[arg(long, value_name = "FILE",
+          conflicts_with_all = ["scenario", "over", "one_at_a_time", "samples", "range"])]
+    design: Option<PathBuf>,
+    /// The smaller specimen of the design
+    #[arg(long, requires = "design")]
+    quick: bool,
     /// Configurations a point, each the same grains mixed anew; the same at every point
-    #[arg(long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u32).range(1..=1000))]
-    configurations: u32,
+    /// [default: 1, or the design's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    configurations: Option<u32>,
     /// Only write plan.json, which lists every run
     #[arg(long)]
     plan_only: bool,
+    /// Only write plan.json and a Snakefile that carries it out
+    #[arg(long, conflicts_with_all = ["status", "collect"])]
+    snakemake: bool,
     /// Print how far the sweep in DIR is
-    #[arg(long, conflicts_with_all = ["scenario", "over", "plan_only", "collect"])]
+    #[arg(long, conflicts_with_all = ["scenario", "over", "design", "plan_only", "collect"])]
     status: bool,
     /// Put what is stored of the sweep in DIR together, and carry out nothing
-    #[arg(long, conflicts_with_all = ["scenario", "over", "plan_only"])]
+    #[arg(long, conflicts_with_all = ["scenario", "over", "design", "plan_only"])]
     collect: bool,
     #[command(flatten)]
     slurm: SlurmArgs,
@@ -78,7 +95,7 @@ pub(super) struct SweepArgs {
 #[derive(Debug, Args)]
 struct SlurmArgs {
     /// Submit the stages as Slurm job arrays; only what is not stored yet
-    #[arg(long, conflicts_with_all = ["plan_only", "status", "collect"])]
+    #[arg(long, conflicts_with_all = ["plan_only", "snakemake", "status", "collect"])]
     slurm: bool,
     /// Partition for the jobs
     #[arg(long, value_name = "NAME", requires = "slurm")]
@@ -110,37 +127,52 @@ pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, Cli
         let found = SweepTasks::read(run)?.study().collect()?;
         return tell(args, &found, context);
     }
-    let Some(scenario) = args.scenario.clone() else {
-        return Err(CliError::Usage("no scenario is given".to_owned()));
-    };
-    let options = SweepOptions {
-        scenario,
-        changes: args.changes.overrides(),
-        over: args.over.clone(),
-        ranges: args.range.clone(),
-        design: match args.samples {
-            Some(count) => Design::LatinHypercube(count),
-            None if args.one_at_a_time => Design::OneAtATime,
-            None => Design::Grid,
-        },
-        configurations: args.configurations,
-        run,
-    };
-    let study = SweepStudy::new(options)?;
+    let study = SweepStudy::new(options(args, run)?)?;
     output_folder::prepare(&args.out)?;
-    if args.plan_only || args.slurm.slurm {
-        let plan = study.plan()?;
-        plan.write(&args.out)?;
+    if args.plan_only || args.snakemake || args.slurm.slurm {
+        let plan = study.write_plan()?;
         if args.slurm.slurm {
             return on_slurm(args, context);
         }
-        let text = format!("{} runs planned in {}\n", plan.runs.len(), args.out.display());
+        let mut text = format!("{} runs planned in {}\n", plan.runs.len(), args.out.display());
+        if args.snakemake {
+            let tasks = SweepTasks::read(run_options(args, context))?;
+            write_snakefile(&tasks, &this_program()?)?;
+            let file = args.out.join(SNAKEFILE);
+            text += &format!("snakemake --cores 2 --snakefile {}\n", quoted(&file));
+        }
         context.print(&text, &json!({ "runs": plan.runs.len() }))?;
         return Ok(ExitStatus::Done);
     }
     context.stop_on_ctrl_c();
     let found = study.carry_out()?;
     tell(args, &found, context)
+}
+
+fn options(args: &SweepArgs, run: RunOptions) -> Result<SweepOptions, CliError> {
+    let changes = args.changes.overrides();
+    if let Some(design) = &args.design {
+        let configurations = args.configurations;
+        return Ok(SweepOptions::of_design(design, args.quick, &changes, configurations, run)?);
+    }
+    let Some(scenario) = args.scenario.clone() else {
+        return Err(CliError::Usage("no scenario is given".to_owned()));
+    };
+    Ok(SweepOptions {
+        scenario,
+        changes,
+        over: args.over.clone(),
+        parameters: Vec::new(),
+        quick: false,
+        ranges: args.range.clone(),
+        design: match args.samples {
+            Some(count) => Design::LatinHypercube(count),
+            None if args.one_at_a_time => Design::OneAtATime,
+            None => Design::Grid,
+        },
+        configurations: args.configurations.unwrap_or(1),
+        run,
+    })
 }
 
 fn run_options(args: &SweepArgs, context: &Context) -> RunOptions {

@@ -67,6 +67,16 @@ pub fn paired_difference(a: &[(u32, f64)], b: &[(u32, f64)]) -> Option<Estimate>
     Estimate::of(&differences)
 }
 
+/// Change for one unit of what was varied: the result at its high end less that
+/// at its low end, by pairs, over the distance of the ends. `None` without a pair.
+pub fn change_for_one_unit(
+    low: &[(u32, f64)],
+    high: &[(u32, f64)],
+    distance: f64,
+) -> Option<Estimate> {
+    paired_difference(high, low).map(|difference| difference.scaled(1.0 / distance))
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::testing::assert_near;

@@ -32,7 +32,7 @@ pub use bootstrap::bootstrap_interval;
 pub use container::Container;
 pub use coordination::{Coordination, coordination};
 pub use energy::{Energy, body_energy, grain_energy, largest_speed};
-pub use estimate::{Estimate, paired_difference};
+pub use estimate::{Estimate, change_for_one_unit, paired_difference};
 pub use height_map::{DEFAULT_CELL, HeightMap, StandingHeight};
 pub use heights::{Content, content, mean_grain_height};
 pub use hull::WorldHull;

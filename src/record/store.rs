@@ -160,7 +160,8 @@ impl StageStore {
     /// as missing: the second value says why, for a warning.
     pub fn load(&self, key: &str) -> (Option<StoredStage>, Option<String>) {
         let folder = self.folder(key);
-        if !folder.is_dir() {
+        // Engines of workflows make the folder of what they expect before it is there.
+        if fs::read_dir(&folder).map_or(true, |mut entries| entries.next().is_none()) {
             return (None, None);
         }
         match self.read(&folder) {

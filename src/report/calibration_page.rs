@@ -9,6 +9,7 @@ use super::{
     calibration::{target_in_words, with_unit},
     figures::capital,
     html::{figure_block, glue, head},
+    text_table::TextTable,
 };
 use crate::paper::{
     constants::ANGLE_OF_REPOSE_DEG,
@@ -22,7 +23,7 @@ pub(super) struct Page {
     good: bool,
     /// Name and value.
     found: Vec<(String, String)>,
-    values: Vec<[String; 6]>,
+    values: TextTable,
     notes: Vec<String>,
     figure: (String, String, String),
 }
@@ -42,7 +43,10 @@ pub(super) fn page(of: &Calibration, figure: &Figure) -> Page {
         lead: format!("{}.", capital(&of.statement)),
         good: of.ending == CalibrationEnding::Found,
         found: found(of),
-        values: of.values.iter().map(|v| value_row(v, of)).collect(),
+        values: TextTable {
+            header: HEADER.map(str::to_owned).to_vec(),
+            rows: of.values.iter().map(|v| value_row(v, of).to_vec()).collect(),
+        },
         notes: of.notes.iter().map(|n| format!("{}.", capital(n))).collect(),
         figure: (figure.title.clone(), figure.stem.clone(), figure.caption.clone()),
     }
@@ -156,15 +160,7 @@ impl Page {
         for (name, value) in &self.found {
             let _ = writeln!(text, "| {name} | {value} |");
         }
-        let _ = write!(
-            text,
-            "\n## Values tried\n\n| {} |\n|{}\n",
-            HEADER.join(" | "),
-            " --- |".repeat(HEADER.len())
-        );
-        for row in &self.values {
-            let _ = writeln!(text, "| {} |", row.join(" | "));
-        }
+        let _ = write!(text, "\n## Values tried\n\n{}", self.values.markdown());
         if !self.notes.is_empty() {
             text += "\n## To be known\n\n";
             for note in &self.notes {
@@ -198,7 +194,10 @@ impl Page {
                             }
                         }
                         section id="figure" { h2 { "Figure" } (figure_block(figure)) }
-                        section id="values" { h2 { "Values tried" } (self.values_table()) }
+                        section id="values" {
+                            h2 { "Values tried" }
+                            (self.values.html(Some("n"), capital))
+                        }
                         section id="reading" { h2 { "How to read it" } p { (HOW_TO_READ) } }
                     }
                 }
@@ -214,19 +213,6 @@ impl Page {
                     tr { th { (capital(name)) } td { (glue(value)) } }
                 }
             } } }
-        }
-    }
-
-    fn values_table(&self) -> Markup {
-        html! {
-            div.scroll { table {
-                thead { tr { @for name in HEADER { th.n { (capital(name)) } } } }
-                tbody {
-                    @for row in &self.values {
-                        tr { @for cell in row { td.n { (glue(cell)) } } }
-                    }
-                }
-            } }
         }
     }
 }

@@ -28,6 +28,7 @@ mod style;
 mod summary;
 mod sweep;
 mod sweep_page;
+mod text_table;
 mod uncertainty;
 
 #[cfg(test)]

@@ -21,6 +21,8 @@ pub struct Effect {
     pub range_mm: Option<Estimate>,
     /// That over the range, for one unit of the parameter.
     pub per_unit_mm: Option<Estimate>,
+    /// Half of its 95 % confidence interval by Student's t; `None` of a single configuration.
+    pub per_unit_half_width_95_mm: Option<f64>,
     /// The largest of the three differences, by which parameters are ranked.
     pub largest_mm: Option<Estimate>,
     /// Whether that cannot be told from zero, at 95 %; `None` of a single configuration.
@@ -126,6 +128,7 @@ fn csv(of: &Sensitivity) -> Result<Vec<u8>, csv::Error> {
             header.push(format!("{outcome}_{difference}"));
             header.push(format!("{outcome}_{difference}_standard_error"));
         }
+        header.push(format!("{outcome}_per_unit_mm_half_width_95"));
         header.push(format!("{outcome}_inside_scatter"));
     }
     writer.write_record(header)?;
@@ -140,6 +143,7 @@ fn csv(of: &Sensitivity) -> Result<Vec<u8>, csv::Error> {
                 cells.push(number(d.map(|d| d.mean)));
                 cells.push(number(d.and_then(|d| d.standard_error)));
             }
+            cells.push(number(e.per_unit_half_width_95_mm));
             cells.push(e.inside_scatter.map_or_else(String::new, |s| s.to_string()));
         }
         writer.write_record(cells)?;
@@ -164,6 +168,7 @@ pub(super) mod tests {
             high_mm: of(high),
             range_mm: of(range),
             per_unit_mm: of(range),
+            per_unit_half_width_95_mm: of(range).and_then(|e| e.half_width_95()),
             largest_mm: of(largest),
             inside_scatter: of(largest).and_then(|e| e.inside_scatter()),
         };

@@ -35,6 +35,9 @@ pub const OUTCOMES: [(&str, &str); 18] = [
 /// How many of [`OUTCOMES`] have figures and effects.
 pub const MAIN_OUTCOMES: usize = 5;
 
+/// The one result that is another each time, and has a table of its own.
+const WALL_TIME: &str = "wall_s";
+
 /// What is varied.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SweepFactor {
@@ -187,22 +190,35 @@ pub(super) fn in_words(outcome: &str) -> &str {
     OUTCOMES.iter().find(|(path, _)| *path == outcome).map_or(outcome, |(_, words)| words)
 }
 
-/// `sweep.csv`: one row a run, one column a factor and result.
+/// `sweep.csv`: one row a run, one column a factor and result. The same sweep
+/// gives the same bytes, wherever and in whatever order it was carried out.
 fn table(of: &Sweep) -> Result<Vec<u8>, csv::Error> {
+    let results = || OUTCOMES.iter().map(|(path, _)| *path).filter(|path| *path != WALL_TIME);
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut header = vec!["run", "point", "configuration"];
     header.extend(of.factors.iter().map(|f| f.path.as_str()));
-    header.extend(OUTCOMES.iter().map(|(path, _)| *path));
+    header.extend(results());
     header.extend(["meets_standard", "failure"]);
     writer.write_record(&header)?;
     for run in &of.runs {
         let mut row = vec![run.run.clone(), run.point.clone(), run.configuration.to_string()];
         row.extend(run.values.iter().map(shown));
         let number = |path: &str| run.outcomes.get(path).map_or(String::new(), f64::to_string);
-        row.extend(OUTCOMES.iter().map(|(path, _)| number(path)));
+        row.extend(results().map(number));
         row.push(run.meets_standard.map_or(String::new(), |m| m.to_string()));
         row.push(run.failure.clone().unwrap_or_default());
         writer.write_record(&row)?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
+/// `sweep-times.csv`: the wall time of each run.
+fn times(of: &Sweep) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(["run", WALL_TIME])?;
+    for run in &of.runs {
+        let time = run.outcomes.get(WALL_TIME).map_or(String::new(), f64::to_string);
+        writer.write_record([&run.run, &time])?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())
 }
@@ -212,14 +228,16 @@ pub(super) fn shown(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
-/// Writes `sweep.csv`, `sweep.json`, `sweep.md`, `report.html` and `figures/`.
+/// Writes `sweep.csv`, `sweep-times.csv`, `sweep.json`, `sweep.md`, `report.html` and `figures/`.
 ///
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write_sweep(out: &Path, of: &Sweep) -> Result<(), ReportError> {
-    let path = out.join("sweep.csv");
-    let rows = table(of).map_err(|e| FileError::new("write", &path, e))?;
-    write_file(&path, &rows)?;
+    for (name, rows) in [("sweep.csv", table(of)), ("sweep-times.csv", times(of))] {
+        let path = out.join(name);
+        let rows = rows.map_err(|e| FileError::new("write", &path, e))?;
+        write_file(&path, &rows)?;
+    }
     write_json(&out.join("sweep.json"), of)?;
     let figures = figures::of_sweep(of)?;
     for figure in &figures {

@@ -2,21 +2,21 @@
 
 use std::fmt::Write;
 
-use maud::{DOCTYPE, Markup, html};
+use maud::{DOCTYPE, html};
 
 use super::{
     Figure, MAIN_OUTCOMES, OUTCOMES, Sweep, SweepEstimate,
     html::{figure_block, glue, head},
     sweep::{in_words, shown},
+    text_table::TextTable,
 };
 use crate::paper::text::{compact, number};
 
-/// A table with its header; all cells as text.
-struct Table {
+/// A table of the page.
+struct Section {
     id: &'static str,
     title: &'static str,
-    header: Vec<String>,
-    rows: Vec<Vec<String>>,
+    table: TextTable,
 }
 
 /// What the page says, without its form.
@@ -24,7 +24,7 @@ pub(super) struct Page {
     title: String,
     lead: String,
     good: bool,
-    tables: Vec<Table>,
+    tables: Vec<Section>,
     figures: Vec<(String, String, String)>,
 }
 
@@ -82,7 +82,7 @@ fn probability(p: Option<f64>) -> String {
     }
 }
 
-fn effects(of: &Sweep) -> Table {
+fn effects(of: &Sweep) -> Section {
     let rows = of.effects.iter().map(|e| {
         let slope = match (e.slope, e.slope_half_width) {
             (Some(slope), Some(half)) => format!("{} ± {}", compact(slope), compact(half)),
@@ -98,19 +98,16 @@ fn effects(of: &Sweep) -> Table {
             e.configurations_needed.map_or_else(|| "–".to_owned(), |n| n.to_string()),
         ]
     });
-    Table {
-        id: "effects",
-        title: "What each factor moves",
-        header: texts([
-            "factor",
-            "result",
-            "change for one unit",
-            "p",
-            "p by ranks",
-            "configurations needed",
-        ]),
-        rows: rows.collect(),
-    }
+    let header = texts([
+        "factor",
+        "result",
+        "change for one unit",
+        "p",
+        "p by ranks",
+        "configurations needed",
+    ]);
+    let table = TextTable { header, rows: rows.collect() };
+    Section { id: "effects", title: "What each factor moves", table }
 }
 
 /// Mean and half of the interval.
@@ -122,7 +119,7 @@ fn estimate(e: Option<&SweepEstimate>) -> String {
     }
 }
 
-fn points(of: &Sweep) -> Table {
+fn points(of: &Sweep) -> Section {
     let outcomes: Vec<&(&str, &str)> = OUTCOMES[..MAIN_OUTCOMES]
         .iter()
         .filter(|(path, _)| of.points.iter().any(|p| p.outcomes.contains_key(*path)))
@@ -139,10 +136,11 @@ fn points(of: &Sweep) -> Table {
         row.extend(outcomes.iter().map(|(path, _)| estimate(p.outcomes.get(*path))));
         row
     });
-    Table { id: "points", title: "Points", header, rows: rows.collect() }
+    let table = TextTable { header, rows: rows.collect() };
+    Section { id: "points", title: "Points", table }
 }
 
-fn failures(of: &Sweep) -> Table {
+fn failures(of: &Sweep) -> Section {
     let row = |r: &super::SweepRun| {
         let values: Vec<String> = of
             .factors
@@ -152,30 +150,17 @@ fn failures(of: &Sweep) -> Table {
             .collect();
         vec![r.run.clone(), values.join(" "), r.failure.clone().unwrap_or_default()]
     };
-    Table {
-        id: "failures",
-        title: "Runs without result",
-        header: texts(["run", "values", "why"]),
-        rows: of.failed().map(row).collect(),
-    }
+    let table =
+        TextTable { header: texts(["run", "values", "why"]), rows: of.failed().map(row).collect() };
+    Section { id: "failures", title: "Runs without result", table }
 }
 
 impl Page {
     /// As Markdown.
     pub(super) fn markdown(&self) -> String {
         let mut text = format!("# {}\n\n{}\n", self.title, self.lead);
-        for table in &self.tables {
-            let _ = write!(
-                text,
-                "\n## {}\n\n| {} |\n|{}\n",
-                table.title,
-                table.header.join(" | "),
-                " --- |".repeat(table.header.len())
-            );
-            for row in &table.rows {
-                let cells: Vec<String> = row.iter().map(|c| c.replace('|', "\\|")).collect();
-                let _ = writeln!(text, "| {} |", cells.join(" | "));
-            }
+        for section in &self.tables {
+            let _ = write!(text, "\n## {}\n\n{}", section.title, section.table.markdown());
         }
         for (title, stem, caption) in &self.figures {
             let _ = write!(text, "\n![{title}](figures/{stem}.png)\n\n{caption}\n");
@@ -197,7 +182,12 @@ impl Page {
                         @else { p.banner { (glue(&self.lead)) } }
                     }
                     main {
-                        @for table in &self.tables { (section(table)) }
+                        @for part in &self.tables {
+                            section id=(part.id) {
+                                h2 { (part.title) }
+                                (part.table.html(None, str::to_owned))
+                            }
+                        }
                         section id="figures" {
                             h2 { "Figures" }
                             @for figure in figures { (figure_block(figure)) }
@@ -208,19 +198,5 @@ impl Page {
             }
         }
         .into_string()
-    }
-}
-
-fn section(table: &Table) -> Markup {
-    html! {
-        section id=(table.id) {
-            h2 { (table.title) }
-            div.scroll { table {
-                thead { tr { @for name in &table.header { th { (name) } } } }
-                tbody {
-                    @for row in &table.rows { tr { @for cell in row { td { (glue(cell)) } } } }
-                }
-            } }
-        }
     }
 }

@@ -56,6 +56,37 @@ pub fn load(path: &Path, overrides: &[Override]) -> Result<Loaded, ScenarioError
     }
 }
 
+/// A scenario's JSON as its files give it: after `extends`, before defaults and
+/// overrides, and with the paths of grains made absolute, so that it means the
+/// same wherever it is kept. Faults are told by [`load`] alone.
+///
+/// # Errors
+/// [`ScenarioErrors::Unreadable`] for a file that cannot be read, and
+/// [`ScenarioErrors::Faults`] for one that is not JSON.
+pub fn gathered(path: &Path) -> Result<Value, ScenarioErrors> {
+    let document = source::read(path)?;
+    let mut value = document.value.clone();
+    let folder = |place: &str| match document.origin(place) {
+        Origin::File(given_in) => {
+            let folder = given_in.parent().unwrap_or(Path::new("")).to_owned();
+            std::path::absolute(if folder.as_os_str().is_empty() { ".".into() } else { folder })
+                .unwrap_or_default()
+        }
+        Origin::Set(_) => PathBuf::new(),
+    };
+    if let Some(Value::String(file)) = value.pointer_mut("/grains/file") {
+        *file = folder("grains.file").join(&*file).to_string_lossy().into_owned();
+    }
+    if let Some(Value::Array(meshes)) = value.pointer_mut("/grains/meshes") {
+        for (i, mesh) in meshes.iter_mut().enumerate() {
+            if let Value::String(mesh) = mesh {
+                *mesh = placed_pattern(&folder(&format!("grains.meshes[{i}]")), mesh);
+            }
+        }
+    }
+    Ok(value)
+}
+
 /// Checks a scenario that a program put together; the faults carry its name
 /// in place of a file.
 ///

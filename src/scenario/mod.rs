@@ -27,7 +27,7 @@ pub use cells::CellShape;
 pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactPath, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
-pub use load::{Loaded, check, load};
+pub use load::{Loaded, check, gathered, load};
 pub use manifold::ManifoldSettings;
 pub use meshes::{MeshGrains, MeshUnit};
 pub use overrides::{NotAnOverride, Override};

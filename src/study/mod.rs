@@ -36,13 +36,13 @@ pub use presets::preset;
 pub use readings::Reading;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
 pub use run::{RunOptions, make_grains, run_scenario, write_grains};
-pub use sensitivity::{ParameterDesign, SensitivityDesign, SensitivityStudy};
+pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, SensitivityStudy};
 pub use side_by_side::{ReadingsOptions, ReadingsOutcome, readings};
-pub use slurm::{SlurmJob, SlurmRequest, submit as submit_to_slurm, this_program};
+pub use slurm::{SlurmJob, SlurmRequest, quoted, submit as submit_to_slurm, this_program};
 pub use summarise::STANDARD;
 pub use sweep::{
-    Design, Factor, PLAN_FILE, PlannedPoint, Point, SampledRange, SweepOptions, SweepPlan,
-    SweepStatus, SweepStudy, SweepTasks,
+    Design, Factor, PLAN_FILE, PlannedPoint, Point, SCENARIO_FILE, SNAKEFILE, SampledRange,
+    SweepOptions, SweepPlan, SweepStage, SweepStatus, SweepStudy, SweepTasks, write_snakefile,
 };
 pub use variations::{Variation, Varied, carry_out_variations, write_variations};
 

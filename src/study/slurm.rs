@@ -90,7 +90,7 @@ pub fn submit(
 }
 
 /// A path for the shell, within single quotes.
-fn quoted(path: &Path) -> String {
+pub fn quoted(path: &Path) -> String {
     format!("'{}'", path.display().to_string().replace('\'', "'\\''"))
 }
 
@@ -126,7 +126,7 @@ fn script_text(
     // A node that fails must not fail the array: what it had is done again.
     option("requeue", "");
     let log = if array.is_some() { "%x-%A_%a.log" } else { "%x-%j.log" };
-    option("output", &logs.join(log).display().to_string());
+    option("output", &log_pattern(logs, log));
     // A stage that comes near its time limit is told, and keeps its checkpoint.
     option("signal", "TERM@30");
     if let Some(numbers) = array {
@@ -147,6 +147,15 @@ fn script_text(
     }
     let text = text.replace("--requeue=\n", "--requeue\n");
     format!("{text}exec {command}\n")
+}
+
+/// Where a job's output goes, as sbatch reads it from a script: within quotes,
+/// with a backslash before what would end them, and signs of percentage of the
+/// folder doubled, which else stand for numbers of the job (sbatch(1),
+/// "filename pattern").
+fn log_pattern(logs: &Path, log: &str) -> String {
+    let folder = logs.display().to_string().replace('%', "%%");
+    format!("\"{}/{log}\"", folder.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
 /// Submits a script; gives the job's number.
@@ -207,7 +216,7 @@ mod tests {
             "#SBATCH --dependency=afterany:7",
             "#SBATCH --partition=long",
             "#SBATCH --time=02:00:00",
-            "#SBATCH --output=out/slurm/%x-%A_%a.log",
+            "#SBATCH --output=\"out/slurm/%x-%A_%a.log\"",
             "exec pluvia x",
         ] {
             assert!(text.lines().any(|l| l == line), "law: there is a line {line}, got\n{text}");
@@ -218,5 +227,7 @@ mod tests {
     #[test]
     fn paths_survive_the_shell() {
         assert_eq!(quoted(Path::new("a b/it's")), "'a b/it'\\''s'");
+        let pattern = log_pattern(Path::new("a b/100% \"x\" it's"), "%j.log");
+        assert_eq!(pattern, r#""a b/100%% \"x\" it's/%j.log""#);
     }
 }

@@ -25,6 +25,7 @@ mod soak;
 mod stones;
 mod studies;
 mod sweep;
+mod sweep_engines;
 mod terminal;
 mod verification;
 mod viewer;

@@ -144,6 +144,87 @@ fn sensitivity_gives_effects_in_pairs() {
     }
     let runs = fs::read_dir(out.join("runs")).expect("runs").count();
     assert_eq!(runs, 10, "the default, two ends, one end and one end, twice each");
+    by_sweeps(&design, &out, &found);
+}
+
+/// Holds what `pluvia sweep` makes of the same changes against a sensitivity
+/// study: of its design, and of fields one at a time. Both go on with the
+/// study's stages, which they find only if they plan the same.
+fn by_sweeps(design: &Path, study: &Path, found: &Value) {
+    let folder = design.parent().expect("a folder");
+    let stages = || fs::read_dir(study.join("stages")).expect("stages").count();
+    let stored = stages();
+    let sweep = |name: &str, arguments: &[&std::ffi::OsStr]| -> Value {
+        let out = folder.join(name);
+        fs::create_dir_all(&out).expect("a folder");
+        fs::rename(study.join("stages"), out.join("stages")).expect("moved");
+        let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+            .args(["sweep", "--quiet", "--json", "--out"])
+            .arg(&out)
+            .args(arguments)
+            .output()
+            .expect("the program starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{name}: {said}");
+        fs::rename(out.join("stages"), study.join("stages")).expect("moved");
+        assert_eq!(stages(), stored, "law: {name} plans the very stages of the study");
+        let swept: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let table = read(&out, "sensitivity.json");
+        hold_slopes(name, &table, &swept);
+        table
+    };
+    let by_design = sweep("by-design", &["--design".as_ref(), design.as_os_str()]);
+    assert_eq!(by_design["parameters"], found["parameters"], "law: the same table to the last bit");
+    let [same, other] = [study, &folder.join("by-design")].map(|out| {
+        let table = fs::read(out.join("sensitivity.csv")).expect("a table");
+        String::from_utf8(table).expect("UTF-8")
+    });
+    assert_eq!(same, other, "law: and as bytes");
+
+    let scenario = folder.join("small.json");
+    let by_fields: Vec<&std::ffi::OsStr> = [
+        "--one-at-a-time",
+        "--configurations=2",
+        "--over=contact.grain_wall_friction=0.3,0.7",
+        "--over=grains.total_mass_g=60",
+        "--over=stages.3.amplitude_mm=5",
+    ]
+    .iter()
+    .map(AsRef::as_ref)
+    .chain([scenario.as_os_str()])
+    .collect();
+    let by_fields = sweep("by-fields", &by_fields);
+    for n in 0..3 {
+        for what in ["low", "default", "high", "height", "plate", "surface"] {
+            let [one, other] = [&by_fields, found].map(|table| &table["parameters"][n][what]);
+            assert_eq!(one, other, "law: {what} of parameter {n} to the last bit");
+        }
+    }
+}
+
+/// Expects the effects of a sweep to be those of the table beside it: change for
+/// one unit and its 95 % confidence interval.
+fn hold_slopes(name: &str, table: &Value, swept: &Value) {
+    let effects = swept["effects"].as_array().expect("effects");
+    let mut held = 0;
+    for (n, row) in table["parameters"].as_array().expect("rows").iter().enumerate() {
+        let factor = &swept["factors"][n]["path"];
+        for (ours, theirs) in [
+            ("height", "poured_height_mm.mean_surface"),
+            ("plate", "settlement_mm.final"),
+            ("surface", "surface_settlement_mm.final"),
+        ] {
+            let effect = effects.iter().find(|e| e["factor"] == *factor && e["outcome"] == theirs);
+            let effect = effect.unwrap_or_else(|| panic!("{name}: {factor} on {theirs}"));
+            let row = &row[ours];
+            assert!(row["per_unit_mm"]["mean"].is_number(), "{name}: {row}");
+            assert_eq!(effect["slope"], row["per_unit_mm"]["mean"], "law: {name}, {factor}");
+            let half = &row["per_unit_half_width_95_mm"];
+            assert_eq!(effect["slope_half_width"], *half, "law: {name}, {factor}, interval");
+            held += 1;
+        }
+    }
+    assert_eq!(held, 9, "{name}: three parameters on three lengths");
 }
 
 /// Expects a design to be refused, with so many faults and these words.

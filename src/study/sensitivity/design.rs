@@ -1,7 +1,7 @@
 //! The design of a sensitivity study: which parameters are varied, one at a
 //! time, and how far.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -91,37 +91,77 @@ fn yes() -> bool {
     true
 }
 
-/// A parameter with its ends as variations.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Parameter {
+/// A parameter that was checked, with what makes its ends.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Parameter {
+    /// Short name.
     pub name: String,
+    /// What it is, for tables and figures.
     pub title: String,
+    /// Unit of its values; empty where it has none.
     pub unit: String,
+    /// Why it is varied so far and no further.
     pub reason: String,
+    /// Path of its value in the scenario; empty where several are changed.
     pub path: String,
+    /// The low end.
     pub low: f64,
+    /// The scenario's own value.
     pub default: f64,
+    /// The high end.
     pub high: f64,
-    /// Name of the variation at the low end; [`DEFAULT`] where it is that.
-    pub low_variation: String,
-    /// The same at the high end.
-    pub high_variation: String,
+    /// What makes the low end, each `path=value`; nothing where it is the default.
+    pub low_changes: Vec<String>,
+    /// What makes the high end.
+    pub high_changes: Vec<String>,
+}
+
+/// Which of a parameter's values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::study) enum End {
+    /// The least.
+    Low,
+    /// The scenario's own.
+    Default,
+    /// The largest.
+    High,
+}
+
+impl Parameter {
+    /// Name of the variation at one of its ends; [`DEFAULT`] where that is the
+    /// scenario's own value.
+    pub(super) fn variation(&self, end: End) -> String {
+        match end {
+            End::Low if self.low != self.default => format!("{}-low", self.name),
+            End::High if self.high != self.default => format!("{}-high", self.name),
+            End::Low | End::Default | End::High => DEFAULT.to_owned(),
+        }
+    }
 }
 
 /// A design ready to be carried out.
 #[derive(Debug)]
-pub(super) struct Designed {
+pub(in crate::study) struct Designed {
+    /// The scenario's file.
+    pub scenario: PathBuf,
+    /// Changes that every run has.
+    pub common: Vec<Override>,
     pub parameters: Vec<Parameter>,
     pub varied: Varied,
     pub configurations: u32,
 }
 
-/// Reads and checks a design.
+/// Reads and checks a design; `more` are changes that every run has beside
+/// those of the design.
 ///
 /// # Errors
 /// [`ScenarioErrors`] with all faults of the design, or else all of the
 /// scenarios it makes.
-pub(super) fn read(file: &Path, quick: bool) -> Result<Designed, ScenarioErrors> {
+pub(in crate::study) fn read(
+    file: &Path,
+    quick: bool,
+    more: &[Override],
+) -> Result<Designed, ScenarioErrors> {
     let design: SensitivityDesign = load_document(file)?;
     let mut faults = Faults::of(file);
     let (part, specimen) =
@@ -130,7 +170,8 @@ pub(super) fn read(file: &Path, quick: bool) -> Result<Designed, ScenarioErrors>
         faults.add(part, "", "a specimen, as in `full`", "the field is missing for --quick");
         return Err(faults.into_error());
     };
-    let common = faults.changes(&format!("{part}.changes"), &specimen.changes);
+    let mut common = faults.changes(&format!("{part}.changes"), &specimen.changes);
+    common.extend_from_slice(more);
     let base = faults.beside(&specimen.scenario);
     let scenario = match load(&base, &common) {
         Ok(loaded) => serde_json::to_value(&loaded.scenario).unwrap_or(Value::Null),
@@ -157,7 +198,10 @@ pub(super) fn read(file: &Path, quick: bool) -> Result<Designed, ScenarioErrors>
         return Err(faults.into_error());
     }
     match Varied::load(&base, &common, variations) {
-        Ok(varied) => Ok(Designed { parameters, varied, configurations: specimen.configurations }),
+        Ok(varied) => {
+            let configurations = specimen.configurations;
+            Ok(Designed { scenario: base, common, parameters, varied, configurations })
+        }
         Err(errors) => {
             faults.extend(errors)?;
             Err(faults.into_error())
@@ -200,10 +244,10 @@ fn ends(
         );
         return None;
     }
-    let mut made = Vec::new();
-    let mut end = |which: &str, value: f64, changes: &[String]| -> Option<String> {
+    let mut made: Vec<Vec<Override>> = Vec::new();
+    let mut end = |which: &str, value: f64, changes: &[String]| -> Option<Vec<String>> {
         if value == default {
-            return Some(DEFAULT.to_owned());
+            return Some(Vec::new());
         }
         let field = format!("{at}.{which}_changes");
         let changes = match (&p.path, changes) {
@@ -219,12 +263,12 @@ fn ends(
             }
             (None, changes) => faults.changes(&field, changes),
         };
-        let name = format!("{}-{which}", p.name);
-        made.push(variation(&name, &p.title, changes));
-        Some(name)
+        let texts = changes.iter().map(|c| c.text().to_owned()).collect();
+        made.push(changes);
+        Some(texts)
     };
-    let low_variation = end("low", low, &p.low_changes);
-    let high_variation = end("high", high, &p.high_changes);
+    let low_changes = end("low", low, &p.low_changes);
+    let high_changes = end("high", high, &p.high_changes);
     let parameter = Parameter {
         name: p.name.clone(),
         title: p.title.clone(),
@@ -234,9 +278,13 @@ fn ends(
         low,
         default,
         high,
-        low_variation: low_variation?,
-        high_variation: high_variation?,
+        low_changes: low_changes?,
+        high_changes: high_changes?,
     };
+    // An end that is the default is no variation of its own.
+    let ends = [End::Low, End::High].into_iter().map(|end| parameter.variation(end));
+    let names = ends.filter(|name| name != DEFAULT);
+    let made = names.zip(made).map(|(name, changes)| variation(&name, &p.title, changes)).collect();
     Some((parameter, made))
 }
 

@@ -1,19 +1,25 @@
 //! What a parameter moves: differences of runs, pair by pair.
 
-use super::design::{DEFAULT, Parameter};
-use crate::measure::{Estimate, paired_difference};
+use super::design::{End, Parameter};
+use crate::measure::{Estimate, change_for_one_unit, paired_difference};
 use crate::record::RunRow;
 use crate::report::{Effect, ParameterRow};
 
-/// One row a parameter, in the order of the design.
-pub(super) fn rows(parameters: &[Parameter], runs: &[RunRow]) -> Vec<ParameterRow> {
-    let of = |variation: &str| -> Vec<&RunRow> {
-        runs.iter().filter(|r| r.variation == variation).collect()
-    };
+/// One row a parameter, in the order of the design; `variation` says what the
+/// runs at an end of a parameter are called.
+pub(in crate::study) fn rows(
+    parameters: &[Parameter],
+    variation: impl Fn(&Parameter, End) -> String,
+    runs: &[RunRow],
+) -> Vec<ParameterRow> {
     parameters
         .iter()
         .map(|p| {
-            let (low, high) = (of(&p.low_variation), of(&p.high_variation));
+            let of = |end: End| -> Vec<&RunRow> {
+                let name = variation(p, end);
+                runs.iter().filter(|r| r.variation == name).collect()
+            };
+            let (low, default, high) = (of(End::Low), of(End::Default), of(End::High));
             let all = [low.as_slice(), high.as_slice()].concat();
             let outside = |rows: &[&RunRow]| {
                 let counts: Vec<f64> =
@@ -22,7 +28,7 @@ pub(super) fn rows(parameters: &[Parameter], runs: &[RunRow]) -> Vec<ParameterRo
             };
             let effect = |value: fn(&RunRow) -> Option<f64>| {
                 let paired = |rows: &[&RunRow]| RunRow::paired(rows, value);
-                effect(&paired(&low), &paired(&of(DEFAULT)), &paired(&high), p.high - p.low)
+                effect(&paired(&low), &paired(&default), &paired(&high), p.high - p.low)
             };
             ParameterRow {
                 parameter: p.name.clone(),
@@ -54,11 +60,13 @@ fn effect(low: &[(u32, f64)], default: &[(u32, f64)], high: &[(u32, f64)], range
         .into_iter()
         .flatten()
         .reduce(|best, other| if size(&other) > size(&best) { other } else { best });
+    let per_unit_mm = change_for_one_unit(low, high, range);
     Effect {
         low_mm,
         high_mm,
         range_mm,
-        per_unit_mm: range_mm.map(|r| r.scaled(1.0 / range)),
+        per_unit_mm,
+        per_unit_half_width_95_mm: per_unit_mm.and_then(|e| e.half_width_95()),
         largest_mm,
         inside_scatter: largest_mm.and_then(|l| l.inside_scatter()),
     }

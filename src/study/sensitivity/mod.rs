@@ -4,7 +4,9 @@
 mod design;
 mod effects;
 
-pub use design::{ParameterDesign, SensitivityDesign};
+pub(super) use design::{End, read as read_design};
+pub use design::{Parameter, ParameterDesign, SensitivityDesign};
+pub(super) use effects::rows as parameter_rows;
 
 use super::{
     RunOptions, StudyError, StudyOptions,
@@ -32,7 +34,7 @@ impl SensitivityStudy {
     /// [`StudyError::Faults`] with all its faults.
     pub fn read(options: &StudyOptions) -> Result<Self, StudyError> {
         let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
-        let design = design::read(&file.path, options.quick)?;
+        let design = design::read(&file.path, options.quick, &[])?;
         let configurations = options.configurations.unwrap_or(design.configurations);
         Ok(Self { design, quick: options.quick, configurations })
     }
@@ -65,7 +67,7 @@ impl SensitivityStudy {
             grains: runs.iter().find_map(|r| r.grains),
             configurations: runs.iter().map(|r| r.configuration).max().unwrap_or(0),
             default,
-            parameters: effects::rows(&self.design.parameters, runs),
+            parameters: effects::rows(&self.design.parameters, Parameter::variation, runs),
         }
     }
 }
@@ -78,8 +80,8 @@ mod tests {
     fn the_built_in_design_is_sound() {
         let file = DesignFile::new(None, BUILT_IN).expect("unpacked");
         for quick in [false, true] {
-            let design =
-                design::read(&file.path, quick).unwrap_or_else(|e| panic!("quick {quick}: {e}"));
+            let design = design::read(&file.path, quick, &[])
+                .unwrap_or_else(|e| panic!("quick {quick}: {e}"));
             assert!(design.configurations >= 2, "one configuration tells nothing of scatter");
             let parameters = design.parameters.len();
             assert!(parameters >= 12, "every choice that is ours, found {parameters}");

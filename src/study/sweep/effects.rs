@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::points::{Design, Point};
 use crate::measure::{
+    change_for_one_unit,
     inference::{MeanTest, page_test, values_needed},
     statistics::{least_squares_slope, mean},
 };
@@ -71,7 +72,11 @@ pub(super) fn effects(
                 .collect();
             found.push(match design {
                 Design::LatinHypercube(_) => drawn(factors, n, outcome, &runs),
-                _ => listed(factor, n, outcome, &own, &runs),
+                Design::Grid => listed(factor, n, outcome, &own, &runs),
+                Design::OneAtATime => {
+                    let listed = listed(factor, n, outcome, &own, &runs);
+                    between_the_ends(factor, n, outcome, &runs, listed)
+                }
             });
         }
     }
@@ -137,6 +142,40 @@ fn listed(
         rows.iter().map(|row| row.iter().map(|v| if falls { -v } else { *v }).collect()).collect();
     let page_p = if factor.numeric { page_test(&along).map(|t| t.p) } else { None };
     effect(factor, outcome, means, &slopes, page_p)
+}
+
+/// Of a factor that was varied by itself the slope is that from its lowest to
+/// its highest value, by pairs, as `pluvia sensitivity` has it: what lies
+/// between tells of bends, and takes no pair away when it failed.
+fn between_the_ends(
+    factor: &SweepFactor,
+    n: usize,
+    outcome: &str,
+    runs: &[&SweepRun],
+    listed: SweepEffect,
+) -> SweepEffect {
+    let numbers = || factor.values.iter().map(|v| factor.number(v));
+    let (low, high) =
+        (numbers().fold(f64::INFINITY, f64::min), numbers().fold(f64::NEG_INFINITY, f64::max));
+    if !factor.numeric || low >= high {
+        return listed;
+    }
+    let at = |end: f64| -> Vec<(u32, f64)> {
+        let there = runs.iter().filter(|r| factor.number(&r.values[n]) == end);
+        there.map(|r| (r.configuration, r.outcomes[outcome])).collect()
+    };
+    let (low_runs, high_runs) = (at(low), at(high));
+    let Some(slope) = change_for_one_unit(&low_runs, &high_runs, high - low) else {
+        return SweepEffect { slope: None, slope_half_width: None, slope_p: None, ..listed };
+    };
+    let of_each: Vec<f64> = high_runs
+        .iter()
+        .filter_map(|pair| {
+            Some(change_for_one_unit(&low_runs, std::slice::from_ref(pair), high - low)?.mean)
+        })
+        .collect();
+    let tested = effect(factor, outcome, listed.means, &of_each, listed.page_p);
+    SweepEffect { slope: Some(slope.mean), slope_half_width: slope.half_width_95(), ..tested }
 }
 
 /// Of a factor whose values were drawn: its coefficient in a linear model of all
@@ -250,7 +289,7 @@ mod tests {
     #[test]
     fn a_grid_gives_the_slopes_of_a_plane() {
         let over = ["a=1,2,4", "b=10,20"].map(|t| t.parse().expect("a factor"));
-        let all = points(Design::Grid, &over, &[], &base()).expect("points");
+        let all = points(Design::Grid, &over, &[], &[], &base()).expect("points");
         let factors = [
             factor("a", &[json!(1), json!(2), json!(4)], false),
             factor("b", &[json!(10), json!(20)], false),
@@ -274,7 +313,7 @@ mod tests {
     #[test]
     fn a_failed_run_takes_its_configuration_with_it() {
         let over = ["a=1,2".parse().expect("a factor")];
-        let all = points(Design::Grid, &over, &[], &base()).expect("points");
+        let all = points(Design::Grid, &over, &[], &[], &base()).expect("points");
         let factors = [factor("a", &[json!(1), json!(2)], false)];
         let mut runs = runs(&all, &factors, |x, c| x[0] * f64::from(c));
         runs[5].outcomes.clear();
@@ -285,13 +324,34 @@ mod tests {
         assert_eq!(point_rows(&all, &runs)[1].failed, 1);
     }
 
+    /// Law: of a factor varied by itself the slope is that between its ends, and
+    /// a value between them does not count; pairs that lack an end do not either.
+    #[test]
+    fn one_at_a_time_the_slope_is_that_between_the_ends() {
+        let over = ["contact.restitution=0.1,0.9".parse().expect("a factor")];
+        let all = points(Design::OneAtATime, &over, &[], &[], &base()).expect("points");
+        let values = [json!(0.315), json!(0.1), json!(0.9)];
+        let factors = [factor("contact.restitution", &values, false)];
+        let bent = |x: &[f64], c: u32| if x[0] == 0.315 { 99.0 } else { x[0] * f64::from(c) };
+        let mut runs = runs(&all, &factors, bent);
+        let found = effects(Design::OneAtATime, &factors, &all, &runs);
+        assert_slope(&found[0], 2.0);
+        // Student's t of two degrees of freedom is 4.303; slopes 1, 2 and 3.
+        let half = found[0].slope_half_width.expect("three configurations");
+        assert!((half - 4.3027 / 3f64.sqrt()).abs() < 1e-3, "law: t · s/√3, got ± {half}");
+        runs[7].outcomes.clear();
+        runs[7].failure = Some("it broke".into());
+        let found = effects(Design::OneAtATime, &factors, &all, &runs);
+        assert_slope(&found[0], 1.5);
+    }
+
     /// Law: values drawn from ranges give the coefficients of a linear law.
     #[test]
     fn drawn_values_give_the_coefficients_of_a_linear_law() {
         let ranges = ["contact.restitution=0..1", "gravity_m_per_s2=1000..3000"]
             .map(|t| t.parse().expect("a range"));
         let design = Design::LatinHypercube(12);
-        let all = points(design, &[], &ranges, &base()).expect("points");
+        let all = points(design, &[], &[], &ranges, &base()).expect("points");
         let factors = [
             factor("contact.restitution", &[json!(0.0), json!(1.0)], true),
             factor("gravity_m_per_s2", &[json!(1000.0), json!(3000.0)], true),
@@ -306,7 +366,7 @@ mod tests {
     #[test]
     fn words_have_means_and_no_slope() {
         let over = ["engine.backend=bullet,rapier".parse().expect("a factor")];
-        let all = points(Design::Grid, &over, &[], &base()).expect("points");
+        let all = points(Design::Grid, &over, &[], &[], &base()).expect("points");
         let factors = [factor("engine.backend", &[json!("bullet"), json!("rapier")], false)];
         let runs = runs(&all, &factors, |x, _| x[0]);
         let found = effects(Design::Grid, &factors, &all, &runs);

@@ -1,27 +1,32 @@
 //! Sweeps: one scenario at many values of its fields, one table.
 
+mod edited;
 mod effects;
 mod factor;
 mod plan_file;
 mod points;
+mod single;
+mod snakemake;
 mod tasks;
 
 pub use factor::{Factor, SampledRange};
-pub use plan_file::{PLAN_FILE, PlannedPoint, SweepPlan};
+pub use plan_file::{PLAN_FILE, PlannedPoint, SCENARIO_FILE, SweepPlan};
 pub use points::{Design, Point};
-pub use tasks::{SweepStatus, SweepTasks};
+pub use snakemake::{SNAKEFILE, write as write_snakefile};
+pub use tasks::{SweepStage, SweepStatus, SweepTasks};
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use super::{
     RunOptions, StudyError,
+    sensitivity::{Parameter, read_design},
     variations::{Variation, Varied, carry_out_variations, collect_stored},
 };
 use crate::record::{RunRow, read_json};
 use crate::report::{self, OUTCOMES, Sweep, SweepFactor, SweepRun};
-use crate::scenario::{Override, Scenario, load};
+use crate::scenario::{Override, Scenario, gathered, load};
 
 /// What to vary, and how.
 pub struct SweepOptions {
@@ -31,6 +36,10 @@ pub struct SweepOptions {
     pub changes: Vec<Override>,
     /// Fields with listed values.
     pub over: Vec<Factor>,
+    /// Parameters of a design, varied one at a time.
+    pub parameters: Vec<Parameter>,
+    /// Whether they are those of the design's smaller specimen.
+    pub quick: bool,
     /// Fields whose values are drawn.
     pub ranges: Vec<SampledRange>,
     /// How points are made of them.
@@ -41,9 +50,51 @@ pub struct SweepOptions {
     pub run: RunOptions,
 }
 
+impl SweepOptions {
+    /// The sweep of a sensitivity design: its scenario, and each of its
+    /// parameters by itself.
+    ///
+    /// # Errors
+    /// [`StudyError::Faults`] with all faults of the design.
+    pub fn of_design(
+        design: &Path,
+        quick: bool,
+        changes: &[Override],
+        configurations: Option<u32>,
+        run: RunOptions,
+    ) -> Result<Self, StudyError> {
+        let designed = read_design(design, quick, changes)?;
+        Ok(Self {
+            scenario: designed.scenario,
+            changes: designed.common,
+            over: Vec::new(),
+            parameters: designed.parameters,
+            quick,
+            ranges: Vec::new(),
+            design: Design::OneAtATime,
+            configurations: configurations.unwrap_or(designed.configurations),
+            run,
+        })
+    }
+
+    /// What names each factor, in the order of a point's values.
+    fn names(&self) -> Vec<&str> {
+        let listed = self.over.iter().map(|f| f.path.as_str());
+        let parameters = self.parameters.iter().map(parameter_name);
+        listed.chain(parameters).chain(self.ranges.iter().map(|r| r.path.as_str())).collect()
+    }
+}
+
+/// The field that a parameter changes; its name where it changes several.
+fn parameter_name(parameter: &Parameter) -> &str {
+    if parameter.path.is_empty() { &parameter.name } else { &parameter.path }
+}
+
 /// A sweep that was checked, and not yet carried out.
 pub struct SweepStudy {
     options: SweepOptions,
+    /// The scenario's files as one.
+    gathered: Value,
     scenario: Scenario,
     points: Vec<Point>,
     varied: Varied,
@@ -56,13 +107,14 @@ impl SweepStudy {
     /// [`StudyError::Faults`] with the faults of all points,
     /// [`StudyError::Scenario`] of what is varied.
     pub fn new(options: SweepOptions) -> Result<Self, StudyError> {
-        let listed = options.over.iter().map(|f| &f.path);
-        let paths: Vec<&String> = listed.chain(options.ranges.iter().map(|r| &r.path)).collect();
+        let paths = options.names();
         if let Some(twice) = paths.iter().enumerate().find(|(n, p)| paths[..*n].contains(p)) {
             return Err(StudyError::Scenario(format!("`{}` is varied twice", twice.1)));
         }
         let scenario = load(&options.scenario, &options.changes)?.scenario;
-        let points = points::points(options.design, &options.over, &options.ranges, &scenario)?;
+        let gathered = gathered(&options.scenario)?;
+        let SweepOptions { design, over, parameters, ranges, .. } = &options;
+        let points = points::points(*design, over, parameters, ranges, &scenario)?;
         let variations = points.iter().map(|point| Variation {
             name: point.name.clone(),
             group: "sweep".to_owned(),
@@ -70,7 +122,7 @@ impl SweepStudy {
             configurations: None,
         });
         let varied = Varied::load(&options.scenario, &options.changes, variations.collect())?;
-        Ok(Self { options, scenario, points, varied })
+        Ok(Self { options, gathered, scenario, points, varied })
     }
 
     /// The plan: every run with its changes, and the name under which its last
@@ -79,7 +131,26 @@ impl SweepStudy {
     /// # Errors
     /// When grains or apparatus of a point cannot be made.
     pub fn plan(&self) -> Result<SweepPlan, StudyError> {
-        plan_file::plan(&self.options, &self.scenario.name, &self.points, &self.varied)
+        plan_file::plan(
+            &self.options,
+            &self.scenario.name,
+            &self.gathered,
+            &self.points,
+            &self.varied,
+        )
+    }
+
+    /// Writes the plan, and the scenario as it was planned, into the output
+    /// folder, so that the folder holds all that its stages need.
+    ///
+    /// # Errors
+    /// [`StudyError::Scenario`] for a folder that holds another sweep, or this
+    /// one of a scenario that was edited since; nothing is written then.
+    pub fn write_plan(&self) -> Result<SweepPlan, StudyError> {
+        let plan = self.plan()?;
+        edited::refuse(&self.options.run.out, &plan, &self.options, &self.scenario)?;
+        plan.write(&self.options.run.out, &self.gathered)?;
+        Ok(plan)
     }
 
     /// Carries it out and writes `plan.json`, `sweep.csv`, `sweep.json`,
@@ -90,12 +161,10 @@ impl SweepStudy {
     /// # Errors
     /// [`StudyError`]. A run that fails is a row that says why.
     pub fn carry_out(&self) -> Result<Sweep, StudyError> {
-        self.plan()?.write(&self.options.run.out)?;
+        self.write_plan()?;
         let mut found = None;
         let mut so_far = |rows: &[RunRow]| {
-            let sweep = self.found(rows)?;
-            report::write_sweep(&self.options.run.out, &sweep)?;
-            found = Some(sweep);
+            found = Some(self.write(rows)?);
             Ok(())
         };
         let configurations = self.options.configurations;
@@ -110,14 +179,23 @@ impl SweepStudy {
     /// [`StudyError`].
     pub fn collect(&self) -> Result<Sweep, StudyError> {
         let rows = collect_stored(&self.varied, self.options.configurations, &self.options.run)?;
-        let sweep = self.found(&rows)?;
+        self.write(&rows)
+    }
+
+    /// Writes what the rows say.
+    fn write(&self, rows: &[RunRow]) -> Result<Sweep, StudyError> {
+        let sweep = self.found(rows)?;
         report::write_sweep(&self.options.run.out, &sweep)?;
+        if let Some(table) = single::sensitivity(self, &sweep.factors, rows) {
+            report::write_sensitivity(&self.options.run.out, &table)?;
+        }
         Ok(sweep)
     }
 
     /// What is varied, as the report has it.
     fn factors(&self) -> Vec<SweepFactor> {
-        let listed = self.options.over.iter().enumerate().map(|(n, f)| {
+        let listed = self.options.over.len() + self.options.parameters.len();
+        let listed = self.options.names().into_iter().take(listed).enumerate().map(|(n, name)| {
             // One at a time the scenario's own value is one of them.
             let mut values: Vec<Value> = Vec::new();
             for point in &self.points {
@@ -126,7 +204,7 @@ impl SweepStudy {
                 }
             }
             let numeric = values.iter().all(Value::is_number);
-            SweepFactor { path: f.path.clone(), values, sampled: false, numeric }
+            SweepFactor { path: name.to_owned(), values, sampled: false, numeric }
         });
         let drawn = self.options.ranges.iter().map(|r| SweepFactor {
             path: r.path.clone(),
@@ -138,7 +216,11 @@ impl SweepStudy {
     }
 
     fn found(&self, rows: &[RunRow]) -> Result<Sweep, StudyError> {
-        let runs = rows.iter().map(|row| self.run(row)).collect::<Result<Vec<_>, StudyError>>()?;
+        let mut runs =
+            rows.iter().map(|row| self.run(row)).collect::<Result<Vec<_>, StudyError>>()?;
+        // Whoever carried them out may have done so in another order.
+        let place = |run: &SweepRun| self.points.iter().position(|p| p.name == run.point);
+        runs.sort_by_key(|run| (run.configuration, place(run)));
         let factors = self.factors();
         let effects = effects::effects(self.options.design, &factors, &self.points, &runs);
         Ok(Sweep {

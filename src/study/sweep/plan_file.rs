@@ -9,40 +9,52 @@ use super::{
     super::{
         RunOptions, StudyError,
         plan::Plan,
+        sensitivity::Parameter,
         variations::{GrainSets, Varied, planned_run},
     },
     Design, Point, SweepOptions,
 };
-use crate::record::{read_json, write_json};
+use crate::record::{FileError, hash_json, read_json, write_json};
 
 /// Name of the file in the output folder.
 pub const PLAN_FILE: &str = "plan.json";
+
+/// Name of the scenario's copy in the output folder.
+pub const SCENARIO_FILE: &str = "scenario.json";
 
 /// What `format` says.
 const FORMAT: &str = "pluvia-sweep-plan";
 
 /// Raised whenever a program made for the version before would misread a plan.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// A plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepPlan {
     /// `pluvia-sweep-plan`.
     pub format: String,
-    /// 1.
+    /// 2.
     pub version: u32,
     /// Program and version that made it.
     pub program: String,
+    /// Engines of its runs with version and precision.
+    pub engines: Vec<String>,
     /// The scenario's file, as it was given.
     pub scenario: String,
     /// Its name.
     pub name: String,
+    /// SHA-256 of the scenario's copy in the folder, as JSON in one line.
+    pub scenario_sha256: String,
     /// `grid`, `one_at_a_time` or `latin_hypercube`.
     pub design: String,
     /// Number of samples of a latin hypercube; none else.
     pub samples: Option<usize>,
     /// Fields with listed values, `path=v1,v2`.
     pub over: Vec<String>,
+    /// Parameters of a sensitivity design, with what makes their ends.
+    pub parameters: Vec<Parameter>,
+    /// Whether they are those of the design's smaller specimen.
+    pub quick: bool,
     /// Fields whose values are drawn, `path=low..high`.
     pub ranges: Vec<String>,
     /// Changes that every run has, `path=value`.
@@ -86,19 +98,21 @@ pub(super) fn name(design: Design) -> &'static str {
 pub(super) fn plan(
     options: &SweepOptions,
     scenario_name: &str,
+    gathered: &Value,
     points: &[Point],
     varied: &Varied,
 ) -> Result<SweepPlan, StudyError> {
-    let factors: Vec<String> = options
-        .over
-        .iter()
-        .map(|f| f.path.clone())
-        .chain(options.ranges.iter().map(|r| r.path.clone()))
-        .collect();
+    let factors: Vec<String> = options.names().into_iter().map(str::to_owned).collect();
+    let mut engines: Vec<String> = Vec::new();
     let mut grains = GrainSets::default();
     let mut runs = Vec::new();
     for (point, (variation, scenario)) in points.iter().zip(&varied.all) {
         let set = grains.of(scenario)?;
+        let info = crate::world::info(scenario.engine.backend);
+        let engine = format!("{} {} in {} precision", info.name, info.version, info.precision);
+        if !engines.contains(&engine) {
+            engines.push(engine);
+        }
         let planned: Vec<_> = (0..options.configurations)
             .map(|number| planned_run(variation, scenario, number, set.clone()))
             .collect();
@@ -120,14 +134,18 @@ pub(super) fn plan(
         format: FORMAT.to_owned(),
         version: VERSION,
         program: format!("pluvia {}", env!("CARGO_PKG_VERSION")),
+        engines,
         scenario: options.scenario.display().to_string(),
         name: scenario_name.to_owned(),
+        scenario_sha256: hash_json(gathered),
         design: name(options.design).to_owned(),
         samples: match options.design {
             Design::LatinHypercube(count) => Some(count),
             Design::Grid | Design::OneAtATime => None,
         },
         over: options.over.iter().map(|f| f.text.clone()).collect(),
+        parameters: options.parameters.clone(),
+        quick: options.quick,
         ranges: options.ranges.iter().map(|r| r.text.clone()).collect(),
         changes: options.changes.iter().map(|c| c.text().to_owned()).collect(),
         configurations: options.configurations,
@@ -136,23 +154,13 @@ pub(super) fn plan(
 }
 
 impl SweepPlan {
-    /// Writes it into a folder. A folder that holds the plan of another sweep is
-    /// left as it is; more configurations of the same sweep are none.
+    /// Writes it and the scenario that it was made of into a folder.
     ///
     /// # Errors
-    /// [`StudyError::Scenario`] for such a folder, [`StudyError::File`].
-    pub fn write(&self, out: &Path) -> Result<(), StudyError> {
-        let path = out.join(PLAN_FILE);
-        if path.exists() {
-            let there: Self = read_json(&path)?;
-            if there.points() != self.points() {
-                return Err(StudyError::Scenario(format!(
-                    "{} is the plan of another sweep; choose another folder with --out",
-                    path.display()
-                )));
-            }
-        }
-        Ok(write_json(&path, self)?)
+    /// [`StudyError::File`].
+    pub(super) fn write(&self, out: &Path, gathered: &Value) -> Result<(), StudyError> {
+        write_json(&out.join(SCENARIO_FILE), gathered)?;
+        Ok(write_json(&out.join(PLAN_FILE), self)?)
     }
 
     /// Reads it from a folder.
@@ -162,19 +170,22 @@ impl SweepPlan {
     /// version.
     pub fn read(out: &Path) -> Result<Self, StudyError> {
         let path = out.join(PLAN_FILE);
-        let plan: Self = read_json(&path)?;
-        if plan.format != FORMAT || plan.version != VERSION {
+        let json: Value = read_json(&path)?;
+        let format = json.get("format").and_then(Value::as_str).unwrap_or_default();
+        let version = json.get("version").and_then(Value::as_u64).unwrap_or_default();
+        if format != FORMAT || version != u64::from(VERSION) {
             return Err(StudyError::Scenario(format!(
-                "{} is of format `{}`, version {}; this program reads `{FORMAT}`, version {VERSION}",
+                "{} is of format `{format}`, version {version}; this program reads `{FORMAT}`, \
+                 version {VERSION}",
                 path.display(),
-                plan.format,
-                plan.version
             )));
         }
+        let plan = serde_json::from_value(json).map_err(|e| FileError::new("read", &path, e))?;
         Ok(plan)
     }
 
-    /// What was asked for, with results in `run.out`.
+    /// What was asked for, with results in `run.out`, and of the scenario that
+    /// is kept there.
     ///
     /// # Errors
     /// [`StudyError::Scenario`] for what cannot be read.
@@ -195,9 +206,11 @@ impl SweepPlan {
             }
         };
         Ok(SweepOptions {
-            scenario: self.scenario.clone().into(),
+            scenario: run.out.join(SCENARIO_FILE),
             changes: parsed(&self.changes)?,
             over: parsed(&self.over)?,
+            parameters: self.parameters.clone(),
+            quick: self.quick,
             ranges: parsed(&self.ranges)?,
             design,
             configurations: self.configurations,
@@ -205,21 +218,12 @@ impl SweepPlan {
         })
     }
 
-    /// What makes it this sweep: configurations may be added to it.
-    fn points(&self) -> Vec<Vec<&str>> {
-        let mut points: Vec<Vec<&str>> = vec![
-            vec![self.name.as_str()],
-            self.over.iter().map(String::as_str).collect(),
-            self.ranges.iter().map(String::as_str).collect(),
-            self.changes.iter().map(String::as_str).collect(),
-        ];
-        let mut before = "";
-        for run in &self.runs {
-            if run.point != before {
-                points.push(run.changes.iter().map(String::as_str).collect());
-            }
-            before = &run.point;
-        }
-        points
+    /// What was asked for, configurations aside, which may be added to a sweep.
+    pub(super) fn command(&self) -> impl PartialEq + '_ {
+        let ends = self.parameters.iter().map(|p| (&p.low_changes, &p.high_changes));
+        (
+            (&self.design, self.samples, &self.over, &self.ranges, &self.changes),
+            ends.collect::<Vec<_>>(),
+        )
     }
 }

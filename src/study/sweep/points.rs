@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::super::StudyError;
+use super::super::{StudyError, sensitivity::Parameter};
 use super::factor::{Factor, SampledRange};
 use crate::grains::streams::{shuffle, stream, uniform};
 use crate::scenario::{Override, Scenario};
@@ -35,17 +35,18 @@ pub enum Design {
     LatinHypercube(usize),
 }
 
-/// Makes the points. `ranges` are factors after those of `factors`; they are
-/// sampled, and only then.
+/// Makes the points. `parameters` are factors after those of `factors`, varied
+/// one at a time and only then; `ranges` are factors after both, sampled and only then.
 pub(super) fn points(
     design: Design,
     factors: &[Factor],
+    parameters: &[Parameter],
     ranges: &[SampledRange],
     base: &Scenario,
 ) -> Result<Vec<Point>, StudyError> {
     let points = match design {
         Design::Grid => grid(factors)?,
-        Design::OneAtATime => one_at_a_time(factors, base)?,
+        Design::OneAtATime => one_at_a_time(factors, parameters, base)?,
         Design::LatinHypercube(count) => {
             let mut all = Vec::new();
             let samples = latin_hypercube(count, ranges, base)?;
@@ -93,9 +94,14 @@ fn grid(factors: &[Factor]) -> Result<Vec<Point>, StudyError> {
     Ok(points)
 }
 
-fn one_at_a_time(factors: &[Factor], base: &Scenario) -> Result<Vec<Point>, StudyError> {
-    let own: Vec<Value> =
-        factors.iter().map(|f| value_in(base, &f.path)).collect::<Result<_, _>>()?;
+fn one_at_a_time(
+    factors: &[Factor],
+    parameters: &[Parameter],
+    base: &Scenario,
+) -> Result<Vec<Point>, StudyError> {
+    let own = factors.iter().map(|f| value_in(base, &f.path));
+    let own = own.chain(parameters.iter().map(|p| Ok(json_number(p.default))));
+    let own: Vec<Value> = own.collect::<Result<_, _>>()?;
     let scenario =
         Point { name: String::new(), values: own.clone(), changes: vec![], varies: None };
     let mut points = vec![scenario.clone()];
@@ -108,7 +114,31 @@ fn one_at_a_time(factors: &[Factor], base: &Scenario) -> Result<Vec<Point>, Stud
             points.push(point);
         }
     }
+    for (n, parameter) in (factors.len()..).zip(parameters) {
+        let ends =
+            [(parameter.low, &parameter.low_changes), (parameter.high, &parameter.high_changes)];
+        // An end without changes is the scenario's own value.
+        for (value, changes) in ends.into_iter().filter(|(_, changes)| !changes.is_empty()) {
+            let mut point = scenario.clone();
+            point.values[n] = json_number(value);
+            let changes = changes.iter().map(|text| text.parse());
+            point.changes = changes
+                .collect::<Result<_, _>>()
+                .map_err(|e| StudyError::Scenario(format!("`{}`: {e}", parameter.name)))?;
+            point.varies = Some(n);
+            points.push(point);
+        }
+    }
     Ok(points)
+}
+
+/// A number as a person types it: 480, not 480.0.
+pub(super) fn json_number(value: f64) -> Value {
+    if value.fract() == 0.0 && value.abs() < 1e15 {
+        Value::from(value as i64)
+    } else {
+        Value::from(value)
+    }
 }
 
 /// Whether two values are the same to an engine: 480 and 480.0 are.
@@ -183,7 +213,7 @@ mod tests {
     #[test]
     fn a_grid_has_every_combination_once() {
         let factors = over(&["engine.rate_hz=480,960", "seed=1,2,3"]);
-        let all = points(Design::Grid, &factors, &[], &base()).expect("points");
+        let all = points(Design::Grid, &factors, &[], &[], &base()).expect("points");
         assert_eq!(all.len(), 6, "law: 2 × 3");
         assert_eq!(all[0].name, "point-0001");
         assert_eq!(all[5].values, [json!(960), json!(3)], "law: the last factor runs fastest");
@@ -194,7 +224,7 @@ mod tests {
     #[test]
     fn one_at_a_time_begins_with_the_scenario_itself() {
         let factors = over(&["engine.rate_hz=240,480,960", "contact.restitution=0.2"]);
-        let all = points(Design::OneAtATime, &factors, &[], &base()).expect("points");
+        let all = points(Design::OneAtATime, &factors, &[], &[], &base()).expect("points");
         let varies: Vec<_> = all.iter().map(|p| p.varies).collect();
         assert_eq!(varies, [None, Some(0), Some(0), Some(1)], "law: the default is not repeated");
         assert_eq!(all[3].values, [json!(480.0), json!(0.2)], "law: all else as it is");
@@ -207,13 +237,13 @@ mod tests {
             .iter()
             .map(|t| t.parse().expect("a range"))
             .collect();
-        let all = points(Design::LatinHypercube(10), &[], &ranges, &base()).expect("points");
+        let all = points(Design::LatinHypercube(10), &[], &[], &ranges, &base()).expect("points");
         let mut parts: Vec<usize> =
             all.iter().map(|p| (p.values[0].as_f64().expect("a number") * 10.0) as usize).collect();
         parts.sort_unstable();
         assert_eq!(parts, (0..10).collect::<Vec<_>>(), "law: one a tenth");
         assert!(all.iter().all(|p| p.values[1].is_u64()), "law: seeds are whole numbers");
-        let again = points(Design::LatinHypercube(10), &[], &ranges, &base()).expect("points");
+        let again = points(Design::LatinHypercube(10), &[], &[], &ranges, &base()).expect("points");
         assert_eq!(all, again, "law: the same sample every time");
     }
 
@@ -222,10 +252,11 @@ mod tests {
         let too_many: Vec<String> = (0..101).map(|n| n.to_string()).collect();
         let many = format!("seed={}", too_many.join(","));
         let factors = over(&[&many, &many.replace("seed", "configuration")]);
-        let refused = points(Design::Grid, &factors, &[], &base()).expect_err("too many");
+        let refused = points(Design::Grid, &factors, &[], &[], &base()).expect_err("too many");
         assert!(refused.to_string().contains("10000"), "{refused}");
         let nowhere = over(&["grains.total_mass_g=1"]);
-        let refused = points(Design::OneAtATime, &nowhere, &[], &base()).expect_err("no value");
+        let refused =
+            points(Design::OneAtATime, &nowhere, &[], &[], &base()).expect_err("no value");
         assert!(refused.to_string().contains("grains.total_mass_g"), "{refused}");
     }
 }

@@ -6,8 +6,13 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::{
-    super::{RunOptions, StudyError, execute::execute, plan::Plan, variations::GrainSets},
-    SweepPlan, SweepStudy,
+    super::{
+        RunOptions, StudyError,
+        execute::execute,
+        plan::Plan,
+        variations::{GrainSets, name_stages, planned_run},
+    },
+    SweepPlan, SweepStudy, edited,
 };
 use crate::record::StageStore;
 
@@ -18,6 +23,17 @@ pub struct SweepTasks {
     plan: Plan,
     store: StageStore,
     levels: Vec<Vec<usize>>,
+}
+
+/// A stage of a planned sweep.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SweepStage<'a> {
+    /// Name in the store.
+    pub key: &'a str,
+    /// Name of the stage that it goes on from; none of the first of a run.
+    pub parent: Option<&'a str>,
+    /// For people: `point-0001-c1, pour from 50 mm`.
+    pub label: &'a str,
 }
 
 /// How far a sweep is.
@@ -47,24 +63,17 @@ impl SweepTasks {
         let frames = run.frames;
         let study = SweepStudy::new(file.options(run)?)?;
         let now = study.plan()?;
-        if now.runs != file.runs {
-            return Err(StudyError::Scenario(format!(
-                "{} was made of another scenario, or by another version of the program; run \
-                 `pluvia sweep` with --plan-only into another folder",
-                out.join(super::PLAN_FILE).display()
-            )));
-        }
+        edited::refuse_planned(&out, &file, &now)?;
         let mut runs = Vec::new();
         let mut grains = GrainSets::default();
         for (variation, scenario) in &study.varied.all {
             let set = grains.of(scenario)?;
             for number in 0..study.options.configurations {
-                let run =
-                    super::super::variations::planned_run(variation, scenario, number, set.clone());
-                runs.push(run);
+                runs.push(planned_run(variation, scenario, number, set.clone()));
             }
         }
-        let plan = Plan::new(&runs)?;
+        let mut plan = Plan::new(&runs)?;
+        name_stages(&mut plan, &runs);
         let mut depth = vec![0; plan.nodes.len()];
         let mut levels: Vec<Vec<usize>> = Vec::new();
         // Parents come before children.
@@ -80,6 +89,36 @@ impl SweepTasks {
     /// How many stages each level has.
     pub fn levels(&self) -> Vec<usize> {
         self.levels.iter().map(Vec::len).collect()
+    }
+
+    /// The stages of a level, in their order.
+    pub fn stages(&self, level: usize) -> Vec<SweepStage<'_>> {
+        let node = |n: usize| &self.plan.nodes[n];
+        let stage = |n: &usize| SweepStage {
+            key: &node(*n).key,
+            parent: node(*n).parent.map(|parent| node(parent).key.as_str()),
+            label: &node(*n).label,
+        };
+        self.levels.get(level).map_or_else(Vec::new, |nodes| nodes.iter().map(stage).collect())
+    }
+
+    /// Level and number, within it, of the stage whose key begins so.
+    ///
+    /// # Errors
+    /// [`StudyError::Scenario`] where no stage has such a key, or several have.
+    pub fn find(&self, key: &str) -> Result<(usize, usize), StudyError> {
+        let mut found = self.levels.iter().enumerate().flat_map(|(level, nodes)| {
+            let of_level = nodes.iter().enumerate();
+            let fits = of_level.filter(|(_, n)| self.plan.nodes[**n].key.starts_with(key));
+            fits.map(move |(task, _)| (level, task))
+        });
+        match (found.next(), found.next()) {
+            (Some(only), None) => Ok(only),
+            (None, _) => Err(StudyError::Scenario(format!("the plan has no stage `{key}`"))),
+            (Some(_), Some(_)) => {
+                Err(StudyError::Scenario(format!("several stages of the plan begin with `{key}`")))
+            }
+        }
     }
 
     /// Numbers, within their level, of the stages of a level that are not stored.

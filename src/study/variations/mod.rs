@@ -350,7 +350,7 @@ fn is_of_the_run(error: &StudyError) -> bool {
 }
 
 /// Names stages after the first run that needs them.
-fn name_stages(plan: &mut Plan, runs: &[PlannedRun]) {
+pub(super) fn name_stages(plan: &mut Plan, runs: &[PlannedRun]) {
     for (run, nodes) in runs.iter().zip(&plan.runs).rev() {
         for &node in nodes.stages.iter().chain(&nodes.control) {
             let node = &mut plan.nodes[node];

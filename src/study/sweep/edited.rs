@@ -1,0 +1,192 @@
+//! Whether a plan in a folder is still the plan of what is asked for, and if
+//! not, what has changed since.
+
+use std::path::{Path, absolute};
+
+use serde_json::Value;
+
+use super::{PLAN_FILE, SCENARIO_FILE, SweepPlan};
+use crate::record::{hash_json, read_json};
+use crate::scenario::{Scenario, load};
+use crate::study::StudyError;
+
+/// Most differences that are told one by one.
+const MOST_TOLD: usize = 5;
+
+/// Fields that no result depends on.
+const WORDS: [&str; 3] = ["name", "description", "notes"];
+
+/// Refuses a folder that holds the plan of another sweep, or that of this one
+/// when its scenario was another. More configurations of the same sweep are none.
+///
+/// # Errors
+/// [`StudyError::Scenario`] that says what has changed, where that can be told.
+pub(super) fn refuse(
+    out: &Path,
+    now: &SweepPlan,
+    options: &super::SweepOptions,
+    scenario: &Scenario,
+) -> Result<(), StudyError> {
+    let path = out.join(PLAN_FILE);
+    if !path.exists() {
+        return Ok(());
+    }
+    let there = SweepPlan::read(out)?;
+    if there.command() != now.command() {
+        return Err(StudyError::Scenario(format!(
+            "{} is the plan of another sweep; choose another folder with --out",
+            path.display()
+        )));
+    }
+    if same_runs(&there, now) {
+        return Ok(());
+    }
+    let why = built_otherwise(&there, now).unwrap_or_else(|| {
+        let kept = load(&out.join(SCENARIO_FILE), &options.changes);
+        let told = kept.map_or_else(
+            |_| vec![format!("{SCENARIO_FILE} there, which says what it was, cannot be read")],
+            |kept| differences(&kept.scenario, scenario),
+        );
+        let told = if told.is_empty() {
+            "the files that it takes its grains from have changed".to_owned()
+        } else {
+            told.join("; ")
+        };
+        format!("{} is not what it was then: {told}", options.scenario.display())
+    });
+    Err(StudyError::Scenario(format!(
+        "{} was made before a change: {why}. Nothing was written. Choose another folder with --out, \
+         or undo the change",
+        path.display()
+    )))
+}
+
+/// Refuses a plan whose stages are no longer those that were planned.
+///
+/// # Errors
+/// [`StudyError::Scenario`] that says why, where that can be told.
+pub(super) fn refuse_planned(
+    out: &Path,
+    there: &SweepPlan,
+    now: &SweepPlan,
+) -> Result<(), StudyError> {
+    if there.runs == now.runs {
+        return Ok(());
+    }
+    let file = out.join(SCENARIO_FILE);
+    let why = built_otherwise(there, now).unwrap_or_else(|| {
+        let kept: Option<Value> = read_json(&file).ok();
+        if kept.is_some_and(|kept| hash_json(&kept) == there.scenario_sha256) {
+            "the files that its grains come from have changed".to_owned()
+        } else {
+            format!("{} was edited", file.display())
+        }
+    });
+    Err(StudyError::Scenario(format!(
+        "{} is no longer what its stages would be made by: {why}. Undo that, or plan the sweep \
+         again with `pluvia sweep --plan-only` into another folder",
+        out.join(PLAN_FILE).display()
+    )))
+}
+
+/// Whether the runs that both have are the same, and they differ in
+/// configurations alone.
+fn same_runs(there: &SweepPlan, now: &SweepPlan) -> bool {
+    let fewer = there.configurations.min(now.configurations);
+    let shared = |plan: &SweepPlan| {
+        let of_all = plan.configurations.max(1) as usize;
+        let runs = plan.runs.chunks(of_all).flat_map(|point| point.iter().take(fewer as usize));
+        runs.cloned().collect::<Vec<_>>()
+    };
+    shared(there) == shared(now)
+}
+
+/// Whether program or engine are others.
+fn built_otherwise(there: &SweepPlan, now: &SweepPlan) -> Option<String> {
+    let of = |plan: &SweepPlan| format!("{} with {}", plan.program, plan.engines.join(" and "));
+    let (before, after) = (of(there), of(now));
+    (before != after).then(|| format!("it was made by {before}, this is {after}"))
+}
+
+/// What is different in two scenarios, field by field; nothing of what they
+/// are called and said to be for.
+fn differences(before: &Scenario, after: &Scenario) -> Vec<String> {
+    let json = |s: &Scenario| serde_json::to_value(s).unwrap_or_default();
+    let mut found = Vec::new();
+    compare("", Some(&json(before)), Some(&json(after)), &mut found);
+    if found.len() > MOST_TOLD {
+        let more = found.len() - MOST_TOLD;
+        found.truncate(MOST_TOLD);
+        found.push(format!("and {more} more"));
+    }
+    found
+}
+
+fn compare(path: &str, before: Option<&Value>, after: Option<&Value>, found: &mut Vec<String>) {
+    if WORDS.contains(&path) || before == after {
+        return;
+    }
+    match (before, after) {
+        (Some(Value::Object(a)), Some(Value::Object(b))) => {
+            let added = b.keys().filter(|key| !a.contains_key(*key));
+            for key in a.keys().chain(added) {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                compare(&path, a.get(key), b.get(key), found);
+            }
+        }
+        (Some(Value::Array(a)), Some(Value::Array(b))) => {
+            for n in 0..a.len().max(b.len()) {
+                compare(&format!("{path}[{n}]"), a.get(n), b.get(n), found);
+            }
+        }
+        // The copy in the folder has whole paths.
+        (Some(Value::String(a)), Some(Value::String(b)))
+            if path.starts_with("grains.") && absolute(a).ok() == absolute(b).ok() => {}
+        _ => found.push(format!("{path} was {}, is {}", shown(before), shown(after))),
+    }
+}
+
+/// A value in few letters.
+fn shown(value: Option<&Value>) -> String {
+    let text = match value {
+        None | Some(Value::Null) => return "not given".to_owned(),
+        Some(value) => value.to_string(),
+    };
+    if text.chars().count() <= 60 {
+        return text;
+    }
+    format!("{}…", text.chars().take(60).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn scenario(height: f64, description: &str, more: bool) -> Scenario {
+        let mut stages = vec![
+            json!({ "stage": "fill_funnel" }),
+            json!({ "stage": "pour", "falling_height_mm": height }),
+        ];
+        if more {
+            stages.push(json!({ "stage": "rest", "duration_s": 1 }));
+        }
+        serde_json::from_value(json!({
+            "name": "s", "description": description, "grains": { "file": "g.json" },
+            "stages": stages
+        }))
+        .expect("a scenario")
+    }
+
+    #[test]
+    fn what_has_changed_is_told_by_its_path_and_words_are_not() {
+        let before = scenario(0.0, "one", false);
+        assert!(differences(&before, &scenario(0.0, "two", false)).is_empty(), "law: words");
+        let told = differences(&before, &scenario(50.0, "one", false));
+        assert_eq!(told, ["stages[1].falling_height_mm was 0.0, is 50.0"]);
+        let told = differences(&before, &scenario(0.0, "one", true));
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(told[0].starts_with("stages[2] was not given, is {"), "{told:?}");
+    }
+}

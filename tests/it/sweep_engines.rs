@@ -1,0 +1,218 @@
+//! Sweeps over engines, sweeps that others carry out, and what is edited in between.
+
+use std::{
+    fs,
+    os::unix::fs::PermissionsExt,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use serde_json::{Value, json};
+
+use super::{small, sweep::sweep};
+
+fn write(folder: &Path, scenario: &Value) -> PathBuf {
+    let path = folder.join("small.json");
+    fs::write(&path, scenario.to_string()).expect("a scenario file");
+    path
+}
+
+/// Every file of a folder and those below it, with its content.
+fn content(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).expect("a folder").flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            found.extend(content(&path));
+        } else {
+            found.push((path.clone(), fs::read(&path).expect("a file")));
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Bullet's own contacts and rapier as values of a sweep, each in its rows;
+/// collected from the store, the table is the same.
+#[test]
+fn contact_paths_and_engines_are_factors_like_any_other() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut layer = small::layer(30.0);
+    layer["engine"]["rate_hz"] = json!(480);
+    let scenario = write(folder.path(), &layer);
+    for (name, factor, values) in [
+        ("paths", "engine.contact_path", ["manifold", "bullet"]),
+        ("engines", "engine.backend", ["rapier", "bullet"]),
+    ] {
+        if values.contains(&"rapier") && !cfg!(feature = "rapier") {
+            continue;
+        }
+        let out = folder.path().join(name);
+        let over = format!("{factor}={},{}", values[0], values[1]);
+        let arguments = ["--over", &over, "--over", "contact.restitution=0.2,0.3"];
+        let (code, printed, said) = sweep(&scenario, &out, &arguments);
+        assert_eq!(code, Some(0), "{name}: {said}");
+        let found: Value = serde_json::from_str(&printed).expect("JSON");
+        let runs = found["runs"].as_array().expect("runs");
+        assert_eq!(runs.len(), 4, "{name}");
+        for run in runs {
+            assert_eq!(run["failure"], Value::Null, "law: every run has a result: {run}");
+            let height = &run["outcomes"]["standing_height_mm.mean_surface"];
+            assert!(height.as_f64().is_some_and(|h| h > 1.0), "law: grains stand: {run}");
+        }
+        let heights: Vec<&Value> =
+            runs.iter().map(|r| &r["outcomes"]["standing_height_mm.mean_surface"]).collect();
+        assert_ne!(heights[0], heights[2], "law: {name} are not the same: {heights:?}");
+        let effects = found["effects"].as_array().expect("effects");
+        let words = effects.iter().find(|e| e["factor"] == factor).expect("an effect");
+        assert_eq!(words["slope"], Value::Null, "law: words have no slope");
+        assert_eq!(words["means"].as_array().map(Vec::len), Some(2), "law: and two means");
+
+        let table = fs::read(out.join("sweep.csv")).expect("a table");
+        let collected = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+            .args(["sweep", "--collect", "--quiet", "--out"])
+            .arg(&out)
+            .output()
+            .expect("the program starts");
+        assert!(collected.status.success(), "{}", String::from_utf8_lossy(&collected.stderr));
+        let again = fs::read(out.join("sweep.csv")).expect("a table");
+        assert_eq!(table, again, "law: collected, the same bytes in the same order");
+    }
+}
+
+#[test]
+fn a_scenario_edited_between_two_commands_is_told_and_nothing_overwritten() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut layer = small::layer(30.0);
+    let (scenario, out) = (write(folder.path(), &layer), folder.path().join("out"));
+    let arguments = ["--over", "contact.restitution=0.2,0.3", "--plan-only"];
+    let plan = |more: &[&str]| sweep(&scenario, &out, &[&arguments[..], more].concat());
+    assert_eq!(plan(&[]).0, Some(0));
+    let before = content(&out);
+
+    layer["stages"][1]["falling_height_mm"] = json!(20);
+    layer["engine"]["rate_hz"] = json!(480);
+    write(folder.path(), &layer);
+    for more in [&[][..], &["--configurations", "3"], &["--snakemake"]] {
+        let (code, printed, said) = plan(more);
+        assert_eq!(code, Some(2), "law: {more:?} is refused: {said}");
+        assert!(printed.is_empty(), "{printed}");
+        for word in [
+            "small.json",
+            "plan.json",
+            "stages[1].falling_height_mm was 0.0, is 20.0",
+            "engine.rate_hz was 240.0, is 480.0",
+            "--out",
+        ] {
+            assert!(said.contains(word), "`{word}` is missing in: {said}");
+        }
+        assert_eq!(content(&out), before, "law: nothing is written over");
+    }
+    // The folder has what it needs: what was planned is carried out, also now.
+    let listed = || {
+        let list = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+            .args(["stage", "--list", "--json"])
+            .arg(&out)
+            .output()
+            .expect("the program starts");
+        (list.status.code(), String::from_utf8_lossy(&list.stderr).into_owned())
+    };
+    assert_eq!(listed().0, Some(0), "{}", listed().1);
+
+    // Words are no change, nor is another order of fields.
+    let mut words = small::layer(30.0);
+    words["description"] = json!("other words");
+    write(folder.path(), &words);
+    let (code, _, said) = plan(&["--configurations", "2"]);
+    assert_eq!(code, Some(0), "law: words change no result: {said}");
+
+    // What lies in the folder is not edited unnoticed either.
+    let kept = out.join("scenario.json");
+    let mut edited: Value = serde_json::from_slice(&fs::read(&kept).expect("it")).expect("JSON");
+    edited["stages"][1]["falling_height_mm"] = json!(20);
+    fs::write(&kept, edited.to_string()).expect("written");
+    let (code, said) = listed();
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("scenario.json was edited"), "{said}");
+}
+
+/// A stand-in for sbatch, which numbers what it is given.
+const SBATCH: &str = "#!/bin/sh
+cd \"$(dirname \"$0\")\" && echo x >> submitted && wc -l < submitted | tr -d ' '
+";
+
+#[test]
+fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write(folder.path(), &small::layer(30.0));
+    let out = folder.path().join("it's a \"sweep\" of 100 %");
+    let bin = folder.path().join("bin");
+    fs::create_dir(&bin).expect("a folder");
+    fs::write(bin.join("sbatch"), SBATCH).expect("written");
+    fs::set_permissions(bin.join("sbatch"), fs::Permissions::from_mode(0o755)).expect("set");
+    let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap_or_default());
+    let submitted = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+        .args(["sweep", "--quiet", "--slurm", "--over", "contact.restitution=0.2", "--out"])
+        .arg(&out)
+        .arg(&scenario)
+        .env("PATH", path)
+        .output()
+        .expect("the program starts");
+    assert!(submitted.status.success(), "{}", String::from_utf8_lossy(&submitted.stderr));
+    let log = format!(
+        "#SBATCH --output=\"{}/it's a \\\"sweep\\\" of 100 %%/slurm/%x-%A_%a.log\"",
+        folder.path().display()
+    );
+    // As Slurm does: a shell for each script, from some other folder.
+    for script in ["level-0-0.sh", "level-1-0.sh", "collect.sh"] {
+        let script = out.join("slurm").join(script);
+        let text = fs::read_to_string(&script).expect("a script");
+        if !script.ends_with("collect.sh") {
+            assert!(text.lines().any(|l| l == log), "law: there is a line {log}, got\n{text}");
+        }
+        let job = Command::new("sh")
+            .arg(&script)
+            .env("SLURM_ARRAY_TASK_ID", "0")
+            .current_dir("/")
+            .output()
+            .expect("a shell");
+        assert!(job.status.success(), "{text}: {}", String::from_utf8_lossy(&job.stderr));
+    }
+    let by_slurm = fs::read(out.join("sweep.csv")).expect("a table");
+
+    // Another folder, carried out stage by stage from within, as a Snakefile has it.
+    let other = folder.path().join("it's a \"flow\"");
+    let arguments = ["--over", "contact.restitution=0.2", "--snakemake"];
+    let (code, _, said) = sweep(&scenario, &other, &arguments);
+    assert_eq!(code, Some(0), "{said}");
+    let moved = folder.path().join("another place");
+    fs::rename(&other, &moved).expect("moved");
+    fs::remove_file(&scenario).expect("removed");
+    let text = fs::read_to_string(moved.join("Snakefile")).expect("a Snakefile");
+    assert!(!text.contains("flow\\\""), "law: the folder's own place is not in it: {text}");
+    let keys: Vec<&str> =
+        text.lines().filter_map(|l| l.strip_prefix("        \"")?.strip_suffix("\",")).collect();
+    assert_eq!(keys.len(), 2, "law: every stage has a line: {text}");
+    for arguments in [
+        vec!["stage", ".", "--key", keys[0]],
+        vec!["stage", ".", "--key", keys[1]],
+        vec!["sweep", "--collect", "--out", "."],
+    ] {
+        let step = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+            .args(&arguments)
+            .arg("--quiet")
+            .current_dir(&moved)
+            .output()
+            .expect("the program starts");
+        let said = String::from_utf8_lossy(&step.stderr);
+        assert!(step.status.success(), "{arguments:?}: {said}");
+    }
+    let by_flow = fs::read(moved.join("sweep.csv")).expect("a table");
+    assert_eq!(by_slurm, by_flow, "law: the same table");
+    let unknown = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+        .args(["stage", "--key", "0000", "--quiet"])
+        .arg(&moved)
+        .output()
+        .expect("the program starts");
+    assert_eq!(unknown.status.code(), Some(2), "law: a stage that there is not is refused");
+}
