@@ -11,6 +11,7 @@ mod export;
 mod files;
 mod fuzz;
 mod interruption;
+mod leaks;
 mod legs;
 mod picture;
 mod readings;
