@@ -2,7 +2,7 @@
 
 OUT ?= out/reproduce
 ARGS ?=
-# How long `make soak` goes on.
+# How long `make soak` and `make fuzz` go on.
 MINUTES ?= 10
 # Builds that `make convergence` compares: double, single or both.
 PRECISIONS ?= double
@@ -11,7 +11,7 @@ PRECISIONS ?= double
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-slurm soak deny lint format bench bench-peers clean
+.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-sanitizers test-slurm soak fuzz deny lint format bench bench-peers clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -54,6 +54,10 @@ test-exports: setup ## have VTK and the glTF validator read what `pluvia export`
 	cargo build --locked
 	bash scripts/test-exports.sh
 
+test-sanitizers: setup ## every access to memory of the C++, looked at; some 20 minutes (docs/robustness.md)
+	@bash scripts/setup.sh valgrind
+	bash scripts/test-sanitizers.sh
+
 test-slurm: setup ## send a sweep through a Slurm cluster on this machine, and kill a node
 	@bash scripts/setup.sh slurm
 	cargo build --locked
@@ -62,23 +66,22 @@ test-slurm: setup ## send a sweep through a Slurm cluster on this machine, and k
 soak: setup ## kill runs and feed readers for $(MINUTES) minutes, with counts (docs/robustness.md)
 	PLUVIA_SOAK=$(MINUTES) cargo test --locked --release --test it -- soak_ --nocapture
 
-deny: ## licences, sources and known weaknesses of what is linked; needs cargo-deny
-	@if cargo deny --version > /dev/null 2>&1; then \
-	    cargo deny --locked check; \
-	else \
-	    echo 'not checked: cargo-deny is missing; cargo install --locked cargo-deny'; \
-	fi
+fuzz: setup ## feed readers by coverage for $(MINUTES) minutes, with counts (docs/robustness.md)
+	bash scripts/fuzz.sh $(MINUTES)
+
+deny: ## licences, sources and known weaknesses of what is linked (deny.toml)
+	bash scripts/deny.sh
 
 lint: setup-lint ## check formatting, lints and documentation
 	cargo fmt --check
-	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp
+	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp tests/sanitizers/*.cpp
 	cargo clippy --all-targets --locked -- -D warnings
 	cargo clippy --all-targets --locked --no-default-features -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 
 format: setup-lint ## format all source
 	cargo fmt
-	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp
+	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp tests/sanitizers/*.cpp
 
 bench: setup ## run the benchmarks
 	cargo bench --locked --bench pour --bench growth

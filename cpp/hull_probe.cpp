@@ -137,9 +137,9 @@ namespace {
 
 std::unique_ptr<const HullData> hull(double scale, const HullProbeShape &shape) {
     const auto slice = [](const auto &list) { return rust::Slice(list.data(), list.size()); };
-    return make_hull_data(Units(scale), polyhedron(slice(shape.coordinates),
-                                                   slice(shape.face_starts),
-                                                   slice(shape.face_vertices)));
+    return make_hull_data(
+        Units(scale),
+        polyhedron(slice(shape.coordinates), slice(shape.face_starts), slice(shape.face_vertices)));
 }
 
 } // namespace

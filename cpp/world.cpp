@@ -178,8 +178,7 @@ std::uint32_t BulletWorld::add_shape(rust::Slice<const double> coordinates,
 
 std::uint32_t BulletWorld::add_body(const BodyDefinition &definition) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
-    if (definition.shape >= impl_->shapes.size() ||
-        definition.material >= impl_->materials.count) {
+    if (definition.shape >= impl_->shapes.size() || definition.material >= impl_->materials.count) {
         throw std::runtime_error("a body has a shape or a material that this world has not");
     }
     auto &shape = impl_->shapes[definition.shape];

@@ -17,8 +17,7 @@ use serde_json::{Map, Value};
 
 use super::{
     CylinderSpec, EngineSettings, Fault, FunnelSpec, MeshGrains, Scenario, SettleSpec,
-    SievedGrains, StageSpec, TopPlateSpec, accessors::field, fault::misleads,
-    source::shown,
+    SievedGrains, StageSpec, TopPlateSpec, accessors::field, fault::misleads, source::shown,
 };
 
 /// The parts of a scenario that could be read.

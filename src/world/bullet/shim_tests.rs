@@ -170,12 +170,12 @@ fn worlds_that_cannot_be_come_back_as_errors() {
 #[test]
 fn contacts_of_no_body_are_left_aside() {
     let _turn = shared_turn();
-    let mut world =
-        BulletBackend::new(&EngineSettings::default(), GRAVITY, &PairTable::uniform(PairCoefficients {
-            friction: 0.5,
-            restitution: 0.0,
-        }))
-        .expect("a world");
+    let mut world = BulletBackend::new(
+        &EngineSettings::default(),
+        GRAVITY,
+        &PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.0 }),
+    )
+    .expect("a world");
     let floor = world.add(&slab(Motion::Static)).expect("added");
     let grain =
         world.add(&free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.005))).expect("added");
@@ -187,7 +187,8 @@ fn contacts_of_no_body_are_left_aside() {
         force: Vector::z() * 0.01,
         feature,
     };
-    let mut all = vec![one(7, 9, [0, 0]), one(u32::MAX, u32::MAX, [1, 1]), one(grain.0, grain.0, [1, 1])];
+    let mut all =
+        vec![one(7, 9, [0, 0]), one(u32::MAX, u32::MAX, [1, 1]), one(grain.0, grain.0, [1, 1])];
     // Every kind of feature, of faces and edges that the hulls have not, and
     // more points than a pair can have.
     for kind in 0..16 {
