@@ -135,7 +135,9 @@ fn sanitize(build: &mut cc::Build) {
         .flag(format!("-fsanitize={}", asked.join(",")))
         .flag("-fno-sanitize-recover=all")
         .flag("-fno-omit-frame-pointer")
-        .flag("-g");
+        .flag("-g")
+        // With every access checked, more takes minutes for one file of lanes.
+        .opt_level(1);
     if asked.contains(&"undefined") {
         // Not in -fsanitize=undefined: numbers too large for what they are turned into.
         build.flag("-fsanitize=float-cast-overflow");

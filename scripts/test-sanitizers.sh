@@ -139,6 +139,7 @@ memcheck() {
                 valgrind --quiet --error-exitcode=99 --leak-check=full \
                     --show-leak-kinds=definite,indirect \
                     --errors-for-leak-kinds=definite,indirect \
+                    --suppressions="$scenarios/valgrind.supp" \
                     --log-file="$folder/valgrind.txt" \
                     target/debug/pluvia stage "$plan" --level "$level" --task $task --quiet \
                     >/dev/null || fail "valgrind found a fault in level $level of $scenario.json" \

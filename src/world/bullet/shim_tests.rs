@@ -257,3 +257,60 @@ fn every_shim_that_may_throw_says_so() {
         );
     }
 }
+
+/// What Bullet keeps once for the whole process and a program may change.
+const OF_THE_PROCESS: [&str; 5] = [
+    "btAlignedAllocSetCustom",
+    "btAlignedAllocSetCustomAligned",
+    "btSetCustomEnterProfileZoneFunc",
+    "btSetCustomLeaveProfileZoneFunc",
+    "btSetTaskScheduler",
+];
+
+/// Places of a C++ source where a variable of the process is changed: Bullet's
+/// begin with `g` and a capital letter.
+fn changed_globals(source: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for (number, line) in source.lines().enumerate() {
+        let code = line.split("//").next().unwrap_or_default();
+        let words = code.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+        for word in words.filter(|w| !w.is_empty()) {
+            let mut letters = word.chars();
+            let global = letters.next() == Some('g')
+                && letters.next().is_some_and(|c| c.is_ascii_uppercase());
+            let after = code.split(word).nth(1).unwrap_or_default().trim_start();
+            let assigned = (after.starts_with('=') && !after.starts_with("=="))
+                || ["++", "--", "+=", "-=", "|=", "&="].iter().any(|op| after.starts_with(op));
+            if global && assigned || OF_THE_PROCESS.contains(&word) {
+                found.push(format!("line {}: {}", number + 1, line.trim()));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn only_globals_cpp_changes_what_bullet_keeps_for_the_process() {
+    for (source, expected) in [
+        ("gDbvtMargin = 1;", 1),
+        ("    gNumSomething++;", 1),
+        ("if (gContactAddedCallback == nullptr) {", 0),
+        ("x = gDbvtMargin;", 0),
+        ("// gDbvtMargin = 1;", 0),
+        ("gap = 1; gravity = 2;", 0),
+        ("btAlignedAllocSetCustom(a, b);", 1),
+    ] {
+        let got = changed_globals(source);
+        assert_eq!(got.len(), expected, "law: changes in `{source}`, got {got:?}");
+    }
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("cpp");
+    let mut changes = Vec::new();
+    for entry in std::fs::read_dir(folder).expect("the shims").flatten() {
+        let source = std::fs::read_to_string(entry.path()).expect("text");
+        let name = entry.file_name().into_string().expect("UTF-8");
+        changes.extend(changed_globals(&source).into_iter().map(|c| (name.clone(), c)));
+    }
+    let (inside, outside): (Vec<_>, Vec<_>) = changes.iter().partition(|c| c.0 == "globals.cpp");
+    assert_eq!(inside.len(), 4, "globals.cpp sets four of them, got {inside:?}");
+    assert!(outside.is_empty(), "law: no other shim changes any: {outside:?}");
+}
