@@ -2,11 +2,13 @@
 # Looks at every access to memory that the C++ of cpp/ makes.
 #
 #   scripts/test-sanitizers.sh address   AddressSanitizer with its leak check and
-#                                        UndefinedBehaviorSanitizer
-#   scripts/test-sanitizers.sh thread    ThreadSanitizer
+#                                        UndefinedBehaviorSanitizer, on the bridge alone
+#   scripts/test-sanitizers.sh thread    ThreadSanitizer, on the bridge alone
+#   scripts/test-sanitizers.sh crate     both on the crate's unit tests of worlds, the first
+#                                        also on runs of every kind of stage
 #   scripts/test-sanitizers.sh valgrind  memcheck on the program as it is built
 #
-# Without a word: all three. Rust and Debian's Bullet are built as ever: what is
+# Several of these words may stand together; without one: all of them. Rust and Debian's Bullet are built as ever: what is
 # looked at is what the shims do, and every block of memory they are given or
 # give back, whoever made it. A finding ends the program, and this script.
 set -euo pipefail
@@ -90,9 +92,49 @@ tests() {
     echo "$kind: $passed tests, nothing found"
 }
 
+# Builds the bridge alone with the sanitizers asked for, and says where it is.
+bridge() {
+    local program=$folder/bridge-${PLUVIA_SANITIZE:-plain} symbol
+    [ -e "$scenarios/bridge/Cargo.lock" ] || cp Cargo.lock "$scenarios/bridge/Cargo.lock"
+    cargo build --manifest-path "$scenarios/bridge/Cargo.toml" --target-dir "$folder/bridge" >&2
+    cp "$folder/bridge/debug/pluvia" "$program"
+    for symbol in "$@"; do
+        nm "$program" | grep "$symbol" >/dev/null ||
+            fail "the shims are built without $symbol" "rm -r $folder/bridge"
+    done
+    echo "$program"
+}
+
+# Runs the bridge with a sanitizer; what it says of itself are counts.
+use() {
+    local kind=$1 program=$2
+    shift 2
+    with "$kind" "$program" "$@" >"$folder/$kind-$1.txt" 2>&1 ||
+        fail "the bridge's $1 found a fault" "less $folder/$kind-$1.txt"
+    sed "s/^/$kind: /" "$folder/$kind-$1.txt"
+}
+
 address() {
     canaries AddressSanitizer address sound heap stack freed leaked
     canaries UndefinedBehaviorSanitizer undefined,float-cast-overflow sound overflow shift index cast
+    local program
+    export PLUVIA_SANITIZE=address,undefined
+    program=$(bridge __asan_report '__ubsan_handle.*_abort')
+    use address "$program" all
+    use address "$program" leak 100
+    echo 'address: nothing found'
+}
+
+thread() {
+    canaries ThreadSanitizer thread sound race
+    local program
+    export PLUVIA_SANITIZE=thread
+    program=$(bridge __tsan_write)
+    use thread "$program" threads
+    echo 'thread: nothing found'
+}
+
+crate() {
     local program runs=0 path threads scenario
     export PLUVIA_SANITIZE=address,undefined CARGO_TARGET_DIR=$folder/address
     program=$(build __asan_report '__ubsan_handle.*_abort')
@@ -112,15 +154,11 @@ address() {
             done
         done
     done
-    echo "address: $runs runs, nothing found"
-}
-
-thread() {
-    canaries ThreadSanitizer thread sound race
-    local program
+    echo "crate, address: $runs runs, nothing found"
     export PLUVIA_SANITIZE=thread CARGO_TARGET_DIR=$folder/thread
     program=$(build __tsan_write)
-    tests thread 3 "$program" threads
+    tests thread 3 "$program" world::bullet::manifold_tests::threads \
+        world::bullet::tests::two_worlds world::bullet::shim_tests::what_fails_in_a_thread
 }
 
 memcheck() {
@@ -151,11 +189,11 @@ memcheck() {
     echo "valgrind: $stages stages, nothing found"
 }
 
-[ $# -gt 0 ] || set -- address thread valgrind
+[ $# -gt 0 ] || set -- address thread crate valgrind
 for part in "$@"; do
     case $part in
-        address | thread) "$part" ;;
+        address | thread | crate) "$part" ;;
         valgrind) memcheck ;;
-        *) fail "there is no part $part" "scripts/test-sanitizers.sh address thread valgrind" ;;
+        *) fail "there is no part $part" "scripts/test-sanitizers.sh address thread" ;;
     esac
 done
