@@ -95,8 +95,7 @@ tests() {
 # Builds the bridge alone with the sanitizers asked for, and says where it is.
 bridge() {
     local program=$folder/bridge-${PLUVIA_SANITIZE:-plain} symbol
-    [ -e "$scenarios/bridge/Cargo.lock" ] || cp Cargo.lock "$scenarios/bridge/Cargo.lock"
-    cargo build --manifest-path "$scenarios/bridge/Cargo.toml" --target-dir "$folder/bridge" >&2
+    cargo build --locked --manifest-path "$scenarios/bridge/Cargo.toml" --target-dir "$folder/bridge" >&2
     cp "$folder/bridge/debug/pluvia" "$program"
     for symbol in "$@"; do
         nm "$program" | grep "$symbol" >/dev/null ||

@@ -168,7 +168,7 @@ fn held(worlds: usize) -> Vec<i64> {
 
 #[test]
 fn worlds_leave_nothing_behind() {
-    growth(&held(3 * FIRST)).unwrap_or_else(|grown| panic!("{grown}"));
+    growth(&held(2 * FIRST)).unwrap_or_else(|grown| panic!("{grown}"));
 }
 
 /// `make soak`: two thousand worlds at a time, for as long as there is time.

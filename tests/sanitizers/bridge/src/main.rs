@@ -10,7 +10,7 @@ mod bridge;
 mod errors;
 mod worlds;
 
-pub use bridge::*;
+use bridge::*;
 
 /// What a process holds in memory, in KiB.
 fn resident() -> i64 {
