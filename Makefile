@@ -2,7 +2,7 @@
 
 OUT ?= out/reproduce
 ARGS ?=
-# How long `make soak` goes on.
+# How long `make soak` and `make fuzz` go on.
 MINUTES ?= 10
 # How many grains `make load` pours, 10000 or 50000, and how much memory they may take.
 GRAINS ?= 10000
@@ -14,7 +14,7 @@ PRECISIONS ?= double
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-slurm test-snakemake soak load deny lint format bench bench-peers bench-sweep clean
+.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -57,6 +57,10 @@ test-exports: setup ## have VTK and the glTF validator read what `pluvia export`
 	cargo build --locked
 	bash scripts/test-exports.sh
 
+test-sanitizers: setup ## every access to memory of the C++, looked at; some 20 minutes (docs/robustness.md)
+	@bash scripts/setup.sh valgrind
+	bash scripts/test-sanitizers.sh
+
 test-slurm: setup ## send a sweep through a Slurm cluster on this machine, and kill a node
 	@bash scripts/setup.sh slurm
 	cargo build --locked
@@ -74,23 +78,22 @@ load: OUT = out/load-$(GRAINS)
 load: build ## pour $(GRAINS) grains within $(LIMIT_MIB) MiB (docs/robustness.md)
 	bash scripts/load.sh "$(GRAINS)" "$(LIMIT_MIB)" "$(OUT)" $(ARGS)
 
-deny: ## licences, sources and known weaknesses of what is linked; needs cargo-deny
-	@if cargo deny --version > /dev/null 2>&1; then \
-	    cargo deny --locked check; \
-	else \
-	    echo 'not checked: cargo-deny is missing; cargo install --locked cargo-deny'; \
-	fi
+fuzz: setup ## feed readers by coverage for $(MINUTES) minutes, with counts (docs/robustness.md)
+	bash scripts/fuzz.sh $(MINUTES)
+
+deny: ## licences, sources and known weaknesses of what is linked (deny.toml)
+	bash scripts/deny.sh
 
 lint: setup-lint ## check formatting, lints and documentation
 	cargo fmt --check
-	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp
+	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp tests/sanitizers/*.cpp
 	cargo clippy --all-targets --locked -- -D warnings
 	cargo clippy --all-targets --locked --no-default-features -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 
 format: setup-lint ## format all source
 	cargo fmt
-	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp
+	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp tests/sanitizers/*.cpp
 
 bench: setup ## run the benchmarks
 	cargo bench --locked --bench pour --bench growth

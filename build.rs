@@ -32,6 +32,7 @@ const SHIMS: [&str; 31] = [
     "hull_dispatcher",
     "hull_probe",
     "workers",
+    "worker_probe",
     "shapes",
     "bodies",
     "settings",
@@ -42,6 +43,10 @@ const SHIMS: [&str; 31] = [
     "pairs",
     "world",
 ];
+
+/// Sanitizers to compile the shims with, as `scripts/test-sanitizers.sh` does:
+/// `address,undefined`, or `thread`.
+const SANITIZE: &str = "PLUVIA_SANITIZE";
 
 fn main() {
     for shim in SHIMS {
@@ -54,6 +59,7 @@ fn main() {
     println!("cargo::rerun-if-changed=cpp/contact_kernels.h");
     println!("cargo::rerun-if-changed=cpp/hull_axis_kernels.h");
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-env-changed={SANITIZE}");
 
     let bullet = find_bullet();
     compile_shims(&bullet);
@@ -107,8 +113,47 @@ fn compile_shims(bullet: &pkg_config::Library) {
         .flag("-Wno-psabi")
         .warnings(true)
         .extra_warnings(true);
+    sanitize(&mut build);
     if let Err(error) = build.try_compile("pluvia_shims") {
         fail(&format!("the C++ shims did not compile: {error}"), "make lint");
+    }
+}
+
+/// Compiles what was asked for into the shims. A finding ends the program.
+fn sanitize(build: &mut cc::Build) {
+    let asked = env::var(SANITIZE).unwrap_or_default();
+    let asked: Vec<&str> = asked.split(',').filter(|name| !name.is_empty()).collect();
+    if asked.is_empty() {
+        return;
+    }
+    if let Some(unknown) = asked.iter().find(|n| !["address", "undefined", "thread"].contains(n)) {
+        fail(
+            &format!("{SANITIZE} names `{unknown}`; it may name address, undefined and thread"),
+            &format!("unset {SANITIZE}"),
+        );
+    }
+    build
+        .flag(format!("-fsanitize={}", asked.join(",")))
+        .flag("-fno-sanitize-recover=all")
+        .flag("-fno-omit-frame-pointer")
+        .flag("-g")
+        // With every access checked, more takes minutes for one file of lanes.
+        .opt_level(1);
+    if asked.contains(&"undefined") {
+        // Not in -fsanitize=undefined: numbers too large for what they are turned into.
+        build.flag("-fsanitize=float-cast-overflow");
+        // Needs the type information of Bullet's classes, and the C++ runtime of
+        // the sanitizer, which the one that comes with Rust has not.
+        build.flag("-fno-sanitize=vptr");
+    }
+    // With Rust's own -Zsanitizer=address its runtime is linked already.
+    let rust = env::var("CARGO_CFG_SANITIZE").unwrap_or_default();
+    if asked.contains(&"thread") && !rust.contains("thread") {
+        println!("cargo::rustc-link-lib=dylib=tsan");
+    }
+    if asked.contains(&"address") && !rust.contains("address") {
+        println!("cargo::rustc-link-lib=dylib=asan");
+        println!("cargo::rustc-link-lib=dylib=ubsan");
     }
 }
 

@@ -138,9 +138,10 @@ double HullProbe::time_steps(rust::Slice<const HullProbePose> poses, std::size_t
 namespace {
 
 std::unique_ptr<const HullData> hull(double scale, const HullProbeShape &shape) {
-    return make_hull_data(Units(scale), {shape.coordinates.data(), shape.coordinates.size() / 3,
-                                         shape.face_starts.data(), shape.face_starts.size() - 1,
-                                         shape.face_vertices.data()});
+    const auto slice = [](const auto &list) { return rust::Slice(list.data(), list.size()); };
+    return make_hull_data(
+        Units(scale),
+        polyhedron(slice(shape.coordinates), slice(shape.face_starts), slice(shape.face_vertices)));
 }
 
 } // namespace

@@ -1,5 +1,7 @@
 #include "shapes.h"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <vector>
 
@@ -25,6 +27,28 @@ void TightHull::set_radius() {
         radius_ = btMax(radius_, getUnscaledPoints()[i].length());
     }
     radius_ += getMargin();
+}
+
+Polyhedron polyhedron(rust::Slice<const double> coordinates,
+                      rust::Slice<const std::uint32_t> face_starts,
+                      rust::Slice<const std::uint32_t> face_vertices) {
+    const bool finite = std::all_of(coordinates.begin(), coordinates.end(),
+                                    [](double x) { return std::isfinite(x); });
+    if (coordinates.empty() || coordinates.size() % 3 != 0 || !finite) {
+        throw std::runtime_error("the vertices of a hull are not three finite numbers each");
+    }
+    const bool whole = face_starts.size() > 1 && face_starts.front() == 0 &&
+                       face_starts.back() == face_vertices.size() &&
+                       std::adjacent_find(face_starts.begin(), face_starts.end(),
+                                          [](std::uint32_t begin, std::uint32_t end) {
+                                              return end < begin || end - begin < 3;
+                                          }) == face_starts.end();
+    if (!whole) {
+        throw std::runtime_error("the faces of a hull do not follow one another with three "
+                                 "corners each or more");
+    }
+    return {coordinates.data(), coordinates.size() / 3, face_starts.data(), face_starts.size() - 1,
+            face_vertices.data()};
 }
 
 std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &p) {

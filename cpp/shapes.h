@@ -39,12 +39,18 @@ class TightHull final : public btConvexHullShape {
 // corners of face f are face_vertices[face_starts[f]] up to
 // face_vertices[face_starts[f + 1]], counter-clockwise seen from outside.
 struct Polyhedron {
-    const double *coordinates;
+    const double *coordinates; // finite
     std::size_t vertices;
     const std::uint32_t *face_starts; // faces + 1 entries
     std::size_t faces;
     const std::uint32_t *face_vertices;
 };
+
+// The same of three lists. Throws std::runtime_error where one leads out of
+// another, or a coordinate is not finite.
+Polyhedron polyhedron(rust::Slice<const double> coordinates,
+                      rust::Slice<const std::uint32_t> face_starts,
+                      rust::Slice<const std::uint32_t> face_vertices);
 
 // The polyhedron in engine units for the narrow phase. Throws
 // std::runtime_error when its surface is not closed.

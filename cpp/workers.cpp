@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 
 namespace pluvia {
 
@@ -38,6 +39,8 @@ struct Workers::Job {
     std::size_t size, length;
     const std::function<void(int, std::size_t, std::size_t)> &part;
     std::vector<std::atomic<std::size_t>> next; // by worker: where its share goes on
+    std::atomic<bool> failed{false};
+    std::exception_ptr error; // of the first part that failed
 
     Job(int count, std::size_t size, std::size_t length,
         const std::function<void(int, std::size_t, std::size_t)> &part)
@@ -49,8 +52,20 @@ struct Workers::Job {
 
     std::size_t begin_of(std::size_t share) const { return size * share / next.size(); }
 
-    // First the own share, then what others have left of theirs.
+    // An exception may leave neither a thread nor, while others are at work, the
+    // job that they share.
     void run(int worker) {
+        try {
+            run_parts(worker);
+        } catch (...) {
+            if (!failed.exchange(true)) {
+                error = std::current_exception();
+            }
+        }
+    }
+
+    // First the own share, then what others have left of theirs.
+    void run_parts(int worker) {
         for (std::size_t i = 0; i < next.size(); ++i) {
             const std::size_t share = (static_cast<std::size_t>(worker) + i) % next.size();
             const std::size_t end = begin_of(share + 1);
@@ -104,6 +119,9 @@ void Workers::share(std::size_t size, std::size_t length,
     if (!soon(ended)) {
         std::unique_lock<std::mutex> lock(mutex_);
         end_.wait(lock, ended);
+    }
+    if (job.failed) {
+        std::rethrow_exception(job.error);
     }
 }
 

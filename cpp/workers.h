@@ -27,6 +27,7 @@ class Workers {
     // or less, or one by the caller for all where there are no others; `worker` is
     // smaller than `count()` and no two calls at a time have the same. A worker
     // takes its own stretch first: what it wrote the last time is in its cache.
+    // What a part throws is thrown here, once all of them are over; of several, one.
     void share(std::size_t size, std::size_t length,
                const std::function<void(int worker, std::size_t begin, std::size_t end)> &part);
 

@@ -153,6 +153,12 @@ std::unique_ptr<BulletWorld> new_world(const WorldDefinition &definition,
 }
 
 BulletWorld::BulletWorld(const WorldDefinition &definition, rust::Slice<const PairValue> pairs) {
+    if (pairs.size() != definition.materials * definition.materials) {
+        throw std::runtime_error("the table of pairs is not square in the materials");
+    }
+    if (definition.threads < 1) {
+        throw std::runtime_error("a world is computed by one thread at least");
+    }
     const std::lock_guard<std::mutex> lock(construction_mutex());
     impl_ = std::make_unique<Impl>(definition, pairs);
 }
@@ -166,17 +172,17 @@ std::uint32_t BulletWorld::add_shape(rust::Slice<const double> coordinates,
                                      rust::Slice<const std::uint32_t> face_starts,
                                      rust::Slice<const std::uint32_t> face_vertices) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
-    impl_->shapes.push_back(
-        make_hull(impl_->units,
-                  {coordinates.data(), coordinates.size() / 3, face_starts.data(),
-                   face_starts.size() - 1, face_vertices.data()},
-                  impl_->margin));
+    impl_->shapes.push_back(make_hull(
+        impl_->units, polyhedron(coordinates, face_starts, face_vertices), impl_->margin));
     return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
 }
 
 std::uint32_t BulletWorld::add_body(const BodyDefinition &definition) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
-    auto &shape = impl_->shapes.at(definition.shape);
+    if (definition.shape >= impl_->shapes.size() || definition.material >= impl_->materials.count) {
+        throw std::runtime_error("a body has a shape or a material that this world has not");
+    }
+    auto &shape = impl_->shapes[definition.shape];
     const int id = static_cast<int>(impl_->bodies.size());
     const BodyDefinition applied = impl_->stock.applied(impl_->units, definition, *shape);
     impl_->bodies.push_back(

@@ -6,6 +6,8 @@
 #   scripts/setup.sh browser  also Chromium, in which the page of `pluvia view`
 #                           is tested; without one that test is left out
 #   scripts/setup.sh exports   also what `make test-exports` needs
+#   scripts/setup.sh venv   also what a Python environment of its own needs
+#   scripts/setup.sh valgrind  also valgrind
 #   scripts/setup.sh slurm  also what `make test-slurm` needs
 #   scripts/setup.sh snakemake   also what `make test-snakemake` needs
 #
@@ -67,8 +69,11 @@ fi
 if wanted browser && ! have_chromium; then
     missing+=(chromium)
 fi
-if wanted exports || wanted snakemake; then
+if wanted exports || wanted snakemake || wanted venv; then
     python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || missing+=(python3 python3-venv)
+fi
+if wanted valgrind; then
+    have valgrind || missing+=(valgrind)
 fi
 if wanted exports; then
     have node && have npm || missing+=(nodejs npm)

@@ -18,20 +18,52 @@ pub struct Fault {
     pub message: String,
 }
 
+/// Whether a character is not seen but changes what is: one that controls a
+/// terminal, begins another line, or turns the direction of what follows
+/// (Unicode's `Bidi_Control`), so that a name reads as another.
+pub(super) fn misleads(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// A text with every character that misleads by its code point.
+fn plain(text: &str) -> Cow<'_, str> {
+    if !text.contains(misleads) {
+        return Cow::Borrowed(text);
+    }
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        if misleads(c) {
+            plain += &format!("\\u{:04x}", u32::from(c));
+        } else {
+            plain.push(c);
+        }
+    }
+    Cow::Owned(plain)
+}
+
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&plain(&self.as_line()))
+    }
+}
+
+impl Fault {
+    fn as_line(&self) -> String {
+        let mut line = String::new();
         for place in [&self.file, &self.path] {
             if !place.is_empty() {
-                write!(f, "{}: ", shortened(place))?;
+                line += &format!("{}: ", shortened(place));
             }
         }
-        f.write_str(&self.message)?;
-        match (self.found.is_empty(), self.allowed.is_empty()) {
-            (true, true) => Ok(()),
-            (false, true) => write!(f, " (found {})", self.found),
-            (true, false) => write!(f, " (allowed: {})", self.allowed),
-            (false, false) => write!(f, " (found {}; allowed: {})", self.found, self.allowed),
-        }
+        line += &self.message;
+        line += &match (self.found.is_empty(), self.allowed.is_empty()) {
+            (true, true) => String::new(),
+            (false, true) => format!(" (found {})", self.found),
+            (true, false) => format!(" (allowed: {})", self.allowed),
+            (false, false) => format!(" (found {}; allowed: {})", self.found, self.allowed),
+        };
+        line
     }
 }
 
@@ -80,7 +112,8 @@ impl fmt::Display for ScenarioErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unreadable { file, reason } => {
-                write!(f, "cannot read {}: {reason}", file.display())
+                let line = format!("cannot read {}: {reason}", file.display());
+                f.write_str(&plain(&line))
             }
             Self::Faults(faults) if faults.len() == 1 => faults[0].fmt(f),
             Self::Faults(faults) => {
@@ -140,6 +173,22 @@ mod tests {
         assert_eq!(nearest("iteration", &known), Some("iterations"));
         assert_eq!(nearest("rate_Hz", &known), Some("rate_hz"));
         assert_eq!(nearest("colour", &known), None);
+    }
+
+    #[test]
+    fn what_misleads_is_shown_by_its_code_point() {
+        for (text, expected) in [
+            ("gravel 8\u{2013}16 mm, \u{540d}\u{524d} \u{1f327}", None),
+            ("a\u{200d}b", None), // joins letters, and is part of many a sign
+            ("a\u{7}b", Some("a\\u0007b")),
+            ("a\u{85}b", Some("a\\u0085b")),
+            ("a\u{202e}b", Some("a\\u202eb")),
+            ("\u{2066}a\u{2069}", Some("\\u2066a\\u2069")),
+            ("a\u{200f}\u{61c}\u{2028}", Some("a\\u200f\\u061c\\u2028")),
+        ] {
+            let expected = expected.unwrap_or(text);
+            assert_eq!(plain(text), expected, "law: only what misleads is shown otherwise");
+        }
     }
 
     #[test]

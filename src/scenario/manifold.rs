@@ -23,7 +23,7 @@ pub struct ManifoldSettings {
     /// their load over it; higher: more sweeps are needed for the load to
     /// get through the packing. 10000 N/m make a grain of 1.6 g on four points
     /// sink by 0.4 µm.
-    #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 1e9))]
+    #[schemars(range(min = 0.001, max = 1e9))]
     pub contact_stiffness_n_per_m: f64,
     /// Damping ratio of the spring with the bodies it stands between. Lower
     /// than 1: contacts swing; higher: overlaps last longer.

@@ -187,7 +187,7 @@ pub struct CylinderSpec {
     #[schemars(range(min = 12, max = 256))]
     pub wall_pieces: u32,
     /// Thickness of wall pieces and floor in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+    #[schemars(range(min = 0.001, max = 10000.0))]
     pub wall_thickness_mm: f64,
 }
 
@@ -220,7 +220,7 @@ pub struct FunnelSpec {
     #[schemars(range(min = 12, max = 256))]
     pub wall_pieces: u32,
     /// Thickness of the wall pieces and the lid in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+    #[schemars(range(min = 0.001, max = 10000.0))]
     pub wall_thickness_mm: f64,
 }
 
@@ -241,13 +241,13 @@ impl Default for FunnelSpec {
 #[serde(deny_unknown_fields, default)]
 pub struct TopPlateSpec {
     /// Diameter in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+    #[schemars(range(min = 0.001, max = 10000.0))]
     pub diameter_mm: f64,
     /// Thickness in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+    #[schemars(range(min = 0.001, max = 10000.0))]
     pub thickness_mm: f64,
     /// Mass in g.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
+    #[schemars(range(min = 0.001, max = 1e9))]
     pub mass_g: f64,
     /// Number of sides of the polygonal plate; it has the circle's area.
     #[schemars(range(min = 12, max = 256))]

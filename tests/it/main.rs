@@ -12,6 +12,7 @@ mod files;
 mod fuzz;
 mod guards;
 mod interruption;
+mod leaks;
 mod legs;
 mod memory;
 mod picture;

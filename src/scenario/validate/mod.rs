@@ -10,14 +10,14 @@ mod grains;
 mod stages;
 mod time_step;
 
-use std::fmt;
+use std::{collections::BTreeSet, fmt};
 
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::{
     CylinderSpec, EngineSettings, Fault, FunnelSpec, MeshGrains, Scenario, SettleSpec,
-    SievedGrains, StageSpec, TopPlateSpec, accessors::field,
+    SievedGrains, StageSpec, TopPlateSpec, accessors::field, fault::misleads, source::shown,
 };
 
 /// The parts of a scenario that could be read.
@@ -158,11 +158,25 @@ fn short(value: f64) -> String {
 /// The name becomes the name of a folder.
 fn check_name(parts: &Parts, faults: &mut Vec<Fault>) {
     let Some(name) = &parts.name else { return };
-    let bad = |c: char| c.is_control() || matches!(c, '/' | '\\');
+    let misleading: BTreeSet<char> = name.chars().filter(|c| misleads(*c)).collect();
+    if !misleading.is_empty() {
+        let misleading: Vec<String> =
+            misleading.into_iter().map(|c| format!("U+{:04X}", u32::from(c))).collect();
+        faults.push(fault(
+            "name",
+            shown(&Value::from(name.as_str())),
+            "letters, digits and signs that are seen, and spaces".into(),
+            format!(
+                "the name holds what is not seen but changes how it is read: {}",
+                misleading.join(", ")
+            ),
+        ));
+    }
+    let bad = |c: char| matches!(c, '/' | '\\');
     if name.contains(bad) || name.starts_with('.') || name.trim() != name {
         faults.push(fault(
             "name",
-            Value::from(name.as_str()),
+            shown(&Value::from(name.as_str())),
             "a text without / and \\, that begins with no dot and begins and ends with no space"
                 .into(),
             "the name cannot be that of a folder".into(),

@@ -5,7 +5,8 @@
 //! `BulletWorld` in `cpp/world.{h,cpp}` (or a file of its own for a new
 //! concern, named in `build.rs`), return `Result` when it can throw, pass
 //! many values in one slice, and validate in Rust (`world/bullet/mod.rs`)
-//! before crossing.
+//! before crossing. What returns no `Result` can fail by lack of memory alone,
+//! which ends the program as it does in Rust; `shim_tests.rs` lists these.
 
 #![allow(unsafe_code)] // cxx generates it; every function below is safe to call
 
@@ -260,6 +261,10 @@ mod bridge {
             remember: bool,
         ) -> f64;
         fn bytes(self: &HullProbe) -> usize;
+
+        include!("pluvia/cpp/worker_probe.h");
+
+        fn shared_sum(threads: i32, size: usize, rounds: usize, fails_at: usize) -> Result<u64>;
     }
 }
 

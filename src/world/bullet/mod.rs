@@ -13,6 +13,8 @@ mod ffi;
 mod manifold_tests;
 pub mod probe;
 #[cfg(test)]
+mod shim_tests;
+#[cfg(test)]
 mod stock_tests;
 #[cfg(test)]
 pub(crate) mod tests;

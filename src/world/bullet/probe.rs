@@ -1,7 +1,8 @@
 //! One pair of hulls outside any world: what the manifold contact path finds
 //! for given poses, step after step.
 //!
-//! For tests, which compare it with exact references, and for benchmarks.
+//! For tests, which compare it with exact references, and for benchmarks. And the
+//! threads of a world without the world.
 
 use super::{engine, ffi, flat, rotation_array};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
@@ -140,4 +141,20 @@ impl HullPair {
     pub fn bytes(&self) -> usize {
         self.0.bytes()
     }
+}
+
+/// Adds up the numbers below `size`, `rounds` times, each by whichever of
+/// `threads` threads of the engine comes to it.
+///
+/// # Errors
+/// [`WorldError::Engine`] when a thread comes to the number `fails_at`, or when
+/// work was lost.
+pub fn shared_sum(
+    threads: u16,
+    size: usize,
+    rounds: usize,
+    fails_at: Option<usize>,
+) -> Result<u64, WorldError> {
+    let fails_at = fails_at.unwrap_or(usize::MAX);
+    ffi::shared_sum(i32::from(threads), size, rounds, fails_at).map_err(engine)
 }

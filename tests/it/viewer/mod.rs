@@ -2,6 +2,7 @@
 //! in a real browser.
 
 pub mod browser;
+mod hostile;
 mod page;
 
 use std::{

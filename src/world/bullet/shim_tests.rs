@@ -1,0 +1,316 @@
+//! What the C++ side refuses by itself, whatever Rust has let through: every
+//! exception comes back as an error with its words, and ends nothing.
+
+use super::probe::shared_sum;
+use super::tests::{exclusive_turn, free_box, shared_turn, slab};
+use super::*;
+
+const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
+
+const PATHS: [ContactPath; 2] = [ContactPath::Bullet, ContactPath::Manifold];
+
+/// An empty world, past all that Rust checks.
+fn bare(path: ContactPath) -> cxx::UniquePtr<ffi::BulletWorld> {
+    made(path, |_| {}, 9).expect("a world")
+}
+
+fn made(
+    path: ContactPath,
+    change: impl FnOnce(&mut ffi::WorldDefinition),
+    pairs: usize,
+) -> Result<cxx::UniquePtr<ffi::BulletWorld>, cxx::Exception> {
+    let settings = EngineSettings { contact_path: path, ..Default::default() };
+    let mut definition = definition(&settings, GRAVITY).expect("settings");
+    change(&mut definition);
+    let pair = || ffi::PairValue { friction: 0.5, restitution: 0.0 };
+    let pairs: Vec<_> = std::iter::repeat_with(pair).take(pairs).collect();
+    ffi::new_world(&definition, &pairs)
+}
+
+/// A tetrahedron of a centimetre.
+fn tetrahedron() -> ffi::HullProbeShape {
+    ffi::HullProbeShape {
+        coordinates: vec![0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01],
+        face_starts: vec![0, 3, 6, 9, 12],
+        face_vertices: vec![0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3],
+    }
+}
+
+fn add(
+    world: &mut cxx::UniquePtr<ffi::BulletWorld>,
+    shape: &ffi::HullProbeShape,
+) -> Result<u32, cxx::Exception> {
+    world.pin_mut().add_shape(&shape.coordinates, &shape.face_starts, &shape.face_vertices)
+}
+
+fn body(shape: u32, material: u32) -> ffi::BodyDefinition {
+    ffi::BodyDefinition {
+        shape,
+        kind: ffi::BodyKind::Free,
+        material,
+        mass: 1e-3,
+        inertia: [1e-7; 3],
+        position: [0.0; 3],
+        rotation: [0.0, 0.0, 0.0, 1.0],
+        linear_velocity: [0.0; 3],
+        angular_velocity: [0.0; 3],
+    }
+}
+
+/// Asserts that a shim threw, and said so.
+fn assert_thrown<T>(got: Result<T, cxx::Exception>, words: &str, what: &str) {
+    let said = got.err().map(|e| e.what().to_owned());
+    assert!(
+        said.as_deref().is_some_and(|said| said.contains(words)),
+        "law: {what} comes back as an error that says `{words}`, got {said:?}"
+    );
+}
+
+/// Shapes that lead out of their lists or are no solids.
+fn malformed() -> Vec<(&'static str, ffi::HullProbeShape)> {
+    let spoilt = |_what: &str, words, spoil: fn(&mut ffi::HullProbeShape)| {
+        let mut shape = tetrahedron();
+        spoil(&mut shape);
+        (words, shape)
+    };
+    let (vertices, faces, closed) = ("three finite numbers", "follow one another", "closed");
+    vec![
+        spoilt("no vertex", vertices, |s| s.coordinates.clear()),
+        spoilt("half a vertex", vertices, |s| s.coordinates.truncate(11)),
+        spoilt("not a number", vertices, |s| s.coordinates[4] = f64::NAN),
+        spoilt("infinite", vertices, |s| s.coordinates[4] = f64::INFINITY),
+        spoilt("no list of faces", faces, |s| s.face_starts.clear()),
+        spoilt("no face", faces, |s| s.face_starts.truncate(1)),
+        spoilt("beginning late", faces, |s| s.face_starts[0] = 1),
+        spoilt("ending late", faces, |s| s.face_starts[4] = 4000),
+        spoilt("ending early", faces, |s| s.face_starts[4] = 10),
+        spoilt("turning back", faces, |s| s.face_starts[2] = 1),
+        spoilt("two corners", faces, |s| s.face_starts[1] = 2),
+        spoilt("an unknown vertex", closed, |s| s.face_vertices[0] = 4),
+        spoilt("a far vertex", closed, |s| s.face_vertices[0] = u32::MAX),
+        spoilt("a face turned over", closed, |s| s.face_vertices.swap(0, 1)),
+        spoilt("a hole", closed, |s| {
+            s.face_starts.pop();
+            s.face_vertices.truncate(9);
+        }),
+    ]
+}
+
+#[test]
+fn malformed_hulls_come_back_as_errors() {
+    let _turn = shared_turn();
+    for path in PATHS {
+        let mut world = bare(path);
+        for (i, (words, shape)) in malformed().iter().enumerate() {
+            assert_thrown(add(&mut world, shape), words, &format!("hull {i} on {path:?}"));
+        }
+        let shape = add(&mut world, &tetrahedron()).expect("law: a sound one is taken after them");
+        world.pin_mut().add_body(&body(shape, 0)).expect("law: and its bodies");
+        world.pin_mut().step().expect("law: and steps");
+    }
+    for (i, (words, shape)) in malformed().iter().enumerate() {
+        for (a, b) in [(shape, &tetrahedron()), (&tetrahedron(), shape)] {
+            let made = ffi::new_hull_probe(100.0, 1e-3, false, a, b);
+            assert_thrown(made, words, &format!("probed hull {i}"));
+        }
+    }
+    let mut most = tetrahedron();
+    most.coordinates = [0.01; 3 * 70_000].to_vec();
+    assert_thrown(add(&mut bare(PATHS[1]), &most), "65535", "a hull of too many vertices");
+}
+
+#[test]
+fn what_a_world_has_not_comes_back_as_an_error() {
+    let _turn = shared_turn();
+    for path in PATHS {
+        let mut world = bare(path);
+        let shape = add(&mut world, &tetrahedron()).expect("added");
+        for (shape, material) in [(shape + 1, 0), (u32::MAX, 0), (shape, 3), (shape, u32::MAX)] {
+            let what = format!("shape {shape} of material {material}");
+            let added = world.pin_mut().add_body(&body(shape, material));
+            assert_thrown(added, "that this world has not", &what);
+        }
+        let id = world.pin_mut().add_body(&body(shape, 2)).expect("added");
+        world.pin_mut().remove_body(id).expect("removed");
+        for id in [id, 1, u32::MAX] {
+            let words = format!("no body {id} in this world");
+            assert_thrown(world.pin_mut().remove_body(id), &words, "removing");
+            let driven = world.pin_mut().drive_body(id, &[0.0; 3], &[0.0, 0.0, 0.0, 1.0]);
+            assert_thrown(driven, &words, "driving");
+            assert_thrown(world.pair_value(id, id), &words, "asking for its coefficients");
+        }
+        world.pin_mut().step().expect("law: the world goes on");
+    }
+    let shape = tetrahedron();
+    let mut pair = ffi::new_hull_probe(100.0, 1e-3, false, &shape, &shape).expect("a pair");
+    let set = pair.pin_mut().set_impulse(4, 1.0, &[0.0; 3]);
+    assert_thrown(set, "no such contact point", "an impulse of no point");
+}
+
+#[test]
+fn worlds_that_cannot_be_come_back_as_errors() {
+    let _turn = exclusive_turn();
+    for path in PATHS {
+        for pairs in [0, 8, 10] {
+            assert_thrown(made(path, |_| {}, pairs), "not square", "a table of pairs");
+        }
+        for threads in [0, -1] {
+            let none = made(path, |d| d.threads = threads, 9);
+            assert_thrown(none, "one thread", "a world of no thread");
+        }
+        let first = bare(path);
+        let second = made(path, |d| d.contact_threshold *= 2.0, 9);
+        assert_thrown(second, "whole process", "another threshold");
+        drop(first);
+        let third = made(path, |d| d.contact_threshold *= 2.0, 9);
+        assert!(third.is_ok(), "law: what failed holds nothing");
+    }
+}
+
+#[test]
+fn contacts_of_no_body_are_left_aside() {
+    let _turn = shared_turn();
+    let mut world = BulletBackend::new(
+        &EngineSettings::default(),
+        GRAVITY,
+        &PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.0 }),
+    )
+    .expect("a world");
+    let floor = world.add(&slab(Motion::Static)).expect("added");
+    let grain =
+        world.add(&free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.005))).expect("added");
+    let one = |a: u32, b: u32, feature: [u32; 2]| RememberedContact {
+        a: BodyId(a),
+        b: BodyId(b),
+        point: Vector::zeros(),
+        normal: Vector::z(),
+        force: Vector::z() * 0.01,
+        feature,
+    };
+    let mut all =
+        vec![one(7, 9, [0, 0]), one(u32::MAX, u32::MAX, [1, 1]), one(grain.0, grain.0, [1, 1])];
+    // Every kind of feature, of faces and edges that the hulls have not, and
+    // more points than a pair can have.
+    for kind in 0..16 {
+        all.push(one(floor.0, grain.0, [kind << 28 | 0x0fff_ffff, u32::MAX]));
+    }
+    world.recall(&all).expect("law: what does not fit is not taken");
+    for _ in 0..10 {
+        world.step().expect("a step");
+    }
+    let mut bodies = Snapshot::new();
+    world.read(&mut bodies);
+    let z = bodies[grain.0 as usize].expect("a body").pose.translation.z;
+    assert!((z - 0.005).abs() < 1e-3, "law: the box lies where it lay, 0.005 m to 1 mm, got {z}");
+}
+
+#[test]
+fn what_fails_in_a_thread_comes_back_from_all_of_them() {
+    for threads in [1, 2, 3, 8] {
+        let size = 1000;
+        let expected = 50 * (size as u64) * (size as u64 - 1) / 2;
+        let got = shared_sum(threads, size, 50, None).expect("law: nothing fails by itself");
+        assert_eq!(got, expected, "law: {threads} threads add up what one does");
+        // In the share of each thread, the caller's too.
+        for fails_at in [0, 1, 250, 499, 500, 750, 999] {
+            let failed = shared_sum(threads, size, 50, Some(fails_at));
+            let words = format!("asked to fail at {fails_at}");
+            assert!(
+                matches!(&failed, Err(WorldError::Engine(said)) if *said == words),
+                "law: {threads} threads: expected the error `{words}`, got {failed:?}"
+            );
+        }
+    }
+    assert!(shared_sum(0, 10, 1, None).is_err(), "law: no thread, no work");
+    assert_eq!(shared_sum(4, 0, 3, None).expect("nothing to do"), 0);
+}
+
+/// Functions of the bridge that return no `Result`, and why they need none:
+/// they read, write into Rust's lists and compute, and allocate at most.
+const CANNOT_FAIL: [&str; 11] = [
+    "read_bodies",
+    "read_corners",
+    "read_contacts",
+    "remember_contacts",
+    "phases",
+    "effective",
+    "step", // of a probed pair; that of a world returns a Result
+    "forget",
+    "widest_gap",
+    "time_steps",
+    "bytes",
+];
+
+#[test]
+fn every_shim_that_may_throw_says_so() {
+    let source = include_str!("ffi.rs");
+    let bridge = source.split("unsafe extern \"C++\"").nth(1).expect("the bridge");
+    let functions: Vec<&str> = bridge.split(" fn ").skip(1).collect();
+    assert!(functions.len() > 20, "the check sees the functions, got {}", functions.len());
+    for function in functions {
+        let name = function.split('(').next().unwrap_or_default();
+        let declared = function.split(";\n").next().unwrap_or_default();
+        let says_so = declared.contains("-> Result<");
+        assert!(
+            says_so || CANNOT_FAIL.contains(&name),
+            "law: `{name}` returns a Result, or is listed with those that cannot fail"
+        );
+    }
+}
+
+/// What Bullet keeps once for the whole process and a program may change.
+const OF_THE_PROCESS: [&str; 5] = [
+    "btAlignedAllocSetCustom",
+    "btAlignedAllocSetCustomAligned",
+    "btSetCustomEnterProfileZoneFunc",
+    "btSetCustomLeaveProfileZoneFunc",
+    "btSetTaskScheduler",
+];
+
+/// Places of a C++ source where a variable of the process is changed: Bullet's
+/// begin with `g` and a capital letter.
+fn changed_globals(source: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for (number, line) in source.lines().enumerate() {
+        let code = line.split("//").next().unwrap_or_default();
+        let words = code.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+        for word in words.filter(|w| !w.is_empty()) {
+            let mut letters = word.chars();
+            let global = letters.next() == Some('g')
+                && letters.next().is_some_and(|c| c.is_ascii_uppercase());
+            let after = code.split(word).nth(1).unwrap_or_default().trim_start();
+            let assigned = (after.starts_with('=') && !after.starts_with("=="))
+                || ["++", "--", "+=", "-=", "|=", "&="].iter().any(|op| after.starts_with(op));
+            if global && assigned || OF_THE_PROCESS.contains(&word) {
+                found.push(format!("line {}: {}", number + 1, line.trim()));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn only_globals_cpp_changes_what_bullet_keeps_for_the_process() {
+    for (source, expected) in [
+        ("gDbvtMargin = 1;", 1),
+        ("    gNumSomething++;", 1),
+        ("if (gContactAddedCallback == nullptr) {", 0),
+        ("x = gDbvtMargin;", 0),
+        ("// gDbvtMargin = 1;", 0),
+        ("gap = 1; gravity = 2;", 0),
+        ("btAlignedAllocSetCustom(a, b);", 1),
+    ] {
+        let got = changed_globals(source);
+        assert_eq!(got.len(), expected, "law: changes in `{source}`, got {got:?}");
+    }
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("cpp");
+    let mut changes = Vec::new();
+    for entry in std::fs::read_dir(folder).expect("the shims").flatten() {
+        let source = std::fs::read_to_string(entry.path()).expect("text");
+        let name = entry.file_name().into_string().expect("UTF-8");
+        changes.extend(changed_globals(&source).into_iter().map(|c| (name.clone(), c)));
+    }
+    let (inside, outside): (Vec<_>, Vec<_>) = changes.iter().partition(|c| c.0 == "globals.cpp");
+    assert_eq!(inside.len(), 4, "globals.cpp sets four of them, got {inside:?}");
+    assert!(outside.is_empty(), "law: no other shim changes any: {outside:?}");
+}

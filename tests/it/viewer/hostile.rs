@@ -1,0 +1,269 @@
+//! The server of `pluvia view` against requests that mean harm or are broken:
+//! nothing but the page and the run comes back, and it goes on serving.
+
+use std::{
+    fs,
+    io::{Read, Write},
+    net::{Shutdown, SocketAddr, TcpStream},
+    thread,
+    time::{Duration, Instant},
+};
+
+use pluvia::viewer::Server;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+use super::super::export::small_run;
+use super::{assert_status, exchange, get, serve, status};
+
+/// A request for a target, written as it is.
+fn request(address: SocketAddr, target: &[u8]) -> Vec<u8> {
+    [b"GET ", target, format!(" HTTP/1.1\r\nHost: {address}\r\n\r\n").as_bytes()].concat()
+}
+
+/// Asserts that the page still comes; refusals for want of room pass.
+fn assert_serves(server: &Server, after: &str) {
+    let latest = Instant::now() + Duration::from_secs(20);
+    loop {
+        let got = status(&get(server, "/"));
+        if got.starts_with("HTTP/1.1 200 ") {
+            return;
+        }
+        assert!(Instant::now() < latest, "law: the page comes after {after}, got `{got}`");
+        thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// The content of an answer, whose head says how long it is.
+fn content(answer: &[u8]) -> &[u8] {
+    let head = answer.windows(4).position(|w| w == b"\r\n\r\n").map_or(answer.len(), |at| at + 4);
+    let text = String::from_utf8_lossy(&answer[..head]).into_owned();
+    let length = text.lines().find_map(|l| l.strip_prefix("Content-Length: "));
+    let length: usize = length.and_then(|n| n.parse().ok()).expect("a length");
+    let content = &answer[head..];
+    assert_eq!(content.len(), length, "law: the length told is that of what comes");
+    content
+}
+
+/// Every way of writing dots and slashes, before files that are there.
+#[test]
+fn no_spelling_leads_out_of_the_four_files() {
+    let server = serve(small_run());
+    let dots =
+        ["..", "%2e%2e", "%2E.", ".%2e", "%252e%252e", "..%00", "%c0%ae%c0%ae", "....", "．．"];
+    let slashes = ["/", "%2f", "%2F", "%5c", "\\", "//", "%252f", "%c0%af", "/./"];
+    let files = ["manifest.json", "stages", "etc/passwd", "proc/self/environ"];
+    let mut tried = 0;
+    for dot in dots {
+        for slash in slashes {
+            for (deep, file) in [1, 2, 8, 12].into_iter().zip(files) {
+                let up = format!("{dot}{slash}").repeat(deep);
+                for begin in ["/", "", "/run.bin/", "/viewer.js?"] {
+                    let target = format!("{begin}{up}{file}");
+                    let answer =
+                        exchange(server.address(), &request(server.address(), target.as_bytes()));
+                    tried += 1;
+                    // What stands behind a question mark is no path.
+                    if begin.ends_with('?') {
+                        assert_status(&answer, 200, &target);
+                        continue;
+                    }
+                    let got = status(&answer);
+                    assert!(
+                        got.starts_with("HTTP/1.1 404 ") || got.starts_with("HTTP/1.1 400 "),
+                        "law: `{target}` leads nowhere, got `{got}`"
+                    );
+                    let said = content(&answer);
+                    assert!(said.len() < 50, "law: a refusal is a few words, got {}", said.len());
+                }
+            }
+        }
+    }
+    assert!(tried > 1000, "the check tries many spellings, got {tried}");
+}
+
+#[test]
+fn what_lies_in_the_folder_is_not_served() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = folder.path().join("run");
+    super::page::copy_without_frames(small_run(), &run);
+    let server = serve(&run);
+    fs::write(run.join("secret.txt"), "secret").expect("a file");
+    std::os::unix::fs::symlink("/etc/passwd", run.join("link")).expect("a link");
+    let names: Vec<_> = fs::read_dir(&run).expect("a folder").flatten().collect();
+    assert!(names.len() > 5, "the check has files to ask for, got {}", names.len());
+    for entry in names {
+        let name = entry.file_name().into_string().expect("UTF-8");
+        assert_status(&get(&server, &format!("/{name}")), 404, &name);
+    }
+    // Nor is the run read again: it may be gone.
+    let before = get(&server, "/run.bin");
+    fs::remove_dir_all(&run).expect("removed");
+    assert!(get(&server, "/run.bin") == before, "law: what was read is served, from memory");
+}
+
+#[test]
+fn broken_requests_are_refused_in_words() {
+    let server = serve(small_run());
+    let address = server.address();
+    let host = format!("Host: {address}\r\n");
+    let line = |line: &str| format!("{line}\r\n{host}\r\n").into_bytes();
+    let fields = |fields: &str| format!("GET / HTTP/1.1\r\n{host}{fields}\r\n").into_bytes();
+    let long = "a".repeat(20_000);
+    let cases: Vec<(&str, Vec<u8>, &[u16])> = vec![
+        ("a long target", line(&format!("GET /{long} HTTP/1.1")), &[431]),
+        ("a long method", line(&format!("{long} / HTTP/1.1")), &[431]),
+        ("a long field's name", fields(&format!("{long}: b\r\n")), &[431]),
+        ("a long field", fields(&format!("A: {long}\r\n")), &[431]),
+        ("two hundred fields", fields(&"A: b\r\n".repeat(200)), &[431]),
+        ("no version", line("GET /"), &[400]),
+        ("version 2", line("GET / HTTP/2.0"), &[400, 505]),
+        ("HTTP/2's preface", b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n".to_vec(), &[400, 505]),
+        ("no target", line("GET  HTTP/1.1"), &[400]),
+        ("a NUL in the target", line("GET /\0 HTTP/1.1"), &[400]),
+        ("a control character", line("GET /\x07 HTTP/1.1"), &[400]),
+        ("no UTF-8", request(address, b"/\xff\xfe"), &[400, 404]),
+        ("a NUL in a field", fields("A: \0\r\n"), &[400]),
+        ("a field without colon", fields("A\r\n"), &[400]),
+        ("a field without name", fields(": b\r\n"), &[400]),
+        ("a folded field", fields("A: b\r\n c\r\n"), &[400]),
+        ("a space before the colon", fields("A : b\r\n"), &[400]),
+        ("two hosts", fields("Host: evil.example\r\n"), &[400]),
+        ("a bare carriage return", fields("A: b\rC: d\r\n"), &[400]),
+        ("a length that is none", fields("Content-Length: -1\r\n"), &[200]),
+        ("chunks that never come", fields("Transfer-Encoding: chunked\r\n"), &[200]),
+        ("a change of protocol", fields("Connection: Upgrade\r\nUpgrade: h2c\r\n"), &[200]),
+        ("a range", fields("Range: bytes=0-18446744073709551615\r\n"), &[200]),
+        ("an expectation", fields("Expect: 100-continue\r\n"), &[200]),
+        ("a tunnel", line("CONNECT example.org:443 HTTP/1.1"), &[405]),
+        ("another site", line("GET http://example.org/ HTTP/1.1"), &[404]),
+    ];
+    for (what, request, expected) in cases {
+        let answer = exchange(address, &request);
+        // What is refused while it is being sent may break the connection.
+        if answer.is_empty() && request.len() > 16_000 {
+            continue;
+        }
+        let got = status(&answer);
+        let fits = expected.iter().any(|code| got.starts_with(&format!("HTTP/1.1 {code} ")));
+        assert!(fits, "law: {what} is answered by one of {expected:?}, got `{got}`");
+        content(&answer);
+    }
+    // Two requests at once: one answer, and the end.
+    let twice = [request(address, b"/viewer.css"), request(address, b"/run.bin")].concat();
+    let answer = exchange(address, &twice);
+    assert_status(&answer, 200, "the first of two is answered");
+    content(&answer);
+    assert_serves(&server, "broken requests");
+}
+
+/// Requests changed at a few places, at random: each is answered or cut off.
+#[test]
+fn random_requests_do_no_harm() {
+    let server = serve(small_run());
+    let address = server.address();
+    let whole = format!(
+        "GET /viewer.css HTTP/1.1\r\nHost: {address}\r\nAccept: */*\r\nContent-Length: 3\r\n\r\nabc"
+    );
+    let mut rng = Pcg64::seed_from_u64(9);
+    let (mut answered, mut taken) = (0, 0);
+    for _ in 0..300 {
+        let mut request = whole.clone().into_bytes();
+        for _ in 0..rng.random_range(1..5) {
+            spoil(&mut request, &mut rng);
+        }
+        let answer = exchange(address, &request);
+        if !answer.is_empty() {
+            let got = status(&answer);
+            assert!(got.starts_with("HTTP/1.1 "), "law: an answer is HTTP, got `{got}`");
+            answered += 1;
+            taken += usize::from(got.contains(" 200 "));
+        }
+    }
+    assert!(answered > 150 && taken < answered, "{answered} answered, {taken} of them with 200");
+    assert_serves(&server, "random requests");
+}
+
+fn spoil(request: &mut Vec<u8>, rng: &mut impl Rng) {
+    let at = rng.random_range(0..request.len().max(1)).min(request.len());
+    let end = (at + rng.random_range(1..20)).min(request.len());
+    match rng.random_range(0..5) {
+        0 if at < request.len() => request[at] = rng.random(),
+        1 => drop(request.drain(at..end)),
+        2 => {
+            let piece = request[at..end].to_vec();
+            request.splice(at..at, piece);
+        }
+        3 => {
+            let pieces: [&[u8]; 6] = [b"\r\n", b"\0", b":", b"%2e%2e/", b"\xff", b" "];
+            let piece = pieces[rng.random_range(0..pieces.len())].iter().copied();
+            request.splice(at..at, piece);
+        }
+        _ => request.truncate(at),
+    }
+}
+
+/// Whoever says half of it and waits is told so after some seconds; whoever
+/// says it slowly is answered.
+#[test]
+fn half_and_slow_requests_end() {
+    let server = serve(small_run());
+    let address = server.address();
+    let mut half = TcpStream::connect(address).expect("the server listens");
+    half.write_all(b"GET / HTTP/1.1\r\nHost: ").expect("sent");
+
+    let mut slow = TcpStream::connect(address).expect("the server listens");
+    for byte in request(address, b"/viewer.css") {
+        slow.write_all(&[byte]).expect("sent");
+        thread::sleep(Duration::from_millis(2));
+    }
+    let mut answer = Vec::new();
+    slow.read_to_end(&mut answer).expect("an answer");
+    assert_status(&answer, 200, "byte by byte, but in time");
+
+    let begun = Instant::now();
+    half.set_read_timeout(Some(Duration::from_secs(30))).expect("a timeout");
+    let mut answer = Vec::new();
+    half.read_to_end(&mut answer).expect("an answer");
+    assert_status(&answer, 408, "half a request is not waited for");
+    assert!(begun.elapsed() < Duration::from_secs(25), "law: soon, took {:?}", begun.elapsed());
+
+    // One who reads nothing of the answer and leaves.
+    for _ in 0..50 {
+        let mut gone = TcpStream::connect(address).expect("the server listens");
+        let _ = gone.write_all(&request(address, b"/run.bin"));
+        let _ = gone.shutdown(Shutdown::Both);
+    }
+    assert_serves(&server, "readers that left");
+}
+
+#[test]
+fn hundreds_of_connections_are_bounded() {
+    let server = serve(small_run());
+    let address = server.address();
+    let threads = || fs::read_dir("/proc/self/task").map_or(0, Iterator::count);
+    let before = threads();
+    let mut held = Vec::new();
+    for _ in 0..300 {
+        let Ok(mut stream) = TcpStream::connect(address) else { continue };
+        let _ = stream.write_all(b"GET / HTTP/1.1\r\nHo");
+        held.push(stream);
+    }
+    assert!(held.len() > 100, "the check opens many, got {}", held.len());
+    // Other tests have threads, too; 300 of them would be ours.
+    let most = threads().saturating_sub(before);
+    assert!(most < 150, "law: connections beyond 32 get no thread, got {most} more threads");
+    let mut refused = 0;
+    for stream in held.iter_mut().rev().take(100) {
+        stream.set_read_timeout(Some(Duration::from_millis(200))).expect("a timeout");
+        let mut answer = [0; 64];
+        let read = stream.read(&mut answer).unwrap_or(0);
+        refused += usize::from(answer[..read].starts_with(b"HTTP/1.1 503 "));
+        if refused > 10 {
+            break;
+        }
+    }
+    assert!(refused > 10, "law: those beyond the bound are told so, got {refused}");
+    drop(held);
+    assert_serves(&server, "three hundred connections");
+}

@@ -1,0 +1,237 @@
+//! Worlds of boxes that fall on a shaken table, and pairs of boxes by themselves.
+
+use std::thread;
+
+use crate::{
+    BodyDefinition, BodyKind, BulletWorld, HullProbePose, HullProbeShape, InertiaRule, PairValue,
+    WorldDefinition, new_hull_probe, new_world,
+};
+
+/// Whether the contacts are Pluvia's own, threads, portable instructions,
+/// contacts at once.
+pub type Kind = (bool, i32, bool, u32);
+
+/// Every contact path, kernel and number of threads that takes a way of its own.
+pub const KINDS: [Kind; 5] = [
+    (true, 1, false, 8),
+    (true, 2, false, 8),
+    (true, 3, true, 8),
+    (true, 2, false, 1),
+    (false, 1, false, 8),
+];
+
+/// No rotation.
+pub const STILL: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+
+/// Settings as the program has them.
+pub fn definition((own_collision, threads, portable, contacts_at_once): Kind) -> WorldDefinition {
+    WorldDefinition {
+        length_scale: 100.0,
+        time_step: 1.0 / 480.0,
+        gravity: [0.0, 0.0, -9.81],
+        iterations: 60,
+        solver_mode: 4, // warm starting
+        contact_threshold: 1e-3,
+        broadphase_margin: 0.5e-3,
+        error_reduction: 0.2,
+        warm_start: 0.85,
+        split_impulse: true,
+        restitution_velocity_threshold: 0.05,
+        linear_damping: 0.0,
+        angular_damping: 0.0,
+        gyroscopic: true,
+        collision_margin: 0.0,
+        inertia: InertiaRule::Exact,
+        least_mass: 0.0,
+        relative_contact_threshold: 0.0,
+        deactivation: false,
+        deactivation_speed: 0.0,
+        deactivation_spin: 0.0,
+        materials: 3,
+        own_collision,
+        contact_stiffness: 1e4,
+        contact_damping_ratio: 1.0,
+        push_out_speed: 0.3,
+        substeps: 4,
+        sweeps: 5,
+        threads,
+        portable,
+        contacts_at_once,
+    }
+}
+
+/// The same for every pair of three materials.
+pub fn pairs() -> Vec<PairValue> {
+    (0..9).map(|_| PairValue { friction: 0.6, restitution: 0.3 }).collect()
+}
+
+/// A box about the origin.
+pub fn cuboid(sides: [f64; 3]) -> HullProbeShape {
+    let corner = |i: usize, k: usize| sides[k] / if i >> k & 1 == 1 { 2.0 } else { -2.0 };
+    HullProbeShape {
+        coordinates: (0..24).map(|n| corner(n / 3, n % 3)).collect(),
+        face_starts: vec![0, 4, 8, 12, 16, 20, 24],
+        face_vertices: vec![0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6],
+    }
+}
+
+/// A body of the second material that turns.
+pub fn body(
+    shape: u32,
+    kind: BodyKind,
+    position: [f64; 3],
+    mass: f64,
+    rotation: [f64; 4],
+) -> BodyDefinition {
+    BodyDefinition {
+        shape,
+        kind,
+        material: 1,
+        mass,
+        inertia: [mass * 1.7e-5; 3],
+        position,
+        rotation,
+        linear_velocity: [0.0; 3],
+        angular_velocity: [1.0, 2.0, 0.5],
+    }
+}
+
+type World = cxx::UniquePtr<BulletWorld>;
+
+fn add(world: &mut World, shape: &HullProbeShape) -> u32 {
+    let (coordinates, starts) = (&shape.coordinates, &shape.face_starts);
+    world.pin_mut().add_shape(coordinates, starts, &shape.face_vertices).expect("a hull")
+}
+
+fn with_table(kind: Kind) -> (World, u32, u32) {
+    let mut world = new_world(&definition(kind), &pairs()).expect("a world");
+    let slab = add(&mut world, &cuboid([0.4, 0.4, 0.02]));
+    let table = table(&mut world, slab, BodyKind::Driven);
+    (world, slab, table)
+}
+
+fn table(world: &mut World, slab: u32, kind: BodyKind) -> u32 {
+    world.pin_mut().add_body(&body(slab, kind, [0.0, 0.0, -0.01], 0.0, STILL)).expect("a table")
+}
+
+fn grain(world: &mut World, number: u32, position: [f64; 3], rotation: [f64; 4]) -> u32 {
+    let side = 0.008 + 0.0005 * f64::from(number % 7);
+    let shape = add(world, &cuboid([side, side * 0.8, side * 1.1]));
+    let mass = 2673.9 * 0.88 * side.powi(3);
+    world
+        .pin_mut()
+        .add_body(&body(shape, BodyKind::Free, position, mass, rotation))
+        .expect("a grain")
+}
+
+/// A heap that falls on a table and is shaken; on the way everything is read, a
+/// grain taken out, the table taken out and put back, the contacts remembered
+/// and told to another world, which goes on. How many steps that were.
+pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
+    let (mut world, slab, mut floor) = with_table(kind);
+    let ids: Vec<u32> = (0..grains)
+        .map(|i| {
+            let (x, y, z) = (f64::from(i % 5), f64::from(i / 5 % 5), f64::from(i / 25));
+            let turn = 0.3 * f64::from(i);
+            let rotation = [turn.sin() * 0.6, turn.sin() * 0.8, 0.0, turn.cos()];
+            let at = [0.013 * (x - 2.0), 0.013 * (y - 2.0), 0.01 + 0.014 * z];
+            grain(&mut world, i, at, rotation)
+        })
+        .collect();
+    let (mut bodies, mut contacts, mut remembered) = (vec![], vec![], vec![]);
+    let (mut counts, mut corners) = (vec![], vec![]);
+    let mut touched = 0;
+    for step in 0..steps {
+        let time = f64::from(step) / 480.0;
+        if step < steps * 3 / 4 {
+            let x = 0.01 * (18.8 * time).sin();
+            world.pin_mut().drive_body(floor, &[x, 0.0, -0.01], &STILL).expect("driven");
+        }
+        world.pin_mut().step().expect("a step");
+        world.read_contacts(&mut contacts);
+        touched += contacts.len();
+        if step % 16 == 0 {
+            world.read_bodies(&mut bodies);
+            world.remember_contacts(&mut remembered);
+            world.read_corners(&mut counts, &mut corners);
+            assert!(world.phases().collision >= 0.0 && !world.effective().is_empty());
+            assert!(world.pair_value(floor, ids[0]).is_ok());
+        }
+        if step == steps / 2 {
+            world.pin_mut().remove_body(ids[3]).expect("removed");
+            assert!(world.pin_mut().remove_body(ids[3]).is_err(), "law: it is gone");
+        }
+        if step == steps * 3 / 4 {
+            world.pin_mut().remove_body(floor).expect("removed");
+            floor = table(&mut world, slab, BodyKind::Static);
+        }
+    }
+    assert!(steps < 50 || touched > 0, "the check has contacts");
+    world.read_bodies(&mut bodies);
+    world.remember_contacts(&mut remembered);
+    let (mut second, ..) = with_table(kind);
+    for (number, id) in (0..).zip(&ids) {
+        let read = &bodies[*id as usize];
+        if read.present {
+            grain(&mut second, number, read.position, read.rotation);
+        }
+    }
+    // Some of them of bodies that this world has not.
+    second.pin_mut().recall_contacts(&remembered).expect("told");
+    for _ in 0..5 {
+        second.pin_mut().step().expect("a step");
+    }
+    steps + 5
+}
+
+/// Every kind of world; how many steps.
+pub fn all() -> u32 {
+    KINDS.iter().map(|&kind| one(kind, 90, 160)).sum()
+}
+
+/// Two worlds in two threads, by each contact path, then one with three
+/// workers; how many steps.
+pub fn in_threads() -> u32 {
+    let mut steps = 0;
+    for kind in [(true, 1, false, 8), (true, 2, false, 8), (false, 1, false, 8)] {
+        let two = [0, 1].map(|_| thread::spawn(move || one(kind, 60, 80)));
+        steps += two.map(|one| one.join().expect("no panic")).iter().sum::<u32>();
+    }
+    steps + one((true, 3, false, 8), 60, 80)
+}
+
+/// Pairs of boxes in two thousand poses, at two length scales, with the fastest
+/// and the portable code; how many contact points.
+pub fn probes() -> usize {
+    let mut points = 0;
+    for (portable, scale) in [(false, 1.0), (false, 100.0), (true, 1.0), (true, 100.0)] {
+        let (a, b) = (cuboid([0.02, 0.03, 0.01]), cuboid([0.01, 0.012, 0.02]));
+        let mut pair = new_hull_probe(scale, 0.5e-3, portable, &a, &b).expect("a pair");
+        let origin = HullProbePose { position: [0.0; 3], rotation: STILL };
+        for i in 0..2000_u32 {
+            let t = 0.37 * f64::from(i);
+            let turn = [t.sin() * 0.6, t.cos() * (t * 1.3).sin(), 0.3, t.cos()];
+            let length = turn.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let at = HullProbePose {
+                position: [
+                    0.012 * (t * 0.7).sin(),
+                    0.016 * (t * 0.9).cos(),
+                    0.012 * (t * 1.1).sin(),
+                ],
+                rotation: turn.map(|x| x / length),
+            };
+            let found = pair.pin_mut().step(&origin, &at);
+            for point in 0..found.len() {
+                pair.pin_mut().set_impulse(point, 0.1, &[0.01, 0.0, 0.0]).expect("set");
+            }
+            assert!(pair.pin_mut().set_impulse(found.len(), 0.1, &[0.0; 3]).is_err());
+            pair.pin_mut().widest_gap(&origin, &at, i % 2 == 0);
+            if i % 50 == 0 {
+                pair.pin_mut().forget();
+            }
+            points += found.len();
+        }
+        assert!(pair.pin_mut().time_steps(&[origin], 20, true) > 0.0 && pair.bytes() > 0);
+    }
+    points
+}
