@@ -43,7 +43,7 @@ fn with_raw(path: &str, raw: &str) -> Vec<u8> {
 
 /// Every number that a person types, with every kind of bad one.
 fn bad_numbers(all: &mut Vec<Hostile>) {
-    const FIELDS: [&str; 28] = [
+    const FIELDS: [&str; 22] = [
         "gravity_m_per_s2",
         "seed",
         "configuration",
@@ -54,20 +54,14 @@ fn bad_numbers(all: &mut Vec<Hostile>) {
         "grains.sieve_table.0.mass_percent",
         "apparatus.cylinder.inner_diameter_mm",
         "apparatus.cylinder.height_mm",
-        "apparatus.cylinder.wall_thickness_mm",
         "apparatus.funnel.opening_diameter_mm",
-        "apparatus.funnel.wall_thickness_mm",
         "apparatus.top_plate.mass_g",
-        "apparatus.top_plate.diameter_mm",
-        "apparatus.top_plate.thickness_mm",
         "contact.restitution",
         "contact.grain_grain_friction",
         "engine.rate_hz",
         "engine.iterations",
         "engine.length_scale",
         "engine.manifold.checkpoint_every_s",
-        "engine.manifold.contact_stiffness_n_per_m",
-        "engine.manifold.push_out_speed_m_per_s",
         "settle.hold_s",
         "stages.1.falling_height_mm",
         "stages.3.frequency_hz",
@@ -204,23 +198,8 @@ fn bad_names(all: &mut Vec<Hostile>) {
         let text = with_raw("extends", raw);
         all.push(Hostile { name: format!("extends = {raw}"), text });
     }
-    for raw in [
-        "\"\"",
-        "\"a/b\"",
-        "\"../x\"",
-        "\"\\u0000\"",
-        "\"\\u202e\"",
-        "\"gravel\\u202e 61-8 \\u2066fdp.\"",
-        "\"a\\u200fb\"",
-        "\"a\\u061cb\"",
-        "\"a\\u2028b\"",
-        "\"a\\u0085b\"",
-        "\"a\\u001b[31mb\"",
-        "\"../\\u202ex\"",
-        "\"👩\\u200d🔬\"",
-        "\"名前\"",
-        "\"🌧\"",
-    ] {
+    for raw in ["\"\"", "\"a/b\"", "\"../x\"", "\"\\u0000\"", "\"\\u202e\"", "\"名前\"", "\"🌧\""]
+    {
         all.push(Hostile { name: format!("name = {raw}"), text: with_raw("name", raw) });
     }
     for raw in
