@@ -178,8 +178,14 @@ fn files(folders: &[&str], extensions: &[&str]) -> Vec<(String, String)> {
     fn walk(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
         let Ok(entries) = std::fs::read_dir(folder) else { return };
         for entry in entries {
-            let path = entry.expect("a folder entry can be read").path();
-            if path.is_dir() { walk(&path, found) } else { found.push(path) }
+            let entry = entry.expect("a folder entry can be read");
+            let (path, kind) = (entry.path(), entry.file_type().expect("its kind"));
+            // What a link leads to stands in its own place.
+            if kind.is_dir() {
+                walk(&path, found);
+            } else if kind.is_file() {
+                found.push(path);
+            }
         }
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
