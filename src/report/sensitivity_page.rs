@@ -15,7 +15,7 @@ pub(super) fn page(of: &Sensitivity, figure: &Figure) -> String {
     let grains = of.grains.map_or_else(|| "grains".to_owned(), |n| format!("{n} grains"));
     let _ = write!(
         text,
-        "Scenario `{}`, {grains}{}, {} configurations. Each parameter is varied by itself, all \
+        "Scenario `{}`, {grains}{}, {} configuration{}. Each parameter is varied by itself, all \
          others at their defaults. Differences in mm ± standard error, paired by configuration: \
          runs of a pair have the same grains in the same order. A packing is chaotic, so that \
          pairs scatter; \"~\" marks an effect that lies inside that scatter: the 95 % confidence \
@@ -25,6 +25,7 @@ pub(super) fn page(of: &Sensitivity, figure: &Figure) -> String {
         of.scenario,
         if of.quick { ", the smaller specimen" } else { "" },
         of.configurations,
+        if of.configurations == 1 { "" } else { "s" },
     );
     if let Some(default) = &of.default {
         let spread = |e: Option<Estimate>| {
@@ -80,17 +81,17 @@ fn table(text: &mut String, title: &str, of: &Sensitivity, effect: fn(&Parameter
     for row in ranked(&of.parameters, effect) {
         let e = effect(row);
         let mark = match e.inside_scatter {
-            Some(true) => "~",
-            Some(false) => "",
-            None => "scatter unknown",
+            Some(true) => Some("~".to_owned()),
+            Some(false) => None,
+            None => Some("scatter unknown".to_owned()),
         };
-        let failed = if row.failed > 0 { format!("{} failed ", row.failed) } else { String::new() };
+        let failed = (row.failed > 0).then(|| format!("{} failed", row.failed));
         let outside = row.grains_outside.filter(|g| *g >= 0.5);
-        let outside =
-            outside.map_or_else(String::new, |g| format!(" {} grains outside", number(g, 0)));
+        let outside = outside.map(|g| format!("grains outside: {}", number(g, 0)));
+        let remarks: Vec<String> = [failed, mark, outside].into_iter().flatten().collect();
         let _ = writeln!(
             text,
-            "| {} | {} to {}{} | {} | {} | {} | {} | {failed}{mark}{outside} |",
+            "| {} | {} to {}{} | {} | {} | {} | {} | {} |",
             row.title,
             compact(row.low),
             compact(row.high),
@@ -99,6 +100,7 @@ fn table(text: &mut String, title: &str, of: &Sensitivity, effect: fn(&Parameter
             estimate(e.high_mm, 1),
             estimate(e.range_mm, 1),
             per_unit(e.per_unit_mm),
+            remarks.join(", "),
         );
     }
 }
