@@ -87,7 +87,7 @@ fn table(text: &mut String, title: &str, of: &Sensitivity, effect: fn(&Parameter
         };
         let failed = (row.failed > 0).then(|| format!("{} failed", row.failed));
         let outside = row.grains_outside.filter(|g| *g >= 0.5);
-        let outside = outside.map(|g| format!("grains outside: {}", number(g, 0)));
+        let outside = outside.map(|g| format!("grains outside: {}", number(g, 1)));
         let remarks: Vec<String> = [failed, mark, outside].into_iter().flatten().collect();
         let _ = writeln!(
             text,
