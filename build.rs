@@ -39,7 +39,7 @@ const SHIMS: [&str; 32] = [
     "stock",
     "phased_world",
     "hull_world",
-    "pair_pool",
+    "pool",
     "pairs",
     "world",
 ];

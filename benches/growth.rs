@@ -8,6 +8,7 @@ mod common;
 use std::{
     collections::HashMap,
     fs,
+    sync::Arc,
     time::{Duration, Instant},
 };
 
@@ -71,7 +72,8 @@ impl Cylinders {
                 let mut state = s.body;
                 state.pose.translation.vector += away;
                 let motion = Motion::Free { mass: grain.mass, inertia: grain.inertia };
-                let shape = grain.shape.clone();
+                // Of its own, as in a specimen of so many grains.
+                let shape = Arc::new((*grain.shape).clone());
                 let body = Body { shape, motion, material: Material::Grain, state };
                 ids.insert(Party::Grain(n), world.add(&body).expect("a grain"));
             }
@@ -120,7 +122,7 @@ fn resident() -> Option<f64> {
 const MEASURED: usize = 80;
 
 /// Rounds through all sizes.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 6;
 
 /// Time in s of one step.
 fn spent(before: PhaseTimes, after: PhaseTimes) -> [f64; 4] {

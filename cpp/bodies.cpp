@@ -7,9 +7,9 @@ const PairValue &Materials::of(const btCollisionObject &a, const btCollisionObje
                  static_cast<std::size_t>(b.getUserIndex2())];
 }
 
-std::unique_ptr<btRigidBody> make_body(const Units &units, const BodyDefinition &definition, int id,
-                                       btConvexHullShape *shape, Materials *materials,
-                                       const DampingAndSpin &settings) {
+BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
+                  btConvexHullShape *shape, Materials *materials, const DampingAndSpin &settings,
+                  Pool &pool) {
     const bool free = definition.kind == BodyKind::Free;
     const btScalar mass = free ? static_cast<btScalar>(definition.mass) : btScalar(0);
     const btVector3 inertia = free ? units.inertia(definition.inertia) : btVector3(0, 0, 0);
@@ -23,7 +23,7 @@ std::unique_ptr<btRigidBody> make_body(const Units &units, const BodyDefinition 
     info.m_restitution = 1;
     info.m_rollingFriction = 0;
     info.m_spinningFriction = 0;
-    auto body = std::make_unique<btRigidBody>(info);
+    BodyPtr body(new (pool.take()) btRigidBody(info), BodyEnd{&pool});
     if (free) {
         body->setFlags(settings.gyroscopic ? BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY : 0);
         body->setLinearVelocity(units.length(definition.linear_velocity));

@@ -4,6 +4,7 @@
 
 #include "convert.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
+#include "pool.h"
 
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -31,11 +32,21 @@ struct DampingAndSpin {
     bool gyroscopic;
 };
 
-// A body as defined; `id` and its material are found again in Bullet's user
+// Gives a body's room back to its pool.
+struct BodyEnd {
+    Pool *pool;
+    void operator()(btRigidBody *body) const {
+        body->~btRigidBody();
+        pool->give_back(body);
+    }
+};
+using BodyPtr = std::unique_ptr<btRigidBody, BodyEnd>;
+
+// A body as defined, in a piece of `pool`; `id` and its material are found again in Bullet's user
 // indices, the materials' table behind its user pointer.
-std::unique_ptr<btRigidBody> make_body(const Units &units, const BodyDefinition &definition, int id,
-                                       btConvexHullShape *shape, Materials *materials,
-                                       const DampingAndSpin &settings);
+BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
+                  btConvexHullShape *shape, Materials *materials, const DampingAndSpin &settings,
+                  Pool &pool);
 
 // Bullet's hooks for the coefficients of a pair (btManifoldResult.h). They
 // stand in for Bullet's rule, which multiplies one value of each body.

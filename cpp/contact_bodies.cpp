@@ -1,5 +1,7 @@
 #include "contact_bodies.h"
 
+#include "prefetch.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -68,6 +70,12 @@ Three<double> steady(const Three<double> &a, const Three<double> &b) {
 
 } // namespace
 
+// Its pose at one end and its velocities, masses and forces at the other.
+void prefetch_body(const btRigidBody &body) {
+    prefetch(body.getWorldTransform());
+    prefetch(&body.getInvInertiaTensorWorld(), &body.getTotalTorque() + 1);
+}
+
 SolverBody free_body(const btRigidBody &body) {
     SolverBody out;
     out.velocity = three(body.getLinearVelocity());
@@ -78,7 +86,9 @@ SolverBody free_body(const btRigidBody &body) {
     const btVector3 root(std::sqrt(inverse.x()), std::sqrt(inverse.y()), std::sqrt(inverse.z()));
     out.inverse_inertia_root = along(basis, root);
     out.inertia_root = along(basis, btVector3(1 / root.x(), 1 / root.y(), 1 / root.z()));
-    out.acceleration = three(body.getTotalForce()) * out.inverse_mass;
+    // The weight as Bullet rounds it (btRigidBody.cpp, setGravity, 3.24).
+    const btVector3 weight = body.getGravity() * (btScalar(1) / body.getInvMass());
+    out.acceleration = three(body.getTotalForce() + weight) * out.inverse_mass;
     out.spin_up = three(body.getInvInertiaTensorWorld() * body.getTotalTorque());
     return out;
 }
@@ -96,35 +106,36 @@ SolverBody driven_body(const btRigidBody &body, double step, Drive &drive) {
 }
 
 // Bullet moves a body by its velocity and turns it by its spin, for a step:
-// they are given as what takes it the way it has gone. A free body's spin
+// they are given as what takes it the way it goes. A free body's spin
 // changes while it turns; the spin it has half a step on, from the angular
 // momentum it had on average, turns it right to the second order (midpoint
 // rule).
-Moving begin_step(const SolverBody &from, btRigidBody &body, double step, bool gyroscopic) {
+void move_body(const Moving &moving, double step, bool gyroscopic) {
+    btRigidBody &body = *moving.body;
     const double rate = 1 / step;
-    Moving moving{&body, from.velocity, from.spin, false};
-    btVector3 spin = vector(from.turn * rate);
     const btVector3 inertia = moments(body);
-    if (gyroscopic && !even(inertia)) {
+    const bool uneven = gyroscopic && !even(inertia);
+    btVector3 spin = vector(moving.turn * rate);
+    btVector3 momentum(0, 0, 0); // at the end of the step, in world axes
+    if (uneven) {
         const btMatrix3x3 &basis = body.getWorldTransform().getBasis();
-        moving.spin = three(momentum_of(vector(from.spin), inertia, basis));
-        moving.is_momentum = true;
+        momentum = momentum_of(vector(moving.spin), inertia, basis);
         const btScalar half = static_cast<btScalar>(step / 2);
         spin = spin_of(momentum_of(spin, inertia, basis), body.getInvInertiaDiagLocal(),
                        turned(basis, spin, half));
     }
-    body.setLinearVelocity(vector(from.shift * rate));
+    body.setLinearVelocity(vector(moving.shift * rate));
     body.setAngularVelocity(spin);
-    return moving;
-}
-
-void end_step(const Moving &moving) {
-    btRigidBody &body = *moving.body;
+    // As Bullet does with a body that is not swept (btDiscreteDynamicsWorld.cpp,
+    // integrateTransformsInternal, 3.24).
+    btTransform end;
+    body.predictIntegratedTransform(static_cast<btScalar>(step), end);
+    body.proceedToTransform(end);
     body.setLinearVelocity(vector(moving.velocity));
-    body.setAngularVelocity(moving.is_momentum
-                                ? spin_of(vector(moving.spin), body.getInvInertiaDiagLocal(),
-                                          body.getWorldTransform().getBasis())
-                                : vector(moving.spin));
+    body.setAngularVelocity(uneven ? spin_of(momentum, body.getInvInertiaDiagLocal(),
+                                             body.getWorldTransform().getBasis())
+                                   : vector(moving.spin));
+    body.clearForces();
 }
 
 } // namespace pluvia

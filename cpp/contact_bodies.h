@@ -7,21 +7,24 @@
 
 namespace pluvia {
 
-// A body with its motion at the end of the step.
+// A body with what the solver found for the step: its velocities at the end,
+// and the way it goes.
 struct Moving {
     btRigidBody *body = nullptr;
-    Three<double> velocity, spin;
-    bool is_momentum = false; // the spin stands for the angular momentum in world axes
+    Three<double> velocity{0, 0, 0}, spin{0, 0, 0};
+    Three<double> shift{0, 0, 0}, turn{0, 0, 0};
 };
 
-// A body that moves freely.
+// Asks the memory for what is read of a body below.
+void prefetch_body(const btRigidBody &body);
+
+// A body that moves freely, by its weight and by Bullet's forces on it.
 SolverBody free_body(const btRigidBody &body);
 
-// Moves the body by what was solved. Bullet will integrate it for a step of
-// length `step`; then `end_step` gives it the velocity it has at the end.
-// `gyroscopic`: uneven bodies turn by Euler's equations.
-Moving begin_step(const SolverBody &from, btRigidBody &body, double step, bool gyroscopic);
-void end_step(const Moving &moving);
+// Moves the body by what was solved in a step of length `step`, by Bullet's
+// integration, and takes the forces of the step from it. `gyroscopic`: uneven
+// bodies turn by Euler's equations.
+void move_body(const Moving &moving, double step, bool gyroscopic);
 
 // A driven body's velocities: of the last step, and their change from the one
 // before.

@@ -6,7 +6,7 @@
 
 namespace pluvia {
 
-// The moving bodies of a pair, by number; -1 for one that does not move.
+// The bodies of a pair, by number; less than 0 for one that does not move.
 struct Link {
     int a, b;
 };

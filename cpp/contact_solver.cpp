@@ -30,19 +30,18 @@ ContactSolver::ContactSolver(const std::vector<Touching> &touching, const Contac
     : touching_(touching), law_(law), sweep_(sweep), gyroscopic_(gyroscopic), workers_(workers),
       desks_(static_cast<std::size_t>(workers.count())) {}
 
-btScalar ContactSolver::solveGroup(btCollisionObject **bodies, int body_count,
-                                   btPersistentManifold **, int, btTypedConstraint **,
-                                   int constraint_count, const btContactSolverInfo &info,
-                                   btIDebugDraw *, btDispatcher *) {
+btScalar ContactSolver::solveGroup(btCollisionObject **, int, btPersistentManifold **, int,
+                                   btTypedConstraint **, int constraint_count,
+                                   const btContactSolverInfo &info, btIDebugDraw *,
+                                   btDispatcher *) {
     if (constraint_count != 0) {
         throw std::logic_error("the contact solver does not know joints");
     }
     const double step = static_cast<double>(info.m_timeStep);
-    take_bodies(bodies, body_count, step);
+    take_driven(step);
     links_.clear();
     for (const Touching &pair : touching_) {
-        links_.push_back({std::max(WORLD, pair.a->object->getCompanionId()),
-                          std::max(WORLD, pair.b->object->getCompanionId())});
+        links_.push_back({pair.a->number, pair.b->number});
     }
     parts_.split(moving_.size(), links_);
     for (Desk &desk : desks_) {
@@ -66,19 +65,23 @@ btScalar ContactSolver::solveGroup(btCollisionObject **bodies, int body_count,
     return 0;
 }
 
-void ContactSolver::take_bodies(btCollisionObject **bodies, int count, double step) {
+void ContactSolver::bodies_changed() {
     moving_.clear();
-    driven_.clear();
-    drives_now_.clear();
-    for (int i = 0; i < count; ++i) {
+    driving_.clear();
+    sorted_ = false;
+}
+
+void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
+    if (sorted_) {
+        return;
+    }
+    bodies_changed();
+    for (int i = 0; i < bodies.size(); ++i) {
         btRigidBody *body = btRigidBody::upcast(bodies[i]);
         // What is driven counts as static with Bullet, too.
         if (body != nullptr && body->isKinematicObject()) {
-            Drive &drive = drives_now_[body];
-            const auto before = drives_.find(body);
-            drive = before != drives_.end() ? before->second : Drive{};
-            bodies[i]->setCompanionId(driven_number(static_cast<int>(driven_.size())));
-            driven_.push_back(driven_body(*body, step, drive));
+            bodies[i]->setCompanionId(driven_number(static_cast<int>(driving_.size())));
+            driving_.push_back(body);
         } else if (body == nullptr || body->isStaticObject()) {
             bodies[i]->setCompanionId(WORLD);
         } else {
@@ -88,12 +91,23 @@ void ContactSolver::take_bodies(btCollisionObject **bodies, int count, double st
         }
     }
     place_.resize(moving_.size());
+    sorted_ = true;
+}
+
+void ContactSolver::take_driven(double step) {
+    driven_.clear();
+    drives_now_.clear();
+    for (const btRigidBody *body : driving_) {
+        Drive &drive = drives_now_[body];
+        const auto before = drives_.find(body);
+        drive = before != drives_.end() ? before->second : Drive{};
+        driven_.push_back(driven_body(*body, step, drive));
+    }
     std::swap(drives_, drives_now_);
 }
 
 // Driven bodies come to a desk when a pair of the part has them.
-int ContactSolver::local_index(const btCollisionObject &body, Desk &desk) const {
-    const int id = body.getCompanionId();
+int ContactSolver::local_index(int id, Desk &desk) const {
     if (id > WORLD) {
         return place_[static_cast<std::size_t>(id)];
     }
@@ -129,7 +143,7 @@ void ContactSolver::solve_part(std::size_t part, double step, Desk &desk, Worker
     share(bodies.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (i + AHEAD < end) {
-                prefetch(*body_at(i + AHEAD).body);
+                prefetch_body(*body_at(i + AHEAD).body);
             }
             place_[static_cast<std::size_t>(bodies.first[i])] = static_cast<int>(i + 1);
             desk.bodies[i + 1] = free_body(*body_at(i).body);
@@ -139,8 +153,8 @@ void ContactSolver::solve_part(std::size_t part, double step, Desk &desk, Worker
     std::size_t rows = 0;
     for (const int &number : parts_.pairs(part)) {
         const Touching &pair = touching_[static_cast<std::size_t>(number)];
-        const int a = local_index(*pair.a->object, desk);
-        const int b = local_index(*pair.b->object, desk);
+        const int a = local_index(pair.a->number, desk);
+        const int b = local_index(pair.b->number, desk);
         desk.pairs.push_back({&pair, a, b, rows});
         rows += static_cast<std::size_t>(pair.points);
     }
@@ -168,11 +182,9 @@ void ContactSolver::solve_part(std::size_t part, double step, Desk &desk, Worker
     });
     share(bodies.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (i + AHEAD < end) {
-                prefetch(*body_at(i + AHEAD).body);
-            }
+            const SolverBody &body = desk.bodies[i + 1];
             Moving &moving = body_at(i);
-            moving = begin_step(desk.bodies[i + 1], *moving.body, step, gyroscopic_);
+            moving = {moving.body, body.velocity, body.spin, body.shift, body.turn};
         }
     });
     for (const int driven : desk.driven_in) {
@@ -181,14 +193,15 @@ void ContactSolver::solve_part(std::size_t part, double step, Desk &desk, Worker
     desk.driven_in.clear();
 }
 
-void ContactSolver::after_step() {
-    for (std::size_t i = 0; i < moving_.size(); ++i) {
-        if (i + AHEAD < moving_.size()) {
-            prefetch(*moving_[i + AHEAD].body);
+void ContactSolver::move_bodies(double step) {
+    workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + AHEAD < end) {
+                prefetch(*moving_[i + AHEAD].body);
+            }
+            move_body(moving_[i], step, gyroscopic_);
         }
-        end_step(moving_[i]);
-    }
-    moving_.clear();
+    });
 }
 
 } // namespace pluvia

@@ -16,7 +16,7 @@ namespace pluvia {
 // Solves all contacts of a step at once: projected Gauss–Seidel in sub-steps that
 // begins with the whole of the last step's impulses, friction within its cone,
 // normals as implicit springs, restitution as typed. The world must call it once
-// a step with all its bodies, and must hold no joints.
+// a step, and must hold no joints.
 class ContactSolver final : public btConstraintSolver {
   public:
     // `touching`: the contacts of the step at hand, in the place of Bullet's
@@ -32,10 +32,15 @@ class ContactSolver final : public btConstraintSolver {
     void reset() override {}
     btConstraintSolverType getSolverType() const override { return BT_SEQUENTIAL_IMPULSE_SOLVER; }
 
-    // To be called when the step has moved the bodies: gives each the velocity
-    // it has at its end, and the spin that its angular momentum has in the
-    // orientation it has come to.
-    void after_step();
+    // Moves the bodies of the last solveGroup by what was found.
+    void move_bodies(double step);
+
+    // To be called when a body came or went.
+    void bodies_changed();
+
+    // To be called in every step, before contacts are found: numbers the bodies
+    // (companion ids) where they have changed.
+    void sort_bodies(const btCollisionObjectArray &bodies);
 
     const ContactLaw &law() const { return law_; }
     Sweep sweep() const { return sweep_; }
@@ -66,15 +71,17 @@ class ContactSolver final : public btConstraintSolver {
     std::vector<Link> links_;    // by pair that touches
     std::vector<Moving> moving_; // every free body
     std::vector<int> place_;     // of a free body in its part
+    std::vector<btRigidBody *> driving_;
     std::vector<SolverBody> driven_;
+    bool sorted_ = false; // the bodies of the world into free and driven ones
     std::unordered_map<const btCollisionObject *, Drive> drives_, drives_now_;
     std::vector<Desk> desks_;        // by worker
     std::vector<std::size_t> small_; // parts that a thread solves by itself
 
-    void take_bodies(btCollisionObject **bodies, int count, double step);
+    void take_driven(double step);
     // With `workers`, all of them work on the part.
     void solve_part(std::size_t part, double step, Desk &desk, Workers *workers);
-    int local_index(const btCollisionObject &body, Desk &desk) const;
+    int local_index(int id, Desk &desk) const;
 };
 
 } // namespace pluvia

@@ -1,5 +1,7 @@
 #include "hull_algorithm.h"
 
+#include "prefetch.h"
+
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
@@ -27,6 +29,10 @@ constexpr double FACE_PREFERENCE = 0.005e-3; // m
 // and none travels so far in a step.
 constexpr double MATCH = 1e-3; // m
 
+std::uint32_t place(const btCollisionObject &body) {
+    return static_cast<std::uint32_t>(HullBodies::index(*body.getBroadphaseHandle()));
+}
+
 } // namespace
 
 PairSettings pair_settings(double reach, double scale) {
@@ -43,7 +49,22 @@ void HullCollision::forget(const btCollisionObject &body) {
                    touching.end());
 }
 
-void HullAlgorithm::find(const HullBody &a, const HullBody &b, PairScratch &scratch) {
+void HullAlgorithm::ask_for_hulls(const HullData &a, const HullData &b) const {
+    const PairMemory &memory = state_.memory;
+    const bool edges = memory.feature == Feature::Edges;
+    if (edges || (memory.feature == Feature::None && memory.has_axis)) {
+        prefetch(a.vx, a.vz + a.vertices);
+        prefetch(b.vx, b.vz + b.vertices);
+    }
+    if (edges) {
+        a.prefetch_edge(memory.first);
+        b.prefetch_edge(memory.second);
+        prefetch(a.nx, a.nz + a.faces);
+    }
+}
+
+void HullAlgorithm::find(const HullBody &a, const HullBody &b, double travelled,
+                         PairScratch &scratch) {
     PairSettings settings = shared_.settings;
     settings.reach += approach_in_step(a, b, shared_.step);
     if (!shared_.recalled.empty()) {
@@ -56,14 +77,14 @@ void HullAlgorithm::find(const HullBody &a, const HullBody &b, PairScratch &scra
     points_ = contact.count;
     const PairMemory &memory = state_.memory;
     apart_until_ = memory.feature == Feature::None && memory.has_axis
-                       ? a.travelled + b.travelled + static_cast<double>(memory.widest)
+                       ? travelled + static_cast<double>(memory.widest)
                        : -1;
 }
 
 HullAlgorithm::HullAlgorithm(const btCollisionAlgorithmConstructionInfo &info,
                              HullCollision &shared, const btCollisionObject *a,
                              const btCollisionObject *b)
-    : btCollisionAlgorithm(info), shared_(shared) {
+    : btCollisionAlgorithm(info), shared_(shared), at_a_(place(*a)), at_b_(place(*b)) {
     state_.friction = static_cast<float>(gCalculateCombinedFrictionCallback(a, b));
     state_.restitution = static_cast<float>(gCalculateCombinedRestitutionCallback(a, b));
 }

@@ -50,13 +50,16 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     }
     void getAllContactManifolds(btManifoldArray &) override {}
 
-    // Finds the contact of the pair; both shapes are TightHulls. Writes only
-    // what belongs to the pair.
-    void find(const HullBody &a, const HullBody &b, PairScratch &scratch);
+    // Finds the contact of the pair; both shapes are TightHulls. `travelled`: the
+    // bodies' ways, added up. Writes only what belongs to the pair.
+    void find(const HullBody &a, const HullBody &b, double travelled, PairScratch &scratch);
     // Whether the pair was apart, and cannot have come within reach since.
-    bool rests(const HullBody &a, const HullBody &b, double reach) const {
-        return a.travelled + b.travelled + reach < apart_until_;
-    }
+    bool rests(double travelled, double reach) const { return travelled + reach < apart_until_; }
+    // The bodies' places in HullBodies.
+    std::size_t at_a() const { return at_a_; }
+    std::size_t at_b() const { return at_b_; }
+    // Asks the memory for what the pair will read of its hulls.
+    void ask_for_hulls(const HullData &a, const HullData &b) const;
     // Contact points that it holds.
     int points() const { return points_; }
     PairState &state() { return state_; }
@@ -67,6 +70,7 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     //
     // The bodies' ways, added up, at which they may meet.
     double apart_until_ = -1;
+    std::uint32_t at_a_, at_b_;
     int points_ = 0;
     PairState state_;
 };

@@ -1,5 +1,6 @@
 #include "hull_bodies.h"
 
+#include "prefetch.h"
 #include "shapes.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -26,6 +27,7 @@ HullBody hull_body(const btCollisionObject &object) {
     HullBody out;
     out.object = &object;
     out.hull = &shape.data();
+    out.number = object.getCompanionId();
     out.pose = rigid(object.getWorldTransform());
     for (int i = 0; i < 3; ++i) {
         out.velocity[i] = static_cast<double>(body.getLinearVelocity()[i]);
@@ -54,6 +56,29 @@ void HullBodies::begin(const Frame &frame) {
     frame_ = frame;
 }
 
+void HullBodies::ask_ahead(const btCollisionObjectArray &objects, int i) {
+    const auto at = [&](int ahead) -> const btRigidBody * {
+        return i + ahead < objects.size() ? btRigidBody::upcast(objects[i + ahead]) : nullptr;
+    };
+    const auto shape_of = [](const btRigidBody &body) -> const TightHull & {
+        return static_cast<const TightHull &>(*body.getCollisionShape());
+    };
+    if (i + 12 < objects.size()) {
+        prefetch(static_cast<const btRigidBody &>(*objects[i + 12]));
+    }
+    if (const btRigidBody *body = at(8)) {
+        prefetch(*body->getBroadphaseHandle());
+        prefetch(shape_of(*body));
+    }
+    if (const btRigidBody *body = at(5)) {
+        prefetch(shape_of(*body).data());
+    }
+    if (const btRigidBody *body = at(2)) {
+        const HullData &hull = shape_of(*body).data();
+        prefetch(hull.vx, hull.vz + hull.vertices);
+    }
+}
+
 const HullRange &HullBodies::take(const btCollisionObject &object, double step, double reach,
                                   const AxisKernels &kernels) {
     const std::size_t at = index(*object.getBroadphaseHandle());
@@ -64,11 +89,10 @@ const HullRange &HullBodies::take(const btCollisionObject &object, double step, 
     HullBody &body = bodies_[at];
     const HullBody before = body;
     body = hull_body(object);
-    body.travelled = before.travelled;
-    if (before.object == body.object) {
-        body.travelled += way(body, before.pose, moved_);
-    }
     HullRange &range = ranges_[at];
+    if (before.object == body.object) {
+        range.travelled += way(body, before.pose, moved_);
+    }
     float turned[9];
     std::copy(body.pose.r, body.pose.r + 9, turned);
     kernels.box(*body.hull, turned, range.low, range.high);

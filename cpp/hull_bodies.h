@@ -18,10 +18,10 @@ Rigid rigid(const btTransform &pose);
 struct HullBody {
     const btCollisionObject *object = nullptr; // null where no body has this number
     const HullData *hull = nullptr;
+    int number = -1; // of the object among those of the solver, its companion id
     Rigid pose;
     double velocity[3];
-    double turning;       // speed at which its farthest point turns
-    double travelled = 0; // by any of its points since it was first seen, in the frame
+    double turning; // speed at which its farthest point turns
 };
 
 // A rigid body whose shape is a TightHull.
@@ -33,8 +33,10 @@ HullBody hull_body(const btCollisionObject &object);
 double approach_in_step(const HullBody &a, const HullBody &b, double step);
 
 // Where a body can be within the step, in the frame of HullBodies, with half
-// the reach of contacts around it.
-struct HullRange {
+// the reach of contacts around it. All that is read of the bodies of most pairs,
+// in one line of the cache.
+struct alignas(64) HullRange {
+    double travelled = 0; // by any of its points since it was first seen, in the frame
     float low[3], high[3];
     float centre[3], radius;
     float around; // how far beyond the body
@@ -67,8 +69,17 @@ class HullBodies {
     const HullRange &take(const btCollisionObject &object, double step, double reach,
                           const AxisKernels &kernels);
 
-    const HullBody &body(const btBroadphaseProxy &proxy) const { return bodies_[index(proxy)]; }
-    const HullRange &range(const btBroadphaseProxy &proxy) const { return ranges_[index(proxy)]; }
+    // Asks the memory for what `take` will read of the objects that come after
+    // number `i`: one leads to the next, so that the farther ahead an object is
+    // the less is asked for.
+    static void ask_ahead(const btCollisionObjectArray &objects, int i);
+
+    // By the number of their proxy.
+    const HullBody &body(std::size_t at) const { return bodies_[at]; }
+    const HullRange &range(std::size_t at) const { return ranges_[at]; }
+    static std::size_t index(const btBroadphaseProxy &proxy) {
+        return static_cast<std::size_t>(proxy.m_uniqueId);
+    }
 
   private:
     std::vector<HullBody> bodies_;
@@ -78,9 +89,6 @@ class HullBodies {
 
     // How far any point of a body has gone from one pose to the next.
     static double way(const HullBody &body, const Rigid &before, const double moved[3]);
-    static std::size_t index(const btBroadphaseProxy &proxy) {
-        return static_cast<std::size_t>(proxy.m_uniqueId);
-    }
 };
 
 } // namespace pluvia

@@ -56,6 +56,13 @@ class HullData {
     // Faces around vertex v: entries around_start[v] up to around_start[v + 1].
     std::uint16_t *around_start, *around_face;
 
+    void prefetch_edge(int e) const {
+        __builtin_prefetch(ex + e);
+        __builtin_prefetch(ey + e);
+        __builtin_prefetch(ez + e);
+        __builtin_prefetch(edge + e);
+    }
+
   private:
     void *block_ = nullptr;
 

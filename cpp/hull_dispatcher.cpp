@@ -15,6 +15,9 @@ namespace {
 // So many pairs ahead the memory is asked for what a pair carries.
 constexpr std::size_t AHEAD = 6;
 
+// And so many where little is done with each.
+constexpr int FAR_AHEAD = 32;
+
 // Pairs that a thread takes at once: enough to pay for taking them, few enough
 // for all threads to end together.
 constexpr std::size_t PAIRS_AT_ONCE = 64;
@@ -56,20 +59,24 @@ void HullDispatcher::freeCollisionAlgorithm(void *algorithm) {
 // As Bullet's near callback, for pairs of hulls only: leaves out what cannot
 // touch. Every body takes part in every step, so nothing else is asked.
 void HullDispatcher::take(btBroadphasePair &pair) {
-    const btBroadphaseProxy &a = *pair.m_pProxy0;
-    const btBroadphaseProxy &b = *pair.m_pProxy1;
     const HullBodies &bodies = collision_->bodies;
     auto *algorithm = static_cast<HullAlgorithm *>(pair.m_algorithm);
-    if (!bodies.range(a).meets(bodies.range(b)) &&
-        (algorithm == nullptr || algorithm->points() == 0)) {
+    const std::size_t a =
+        algorithm != nullptr ? algorithm->at_a() : HullBodies::index(*pair.m_pProxy0);
+    const std::size_t b =
+        algorithm != nullptr ? algorithm->at_b() : HullBodies::index(*pair.m_pProxy1);
+    const HullRange &range_a = bodies.range(a);
+    const HullRange &range_b = bodies.range(b);
+    const double travelled = range_a.travelled + range_b.travelled;
+    if (algorithm != nullptr &&
+        algorithm->rests(travelled, static_cast<double>(range_a.around + range_b.around))) {
+        return;
+    }
+    if (!range_a.meets(range_b) && (algorithm == nullptr || algorithm->points() == 0)) {
         return;
     }
     const HullBody &body_a = bodies.body(a);
     const HullBody &body_b = bodies.body(b);
-    const auto reach = static_cast<double>(bodies.range(a).around + bodies.range(b).around);
-    if (algorithm != nullptr && algorithm->rests(body_a, body_b, reach)) {
-        return;
-    }
     if (algorithm == nullptr) {
         const btCollisionObject &object_a = *body_a.object;
         const btCollisionObject &object_b = *body_b.object;
@@ -81,7 +88,22 @@ void HullDispatcher::take(btBroadphasePair &pair) {
             findAlgorithm(&on_a, &on_b, nullptr, BT_CONTACT_POINT_ALGORITHMS));
         pair.m_algorithm = algorithm;
     }
-    work_.push_back({algorithm, &body_a, &body_b});
+    work_.push_back({algorithm, &body_a, &body_b, travelled});
+}
+
+// Asks the memory for what the pairs after number `i` carry, and then for what
+// they will read of the hulls.
+void HullDispatcher::ask_ahead(std::size_t i, std::size_t end) const {
+    if (i + AHEAD < end) {
+        const Work &work = work_[i + AHEAD];
+        prefetch(*work.algorithm);
+        __builtin_prefetch(work.a->hull);
+        __builtin_prefetch(work.b->hull);
+    }
+    if (i + AHEAD / 2 < end) {
+        const Work &work = work_[i + AHEAD / 2];
+        work.algorithm->ask_for_hulls(*work.a->hull, *work.b->hull);
+    }
 }
 
 void HullDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *pairs,
@@ -95,19 +117,17 @@ void HullDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *pairs,
     btBroadphasePair *const first = pairs->getOverlappingPairArrayPtr();
     const int count = pairs->getNumOverlappingPairs();
     for (int i = 0; i < count; ++i) {
-        __builtin_prefetch(first[std::min(i + 2 * static_cast<int>(AHEAD), count - 1)].m_algorithm);
+        __builtin_prefetch(first[std::min(i + FAR_AHEAD, count - 1)].m_algorithm);
         take(first[i]);
     }
-    workers_->share(work_.size(), PAIRS_AT_ONCE,
-                    [this](int worker, std::size_t begin, std::size_t end) {
-                        PairScratch &scratch = scratch_[static_cast<std::size_t>(worker)];
-                        for (std::size_t i = begin; i < end; ++i) {
-                            if (i + AHEAD < end) {
-                                prefetch(*work_[i + AHEAD].algorithm);
-                            }
-                            work_[i].algorithm->find(*work_[i].a, *work_[i].b, scratch);
-                        }
-                    });
+    workers_->share(
+        work_.size(), PAIRS_AT_ONCE, [this](int worker, std::size_t begin, std::size_t end) {
+            PairScratch &scratch = scratch_[static_cast<std::size_t>(worker)];
+            for (std::size_t i = begin; i < end; ++i) {
+                ask_ahead(i, end);
+                work_[i].algorithm->find(*work_[i].a, *work_[i].b, work_[i].travelled, scratch);
+            }
+        });
     collision_->touching.clear();
     for (const Work &work : work_) {
         if (work.algorithm->points() > 0) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "hull_algorithm.h"
-#include "pair_pool.h"
+#include "pool.h"
 #include "workers.h"
 
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
@@ -40,15 +40,17 @@ class HullDispatcher final : public btCollisionDispatcher {
     struct Work {
         HullAlgorithm *algorithm;
         const HullBody *a, *b;
+        double travelled; // by both
     };
     HullCollision *collision_;
-    PairPool pool_{sizeof(HullAlgorithm)};
+    Pool pool_{sizeof(HullAlgorithm)};
     std::unique_ptr<HullCreateFunc> create_;
     std::unique_ptr<Workers> workers_;
     std::vector<Work> work_;
     std::deque<PairScratch> scratch_; // by thread
 
     void take(btBroadphasePair &pair);
+    void ask_ahead(std::size_t i, std::size_t end) const;
 };
 
 } // namespace pluvia

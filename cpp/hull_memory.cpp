@@ -1,6 +1,7 @@
 #include "hull_memory.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pluvia {
 
@@ -29,6 +30,18 @@ void KeptContact::keep(const PairContact &contact) {
         points[i].gap = static_cast<float>(point.gap);
         points[i].id = point.id;
     }
+}
+
+float farthest_way(const Relative &from, const Relative &to, float radius) {
+    float turn = 0;
+    float shift = 0;
+    for (int i = 0; i < 9; ++i) {
+        turn += (to.r[i] - from.r[i]) * (to.r[i] - from.r[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        shift += (to.t[i] - from.t[i]) * (to.t[i] - from.t[i]);
+    }
+    return std::sqrt(shift) + std::sqrt(turn / 2) * radius;
 }
 
 void recall(const HullData &a, const HullData &b, std::uint32_t feature, PairMemory &memory) {

@@ -64,7 +64,16 @@ struct PairMemory {
     // Of a face contact: where the smaller body was in the frame of the larger
     // when its points were found.
     Relative met_at = {};
+    // The same face's plane, a copy beside the points: while they stay, nothing
+    // else is read of the hulls, which may be far away in memory.
+    float plane_normal[3] = {0, 0, 0};
+    float plane_offset = 0;
 };
+
+// How far any point of a body can have come from one place to another: |t - t'| +
+// |R - R'| radius, the norm of the difference of two rotations being its
+// Frobenius norm over the root of 2.
+float farthest_way(const Relative &from, const Relative &to, float radius);
 
 // Makes a pair that has no memory remember what touched, as another pair of the
 // same hulls found it; the points are for `last`. What does not fit the hulls

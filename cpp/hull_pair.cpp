@@ -117,19 +117,10 @@ class Pair {
     }
 
     // How far any point of one body can have come in the frame of the other
-    // since it was at `then`: |t - t'| + |R - R'| radius, the norm of the
-    // difference of two rotations being its Frobenius norm over the root of 2.
-    // A gap along an axis changes by no more, so the widest does not either.
+    // since it was at `then`. A gap along an axis changes by no more, so the
+    // widest does not either.
     float moved(const Relative &then) const {
-        float turn = 0;
-        float shift = 0;
-        for (int i = 0; i < 9; ++i) {
-            turn += (now_.r[i] - then.r[i]) * (now_.r[i] - then.r[i]);
-        }
-        for (int i = 0; i < 3; ++i) {
-            shift += (now_.t[i] - then.t[i]) * (now_.t[i] - then.t[i]);
-        }
-        return std::sqrt(shift) + std::sqrt(turn / 2) * std::min(a_.radius, b_.radius);
+        return farthest_way(then, now_, std::min(a_.radius, b_.radius));
     }
 
     // What touched when another pair found it touches still; a search might
@@ -151,16 +142,15 @@ class Pair {
             return false;
         }
         const bool is_a = memory_.feature == Feature::FaceOfA;
-        const HullData &reference = is_a ? a_ : b_;
-        const int face = memory_.first;
-        const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
+        const double normal[3] = {memory_.plane_normal[0], memory_.plane_normal[1],
+                                  memory_.plane_normal[2]};
         ClipPoint points[4];
         for (int i = 0; i < memory_.last.count; ++i) {
             const KeptPoint &before = memory_.last.points[i];
             ClipPoint &point = points[i];
             from_incident(is_a).apply(is_a ? before.on_b : before.on_a, point.x);
             point.gap = normal[0] * point.x[0] + normal[1] * point.x[1] + normal[2] * point.x[2] -
-                        static_cast<double>(reference.offset[face]);
+                        static_cast<double>(memory_.plane_offset);
             point.id = before.id;
         }
         put(is_a, normal, points, memory_.last.count);
@@ -274,6 +264,15 @@ class Pair {
         memory_.second = second;
     }
 
+    // What `hold` goes on with.
+    void remember_plane(const HullData &reference, int face) {
+        memory_.met_at = now_;
+        memory_.plane_normal[0] = reference.nx[face];
+        memory_.plane_normal[1] = reference.ny[face];
+        memory_.plane_normal[2] = reference.nz[face];
+        memory_.plane_offset = reference.offset[face];
+    }
+
     // Makes the edges found last the contact. False where they are not what
     // is highest and lowest along their axis: edges that are nearly parallel
     // may have an axis close to that of a face, where others are.
@@ -341,7 +340,7 @@ class Pair {
                                                            known, memory_.last.count);
         put(is_a, normal, points.data(), count);
         remember(is_a ? Feature::FaceOfA : Feature::FaceOfB, face, incident_);
-        memory_.met_at = now_;
+        remember_plane(reference, face);
     }
 
     // The lowest vertex above a reference face, wherever it lies beside it.
@@ -363,7 +362,7 @@ class Pair {
             }
         }
         put(is_a, normal, &lowest, 1);
-        memory_.met_at = now_;
+        remember_plane(reference, face);
         deepest_ = lowest.gap;
     }
 

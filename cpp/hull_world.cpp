@@ -1,16 +1,12 @@
 #include "hull_world.h"
 
-#include "prefetch.h"
-
-#include <BulletDynamics/ConstraintSolver/btConstraintSolver.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
 
 namespace pluvia {
 
 namespace {
-
-// So many bodies ahead the memory is asked for them.
-constexpr int AHEAD = 4;
 
 bool holds(const btBroadphaseProxy &proxy, const HullRange &range) {
     for (int i = 0; i < 3; ++i) {
@@ -48,13 +44,12 @@ void HullWorld::renew_boxes() {
         frame.velocity[i] =
             followed_ == nullptr ? 0 : static_cast<double>(followed_->getLinearVelocity()[i]);
     }
+    solver_.sort_bodies(getCollisionObjectArray());
     collision_.bodies.begin(frame);
     const btVector3 slack(slack_, slack_, slack_);
     const btCollisionObjectArray &objects = getCollisionObjectArray();
     for (int i = 0; i < objects.size(); ++i) {
-        if (i + AHEAD < objects.size()) {
-            prefetch(*objects[i + AHEAD]);
-        }
+        HullBodies::ask_ahead(objects, i);
         const HullRange &range = collision_.bodies.take(
             *objects[i], collision_.step, collision_.settings.reach, *collision_.kernels);
         btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
@@ -63,6 +58,31 @@ void HullWorld::renew_boxes() {
                                      getDispatcher());
         }
     }
+}
+
+void HullWorld::addRigidBody(btRigidBody *body, int group, int mask) {
+    PhasedWorld::addRigidBody(body, group, mask);
+    solver_.bodies_changed();
+    if (body->isKinematicObject()) {
+        driven_.push_back(body);
+    }
+}
+
+void HullWorld::removeRigidBody(btRigidBody *body) {
+    PhasedWorld::removeRigidBody(body);
+    solver_.bodies_changed();
+    driven_.erase(std::remove(driven_.begin(), driven_.end(), body), driven_.end());
+}
+
+// Bullet looks through all bodies for those that are driven.
+void HullWorld::saveKinematicState(btScalar step) {
+    for (btRigidBody *body : driven_) {
+        body->saveKinematicState(step);
+    }
+}
+
+void HullWorld::integrateTransforms(btScalar step) {
+    solver_.move_bodies(static_cast<double>(step));
 }
 
 // Bullet also predicts where bodies will be, for motion states and sweeps.

@@ -1,6 +1,7 @@
 // Bullet's world where Pluvia finds the contacts and solves them.
 #pragma once
 
+#include "contact_solver.h"
 #include "hull_dispatcher.h"
 #include "phased_world.h"
 
@@ -15,16 +16,21 @@ namespace pluvia {
 // All contacts go to the solver at once: no islands are looked for.
 //
 // Passes over all bodies are left out that would find nothing to do: none is
-// swept, sleeps, has a motion state or, without damping, is slowed down.
+// swept, sleeps, has a motion state or, without damping, is slowed down. The
+// solver, which has the bodies at hand, gives them their weight and moves them.
 class HullWorld final : public PhasedWorld {
   public:
     // Lengths in engine units; `collision` must outlive the world. `damped`:
     // whether any body has damping.
-    HullWorld(HullDispatcher *dispatcher, btBroadphaseInterface *broadphase,
-              btConstraintSolver *solver, btCollisionConfiguration *configuration,
-              HullCollision &collision, btScalar slack, bool damped)
-        : PhasedWorld(dispatcher, broadphase, solver, configuration), collision_(collision),
-          slack_(slack), damped_(damped) {}
+    HullWorld(HullDispatcher *dispatcher, btBroadphaseInterface *broadphase, ContactSolver &solver,
+              btCollisionConfiguration *configuration, HullCollision &collision, btScalar slack,
+              bool damped)
+        : PhasedWorld(dispatcher, broadphase, &solver, configuration), collision_(collision),
+          solver_(solver), slack_(slack), damped_(damped) {}
+
+    using PhasedWorld::addRigidBody;
+    void addRigidBody(btRigidBody *body, int group, int mask) override;
+    void removeRigidBody(btRigidBody *body) override;
 
     // The body that boxes move along with from now on; null for none.
     void follow(const btRigidBody *body);
@@ -34,13 +40,19 @@ class HullWorld final : public PhasedWorld {
     void renew_boxes() override;
     void calculateSimulationIslands() override {}
     void solve(btContactSolverInfo &info) override;
+    void saveKinematicState(btScalar step) override;
     void predictUnconstraintMotion(btScalar step) override;
+    void integrateTransforms(btScalar step) override;
     void createPredictiveContacts(btScalar) override {}
     void updateActivationState(btScalar) override {}
     void synchronizeMotionStates() override {}
+    void applyGravity() override {}
+    void clearForces() override {}
 
   private:
     HullCollision &collision_;
+    ContactSolver &solver_;
+    std::vector<btRigidBody *> driven_;
     btScalar slack_;
     bool damped_;
     const btRigidBody *followed_ = nullptr;

@@ -5,12 +5,14 @@
 
 namespace pluvia {
 
-template <class T> void prefetch(const T &what) {
-    constexpr std::size_t LINE = 64;
-    const auto *at = reinterpret_cast<const char *>(&what);
-    for (std::size_t i = 0; i < sizeof(T); i += LINE) {
-        __builtin_prefetch(at + i);
+inline void prefetch(const void *begin, const void *end) {
+    constexpr std::ptrdiff_t LINE = 64;
+    const auto *last = static_cast<const char *>(end);
+    for (const auto *at = static_cast<const char *>(begin); at < last; at += LINE) {
+        __builtin_prefetch(at);
     }
 }
+
+template <class T> void prefetch(const T &what) { prefetch(&what, &what + 1); }
 
 } // namespace pluvia

@@ -115,7 +115,8 @@ class BulletWorld::Impl {
     Materials materials;
     GlobalsHold globals;
     std::vector<std::unique_ptr<TightHull>> shapes;
-    std::vector<std::unique_ptr<btRigidBody>> bodies;
+    Pool body_pool{sizeof(btRigidBody)};
+    std::vector<BodyPtr> bodies;
     // Of Pluvia's own hull–hull test; null where Bullet finds the contacts.
     std::unique_ptr<HullCollision> hull_collision;
     btDefaultCollisionConfiguration configuration;
@@ -133,7 +134,7 @@ class BulletWorld::Impl {
         if (!hull_collision) {
             return nullptr;
         }
-        return std::make_unique<HullWorld>(&dispatcher, &broadphase, contact_solver.get(),
+        return std::make_unique<HullWorld>(&dispatcher, &broadphase, *contact_solver,
                                            &configuration, *hull_collision, units.length(BOX_SLACK),
                                            body_settings.linear > 0 || body_settings.angular > 0);
     }
@@ -185,8 +186,8 @@ std::uint32_t BulletWorld::add_body(const BodyDefinition &definition) {
     auto &shape = impl_->shapes[definition.shape];
     const int id = static_cast<int>(impl_->bodies.size());
     const BodyDefinition applied = impl_->stock.applied(impl_->units, definition, *shape);
-    impl_->bodies.push_back(
-        make_body(impl_->units, applied, id, shape.get(), &impl_->materials, impl_->body_settings));
+    impl_->bodies.push_back(make_body(impl_->units, applied, id, shape.get(), &impl_->materials,
+                                      impl_->body_settings, impl_->body_pool));
     btRigidBody *body = impl_->bodies.back().get();
     impl_->stock.let_sleep(*body);
     if (definition.kind == BodyKind::Free) {
@@ -233,9 +234,6 @@ void BulletWorld::step() {
     // No sub-steps: the step is the one that was asked for.
     impl_->world.stepSimulation(impl_->time_step, 0, impl_->time_step);
     impl_->drives.end_step();
-    if (impl_->contact_solver) {
-        impl_->contact_solver->after_step();
-    }
     if (impl_->hull_collision) {
         impl_->hull_collision->recalled.forget();
     }

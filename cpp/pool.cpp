@@ -1,4 +1,4 @@
-#include "pair_pool.h"
+#include "pool.h"
 
 #include <new>
 
@@ -17,9 +17,9 @@ constexpr std::size_t CACHE_LINE = 64;
 
 } // namespace
 
-PairPool::PairPool(std::size_t size) : size_((size + CACHE_LINE - 1) / CACHE_LINE * CACHE_LINE) {}
+Pool::Pool(std::size_t size) : size_((size + CACHE_LINE - 1) / CACHE_LINE * CACHE_LINE) {}
 
-void *PairPool::take() {
+void *Pool::take() {
     if (!free_.empty()) {
         void *piece = free_.back();
         free_.pop_back();

@@ -1,4 +1,4 @@
-// Room for what pairs carry from step to step.
+// Room for bodies and for what pairs carry from step to step.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,14 @@ namespace pluvia {
 // Pieces of one size, cut from large blocks that grow as they are needed.
 //
 // Bullet's own pool has a fixed number of pieces and goes to the heap beyond.
-// A step reads all pairs, far apart in memory: in pages of the usual size most
-// of them would also cost a walk through the page tables, so the blocks ask for
-// large pages where the system has them.
-class PairPool {
+// A step reads all bodies and pairs, far apart in memory: in pages of the usual
+// size most of them would also cost a walk through the page tables, so the
+// blocks ask for large pages where the system has them.
+class Pool {
   public:
-    explicit PairPool(std::size_t size);
-    PairPool(const PairPool &) = delete;
-    PairPool &operator=(const PairPool &) = delete;
+    explicit Pool(std::size_t size);
+    Pool(const Pool &) = delete;
+    Pool &operator=(const Pool &) = delete;
 
     std::size_t size() const { return size_; }
     void *take();
