@@ -56,6 +56,7 @@ fn main() {
     println!("cargo::rerun-if-changed=cpp/constants.h");
     println!("cargo::rerun-if-changed=cpp/lanes.h");
     println!("cargo::rerun-if-changed=cpp/prefetch.h");
+    println!("cargo::rerun-if-changed=cpp/unset.h");
     println!("cargo::rerun-if-changed=cpp/contact_kernels.h");
     println!("cargo::rerun-if-changed=cpp/hull_axis_kernels.h");
     println!("cargo::rerun-if-changed=build.rs");

@@ -14,8 +14,7 @@ int Schedule::with_room(int from) {
     return from;
 }
 
-void Schedule::assign(const std::vector<ContactRow> &rows, const std::vector<SolverBody> &bodies,
-                      int width) {
+void Schedule::assign(const ContactRows &rows, const std::vector<SolverBody> &bodies, int width) {
     const std::size_t count = rows.size();
     batches_ = 0;
     first_ = 0;

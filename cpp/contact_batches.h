@@ -36,8 +36,8 @@ template <class L> struct alignas(64) BatchMemory {
 
 // All batches of a step; those from `near` on are of contacts that may sleep.
 template <class L> struct Contacts {
-    std::vector<Batch<L>> batches;
-    std::vector<BatchMemory<L>> memory;
+    UnsetVector<Batch<L>> batches;
+    UnsetVector<BatchMemory<L>> memory;
     std::vector<char> awake; // whether the sweeps take the batch in
     std::size_t near = 0;
 };
@@ -45,10 +45,10 @@ template <class L> struct Contacts {
 // Bodies in records, each kind by itself: what the sweeps read and write is the
 // motion alone. A body that is driven or stands still keeps its motion.
 template <class N> struct PackedBodies {
-    std::vector<Record<N>> motion; // velocity, inverse mass, inertia root times spin, 1 if it turns
-    std::vector<Record<N>> root; // of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz, -
-    std::vector<Record<N>> way;  // gone since the step began: shift, -, turn (a rotation vector), -
-    std::vector<Record<N>> forced; // what external forces add to the motion in a sub-step
+    UnsetVector<Record<N>> motion; // velocity, inverse mass, inertia root times spin, 1 if it turns
+    UnsetVector<Record<N>> root; // of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz, -
+    UnsetVector<Record<N>> way;  // gone since the step began: shift, -, turn (a rotation vector), -
+    UnsetVector<Record<N>> forced; // what external forces add to the motion in a sub-step
 
     void resize(std::size_t count) {
         for (auto *records : {&motion, &root, &way, &forced}) {
@@ -63,8 +63,7 @@ template <class N> struct PackedBodies {
 // bear something first, in batches of their own.
 class Schedule {
   public:
-    void assign(const std::vector<ContactRow> &rows, const std::vector<SolverBody> &bodies,
-                int width);
+    void assign(const ContactRows &rows, const std::vector<SolverBody> &bodies, int width);
     int batches() const { return batches_; }
     // How many of them, the first, are of near contacts.
     int near_batches() const { return near_batches_; }

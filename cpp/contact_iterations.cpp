@@ -53,8 +53,7 @@ template <class L> void set_three(Three<L> &lanes, int i, const Three<double> &v
 }
 
 template <class L>
-void load(const std::vector<ContactRow> &rows, const Schedule &schedule, int substeps,
-          Contacts<L> &contacts) {
+void load(const ContactRows &rows, const Schedule &schedule, int substeps, Contacts<L> &contacts) {
     using N = typename Lane<L>::Number;
     const auto count = static_cast<std::size_t>(schedule.batches());
     contacts.batches.resize(count);
@@ -140,7 +139,7 @@ void fly(SolverBody &body, int substeps, double substep) {
 
 template <class L>
 void unload(const Contacts<L> &contacts, const Bodies<L> &packed, const Schedule &schedule,
-            const ContactLaw &law, double substep, std::vector<ContactRow> &rows,
+            const ContactLaw &law, double substep, ContactRows &rows,
             std::vector<SolverBody> &bodies) {
     for (const BatchMemory<L> &m : contacts.memory) {
         for (int i = 0; i < Lane<L>::WIDTH; ++i) {
@@ -178,7 +177,7 @@ bool has_avx2() {
 #endif
 }
 
-void Iterations::run(Sweep how, const ContactLaw &law, double step, std::vector<ContactRow> &rows,
+void Iterations::run(Sweep how, const ContactLaw &law, double step, ContactRows &rows,
                      std::vector<SolverBody> &bodies) {
     const double substep = step / law.substeps;
     if (how == Sweep::OneByOne) {

@@ -28,7 +28,7 @@ bool has_avx2();
 // way they have gone.
 class Iterations {
   public:
-    void run(Sweep sweep, const ContactLaw &law, double step, std::vector<ContactRow> &rows,
+    void run(Sweep sweep, const ContactLaw &law, double step, ContactRows &rows,
              std::vector<SolverBody> &bodies);
 
   private:

@@ -4,6 +4,7 @@
 
 #include "hull_algorithm.h"
 #include "lanes.h"
+#include "unset.h"
 
 #include <vector>
 
@@ -46,6 +47,7 @@ struct ContactRow {
     double impulse, impulse_1, impulse_2; // of the step
     bool near;                            // may well bear something in the step
 };
+using ContactRows = UnsetVector<ContactRow>;
 
 // Sets up the row of a pair's point for a step of length `step`.
 ContactRow make_row(const ContactLaw &law, double step, const Touching &pair, int point, int a,

@@ -41,6 +41,8 @@ class ContactSolver final : public btConstraintSolver {
     // To be called in every step, before contacts are found: numbers the bodies
     // (companion ids) where they have changed.
     void sort_bodies(const btCollisionObjectArray &bodies);
+    // The driven ones among them.
+    const std::vector<btRigidBody *> &driven() const { return driving_; }
 
     const ContactLaw &law() const { return law_; }
     Sweep sweep() const { return sweep_; }
@@ -56,7 +58,7 @@ class ContactSolver final : public btConstraintSolver {
     struct Desk {
         std::vector<SolverBody> bodies; // of the part; the first is the world
         std::vector<PairRows> pairs;
-        std::vector<ContactRow> rows;
+        ContactRows rows;
         std::vector<int> local;     // by driven body: its place in `bodies`, or 0
         std::vector<int> driven_in; // whose place is not 0
         Iterations iterations;
@@ -68,12 +70,12 @@ class ContactSolver final : public btConstraintSolver {
     bool gyroscopic_;
     Workers &workers_;
     Parts parts_;
-    std::vector<Link> links_;    // by pair that touches
-    std::vector<Moving> moving_; // every free body
-    std::vector<int> place_;     // of a free body in its part
-    std::vector<btRigidBody *> driving_;
-    std::vector<SolverBody> driven_;
-    bool sorted_ = false; // the bodies of the world into free and driven ones
+    std::vector<Link> links_;            // by pair that touches
+    std::vector<Moving> moving_;         // every free body
+    std::vector<int> place_;             // of a free body in its part
+    std::vector<btRigidBody *> driving_; // every driven body
+    std::vector<SolverBody> driven_;     // the same
+    bool sorted_ = false;                // moving_ and driving_ are the world's bodies
     std::unordered_map<const btCollisionObject *, Drive> drives_, drives_now_;
     std::vector<Desk> desks_;        // by worker
     std::vector<std::size_t> small_; // parts that a thread solves by itself

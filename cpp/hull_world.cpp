@@ -2,8 +2,6 @@
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
-#include <algorithm>
-
 namespace pluvia {
 
 namespace {
@@ -44,7 +42,6 @@ void HullWorld::renew_boxes() {
         frame.velocity[i] =
             followed_ == nullptr ? 0 : static_cast<double>(followed_->getLinearVelocity()[i]);
     }
-    solver_.sort_bodies(getCollisionObjectArray());
     collision_.bodies.begin(frame);
     const btVector3 slack(slack_, slack_, slack_);
     const btCollisionObjectArray &objects = getCollisionObjectArray();
@@ -63,20 +60,17 @@ void HullWorld::renew_boxes() {
 void HullWorld::addRigidBody(btRigidBody *body, int group, int mask) {
     PhasedWorld::addRigidBody(body, group, mask);
     solver_.bodies_changed();
-    if (body->isKinematicObject()) {
-        driven_.push_back(body);
-    }
 }
 
 void HullWorld::removeRigidBody(btRigidBody *body) {
     PhasedWorld::removeRigidBody(body);
     solver_.bodies_changed();
-    driven_.erase(std::remove(driven_.begin(), driven_.end(), body), driven_.end());
 }
 
-// Bullet looks through all bodies for those that are driven.
+// Comes first in a step. Bullet looks through all bodies for those that are driven.
 void HullWorld::saveKinematicState(btScalar step) {
-    for (btRigidBody *body : driven_) {
+    solver_.sort_bodies(getCollisionObjectArray());
+    for (btRigidBody *body : solver_.driven()) {
         body->saveKinematicState(step);
     }
 }

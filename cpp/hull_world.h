@@ -52,7 +52,6 @@ class HullWorld final : public PhasedWorld {
   private:
     HullCollision &collision_;
     ContactSolver &solver_;
-    std::vector<btRigidBody *> driven_;
     btScalar slack_;
     bool damped_;
     const btRigidBody *followed_ = nullptr;
