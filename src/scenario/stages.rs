@@ -130,7 +130,7 @@ pub enum StageSpec {
         /// Time in which the amplitude grows from nothing at the beginning of each period, along
         /// half a cosine, and dies away at its end, in s; 0: the table starts and stops at full
         /// speed.
-        #[serde(default, skip_serializing_if = "is_none")]
+        #[serde(default)]
         #[schemars(range(min = 0.0, max = 1800.0))]
         ramp_s: f64,
     },
@@ -165,10 +165,6 @@ fn place_limit() -> f64 {
 }
 fn half_stroke() -> StrokeReading {
     StrokeReading::HalfStroke
-}
-/// Left out of what names stored stages, so that those from before there were ramps are found.
-fn is_none(ramp_s: &f64) -> bool {
-    *ramp_s == 0.0
 }
 fn one() -> u32 {
     1
