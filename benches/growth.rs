@@ -134,6 +134,20 @@ fn spent(before: PhaseTimes, after: PhaseTimes) -> [f64; 4] {
     ]
 }
 
+/// Memory of the largest world. It must be the first of all: what a world gives
+/// back is not given back to the system, and the next one takes it from there.
+fn memory(setup: &Setup, specimen: &Specimen) {
+    let copies = COPIES[COPIES.len() - 1];
+    let grains = specimen.present().count() * copies;
+    let before = resident();
+    let mut cylinders = Cylinders::new(setup, specimen, copies);
+    cylinders.steps(BEFORE, None);
+    if let (Some(before), Some(after)) = (before, resident()) {
+        let each = (after - before) / 1024.0 / grains as f64;
+        println!("rest, {grains} grains: {each:.1} KiB a grain");
+    }
+}
+
 /// Where the time of a step goes, by the number of grains.
 ///
 /// Other programs on the machine make single times longer by tens of percent.
@@ -195,6 +209,7 @@ fn growth(c: &mut Criterion) {
         rest: 0.0,
         ramp: 0.0,
     };
+    memory(&setup, &specimen);
     phases(&setup, &specimen, &shaking);
     let mut group = c.benchmark_group("a step");
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
@@ -203,15 +218,8 @@ fn growth(c: &mut Criterion) {
         let grains = specimen.present().count() * copies;
         group.throughput(Throughput::Elements(grains as u64));
         for (what, motion) in [("rest", None), ("shaken", Some(&shaking))] {
-            let before = resident();
             let mut cylinders = Cylinders::new(&setup, &specimen, copies);
             cylinders.steps(BEFORE, motion);
-            if let (Some(before), Some(after), None) = (before, resident(), motion) {
-                println!(
-                    "{grains} grains: {:.1} KiB a grain",
-                    (after - before) / 1024.0 / grains as f64
-                );
-            }
             group.bench_function(format!("{what}, {grains} grains"), |b| {
                 b.iter_custom(|count| cylinders.steps(count as usize, motion))
             });
