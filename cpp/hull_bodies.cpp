@@ -10,6 +10,18 @@
 
 namespace pluvia {
 
+namespace {
+
+// So many bodies ahead the memory is asked for the object, for its proxy and
+// shape, for the shape's hull and for the hull's vertices: each leads to the
+// next, and must have come before it can be followed.
+constexpr int OBJECT_AHEAD = 12;
+constexpr int SHAPE_AHEAD = 8;
+constexpr int HULL_AHEAD = 5;
+constexpr int VERTICES_AHEAD = 2;
+
+} // namespace
+
 Rigid rigid(const btTransform &pose) {
     Rigid out;
     for (int i = 0; i < 3; ++i) {
@@ -63,17 +75,17 @@ void HullBodies::ask_ahead(const btCollisionObjectArray &objects, int i) {
     const auto shape_of = [](const btRigidBody &body) -> const TightHull & {
         return static_cast<const TightHull &>(*body.getCollisionShape());
     };
-    if (i + 12 < objects.size()) {
-        prefetch(static_cast<const btRigidBody &>(*objects[i + 12]));
+    if (i + OBJECT_AHEAD < objects.size()) {
+        prefetch(static_cast<const btRigidBody &>(*objects[i + OBJECT_AHEAD]));
     }
-    if (const btRigidBody *body = at(8)) {
+    if (const btRigidBody *body = at(SHAPE_AHEAD)) {
         prefetch(*body->getBroadphaseHandle());
         prefetch(shape_of(*body));
     }
-    if (const btRigidBody *body = at(5)) {
+    if (const btRigidBody *body = at(HULL_AHEAD)) {
         prefetch(shape_of(*body).data());
     }
-    if (const btRigidBody *body = at(2)) {
+    if (const btRigidBody *body = at(VERTICES_AHEAD)) {
         const HullData &hull = shape_of(*body).data();
         prefetch(hull.vx, hull.vz + hull.vertices);
     }

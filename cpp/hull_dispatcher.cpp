@@ -88,7 +88,7 @@ void HullDispatcher::take(btBroadphasePair &pair) {
             findAlgorithm(&on_a, &on_b, nullptr, BT_CONTACT_POINT_ALGORITHMS));
         pair.m_algorithm = algorithm;
     }
-    work_.push_back({algorithm, &body_a, &body_b, travelled});
+    work_.push_back({algorithm, &body_a, &body_b, travelled, 0});
 }
 
 // Asks the memory for what the pairs after number `i` carry, and then for what
@@ -120,19 +120,20 @@ void HullDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache *pairs,
         __builtin_prefetch(first[std::min(i + FAR_AHEAD, count - 1)].m_algorithm);
         take(first[i]);
     }
-    workers_->share(
-        work_.size(), PAIRS_AT_ONCE, [this](int worker, std::size_t begin, std::size_t end) {
-            PairScratch &scratch = scratch_[static_cast<std::size_t>(worker)];
-            for (std::size_t i = begin; i < end; ++i) {
-                ask_ahead(i, end);
-                work_[i].algorithm->find(*work_[i].a, *work_[i].b, work_[i].travelled, scratch);
-            }
-        });
+    workers_->share(work_.size(), PAIRS_AT_ONCE,
+                    [this](int worker, std::size_t begin, std::size_t end) {
+                        PairScratch &scratch = scratch_[static_cast<std::size_t>(worker)];
+                        for (std::size_t i = begin; i < end; ++i) {
+                            ask_ahead(i, end);
+                            Work &work = work_[i];
+                            work.algorithm->find(*work.a, *work.b, work.travelled, scratch);
+                            work.points = work.algorithm->points();
+                        }
+                    });
     collision_->touching.clear();
     for (const Work &work : work_) {
-        if (work.algorithm->points() > 0) {
-            collision_->touching.push_back(
-                {&work.algorithm->state(), work.a, work.b, work.algorithm->points()});
+        if (work.points > 0) {
+            collision_->touching.push_back({&work.algorithm->state(), work.a, work.b, work.points});
         }
     }
 }

@@ -41,6 +41,7 @@ class HullDispatcher final : public btCollisionDispatcher {
         HullAlgorithm *algorithm;
         const HullBody *a, *b;
         double travelled; // by both
+        int points;       // found, copied here since the next pass would read all pairs for them
     };
     HullCollision *collision_;
     Pool pool_{sizeof(HullAlgorithm)};
