@@ -62,7 +62,8 @@ pub fn colour(n: usize) -> RGBColor {
     COLOURS[n % COLOURS.len()]
 }
 
-/// The shape of the n-th curve's markers.
+/// The shape of the n-th curve's markers. Where colours begin anew, markers go
+/// on by one, so that no two of 36 curves look alike.
 pub fn marker(n: usize) -> Marker {
     const MARKERS: [Marker; 6] = [
         Marker::Disc,
@@ -72,7 +73,7 @@ pub fn marker(n: usize) -> Marker {
         Marker::Cross,
         Marker::Ring,
     ];
-    MARKERS[n % MARKERS.len()]
+    MARKERS[(n + n / MARKERS.len()) % MARKERS.len()]
 }
 
 /// Shape of a marker.
@@ -105,4 +106,20 @@ pub const DOTTED: Dash = &[6.0, 12.0];
 /// character is 0.6 of its size; wide rather than narrow.
 pub fn text_width(text: &str, size: f64) -> f64 {
     0.6 * size * text.chars().count() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{colour, marker};
+
+    #[test]
+    fn no_two_of_many_curves_look_alike() {
+        let look = |n: usize| {
+            let c = colour(n);
+            ((c.0, c.1, c.2), marker(n))
+        };
+        for (a, b) in (0..36).flat_map(|a| (0..a).map(move |b| (a, b))) {
+            assert_ne!(look(a), look(b), "law: curves {a} and {b} differ in colour or marker");
+        }
+    }
 }
