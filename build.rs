@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 32] = [
+const SHIMS: [&str; 34] = [
     "contact_batches",
     "contact_bodies",
     "contact_iterations",
@@ -20,6 +20,8 @@ const SHIMS: [&str; 32] = [
     "contact_setup",
     "contact_solver",
     "convert",
+    "crowd",
+    "crowd_probe",
     "drives",
     "globals",
     "hull_data",

@@ -2,6 +2,7 @@
 // and packed beside each other.
 #pragma once
 
+#include "crowd.h"
 #include "hull_axis.h"
 #include "hull_clip.h"
 
@@ -62,17 +63,16 @@ struct Frame {
 // All bodies of a world by the number of their broadphase proxy.
 class HullBodies {
   public:
-    // Begins a step.
-    void begin(const Frame &frame);
-    // Reads a body; `reach` is the gap up to which contacts are kept. The
-    // reference holds until the next call.
-    const HullRange &take(const btCollisionObject &object, double step, double reach,
-                          const AxisKernels &kernels);
+    // Begins a step with these objects; `reach` is the gap up to which contacts
+    // are kept.
+    void begin(const Frame &frame, const btCollisionObjectArray &objects, double step,
+               double reach);
+    // Reads object number `i` of those. The reference holds until the next call.
+    const HullRange &take(const btCollisionObjectArray &objects, int i, const AxisKernels &kernels);
 
-    // Asks the memory for what `take` will read of the objects that come after
-    // number `i`: one leads to the next, so that the farther ahead an object is
-    // the less is asked for.
-    static void ask_ahead(const btCollisionObjectArray &objects, int i);
+    // Whether there are so many bodies, and so fast, that ranges in this step go by
+    // speeds against the bodies around (crowd.h).
+    bool crowded() const { return crowded_; }
 
     // By the number of their proxy.
     const HullBody &body(std::size_t at) const { return bodies_[at]; }
@@ -86,7 +86,20 @@ class HullBodies {
     std::vector<HullRange> ranges_;
     Frame frame_;                 // of the step
     double moved_[3] = {0, 0, 0}; // by the frame since the last
+    double step_ = 0, reach_ = 0;
+    double fastest_ = 0; // speed in the frame, of all read since the step began
+    bool crowded_ = false;
+    Crowd crowd_;
+    std::vector<CrowdBody> members_; // of the crowd, in the order of the objects
 
+    // Brings what is kept of a body up to date; its range's way, too.
+    HullBody &read(const btCollisionObject &object);
+    // Asks the memory for what `read` will look at of the objects that come after
+    // number `i`: one leads to the next, so that the farther ahead an object is
+    // the less is asked for.
+    static void ask_ahead(const btCollisionObjectArray &objects, int i);
+    // Reads all bodies, and finds how far each stands off. False where it cannot be told.
+    bool gather(const btCollisionObjectArray &objects);
     // How far any point of a body has gone from one pose to the next.
     static double way(const HullBody &body, const Rigid &before, const double moved[3]);
 };

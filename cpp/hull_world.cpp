@@ -42,17 +42,18 @@ void HullWorld::renew_boxes() {
         frame.velocity[i] =
             followed_ == nullptr ? 0 : static_cast<double>(followed_->getLinearVelocity()[i]);
     }
-    collision_.bodies.begin(frame);
     const btVector3 slack(slack_, slack_, slack_);
     const btCollisionObjectArray &objects = getCollisionObjectArray();
+    collision_.bodies.begin(frame, objects, collision_.step, collision_.settings.reach);
+    // One after the other, each body would be paired with those that have not
+    // got their new boxes yet, though all fall alike.
+    boxes_.m_deferedcollide = collision_.bodies.crowded();
     for (int i = 0; i < objects.size(); ++i) {
-        HullBodies::ask_ahead(objects, i);
-        const HullRange &range = collision_.bodies.take(
-            *objects[i], collision_.step, collision_.settings.reach, *collision_.kernels);
+        const HullRange &range = collision_.bodies.take(objects, i, *collision_.kernels);
         btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
         if (!holds(*proxy, range)) {
-            getBroadphase()->setAabb(proxy, vector(range.low) - slack, vector(range.high) + slack,
-                                     getDispatcher());
+            boxes_.setAabb(proxy, vector(range.low) - slack, vector(range.high) + slack,
+                           getDispatcher());
         }
     }
 }

@@ -5,6 +5,8 @@
 #include "hull_dispatcher.h"
 #include "phased_world.h"
 
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+
 namespace pluvia {
 
 // Differs from Bullet's in three things, none of which any contact hangs on.
@@ -22,11 +24,11 @@ class HullWorld final : public PhasedWorld {
   public:
     // Lengths in engine units; `collision` must outlive the world. `damped`:
     // whether any body has damping.
-    HullWorld(HullDispatcher *dispatcher, btBroadphaseInterface *broadphase, ContactSolver &solver,
+    HullWorld(HullDispatcher *dispatcher, btDbvtBroadphase *broadphase, ContactSolver &solver,
               btCollisionConfiguration *configuration, HullCollision &collision, btScalar slack,
               bool damped)
-        : PhasedWorld(dispatcher, broadphase, &solver, configuration), collision_(collision),
-          solver_(solver), slack_(slack), damped_(damped) {}
+        : PhasedWorld(dispatcher, broadphase, &solver, configuration), boxes_(*broadphase),
+          collision_(collision), solver_(solver), slack_(slack), damped_(damped) {}
 
     using PhasedWorld::addRigidBody;
     void addRigidBody(btRigidBody *body, int group, int mask) override;
@@ -50,6 +52,7 @@ class HullWorld final : public PhasedWorld {
     void clearForces() override {}
 
   private:
+    btDbvtBroadphase &boxes_;
     HullCollision &collision_;
     ContactSolver &solver_;
     btScalar slack_;

@@ -172,6 +172,16 @@ mod bridge {
         edges: bool,
     }
 
+    /// What the speeds by which boxes stand off are found from.
+    struct CrowdProbeBody {
+        centre: [f64; 3],
+        velocity: [f64; 3],
+        radius: f64,
+        /// Speed at which its farthest point turns.
+        turning: f64,
+        free: bool,
+    }
+
     /// Wall time of the parts of a step in s, since the world was made.
     struct PhaseTimes {
         broadphase: f64,
@@ -265,6 +275,15 @@ mod bridge {
         include!("pluvia/cpp/worker_probe.h");
 
         fn shared_sum(threads: i32, size: usize, rounds: usize, fails_at: usize) -> Result<u64>;
+
+        include!("pluvia/cpp/crowd_probe.h");
+
+        fn crowd_speeds(
+            bodies: &[CrowdProbeBody],
+            frame: &[f64; 3],
+            step: f64,
+            reach: f64,
+        ) -> Vec<f64>;
     }
 }
 

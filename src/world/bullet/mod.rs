@@ -8,6 +8,8 @@
 //! in `cpp/world.cpp`, by [`ContactPath`].
 
 mod constants;
+#[cfg(test)]
+mod crowd_tests;
 mod ffi;
 #[cfg(test)]
 mod manifold_tests;

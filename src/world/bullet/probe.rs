@@ -2,7 +2,7 @@
 //! for given poses, step after step.
 //!
 //! For tests, which compare it with exact references, and for benchmarks. And the
-//! threads of a world without the world.
+//! threads of a world without the world, and the speeds by which boxes stand off.
 
 use super::{engine, ffi, flat, rotation_array};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
@@ -157,4 +157,35 @@ pub fn shared_sum(
 ) -> Result<u64, WorldError> {
     let fails_at = fails_at.unwrap_or(usize::MAX);
     ffi::shared_sum(i32::from(threads), size, rounds, fails_at).map_err(engine)
+}
+
+/// What the speed by which a body's box stands off is found from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CrowdBody {
+    /// In m.
+    pub centre: Vector,
+    /// In m/s.
+    pub velocity: Vector,
+    /// Of a ball around the centre that holds the body, in m.
+    pub radius: f64,
+    /// Speed in m/s at which its farthest point turns.
+    pub turning: f64,
+    /// Whether it moves by itself.
+    pub free: bool,
+}
+
+/// The speed in m/s by which the box of each body stands off within a step of
+/// `step` s, in worlds of many bodies (`cpp/crowd.h`). `frame`: velocity in m/s of
+/// the place that boxes are counted from; `reach`: gap in m up to which contact
+/// points are kept. Empty where a number is not finite or no body is free.
+pub fn crowd_speeds(bodies: &[CrowdBody], frame: Vector, step: f64, reach: f64) -> Vec<f64> {
+    let told = |body: &CrowdBody| ffi::CrowdProbeBody {
+        centre: body.centre.into(),
+        velocity: body.velocity.into(),
+        radius: body.radius,
+        turning: body.turning,
+        free: body.free,
+    };
+    let bodies: Vec<_> = bodies.iter().map(told).collect();
+    ffi::crowd_speeds(&bodies, &frame.into(), step, reach)
 }

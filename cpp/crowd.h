@@ -1,0 +1,72 @@
+// How far the boxes of bodies stand off for their speed within a step.
+//
+// Two bodies may come closer by the difference of their speeds, and the boxes
+// of a pair must overlap before they meet. A box that stands off by its body's
+// own speed does for all others, but where thousands fall side by side it makes
+// pairs of all that are within two steps' way of each other, though none comes
+// any nearer. Here a box stands off by the speed against the bodies around.
+//
+// Law, for any two bodies i and j that come within the reach of contacts of
+// each other within the step:
+//
+//   speed_i + speed_j >= |v_i - v_j|
+//
+// For bodies of the same or of neighbouring cells c and c' of a grid, with u
+// the mean velocity of a cell, it follows from
+// |v_i - v_j| <= |v_i - u_c| + |u_c - u_c'| + |u_c' - v_j|. Bodies of
+// cells further apart do not come within reach, since a cell is larger than
+// two radii, the reach and the way of both. Wide bodies, such as walls, are in
+// no cell and stand off by the fastest of all besides their own speed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pluvia {
+
+// What is read of a body; lengths in engine units.
+struct CrowdBody {
+    double centre[3];
+    double velocity[3];
+    double radius;
+    double turning; // speed at which its farthest point turns
+    bool free;
+};
+
+class Crowd {
+  public:
+    // Finds the speeds of all of them, `frame` being the velocity of the place
+    // from which distances are counted. False, and nothing is found, where some
+    // number is not finite or no body is free.
+    bool gather(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
+                double reach);
+    // Of body number `i` of those gathered; its turning comes besides.
+    double speed(std::size_t i) const { return speeds_[i]; }
+
+  private:
+    struct Cell {
+        double velocity[3] = {0, 0, 0}; // the mean of its bodies
+        int bodies = 0;
+    };
+
+    std::vector<double> speeds_;
+    std::vector<std::int32_t> cell_of_; // WIDE for those in no cell
+    std::vector<Cell> cells_;
+    std::vector<double> differences_; // by cell, the largest to one around
+    double low_[3], edge_;
+    int count_[3];
+
+    bool lay_grid(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
+                  double reach);
+    void find_means(const std::vector<CrowdBody> &bodies);
+    double difference(int x, int y, int z) const;
+    std::size_t place(int x, int y, int z) const {
+        return (static_cast<std::size_t>(z) * static_cast<std::size_t>(count_[1]) +
+                static_cast<std::size_t>(y)) *
+                   static_cast<std::size_t>(count_[0]) +
+               static_cast<std::size_t>(x);
+    }
+};
+
+} // namespace pluvia

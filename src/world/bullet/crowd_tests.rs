@@ -1,0 +1,185 @@
+//! The speeds by which boxes stand off (`cpp/crowd.h`): no pair that may come
+//! within reach in the step is missed, and bodies that move together stand off
+//! little.
+
+use proptest::prelude::*;
+
+use super::probe::{CrowdBody, crowd_speeds};
+use super::tests::{free_box, shared_turn};
+use super::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+const STEP: f64 = 1.0 / 480.0;
+const REACH: f64 = 0.5e-3;
+
+fn ball(centre: Vector, velocity: Vector, radius: f64) -> CrowdBody {
+    CrowdBody { centre, velocity, radius, turning: 0.0, free: true }
+}
+
+/// Pairs that may come within reach in the step though their boxes are not made
+/// to overlap, and pairs that may at all.
+fn missed(bodies: &[CrowdBody], speeds: &[f64]) -> (Vec<String>, usize) {
+    let (mut missed, mut pairs) = (Vec::new(), 0);
+    for (i, a) in bodies.iter().enumerate() {
+        for (j, b) in bodies.iter().enumerate().take(i) {
+            let gap = (a.centre - b.centre).norm() - a.radius - b.radius;
+            let least = (a.velocity - b.velocity).norm();
+            if gap > STEP * (least + a.turning + b.turning) + REACH {
+                continue;
+            }
+            pairs += 1;
+            let got = speeds[i] + speeds[j];
+            if got < least * (1.0 - 1e-9) {
+                missed.push(format!("{i} and {j}: at least {least} m/s together, got {got}"));
+            }
+        }
+    }
+    (missed, pairs)
+}
+
+prop_compose! {
+    fn body()(
+        centre in prop::array::uniform3(-0.05..0.05_f64),
+        velocity in prop::array::uniform3(-5.0..5.0_f64),
+        shared in 0..3_usize,
+        radius in 0.002..0.008_f64,
+        turning in 0.0..2.0_f64,
+        kind in 0..20_u8,
+    ) -> CrowdBody {
+        // Crowds that move alike, and some that do not; a wall now and then, a
+        // large body, a fast one.
+        let alike = [[0.0, 0.0, -3.0], [0.0, 0.0, 0.0], [2.0, 0.0, 0.5]][shared];
+        let (alike, own) = (Vector::from(alike), Vector::from(velocity));
+        let velocity = match kind {
+            0 => 10.0 * own,
+            1 | 2 => own,
+            _ => alike + 0.05 * own,
+        };
+        let radius = if kind == 3 || kind == 4 { 20.0 * radius } else { radius };
+        CrowdBody { centre: centre.into(), velocity, radius, turning, free: kind != 4 }
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_pair_that_may_meet_is_missed(
+        bodies in prop::collection::vec(body(), 1..120),
+        frame in prop::array::uniform3(-1.0..1.0_f64),
+        spread in prop::sample::select(vec![1.0, 4.0, 30.0]),
+    ) {
+        let bodies: Vec<_> = bodies
+            .into_iter()
+            .map(|body| CrowdBody { centre: spread * body.centre, ..body })
+            .collect();
+        let speeds = crowd_speeds(&bodies, frame.into(), STEP, REACH);
+        if bodies.iter().all(|body| !body.free) {
+            prop_assert!(speeds.is_empty(), "law: nothing to find without a free body");
+            return Ok(());
+        }
+        prop_assert_eq!(speeds.len(), bodies.len(), "law: a speed for each body");
+        let (missed, _) = missed(&bodies, &speeds);
+        prop_assert!(missed.is_empty(), "law: boxes of pairs that may meet overlap: {:?}", missed);
+    }
+}
+
+/// Balls on a lattice, which a crowd of them fills as grains do that fall.
+fn lattice(velocity: impl Fn(Vector) -> Vector) -> Vec<CrowdBody> {
+    let mut bodies = Vec::new();
+    for i in 0..1000_u32 {
+        let at = Vector::new(f64::from(i % 10), f64::from(i / 10 % 10), f64::from(i / 100)) * 0.015;
+        bodies.push(ball(at, velocity(at), 0.006));
+    }
+    bodies
+}
+
+#[test]
+fn a_crowd_that_falls_together_stands_off_little() {
+    let bodies = lattice(|at| Vector::new(0.0, 0.0, -3.0 - 0.2 * at.z));
+    let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, REACH);
+    let most = speeds.iter().copied().fold(0.0, f64::max);
+    assert!(most < 0.03, "law: by differences of speed, below 0.03 m/s, got {most} m/s of 3");
+}
+
+#[test]
+fn crowds_that_meet_stand_off_by_their_speeds() {
+    let towards = |at: Vector| Vector::new(if at.x < 0.07 { 3.0 } else { -3.0 }, 0.0, 0.0);
+    let bodies = lattice(towards);
+    let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, REACH);
+    let (none, pairs) = missed(&bodies, &speeds);
+    assert!(none.is_empty() && pairs > 400, "law: no pair is missed of {pairs}, got {none:?}");
+    // The check can fail: these speeds are what each has against its own crowd.
+    let (some, _) = missed(&bodies, &vec![0.0; bodies.len()]);
+    assert!(!some.is_empty(), "law: the check finds pairs that are missed");
+}
+
+#[test]
+fn what_is_no_number_is_not_sorted_into_a_grid() {
+    for spoilt in [f64::NAN, f64::INFINITY, 1e308] {
+        for place in 0..3 {
+            let mut bodies = lattice(|_| Vector::zeros());
+            match place {
+                0 => bodies[7].centre[1] = spoilt,
+                1 => bodies[7].velocity[1] = spoilt,
+                _ => bodies[7].turning = spoilt,
+            }
+            let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, REACH);
+            assert!(
+                speeds.is_empty() || speeds.iter().all(|speed| !speed.is_nan()),
+                "law: no speed, or one that is a number, for {spoilt} in place {place}"
+            );
+        }
+    }
+}
+
+/// Boxes in pairs, far from all others, of which one overtakes the other or
+/// meets it after some steps, while both fly along with any speed.
+fn pairs_on_a_course(world: &mut BulletBackend, pairs: u32) {
+    let mut random = Pcg64::seed_from_u64(5);
+    let mut any = |size: f64| Vector::from_fn(|_, _| random.random_range(-size..size));
+    for number in 0..pairs {
+        let place = Vector::new(f64::from(number % 50), f64::from(number / 50), 0.0) * 0.5;
+        let (velocity, course) = (any(4.0), any(2.0));
+        for (side, along) in [(0.010, 0.0), (0.008, 1.0)] {
+            // They would be in one place after five steps.
+            let at = place - 5.0 * STEP * course * along + any(0.002) * along;
+            let mut body = free_box(Vector::new(side, 0.8 * side, 1.1 * side), at);
+            body.state.linear_velocity = velocity + course * along;
+            body.state.angular_velocity = any(20.0);
+            body.state.pose.rotation = UnitQuaternion::from_scaled_axis(any(3.0));
+            world.add(&body).expect("added");
+        }
+    }
+}
+
+/// Poses after twenty steps, and how many contacts there were in all of them.
+fn met(pairs: u32) -> (Snapshot, usize) {
+    let table = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.3 });
+    let mut world =
+        BulletBackend::new(&EngineSettings::default(), Vector::zeros(), &table).expect("a world");
+    pairs_on_a_course(&mut world, pairs);
+    let (mut contacts, mut count) = (Vec::new(), 0);
+    for _ in 0..20 {
+        world.step().expect("a step");
+        world.contacts(&mut contacts);
+        count += contacts.iter().filter(|contact| contact.b.0 < 400).count();
+    }
+    let mut bodies = Snapshot::new();
+    world.read(&mut bodies);
+    (bodies, count)
+}
+
+#[test]
+fn a_pair_among_thousands_meets_as_it_does_among_few() {
+    let _turn = shared_turn();
+    // More bodies than CROWD_BODIES of cpp/hull_bodies.cpp, and fewer.
+    let ((few, expected), (many, got)) = (met(200), met(2100));
+    assert!(expected > 400, "law: pairs meet, got {expected} contacts");
+    assert_eq!(got, expected, "law: the same contacts");
+    for (number, (few, many)) in few.iter().zip(&many).enumerate() {
+        let (few, many) = (few.expect("a body"), many.expect("a body"));
+        let apart = (few.pose.translation.vector - many.pose.translation.vector).norm();
+        // Not the same bits: the solver goes on until all of a world agree.
+        assert!(apart <= 1e-4, "law: body {number} is where it was to 1e-4 m, got {apart} m");
+    }
+}
