@@ -29,7 +29,7 @@ fi
 
 # The list is at GitHub, which not every machine reaches.
 if timeout 120 "$deny" --log-level error fetch db >/dev/null 2>&1; then
-    "$deny" --locked --log-level error check --disable-fetch advisories
+    "$deny" --locked --log-level error check --hide-inclusion-graph advisories
 else
     echo 'known weaknesses: not checked, as their list (RustSec, at GitHub) cannot be fetched here'
 fi

@@ -2,13 +2,15 @@
 //! within reach in the step is missed, and bodies that move together stand off
 //! little.
 
+use std::collections::BTreeMap;
+
 use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
 
 use super::probe::{CrowdBody, crowd_speeds};
 use super::tests::{free_box, shared_turn};
 use super::*;
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64;
 
 const STEP: f64 = 1.0 / 480.0;
 const REACH: f64 = 0.5e-3;
@@ -141,8 +143,8 @@ fn pairs_on_a_course(world: &mut BulletBackend, pairs: u32) {
         let place = Vector::new(f64::from(number % 50), f64::from(number / 50), 0.0) * 0.5;
         let (velocity, course) = (any(4.0), any(2.0));
         for (side, along) in [(0.010, 0.0), (0.008, 1.0)] {
-            // They would be in one place after five steps.
-            let at = place - 5.0 * STEP * course * along + any(0.002) * along;
+            // They would be in one place after ten steps.
+            let at = place - 10.0 * STEP * course * along + any(0.002) * along;
             let mut body = free_box(Vector::new(side, 0.8 * side, 1.1 * side), at);
             body.state.linear_velocity = velocity + course * along;
             body.state.angular_velocity = any(20.0);
@@ -152,34 +154,43 @@ fn pairs_on_a_course(world: &mut BulletBackend, pairs: u32) {
     }
 }
 
-/// Poses after twenty steps, and how many contacts there were in all of them.
-fn met(pairs: u32) -> (Snapshot, usize) {
+/// When each of the first two hundred pairs first had a contact with a force, and at what gap
+/// in m. All is free flight before; later the order comes in, in which a world
+/// solves its contacts. Without a force there may be some for bodies that do not
+/// meet in the step, of which the boxes need not overlap.
+fn met(pairs: u32) -> BTreeMap<u32, (usize, f64)> {
     let table = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.3 });
     let mut world =
         BulletBackend::new(&EngineSettings::default(), Vector::zeros(), &table).expect("a world");
     pairs_on_a_course(&mut world, pairs);
-    let (mut contacts, mut count) = (Vec::new(), 0);
-    for _ in 0..20 {
+    let (mut contacts, mut first) = (Vec::new(), BTreeMap::new());
+    for step in 0..20 {
         world.step().expect("a step");
         world.contacts(&mut contacts);
-        count += contacts.iter().filter(|contact| contact.b.0 < 400).count();
+        for contact in contacts.iter().filter(|contact| contact.a.0 < 400) {
+            assert_eq!(contact.a.0 / 2, contact.b.0 / 2, "law: pairs are far from each other");
+            if contact.impulse.norm() == 0.0 {
+                continue;
+            }
+            first.entry(contact.a.0 / 2).or_insert((step, contact.gap));
+        }
     }
-    let mut bodies = Snapshot::new();
-    world.read(&mut bodies);
-    (bodies, count)
+    first
 }
 
 #[test]
-fn a_pair_among_thousands_meets_as_it_does_among_few() {
+fn a_pair_among_thousands_meets_when_it_does_among_few() {
     let _turn = shared_turn();
-    // More bodies than CROWD_BODIES of cpp/hull_bodies.cpp, and fewer.
-    let ((few, expected), (many, got)) = (met(200), met(2100));
-    assert!(expected > 400, "law: pairs meet, got {expected} contacts");
-    assert_eq!(got, expected, "law: the same contacts");
-    for (number, (few, many)) in few.iter().zip(&many).enumerate() {
-        let (few, many) = (few.expect("a body"), many.expect("a body"));
-        let apart = (few.pose.translation.vector - many.pose.translation.vector).norm();
-        // Not the same bits: the solver goes on until all of a world agree.
-        assert!(apart <= 1e-4, "law: body {number} is where it was to 1e-4 m, got {apart} m");
+    // Fewer bodies than CROWD_BODIES of cpp/hull_bodies.cpp, and more.
+    let (few, many) = (met(200), met(2100));
+    let late = few.values().filter(|(step, _)| *step > 1).count();
+    assert!(late > 100, "law: pairs meet while the grid is in use, got {late} of {}", few.len());
+    assert_eq!(many.len(), few.len(), "law: the same pairs meet");
+    for (pair, (step, gap)) in &few {
+        let got = many.get(pair).copied().unwrap_or_default();
+        assert!(
+            got.0 == *step && (got.1 - gap).abs() < 1e-6,
+            "law: pair {pair} meets in step {step} at {gap} m, to 1e-6 m, got {got:?}"
+        );
     }
 }
