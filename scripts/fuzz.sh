@@ -54,7 +54,8 @@ one() {
         done
 }
 
-# The inputs that together reach every place, the smallest first.
+# Of the inputs that together reach every place, some of every size: the smallest
+# alone would be hardly more than empty.
 keep() {
     local target=$1 least=$folder/least/$1
     rm -rf "$least"
@@ -63,7 +64,10 @@ keep() {
         -set_cover_merge=1 -max_len=65536 -timeout=20 >"$folder/$target-least.txt" 2>&1 ||
         fail "the corpus of $target cannot be merged" "tail -50 $folder/$target-least.txt"
     find "$least" -type f -size -${most_bytes}c -printf '%s %p\n' | sort -n |
-        head -n "$most_files" | while read -r _ file; do
+        awk -v most="$most_files" '{ line[NR] = $0 }
+            END { n = NR < most ? NR : most
+                for (i = 1; i <= n; ++i) print line[int((i - 0.5) * NR / n) + 1] }' |
+        while read -r _ file; do
         cp -n "$file" "fuzz/corpus/$target/found-$(basename "$file" | cut -c1-12)"
     done
     echo "fuzz, $target: $(find "fuzz/corpus/$target" -type f | wc -l) inputs kept"

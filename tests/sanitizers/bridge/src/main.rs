@@ -25,6 +25,7 @@ fn main() {
         ["all"] => {
             println!("{} failures in C++ came back as errors", errors::all());
             println!("{} contact points of probed pairs", worlds::probes());
+            println!("{} speeds of crowds", worlds::speeds());
             println!("{} steps of worlds", worlds::all());
         }
         ["threads"] => {

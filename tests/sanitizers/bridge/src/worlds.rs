@@ -3,8 +3,8 @@
 use std::thread;
 
 use crate::{
-    BodyDefinition, BodyKind, BulletWorld, HullProbePose, HullProbeShape, InertiaRule, PairValue,
-    WorldDefinition, new_hull_probe, new_world,
+    BodyDefinition, BodyKind, BulletWorld, CrowdProbeBody, HullProbePose, HullProbeShape,
+    InertiaRule, PairValue, WorldDefinition, crowd_speeds, new_hull_probe, new_world,
 };
 
 /// Whether the contacts are Pluvia's own, threads, portable instructions,
@@ -184,9 +184,62 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
     steps + 5
 }
 
+/// Thousands of boxes that fall together on a table that is driven up, so many
+/// that their boxes stand off by the speed against those around, and one of them
+/// is taken out; how many steps.
+pub fn crowd(kind: Kind, steps: u32) -> u32 {
+    let (mut world, _, floor) = with_table(kind);
+    let shape = add(&mut world, &cuboid([0.009, 0.01, 0.011]));
+    let mut ids = Vec::new();
+    for i in 0..4200_u32 {
+        let (x, y, z) = (f64::from(i % 20), f64::from(i / 20 % 21), f64::from(i / 420));
+        let at = [0.013 * (x - 10.0), 0.013 * (y - 10.0), 0.012 + 0.014 * z];
+        let mut body = body(shape, BodyKind::Free, at, 2e-3, STILL);
+        body.linear_velocity = [0.1 * x.sin(), 0.1 * y.cos(), -3.0];
+        ids.push(world.pin_mut().add_body(&body).expect("a box"));
+    }
+    let mut contacts = vec![];
+    for step in 0..steps {
+        let up = 1e-3 * f64::from(step);
+        world.pin_mut().drive_body(floor, &[0.0, 0.0, up - 0.01], &STILL).expect("driven");
+        world.pin_mut().step().expect("a step");
+        if step == steps / 2 {
+            world.pin_mut().remove_body(ids[7]).expect("removed");
+        }
+    }
+    world.read_contacts(&mut contacts);
+    assert!(contacts.len() > 1000, "the check has contacts");
+    steps
+}
+
+/// The speeds of crowds of every size, with walls and with what is no number; how
+/// many.
+pub fn speeds() -> usize {
+    let mut found = 0;
+    for i in 0..400_u32 {
+        let bodies: Vec<_> = (0..i % 50)
+            .map(|n| {
+                let t = f64::from(i) + 0.37 * f64::from(n);
+                let spread = 10.0_f64.powi((i % 9).cast_signed() - 4);
+                CrowdProbeBody {
+                    centre: [t.sin(), t.cos(), (1.7 * t).sin()].map(|x| spread * x),
+                    velocity: [3.0 * t.cos(), -t.sin(), -3.0],
+                    radius: if n % 7 == 3 { 5.0 } else { 0.006 },
+                    turning: if i % 23 == 5 { f64::NAN } else { 0.1 },
+                    free: n % 7 != 5,
+                }
+            })
+            .collect();
+        found += crowd_speeds(&bodies, &[0.1, 0.0, 0.0], 1.0 / 480.0, 0.5e-3).len();
+    }
+    found
+}
+
 /// Every kind of world; how many steps.
 pub fn all() -> u32 {
-    KINDS.iter().map(|&kind| one(kind, 90, 160)).sum()
+    KINDS.iter().map(|&kind| one(kind, 90, 160)).sum::<u32>()
+        + crowd((true, 1, false, 8), 12)
+        + crowd((true, 2, true, 8), 12)
 }
 
 /// Two worlds in two threads, by each contact path, then one with three
@@ -197,7 +250,7 @@ pub fn in_threads() -> u32 {
         let two = [0, 1].map(|_| thread::spawn(move || one(kind, 60, 80)));
         steps += two.map(|one| one.join().expect("no panic")).iter().sum::<u32>();
     }
-    steps + one((true, 3, false, 8), 60, 80)
+    steps + one((true, 3, false, 8), 60, 80) + crowd((true, 3, false, 8), 8)
 }
 
 /// Pairs of boxes in two thousand poses, at two length scales, with the fastest
