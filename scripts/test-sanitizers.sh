@@ -24,9 +24,9 @@ export CARGO_PROFILE_DEV_OPT_LEVEL=0
 export ASAN_OPTIONS=abort_on_error=0:detect_stack_use_after_return=1:check_initialization_order=1:strict_init_order=1:detect_leaks=1
 export LSAN_OPTIONS=report_objects=1
 export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
-export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1:exitcode=66
-
 scenarios=$PWD/tests/sanitizers
+export TSAN_OPTIONS="halt_on_error=1:second_deadlock_stack=1:exitcode=66:suppressions='$scenarios/tsan.supp'"
+
 folder=$PWD/target/sanitize
 mkdir -p "$folder"
 
