@@ -14,9 +14,10 @@
 // The speed of a body in cell c of a grid is |v - u_c|, with u the mean velocity
 // of a cell, and half the largest |u_c - u_c'| to a cell around. For bodies of the
 // same or of neighbouring cells the law follows from
-// |v_i - v_j| <= |v_i - u_c| + |u_c - u_c'| + |u_c' - v_j|. Bodies of cells further apart do not come within reach, since a cell is larger than
-// two radii, the reach and the way of both. Wide bodies, such as walls, are in
-// no cell and stand off by the fastest of all besides their own speed.
+// |v_i - v_j| <= |v_i - u_c| + |u_c - u_c'| + |u_c' - v_j|. Bodies of cells further apart do not
+// come within reach, since a cell is larger than two radii, the reach and the way of both. Wide
+// bodies, such as walls, are in no cell and stand off by the fastest of all besides their own
+// speed.
 #pragma once
 
 #include <cstddef>
