@@ -101,26 +101,12 @@ fn resident() -> i64 {
     line.split_whitespace().nth(1).and_then(|n| n.parse().ok()).expect("a number of KiB")
 }
 
-/// How many measurements are enough to leave one step out.
-const MANY: usize = 10;
-
-/// A page of Linux on this architecture that is put together of 512, in KiB.
-const LARGE_PAGE: i64 = 2048;
-
 /// Says when memory held after each hundred worlds (KiB) grew, as a sentence.
-///
-/// Of many, the largest step is left out where it is no more than a large page:
-/// Linux puts pages together when it comes to it (khugepaged), and what nobody
-/// uses of them is held from then on. What leaks grows at every step.
 fn growth(held: &[i64]) -> Result<i64, String> {
     let (Some(first), Some(last)) = (held.first(), held.last()) else {
         return Err("nothing was measured".into());
     };
-    let mut grown = last - first;
-    if held.len() >= MANY {
-        let largest = held.windows(2).map(|two| two[1] - two[0]).max().unwrap_or(0);
-        grown -= if largest <= LARGE_PAGE { largest.max(0) } else { 0 };
-    }
+    let grown = last - first;
     if grown > TOLERANCE {
         return Err(format!(
             "law: memory held stays flat, expected at most {TOLERANCE} KiB more after the last \
@@ -140,16 +126,6 @@ fn a_growth_is_told_from_none() {
     // A kilobyte a world, over two thousand of them.
     let leaking: Vec<i64> = (0..20).map(|hundreds| 50_000 + 100 * hundreds).collect();
     assert!(growth(&leaking).is_err(), "law: a slow leak is seen in the long run");
-    // As it was measured once: pages were put together after the fourth hundred.
-    let together = |steps: &[usize]| -> Vec<i64> {
-        let after = |hundred: usize| steps.iter().filter(|step| hundred > **step).count();
-        (0..20)
-            .map(|hundred| 22_500 + LARGE_PAGE * i64::try_from(after(hundred)).unwrap())
-            .collect()
-    };
-    assert_eq!(growth(&together(&[3])), Ok(0), "law: a large page put together is no leak");
-    assert!(growth(&together(&[3, 9])).is_err(), "law: two of them are not taken for one");
-    assert!(growth(&[50_000, 50_000 + LARGE_PAGE]).is_err(), "law: of few, none is left out");
 }
 
 /// The other process: makes worlds, and prints what it holds after each hundred.
