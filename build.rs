@@ -9,11 +9,12 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 34] = [
+const SHIMS: [&str; 35] = [
     "contact_batches",
     "contact_bodies",
     "contact_iterations",
     "contact_loads",
+    "contact_look",
     "contact_memory",
     "contact_parts",
     "contact_rows",
@@ -59,7 +60,9 @@ fn main() {
     println!("cargo::rerun-if-changed=cpp/lanes.h");
     println!("cargo::rerun-if-changed=cpp/prefetch.h");
     println!("cargo::rerun-if-changed=cpp/unset.h");
+    println!("cargo::rerun-if-changed=cpp/contact_impacts.h");
     println!("cargo::rerun-if-changed=cpp/contact_kernels.h");
+    println!("cargo::rerun-if-changed=cpp/contact_residual.h");
     println!("cargo::rerun-if-changed=cpp/hull_axis_kernels.h");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-env-changed={SANITIZE}");

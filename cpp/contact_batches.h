@@ -22,6 +22,7 @@ template <class L> struct alignas(64) Batch {
     Three<L> lever_2_a, lever_2_b;
     L friction, tangent_mass;
     L target, normal_mass, yield;
+    L most;                          // that the normal impulse may become
     L impulse, impulse_1, impulse_2; // of the sub-step
 };
 
@@ -30,7 +31,10 @@ template <class L> struct alignas(64) BatchMemory {
     int row[Lane<L>::WIDTH]; // -1 where padded
     Three<L> arm_a, arm_b;   // when the step began
     L restitution, gap;
-    L arrival, struck;         // from sub-step to sub-step
+    L gap_now, approach, mass; // when the sub-step began; `mass` along the normal
+    // Of a sub-step with impacts: 1 for an impact, the normal impulse without
+    // restitution, and all that compression has brought it to.
+    L impact, solved, compression, compression_1, compression_2;
     L total, total_1, total_2; // impulses of the step
 };
 

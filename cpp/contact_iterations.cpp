@@ -1,6 +1,6 @@
 #include "contact_iterations.h"
 
-#include "contact_kernels.h"
+#include "contact_impacts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,25 +10,25 @@ namespace pluvia {
 namespace {
 
 void step_single(Contacts<double> &contacts, const ContactLaw &law, const LaneLaw<double> &lanes,
-                 PackedBodies<double> &bodies) {
+                 PackedBodies<double> &bodies, Look *look) {
     for (int i = 0; i < law.substeps; ++i) {
-        substep(contacts, law.sweeps, lanes, bodies);
+        substep(contacts, law.sweeps, lanes, bodies, i + 1 == law.substeps ? look : nullptr);
     }
 }
 
 void step_portable(Contacts<Float8> &contacts, const ContactLaw &law, const LaneLaw<float> &lanes,
-                   PackedBodies<float> &bodies) {
+                   PackedBodies<float> &bodies, Look *look) {
     for (int i = 0; i < law.substeps; ++i) {
-        substep(contacts, law.sweeps, lanes, bodies);
+        substep(contacts, law.sweeps, lanes, bodies, i + 1 == law.substeps ? look : nullptr);
     }
 }
 
 #if defined(__x86_64__)
 __attribute__((target("avx2"))) void step_avx2(Contacts<Float8> &contacts, const ContactLaw &law,
                                                const LaneLaw<float> &lanes,
-                                               PackedBodies<float> &bodies) {
+                                               PackedBodies<float> &bodies, Look *look) {
     for (int i = 0; i < law.substeps; ++i) {
-        substep(contacts, law.sweeps, lanes, bodies);
+        substep(contacts, law.sweeps, lanes, bodies, i + 1 == law.substeps ? look : nullptr);
     }
 }
 #endif
@@ -62,7 +62,7 @@ void load(const ContactRows &rows, const Schedule &schedule, int substeps, Conta
     contacts.near = static_cast<std::size_t>(schedule.near_batches());
     for (std::size_t i = 0; i < count; ++i) {
         BatchMemory<L> &m = contacts.memory[i];
-        m.struck = m.total = m.total_1 = m.total_2 = L{};
+        m.total = m.total_1 = m.total_2 = L{};
         if (schedule.lanes_used(i) < Lane<L>::WIDTH) {
             contacts.batches[i] = Batch<L>{};
             m = BatchMemory<L>{};
@@ -88,10 +88,10 @@ void load(const ContactRows &rows, const Schedule &schedule, int substeps, Conta
         put(c.friction, row.friction);
         put(m.restitution, row.restitution);
         put(m.gap, row.gap);
-        put(m.arrival, row.arrival);
-        put(c.impulse, row.impulse / substeps);
-        put(c.impulse_1, row.impulse_1 / substeps);
-        put(c.impulse_2, row.impulse_2 / substeps);
+        const double kept = row.kept / substeps;
+        put(c.impulse, row.impulse * kept);
+        put(c.impulse_1, row.impulse_1 * kept);
+        put(c.impulse_2, row.impulse_2 * kept);
     }
 }
 
@@ -141,14 +141,16 @@ template <class L>
 void unload(const Contacts<L> &contacts, const Bodies<L> &packed, const Schedule &schedule,
             const ContactLaw &law, double substep, ContactRows &rows,
             std::vector<SolverBody> &bodies) {
-    for (const BatchMemory<L> &m : contacts.memory) {
+    for (std::size_t n = 0; n < contacts.memory.size(); ++n) {
+        const BatchMemory<L> &m = contacts.memory[n];
         for (int i = 0; i < Lane<L>::WIDTH; ++i) {
             if (m.row[i] >= 0) {
                 ContactRow &row = rows[static_cast<std::size_t>(m.row[i])];
                 row.impulse = Lane<L>::get(m.total, i);
                 row.impulse_1 = Lane<L>::get(m.total_1, i);
                 row.impulse_2 = Lane<L>::get(m.total_2, i);
-                row.arrival = Lane<L>::get(m.arrival, i);
+                const double next = Lane<L>::get(contacts.batches[n].impulse, i);
+                row.kept = row.impulse > 0 ? next * law.substeps / row.impulse : 1;
             }
         }
     }
@@ -178,13 +180,13 @@ bool has_avx2() {
 }
 
 void Iterations::run(Sweep how, const ContactLaw &law, double step, ContactRows &rows,
-                     std::vector<SolverBody> &bodies) {
+                     std::vector<SolverBody> &bodies, Look *look) {
     const double substep = step / law.substeps;
     if (how == Sweep::OneByOne) {
         schedule_.assign(rows, bodies, 1);
         load(rows, schedule_, law.substeps, single_);
         pack(bodies, law.substeps, substep, single_bodies_);
-        step_single(single_, law, lane_law<double>(law, step), single_bodies_);
+        step_single(single_, law, lane_law<double>(law, step), single_bodies_, look);
         unload(single_, single_bodies_, schedule_, law, substep, rows, bodies);
         return;
     }
@@ -194,12 +196,12 @@ void Iterations::run(Sweep how, const ContactLaw &law, double step, ContactRows 
     const LaneLaw<float> lanes = lane_law<float>(law, step);
 #if defined(__x86_64__)
     if (how == Sweep::Avx2) {
-        step_avx2(eight_, law, lanes, eight_bodies_);
+        step_avx2(eight_, law, lanes, eight_bodies_, look);
     } else {
-        step_portable(eight_, law, lanes, eight_bodies_);
+        step_portable(eight_, law, lanes, eight_bodies_, look);
     }
 #else
-    step_portable(eight_, law, lanes, eight_bodies_);
+    step_portable(eight_, law, lanes, eight_bodies_, look);
 #endif
     unload(eight_, eight_bodies_, schedule_, law, substep, rows, bodies);
 }

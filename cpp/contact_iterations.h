@@ -2,6 +2,7 @@
 #pragma once
 
 #include "contact_batches.h"
+#include "contact_look.h"
 
 namespace pluvia {
 
@@ -17,19 +18,19 @@ enum class Sweep {
 bool has_avx2();
 
 // Carries bodies and contacts through a step of `law.substeps` sub-steps. In
-// each the gaps are what they have become, the external forces act, the
+// each the gaps and arms are what they have become, the external forces act, the
 // contacts begin with the impulses of the sub-step before (the first with its
 // share of those in the rows), and `law.sweeps` sweeps correct them. Normals
-// and arms are those of the beginning.
+// are those of the beginning.
 //
 // Smaller steps of the solver do more for the same work than more sweeps
 // (Macklin et al. 2019, "Small steps in physics simulation"). Rows end with the
 // impulses of the whole step, bodies with their velocities at its end and the
-// way they have gone.
+// way they have gone. `look`, or null, is filled in the last sub-step.
 class Iterations {
   public:
     void run(Sweep sweep, const ContactLaw &law, double step, ContactRows &rows,
-             std::vector<SolverBody> &bodies);
+             std::vector<SolverBody> &bodies, Look *look);
 
   private:
     Schedule schedule_;

@@ -70,6 +70,10 @@ PLUVIA_INLINE L parting(const Side<L> &a, const Side<L> &b, const Three<L> &dire
 template <class L>
 inline constexpr typename Lane<L>::Number TINY = static_cast<typename Lane<L>::Number>(1e-30);
 
+// More than any impulse.
+template <class L>
+inline constexpr typename Lane<L>::Number UNLIMITED = static_cast<typename Lane<L>::Number>(1e30);
+
 // Levers and masses that the bodies show at the arms of the sub-step. With
 // those of the step's beginning a body that turns fast, and whose arms have
 // grown, is pushed by more than it needs, the more so in every sweep.
@@ -123,11 +127,10 @@ template <class L> PLUVIA_INLINE Three<L> turned(const Three<L> &arm, const Thre
 // The speed to reach along the normal in this sub-step, and how the contact
 // yields.
 //
-// A contact that is not closed yet is met exactly at the end of the sub-step.
-// One that closes and came with a speed worth mentioning leaves with the
-// coefficient of restitution times that speed, which was remembered from when
-// it was still free. Everything else is an implicit spring and damper (Catto
-// 2011, "Soft constraints"). Velocities are those before gravity.
+// A contact that is not closed yet is met exactly at the end of the sub-step,
+// a closed one is an implicit spring and damper (Catto 2011, "Soft
+// constraints"). Whether it rebounds is decided when this is solved
+// (see contact_impacts.h). Velocities are those before gravity.
 //
 // The spring: stiffness k, damping c = 2 ζ √(k m), in a sub-step h yield
 // γ = 1/(h (c + h k)), share of the overlap to remove β = h k/(c + h k).
@@ -147,7 +150,7 @@ PLUVIA_INLINE void aim(Batch<L> &c, BatchMemory<L> &m, const LaneLaw<typename La
     const Three<L> turned_arm_a = turned(m.arm_a, turned_a);
     const Three<L> turned_arm_b = turned(m.arm_b, turned_b);
     const Three<L> way = moved_a - moved_b + (turned_arm_a - m.arm_a) - (turned_arm_b - m.arm_b);
-    const L gap = m.gap + way.dot(c.normal);
+    m.gap_now = m.gap + way.dot(c.normal);
     // Both bodies are pushed in one point, nearer to the lighter one's: so the
     // angular momentum is kept, however far they slid past each other, and a
     // block stays on its corners wherever on the plane it is.
@@ -155,35 +158,36 @@ PLUVIA_INLINE void aim(Batch<L> &c, BatchMemory<L> &m, const LaneLaw<typename La
     const L both = larger(L(a.inverse_mass + b.inverse_mass), L(zero + TINY<L>));
     const Three<L> arm_a = turned_arm_a - apart * L(b.inverse_mass / both);
     const Three<L> arm_b = turned_arm_b + apart * L(a.inverse_mass / both);
-    const L mass = set_levers(c, a, b, arm_a, arm_b, bodies);
-    const L arrival = larger(m.arrival, L(zero - parting(a, b, c.normal, c.lever_a, c.lever_b)));
+    m.mass = set_levers(c, a, b, arm_a, arm_b, bodies);
+    m.approach = zero - parting(a, b, c.normal, c.lever_a, c.lever_b);
 
     const L stiff = zero + law.step * law.stiffness;
-    const L firm = root(mass) * law.damping + stiff;
+    const L firm = root(m.mass) * law.damping + stiff;
     const L yield = one / (firm * law.step);
-    const auto closed = gap <= zero + law.closed_gap;
-    const auto rebounds =
-        closed & (arrival > zero + law.restitution_speed) & (m.restitution > zero);
-    const L spring =
-        smaller(L(zero - stiff / firm * gap * law.inverse_step), L(zero + law.push_out_speed));
-    c.target = closed ? (rebounds ? L(m.restitution * arrival) : spring)
-                      : L(zero - gap * law.inverse_step);
-    const auto springs = closed & !rebounds;
-    c.normal_mass = springs ? L(mass / (one + mass * yield)) : mass;
-    c.yield = springs ? yield : zero;
-    // The blow of a rebound says nothing about the force that follows.
-    const auto struck = m.struck > zero;
-    c.impulse = struck ? zero : c.impulse;
-    c.impulse_1 = struck ? zero : c.impulse_1;
-    c.impulse_2 = struck ? zero : c.impulse_2;
-    m.struck = rebounds ? one : zero;
-    m.arrival = closed ? zero : arrival;
+    const auto closed = m.gap_now <= zero + law.closed_gap;
+    const L spring = smaller(L(zero - stiff / firm * m.gap_now * law.inverse_step),
+                             L(zero + law.push_out_speed));
+    c.target = closed ? spring : L(zero - m.gap_now * law.inverse_step);
+    c.normal_mass = closed ? L(m.mass / (one + m.mass * yield)) : m.mass;
+    c.yield = closed ? yield : zero;
+    c.most = zero + UNLIMITED<L>;
+    // Friction that a solved contact was left with beyond its cone is not begun with.
+    const L most = c.friction * c.impulse;
+    const L size = root(L(c.impulse_1 * c.impulse_1 + c.impulse_2 * c.impulse_2));
+    const L scale = most / larger(L(most), larger(size, L(zero + TINY<L>)));
+    c.impulse_1 = c.impulse_1 * scale;
+    c.impulse_2 = c.impulse_2 * scale;
 }
+
+// What a sweep reports of the normals: how fast contacts were approached beyond
+// what they aim at, which is what adds overlap, or any change of their speed.
+enum class Unsolved { Approach, Change };
 
 // Friction first, within the cone that the normal impulse allows so far; the
 // normal last, since overlap is worse than a little sliding. `unsolved` gets the
-// fastest approach found, beyond what the contacts aim at.
-template <class L> PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b, L &unsolved) {
+// fastest of what is asked for.
+template <Unsolved WHAT, class L>
+PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b, L &unsolved) {
     const L zero{};
     const L slip_1 = parting(a, b, c.tangent_1, c.lever_1_a, c.lever_1_b);
     const L slip_2 = parting(a, b, c.tangent_2, c.lever_2_a, c.lever_2_b);
@@ -204,9 +208,15 @@ template <class L> PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b,
 
     const L speed = parting(a, b, c.normal, c.lever_a, c.lever_b);
     const L error = speed - c.target + c.yield * c.impulse;
-    unsolved = larger(unsolved, L(zero - error));
-    const L next = larger(zero, L(c.impulse - c.normal_mass * error));
+    const L wanted = larger(zero, L(c.impulse - c.normal_mass * error));
+    const L next = smaller(wanted, c.most);
     const L more = next - c.impulse;
+    if (WHAT == Unsolved::Change) {
+        const L change = larger(more, L(zero - more));
+        unsolved = larger(unsolved, L(change / larger(c.normal_mass, L(zero + TINY<L>))));
+    } else {
+        unsolved = larger(unsolved, wanted > next ? zero : L(zero - error));
+    }
     push(a, b, c.normal * more, c.lever_a * more, c.lever_b * more);
     c.impulse = next;
 }
@@ -219,11 +229,12 @@ template <class L> PLUVIA_INLINE bool any_larger(const L &lanes, typename Lane<L
     return any;
 }
 
-template <class L> PLUVIA_INLINE void solve_at(Batch<L> &c, Records<L> *motion, L &unsolved) {
+template <Unsolved WHAT, class L>
+PLUVIA_INLINE void solve_at(Batch<L> &c, Records<L> *motion, L &unsolved) {
     Side<L> a, b;
     gather_motion(motion, c.a, a);
     gather_motion(motion, c.b, b);
-    solve(c, a, b, unsolved);
+    solve<WHAT>(c, a, b, unsolved);
     scatter_motion(a, c.a, motion);
     scatter_motion(b, c.b, motion);
 }
@@ -263,57 +274,38 @@ template <class N> PLUVIA_INLINE void go(PackedBodies<N> &bodies, N step) {
     }
 }
 
-// One sub-step: external forces, the impulses with which it begins, the
-// sweeps, and the way the bodies go.
+// Sweeps over the contacts that are awake until less than `limit` is unsolved.
 //
 // A contact that bears nothing and is not approached too fast is left as it is
 // by a sweep. So the contacts that are not near are looked at in the first
 // sweep, every so many, and when all others are solved; they take part in all
 // sweeps from when one of their batch bears something.
-template <class L>
-PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
-                           const LaneLaw<typename Lane<L>::Number> &law, Bodies<L> &bodies) {
-    auto *const motion = bodies.motion.data();
+template <Unsolved WHAT, class L>
+PLUVIA_INLINE void iterate(Contacts<L> &contacts, int sweeps, typename Lane<L>::Number limit,
+                           Records<L> *motion) {
     auto &batches = contacts.batches;
-    for (std::size_t i = 0; i < batches.size(); ++i) {
-        aim(batches[i], contacts.memory[i], law, bodies);
-        contacts.awake[i] = i < contacts.near || any_larger(batches[i].impulse, 0);
-    }
-    force(bodies);
-    for (std::size_t i = 0; i < batches.size(); ++i) {
-        if (contacts.awake[i]) {
-            begin(batches[i], motion);
-        }
-    }
     // A blow to a heap takes more sweeps to get through it than its weight.
     for (int sweep = 1; sweep <= MOST_SWEEPS * sweeps; ++sweep) {
         L unsolved{};
         for (std::size_t i = 0; i < batches.size(); ++i) {
             if (contacts.awake[i]) {
-                solve_at(batches[i], motion, unsolved);
+                solve_at<WHAT>(batches[i], motion, unsolved);
             }
         }
-        const bool solved = sweep >= sweeps && !any_larger(unsolved, law.unsolved_speed);
+        const bool solved = sweep >= sweeps && !any_larger(unsolved, limit);
         if (sweep > 1 && sweep % sweeps != 0 && !solved) {
             continue;
         }
         for (std::size_t i = contacts.near; i < batches.size(); ++i) {
             if (!contacts.awake[i]) {
-                solve_at(batches[i], motion, unsolved);
+                solve_at<WHAT>(batches[i], motion, unsolved);
                 contacts.awake[i] = any_larger(batches[i].impulse, 0);
             }
         }
-        if (solved && !any_larger(unsolved, law.unsolved_speed)) {
+        if (solved && !any_larger(unsolved, limit)) {
             break;
         }
     }
-    for (std::size_t i = 0; i < batches.size(); ++i) {
-        BatchMemory<L> &m = contacts.memory[i];
-        m.total = m.total + batches[i].impulse;
-        m.total_1 = m.total_1 + batches[i].impulse_1;
-        m.total_2 = m.total_2 + batches[i].impulse_2;
-    }
-    go(bodies, law.step);
 }
 
 } // namespace pluvia

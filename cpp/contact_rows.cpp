@@ -44,7 +44,7 @@ ContactRow make_row(const ContactLaw &law, double step, const Touching &pair, in
     row.arm_b = three(arm);
     row.friction = static_cast<double>(pair.state->friction);
     row.restitution = static_cast<double>(pair.state->restitution);
-    row.arrival = static_cast<double>(row.load->arrival);
+    row.kept = static_cast<double>(row.load->kept);
     row.gap = static_cast<double>(contact.points[point].gap);
 
     // The last step's impulses, whole: what is thrown away has to be found
@@ -66,7 +66,7 @@ void write_row(const ContactRow &row) {
     row.load->impulse[0] = static_cast<float>(borne.x);
     row.load->impulse[1] = static_cast<float>(borne.y);
     row.load->impulse[2] = static_cast<float>(borne.z);
-    row.load->arrival = static_cast<float>(row.arrival);
+    row.load->kept = static_cast<float>(row.kept);
 }
 
 } // namespace pluvia

@@ -43,7 +43,7 @@ struct ContactRow {
     Three<double> normal, tangent_1, tangent_2, arm_a, arm_b;
     double friction, restitution;
     double gap;                           // when the step began
-    double arrival;                       // speed of approach, until they rebound
+    double kept;                          // share of the last step's impulse to begin with
     double impulse, impulse_1, impulse_2; // of the step
     bool near;                            // may well bear something in the step
 };

@@ -5,6 +5,7 @@
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace pluvia {
@@ -19,6 +20,9 @@ int driven_number(int id) { return WORLD - 1 - id; }
 
 // So many bodies or pairs ahead the memory is asked for them.
 constexpr std::size_t AHEAD = 4;
+
+// Steps from one that is looked at to the next: looking costs about as much as a sweep.
+constexpr unsigned LOOK_EVERY = 16;
 
 // Bodies or pairs that a thread takes at once.
 constexpr std::size_t AT_ONCE = 64;
@@ -47,6 +51,7 @@ btScalar ContactSolver::solveGroup(btCollisionObject **, int, btPersistentManifo
     for (Desk &desk : desks_) {
         desk.local.assign(driven_.size(), 0);
     }
+    begin_look();
     // A part that is more than a thread's share is solved by all of them.
     small_.clear();
     const std::size_t share = links_.size() / desks_.size();
@@ -62,7 +67,33 @@ btScalar ContactSolver::solveGroup(btCollisionObject **, int, btPersistentManifo
             solve_part(small_[i], step, desks_[static_cast<std::size_t>(worker)], nullptr);
         }
     });
+    end_look();
     return 0;
+}
+
+void ContactSolver::begin_look() {
+    const bool look = recording_ || steps_++ % LOOK_EVERY == 0;
+    looks_.assign(look ? parts_.count() : 0, Look{});
+    records_.assign(recording_ ? parts_.count() : 0, SubstepRecord{});
+    for (std::size_t part = 0; part < records_.size(); ++part) {
+        looks_[part].record = &records_[part];
+    }
+}
+
+// In the order of the parts, whoever solved them.
+void ContactSolver::end_look() {
+    Residual all;
+    for (const Look &look : looks_) {
+        all.error += look.residual.error;
+        all.impulse += look.residual.impulse;
+    }
+    if (!looks_.empty()) {
+        residual_ = all.impulse > 0 ? std::sqrt(all.error / all.impulse) : 0;
+    }
+    recorded_ = SubstepRecord{};
+    for (const SubstepRecord &record : records_) {
+        recorded_.append(record);
+    }
 }
 
 void ContactSolver::bodies_changed() {
@@ -172,7 +203,8 @@ void ContactSolver::solve_part(std::size_t part, double step, Desk &desk, Worker
             }
         }
     });
-    desk.iterations.run(sweep_, law_, step, desk.rows, desk.bodies);
+    desk.iterations.run(sweep_, law_, step, desk.rows, desk.bodies,
+                        looks_.empty() ? nullptr : &looks_[part]);
     share(desk.pairs.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             for (int p = 0; p < desk.pairs[i].pair->points; ++p) {

@@ -45,6 +45,12 @@ class ContactSolver final : public btConstraintSolver {
     const std::vector<btRigidBody *> &driven() const { return driving_; }
 
     const ContactLaw &law() const { return law_; }
+    // Natural-map residual of the last sub-step of the step looked at last, over
+    // its impulses, both in the kinetic norm; 0 before the first.
+    double residual() const { return residual_; }
+    // Has the last sub-step of every step from now on recorded, or none any more.
+    void record(bool on) { recording_ = on; }
+    const SubstepRecord &recorded() const { return recorded_; }
     Sweep sweep() const { return sweep_; }
 
   private:
@@ -79,10 +85,18 @@ class ContactSolver final : public btConstraintSolver {
     std::unordered_map<const btCollisionObject *, Drive> drives_, drives_now_;
     std::vector<Desk> desks_;        // by worker
     std::vector<std::size_t> small_; // parts that a thread solves by itself
+    bool recording_ = false;
+    unsigned steps_ = 0;
+    double residual_ = 0;
+    std::vector<Look> looks_; // by part, in a step that is looked at
+    std::vector<SubstepRecord> records_;
+    SubstepRecord recorded_;
 
     void take_driven(double step);
     // With `workers`, all of them work on the part.
     void solve_part(std::size_t part, double step, Desk &desk, Workers *workers);
+    void begin_look();
+    void end_look();
     int local_index(int id, Desk &desk) const;
 };
 

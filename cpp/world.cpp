@@ -319,6 +319,21 @@ PhaseTimes BulletWorld::phases() const {
     return {p.broadphase, p.collision, p.solver, p.integration};
 }
 
+double BulletWorld::solver_residual() const {
+    return impl_->contact_solver ? impl_->contact_solver->residual() : -1;
+}
+
+void BulletWorld::record_substeps(bool on) {
+    if (impl_->contact_solver) {
+        impl_->contact_solver->record(on);
+    }
+}
+
+void BulletWorld::read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const {
+    const bool native = impl_->contact_solver != nullptr;
+    (native ? impl_->contact_solver->recorded() : SubstepRecord{}).read(bodies, contacts);
+}
+
 PairValue BulletWorld::pair_value(std::uint32_t a, std::uint32_t b) const {
     const btRigidBody &first = impl_->body(a);
     const btRigidBody &second = impl_->body(b);

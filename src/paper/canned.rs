@@ -311,6 +311,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         }),
         meets_standard: !bad,
         guards: None,
+        solver_residual: None,
         kinetic_energy_j: 1e-7,
         simulated_s: 30.0,
         steps: 14_400,

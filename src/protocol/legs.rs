@@ -47,6 +47,9 @@ pub struct Midway {
     /// What was watched so far; not in a checkpoint of before this was.
     #[serde(default)]
     pub watch: Watch,
+    /// Solver residuals, one a sample (see `World::solver_residual`).
+    #[serde(default)]
+    pub residuals: Vec<f64>,
     /// The grains still in the spout of slow pluviation.
     pub fed: Option<Fed>,
 }
@@ -64,6 +67,7 @@ impl Midway {
             engine_s: 0.0,
             warnings: Vec::new(),
             watch: Watch::default(),
+            residuals: Vec::new(),
             fed: None,
         }
     }

@@ -84,6 +84,9 @@ pub struct StageOutcome {
     pub warnings: Vec<String>,
     /// What was watched about its motion.
     pub watch: Watch,
+    /// Solver residuals, one a sample (see `World::solver_residual`); none of an
+    /// engine that does not say.
+    pub residuals: Vec<f64>,
     /// The engine's settings as read back.
     pub effective: EffectiveSettings,
 }

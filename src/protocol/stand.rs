@@ -266,6 +266,7 @@ impl<'a> Stand<'a> {
             }
             if sample || settled {
                 self.midway.next_sample_s += self.setup.sample_interval;
+                self.midway.residuals.extend(self.world.solver_residual());
                 let moment = Moment { stage_time: time, table_velocity: table_velocity(time) };
                 observer.observe(&self.specimen, moment);
             }
@@ -322,6 +323,7 @@ impl<'a> Stand<'a> {
             engine_time: Duration::from_secs_f64(self.midway.engine_s),
             warnings: self.midway.warnings,
             watch: self.midway.watch,
+            residuals: self.midway.residuals,
         }
     }
 

@@ -40,6 +40,9 @@ pub struct StageRecord {
     /// recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub guards: Option<StageGuards>,
+    /// Solver residuals, one a sample; empty of an engine that does not say.
+    #[serde(default)]
+    pub solver_residuals: Vec<f64>,
     /// Engine settings as read back.
     pub effective: EffectiveSettings,
     /// Smallest square opening in mm that each grain passes with the shape that

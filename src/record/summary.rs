@@ -95,6 +95,10 @@ pub struct Summary {
     /// was recorded.
     #[serde(default)]
     pub guards: Option<Guards>,
+    /// How well the contacts were solved, over all samples of the run; null of an
+    /// engine that does not say.
+    #[serde(default)]
+    pub solver_residual: Option<SolverResidual>,
     /// Kinetic energy at the end in J.
     pub kinetic_energy_j: f64,
     /// Simulated time in s, control included.
@@ -109,6 +113,29 @@ pub struct Summary {
     pub peak_memory_mib: f64,
     /// Findings a reader must know.
     pub warnings: Vec<String>,
+}
+
+/// Residual of the contact solver: the natural map of the laws of contact and
+/// friction over the impulses found, both in the kinetic norm. 0 is exact.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SolverResidual {
+    /// Median of the samples.
+    pub median: f64,
+    /// 99th percentile (nearest rank).
+    pub p99: f64,
+    /// The largest.
+    pub worst: f64,
+}
+
+impl SolverResidual {
+    /// Of samples in any order; none of none.
+    pub fn of(samples: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut sorted: Vec<f64> = samples.into_iter().collect();
+        sorted.sort_by(f64::total_cmp);
+        let rank = |share: f64| (share * sorted.len() as f64).ceil().max(1.0) as usize - 1;
+        let worst = *sorted.last()?;
+        Some(Self { median: sorted[rank(0.5)], p99: sorted[rank(0.99)], worst })
+    }
 }
 
 /// Number, mass and whereabouts of the grains.
@@ -223,4 +250,19 @@ pub struct Control {
     pub mean_surface_drop_mm: f64,
     /// Drop of the plate in mm, where there is one.
     pub plate_drop_mm: Option<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn residuals_are_ranked() {
+        let of = |samples: &[f64]| SolverResidual::of(samples.iter().copied());
+        assert_eq!(of(&[]), None, "law: no sample, no residual");
+        let hundred: Vec<f64> = (1..=200).rev().map(f64::from).collect();
+        let got = of(&hundred).expect("some");
+        assert_eq!((got.median, got.p99, got.worst), (100.0, 198.0, 200.0));
+        assert_eq!(of(&[3.0]).map(|r| (r.median, r.p99, r.worst)), Some((3.0, 3.0, 3.0)));
+    }
 }

@@ -243,6 +243,7 @@ impl Shop<'_> {
             engine_s: outcome.engine_time.as_secs_f64(),
             warnings,
             guards: Some(guards),
+            solver_residuals: outcome.residuals,
             effective: outcome.effective,
             sieved_mm: sieved_mm(&outcome.corners),
             ..StageRecord::default()

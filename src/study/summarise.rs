@@ -17,7 +17,7 @@ use crate::measure::{
 use crate::protocol::{Setup, table_motion};
 use crate::record::{
     Control, GrainsSummary, Overlap, SeriesRow, Settlement, ShapeSummary, SieveSummary,
-    StandingHeight, StoredStage, Summary, hash_json,
+    SolverResidual, StandingHeight, StoredStage, Summary, hash_json,
 };
 use crate::scenario::{self, Backend, EngineSettings, StageSpec};
 use crate::specimen::{Fate, Specimen, SpecimenState};
@@ -156,6 +156,9 @@ pub fn summarise(
         control: control_figures,
         meets_standard,
         guards: Some(guards::of_run(all.clone().map(|s| &s.record))),
+        solver_residual: SolverResidual::of(
+            all.clone().flat_map(|s| s.record.solver_residuals.iter().copied()),
+        ),
         kinetic_energy_j: series.last().map_or(0.0, |r| r.kinetic_energy_j),
         simulated_s: all.clone().map(|s| s.record.simulated_s).sum(),
         steps: all.clone().map(|s| s.record.steps).sum(),

@@ -294,6 +294,14 @@ pub trait World {
         None
     }
 
+    /// How well the contacts were solved in a step of the last few: the natural
+    /// map of the laws of contact and friction over the impulses found, both in
+    /// the kinetic norm; 0 is exact, 0.01 is a hundredth of the impulses. `None`
+    /// for an engine that does not say, and before the first step.
+    fn solver_residual(&self) -> Option<f64> {
+        None
+    }
+
     /// The coefficients that a contact between these bodies gets.
     ///
     /// # Errors

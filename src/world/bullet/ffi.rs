@@ -233,6 +233,11 @@ mod bridge {
         fn recall_contacts(self: Pin<&mut BulletWorld>, contacts: &[ContactRead]) -> Result<()>;
         fn pair_value(self: &BulletWorld, a: u32, b: u32) -> Result<PairValue>;
         fn phases(self: &BulletWorld) -> PhaseTimes;
+        /// See `World::solver_residual`; negative with Bullet's own contacts.
+        fn solver_residual(self: &BulletWorld) -> f64;
+        fn record_substeps(self: Pin<&mut BulletWorld>, on: bool);
+        /// The last sub-step recorded: numbers of `SubstepRecord` in cpp/contact_look.h.
+        fn read_substep(self: &BulletWorld, bodies: &mut Vec<f64>, contacts: &mut Vec<f64>);
         fn effective(self: &BulletWorld) -> Vec<EngineSetting>;
 
         include!("pluvia/cpp/hull_probe.h");

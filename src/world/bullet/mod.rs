@@ -12,14 +12,19 @@ mod constants;
 mod crowd_tests;
 mod ffi;
 #[cfg(test)]
+mod impact_tests;
+#[cfg(test)]
 mod manifold_tests;
 pub mod probe;
 #[cfg(test)]
 mod shim_tests;
 #[cfg(test)]
 mod stock_tests;
+mod substep;
 #[cfg(test)]
 pub(crate) mod tests;
+
+pub use substep::SubstepRecord;
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -445,6 +450,10 @@ impl World for BulletBackend {
             solver_s: p.solver,
             integration_s: p.integration,
         })
+    }
+
+    fn solver_residual(&self) -> Option<f64> {
+        Some(self.world.solver_residual()).filter(|r| *r >= 0.0)
     }
 
     fn effective(&self) -> EffectiveSettings {

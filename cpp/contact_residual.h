@@ -1,0 +1,91 @@
+// Looks at a sub-step (see contact_look.h).
+#pragma once
+
+#include "contact_kernels.h"
+#include "contact_look.h"
+
+namespace pluvia {
+
+// Adds the natural map of Signorini's and Coulomb's laws,
+//   λ − P(λ − m u),
+// where u is the speed beyond what the contact aims at and P the nearest impulse
+// that the laws allow (normal at least 0, friction at most μ times the normal):
+// it is 0 where the problem is solved (Acary & Brogliato 2008, "Numerical methods
+// for nonsmooth dynamical systems", 12.4; here with the normal law for itself, as
+// by Alart & Curnier 1991).
+template <class L>
+PLUVIA_INLINE void add_residual(const Batch<L> &c, const Records<L> *motion, Residual &sum) {
+    const L zero{};
+    Side<L> a, b;
+    gather_motion(motion, c.a, a);
+    gather_motion(motion, c.b, b);
+    const L speed = parting(a, b, c.normal, c.lever_a, c.lever_b);
+    const L slip_1 = parting(a, b, c.tangent_1, c.lever_1_a, c.lever_1_b);
+    const L slip_2 = parting(a, b, c.tangent_2, c.lever_2_a, c.lever_2_b);
+    const L wanted =
+        larger(zero, L(c.impulse - c.normal_mass * (speed - c.target + c.yield * c.impulse)));
+    const L next_1 = c.impulse_1 - c.tangent_mass * slip_1;
+    const L next_2 = c.impulse_2 - c.tangent_mass * slip_2;
+    const L most = c.friction * c.impulse;
+    const L size = root(L(next_1 * next_1 + next_2 * next_2));
+    const L scale = most / larger(L(most), larger(size, L(zero + TINY<L>)));
+    for (int i = 0; i < Lane<L>::WIDTH; ++i) {
+        const auto at = [i](const L &lanes) { return static_cast<double>(Lane<L>::get(lanes, i)); };
+        const double normal_mass = at(c.normal_mass), tangent_mass = at(c.tangent_mass);
+        if (!(normal_mass > 0) || !(tangent_mass > 0)) {
+            continue; // padded
+        }
+        const auto square = [](double x) { return x * x; };
+        const double off = at(c.impulse) - at(wanted);
+        const double off_1 = at(c.impulse_1) - at(next_1) * at(scale);
+        const double off_2 = at(c.impulse_2) - at(next_2) * at(scale);
+        sum.error += square(off) / normal_mass + (square(off_1) + square(off_2)) / tangent_mass;
+        sum.impulse += square(at(c.impulse)) / normal_mass +
+                       (square(at(c.impulse_1)) + square(at(c.impulse_2))) / tangent_mass;
+    }
+}
+
+template <class N>
+void record_bodies(const PackedBodies<N> &bodies, bool found, SubstepRecord &out) {
+    out.bodies.resize(bodies.motion.size() * SubstepRecord::BODY);
+    for (std::size_t b = 0; b < bodies.motion.size(); ++b) {
+        const auto &m = bodies.motion[b].at;
+        double *to = &out.bodies[b * SubstepRecord::BODY];
+        to[0] = static_cast<double>(m[3]);
+        to += found ? 7 : 1;
+        for (int i = 0; i < 3; ++i) {
+            to[i] = static_cast<double>(m[i]);
+            to[i + 3] = static_cast<double>(m[i + 4]);
+        }
+    }
+}
+
+template <class L> void record_contacts(const Contacts<L> &contacts, SubstepRecord &out) {
+    out.contacts.clear();
+    for (std::size_t n = 0; n < contacts.batches.size(); ++n) {
+        const Batch<L> &c = contacts.batches[n];
+        const BatchMemory<L> &m = contacts.memory[n];
+        for (int i = 0; i < Lane<L>::WIDTH; ++i) {
+            if (m.row[i] < 0) {
+                continue;
+            }
+            const auto put = [&](const L &lanes) {
+                out.contacts.push_back(static_cast<double>(Lane<L>::get(lanes, i)));
+            };
+            out.contacts.push_back(c.a[i]);
+            out.contacts.push_back(c.b[i]);
+            for (const Three<L> *v : {&c.normal, &c.lever_a, &c.lever_b, &c.tangent_1, &c.lever_1_a,
+                                      &c.lever_1_b, &c.tangent_2, &c.lever_2_a, &c.lever_2_b}) {
+                put(v->x);
+                put(v->y);
+                put(v->z);
+            }
+            for (const L *lanes : {&c.friction, &c.target, &c.yield, &m.approach, &m.restitution,
+                                   &c.impulse, &c.impulse_1, &c.impulse_2}) {
+                put(*lanes);
+            }
+        }
+    }
+}
+
+} // namespace pluvia
