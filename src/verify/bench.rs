@@ -1,9 +1,7 @@
 //! What an experiment runs on: an engine's settings, how its worlds are made,
-//! and how the whole laboratory is turned in space.
+//! and how the whole laboratory stands in them.
 
-use nalgebra::UnitQuaternion;
-
-use super::{VerifyError, scene::Scene};
+use super::{VerifyError, scene::Scene, view::View};
 use crate::geometry::Vector;
 use crate::scenario::EngineSettings;
 use crate::world::{PairTable, World, WorldError};
@@ -22,16 +20,16 @@ pub const GRAVITY: f64 = 9.81;
 pub struct Bench<'a> {
     /// The engine's settings.
     pub engine: EngineSettings,
-    /// How the laboratory is turned: every position, velocity and the
-    /// gravity of an experiment pass through this rotation.
-    pub frame: UnitQuaternion<f64>,
+    /// How the laboratory stands in the world: every position, velocity and
+    /// the gravity of an experiment pass through this view.
+    pub view: View,
     make: Maker<'a>,
 }
 
 impl<'a> Bench<'a> {
-    /// An upright laboratory.
+    /// An upright laboratory at rest.
     pub fn new(engine: EngineSettings, make: Maker<'a>) -> Self {
-        Self { engine, frame: UnitQuaternion::identity(), make }
+        Self { engine, view: View::default(), make }
     }
 
     /// The same at another rate in steps a second.
@@ -41,9 +39,9 @@ impl<'a> Bench<'a> {
         other
     }
 
-    /// The same with the laboratory turned.
-    pub fn turned(&self, frame: UnitQuaternion<f64>) -> Self {
-        Self { frame, ..self.clone() }
+    /// The same with the laboratory seen otherwise.
+    pub fn seen(&self, view: View) -> Self {
+        Self { view, ..self.clone() }
     }
 
     /// The same with another length scale inside the engine.
@@ -72,7 +70,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// [`VerifyError::World`].
     pub fn scene_under(&self, gravity: Vector, pairs: &PairTable) -> Result<Scene, VerifyError> {
-        let world = (self.make)(&self.engine, self.frame * gravity, pairs)?;
-        Ok(Scene::new(world, self.frame))
+        let world = (self.make)(&self.engine, self.view.vector_out(gravity), pairs)?;
+        Ok(Scene::new(world, self.view))
     }
 }

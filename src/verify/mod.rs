@@ -14,6 +14,7 @@ mod judge;
 mod scene;
 mod settings;
 mod suite;
+mod view;
 
 pub use bench::{Bench, Maker};
 pub use case::{Case, KnownFailure, builtin};
@@ -21,6 +22,7 @@ pub use experiment::Outcome;
 pub use judge::{Status, Verdict, within};
 pub use settings::{Setting, settings};
 pub use suite::{SuiteError, SuiteOptions, run_suite, tally};
+pub use view::View;
 
 use std::sync::RwLock;
 

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use nalgebra::UnitQuaternion;
 
-use super::VerifyError;
+use super::{VerifyError, view::View};
 use crate::geometry::{ConvexPolyhedron, MassProperties, Pose, Vector};
 use crate::grains::{Grain, GrainSet, generate};
 use crate::scenario::{CellShape, SieveFraction, SievedGrains};
 use crate::world::{
     Body, BodyId, BodyState, Contact, Material, Motion, PairCoefficients, PairTable,
-    RememberedContact, Snapshot, World,
+    RememberedContact, Snapshot, World, WorldError,
 };
 
 /// Density of the solids in kg/m³ (paper, section 3).
@@ -21,37 +21,98 @@ pub const DENSITY: f64 = 2673.9;
 pub const START_GAP: f64 = 1e-6;
 
 /// A world in which positions and velocities are given and read in the
-/// laboratory's axes, whichever way the laboratory is turned.
+/// laboratory's axes, however the laboratory stands in it.
 pub struct Scene {
     world: Box<dyn World + Send>,
-    frame: UnitQuaternion<f64>,
+    view: View,
     snapshot: Snapshot,
     steps: u64,
+    /// Bodies given since the last step, which the world does not have yet:
+    /// only then is it known which is the last.
+    waiting: Vec<Body>,
+    /// The world's numbers of the bodies, in the order in which they were given.
+    ids: Vec<BodyId>,
+    /// Where the laboratory moves: bodies fixed in it, with their poses there.
+    carried: Vec<(BodyId, Pose)>,
 }
 
 impl Scene {
-    pub(super) fn new(world: Box<dyn World + Send>, frame: UnitQuaternion<f64>) -> Self {
-        Self { world, frame, snapshot: Snapshot::new(), steps: 0 }
+    pub(super) fn new(world: Box<dyn World + Send>, view: View) -> Self {
+        Self {
+            world,
+            view,
+            snapshot: Snapshot::new(),
+            steps: 0,
+            waiting: Vec::new(),
+            ids: Vec::new(),
+            carried: Vec::new(),
+        }
     }
 
-    /// Adds a body given in laboratory axes.
+    /// Adds a body given in laboratory axes. The scene numbers bodies in the
+    /// order in which they are given, whatever the world does.
     pub fn add(&mut self, body: &Body) -> Result<BodyId, VerifyError> {
-        let mut turned = body.clone();
-        turned.state = self.out(&body.state);
-        Ok(self.world.add(&turned)?)
+        let number = self.ids.len() + self.waiting.len();
+        self.waiting.push(body.clone());
+        Ok(BodyId(number as u32))
     }
 
-    /// Drives a body to a pose at the end of the next step.
+    /// Hands the bodies that wait to the world.
+    fn enter(&mut self) -> Result<(), VerifyError> {
+        let waiting = std::mem::take(&mut self.waiting);
+        let first = self.ids.len();
+        self.ids.resize(first + waiting.len(), BodyId(0));
+        let mut order: Vec<usize> = (0..waiting.len()).collect();
+        if self.view.last_first {
+            order.reverse();
+        }
+        for n in order {
+            let mut body = self.view.body_out(&waiting[n], self.time())?;
+            let fixed = !matches!(body.motion, Motion::Free { .. });
+            if self.view.moves() && fixed {
+                body.motion = Motion::Driven;
+                body.state.linear_velocity = Vector::zeros();
+                self.carried.push((BodyId((first + n) as u32), waiting[n].state.pose));
+            }
+            self.ids[first + n] = self.world.add(&body)?;
+        }
+        Ok(())
+    }
+
+    /// The world's number of a body.
+    fn id(&self, id: BodyId) -> Result<BodyId, VerifyError> {
+        let known = self.ids.get(id.0 as usize).copied();
+        known.ok_or(WorldError::NoSuchBody(id).into())
+    }
+
+    /// The scene's number of a body that the world names.
+    fn number(&self, id: BodyId) -> BodyId {
+        // Numbers are the world's own unless the order was turned round.
+        if !self.view.last_first {
+            return id;
+        }
+        let at = self.ids.iter().position(|i| *i == id);
+        at.map_or(id, |n| BodyId(n as u32))
+    }
+
+    /// Moves a kinematic body to a pose at the end of the next step.
     pub fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), VerifyError> {
-        let pose = Pose::from_parts(
-            (self.frame * pose.translation.vector).into(),
-            self.frame * pose.rotation,
-        );
-        Ok(self.world.drive(id, &pose)?)
+        self.enter()?;
+        if let Some((_, carried)) = self.carried.iter_mut().find(|(c, _)| *c == id) {
+            *carried = *pose;
+            return Ok(());
+        }
+        let end = self.view.pose_out(pose, self.time() + self.time_step());
+        Ok(self.world.drive(self.id(id)?, &end)?)
     }
 
     /// One step.
     pub fn step(&mut self) -> Result<(), VerifyError> {
+        self.enter()?;
+        let end = self.time() + self.time_step();
+        for (id, pose) in &self.carried {
+            self.world.drive(self.id(*id)?, &self.view.pose_out(pose, end))?;
+        }
         self.world.step()?;
         self.steps += 1;
         Ok(())
@@ -86,20 +147,26 @@ impl Scene {
         self.world.effective().get("substeps").and_then(serde_json::Value::as_f64).unwrap_or(1.0)
     }
 
+    /// Length in s of the steps in which the engine integrates.
+    pub fn integration_step(&self) -> f64 {
+        self.time_step() / self.integration_substeps()
+    }
+
     /// State of a body in laboratory axes.
     pub fn state(&mut self, id: BodyId) -> Result<BodyState, VerifyError> {
-        self.world.read(&mut self.snapshot);
-        let state = self.snapshot.get(id.0 as usize).copied().flatten();
-        state.map(|s| self.back(&s)).ok_or(crate::world::WorldError::NoSuchBody(id).into())
+        Ok(self.states(&[id])?[0])
     }
 
     /// States of several bodies in laboratory axes, read at once.
     pub fn states(&mut self, ids: &[BodyId]) -> Result<Vec<BodyState>, VerifyError> {
+        self.enter()?;
         self.world.read(&mut self.snapshot);
+        let time = self.time();
         ids.iter()
             .map(|id| {
-                let state = self.snapshot.get(id.0 as usize).copied().flatten();
-                state.map(|s| self.back(&s)).ok_or(crate::world::WorldError::NoSuchBody(*id).into())
+                let state = self.snapshot.get(self.id(*id)?.0 as usize).copied().flatten();
+                let state = state.ok_or(WorldError::NoSuchBody(*id))?;
+                Ok(self.view.state_back(&state, time))
             })
             .collect()
     }
@@ -108,16 +175,17 @@ impl Scene {
     pub fn contacts(&self) -> Vec<Contact> {
         let mut contacts = Vec::new();
         self.world.contacts(&mut contacts);
-        let back = self.frame.inverse();
         for contact in &mut contacts {
-            contact.point = back * contact.point;
-            contact.normal = back * contact.normal;
-            contact.impulse = back * contact.impulse;
+            contact.a = self.number(contact.a);
+            contact.b = self.number(contact.b);
+            contact.point = self.view.point_back(contact.point, self.time());
+            contact.normal = self.view.vector_back(contact.normal);
+            contact.impulse = self.view.vector_back(contact.impulse);
         }
         contacts
     }
 
-    /// What the world remembers of its contacts, in the world's own axes.
+    /// What the world remembers of its contacts, in the world's own axes and numbers.
     pub(super) fn remember(&self) -> Vec<RememberedContact> {
         let mut contacts = Vec::new();
         self.world.remember(&mut contacts);
@@ -126,26 +194,8 @@ impl Scene {
 
     /// Tells a new world of the same bodies what another remembered.
     pub(super) fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), VerifyError> {
+        self.enter()?;
         Ok(self.world.recall(contacts)?)
-    }
-
-    fn out(&self, state: &BodyState) -> BodyState {
-        turned(&self.frame, state)
-    }
-
-    fn back(&self, state: &BodyState) -> BodyState {
-        turned(&self.frame.inverse(), state)
-    }
-}
-
-fn turned(by: &UnitQuaternion<f64>, state: &BodyState) -> BodyState {
-    BodyState {
-        pose: Pose::from_parts(
-            (by * state.pose.translation.vector).into(),
-            by * state.pose.rotation,
-        ),
-        linear_velocity: by * state.linear_velocity,
-        angular_velocity: by * state.angular_velocity,
     }
 }
 
@@ -161,7 +211,7 @@ pub fn block(sides: Vector, at: Vector) -> Result<Body, VerifyError> {
 }
 
 /// A free homogeneous body of a shape whose frame is central and principal.
-fn free(shape: ConvexPolyhedron, at: Vector) -> Body {
+pub fn free(shape: ConvexPolyhedron, at: Vector) -> Body {
     let properties = MassProperties::of(&shape);
     Body {
         motion: Motion::Free {
@@ -172,6 +222,24 @@ fn free(shape: ConvexPolyhedron, at: Vector) -> Body {
         material: Material::Grain,
         state: BodyState::at_rest(Pose::translation(at.x, at.y, at.z)),
     }
+}
+
+/// A free homogeneous body of a shape (m) that stands where it is to be.
+pub fn solid(shape: &ConvexPolyhedron) -> Body {
+    let frame = MassProperties::of(shape).principal_frame();
+    let mut body = free(shape.transformed(&frame.pose.inverse()), Vector::zeros());
+    body.state.pose = frame.pose;
+    body
+}
+
+/// A prism over a polygon of the x-z plane (corners counter-clockwise seen
+/// against y, in m), from −depth/2 to depth/2 along y.
+pub fn profile(polygon: &[(f64, f64)], depth: f64) -> Result<ConvexPolyhedron, VerifyError> {
+    let prism = ConvexPolyhedron::prism(polygon, -depth / 2.0, depth / 2.0)
+        .map_err(|e| VerifyError::Setup(e.to_string()))?;
+    // The prism stands on its polygon: its z becomes −y.
+    let upright = UnitQuaternion::from_axis_angle(&Vector::x_axis(), std::f64::consts::FRAC_PI_2);
+    Ok(prism.transformed(&Pose::from_parts(Vector::zeros().into(), upright)))
 }
 
 /// A wall of given sides (m) with its centre at a place (m).
@@ -227,4 +295,28 @@ pub fn grain_body(grain: &Grain, pose: Pose) -> Body {
 /// Height in m of the lowest vertex of a shape in an orientation, relative to its centroid.
 pub fn lowest(shape: &ConvexPolyhedron, rotation: &UnitQuaternion<f64>) -> f64 {
     shape.vertices().iter().map(|v| (rotation * v).z).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_solid_stands_where_its_shape_was_given() {
+        let wedge = profile(&[(0.03, 0.0), (0.05, 0.0), (0.04, 0.01)], 0.02).expect("a prism");
+        let (low, high) = wedge.bounding_box();
+        assert!((low.coords - Vector::new(0.03, -0.01, 0.0)).norm() < 1e-12, "got {low}");
+        assert!((high.coords - Vector::new(0.05, 0.01, 0.01)).norm() < 1e-12, "got {high}");
+        let body = solid(&wedge);
+        let (mass, inertia) = mass_of(&body);
+        assert!((mass / (DENSITY * 2e-6) - 1.0).abs() < 1e-9, "law: ρ V, got {mass} kg");
+        assert!(inertia.min() > 0.0, "law: moments of a body, got {inertia}");
+        let centroid = body.state.pose.translation.vector - Vector::new(0.04, 0.0, 0.01 / 3.0);
+        assert!(centroid.norm() < 1e-12, "law: a third of the height, off by {centroid}");
+        for corner in wedge.vertices() {
+            let near = body.shape.vertices().iter().map(|v| (body.state.pose * v - corner).norm());
+            let off = near.fold(f64::INFINITY, f64::min);
+            assert!(off < 1e-12, "law: {corner} is a corner, off by {off:e}");
+        }
+    }
 }

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Point3, UnitQuaternion};
 
+use super::ode::runge_kutta;
 use super::{Bench, Outcome, Tumbling, VerifyError};
 use crate::geometry::{Pose, Vector};
 use crate::units::{from_mm, to_mm};
@@ -102,7 +103,7 @@ pub(super) fn tumbling(
 /// Runge-Kutta method in steps small enough to count as exact.
 fn euler_equations(inertia: &Vector, start: Vector, end: f64) -> Vec<(f64, Vector)> {
     const STEP: f64 = 1e-5;
-    let rate = |w: Vector| {
+    let rate = |w: &Vector| {
         Vector::new(
             (inertia.y - inertia.z) / inertia.x * w.y * w.z,
             (inertia.z - inertia.x) / inertia.y * w.z * w.x,
@@ -112,11 +113,7 @@ fn euler_equations(inertia: &Vector, start: Vector, end: f64) -> Vec<(f64, Vecto
     let mut curve = vec![(0.0, start)];
     let mut w = start;
     for n in 1..=(end / STEP).round() as u64 {
-        let k1 = rate(w);
-        let k2 = rate(w + k1 * (STEP / 2.0));
-        let k3 = rate(w + k2 * (STEP / 2.0));
-        let k4 = rate(w + k3 * STEP);
-        w += (k1 + 2.0 * k2 + 2.0 * k3 + k4) * (STEP / 6.0);
+        w = runge_kutta(&w, STEP, rate);
         if n.is_multiple_of(100) {
             curve.push((n as f64 * STEP, w));
         }

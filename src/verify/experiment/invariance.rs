@@ -4,6 +4,7 @@ use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
 use super::{Bench, Experiment, Outcome, VerifyError};
+use crate::verify::view::View;
 
 /// What is changed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -13,6 +14,15 @@ pub enum Change {
     Frame {
         /// Turns as roll, pitch and yaw in degrees.
         turns_deg: Vec<[f64; 3]>,
+    },
+    /// Left and right are exchanged: the scene and the scene in the mirror.
+    Mirror,
+    /// Bodies are added to the engine first first and last first.
+    Order,
+    /// The whole laboratory moves steadily, walls and floor with it (Galilei).
+    Boost {
+        /// Velocities of the laboratory in m/s.
+        velocities_m_per_s: Vec<[f64; 3]>,
     },
     /// Lengths inside the engine.
     LengthScale {
@@ -26,13 +36,28 @@ pub(super) fn invariance(
     over: &Change,
     of: &Experiment,
 ) -> Result<Outcome, VerifyError> {
+    let seen = |name: String, view: View| (name, bench.seen(view));
     let benches: Vec<(String, Bench)> = match over {
         Change::Frame { turns_deg } => turns_deg
             .iter()
             .map(|turn| {
                 let [roll, pitch, yaw] = turn.map(f64::to_radians);
                 let frame = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-                (format!("{}°, {}°, {}°", turn[0], turn[1], turn[2]), bench.turned(frame))
+                let name = format!("{}°, {}°, {}°", turn[0], turn[1], turn[2]);
+                seen(name, View { frame, ..bench.view })
+            })
+            .collect(),
+        Change::Mirror => [("as it is", false), ("mirrored", true)]
+            .map(|(name, mirrored)| seen(name.into(), View { mirrored, ..bench.view }))
+            .into(),
+        Change::Order => [("first first", false), ("last first", true)]
+            .map(|(name, last_first)| seen(name.into(), View { last_first, ..bench.view }))
+            .into(),
+        Change::Boost { velocities_m_per_s } => velocities_m_per_s
+            .iter()
+            .map(|v| {
+                let name = format!("{}, {}, {} m/s", v[0], v[1], v[2]);
+                seen(name, View { velocity: (*v).into(), ..bench.view })
             })
             .collect(),
         Change::LengthScale { scales } => {

@@ -1,14 +1,26 @@
 //! The experiments, each a function of its numbers and a bench.
 
+mod arrest;
 mod flight;
 mod friction;
+mod impact;
+mod impact_law;
+mod inner_edge;
 mod invariance;
 mod mass;
+mod ode;
 mod packing;
 mod packing_stability;
+mod pivot;
 mod rebound;
 mod resting;
+mod rocking;
+mod spin;
+mod spin_law;
+mod statics;
+mod supports;
 mod table;
+mod top;
 
 use serde::{Deserialize, Serialize};
 
@@ -99,6 +111,30 @@ pub enum Experiment {
     /// A cube dropped flat: restitution from the rebound height, the rate
     /// with the largest error.
     Rebound { restitution: f64, height_mm: f64, rates_hz: Vec<f64> },
+    /// A cube bounces: restitution from the heights of successive peaks, the
+    /// one with the largest error.
+    Bounces { restitution: f64, height_mm: f64, count: usize },
+    /// A thin block slides and spins to rest: distance in mm, angle in rad or time in s.
+    SpinSlide(spin::SpinSlide),
+    /// A block rocks from edge to edge: ratio of angular velocities at the
+    /// first impact, or a peak over that of the law.
+    RockingBlock(rocking::RockingBlock),
+    /// A block falls over an edge or a corner: time over that of the pendulum.
+    Pivot(pivot::Pivot),
+    /// A top on its tip: precession or spin over that of the law.
+    Top(top::Top),
+    /// A tilted block falls on an edge or a corner: largest error of impulse
+    /// and angular momentum, or what breaks a law, in %.
+    ImpactTilted(impact::ImpactTilted),
+    /// A level block falls on several points: largest error of the velocities in %.
+    ImpactAtSeveralPoints(supports::ImpactAtSeveralPoints),
+    /// A block is caught above a floor and let down on it: largest upward
+    /// velocity in mm/s, or restitution from the rise.
+    ApproachArrested(arrest::ApproachArrested),
+    /// Blocks that stand by friction: the least friction coefficient.
+    CriticalFriction(statics::CriticalFriction),
+    /// A block slides over joints: distance from the path without joints, in mm.
+    InnerEdge(inner_edge::InnerEdge),
     /// A body at rest: distance it moves in mm.
     Rests { body: RestingBody, settle_s: f64, duration_s: f64 },
     /// Grains heaped three below, one above: largest movement in mm.
@@ -199,6 +235,18 @@ impl Experiment {
             Self::Rebound { restitution, height_mm, rates_hz } => {
                 rebound::rebound(bench, *restitution, *height_mm, rates_hz)
             }
+            Self::Bounces { restitution, height_mm, count } => {
+                rebound::bounces(bench, *restitution, *height_mm, *count)
+            }
+            Self::SpinSlide(slide) => slide.run(bench),
+            Self::RockingBlock(rocking) => rocking.run(bench),
+            Self::Pivot(pivot) => pivot.run(bench),
+            Self::Top(top) => top.run(bench),
+            Self::ImpactTilted(impact) => impact.run(bench),
+            Self::ImpactAtSeveralPoints(impact) => impact.run(bench),
+            Self::ApproachArrested(arrested) => arrested.run(bench),
+            Self::CriticalFriction(critical) => critical.run(bench),
+            Self::InnerEdge(joints) => joints.run(bench),
             Self::Rests { body, settle_s, duration_s } => {
                 resting::rests(bench, *body, *settle_s, *duration_s)
             }

@@ -66,3 +66,93 @@ pub(super) fn rebound(
     outcome.note = Some(notes.join(", "));
     Ok(outcome.got(worst.unwrap_or(f64::NAN)))
 }
+
+/// Heights (m) of the peaks of a motion (time, height, upward velocity), the
+/// start first: a peak ends when the body falls again.
+fn peaks(motion: &[(f64, f64, f64)]) -> Vec<f64> {
+    let mut peaks = vec![motion.first().map_or(0.0, |m| m.1)];
+    let (mut rises, mut highest) = (false, 0.0_f64);
+    for &(_, height, velocity) in motion {
+        // What does not rise visibly is no rebound.
+        if velocity > 1e-3 {
+            rises = true;
+            highest = highest.max(height);
+        } else if rises && velocity < 0.0 {
+            peaks.push(highest.max(height));
+            (rises, highest) = (false, 0.0);
+        }
+    }
+    peaks
+}
+
+/// A cube falls flat from rest and bounces: each peak is e² times the one
+/// before it, whatever the body did earlier.
+pub(super) fn bounces(
+    bench: &Bench,
+    restitution: f64,
+    height: f64,
+    count: usize,
+) -> Result<Outcome, VerifyError> {
+    let height = from_mm(height);
+    let mut scene = bench.scene(&uniform(0.5, restitution))?;
+    scene.add(&floor(0.2, Motion::Static)?)?;
+    let start = Vector::new(0.0, 0.0, height + SIDE / 2.0);
+    let id = scene.add(&block(Vector::repeat(SIDE), start)?)?;
+    let fall = (2.0 * height / GRAVITY).sqrt();
+    // Of each rebound the rise and the fall.
+    let flights = (1..=count as i32).map(|n| 2.0 * fall * restitution.powi(n));
+    let duration = fall + flights.sum::<f64>() + 0.02;
+    let (mut motion, mut turns) = (vec![(0.0, height, 0.0)], 0.0_f64);
+    for _ in 0..scene.steps_in(duration) {
+        scene.step()?;
+        let state = scene.state(id)?;
+        turns = turns.max(state.angular_velocity.norm());
+        motion.push((scene.time(), state.pose.translation.z - SIDE / 2.0, state.linear_velocity.z));
+    }
+    let peaks = peaks(&motion);
+    let mut ratios: Vec<f64> =
+        peaks.windows(2).take(count).map(|p| (p[1] / p[0]).max(0.0).sqrt()).collect();
+    // What does not rebound visibly rises to nothing.
+    ratios.resize(count, 0.0);
+    let mut outcome = Outcome::new("Time (s)", "Height of the lower face (mm)");
+    outcome.measured("Engine", motion.iter().map(|m| (m.0, to_mm(m.1))).collect());
+    let mut law = vec![(0.0, to_mm(height))];
+    let mut time = fall;
+    for n in 1..=count as i32 {
+        let flight = fall * restitution.powi(n);
+        law.push((time, 0.0));
+        law.push((time + flight, to_mm(height * restitution.powi(2 * n))));
+        time += 2.0 * flight;
+    }
+    outcome.law("Impacts and peaks", law);
+    let words: Vec<String> = ratios.iter().map(|r| format!("{r:.3}")).collect();
+    outcome.note = Some(format!("{}; turns with {turns:.3} rad/s at most", words.join(", ")));
+    let error = |e: &&f64| (**e - restitution).abs();
+    let worst = ratios.iter().max_by(|a, b| error(a).total_cmp(&error(b)));
+    Ok(outcome.got(worst.copied().unwrap_or(f64::NAN)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peaks_are_found_between_impacts() {
+        let flight = |from: f64, up: f64| -> Vec<(f64, f64, f64)> {
+            let n = (2.0 * up / GRAVITY / 1e-3) as u32;
+            (1..n)
+                .map(|i| f64::from(i) * 1e-3)
+                .map(|t| (from + t, up * t - 0.5 * GRAVITY * t * t, up - GRAVITY * t))
+                .collect()
+        };
+        let mut motion = vec![(0.0, 0.05, 0.0), (0.05, 0.03, -0.5)];
+        motion.extend(flight(0.1, 0.5));
+        motion.extend(flight(0.3, 0.25));
+        let got = peaks(&motion);
+        let expected = [0.05, 0.25 / (2.0 * GRAVITY), 0.0625 / (2.0 * GRAVITY)];
+        assert_eq!(got.len(), 3, "law: the start and two peaks, got {got:?}");
+        for (got, expected) in got.iter().zip(expected) {
+            assert!((got / expected - 1.0).abs() < 1e-3, "law: {expected} m, got {got} m");
+        }
+    }
+}

@@ -1,0 +1,366 @@
+//! A body whose approach to a floor is arrested by something else.
+//!
+//! It comes fast, is caught a little above the floor, rests there, and is then let
+//! down. The coefficient of restitution belongs to the velocity of the
+//! impact itself: what the body had before it was caught is gone. Let down at a
+//! steady velocity u it leaves the floor with at most e u, and with nothing
+//! where u is below the threshold of restitution. Gravity takes that away within
+//! u e/g, less than a step of most engines: at the ends of steps the upward velocity is
+//! between 0 and e u. Let go instead, it falls freely by the distance d that is
+//! left, with √(2 g d), and rises to e² d; little gravity makes that last many
+//! steps.
+
+use nalgebra::UnitQuaternion;
+use serde::{Deserialize, Serialize};
+
+use super::{Bench, Outcome, VerifyError};
+use crate::geometry::{Pose, Vector};
+use crate::units::{from_deg, from_mm, to_mm};
+use crate::verify::scene::{Scene, block, profile, solid, wall};
+use crate::world::{Body, BodyId, Material, Motion, PairCoefficients, PairTable};
+
+/// A block falls, is caught above a floor, and is let down on it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ApproachArrested {
+    /// What catches it.
+    pub caught_by: Catch,
+    /// Gap to the floor where it is caught, in mm.
+    pub gap_mm: f64,
+    /// Height above that from which it falls, in mm.
+    pub fall_mm: f64,
+    /// Downward velocity with which it begins, in m/s.
+    pub speed_m_per_s: f64,
+    /// Gravitational acceleration in m/s².
+    pub gravity_m_per_s2: f64,
+    /// Coefficient of restitution on the floor.
+    pub restitution: f64,
+    /// Coefficient of restitution on what catches it.
+    pub restitution_of_catch: f64,
+    /// Friction coefficient, everywhere.
+    pub friction: f64,
+    /// Time until it is let down, in s.
+    pub rest_s: f64,
+    /// How far it is lifted before, in mm.
+    pub lift_mm: f64,
+    /// How it is let down.
+    pub then: LetDown,
+}
+
+/// What catches a block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Catch {
+    /// Two kinematic ledges under its ends.
+    Ledges,
+    /// Two leaning kinematic clamps, between which a wedge gets stuck.
+    Clamps,
+    /// Two piles of two cubes each, on kinematic ledges.
+    Piles,
+}
+
+/// How a block is let down, and what is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "how", rename_all = "snake_case", deny_unknown_fields)]
+pub enum LetDown {
+    /// Steadily: largest upward velocity afterwards, in mm/s.
+    Sinks {
+        /// Its velocity in mm/s.
+        speed_mm_per_s: f64,
+    },
+    /// What held it is pulled away: √(rise/fall).
+    Drops,
+}
+
+/// Length of the block; half the width of the floor's pedestal; where the ends rest. All in m.
+const LENGTH: f64 = 0.06;
+const SIDE: f64 = 0.01;
+const PEDESTAL: f64 = 0.014;
+const ENDS: f64 = 0.025;
+/// Lean of the clamps from the vertical in degrees, height of the wedge in m.
+const LEAN_DEG: f64 = 10.0;
+const WEDGE: f64 = 0.02;
+/// Velocity in m/s with which what holds a block that drops goes away, and how far in m.
+const AWAY: f64 = 1.0;
+const GONE: f64 = 0.02;
+/// Velocity in m/s with which it is lifted.
+const LIFTS: f64 = 0.5e-3;
+
+/// What holds the block: kinematic bodies, each with the direction (not of
+/// unit length) in which it goes when the block is to go down by one.
+struct Holder {
+    bodies: Vec<(BodyId, Pose, Vector)>,
+}
+
+impl Holder {
+    /// Lets the block down by a depth (m) at the end of the next step.
+    fn lower(&self, scene: &mut Scene, depth: f64) -> Result<(), VerifyError> {
+        for (id, pose, way) in &self.bodies {
+            let mut pose = *pose;
+            pose.translation.vector += way * depth;
+            scene.drive(*id, &pose)?;
+        }
+        Ok(())
+    }
+}
+
+impl ApproachArrested {
+    /// The block where it would rest on what catches it.
+    fn block(&self) -> Result<Body, VerifyError> {
+        let gap = from_mm(self.gap_mm);
+        match self.caught_by {
+            Catch::Ledges | Catch::Piles => {
+                block(Vector::new(LENGTH, SIDE, SIDE), Vector::new(0.0, 0.0, gap + SIDE / 2.0))
+            }
+            Catch::Clamps => {
+                let (low, high) = (SIDE / 2.0, SIDE / 2.0 + WEDGE * from_deg(LEAN_DEG).tan());
+                let corners = [(-low, gap), (low, gap), (high, gap + WEDGE), (-high, gap + WEDGE)];
+                Ok(solid(&profile(&corners, SIDE)?))
+            }
+        }
+    }
+
+    /// Floor, what catches the block, and cubes where those are part of it.
+    fn place(&self, scene: &mut Scene) -> Result<Holder, VerifyError> {
+        const DEEP: f64 = 0.04;
+        const THICK: f64 = 0.01;
+        let gap = from_mm(self.gap_mm);
+        let half = if self.caught_by == Catch::Clamps { SIDE / 2.0 } else { PEDESTAL };
+        let sides = Vector::new(2.0 * half, 2.0 * SIDE, DEEP);
+        scene.add(&wall(sides, Vector::new(0.0, 0.0, -DEEP / 2.0), Motion::Static)?)?;
+        let mut bodies = Vec::new();
+        let mut hold = |scene: &mut Scene, mut body: Body, way: Vector| {
+            // Of the plate's material, to have coefficients of its own.
+            body.material = Material::Plate;
+            bodies.push((scene.add(&body)?, body.state.pose, way));
+            Ok::<_, VerifyError>(())
+        };
+        for side in [-1.0, 1.0] {
+            match self.caught_by {
+                Catch::Ledges | Catch::Piles => {
+                    let piled = if self.caught_by == Catch::Piles { 2.0 * SIDE } else { 0.0 };
+                    let at = Vector::new(side * ENDS, 0.0, gap - piled - THICK / 2.0);
+                    let sides = Vector::new(1.2 * SIDE, 2.0 * SIDE, THICK);
+                    hold(scene, wall(sides, at, Motion::Driven)?, -Vector::z())?;
+                }
+                Catch::Clamps => {
+                    let lean = from_deg(LEAN_DEG);
+                    let turn = UnitQuaternion::from_axis_angle(&Vector::y_axis(), side * lean);
+                    let sides = Vector::new(THICK, 2.0 * SIDE, 3.0 * WEDGE);
+                    // Beside the middle of the wedge's face, whose normal is x turned.
+                    let face = Vector::new(
+                        side * (SIDE / 2.0 + 0.5 * WEDGE * lean.tan()),
+                        0.0,
+                        gap + 0.5 * WEDGE,
+                    );
+                    let at = face + turn * Vector::x() * (side * THICK / 2.0);
+                    let mut body = wall(sides, Vector::zeros(), Motion::Driven)?;
+                    body.state.pose = Pose::from_parts(at.into(), turn);
+                    hold(scene, body, Vector::x() * (side * lean.tan()))?;
+                }
+            }
+        }
+        if self.caught_by == Catch::Piles {
+            for side in [-1.0, 1.0] {
+                for n in [1.5, 0.5] {
+                    let at = Vector::new(side * ENDS, 0.0, gap - n * SIDE);
+                    scene.add(&block(Vector::repeat(SIDE), at)?)?;
+                }
+            }
+        }
+        Ok(Holder { bodies })
+    }
+
+    fn pairs(&self) -> PairTable {
+        let of = |restitution| PairCoefficients { friction: self.friction, restitution };
+        let mut pairs = PairTable::uniform(of(self.restitution));
+        pairs.set(Material::Grain, Material::Plate, of(self.restitution_of_catch));
+        pairs
+    }
+
+    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+        let gravity = Vector::new(0.0, 0.0, -self.gravity_m_per_s2);
+        let mut scene = bench.scene_under(gravity, &self.pairs())?;
+        let holder = self.place(&mut scene)?;
+        let mut body = self.block()?;
+        let caught = body.state.pose.translation.z;
+        body.state.pose.translation.z += from_mm(self.fall_mm);
+        body.state.linear_velocity.z = -self.speed_m_per_s;
+        let id = scene.add(&body)?;
+        let (gap, lift) = (from_mm(self.gap_mm), from_mm(self.lift_mm));
+        let dt = scene.time_step();
+        for _ in 0..scene.steps_in(self.rest_s) {
+            scene.step()?;
+        }
+        for n in 1..=scene.steps_in(lift / LIFTS) {
+            holder.lower(&mut scene, -(LIFTS * dt * n as f64).min(lift))?;
+            scene.step()?;
+        }
+        if lift > 0.0 {
+            scene.run(0.2)?;
+        }
+        let distance = gap + lift;
+        let (speed, depth, duration) = match self.then {
+            LetDown::Sinks { speed_mm_per_s } => {
+                let speed = from_mm(speed_mm_per_s);
+                // Until well after it has met the floor.
+                (speed, f64::INFINITY, 2.0 * distance / speed + 0.25)
+            }
+            LetDown::Drops => {
+                let fall = (2.0 * distance / self.gravity_m_per_s2).sqrt();
+                (AWAY, GONE, fall * (1.0 + 2.0 * self.restitution) * 1.1)
+            }
+        };
+        let start = scene.state(id)?;
+        let at_rest = start.linear_velocity.norm();
+        let (begin, mut motion) = (scene.time(), Vec::new());
+        for n in 1..=scene.steps_in(duration) {
+            holder.lower(&mut scene, (speed * dt * n as f64).min(depth) - lift)?;
+            scene.step()?;
+            let state = scene.state(id)?;
+            let height = state.pose.translation.z - caught + gap;
+            motion.push((scene.time() - begin, height, state.linear_velocity.z));
+        }
+        let upwards = motion.iter().map(|m| m.2).fold(0.0_f64, nan_or_larger);
+        let lowest = motion.iter().map(|m| m.1).fold(f64::INFINITY, f64::min);
+        let mut outcome = Outcome::new("Time since it is let down (s)", "Height (µm)");
+        outcome.note = Some(format!(
+            "caught {:.1} µm above the floor for {:.0}, there with {:.3} mm/s; then down to {:.1} µm, \
+             and up with {:.2} mm/s at most",
+            1e6 * (start.pose.translation.z - caught + gap),
+            1e6 * distance,
+            to_mm(at_rest),
+            1e6 * lowest,
+            to_mm(upwards)
+        ));
+        outcome.measured("Engine", motion.iter().map(|m| (m.0, 1e6 * m.1)).collect());
+        // What never comes down shows nothing of the impact.
+        let came_down = lowest < 0.5 * distance;
+        match self.then {
+            LetDown::Sinks { .. } => {
+                let ground = distance / speed;
+                outcome
+                    .law("Let down", vec![(0.0, 1e6 * distance), (ground, 0.0), (duration, 0.0)]);
+                Ok(outcome.got(if came_down { to_mm(upwards) } else { f64::NAN }))
+            }
+            LetDown::Drops => {
+                let law = (0..=200).map(|n| {
+                    let t = duration * f64::from(n) / 200.0;
+                    (t, 1e6 * self.dropped(distance, t))
+                });
+                outcome.law("Falls freely and rebounds", law.collect());
+                let rise = if came_down { rise_after_fall(&motion) } else { f64::NAN };
+                Ok(outcome.got((rise / distance).sqrt()))
+            }
+        }
+    }
+
+    /// Height in m of a body that falls by a distance and rebounds once, at a time.
+    fn dropped(&self, distance: f64, time: f64) -> f64 {
+        let g = self.gravity_m_per_s2;
+        let fall = (2.0 * distance / g).sqrt();
+        let up = time - fall;
+        if up < 0.0 {
+            distance - 0.5 * g * time * time
+        } else {
+            (self.restitution * g * fall * up - 0.5 * g * up * up).max(0.0)
+        }
+    }
+}
+
+/// Largest height (m) after the first impact of a motion (time, height,
+/// upward velocity) that falls to less than half its height.
+fn rise_after_fall(motion: &[(f64, f64, f64)]) -> f64 {
+    let half = 0.5 * motion.first().map_or(0.0, |m| m.1);
+    let fallen = motion.iter().position(|m| m.1 < half).unwrap_or(motion.len());
+    let after = &motion[fallen..];
+    // Where it no longer goes down it has struck.
+    let struck = after.windows(2).position(|m| m[1].1 >= m[0].1).unwrap_or(after.len());
+    after[struck..].iter().map(|m| m.1).fold(0.0_f64, nan_or_larger)
+}
+
+fn nan_or_larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::EngineSettings;
+    use crate::verify::experiment::Experiment;
+
+    fn cases() -> Vec<(crate::verify::Case, ApproachArrested)> {
+        let cases = crate::verify::builtin().expect("sound").into_iter();
+        let found: Vec<_> = cases
+            .filter_map(|case| match &case.experiment {
+                Experiment::ApproachArrested(arrested) => Some((case.clone(), arrested.clone())),
+                _ => None,
+            })
+            .collect();
+        assert!(found.len() >= 5, "expected the arrested approaches, found {}", found.len());
+        found
+    }
+
+    #[test]
+    fn not_a_number_is_larger_than_any() {
+        assert!(nan_or_larger(f64::NAN, 1.0).is_nan() && nan_or_larger(1.0, f64::NAN).is_nan());
+        assert_eq!(nan_or_larger(1.0, 2.0), 2.0);
+    }
+
+    #[test]
+    fn the_files_expect_what_the_threshold_of_restitution_allows() {
+        let threshold = 1e3 * EngineSettings::default().restitution_velocity_threshold_m_per_s;
+        for (case, arrested) in cases() {
+            match arrested.then {
+                LetDown::Sinks { speed_mm_per_s } => {
+                    let rebounds = speed_mm_per_s > threshold;
+                    let most = if rebounds { arrested.restitution * speed_mm_per_s } else { 0.0 };
+                    assert_eq!(case.expected, 0.0, "{}: from 0", case.id);
+                    let above = case.tolerance - most;
+                    assert!((0.0..=0.5).contains(&above), "{}: to {most} and a little", case.id);
+                }
+                LetDown::Drops => {
+                    let distance = from_mm(arrested.gap_mm + arrested.lift_mm);
+                    let speed = to_mm((2.0 * arrested.gravity_m_per_s2 * distance).sqrt());
+                    assert!(speed > 2.0 * threshold, "{}: {speed} mm/s rebounds", case.id);
+                    assert_eq!(case.expected, arrested.restitution, "{}", case.id);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_wedge_touches_both_clamps_where_it_is_caught() {
+        for (case, arrested) in cases().into_iter().filter(|(_, a)| a.caught_by == Catch::Clamps) {
+            let lean = from_deg(LEAN_DEG);
+            assert!(arrested.friction > lean.tan(), "{}: friction holds the wedge", case.id);
+            let body = arrested.block().expect("a wedge");
+            let vertices = body.shape.vertices().iter().map(|v| body.state.pose * v);
+            for corner in vertices {
+                let gap = from_mm(arrested.gap_mm);
+                let face = SIDE / 2.0 + (corner.z - gap) * lean.tan();
+                let off = corner.x.abs() - face;
+                assert!(off.abs() < 1e-12, "law: {corner} is on a clamp's face, off by {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_rise_is_that_after_the_impact() {
+        let heights = [1.0, 0.9, 0.45, 0.1, 0.02, 0.2, 0.25, 0.1, 0.0];
+        let motion: Vec<_> = heights.iter().map(|h| (0.0, *h, 0.0)).collect();
+        assert_eq!(rise_after_fall(&motion), 0.25);
+        assert_eq!(rise_after_fall(&motion[..5]), 0.0, "law: no impact, no rise");
+        assert_eq!(rise_after_fall(&motion[..2]), 0.0, "law: nor without a fall");
+    }
+
+    #[test]
+    fn a_dropped_body_rises_to_the_square_of_the_restitution() {
+        let (_, drops) = cases().into_iter().find(|(_, a)| a.then == LetDown::Drops).expect("one");
+        let fall = (2.0 * 1e-4 / drops.gravity_m_per_s2).sqrt();
+        let peak = drops.dropped(1e-4, fall * (1.0 + drops.restitution));
+        let expected = drops.restitution * drops.restitution * 1e-4;
+        assert!((peak - expected).abs() < 1e-12, "law: e² d = {expected}, got {peak}");
+        assert_eq!(drops.dropped(1e-4, 0.0), 1e-4, "law: it begins at d");
+    }
+}

@@ -1,0 +1,199 @@
+//! A tilted block that falls on an edge or a corner: eccentric oblique impact
+//! with friction, without gravity, so that velocities before and after are plain.
+
+use nalgebra::{Matrix3, UnitQuaternion};
+use serde::{Deserialize, Serialize};
+
+use super::impact_law::Impact;
+use super::{Bench, Outcome, VerifyError};
+use crate::geometry::{Pose, Vector};
+use crate::units::from_mm;
+use crate::verify::scene::{block, floor, lowest, mass_of, uniform};
+use crate::world::{Body, Motion};
+
+/// A block that does not turn meets the floor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImpactTilted {
+    /// Sides in mm.
+    pub sides_mm: [f64; 3],
+    /// Roll, pitch and yaw in degrees. Pitch alone: it falls on an edge, whose
+    /// two corners act as one point in the plane of symmetry.
+    pub turn_deg: [f64; 3],
+    /// Velocity in m/s.
+    pub velocity_m_per_s: [f64; 3],
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Coefficients of restitution; the worst result counts.
+    pub restitutions: Vec<f64>,
+    /// What the point does.
+    pub regime: Regime,
+}
+
+/// What the point of contact does during the impact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Regime {
+    /// It sticks throughout.
+    Sticks,
+    /// It slips in one direction throughout.
+    Slips,
+    /// It slips, stops and sticks; nothing rebounds.
+    SlipStops,
+    /// It slips, stops and slips the other way: judged are energy, cone and approach alone.
+    SlipReverses,
+}
+
+/// Room below the lowest corner in m.
+const ROOM: f64 = 0.5e-3;
+/// Steps after which the impact is over, counted from when it began.
+const OVER: u64 = 4;
+
+impl ImpactTilted {
+    fn body(&self) -> Result<Body, VerifyError> {
+        let [roll, pitch, yaw] = self.turn_deg.map(f64::to_radians);
+        let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        let mut body = block(Vector::from(self.sides_mm).map(from_mm), Vector::zeros())?;
+        let height = ROOM - lowest(&body.shape, &rotation);
+        body.state.pose = Pose::from_parts((Vector::z() * height).into(), rotation);
+        body.state.linear_velocity = self.velocity_m_per_s.into();
+        Ok(body)
+    }
+
+    fn impact(&self, body: &Body, restitution: f64) -> Impact {
+        let rotation = body.state.pose.rotation;
+        let down = lowest(&body.shape, &rotation);
+        let corners: Vec<Vector> = body
+            .shape
+            .vertices()
+            .iter()
+            .map(|v| rotation * v.coords)
+            .filter(|v| v.z < down + 1e-9)
+            .collect();
+        let (mass, moments) = mass_of(body);
+        let axes = rotation.to_rotation_matrix();
+        Impact {
+            mass,
+            inertia: axes * Matrix3::from_diagonal(&moments) * axes.transpose(),
+            arm: corners.iter().sum::<Vector>() / corners.len() as f64,
+            velocity: body.state.linear_velocity,
+            friction: self.friction,
+            restitution,
+        }
+    }
+
+    /// The impulse by the law; `None` where slip reverses.
+    fn law(&self, impact: &Impact) -> Result<Option<Vector>, VerifyError> {
+        let found = match self.regime {
+            Regime::Sticks => impact.sticks().map(Some),
+            Regime::Slips => impact.slips().map(Some),
+            Regime::SlipStops => impact.slip_stops().map(Some),
+            Regime::SlipReverses => impact.slip_reverses().filter(|r| *r).map(|_| None),
+        };
+        found.ok_or_else(|| VerifyError::Setup("the impact is of another regime".into()))
+    }
+
+    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+        let mut outcome = Outcome::new("Time (s)", "Angular velocity (rad/s)");
+        let (mut worst, mut notes) = (0.0_f64, Vec::new());
+        for &restitution in &self.restitutions {
+            let (got, note) = self.one(bench, restitution, &mut outcome)?;
+            notes.push(format!("e = {restitution}: {note}"));
+            worst = if got.is_nan() { got } else { worst.max(got) };
+        }
+        outcome.note = Some(notes.join("; "));
+        Ok(outcome.got(worst))
+    }
+
+    /// Error in % of the speed, and in words.
+    fn one(
+        &self,
+        bench: &Bench,
+        restitution: f64,
+        outcome: &mut Outcome,
+    ) -> Result<(f64, String), VerifyError> {
+        let body = self.body()?;
+        let impact = self.impact(&body, restitution);
+        let law = self.law(&impact)?;
+        let mut scene = bench.scene_under(Vector::zeros(), &uniform(self.friction, restitution))?;
+        scene.add(&floor(0.3, Motion::Static)?)?;
+        let id = scene.add(&body)?;
+        let meets = ROOM / impact.velocity.z.abs();
+        let steps = (meets / scene.time_step()).ceil() as u64 + OVER;
+        let inverse = impact.inertia.try_inverse().ok_or(VerifyError::NoEvent("a body"))?;
+        let (mut curve, mut state) = (vec![(0.0, 0.0)], body.state);
+        for _ in 0..steps {
+            scene.step()?;
+            state = scene.state(id)?;
+            curve.push((scene.time(), state.angular_velocity.norm()));
+        }
+        let end = scene.time();
+        outcome.measured(format!("e = {restitution}"), curve);
+        let impulse = impact.mass * (state.linear_velocity - impact.velocity);
+        let (_, moments) = mass_of(&body);
+        let spin = state.pose.rotation.inverse() * state.angular_velocity;
+        // Kept while it flies on, unlike the angular velocity.
+        let momentum = state.pose.rotation * moments.component_mul(&spin);
+        let speed = impact.velocity.norm();
+        let Some(law) = law else {
+            let before = 0.5 * impact.mass * speed * speed;
+            let after = 0.5 * impact.mass * state.linear_velocity.norm_squared()
+                + state.rotational_energy(&moments);
+            let energy = after / before - 1.0;
+            let cone = impact.outside_cone(&impulse) / impulse.norm();
+            let point =
+                impact.velocity + impulse / impact.mass + (inverse * momentum).cross(&impact.arm);
+            let words = format!(
+                "energy {:+.2} %, friction {:.3} of the normal impulse, the point leaves with {:.3} \
+                 of the approach",
+                100.0 * energy,
+                impulse.xy().norm() / impulse.z,
+                point.z / impact.velocity.z.abs()
+            );
+            let approach = point.z / impact.velocity.z.abs();
+            let got = 100.0 * energy.max(cone).max(-approach).max(0.0);
+            return Ok((if energy.is_nan() { f64::NAN } else { got }, words));
+        };
+        let turning = (inverse * impact.arm.cross(&law)).norm();
+        outcome.law(
+            format!("Law, e = {restitution}"),
+            vec![(0.0, 0.0), (meets, 0.0), (meets, turning), (end, turning)],
+        );
+        let off = (impulse - law).norm() / (impact.mass * speed);
+        let off_turning =
+            (momentum - impact.arm.cross(&law)).norm() / (impact.mass * speed * impact.arm.norm());
+        let words = format!(
+            "impulse ({:.3}, {:.3}, {:.3}) m |v|, by the law ({:.3}, {:.3}, {:.3}); angular \
+             momentum off by {:.2} %",
+            impulse.x / impact.mass / speed,
+            impulse.y / impact.mass / speed,
+            impulse.z / impact.mass / speed,
+            law.x / impact.mass / speed,
+            law.y / impact.mass / speed,
+            law.z / impact.mass / speed,
+            100.0 * off_turning
+        );
+        let nan = off.is_nan() || off_turning.is_nan();
+        Ok((if nan { f64::NAN } else { 100.0 * off.max(off_turning) }, words))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::verify::experiment::Experiment;
+
+    #[test]
+    fn the_files_have_the_regime_that_they_say() {
+        let mut found = 0;
+        for case in crate::verify::builtin().expect("sound") {
+            let Experiment::ImpactTilted(tilted) = &case.experiment else { continue };
+            let body = tilted.body().expect("a block");
+            for &restitution in &tilted.restitutions {
+                let law = tilted.law(&tilted.impact(&body, restitution));
+                assert!(law.is_ok(), "{} with e = {restitution}: {law:?}", case.id);
+            }
+            found += 1;
+        }
+        assert!(found >= 4, "expected the tilted impacts, found {found}");
+    }
+}

@@ -1,0 +1,134 @@
+//! A block that slides over the joints of a floor laid of pieces.
+//!
+//! Pieces of equal height are one floor: no contact point may push against
+//! the sides of a piece ("ghost collisions" at inner edges).
+
+use serde::{Deserialize, Serialize};
+
+use super::{Bench, Outcome, VerifyError};
+use crate::geometry::Vector;
+use crate::units::{from_deg, from_mm, to_mm};
+use crate::verify::bench::GRAVITY;
+use crate::verify::scene::{START_GAP, block, uniform, wall};
+use crate::world::{BodyState, Motion};
+
+/// A block slides over a floor of pieces and over one without joints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct InnerEdge {
+    /// Sides of the block in mm.
+    pub sides_mm: [f64; 3],
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Velocity in m/s.
+    pub speed_m_per_s: f64,
+    /// Angular velocity about the vertical in rad/s.
+    pub spin_rad_per_s: f64,
+    /// Directions of the velocity and of the block, from the normal of the joints, in degrees.
+    pub headings_deg: Vec<f64>,
+    /// Where the joints lie, in mm from the block's beginning; they run along y.
+    pub joints_mm: Vec<f64>,
+}
+
+/// Half the floor's width and its thickness in m.
+const HALF: f64 = 0.2;
+const THICKNESS: f64 = 0.02;
+
+impl InnerEdge {
+    fn path(
+        &self,
+        bench: &Bench,
+        heading: f64,
+        joints: &[f64],
+    ) -> Result<Vec<(f64, BodyState)>, VerifyError> {
+        let mut scene = bench.scene(&uniform(self.friction, 0.0))?;
+        let mut bounds = vec![-HALF];
+        bounds.extend(joints.iter().map(|x| from_mm(*x)));
+        bounds.push(HALF);
+        for piece in bounds.windows(2) {
+            let sides = Vector::new(piece[1] - piece[0], 2.0 * HALF, THICKNESS);
+            let at = Vector::new(0.5 * (piece[0] + piece[1]), 0.0, -THICKNESS / 2.0);
+            scene.add(&wall(sides, at, Motion::Static)?)?;
+        }
+        let sides = Vector::from(self.sides_mm).map(from_mm);
+        let mut body = block(sides, Vector::new(0.0, 0.0, sides.z / 2.0 + START_GAP))?;
+        let (sin, cos) = from_deg(heading).sin_cos();
+        body.state.linear_velocity = self.speed_m_per_s * Vector::new(cos, sin, 0.0);
+        body.state.angular_velocity.z = self.spin_rad_per_s;
+        body.state.pose.rotation =
+            nalgebra::UnitQuaternion::from_axis_angle(&Vector::z_axis(), from_deg(heading));
+        let id = scene.add(&body)?;
+        // Longer than any of the motion lasts: sliding and spinning share the friction.
+        let radius = sides.xy().norm() / 2.0;
+        let motion = self.speed_m_per_s.abs() + radius * self.spin_rad_per_s.abs();
+        let mut path = Vec::new();
+        for _ in 0..scene.steps_in(1.2 * motion / (self.friction * GRAVITY)) {
+            scene.step()?;
+            path.push((scene.time(), scene.state(id)?));
+        }
+        Ok(path)
+    }
+
+    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+        let sides = Vector::from(self.sides_mm).map(from_mm);
+        let mut outcome = Outcome::new("Time (s)", "Distance between the paths (mm)");
+        let (mut worst, mut notes) = (0.0_f64, Vec::new());
+        for &heading in &self.headings_deg {
+            let whole = self.path(bench, heading, &[])?;
+            let laid = self.path(bench, heading, &self.joints_mm)?;
+            let apart: Vec<(f64, f64)> = whole
+                .iter()
+                .zip(&laid)
+                .map(|((t, a), (_, b))| (*t, to_mm(furthest_corner(sides, a, b))))
+                .collect();
+            let most = apart
+                .iter()
+                .map(|(_, d)| *d)
+                .fold(0.0, |m: f64, d| if d.is_nan() { d } else { m.max(d) });
+            let gone = whole.last().map_or(0.0, |(_, s)| s.pose.translation.vector.xy().norm());
+            notes.push(format!("{heading}°: {most:.4} of {:.2} mm", to_mm(gone)));
+            outcome.measured(format!("{heading}°"), apart);
+            worst = if most.is_nan() { most } else { worst.max(most) };
+        }
+        if let Some(end) = outcome.curves.first().and_then(|c| c.points.last()) {
+            outcome.law("One floor", vec![(0.0, 0.0), (end.0, 0.0)]);
+        }
+        outcome.note = Some(notes.join(", "));
+        Ok(outcome.got(worst))
+    }
+}
+
+/// Distance in m of the corner of a box that two states have furthest apart.
+fn furthest_corner(sides: Vector, a: &BodyState, b: &BodyState) -> f64 {
+    let corners = (0..8).map(|n| {
+        let sign = |bit: u32| if n & bit == 0 { -0.5 } else { 0.5 };
+        let corner = sides.component_mul(&Vector::new(sign(1), sign(2), sign(4)));
+        let of = |s: &BodyState| s.pose.translation.vector + s.pose.rotation * corner;
+        (of(a) - of(b)).norm()
+    });
+    corners.fold(0.0, |m: f64, d| if d.is_nan() { d } else { m.max(d) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+
+    #[test]
+    fn corners_see_shifts_and_turns() {
+        let sides = Vector::new(2.0, 2.0, 1.0);
+        let at = |x: f64, turn: f64| {
+            let rotation = nalgebra::UnitQuaternion::from_axis_angle(&Vector::z_axis(), turn);
+            BodyState::at_rest(Pose::from_parts(Vector::new(x, 0.0, 0.0).into(), rotation))
+        };
+        for (other, expected) in [
+            (at(0.0, 0.0), 0.0),
+            (at(0.3, 0.0), 0.3),
+            (at(0.0, 0.1), 2.0 * 2.0_f64.sqrt() * 0.05_f64.sin()),
+        ] {
+            let got = furthest_corner(sides, &at(0.0, 0.0), &other);
+            assert!((got - expected).abs() < 1e-12, "law: {expected}, got {got}");
+        }
+        assert!(furthest_corner(sides, &at(0.0, 0.0), &at(f64::NAN, 0.0)).is_nan());
+    }
+}

@@ -1,0 +1,238 @@
+//! Impact at several points at once, without gravity.
+//!
+//! **Flat.** A block that falls flat on its four corners, and slides: all corners
+//! come with one velocity and leave with e times it, so that the block does not
+//! turn, v_z' = −e v_z. Friction slips throughout: |v_x'| = |v_x| − μ (1 + e) |v_z|.
+//! Its moment about the centroid, half the height times the friction, is borne by
+//! corners in front that push more than those behind; none pulls as long as
+//! μ h < L.
+//!
+//! **Bar on two supports.** Level, with a support on either side of the centroid:
+//! two points that both leave with −e times the approach leave no rigid
+//! bar a turn, wherever they are; both impulses push.
+//!
+//! **Bar on supports at one side.** Two points x₁ < x₂ on the same side: the one
+//! nearer to the centroid stops the bar, which then turns about it so that the
+//! farther one leaves by itself and bears nothing. p = (1 + e) m v/(1 + x₁²/k²),
+//! v' = −v + p/m, ω' = x₁ p/I.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Bench, Outcome, VerifyError};
+use crate::geometry::Vector;
+use crate::units::from_mm;
+use crate::verify::scene::{block, floor, mass_of, uniform, wall};
+use crate::world::Motion;
+
+/// A level block falls on a floor or on supports.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ImpactAtSeveralPoints {
+    /// Sides in mm.
+    pub sides_mm: [f64; 3],
+    /// Horizontal velocity along x and downward velocity in m/s.
+    pub velocity_m_per_s: [f64; 2],
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Coefficients of restitution; the worst result counts.
+    pub restitutions: Vec<f64>,
+    /// Where narrow supports begin and end along x, in mm from the centroid;
+    /// none is a floor.
+    pub supports_mm: Vec<[f64; 2]>,
+}
+
+/// Room below the block in m.
+const ROOM: f64 = 0.5e-3;
+/// Steps after which the impact is over, counted from when it began.
+const OVER: u64 = 4;
+
+/// Velocity (m/s) along x and z and angular velocity (rad/s) about y.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct After {
+    x: f64,
+    z: f64,
+    spin: f64,
+}
+
+/// What is known of a bar that falls.
+#[derive(Debug, Clone, Copy)]
+struct Fall {
+    /// Velocity along x and downwards in m/s.
+    speed: [f64; 2],
+    friction: f64,
+    restitution: f64,
+    /// Square of the radius of gyration about y, in m².
+    gyration_squared: f64,
+    /// Length and height in m.
+    sides: [f64; 2],
+}
+
+impl Fall {
+    /// By the law; `None` where it says nothing.
+    fn law(&self, supports: &[[f64; 2]]) -> Option<After> {
+        let [along, down] = self.speed;
+        let Self { friction, restitution, .. } = *self;
+        let least = supports.iter().map(|s| s[0]).fold(f64::INFINITY, f64::min);
+        let most = supports.iter().map(|s| s[1]).fold(f64::NEG_INFINITY, f64::max);
+        if supports.is_empty() || (least < 0.0 && most > 0.0) {
+            let lost = friction * (1.0 + restitution) * down;
+            let pushes = friction * self.sides[1] < self.sides[0];
+            let level = supports.is_empty() || friction == 0.0;
+            let slides = along.abs() > lost && pushes;
+            let x = if along == 0.0 { 0.0 } else { along - lost * along.signum() };
+            return (level && (slides || along == 0.0 || friction == 0.0)).then_some(After {
+                x,
+                z: restitution * down,
+                spin: 0.0,
+            });
+        }
+        // One side, without friction: the edge nearest to the centroid.
+        let arm = if least > 0.0 { least } else { most };
+        let impulse = (1.0 + restitution) * down / (1.0 + arm * arm / self.gyration_squared);
+        // An impulse upwards at +x turns the bar against y.
+        let spin = -arm * impulse / self.gyration_squared;
+        (friction == 0.0).then_some(After { x: along, z: impulse - down, spin })
+    }
+}
+
+impl ImpactAtSeveralPoints {
+    fn fall(&self, restitution: f64) -> Fall {
+        let sides = self.sides_mm.map(from_mm);
+        Fall {
+            speed: self.velocity_m_per_s,
+            friction: self.friction,
+            restitution,
+            gyration_squared: (sides[0] * sides[0] + sides[2] * sides[2]) / 12.0,
+            sides: [sides[0], sides[2]],
+        }
+    }
+
+    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+        let mut outcome = Outcome::new("Time (s)", "Upward velocity (m/s)");
+        let (mut worst, mut notes) = (0.0_f64, Vec::new());
+        for &restitution in &self.restitutions {
+            let (got, note) = self.one(bench, restitution, &mut outcome)?;
+            notes.push(format!("e = {restitution}: {note}"));
+            worst = if got.is_nan() { got } else { worst.max(got) };
+        }
+        outcome.note = Some(notes.join("; "));
+        Ok(outcome.got(worst))
+    }
+
+    /// Error in % of the downward velocity, and in words.
+    fn one(
+        &self,
+        bench: &Bench,
+        restitution: f64,
+        outcome: &mut Outcome,
+    ) -> Result<(f64, String), VerifyError> {
+        const HEIGHT: f64 = 0.02;
+        let sides = Vector::from(self.sides_mm).map(from_mm);
+        let supports: Vec<[f64; 2]> = self.supports_mm.iter().map(|s| s.map(from_mm)).collect();
+        let law = self
+            .fall(restitution)
+            .law(&supports)
+            .ok_or_else(|| VerifyError::Setup("the law does not cover this impact".into()))?;
+        let mut scene = bench.scene_under(Vector::zeros(), &uniform(self.friction, restitution))?;
+        if supports.is_empty() {
+            scene.add(&floor(0.2, Motion::Static)?)?;
+        }
+        for [from, to] in &supports {
+            let at = Vector::new(0.5 * (from + to), 0.0, -HEIGHT / 2.0);
+            let size = Vector::new(to - from, 2.0 * sides.y, HEIGHT);
+            scene.add(&wall(size, at, Motion::Static)?)?;
+        }
+        let [along, down] = self.velocity_m_per_s;
+        let mut body = block(sides, Vector::new(0.0, 0.0, sides.z / 2.0 + ROOM))?;
+        // Where it is when it meets the supports, they are where they are said to be.
+        body.state.pose.translation.vector.x = -along * ROOM / down;
+        body.state.linear_velocity = Vector::new(along, 0.0, -down);
+        let (mass, inertia) = mass_of(&body);
+        let id = scene.add(&body)?;
+        let steps = (ROOM / down / scene.time_step()).ceil() as u64 + OVER;
+        let (mut curve, mut state) = (vec![(0.0, -down)], body.state);
+        for _ in 0..steps {
+            scene.step()?;
+            state = scene.state(id)?;
+            curve.push((scene.time(), state.linear_velocity.z));
+        }
+        outcome.measured(format!("e = {restitution}"), curve);
+        let meets = ROOM / down;
+        outcome.law(
+            format!("Law, e = {restitution}"),
+            vec![(0.0, -down), (meets, -down), (meets, law.z), (scene.time(), law.z)],
+        );
+        let velocity = state.linear_velocity - Vector::new(law.x, 0.0, law.z);
+        let turning = state.angular_velocity - Vector::y() * law.spin;
+        // A turn counts by the speed it has at the radius of gyration.
+        let gyration = (inertia.y / mass).sqrt();
+        let got = velocity.norm().max(gyration * turning.norm()) / down;
+        let words = format!(
+            "velocity ({:.4}, {:.4}, {:.4}) m/s and {:.3} rad/s, by the law ({:.4}, 0, {:.4}) and {:.3}",
+            state.linear_velocity.x,
+            state.linear_velocity.y,
+            state.linear_velocity.z,
+            state.angular_velocity.y,
+            law.x,
+            law.z,
+            law.spin
+        );
+        Ok((if turning.norm().is_nan() { f64::NAN } else { 100.0 * got }, words))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fall(friction: f64, restitution: f64) -> Fall {
+        Fall {
+            speed: [0.4, 0.2],
+            friction,
+            restitution,
+            gyration_squared: 3e-4,
+            sides: [0.06, 0.01],
+        }
+    }
+
+    #[test]
+    fn between_two_supports_a_bar_rebounds_level() {
+        for supports in [[[-0.02, -0.019], [0.01, 0.011]], [[-0.03, -0.029], [0.002, 0.003]]] {
+            let got = fall(0.0, 0.5).law(&supports).expect("a law");
+            assert_eq!(got, After { x: 0.4, z: 0.1, spin: 0.0 });
+        }
+        let slides = fall(0.3, 0.5).law(&[]).expect("a law");
+        let straight = Fall { speed: [0.0, 0.2], ..fall(0.3, 0.5) }.law(&[]).expect("a law");
+        assert_eq!(straight, After { x: 0.0, z: 0.1, spin: 0.0 }, "law: friction has no part");
+        assert!((slides.x - (0.4 - 0.3 * 1.5 * 0.2)).abs() < 1e-15, "law: Coulomb, {slides:?}");
+    }
+
+    #[test]
+    fn beyond_its_centroid_a_bar_turns_about_the_nearer_support() {
+        let supports = [[0.0045, 0.0055], [0.02, 0.021]];
+        for restitution in [0.0, 0.5, 1.0] {
+            let fall = fall(0.0, restitution);
+            let after = fall.law(&supports).expect("a law");
+            let at = |x: f64| after.z - after.spin * x;
+            let near = at(0.0045) - restitution * 0.2;
+            assert!(near.abs() < 1e-15, "law: the nearer point leaves with e v, off by {near}");
+            assert!(at(0.02) > at(0.0045), "law: the farther one leaves faster, unaided");
+            // Angular momentum about the nearer point, which bears the impulse.
+            let before = 0.0045 * 0.2;
+            let then = -0.0045 * after.z - fall.gyration_squared * after.spin;
+            let off = before - then;
+            assert!(off.abs() < 1e-15, "law: momentum about the support, off by {off:e}");
+            if restitution == 1.0 {
+                let energy = after.z * after.z + fall.gyration_squared * after.spin * after.spin;
+                assert!((energy - 0.04).abs() < 1e-15, "law: e = 1 loses nothing, {energy}");
+            }
+        }
+    }
+
+    #[test]
+    fn where_the_law_says_nothing_there_is_none() {
+        assert_eq!(fall(2.0, 0.5).law(&[]), None, "law: it would stop sliding");
+        assert_eq!(fall(0.3, 0.5).law(&[[0.0045, 0.0055]]), None, "law: no friction there");
+        assert_eq!(fall(0.3, 0.5).law(&[[-0.02, -0.01], [0.01, 0.02]]), None);
+    }
+}

@@ -1,0 +1,263 @@
+//! A top on its tip: a square pyramid that stands on its apex.
+//!
+//! A square pyramid of base s and height h has its centroid at l = 3/4 h from
+//! the apex, I₃ = m s²/10 about its axis and I₁ = m (s²/20 + 3 h²/80) about every
+//! axis across it: a symmetric top, though it is a polyhedron. With the apex
+//! held by friction it precesses steadily at the tilt θ where
+//! I₁' Ω² cos θ − I₃ ω₃ Ω + m g l = 0, I₁' = I₁ + m l² (Goldstein, "Classical
+//! Mechanics", section 5.7); Ω ≈ m g l/(I₃ ω₃) where it is fast. The slow root is taken.
+//! A point contact bears no moment: upright, the spin stays what it is.
+
+use nalgebra::UnitQuaternion;
+use serde::{Deserialize, Serialize};
+
+use super::{Bench, Outcome, VerifyError};
+use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
+use crate::units::{from_deg, from_mm};
+use crate::verify::bench::GRAVITY;
+use crate::verify::scene::{START_GAP, floor, free, uniform};
+use crate::world::{BodyState, Motion};
+
+/// A square pyramid that spins on its apex.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Top {
+    /// Side of the square in mm.
+    pub side_mm: f64,
+    /// Height in mm.
+    pub height_mm: f64,
+    /// Angular velocity about its axis, in rad/s.
+    pub spin_rad_per_s: f64,
+    /// Angle of its axis with the vertical in degrees.
+    pub tilt_deg: f64,
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Time in s.
+    pub duration_s: f64,
+    /// What is measured.
+    pub quantity: Quantity,
+}
+
+/// What is measured of a top.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Angle of precession over that of the law.
+    Precession,
+    /// Angle of its axis with the vertical at the end, in degrees.
+    Tilt,
+    /// Angular velocity about its axis at the end over that at the beginning.
+    Spin,
+}
+
+/// Moments per mass of a pyramid, in m².
+#[derive(Debug, Clone, Copy)]
+struct Moments {
+    /// l in m.
+    centroid: f64,
+    /// I₁'/m about the apex.
+    across: f64,
+    /// I₃/m.
+    along: f64,
+}
+
+impl Moments {
+    fn of(side: f64, height: f64) -> Self {
+        let centroid = 0.75 * height;
+        let about_centroid = side * side / 20.0 + 3.0 * height * height / 80.0;
+        Self { centroid, across: about_centroid + centroid * centroid, along: side * side / 10.0 }
+    }
+
+    /// Ω in rad/s of the slow steady precession; `None` where there is none.
+    fn precession(&self, spin: f64, tilt: f64) -> Option<f64> {
+        let (a, b, c) = (self.across * tilt.cos(), self.along * spin, GRAVITY * self.centroid);
+        let under = b * b - 4.0 * a * c;
+        // 2c/(b + √…) is the small root without cancellation.
+        (under > 0.0).then(|| 2.0 * c / (b + under.sqrt() * b.signum()))
+    }
+}
+
+/// The pyramid with its centroid in the origin and its apex below.
+fn pyramid(side: f64, height: f64) -> Result<ConvexPolyhedron, VerifyError> {
+    let (half, base, apex) = (side / 2.0, 0.25 * height, -0.75 * height);
+    let corners = [(-half, -half), (half, -half), (half, half), (-half, half)];
+    let mut vertices: Vec<Point> = corners.iter().map(|(x, y)| Point::new(*x, *y, base)).collect();
+    vertices.push(Point::new(0.0, 0.0, apex));
+    let mut faces = vec![vec![0, 1, 2, 3]];
+    faces.extend((0..4).map(|i| vec![(i + 1) % 4, i, 4]));
+    ConvexPolyhedron::new(vertices, faces).map_err(|e| VerifyError::Setup(e.to_string()))
+}
+
+/// Sum of the steps by which a direction turns about the vertical, in rad.
+struct Heading {
+    last: f64,
+    total: f64,
+}
+
+impl Heading {
+    fn follow(&mut self, direction: &Vector) {
+        let now = direction.y.atan2(direction.x);
+        let turn = (now - self.last).rem_euclid(std::f64::consts::TAU);
+        let back = turn - std::f64::consts::TAU;
+        self.total += if turn < -back { turn } else { back };
+        self.last = now;
+    }
+}
+
+impl Top {
+    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+        let (side, height) = (from_mm(self.side_mm), from_mm(self.height_mm));
+        let moments = Moments::of(side, height);
+        let tilt = from_deg(self.tilt_deg);
+        let rate = match tilt > 0.0 {
+            true => moments.precession(self.spin_rad_per_s, tilt),
+            false => Some(0.0),
+        };
+        let rate =
+            rate.ok_or_else(|| VerifyError::Setup("too slow for steady precession".into()))?;
+        let rotation = UnitQuaternion::from_axis_angle(&Vector::y_axis(), tilt);
+        let axis = rotation * Vector::z();
+        let arm = moments.centroid * axis;
+        let mut body = free(pyramid(side, height)?, Vector::zeros());
+        let turning = Vector::z() * rate;
+        body.state = BodyState {
+            pose: Pose::from_parts((arm + Vector::z() * START_GAP).into(), rotation),
+            linear_velocity: turning.cross(&arm),
+            angular_velocity: turning + axis * (self.spin_rad_per_s - rate * tilt.cos()),
+        };
+        let mut scene = bench.scene(&uniform(self.friction, 0.0))?;
+        scene.add(&floor(0.2, Motion::Static)?)?;
+        let id = scene.add(&body)?;
+        let mut heading = Heading { last: 0.0, total: 0.0 };
+        let (mut curve, mut last, mut points) = (Vec::new(), body.state, 0);
+        for _ in 0..scene.steps_in(self.duration_s) {
+            scene.step()?;
+            last = scene.state(id)?;
+            points += scene.contacts().iter().filter(|c| c.impulse.norm() > 0.0).count();
+            let axis = last.pose.rotation * Vector::z();
+            heading.follow(&axis);
+            let shown = match self.quantity {
+                Quantity::Precession => heading.total.to_degrees(),
+                Quantity::Tilt => axis.angle(&Vector::z()).to_degrees(),
+                Quantity::Spin => spin_of(&last),
+            };
+            curve.push((scene.time(), shown));
+        }
+        let end = scene.time();
+        let now = last.pose.rotation * Vector::z();
+        let tip = last.pose.translation.vector - moments.centroid * now;
+        let tilted = now.angle(&Vector::z()).to_degrees();
+        let mut outcome = Outcome::new(
+            "Time (s)",
+            match self.quantity {
+                Quantity::Precession => "Precession (°)",
+                Quantity::Tilt => "Tilt (°)",
+                Quantity::Spin => "Spin (rad/s)",
+            },
+        );
+        outcome.note = Some(format!(
+            "tilt {tilted:.2}° after {:.2}°, spin {:.2} rad/s, tip {:.3} mm from where it was; \
+             on {:.1} points",
+            self.tilt_deg,
+            spin_of(&last),
+            1e3 * tip.norm(),
+            points as f64 / curve.len() as f64
+        ));
+        outcome.measured("Engine", curve);
+        let law = |t: f64| match self.quantity {
+            Quantity::Precession => (rate * t).to_degrees(),
+            Quantity::Tilt => self.tilt_deg,
+            Quantity::Spin => self.spin_rad_per_s,
+        };
+        outcome.law("Symmetric top", vec![(0.0, law(0.0)), (end, law(end))]);
+        Ok(outcome.got(match self.quantity {
+            Quantity::Precession => heading.total / (rate * end),
+            Quantity::Tilt => tilted,
+            Quantity::Spin => spin_of(&last) / self.spin_rad_per_s,
+        }))
+    }
+}
+
+/// Angular velocity (rad/s) of a body about its own z.
+fn spin_of(state: &BodyState) -> f64 {
+    (state.pose.rotation.inverse() * state.angular_velocity).z
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::MassProperties;
+    use crate::verify::experiment::Experiment;
+
+    #[test]
+    fn moments_are_those_of_the_polyhedron() {
+        let (side, height) = (0.04, 0.015);
+        let properties = MassProperties::of(&pyramid(side, height).expect("a pyramid"));
+        let moments = Moments::of(side, height);
+        let per_mass = properties.inertia_per_density / properties.volume;
+        let centroid = properties.centroid.coords.norm();
+        assert!(centroid < 1e-12, "law: the centroid is the origin, off by {centroid:e}");
+        let across = per_mass[(0, 0)] + moments.centroid * moments.centroid;
+        for (law, got, expected) in [
+            ("along", per_mass[(2, 2)], moments.along),
+            ("across x", across, moments.across),
+            ("a symmetric top", per_mass[(1, 1)], per_mass[(0, 0)]),
+        ] {
+            assert!((got / expected - 1.0).abs() < 1e-9, "{law}: expected {expected}, got {got}");
+        }
+    }
+
+    #[test]
+    fn steady_precession_balances_the_moment_of_the_weight() {
+        let moments = Moments::of(0.04, 0.015);
+        for (spin, tilt) in [(100.0, 0.35), (300.0, 0.6), (-100.0, 0.35)] {
+            let rate = moments.precession(spin, tilt).expect("fast enough");
+            // dL/dt = Ω ẑ × L about the tip, against m g l sin θ.
+            let axis = Vector::new(f64::sin(tilt), 0.0, f64::cos(tilt));
+            let turning = Vector::z() * rate;
+            let across = turning - axis * turning.dot(&axis);
+            let momentum = moments.across * across + axis * (moments.along * spin);
+            let change = turning.cross(&momentum);
+            let weight = (moments.centroid * axis).cross(&(-GRAVITY * Vector::z()));
+            let off = (change - weight).norm() / weight.norm();
+            assert!(off < 1e-9, "law: Euler about the tip, off by {off:e} of the moment");
+        }
+        let fast = moments.precession(5000.0, 0.35).expect("fast enough");
+        let approximate = GRAVITY * moments.centroid / (moments.along * 5000.0);
+        assert!((fast / approximate - 1.0).abs() < 1e-3, "law: m g l/I₃ω₃ where it is fast");
+        assert_eq!(moments.precession(10.0, 0.35), None, "law: a slow top falls");
+    }
+
+    #[test]
+    fn a_heading_is_followed_round_and_back() {
+        let mut heading = Heading { last: 0.0, total: 0.0 };
+        let at = |a: f64| Vector::new(a.cos(), a.sin(), 1.0);
+        for n in 1..=100 {
+            heading.follow(&at(0.1 * f64::from(n)));
+        }
+        assert!((heading.total - 10.0).abs() < 1e-9, "law: 10 rad, got {}", heading.total);
+        for n in (0..100).rev() {
+            heading.follow(&at(0.1 * f64::from(n)));
+        }
+        assert!(heading.total.abs() < 1e-9, "law: and back, got {}", heading.total);
+    }
+
+    #[test]
+    fn only_the_tip_of_the_files_tops_touches_and_friction_holds_it() {
+        let mut found = 0;
+        for case in crate::verify::builtin().expect("sound") {
+            let Experiment::Top(top) = &case.experiment else { continue };
+            // The lowest line of the pyramid is an edge to a corner of the base.
+            let edge = (top.height_mm * 2.0_f64.sqrt() / top.side_mm).atan().to_degrees();
+            assert!(top.tilt_deg < 0.9 * edge, "{}: an edge lies at {edge}°", case.id);
+            let moments = Moments::of(from_mm(top.side_mm), from_mm(top.height_mm));
+            let tilt = from_deg(top.tilt_deg);
+            let rate = moments.precession(top.spin_rad_per_s, tilt).expect("fast enough");
+            // Its weight is all that is borne; sideways m Ω² l sin θ.
+            let needed = rate * rate * moments.centroid * tilt.sin() / GRAVITY;
+            assert!(needed < 0.5 * top.friction, "{}: needs {needed}", case.id);
+            found += 1;
+        }
+        assert!(found >= 2, "expected the tops, found {found}");
+    }
+}
