@@ -4,8 +4,8 @@
 //! setting is read back from the engine ([`World::effective`]).
 //!
 //! What finds contacts and what solves them is chosen in one place: the
-//! members `configuration`, `dispatcher` and `solver` of `BulletWorld::Impl`
-//! in `cpp/world.cpp`, by [`ContactPath`].
+//! members `hull_collision`, `dispatcher`, `contact_solver` and `make_hull_world`
+//! of `BulletWorld::Impl` in `cpp/world.cpp`, by [`ContactPath`].
 
 mod constants;
 #[cfg(test)]
