@@ -276,6 +276,11 @@ mod bridge {
 
         fn shared_sum(threads: i32, size: usize, rounds: usize, fails_at: usize) -> Result<u64>;
 
+        include!("pluvia/cpp/memory_probe.h");
+
+        /// Of the allocator, by the whole process; -1 where it does not say.
+        fn bytes_handed_out() -> i64;
+
         include!("pluvia/cpp/crowd_probe.h");
 
         fn crowd_speeds(

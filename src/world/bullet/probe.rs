@@ -2,7 +2,8 @@
 //! for given poses, step after step.
 //!
 //! For tests, which compare it with exact references, and for benchmarks. And the
-//! threads of a world without the world, and the speeds by which boxes stand off.
+//! threads of a world without the world, the speeds by which boxes stand off, and
+//! the memory that the process holds.
 
 use super::{engine, ffi, flat, rotation_array};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
@@ -157,6 +158,13 @@ pub fn shared_sum(
 ) -> Result<u64, WorldError> {
     let fails_at = fails_at.unwrap_or(usize::MAX);
     ffi::shared_sum(i32::from(threads), size, rounds, fails_at).map_err(engine)
+}
+
+/// Bytes that the allocator has handed out to this process and not got back, to
+/// C++ and Rust alike; `None` where it does not say.
+pub fn bytes_handed_out() -> Option<i64> {
+    let bytes = ffi::bytes_handed_out();
+    (bytes >= 0).then_some(bytes)
 }
 
 /// What the speed by which a body's box stands off is found from.
