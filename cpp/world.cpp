@@ -269,34 +269,16 @@ void BulletWorld::read_corners(rust::Vec<std::uint32_t> &counts,
 
 void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
     out.clear();
-    const auto &dispatcher = impl_->dispatcher;
-    if (impl_->hull_collision) {
-        for (const Touching &pair : impl_->hull_collision->touching) {
-            read(impl_->units, pair, out);
-        }
+    if (!impl_->hull_collision) {
+        read_manifolds(impl_->units, impl_->dispatcher, out);
         return;
     }
-    for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-        const btPersistentManifold *manifold =
-            const_cast<HullDispatcher &>(dispatcher).getManifoldByIndexInternal(m);
-        for (int p = 0; p < manifold->getNumContacts(); ++p) {
-            const btManifoldPoint &point = manifold->getContactPoint(p);
-            const btVector3 middle =
-                (point.getPositionWorldOnA() + point.getPositionWorldOnB()) * btScalar(0.5);
-            ContactRead read{};
-            read.a = static_cast<std::uint32_t>(manifold->getBody0()->getUserIndex());
-            read.b = static_cast<std::uint32_t>(manifold->getBody1()->getUserIndex());
-            read.point = impl_->units.metres(middle);
-            read.normal = array(point.m_normalWorldOnB);
-            read.gap = impl_->units.metres(point.getDistance());
-            read.impulse =
-                impl_->units.metres(point.m_normalWorldOnB * point.m_appliedImpulse +
-                                    point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
-                                    point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2);
-            out.push_back(read);
-        }
+    for (const Touching &pair : impl_->hull_collision->touching) {
+        read(impl_->units, pair, out);
     }
 }
+
+void BulletWorld::find_contacts() { impl_->world.performDiscreteCollisionDetection(); }
 
 void BulletWorld::remember_contacts(rust::Vec<ContactRead> &out) const {
     out.clear();

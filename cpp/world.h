@@ -34,6 +34,7 @@ class BulletWorld {
     void read_bodies(rust::Vec<BodyRead> &out) const;
     void read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<double> &coordinates) const;
     void read_contacts(rust::Vec<ContactRead> &out) const;
+    void find_contacts();
     void remember_contacts(rust::Vec<ContactRead> &out) const;
     void recall_contacts(rust::Slice<const ContactRead> contacts);
     PhaseTimes phases() const;

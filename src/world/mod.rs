@@ -172,7 +172,7 @@ pub struct Contact {
 /// A loaded contact, as one world hands it to another that goes on from its state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RememberedContact {
-    /// First body, the one added earlier.
+    /// First body.
     pub a: BodyId,
     /// Second body.
     pub b: BodyId,
@@ -273,6 +273,8 @@ pub trait World {
     }
 
     /// Tells a new world, before its first step, which contacts its bodies bring.
+    /// Their order, that of the two bodies of each, and that in which the bodies were
+    /// added do not matter: every contact is taken over with its impulse.
     ///
     /// # Errors
     /// [`WorldError::BadBody`] for values no engine should see.

@@ -227,6 +227,8 @@ mod bridge {
         /// each body has, and x, y, z of each; none for a removed body.
         fn read_corners(self: &BulletWorld, counts: &mut Vec<u32>, coordinates: &mut Vec<f64>);
         fn read_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
+        /// Finds the contact points with what they carry, without a step.
+        fn find_contacts(self: Pin<&mut BulletWorld>) -> Result<()>;
         /// Points that bear something, where they are now. Empty with Bullet's own contacts.
         fn remember_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
         /// Hands a new world, before its first step, what another remembered.

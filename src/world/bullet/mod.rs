@@ -15,6 +15,8 @@ mod ffi;
 mod manifold_tests;
 pub mod probe;
 #[cfg(test)]
+mod recall_tests;
+#[cfg(test)]
 mod shim_tests;
 #[cfg(test)]
 mod stock_tests;

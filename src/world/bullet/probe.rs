@@ -2,10 +2,10 @@
 //! for given poses, step after step.
 //!
 //! For tests, which compare it with exact references, and for benchmarks. And the
-//! threads of a world without the world, the speeds by which boxes stand off, and
-//! the memory that the process holds.
+//! threads of a world without the world, the speeds by which boxes stand off, the
+//! memory that the process holds, and what happens within the step of a world.
 
-use super::{engine, ffi, flat, rotation_array};
+use super::{BulletBackend, engine, ffi, flat, rotation_array};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 use crate::world::WorldError;
 
@@ -165,6 +165,17 @@ pub fn shared_sum(
 pub fn bytes_handed_out() -> Option<i64> {
     let bytes = ffi::bytes_handed_out();
     (bytes >= 0).then_some(bytes)
+}
+
+impl BulletBackend {
+    /// Finds the contacts where the bodies are without a step: with the impulses
+    /// that the next step begins with.
+    ///
+    /// # Errors
+    /// [`WorldError::Engine`].
+    pub fn find_contacts(&mut self) -> Result<(), WorldError> {
+        self.world.pin_mut().find_contacts().map_err(engine)
+    }
 }
 
 /// What the speed by which a body's box stands off is found from.

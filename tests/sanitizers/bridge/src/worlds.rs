@@ -178,6 +178,7 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
     }
     // Some of them of bodies that this world has not.
     second.pin_mut().recall_contacts(&remembered).expect("told");
+    second.pin_mut().find_contacts().expect("found");
     for _ in 0..5 {
         second.pin_mut().step().expect("a step");
     }
