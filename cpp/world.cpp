@@ -226,6 +226,21 @@ void BulletWorld::drive_body(std::uint32_t id, const std::array<double, 3> &posi
     }
 }
 
+void BulletWorld::recall_drive(std::uint32_t id, rust::Slice<const DrivenPose> ends) {
+    if (!impl_->body(id).isKinematicObject() || ends.size() != 3) {
+        throw std::runtime_error("a body that is driven has three poses before");
+    }
+    if (!impl_->contact_solver) {
+        return; // Bullet's own solver looks at one step alone
+    }
+    const auto pose = [&](std::size_t i) {
+        return impl_->units.pose(ends[i].position, ends[i].rotation);
+    };
+    impl_->contact_solver->recall_drive(
+        static_cast<int>(id),
+        recalled_drive({pose(0), pose(1), pose(2)}, static_cast<double>(impl_->time_step)));
+}
+
 void BulletWorld::step() {
     if (impl_->hull_world && impl_->hull_world->followed() == nullptr) {
         impl_->hull_world->follow(impl_->drives.first());
@@ -264,6 +279,13 @@ void BulletWorld::read_corners(rust::Vec<std::uint32_t> &counts,
         counts.push_back(body ? append_corners(impl_->units, *body->getCollisionShape(),
                                                impl_->hull_collision != nullptr, coordinates)
                               : 0);
+    }
+}
+
+void BulletWorld::read_drives(rust::Vec<DriveRead> &out) const {
+    out.clear();
+    if (impl_->contact_solver) {
+        impl_->contact_solver->read_drives(impl_->units, out);
     }
 }
 

@@ -123,7 +123,7 @@ impl<'a> Stand<'a> {
                 for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
                     let mut body = wall_piece(piece, Motion::Driven);
                     if under_way {
-                        body.state.pose.translation.vector.x += state.table_x;
+                        body.state.pose = moved(&piece.pose, state.table_x);
                     }
                     let id = world.add(&body)?;
                     parties.insert(Party::Other(Other::Cylinder(n)), id);
@@ -227,6 +227,9 @@ impl<'a> Stand<'a> {
         if self.midway.steps == 0 {
             let moment = Moment { stage_time: 0.0, table_velocity: table_velocity(0.0) };
             observer.observe(&self.specimen, moment);
+        }
+        if let Some(motion) = motion.filter(|_| self.midway.steps > 0) {
+            self.recall_table(motion)?;
         }
         for step in self.midway.steps + 1..=last_step {
             let time = step as f64 * dt;
@@ -364,13 +367,27 @@ impl<'a> Stand<'a> {
 
     fn move_table(&mut self, x: f64) -> Result<(), StageError> {
         for (id, at_rest) in &self.on_table {
-            let mut pose = *at_rest;
-            pose.translation.vector.x += x;
-            if let Err(source) = self.world.drive(*id, &pose) {
+            if let Err(source) = self.world.drive(*id, &moved(at_rest, x)) {
                 return Err(self.failed(source));
             }
         }
         self.specimen.state.table_x = x;
+        Ok(())
+    }
+
+    /// Tells a world in which a shaken stage goes on how the table has moved.
+    fn recall_table(&mut self, motion: &TableMotion) -> Result<(), StageError> {
+        let dt = self.world.time_step();
+        let ends = [2, 1, 0].map(|ago| match self.midway.steps.checked_sub(ago) {
+            Some(step) => motion.displacement(step as f64 * dt),
+            None => 0.0,
+        });
+        for (id, at_rest) in &self.on_table {
+            let ends = ends.map(|x| moved(at_rest, x));
+            if let Err(source) = self.world.recall_drive(*id, &ends) {
+                return Err(self.failed(source));
+            }
+        }
         Ok(())
     }
 
@@ -473,4 +490,11 @@ impl<'a> Stand<'a> {
             && (squares / f64::from(count)).sqrt() <= limits.rms_speed
             && largest.sqrt() <= limits.largest_speed
     }
+}
+
+/// Where a piece is that stands on the table, at a displacement along x in m.
+fn moved(at_rest: &Pose, x: f64) -> Pose {
+    let mut pose = *at_rest;
+    pose.translation.vector.x += x;
+    pose
 }

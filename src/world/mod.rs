@@ -250,6 +250,16 @@ pub trait World {
     /// [`WorldError::NoSuchBody`], [`WorldError::NotDriven`].
     fn drive(&mut self, id: BodyId, pose_at_end_of_step: &Pose) -> Result<(), WorldError>;
 
+    /// Tells a new world, before its first step, where a driven body was at the ends of
+    /// the last three steps in another world, the last one last: its velocity goes on
+    /// changing as it did. Nothing for an engine that looks at one step alone.
+    ///
+    /// # Errors
+    /// [`WorldError::NoSuchBody`], [`WorldError::NotDriven`].
+    fn recall_drive(&mut self, _id: BodyId, _ends: &[Pose; 3]) -> Result<(), WorldError> {
+        Ok(())
+    }
+
     /// Advances by one time step.
     ///
     /// # Errors

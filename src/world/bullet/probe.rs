@@ -7,7 +7,7 @@
 
 use super::{BulletBackend, engine, ffi, flat, rotation_array};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
-use crate::world::WorldError;
+use crate::world::{BodyId, WorldError};
 
 /// How a pair is probed.
 #[derive(Debug, Clone, Copy)]
@@ -167,6 +167,21 @@ pub fn bytes_handed_out() -> Option<i64> {
     (bytes >= 0).then_some(bytes)
 }
 
+/// How a driven body goes through a step, in SI units and world axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProbeDrive {
+    /// Which body.
+    pub id: BodyId,
+    /// Velocity in the middle of the step in m/s.
+    pub velocity: Vector,
+    /// How it changes through the step, in m/s².
+    pub acceleration: Vector,
+    /// Angular velocity in the middle of the step in rad/s.
+    pub angular_velocity: Vector,
+    /// How it changes through the step, in rad/s².
+    pub angular_acceleration: Vector,
+}
+
 impl BulletBackend {
     /// Finds the contacts where the bodies are without a step: with the impulses
     /// that the next step begins with.
@@ -175,6 +190,21 @@ impl BulletBackend {
     /// [`WorldError::Engine`].
     pub fn find_contacts(&mut self) -> Result<(), WorldError> {
         self.world.pin_mut().find_contacts().map_err(engine)
+    }
+
+    /// How each driven body went through the last step; empty with Bullet's own
+    /// contacts, and once a body came or went.
+    pub fn drives(&self) -> Vec<ProbeDrive> {
+        let mut drives = Vec::new();
+        self.world.read_drives(&mut drives);
+        let probed = |d: &ffi::DriveRead| ProbeDrive {
+            id: BodyId(d.id),
+            velocity: d.velocity.into(),
+            acceleration: d.acceleration.into(),
+            angular_velocity: d.spin.into(),
+            angular_acceleration: d.spin_up.into(),
+        };
+        drives.iter().map(probed).collect()
     }
 }
 
