@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 35] = [
+const SHIMS: [&str; 36] = [
     "contact_batches",
     "contact_bodies",
     "contact_iterations",
@@ -34,6 +34,7 @@ const SHIMS: [&str; 35] = [
     "hull_algorithm",
     "hull_dispatcher",
     "hull_probe",
+    "memory_probe",
     "workers",
     "worker_probe",
     "shapes",

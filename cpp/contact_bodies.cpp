@@ -1,5 +1,6 @@
 #include "contact_bodies.h"
 
+#include "drives.h"
 #include "prefetch.h"
 
 #include <algorithm>
@@ -91,6 +92,16 @@ SolverBody free_body(const btRigidBody &body) {
     out.acceleration = three(body.getTotalForce() + weight) * out.inverse_mass;
     out.spin_up = three(body.getInvInertiaTensorWorld() * body.getTotalTorque());
     return out;
+}
+
+Drive recalled_drive(const std::array<btTransform, 3> &ends, double step) {
+    const auto time = static_cast<btScalar>(step);
+    const DrivenVelocity before = driven_velocity(ends[0], ends[1], time);
+    const DrivenVelocity last = driven_velocity(ends[1], ends[2], time);
+    Drive drive{three(last.linear), three(last.angular), {}, {}};
+    drive.change = drive.velocity - three(before.linear);
+    drive.spin_change = drive.spin - three(before.angular);
+    return drive;
 }
 
 SolverBody driven_body(const btRigidBody &body, double step, Drive &drive) {

@@ -5,6 +5,8 @@
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
+#include <array>
+
 namespace pluvia {
 
 // A body with what the solver found for the step: its velocities at the end,
@@ -32,6 +34,10 @@ struct Drive {
     Three<double> velocity{0, 0, 0}, spin{0, 0, 0};
     Three<double> change{0, 0, 0}, spin_change{0, 0, 0};
 };
+
+// The same of a body that was driven so in another world: its poses at the ends of
+// the last three steps, the last one last.
+Drive recalled_drive(const std::array<btTransform, 3> &ends, double step);
 
 // A driven body. Bullet knows its mean velocity in the step. Were it the
 // velocity of every sub-step, it would jump from step to step, and what rubs on

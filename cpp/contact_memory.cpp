@@ -73,8 +73,15 @@ void remember(const Units &units, const Touching &pair, rust::Vec<ContactRead> &
 
 void RecalledContacts::take(const Units &units, rust::Slice<const ContactRead> contacts) {
     for (const ContactRead &c : contacts) {
-        by_pair_[key(c.a, c.b)].push_back(
-            {units.length(c.point), vector(c.normal), units.length(c.impulse), c.feature, c.id});
+        Recalled recalled{units.length(c.point), vector(c.normal), units.length(c.impulse),
+                          c.feature, c.id};
+        if (c.a > c.b) { // added in another order to the world that remembered it
+            recalled.normal = -recalled.normal;
+            recalled.impulse = -recalled.impulse;
+            recalled.feature = swapped_feature(c.feature);
+            recalled.id = swapped_id(c.id);
+        }
+        by_pair_[key(std::min(c.a, c.b), std::max(c.a, c.b))].push_back(recalled);
     }
 }
 

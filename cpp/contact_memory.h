@@ -26,6 +26,7 @@ void remember(const Units &units, const Touching &pair, rust::Vec<ContactRead> &
 // Contacts of another world, until the first step of this one is over.
 class RecalledContacts {
   public:
+    // Whichever body of a pair each names first.
     void take(const Units &units, rust::Slice<const ContactRead> contacts);
     bool empty() const { return by_pair_.empty(); }
     void forget() { by_pair_.clear(); }

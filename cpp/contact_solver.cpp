@@ -1,5 +1,6 @@
 #include "contact_solver.h"
 
+#include "pluvia/src/world/bullet/ffi.rs.h"
 #include "prefetch.h"
 
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
@@ -99,6 +100,7 @@ void ContactSolver::end_look() {
 void ContactSolver::bodies_changed() {
     moving_.clear();
     driving_.clear();
+    driven_.clear();
     sorted_ = false;
 }
 
@@ -129,12 +131,29 @@ void ContactSolver::take_driven(double step) {
     driven_.clear();
     drives_now_.clear();
     for (const btRigidBody *body : driving_) {
-        Drive &drive = drives_now_[body];
-        const auto before = drives_.find(body);
+        const int number = body->getUserIndex();
+        Drive &drive = drives_now_[number];
+        const auto before = drives_.find(number);
         drive = before != drives_.end() ? before->second : Drive{};
         driven_.push_back(driven_body(*body, step, drive));
     }
     std::swap(drives_, drives_now_);
+}
+
+void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) const {
+    const auto metres = [&](const Three<double> &v) {
+        return std::array<double, 3>{v.x / units.scale(), v.y / units.scale(), v.z / units.scale()};
+    };
+    for (std::size_t i = 0; i < driven_.size(); ++i) {
+        const SolverBody &body = driven_[i];
+        DriveRead read{};
+        read.id = static_cast<std::uint32_t>(driving_[i]->getUserIndex());
+        read.velocity = metres(body.velocity);
+        read.acceleration = metres(body.acceleration);
+        read.spin = {body.spin.x, body.spin.y, body.spin.z};
+        read.spin_up = {body.spin_up.x, body.spin_up.y, body.spin_up.z};
+        out.push_back(read);
+    }
 }
 
 // Driven bodies come to a desk when a pair of the part has them.

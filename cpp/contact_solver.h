@@ -4,6 +4,8 @@
 #include "contact_bodies.h"
 #include "contact_iterations.h"
 #include "contact_parts.h"
+#include "convert.h"
+#include "rust/cxx.h"
 #include "workers.h"
 
 #include <BulletDynamics/ConstraintSolver/btConstraintSolver.h>
@@ -12,6 +14,8 @@
 #include <vector>
 
 namespace pluvia {
+
+struct DriveRead;
 
 // Solves all contacts of a step at once: projected Gauss–Seidel in sub-steps that
 // begins with the whole of the last step's impulses, friction within its cone,
@@ -43,6 +47,11 @@ class ContactSolver final : public btConstraintSolver {
     void sort_bodies(const btCollisionObjectArray &bodies);
     // The driven ones among them.
     const std::vector<btRigidBody *> &driven() const { return driving_; }
+
+    // How a body was driven before the first step of its world, by its number.
+    void recall_drive(int number, const Drive &drive) { drives_[number] = drive; }
+    // Adds how each driven body went through the last step; none once a body came or went.
+    void read_drives(const Units &units, rust::Vec<DriveRead> &out) const;
 
     const ContactLaw &law() const { return law_; }
     // Natural-map residual of the last sub-step of the step looked at last, over
@@ -82,7 +91,8 @@ class ContactSolver final : public btConstraintSolver {
     std::vector<btRigidBody *> driving_; // every driven body
     std::vector<SolverBody> driven_;     // the same
     bool sorted_ = false;                // moving_ and driving_ are the world's bodies
-    std::unordered_map<const btCollisionObject *, Drive> drives_, drives_now_;
+    // By the body's number in its world: a new body may get the address of one that left.
+    std::unordered_map<int, Drive> drives_, drives_now_;
     std::vector<Desk> desks_;        // by worker
     std::vector<std::size_t> small_; // parts that a thread solves by itself
     bool recording_ = false;

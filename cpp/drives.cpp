@@ -1,8 +1,30 @@
 #include "drives.h"
 
+#include <LinearMath/btTransformUtil.h>
+
 #include <algorithm>
 
 namespace pluvia {
+
+namespace {
+
+// Where a body would have been a step ago that goes on to `end` as it came.
+btTransform a_step_ago(const btTransform &now, const btTransform &end) {
+    btTransform before;
+    before.setBasis(now.getBasis() * end.getBasis().transpose() * now.getBasis());
+    before.setOrigin(now.getOrigin() * 2 - end.getOrigin());
+    return before;
+}
+
+} // namespace
+
+// As btRigidBody.cpp, saveKinematicState, 3.24.
+DrivenVelocity driven_velocity(const btTransform &start, const btTransform &end, btScalar step) {
+    DrivenVelocity out;
+    btTransformUtil::calculateVelocity(a_step_ago(start, end), start, step, out.linear,
+                                       out.angular);
+    return out;
+}
 
 void Drives::remove(const btRigidBody *body) {
     drives_.erase(std::remove_if(drives_.begin(), drives_.end(),
@@ -12,11 +34,8 @@ void Drives::remove(const btRigidBody *body) {
 
 void Drives::begin_step() const {
     for (const Drive &drive : drives_) {
-        const btTransform &now = drive.body->getWorldTransform();
-        btTransform before;
-        before.setBasis(now.getBasis() * drive.end.getBasis().transpose() * now.getBasis());
-        before.setOrigin(now.getOrigin() * 2 - drive.end.getOrigin());
-        drive.body->setInterpolationWorldTransform(before);
+        drive.body->setInterpolationWorldTransform(
+            a_step_ago(drive.body->getWorldTransform(), drive.end));
     }
 }
 

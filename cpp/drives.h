@@ -7,6 +7,15 @@
 
 namespace pluvia {
 
+// Velocities in engine units.
+struct DrivenVelocity {
+    btVector3 linear, angular;
+};
+
+// Those that Bullet gives a driven body for a step from one pose to another, to
+// the bit.
+DrivenVelocity driven_velocity(const btTransform &start, const btTransform &end, btScalar step);
+
 // Contacts are found where bodies are at the beginning of the step, driven ones
 // as all others: Bullet would have those where they end. So a driven body gets
 // its pose at the end of the step.

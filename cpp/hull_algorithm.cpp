@@ -18,10 +18,10 @@ namespace {
 // rest, with 0 they creep.
 constexpr double HYSTERESIS = 0.02e-3; // m
 
-// A quarter of that: less than what features may differ by and be kept.
+// The same: features may differ by as much and be kept.
 constexpr double HOLD = 0.02e-3; // m
 
-// A quarter as well: enough to tell a face from edges that lie on it within
+// A quarter of that: enough to tell a face from edges that lie on it within
 // rounding, too little to be felt as depth.
 constexpr double FACE_PREFERENCE = 0.005e-3; // m
 

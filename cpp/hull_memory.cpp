@@ -11,12 +11,36 @@ namespace {
 constexpr std::uint32_t INDEX_BITS = 14;
 constexpr std::uint32_t INDEX = (1U << INDEX_BITS) - 1;
 
+// Two numbers in the bits of a number, each in the other's place.
+std::uint32_t exchanged(std::uint32_t bits) {
+    return (bits & INDEX) << INDEX_BITS | (bits >> INDEX_BITS & INDEX);
+}
+
 } // namespace
 
 std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second) {
     return static_cast<std::uint32_t>(feature) << 2 * INDEX_BITS |
            (static_cast<std::uint32_t>(first) & INDEX) << INDEX_BITS |
            (static_cast<std::uint32_t>(second) & INDEX);
+}
+
+// The numbers of a face contact are of the reference face and the incident one,
+// whichever body has them; those of edges are of A and B.
+std::uint32_t swapped_feature(std::uint32_t feature) {
+    switch (static_cast<Feature>(feature >> 2 * INDEX_BITS)) {
+    case Feature::FaceOfA:
+    case Feature::FaceOfB:
+        return feature ^ (3U << 2 * INDEX_BITS); // one into the other
+    case Feature::Edges:
+        return (feature & FROM_EDGES) | exchanged(feature);
+    default:
+        return feature;
+    }
+}
+
+std::uint32_t swapped_id(std::uint32_t id) {
+    const bool edges = (id & FROM_EDGES) == FROM_EDGES;
+    return edges ? FROM_EDGES | exchanged(id) : id ^ FROM_FACE_OF_B;
 }
 
 void KeptContact::keep(const PairContact &contact) {

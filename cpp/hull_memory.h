@@ -8,6 +8,12 @@ namespace pluvia {
 // What touches.
 enum class Feature : std::uint8_t { None, FaceOfA, FaceOfB, Edges };
 
+// The highest bits of a point's id say which kind of feature it came from: a
+// face of A (clip_face in hull_clip.h has the rest), the same of B, or edges of
+// A and B, whose numbers follow.
+constexpr std::uint32_t FROM_FACE_OF_B = 1U << 30;
+constexpr std::uint32_t FROM_EDGES = 3U << 28;
+
 struct PairPoint {
     double on_a[3]; // in A's frame
     double on_b[3]; // in B's frame
@@ -17,6 +23,11 @@ struct PairPoint {
 
 // What touched in a step, in one number; 0 for nothing.
 std::uint32_t packed(Feature feature, std::int32_t first, std::int32_t second);
+
+// A packed feature, and the id of a point, as the same contact has them when A
+// and B change places.
+std::uint32_t swapped_feature(std::uint32_t feature);
+std::uint32_t swapped_id(std::uint32_t id);
 
 struct PairContact {
     int count = 0;

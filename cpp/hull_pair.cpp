@@ -7,10 +7,6 @@ namespace pluvia {
 
 namespace {
 
-// The highest bits of a point's id say which kind of feature it came from.
-constexpr std::uint32_t FROM_FACE_OF_B = 1U << 30;
-constexpr std::uint32_t FROM_EDGES = 3U << 28;
-
 // A gap that every feature comes up to.
 constexpr double ANY = -1e30;
 

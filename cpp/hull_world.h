@@ -15,7 +15,8 @@ namespace pluvia {
 // a new one only when it has left the old, and they are counted from a place
 // that moves along with the apparatus, so that shaking alone lets none leave.
 //
-// All contacts go to the solver at once: no islands are looked for.
+// Bullet looks for no islands: all contacts go to the solver in one call, and
+// the solver splits them into islands of its own (contact_parts.h).
 //
 // Passes over all bodies are left out that would find nothing to do: none is
 // swept, sleeps, has a motion state or, without damping, is slowed down. The

@@ -85,4 +85,28 @@ void StockRules::drive(btRigidBody &body, const btTransform &pose) const {
     body.setWorldTransform(pose);
 }
 
+void read_manifolds(const Units &units, const btCollisionDispatcher &dispatcher,
+                    rust::Vec<ContactRead> &out) {
+    for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+        const btPersistentManifold *manifold =
+            const_cast<btCollisionDispatcher &>(dispatcher).getManifoldByIndexInternal(m);
+        for (int p = 0; p < manifold->getNumContacts(); ++p) {
+            const btManifoldPoint &point = manifold->getContactPoint(p);
+            const btVector3 middle =
+                (point.getPositionWorldOnA() + point.getPositionWorldOnB()) * btScalar(0.5);
+            ContactRead read{};
+            read.a = static_cast<std::uint32_t>(manifold->getBody0()->getUserIndex());
+            read.b = static_cast<std::uint32_t>(manifold->getBody1()->getUserIndex());
+            read.point = units.metres(middle);
+            read.normal = array(point.m_normalWorldOnB);
+            read.gap = units.metres(point.getDistance());
+            read.impulse =
+                units.metres(point.m_normalWorldOnB * point.m_appliedImpulse +
+                             point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+                             point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2);
+            out.push_back(read);
+        }
+    }
+}
+
 } // namespace pluvia

@@ -1,11 +1,12 @@
 // What Bullet's own contact path does to a body beside what every path does:
-// sleep, moments of inertia of bounding boxes, a least mass.
+// sleep, moments of inertia of bounding boxes, a least mass. And its contacts.
 #pragma once
 
 #include "bodies.h"
 #include "convert.h"
 #include "shapes.h"
 
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 namespace pluvia {
@@ -40,5 +41,9 @@ class StockRules {
     btScalar spin_;
     double largest_inertia_ratio_ = 1;
 };
+
+// Adds Bullet's own contact points.
+void read_manifolds(const Units &units, const btCollisionDispatcher &dispatcher,
+                    rust::Vec<ContactRead> &out);
 
 } // namespace pluvia

@@ -71,8 +71,7 @@ class BulletWorld::Impl {
           hull_world(make_hull_world()), bullet_world(make_bullet_world()),
           world(hull_world ? *hull_world : *bullet_world) {
         set_world(world, units, definition);
-        // A relative threshold of a percent of the grain's size destroys
-        // manifolds: unless asked for, the absolute one is used for all pairs.
+        // A relative threshold destroys manifolds: used only where it is asked for.
         const int relative = btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD;
         const int flags = dispatcher.getDispatcherFlags() & ~relative;
         if (definition.relative_contact_threshold > 0) {
@@ -226,6 +225,21 @@ void BulletWorld::drive_body(std::uint32_t id, const std::array<double, 3> &posi
     }
 }
 
+void BulletWorld::recall_drive(std::uint32_t id, rust::Slice<const DrivenPose> ends) {
+    if (!impl_->body(id).isKinematicObject() || ends.size() != 3) {
+        throw std::runtime_error("a body that is driven has three poses before");
+    }
+    if (!impl_->contact_solver) {
+        return; // Bullet's own solver looks at one step alone
+    }
+    const auto pose = [&](std::size_t i) {
+        return impl_->units.pose(ends[i].position, ends[i].rotation);
+    };
+    impl_->contact_solver->recall_drive(
+        static_cast<int>(id),
+        recalled_drive({pose(0), pose(1), pose(2)}, static_cast<double>(impl_->time_step)));
+}
+
 void BulletWorld::step() {
     if (impl_->hull_world && impl_->hull_world->followed() == nullptr) {
         impl_->hull_world->follow(impl_->drives.first());
@@ -267,36 +281,25 @@ void BulletWorld::read_corners(rust::Vec<std::uint32_t> &counts,
     }
 }
 
-void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
+void BulletWorld::read_drives(rust::Vec<DriveRead> &out) const {
     out.clear();
-    const auto &dispatcher = impl_->dispatcher;
-    if (impl_->hull_collision) {
-        for (const Touching &pair : impl_->hull_collision->touching) {
-            read(impl_->units, pair, out);
-        }
-        return;
-    }
-    for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-        const btPersistentManifold *manifold =
-            const_cast<HullDispatcher &>(dispatcher).getManifoldByIndexInternal(m);
-        for (int p = 0; p < manifold->getNumContacts(); ++p) {
-            const btManifoldPoint &point = manifold->getContactPoint(p);
-            const btVector3 middle =
-                (point.getPositionWorldOnA() + point.getPositionWorldOnB()) * btScalar(0.5);
-            ContactRead read{};
-            read.a = static_cast<std::uint32_t>(manifold->getBody0()->getUserIndex());
-            read.b = static_cast<std::uint32_t>(manifold->getBody1()->getUserIndex());
-            read.point = impl_->units.metres(middle);
-            read.normal = array(point.m_normalWorldOnB);
-            read.gap = impl_->units.metres(point.getDistance());
-            read.impulse =
-                impl_->units.metres(point.m_normalWorldOnB * point.m_appliedImpulse +
-                                    point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
-                                    point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2);
-            out.push_back(read);
-        }
+    if (impl_->contact_solver) {
+        impl_->contact_solver->read_drives(impl_->units, out);
     }
 }
+
+void BulletWorld::read_contacts(rust::Vec<ContactRead> &out) const {
+    out.clear();
+    if (!impl_->hull_collision) {
+        read_manifolds(impl_->units, impl_->dispatcher, out);
+        return;
+    }
+    for (const Touching &pair : impl_->hull_collision->touching) {
+        read(impl_->units, pair, out);
+    }
+}
+
+void BulletWorld::find_contacts() { impl_->world.performDiscreteCollisionDetection(); }
 
 void BulletWorld::remember_contacts(rust::Vec<ContactRead> &out) const {
     out.clear();
@@ -324,14 +327,14 @@ double BulletWorld::solver_residual() const {
 }
 
 void BulletWorld::record_substeps(bool on) {
-    if (impl_->contact_solver) {
-        impl_->contact_solver->record(on);
+    if (auto *solver = impl_->contact_solver.get()) {
+        solver->record(on);
     }
 }
 
 void BulletWorld::read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const {
-    const bool native = impl_->contact_solver != nullptr;
-    (native ? impl_->contact_solver->recorded() : SubstepRecord{}).read(bodies, contacts);
+    const auto *solver = impl_->contact_solver.get();
+    (solver ? solver->recorded() : SubstepRecord{}).read(bodies, contacts);
 }
 
 PairValue BulletWorld::pair_value(std::uint32_t a, std::uint32_t b) const {

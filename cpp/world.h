@@ -13,6 +13,8 @@ namespace pluvia {
 struct BodyDefinition;
 struct BodyRead;
 struct ContactRead;
+struct DriveRead;
+struct DrivenPose;
 struct EngineSetting;
 struct PairValue;
 struct PhaseTimes;
@@ -30,10 +32,13 @@ class BulletWorld {
     void remove_body(std::uint32_t id);
     void drive_body(std::uint32_t id, const std::array<double, 3> &position,
                     const std::array<double, 4> &rotation);
+    void recall_drive(std::uint32_t id, rust::Slice<const DrivenPose> ends);
     void step();
     void read_bodies(rust::Vec<BodyRead> &out) const;
     void read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<double> &coordinates) const;
+    void read_drives(rust::Vec<DriveRead> &out) const;
     void read_contacts(rust::Vec<ContactRead> &out) const;
+    void find_contacts();
     void remember_contacts(rust::Vec<ContactRead> &out) const;
     void recall_contacts(rust::Slice<const ContactRead> contacts);
     PhaseTimes phases() const;

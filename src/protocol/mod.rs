@@ -12,6 +12,8 @@ mod legs;
 #[cfg(test)]
 mod pile_tests;
 mod progress;
+#[cfg(test)]
+mod segment_tests;
 mod setup;
 mod stages;
 mod stand;

@@ -36,11 +36,10 @@ pub type WorldMaker<'a> = &'a (
             + Sync
     );
 
-/// Nothing in this laboratory is faster: a grain reaches 2.8 m/s in the
-/// highest fall of the paper and 5 m/s from more than a metre.
+/// Nothing here is faster: a grain reaches 2.8 m/s in the paper's highest fall.
 const SPEED_LIMIT: f64 = 20.0;
 
-/// A 10 mm grain whose rim moves at the speed limit turns at 4000 rad/s.
+/// A 10 mm grain whose rim moves at the speed limit.
 const ANGULAR_SPEED_LIMIT: f64 = 4000.0;
 
 /// Everything happens within this distance of the cylinder's floor, in m.
@@ -123,7 +122,7 @@ impl<'a> Stand<'a> {
                 for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
                     let mut body = wall_piece(piece, Motion::Driven);
                     if under_way {
-                        body.state.pose.translation.vector.x += state.table_x;
+                        body.state.pose = moved(&piece.pose, state.table_x);
                     }
                     let id = world.add(&body)?;
                     parties.insert(Party::Other(Other::Cylinder(n)), id);
@@ -227,6 +226,9 @@ impl<'a> Stand<'a> {
         if self.midway.steps == 0 {
             let moment = Moment { stage_time: 0.0, table_velocity: table_velocity(0.0) };
             observer.observe(&self.specimen, moment);
+        }
+        if let Some(motion) = motion.filter(|_| self.midway.steps > 0) {
+            self.recall_table(motion)?;
         }
         for step in self.midway.steps + 1..=last_step {
             let time = step as f64 * dt;
@@ -366,13 +368,26 @@ impl<'a> Stand<'a> {
 
     fn move_table(&mut self, x: f64) -> Result<(), StageError> {
         for (id, at_rest) in &self.on_table {
-            let mut pose = *at_rest;
-            pose.translation.vector.x += x;
-            if let Err(source) = self.world.drive(*id, &pose) {
+            if let Err(source) = self.world.drive(*id, &moved(at_rest, x)) {
                 return Err(self.failed(source));
             }
         }
         self.specimen.state.table_x = x;
+        Ok(())
+    }
+
+    /// Tells a world in which a shaken stage goes on how the table has moved.
+    fn recall_table(&mut self, motion: &TableMotion) -> Result<(), StageError> {
+        let dt = self.world.time_step();
+        let steps = self.midway.steps;
+        let place = |step: u64| motion.displacement(step as f64 * dt);
+        let ends = [2, 1, 0].map(|ago| steps.checked_sub(ago).map_or(0.0, place));
+        for (id, at_rest) in &self.on_table {
+            let ends = ends.map(|x| moved(at_rest, x));
+            if let Err(source) = self.world.recall_drive(*id, &ends) {
+                return Err(self.failed(source));
+            }
+        }
         Ok(())
     }
 
@@ -475,4 +490,11 @@ impl<'a> Stand<'a> {
             && (squares / f64::from(count)).sqrt() <= limits.rms_speed
             && largest.sqrt() <= limits.largest_speed
     }
+}
+
+/// Where a piece is that stands on the table, at a displacement along x in m.
+fn moved(at_rest: &Pose, x: f64) -> Pose {
+    let mut pose = *at_rest;
+    pose.translation.vector.x += x;
+    pose
 }

@@ -172,7 +172,7 @@ pub struct Contact {
 /// A loaded contact, as one world hands it to another that goes on from its state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RememberedContact {
-    /// First body, the one added earlier.
+    /// First body.
     pub a: BodyId,
     /// Second body.
     pub b: BodyId,
@@ -250,6 +250,16 @@ pub trait World {
     /// [`WorldError::NoSuchBody`], [`WorldError::NotDriven`].
     fn drive(&mut self, id: BodyId, pose_at_end_of_step: &Pose) -> Result<(), WorldError>;
 
+    /// Tells a new world, before its first step, where a driven body was at the ends of
+    /// the last three steps in another world, the last one last: its velocity goes on
+    /// changing as it did. Nothing for an engine that looks at one step alone.
+    ///
+    /// # Errors
+    /// [`WorldError::NoSuchBody`], [`WorldError::NotDriven`].
+    fn recall_drive(&mut self, _id: BodyId, _ends: &[Pose; 3]) -> Result<(), WorldError> {
+        Ok(())
+    }
+
     /// Advances by one time step.
     ///
     /// # Errors
@@ -273,6 +283,8 @@ pub trait World {
     }
 
     /// Tells a new world, before its first step, which contacts its bodies bring.
+    /// Their order, that of the two bodies of each, and that in which the bodies were
+    /// added do not matter: every contact is taken over with its impulse.
     ///
     /// # Errors
     /// [`WorldError::BadBody`] for values no engine should see.

@@ -116,6 +116,24 @@ mod bridge {
         angular_velocity: [f64; 3],
     }
 
+    /// Where a driven body was.
+    struct DrivenPose {
+        /// In m.
+        position: [f64; 3],
+        /// x, y, z, w.
+        rotation: [f64; 4],
+    }
+
+    /// How a driven body goes through a step: velocities in its middle, and how
+    /// they change all the way.
+    struct DriveRead {
+        id: u32,
+        velocity: [f64; 3],
+        acceleration: [f64; 3],
+        spin: [f64; 3],
+        spin_up: [f64; 3],
+    }
+
     /// One contact point.
     struct ContactRead {
         a: u32,
@@ -221,12 +239,20 @@ mod bridge {
             position: &[f64; 3],
             rotation: &[f64; 4],
         ) -> Result<()>;
+        /// Tells a new world, before its first step, where a driven body was at the
+        /// ends of the last three, the last one last.
+        fn recall_drive(self: Pin<&mut BulletWorld>, id: u32, ends: &[DrivenPose]) -> Result<()>;
         fn step(self: Pin<&mut BulletWorld>) -> Result<()>;
         fn read_bodies(self: &BulletWorld, out: &mut Vec<BodyRead>);
         /// Corners of the hulls that contacts are found with, in m: how many
         /// each body has, and x, y, z of each; none for a removed body.
         fn read_corners(self: &BulletWorld, counts: &mut Vec<u32>, coordinates: &mut Vec<f64>);
+        /// How each driven body went through the last step. Empty with Bullet's own
+        /// contacts, and once a body came or went.
+        fn read_drives(self: &BulletWorld, out: &mut Vec<DriveRead>);
         fn read_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
+        /// Finds the contact points with what they carry, without a step.
+        fn find_contacts(self: Pin<&mut BulletWorld>) -> Result<()>;
         /// Points that bear something, where they are now. Empty with Bullet's own contacts.
         fn remember_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
         /// Hands a new world, before its first step, what another remembered.
@@ -280,6 +306,11 @@ mod bridge {
         include!("pluvia/cpp/worker_probe.h");
 
         fn shared_sum(threads: i32, size: usize, rounds: usize, fails_at: usize) -> Result<u64>;
+
+        include!("pluvia/cpp/memory_probe.h");
+
+        /// Of the allocator, by the whole process; -1 where it does not say.
+        fn bytes_handed_out() -> i64;
 
         include!("pluvia/cpp/crowd_probe.h");
 

@@ -4,18 +4,22 @@
 //! setting is read back from the engine ([`World::effective`]).
 //!
 //! What finds contacts and what solves them is chosen in one place: the
-//! members `configuration`, `dispatcher` and `solver` of `BulletWorld::Impl`
-//! in `cpp/world.cpp`, by [`ContactPath`].
+//! members `hull_collision`, `dispatcher`, `contact_solver` and `make_hull_world`
+//! of `BulletWorld::Impl` in `cpp/world.cpp`, by [`ContactPath`].
 
 mod constants;
 #[cfg(test)]
 mod crowd_tests;
+#[cfg(test)]
+mod drive_tests;
 mod ffi;
 #[cfg(test)]
 mod impact_tests;
 #[cfg(test)]
 mod manifold_tests;
 pub mod probe;
+#[cfg(test)]
+mod recall_tests;
 #[cfg(test)]
 mod shim_tests;
 #[cfg(test)]
@@ -150,6 +154,14 @@ impl BulletBackend {
             }
         }
         Ok(())
+    }
+
+    fn check_driven(&self, id: BodyId) -> Result<(), WorldError> {
+        match self.driven.get(id.0 as usize) {
+            None => Err(WorldError::NoSuchBody(id)),
+            Some(false) => Err(WorldError::NotDriven(id)),
+            Some(true) => Ok(()),
+        }
     }
 
     fn shape(&mut self, shape: &Arc<ConvexPolyhedron>) -> Result<u32, WorldError> {
@@ -330,15 +342,20 @@ impl World for BulletBackend {
     }
 
     fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
-        match self.driven.get(id.0 as usize) {
-            None => Err(WorldError::NoSuchBody(id)),
-            Some(false) => Err(WorldError::NotDriven(id)),
-            Some(true) => self
-                .world
-                .pin_mut()
-                .drive_body(id.0, &pose.translation.vector.into(), &rotation_array(pose))
-                .map_err(|_| WorldError::NoSuchBody(id)),
-        }
+        self.check_driven(id)?;
+        self.world
+            .pin_mut()
+            .drive_body(id.0, &pose.translation.vector.into(), &rotation_array(pose))
+            .map_err(|_| WorldError::NoSuchBody(id))
+    }
+
+    fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError> {
+        self.check_driven(id)?;
+        let ends = ends.map(|pose| ffi::DrivenPose {
+            position: pose.translation.vector.into(),
+            rotation: rotation_array(&pose),
+        });
+        self.world.pin_mut().recall_drive(id.0, &ends).map_err(|_| WorldError::NoSuchBody(id))
     }
 
     fn step(&mut self) -> Result<(), WorldError> {

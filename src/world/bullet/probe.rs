@@ -2,11 +2,12 @@
 //! for given poses, step after step.
 //!
 //! For tests, which compare it with exact references, and for benchmarks. And the
-//! threads of a world without the world, and the speeds by which boxes stand off.
+//! threads of a world without the world, the speeds by which boxes stand off, the
+//! memory that the process holds, and what happens within the step of a world.
 
-use super::{engine, ffi, flat, rotation_array};
+use super::{BulletBackend, engine, ffi, flat, rotation_array};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
-use crate::world::WorldError;
+use crate::world::{BodyId, WorldError};
 
 /// How a pair is probed.
 #[derive(Debug, Clone, Copy)]
@@ -157,6 +158,54 @@ pub fn shared_sum(
 ) -> Result<u64, WorldError> {
     let fails_at = fails_at.unwrap_or(usize::MAX);
     ffi::shared_sum(i32::from(threads), size, rounds, fails_at).map_err(engine)
+}
+
+/// Bytes that the allocator has handed out to this process and not got back, to
+/// C++ and Rust alike; `None` where it does not say.
+pub fn bytes_handed_out() -> Option<i64> {
+    let bytes = ffi::bytes_handed_out();
+    (bytes >= 0).then_some(bytes)
+}
+
+/// How a driven body goes through a step, in SI units and world axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProbeDrive {
+    /// Which body.
+    pub id: BodyId,
+    /// Velocity in the middle of the step in m/s.
+    pub velocity: Vector,
+    /// How it changes through the step, in m/s².
+    pub acceleration: Vector,
+    /// Angular velocity in the middle of the step in rad/s.
+    pub angular_velocity: Vector,
+    /// How it changes through the step, in rad/s².
+    pub angular_acceleration: Vector,
+}
+
+impl BulletBackend {
+    /// Finds the contacts where the bodies are without a step: with the impulses
+    /// that the next step begins with.
+    ///
+    /// # Errors
+    /// [`WorldError::Engine`].
+    pub fn find_contacts(&mut self) -> Result<(), WorldError> {
+        self.world.pin_mut().find_contacts().map_err(engine)
+    }
+
+    /// How each driven body went through the last step; empty with Bullet's own
+    /// contacts, and once a body came or went.
+    pub fn drives(&self) -> Vec<ProbeDrive> {
+        let mut drives = Vec::new();
+        self.world.read_drives(&mut drives);
+        let probed = |d: &ffi::DriveRead| ProbeDrive {
+            id: BodyId(d.id),
+            velocity: d.velocity.into(),
+            acceleration: d.acceleration.into(),
+            angular_velocity: d.spin.into(),
+            angular_acceleration: d.spin_up.into(),
+        };
+        drives.iter().map(probed).collect()
+    }
 }
 
 /// What the speed by which a body's box stands off is found from.

@@ -68,7 +68,7 @@ fn state(world: &BulletBackend, id: BodyId) -> BodyState {
 }
 
 /// How far single precision may stray where double is exact to rounding.
-fn precision(double: f64, single: f64) -> f64 {
+pub(super) fn precision(double: f64, single: f64) -> f64 {
     if constants::PLUVIA_SCALAR_BYTES == 8 { double } else { single }
 }
 

@@ -27,6 +27,7 @@ fn main() {
             println!("{} contact points of probed pairs", worlds::probes());
             println!("{} speeds of crowds", worlds::speeds());
             println!("{} steps of worlds", worlds::all());
+            assert!(bytes_handed_out() >= -1, "law: a number of bytes, or that there is none");
         }
         ["threads"] => {
             println!("{} failures in threads came back as errors", errors::in_threads());

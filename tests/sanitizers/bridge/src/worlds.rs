@@ -3,8 +3,9 @@
 use std::thread;
 
 use crate::{
-    BodyDefinition, BodyKind, BulletWorld, CrowdProbeBody, HullProbePose, HullProbeShape,
-    InertiaRule, PairValue, WorldDefinition, crowd_speeds, new_hull_probe, new_world,
+    BodyDefinition, BodyKind, BulletWorld, CrowdProbeBody, DrivenPose, HullProbePose,
+    HullProbeShape, InertiaRule, PairValue, WorldDefinition, crowd_speeds, new_hull_probe,
+    new_world,
 };
 
 /// Whether the contacts are Pluvia's own, threads, portable instructions,
@@ -169,7 +170,7 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
     assert!(steps < 50 || touched > 0, "the check has contacts");
     world.read_bodies(&mut bodies);
     world.remember_contacts(&mut remembered);
-    let (mut second, ..) = with_table(kind);
+    let (mut second, _, table) = with_table(kind);
     for (number, id) in (0..).zip(&ids) {
         let read = &bodies[*id as usize];
         if read.present {
@@ -178,8 +179,17 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
     }
     // Some of them of bodies that this world has not.
     second.pin_mut().recall_contacts(&remembered).expect("told");
+    second.pin_mut().find_contacts().expect("found");
+    let at = |x| DrivenPose { position: [x, 0.0, -0.01], rotation: STILL };
+    let ends = [at(0.0), at(1e-4), at(3e-4)];
+    second.pin_mut().recall_drive(table, &ends).expect("told");
+    assert!(second.pin_mut().recall_drive(table, &ends[..2]).is_err(), "law: three or none");
+    assert!(second.pin_mut().recall_drive(table + 1, &ends).is_err(), "law: driven ones alone");
+    let mut drives = vec![];
     for _ in 0..5 {
         second.pin_mut().step().expect("a step");
+        second.read_drives(&mut drives);
+        assert_eq!(drives.len(), usize::from(kind.0), "the table");
     }
     steps + 5
 }
