@@ -176,10 +176,10 @@ fn a_damaged_stage_is_told_and_done_again() {
             fs::write(file, content.replacen("\"steps\": ", "\"steps\": 1", 1)).expect("changed");
         }),
     ];
-    let stored: Vec<PathBuf> =
-        fs::read_dir(hurt.join("stages")).expect("stages").flatten().map(|e| e.path()).collect();
-    let folders: Vec<&PathBuf> = stored.iter().filter(|p| p.join("stage.json").exists()).collect();
-    for ((name, damage), stage) in damages.iter().zip(folders) {
+    let stored = fs::read_dir(hurt.join("stages")).expect("stages").flatten().map(|e| e.path());
+    let mut folders: Vec<PathBuf> = stored.filter(|p| p.join("stage.json").exists()).collect();
+    folders.sort();
+    for ((name, damage), stage) in damages.iter().zip(&folders) {
         damage(&stage.join(name));
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));

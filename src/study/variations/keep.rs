@@ -56,6 +56,7 @@ pub(in crate::study) fn keep_and_read(
             _ => kept.left_out.push(path.display().to_string()),
         }
     }
+    kept.left_out.sort();
     // A stable sort: within a precision the order stays.
     kept.rows.sort_by(|a, b| a.precision.cmp(&b.precision));
     Ok(kept)

@@ -125,11 +125,16 @@ fn what_is_sent_does_no_harm() {
 
 #[test]
 fn it_ends_when_it_is_dropped() {
-    let server = serve(small_run());
-    let address = server.address();
-    drop(server);
-    let got = TcpStream::connect_timeout(&address, Duration::from_secs(2)).map(|_| ());
-    let refused = got.as_ref().is_err_and(|e| e.kind() == ErrorKind::ConnectionRefused);
+    let asked_after_the_end = || {
+        let server = serve(small_run());
+        let address = server.address();
+        drop(server);
+        TcpStream::connect_timeout(&address, Duration::from_secs(2)).map(|_| ())
+    };
+    // Another program may be given the same port at once, but hardly every time.
+    let got = [(); 3].map(|()| asked_after_the_end());
+    let refused = |e: &std::io::Error| e.kind() == ErrorKind::ConnectionRefused;
+    let refused = got.iter().any(|got| got.as_ref().is_err_and(refused));
     assert!(refused, "law: nobody listens any more, got {got:?}");
 }
 
