@@ -14,7 +14,7 @@ PRECISIONS ?= double
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep clean
+.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep referee clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -86,20 +86,24 @@ deny: ## licences, sources and known weaknesses of what is linked (deny.toml)
 
 lint: setup-lint ## check formatting, lints and documentation
 	cargo fmt --check
-	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp tests/sanitizers/*.cpp
+	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
 	cargo clippy --all-targets --locked -- -D warnings
 	cargo clippy --all-targets --locked --no-default-features -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 
 format: setup-lint ## format all source
 	cargo fmt
-	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp tests/sanitizers/*.cpp
+	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
 
 bench: setup ## run the benchmarks
 	cargo bench --locked --bench pour --bench growth
 
 bench-peers: setup ## other engines on the same specimens: a table, and out/peers.json
 	cargo bench --locked --bench peers -- $(ARGS)
+
+referee: setup ## an exact solution of the same contact problems, and what it says of ours: out/referee.json
+	@bash scripts/referee.sh
+	cargo bench --locked --bench referee -- $(ARGS)
 
 bench-sweep: build ## what a sweep costs beside its runs (a few minutes)
 	bash scripts/sweep-overhead.sh

@@ -9,6 +9,7 @@
 #   scripts/setup.sh venv   also what a Python environment of its own needs
 #   scripts/setup.sh valgrind  also valgrind
 #   scripts/setup.sh slurm  also what `make test-slurm` needs
+#   scripts/setup.sh referee  also what `make referee` needs
 #   scripts/setup.sh snakemake   also what `make test-snakemake` needs
 #
 # Several of these words may stand together.
@@ -69,8 +70,14 @@ fi
 if wanted browser && ! have_chromium; then
     missing+=(chromium)
 fi
-if wanted exports || wanted snakemake || wanted venv; then
+if wanted exports || wanted snakemake || wanted venv || wanted referee; then
     python3 -c 'import ensurepip, venv' >/dev/null 2>&1 || missing+=(python3 python3-venv)
+fi
+if wanted referee; then
+    [ -e /usr/include/siconos/numerics/fc3d_Solvers.h ] || missing+=(libsiconos-numerics-dev)
+    [ -e /usr/include/suitesparse/umfpack.h ] || missing+=(libsuitesparse-dev)
+    [ -e /usr/include/eigen3/Eigen/Dense ] || missing+=(libeigen3-dev)
+    [ -e /usr/include/nlohmann/json.hpp ] || missing+=(nlohmann-json3-dev)
 fi
 if wanted valgrind; then
     have valgrind || missing+=(valgrind)

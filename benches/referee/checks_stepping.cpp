@@ -1,0 +1,175 @@
+#include "checks.h"
+#include "pour.h"
+#include "restitution.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace referee {
+
+namespace {
+
+constexpr double DENSITY = 2650, GRAVITY = 9.81;
+
+Grain box(const Vec3 &sides, const Vec3 &position) {
+    Grain grain;
+    grain.hull = Hull::box(sides);
+    grain.mass = DENSITY * sides.prod();
+    const Vec3 squares = sides.cwiseProduct(sides);
+    grain.inertia = grain.mass / 12 * (Vec3::Constant(squares.sum()) - squares);
+    grain.position = position;
+    grain.rotation = Quat::Identity();
+    return grain;
+}
+
+Scene on_a_floor(std::vector<Grain> grains, double friction, double restitution = 0) {
+    Scene scene;
+    scene.grains = std::move(grains);
+    scene.walls = {{Vec3::UnitZ(), 0}};
+    scene.set_friction(friction);
+    scene.restitution = restitution;
+    scene.restitution_threshold = 0.002;
+    return scene;
+}
+
+PourSettings settings(double step, double duration) {
+    PourSettings s;
+    s.step = step;
+    s.duration = duration;
+    s.limits = {1e-8, 500, 100};
+    s.rest_speed = 0;
+    return s;
+}
+
+void check_flight(Checks &checks) {
+    const double step = 1e-3, duration = 0.2;
+    Grain grain = box({0.01, 0.012, 0.017}, {0, 0, 1});
+    grain.spin = {20, 3, -7};
+    Scene scene = on_a_floor({grain}, 0.5);
+    Pour pour(scene, settings(step, duration), inelastic);
+    pour.run();
+    const Grain &end = pour.scene().grains[0];
+    const double n = duration / step;
+    checks.equal("free fall in steps", end.position.z(),
+                 1 - GRAVITY * step * step * n * (n + 1) / 2, 1e-12);
+    const auto momentum = [](const Grain &g) {
+        return Vec3(g.rotation * g.inertia.cwiseProduct(g.rotation.inverse() * g.spin));
+    };
+    checks.below("change of angular momentum in flight",
+                 (momentum(end) - momentum(grain)).norm() / momentum(grain).norm(), 1e-12);
+    scene.gravity.setZero();
+    Pour turning(scene, settings(step, duration), inelastic);
+    const double before = turning.energy();
+    turning.run();
+    checks.below("change of energy in turning", std::abs(turning.energy() / before - 1), 2e-3);
+}
+
+void check_slide(Checks &checks) {
+    const double angle = 0.5, duration = 0.3;
+    for (const double ratio : {1.01, 0.7}) {
+        const double friction = ratio * std::tan(angle);
+        Scene scene = on_a_floor({box({0.02, 0.02, 0.01}, {0, 0, 0.005})}, friction);
+        scene.gravity = GRAVITY * Vec3(std::sin(angle), 0, -std::cos(angle));
+        const double step = 2e-4;
+        Pour pour(scene, settings(step, duration), inelastic);
+        pour.run();
+        const double acceleration =
+            ratio > 1 ? 0 : GRAVITY * (std::sin(angle) - friction * std::cos(angle));
+        const Grain &end = pour.scene().grains[0];
+        checks.equal("way of a block on a slope", end.position.x(),
+                     acceleration * duration * (duration + step) / 2, 3e-6);
+        checks.equal("its height", end.position.z(), 0.005, 1e-5);
+        checks.below("its turn", end.spin.norm(), 1e-6);
+    }
+}
+
+void check_column(Checks &checks) {
+    std::vector<Grain> grains;
+    for (int i = 0; i < 5; ++i) {
+        grains.push_back(box({0.01, 0.01, 0.01}, {1e-4 * i, 0, 0.006 + 0.012 * i}));
+    }
+    PourSettings s = settings(5e-4, 0.5);
+    s.rest_speed = 1e-4;
+    Pour pour(on_a_floor(grains, 0.5), s, inelastic);
+    const PourRecord record = pour.run();
+    checks.above("a column comes to rest", record.at_rest, 1);
+    checks.below("before the time is over", record.simulated, 0.5 - 1e-9);
+    checks.below("energy gained on the way", record.energy_gain, 0.02);
+    checks.equal("height of its top", pour.scene().grains[4].position.z(), 0.045, 1e-5);
+    checks.equal("grains that touch each other", measure(pour.scene(), 5e-5).coordination, 8.0 / 5,
+                 1e-12);
+    checks.below("share of steps left unsolved", record.unsolved, 0.02);
+}
+
+// A fast block must not pass through a thin one.
+void check_tunnel(Checks &checks) {
+    std::vector<Grain> grains = {box({0.03, 0.03, 0.001}, {0, 0, 0.0005}),
+                                 box({0.01, 0.01, 0.01}, {0, 0, 0.05})};
+    grains[1].velocity = {0, 0, -20};
+    Pour pour(on_a_floor(grains, 0.5), settings(1e-3, 0.02), inelastic);
+    pour.run();
+    checks.above("a fast block stays above a thin one", pour.scene().grains[1].position.z(),
+                 0.0059);
+}
+
+// Blocks that fall flat part with e times their speed, whatever the step.
+void check_rebound(Checks &checks) {
+    for (const double e : {0.3, 0.9}) {
+        for (const double step : {1e-3, 7e-4}) {
+            Scene scene = on_a_floor({box({0.01, 0.01, 0.01}, {0, 0, 0.0263})}, 0.5, e);
+            Pour pour(scene, settings(step, 1), compression_and_restitution(e, 0.002));
+            double lowest = 0, highest = 0;
+            for (int n = 0; n * step < 0.09; ++n) {
+                pour.step();
+                lowest = std::min(lowest, pour.scene().grains[0].velocity.z());
+                highest = std::max(highest, pour.scene().grains[0].velocity.z());
+            }
+            checks.equal("rebound over approach", -highest / lowest, e, 1e-6);
+        }
+    }
+}
+
+// Momentum stays, energy falls, in oblique impacts with friction and turns.
+void check_oblique(Checks &checks) {
+    double worst_momentum = 0, most_gain = -1, parted = 0;
+    for (int n = 0; n < 40; ++n) {
+        std::vector<Grain> grains = {box({0.01, 0.012, 0.015}, {0, 0, 0}),
+                                     box({0.013, 0.011, 0.01}, {0.002, 0.001, 0.02})};
+        grains[1].rotation = Quat(Eigen::AngleAxisd(0.7 * n, Vec3(1, 0.3 * n, 2).normalized()));
+        grains[1].velocity = {0.3 * std::sin(n), 0.3 * std::cos(3.0 * n), -1};
+        grains[0].spin = {5.0 * std::sin(2.0 * n), 5, -3};
+        Scene scene = on_a_floor(grains, 0.6, 0.5);
+        scene.walls.clear();
+        scene.gravity.setZero();
+        Pour pour(scene, settings(2e-4, 0.03), compression_and_restitution(0.5, 0.002));
+        const auto momentum = [&] {
+            Vec3 sum = Vec3::Zero();
+            for (const Grain &g : pour.scene().grains) {
+                sum += g.mass * g.velocity;
+            }
+            return sum;
+        };
+        const Vec3 before = momentum();
+        const double energy = pour.energy();
+        pour.run();
+        worst_momentum = std::max(worst_momentum, (momentum() - before).norm() / before.norm());
+        most_gain = std::max(most_gain, pour.energy() / energy - 1);
+        parted += pour.energy() < 0.98 * energy;
+    }
+    checks.below("change of momentum in oblique impacts", worst_momentum, 1e-12);
+    checks.below("energy gained in oblique impacts", most_gain, 2e-4);
+    checks.above("oblique impacts that took place", parted, 20);
+}
+
+} // namespace
+
+void check_stepping(Checks &checks) {
+    check_flight(checks);
+    check_slide(checks);
+    check_column(checks);
+    check_tunnel(checks);
+    check_rebound(checks);
+    check_oblique(checks);
+}
+
+} // namespace referee

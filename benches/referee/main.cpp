@@ -1,0 +1,193 @@
+// The referee: solves contact problems exactly, and pours grains by itself.
+//
+//   referee check          its own checks
+//   referee steps          problems (problem.h) on standard input, one a line
+//   referee pour STEP_S DURATION_S TOLERANCE
+//   referee measure        scenes (scene.h) on standard input, one a line
+//   referee contacts GAP_M
+//
+// Answers are JSON on standard output, one a line for each line that was read.
+#include "checks.h"
+#include "pour.h"
+#include "restitution.h"
+#include "siconos.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <functional>
+#include <iostream>
+
+namespace referee {
+namespace {
+
+using nlohmann::json;
+
+// Gap up to which grains count as touching when they are counted, m.
+constexpr double TOUCHING_GAP = 5e-5;
+
+// Siconos' dense form is asked for its error up to so many contact points.
+constexpr std::size_t MOST_FOR_SICONOS = 1000;
+
+json list(const Vec3 &v) { return {v.x(), v.y(), v.z()}; }
+
+int check() {
+    Checks checks(std::cout);
+    check_contacts(checks);
+    check_problems(checks);
+    check_stepping(checks);
+    std::cout << checks.made() - checks.failed() << " of " << checks.made()
+              << " checks of the referee hold\n";
+    return checks.failed() == 0 ? 0 : 1;
+}
+
+// Percentile by nearest rank.
+double percentile(std::vector<double> values, double share) {
+    std::sort(values.begin(), values.end());
+    const double rank = std::ceil(share * static_cast<double>(values.size()));
+    return values[static_cast<std::size_t>(std::max(1.0, rank)) - 1];
+}
+
+json step(const std::string &line) {
+    const Problem problem = read_problem(line);
+    const System system = scaled(problem);
+    const Limits limits{1e-10, 1000, 1000};
+    const Impulses given = found_impulses(problem);
+    const Solution near = solve(system, given, limits);
+    // From nothing: another solution, where there is more than one.
+    const Solution afresh = solve(system, Impulses(given.size(), Vec3::Zero()), limits);
+    const Motion found = scaled_motion(problem, true);
+    const auto errors = body_errors(system, near.motion, found);
+    const auto other = body_errors(system, near.motion, afresh.motion);
+    const Motion pushed = system.motion(given);
+    json out = {{"scene", problem.scene},
+                {"engine", problem.engine},
+                {"time_s", problem.time},
+                {"bodies", errors.size()},
+                {"contacts", system.rows.size()},
+                {"velocity_errors", errors},
+                {"velocity_error_median", percentile(errors, 0.5)},
+                {"velocity_error_p99", percentile(errors, 0.99)},
+                {"velocity_error_worst", percentile(errors, 1)},
+                {"afresh_p99", percentile(other, 0.99)},
+                {"afresh_worst", percentile(other, 1)},
+                {"residual", near.residual},
+                {"residual_afresh", afresh.residual},
+                {"residual_given", residual(system, given, pushed)},
+                // Velocities and impulses that were given must belong together.
+                {"inconsistency", distance(pushed, found) / distance(found, system.free)},
+                {"sweeps", near.sweeps + afresh.sweeps},
+                {"newton_steps", near.newton_steps + afresh.newton_steps}};
+    if (system.rows.size() <= MOST_FOR_SICONOS) {
+        out["siconos_error"] = siconos_error(system, near.impulses);
+    }
+    return out;
+}
+
+json measured(const Scene &scene) {
+    const Heap heap = measure(scene, TOUCHING_GAP);
+    return {{"mean_height_m", heap.mean_height},
+            {"coordination", heap.coordination},
+            {"deepest_overlap_m", heap.deepest_overlap},
+            {"outside", heap.outside}};
+}
+
+json pour(const std::string &line, const PourSettings &settings) {
+    const Scene scene = read_scene(line);
+    Law law = inelastic;
+    if (scene.restitution > 0) {
+        law = compression_and_restitution(scene.restitution, scene.restitution_threshold);
+    }
+    Pour pour(scene, settings, law);
+    const PourRecord record = pour.run();
+    json out = measured(pour.scene());
+    out.update({{"simulated_s", record.simulated},
+                {"steps", record.steps},
+                {"sweeps", record.sweeps},
+                {"newton_steps", record.newton_steps},
+                {"worst_residual", record.worst_residual},
+                {"unsolved", record.unsolved},
+                {"energy_gain", record.energy_gain},
+                {"sliding", record.sliding},
+                {"at_rest", record.at_rest},
+                {"grains", json::array()}});
+    for (const Grain &grain : pour.scene().grains) {
+        const Quat &q = grain.rotation;
+        out["grains"].push_back({{"position_m", list(grain.position)},
+                                 {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}});
+    }
+    return out;
+}
+
+json contacts(const std::string &line, double gap) {
+    const Scene scene = read_scene(line);
+    json out = {{"weights_n", json::array()},
+                {"centres_m", json::array()},
+                {"radii_m", json::array()},
+                {"contacts", json::array()}};
+    for (const Grain &grain : scene.grains) {
+        out["weights_n"].push_back(list(grain.mass * scene.gravity));
+        out["centres_m"].push_back(list(grain.position));
+        out["radii_m"].push_back(grain.hull.radius);
+    }
+    const std::vector<double> margins(scene.grains.size(), gap);
+    for (const SceneTouch &t : scene_touches(scene, margins)) {
+        if (t.touch.gap <= gap) {
+            out["contacts"].push_back({{"a", t.a},
+                                       {"b", t.b},
+                                       {"point_m", list(t.touch.point)},
+                                       {"normal", list(t.touch.normal)},
+                                       {"gap_m", t.touch.gap},
+                                       {"friction", friction_of(scene, t)}});
+        }
+    }
+    return out;
+}
+
+int answer(const std::function<json(const std::string &)> &question) {
+    std::ios::sync_with_stdio(false);
+    for (std::string line; std::getline(std::cin, line);) {
+        std::cout << question(line) << std::endl;
+    }
+    return 0;
+}
+
+int run(const std::vector<std::string> &args) {
+    const std::string command = args.empty() ? "" : args[0];
+    const auto number = [&](std::size_t i) { return std::stod(args.at(i)); };
+    if (command == "check") {
+        return check();
+    }
+    if (command == "steps") {
+        return answer(step);
+    }
+    if (command == "measure") {
+        return answer([](const std::string &line) { return measured(read_scene(line)); });
+    }
+    if (command == "contacts") {
+        const double gap = number(1);
+        return answer([gap](const std::string &line) { return contacts(line, gap); });
+    }
+    if (command == "pour") {
+        PourSettings settings;
+        settings.step = number(1);
+        settings.duration = number(2);
+        settings.limits.tolerance = number(3);
+        return answer([&](const std::string &line) { return pour(line, settings); });
+    }
+    std::cerr << "usage: referee check | steps | pour STEP_S DURATION_S TOLERANCE | measure | "
+                 "contacts GAP_M\n";
+    return 2;
+}
+
+} // namespace
+} // namespace referee
+
+int main(int argc, char **argv) {
+    try {
+        return referee::run({argv + 1, argv + argc});
+    } catch (const std::exception &error) {
+        std::cerr << "error: " << error.what() << '\n';
+        return 1;
+    }
+}

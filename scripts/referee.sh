@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Builds the referee's own program into target/referee, with its Python
+# environment, and has it check itself. `make referee` calls it; nothing here is
+# needed to build or use Pluvia.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+source=benches/referee
+workshop=target/referee
+# Of the solver of convex problems; docs/referee.md says what for.
+clarabel=0.11.1
+
+fail() {
+    printf 'error: %s\n' "$1" >&2
+    exit 1
+}
+
+bash scripts/setup.sh referee
+mkdir -p "$workshop"
+
+# The same bits in every build of the same machine type, as for Bullet's side.
+flags=(-std=c++17 -O3 -march=native -ffp-contract=off -Wall -Wextra
+    -isystem /usr/include/eigen3 -isystem /usr/include/suitesparse
+    -isystem /usr/include/siconos -isystem /usr/include/siconos/numerics)
+for file in "$source"/*.cpp; do
+    object="$workshop/$(basename "$file" .cpp).o"
+    newer=$(find "$source" -name '*.h' -newer "$object" 2>/dev/null || echo none)
+    if [ ! -e "$object" ] || [ "$file" -nt "$object" ] || [ -n "$newer" ]; then
+        echo "Compiling $file"
+        g++ "${flags[@]}" -c "$file" -o "$object" || fail "$file does not compile"
+    fi
+done
+g++ "$workshop"/*.o -o "$workshop/referee" -lumfpack -lsiconos_numerics ||
+    fail "the referee does not link"
+
+python="$workshop/venv/bin/python"
+if ! "$python" -c 'import clarabel' >/dev/null 2>&1; then
+    echo "Installing clarabel $clarabel"
+    python3 -m venv "$workshop/venv" || fail "python3 cannot make a virtual environment"
+    "$python" -m pip install -q --only-binary :all: "clarabel==$clarabel" ||
+        fail "pip could not install clarabel $clarabel"
+fi
+
+# Siconos tells on stderr of what it tries.
+"$workshop/referee" check 2>/dev/null || fail "the referee fails its own checks"
+if [ -e "$source/certificate.py" ]; then
+    "$python" "$source/certificate.py" check || fail "the certificate fails its own checks"
+fi
