@@ -101,9 +101,8 @@ bench: setup ## run the benchmarks
 bench-peers: setup ## other engines on the same specimens: a table, and out/peers.json
 	cargo bench --locked --bench peers -- $(ARGS)
 
-referee: setup ## an exact solution of the same contact problems, and what it says of ours: out/referee.json
+referee: setup ## build the exact contact solver and have it check itself
 	@bash scripts/referee.sh
-	cargo bench --locked --bench referee -- $(ARGS)
 
 bench-sweep: build ## what a sweep costs beside its runs (a few minutes)
 	bash scripts/sweep-overhead.sh

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 
 source=benches/referee
 workshop=target/referee
-# Of the solver of convex problems; docs/referee.md says what for.
+# Of the solver of convex problems.
 clarabel=0.11.1
 
 fail() {
