@@ -29,17 +29,15 @@ namespace pluvia {
 // Share of the fastest approach to which impacts are solved.
 template <class L>
 inline constexpr
-    typename Lane<L>::Number IMPACT_SHARE = static_cast<typename Lane<L>::Number>(0.001);
+    typename Lane<L>::Number IMPACT_SHARE = static_cast<typename Lane<L>::Number>(0.01);
 
-// The approach velocity of the contacts of a batch that are impacts, else 0:
-// those that bore an impulse in the sub-step, or are closed at its end without one,
-// as a corner of a block may be that falls flat. `speed`: their normal speed now.
+// The approach velocity of the contacts of a batch that are impacts, else 0.
 template <class L>
-PLUVIA_INLINE L impacts(const Batch<L> &c, const BatchMemory<L> &m, const L &speed,
+PLUVIA_INLINE L impacts(const Batch<L> &c, const BatchMemory<L> &m,
                         const LaneLaw<typename Lane<L>::Number> &law) {
     const L zero{};
-    const auto met = (c.impulse > zero) | (m.gap_now + speed * law.step <= zero + law.closed_gap);
-    const auto impact = met & (m.approach > zero + law.restitution_speed);
+    const auto impact =
+        (c.impulse > zero) & (m.approach > zero + law.restitution_speed) & (m.restitution > zero);
     return impact ? m.approach : zero;
 }
 
@@ -55,7 +53,7 @@ template <class L>
 PLUVIA_INLINE void begin_compression(Batch<L> &c, BatchMemory<L> &m, const L &speed,
                                      const LaneLaw<typename Lane<L>::Number> &law) {
     const L zero{};
-    m.impact = impacts(c, m, speed, law);
+    m.impact = impacts(c, m, law);
     m.solved = c.impulse;
     const auto impact = m.impact > zero;
     const L gap = m.gap_now + speed * law.step;
@@ -135,11 +133,7 @@ PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
 
     L fastest{};
     for (std::size_t i = 0; i < batches.size(); ++i) {
-        const L approach = memory[i].approach;
-        if (any_larger(approach, law.restitution_speed)) {
-            fastest = larger(fastest,
-                             impacts(batches[i], memory[i], normal_speed(batches[i], motion), law));
-        }
+        fastest = larger(fastest, impacts(batches[i], memory[i], law));
     }
     if (!any_larger(fastest, 0)) {
         for (std::size_t i = 0; i < batches.size(); ++i) {

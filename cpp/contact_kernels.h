@@ -124,14 +124,6 @@ template <class L> PLUVIA_INLINE Three<L> turned(const Three<L> &arm, const Thre
     return arm + first + by.cross(first) * half;
 }
 
-template <class L> PLUVIA_INLINE bool any_larger(const L &lanes, typename Lane<L>::Number least) {
-    bool any = false;
-    for (int i = 0; i < Lane<L>::WIDTH; ++i) {
-        any = any || Lane<L>::get(lanes, i) > least;
-    }
-    return any;
-}
-
 // The speed to reach along the normal in this sub-step, and how the contact
 // yields.
 //
@@ -188,7 +180,7 @@ PLUVIA_INLINE void aim(Batch<L> &c, BatchMemory<L> &m, const LaneLaw<typename La
 }
 
 // What a sweep reports of the normals: how fast contacts were approached beyond
-// what they aim at, which is what adds overlap, or any change of their speed, sliding included.
+// what they aim at, which is what adds overlap, or any change of their speed.
 enum class Unsolved { Approach, Change };
 
 // Friction first, within the cone that the normal impulse allows so far; the
@@ -221,14 +213,20 @@ PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b, L &unsolved) {
     const L more = next - c.impulse;
     if (WHAT == Unsolved::Change) {
         const L change = larger(more, L(zero - more));
-        const L turn = root(L(more_1 * more_1 + more_2 * more_2));
         unsolved = larger(unsolved, L(change / larger(c.normal_mass, L(zero + TINY<L>))));
-        unsolved = larger(unsolved, L(turn / larger(c.tangent_mass, L(zero + TINY<L>))));
     } else {
         unsolved = larger(unsolved, wanted > next ? zero : L(zero - error));
     }
     push(a, b, c.normal * more, c.lever_a * more, c.lever_b * more);
     c.impulse = next;
+}
+
+template <class L> PLUVIA_INLINE bool any_larger(const L &lanes, typename Lane<L>::Number least) {
+    bool any = false;
+    for (int i = 0; i < Lane<L>::WIDTH; ++i) {
+        any = any || Lane<L>::get(lanes, i) > least;
+    }
+    return any;
 }
 
 template <Unsolved WHAT, class L>
