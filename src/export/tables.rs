@@ -6,7 +6,7 @@ use super::exchange::party_name;
 use crate::measure::{TOUCHING_GAP, pairs_within};
 use crate::protocol::Setup;
 use crate::record::to_csv;
-use crate::specimen::{Fate, Specimen};
+use crate::specimen::{Fate, SavedContact, Specimen};
 
 /// One grain.
 #[derive(Debug, Serialize)]
@@ -56,6 +56,20 @@ struct PairRow {
     overlap_percent: f64,
 }
 
+/// Columns of the tables that may have no rows.
+const CONTACT_COLUMNS: &str = "first,second,x_m,y_m,z_m,normal_x,normal_y,normal_z,\
+                               force_x_n,force_y_n,force_z_n";
+const PAIR_COLUMNS: &str = "first,second,gap_m,overlap_percent";
+
+/// Rows as CSV; where there are none, the header alone.
+fn with_header<T: Serialize>(
+    columns: &str,
+    rows: impl IntoIterator<Item = T>,
+) -> Result<Vec<u8>, csv::Error> {
+    let table = to_csv(rows)?;
+    Ok(if table.is_empty() { format!("{columns}\n").into_bytes() } else { table })
+}
+
 /// One row a grain, also for those that left the apparatus (where they were
 /// last seen): centroid, orientation of the principal axes, velocities in
 /// world axes.
@@ -93,12 +107,12 @@ pub fn grains_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
 
 /// One row a loaded contact: point midway between the surfaces, unit normal
 /// from the second to the first, force on the first. Where the
-/// engine gave no contacts, the file is empty.
+/// engine gave no contacts, the header alone.
 ///
 /// # Errors
 /// As [`to_csv`].
 pub fn contacts_csv(setup: &Setup, specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
-    to_csv(specimen.state.contacts.iter().map(|c| ContactRow {
+    let row = |c: &SavedContact| ContactRow {
         first: party_name(setup, c.between[0]),
         second: party_name(setup, c.between[1]),
         x_m: c.point_m.x,
@@ -110,21 +124,57 @@ pub fn contacts_csv(setup: &Setup, specimen: &Specimen) -> Result<Vec<u8>, csv::
         force_x_n: c.force_n.x,
         force_y_n: c.force_n.y,
         force_z_n: c.force_n.z,
-    }))
+    };
+    with_header(CONTACT_COLUMNS, specimen.state.contacts.iter().map(row))
 }
 
 /// One row for every two grains that touch, measured outside any engine: gap,
 /// negative where they overlap, and the overlap in percent of the mean of
-/// their equivalent diameters (0 where they do not).
+/// their equivalent diameters (0 where they do not). Where none do, the header
+/// alone.
 ///
 /// # Errors
 /// As [`to_csv`].
 pub fn pairs_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
     let present: Vec<usize> = specimen.present().collect();
     let grains = &specimen.grains.grains;
-    to_csv(pairs_within(specimen, &present, TOUCHING_GAP).iter().map(|p| {
+    let touching = pairs_within(specimen, &present, TOUCHING_GAP);
+    let rows = touching.iter().map(|p| {
         let sizes = grains[p.a].equivalent_diameter + grains[p.b].equivalent_diameter;
         let overlap_percent = 100.0 * (-p.gap).max(0.0) / (sizes / 2.0);
         PairRow { first: p.a, second: p.b, gap_m: p.gap, overlap_percent }
-    }))
+    });
+    with_header(PAIR_COLUMNS, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_without_rows_has_the_header_of_one_with_them() {
+        let contact = ContactRow {
+            first: "grain_0".into(),
+            second: "floor".into(),
+            x_m: 1.0,
+            y_m: 2.0,
+            z_m: 3.0,
+            normal_x: 0.0,
+            normal_y: 0.0,
+            normal_z: 1.0,
+            force_x_n: 0.0,
+            force_y_n: 0.0,
+            force_z_n: 0.1,
+        };
+        let pair = PairRow { first: 0, second: 1, gap_m: 0.0, overlap_percent: 0.0 };
+        let header = |table: Vec<u8>| {
+            let text = String::from_utf8(table).expect("UTF-8");
+            text.lines().next().expect("a header").to_owned()
+        };
+        let none = |columns| with_header(columns, Vec::<PairRow>::new()).expect("a table");
+        let contacts = with_header(CONTACT_COLUMNS, [contact]).expect("a table");
+        let pairs = with_header(PAIR_COLUMNS, [pair]).expect("a table");
+        assert_eq!(header(contacts), header(none(CONTACT_COLUMNS)), "law: of contacts");
+        assert_eq!(header(pairs), header(none(PAIR_COLUMNS)), "law: of pairs");
+    }
 }
