@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 36] = [
+const SHIMS: [&str; 37] = [
     "contact_batches",
     "contact_bodies",
     "contact_iterations",
@@ -31,6 +31,7 @@ const SHIMS: [&str; 36] = [
     "hull_clip",
     "hull_memory",
     "hull_pair",
+    "hull_passing",
     "hull_algorithm",
     "hull_dispatcher",
     "hull_probe",

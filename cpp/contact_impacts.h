@@ -29,15 +29,17 @@ namespace pluvia {
 // Share of the fastest approach to which impacts are solved.
 template <class L>
 inline constexpr
-    typename Lane<L>::Number IMPACT_SHARE = static_cast<typename Lane<L>::Number>(0.01);
+    typename Lane<L>::Number IMPACT_SHARE = static_cast<typename Lane<L>::Number>(0.001);
 
-// The approach velocity of the contacts of a batch that are impacts, else 0.
+// The approach velocity of the contacts of a batch that are impacts, else 0:
+// those that bore an impulse in the sub-step, or are closed at its end without one,
+// as a corner of a block may be that falls flat. `speed`: their normal speed now.
 template <class L>
-PLUVIA_INLINE L impacts(const Batch<L> &c, const BatchMemory<L> &m,
+PLUVIA_INLINE L impacts(const Batch<L> &c, const BatchMemory<L> &m, const L &speed,
                         const LaneLaw<typename Lane<L>::Number> &law) {
     const L zero{};
-    const auto impact =
-        (c.impulse > zero) & (m.approach > zero + law.restitution_speed) & (m.restitution > zero);
+    const auto met = (c.impulse > zero) | (m.gap_now + speed * law.step <= zero + law.closed_gap);
+    const auto impact = met & (m.approach > zero + law.restitution_speed);
     return impact ? m.approach : zero;
 }
 
@@ -53,7 +55,7 @@ template <class L>
 PLUVIA_INLINE void begin_compression(Batch<L> &c, BatchMemory<L> &m, const L &speed,
                                      const LaneLaw<typename Lane<L>::Number> &law) {
     const L zero{};
-    m.impact = impacts(c, m, law);
+    m.impact = impacts(c, m, speed, law);
     m.solved = c.impulse;
     const auto impact = m.impact > zero;
     const L gap = m.gap_now + speed * law.step;
@@ -79,8 +81,8 @@ PLUVIA_INLINE void begin_restitution(Batch<L> &c, BatchMemory<L> &m, const L &sp
 }
 
 // Adds the phases up. The next sub-step begins with the impulses that were solved
-// without restitution, and with none at an impact: a blow says nothing about the
-// force that follows.
+// without restitution, at an impact less what the contact alone would have taken
+// for the blow: that says nothing about the force that follows.
 template <class L> PLUVIA_INLINE void end_impacts(Batch<L> &c, BatchMemory<L> &m) {
     const L zero{};
     const L all = m.compression + c.impulse;
@@ -89,7 +91,8 @@ template <class L> PLUVIA_INLINE void end_impacts(Batch<L> &c, BatchMemory<L> &m
     m.total = m.total + all;
     m.total_1 = m.total_1 + all_1;
     m.total_2 = m.total_2 + all_2;
-    const L next = m.impact > zero ? zero : smaller(m.solved, all);
+    const L blow = m.impact > zero ? L(m.mass * m.approach * (m.restitution + 1)) : zero;
+    const L next = larger(zero, smaller(L(m.solved - blow), all));
     const L share = next / larger(all, L(zero + TINY<L>));
     c.impulse = next;
     c.impulse_1 = all_1 * share;
@@ -133,7 +136,11 @@ PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
 
     L fastest{};
     for (std::size_t i = 0; i < batches.size(); ++i) {
-        fastest = larger(fastest, impacts(batches[i], memory[i], law));
+        const L approach = memory[i].approach;
+        if (any_larger(approach, law.restitution_speed)) {
+            fastest = larger(fastest,
+                             impacts(batches[i], memory[i], normal_speed(batches[i], motion), law));
+        }
     }
     if (!any_larger(fastest, 0)) {
         for (std::size_t i = 0; i < batches.size(); ++i) {

@@ -4,6 +4,7 @@
 
 #include "contact_batches.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace pluvia {
@@ -21,6 +22,10 @@ template <class N> struct LaneLaw {
 
 // Where a blow calls for more sweeps, at most so many times as many.
 constexpr int MOST_SWEEPS = 8;
+
+// Among few contacts, impacts are solved with as many sweeps as come to so much
+// work, in batches: blocks that stand on two supports need hundreds.
+constexpr int SMALL_WORK = 4096;
 
 // The motion of the bodies of one side of a batch.
 template <class L> struct Side {
@@ -124,6 +129,14 @@ template <class L> PLUVIA_INLINE Three<L> turned(const Three<L> &arm, const Thre
     return arm + first + by.cross(first) * half;
 }
 
+template <class L> PLUVIA_INLINE bool any_larger(const L &lanes, typename Lane<L>::Number least) {
+    bool any = false;
+    for (int i = 0; i < Lane<L>::WIDTH; ++i) {
+        any = any || Lane<L>::get(lanes, i) > least;
+    }
+    return any;
+}
+
 // The speed to reach along the normal in this sub-step, and how the contact
 // yields.
 //
@@ -180,7 +193,7 @@ PLUVIA_INLINE void aim(Batch<L> &c, BatchMemory<L> &m, const LaneLaw<typename La
 }
 
 // What a sweep reports of the normals: how fast contacts were approached beyond
-// what they aim at, which is what adds overlap, or any change of their speed.
+// what they aim at, which is what adds overlap, or any change of their speed, sliding included.
 enum class Unsolved { Approach, Change };
 
 // Friction first, within the cone that the normal impulse allows so far; the
@@ -213,20 +226,14 @@ PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b, L &unsolved) {
     const L more = next - c.impulse;
     if (WHAT == Unsolved::Change) {
         const L change = larger(more, L(zero - more));
+        const L turn = root(L(more_1 * more_1 + more_2 * more_2));
         unsolved = larger(unsolved, L(change / larger(c.normal_mass, L(zero + TINY<L>))));
+        unsolved = larger(unsolved, L(turn / larger(c.tangent_mass, L(zero + TINY<L>))));
     } else {
         unsolved = larger(unsolved, wanted > next ? zero : L(zero - error));
     }
     push(a, b, c.normal * more, c.lever_a * more, c.lever_b * more);
     c.impulse = next;
-}
-
-template <class L> PLUVIA_INLINE bool any_larger(const L &lanes, typename Lane<L>::Number least) {
-    bool any = false;
-    for (int i = 0; i < Lane<L>::WIDTH; ++i) {
-        any = any || Lane<L>::get(lanes, i) > least;
-    }
-    return any;
 }
 
 template <Unsolved WHAT, class L>
@@ -285,7 +292,9 @@ PLUVIA_INLINE void iterate(Contacts<L> &contacts, int sweeps, typename Lane<L>::
                            Records<L> *motion) {
     auto &batches = contacts.batches;
     // A blow to a heap takes more sweeps to get through it than its weight.
-    for (int sweep = 1; sweep <= MOST_SWEEPS * sweeps; ++sweep) {
+    const int small = WHAT == Unsolved::Change ? SMALL_WORK / static_cast<int>(batches.size()) : 0;
+    const int most = std::max(MOST_SWEEPS * sweeps, small);
+    for (int sweep = 1; sweep <= most; ++sweep) {
         L unsolved{};
         for (std::size_t i = 0; i < batches.size(); ++i) {
             if (contacts.awake[i]) {

@@ -71,8 +71,9 @@ void HullAlgorithm::find(const HullBody &a, const HullBody &b, double travelled,
         shared_.recalled.give(*a.object, *b.object, *a.hull, *b.hull, state_);
     }
     PairContact contact;
-    collide(*shared_.kernels, *a.hull, *b.hull, a.pose, b.pose, settings, state_.memory, scratch,
-            contact);
+    const PairMotion motion{a.motion, b.motion, shared_.step};
+    collide(*shared_.kernels, *a.hull, *b.hull, a.pose, b.pose, motion, settings, state_.memory,
+            scratch, contact);
     take_contact(contact, shared_.match, state_);
     points_ = contact.count;
     const PairMemory &memory = state_.memory;

@@ -49,7 +49,8 @@ HullBody hull_body(const btCollisionObject &object) {
     out.number = object.getCompanionId();
     out.pose = rigid(object.getWorldTransform());
     for (int i = 0; i < 3; ++i) {
-        out.velocity[i] = static_cast<double>(body.getLinearVelocity()[i]);
+        out.motion.velocity[i] = static_cast<double>(body.getLinearVelocity()[i]);
+        out.motion.spin[i] = static_cast<double>(body.getAngularVelocity()[i]);
     }
     out.turning = static_cast<double>(body.getAngularVelocity().length() * shape.radius());
     return out;
@@ -65,7 +66,7 @@ double length(const double a[3], const double b[3]) {
 } // namespace
 
 double approach_in_step(const HullBody &a, const HullBody &b, double step) {
-    return step * (length(a.velocity, b.velocity) + a.turning + b.turning);
+    return step * (length(a.motion.velocity, b.motion.velocity) + a.turning + b.turning);
 }
 
 void HullBodies::begin(const Frame &frame, const btCollisionObjectArray &objects, double step,
@@ -88,7 +89,7 @@ bool HullBodies::gather(const btCollisionObjectArray &objects) {
         const HullBody &body = read(*objects[i]);
         CrowdBody member;
         std::copy(body.pose.t, body.pose.t + 3, member.centre);
-        std::copy(body.velocity, body.velocity + 3, member.velocity);
+        std::copy(body.motion.velocity, body.motion.velocity + 3, member.velocity);
         member.radius = static_cast<double>(body.hull->radius);
         member.turning = body.turning;
         member.free = !objects[i]->isStaticOrKinematicObject();
@@ -145,7 +146,7 @@ const HullRange &HullBodies::take(const btCollisionObjectArray &objects, int i,
     float turned[9];
     std::copy(body.pose.r, body.pose.r + 9, turned);
     kernels.box(*body.hull, turned, range.low, range.high);
-    const double speed = length(body.velocity, frame_.velocity);
+    const double speed = length(body.motion.velocity, frame_.velocity);
     fastest_ = std::max(fastest_, speed);
     const double against = crowded_ ? crowd_.speed(static_cast<std::size_t>(i)) : speed;
     range.around = static_cast<float>(reach_ / 2 + step_ * (against + body.turning));

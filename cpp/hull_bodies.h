@@ -4,7 +4,7 @@
 
 #include "crowd.h"
 #include "hull_axis.h"
-#include "hull_clip.h"
+#include "hull_passing.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
@@ -21,7 +21,7 @@ struct HullBody {
     const HullData *hull = nullptr;
     int number = -1; // of the object among those of the solver, its companion id
     Rigid pose;
-    double velocity[3];
+    HullMotion motion;
     double turning; // speed at which its farthest point turns
 };
 

@@ -70,6 +70,13 @@ Rigid Rigid::inverse() const {
     return out;
 }
 
+Relative Rigid::rounded() const {
+    Relative out;
+    std::copy(r, r + 9, out.r);
+    std::copy(t, t + 3, out.t);
+    return out;
+}
+
 Rigid Rigid::between(const Rigid &from, const Rigid &to) {
     Rigid out;
     const double d[3] = {from.t[0] - to.t[0], from.t[1] - to.t[1], from.t[2] - to.t[2]};

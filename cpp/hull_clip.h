@@ -5,7 +5,7 @@
 // solver remembers from step to step.
 #pragma once
 
-#include "hull_data.h"
+#include "hull_axis.h"
 
 #include <vector>
 
@@ -30,6 +30,8 @@ struct Rigid {
     Rigid inverse() const;
     // From the frame of `from` to the frame of `to`, both given in the world.
     static Rigid between(const Rigid &from, const Rigid &to);
+    // In single precision.
+    Relative rounded() const;
 };
 
 // A point of a face contact.

@@ -14,10 +14,10 @@ constexpr double ANY = -1e30;
 class Pair {
   public:
     Pair(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
-         const Rigid &pose_b, const PairSettings &settings, PairMemory &memory,
-         PairScratch &scratch, PairContact &out)
-        : kernels_(kernels), a_(a), b_(b), pose_a_(pose_a), pose_b_(pose_b), settings_(settings),
-          memory_(memory), scratch_(scratch), out_(out) {}
+         const Rigid &pose_b, const PairMotion &motion, const PairSettings &settings,
+         PairMemory &memory, PairScratch &scratch, PairContact &out)
+        : kernels_(kernels), a_(a), b_(b), pose_a_(pose_a), pose_b_(pose_b), motion_(motion),
+          settings_(settings), memory_(memory), scratch_(scratch), out_(out) {}
 
     void run() {
         out_.count = 0;
@@ -37,8 +37,7 @@ class Pair {
         if (!fresh && keep(bound)) {
             return;
         }
-        std::copy(b_to_a_.r, b_to_a_.r + 9, relative_.r);
-        std::copy(b_to_a_.t, b_to_a_.t + 3, relative_.t);
+        relative_ = b_to_a_.rounded();
         scratch_.axis.fit(a_, b_);
         kernels_.faces(a_, b_, relative_, scratch_.axis, faces_);
         const bool is_a = faces_.gap_a >= faces_.gap_b;
@@ -69,6 +68,7 @@ class Pair {
     const HullData &b_;
     const Rigid &pose_a_;
     const Rigid &pose_b_;
+    const PairMotion &motion_;
     const PairSettings &settings_;
     PairMemory &memory_;
     PairScratch &scratch_;
@@ -102,15 +102,8 @@ class Pair {
         return memory_.widest > reach();
     }
 
-    // Where the smaller body is in the frame of the larger: the bound on its
-    // motion is the tighter one.
-    Relative smaller_pose() const {
-        const Rigid &pose = b_.radius <= a_.radius ? b_to_a_ : a_to_b_;
-        Relative out;
-        std::copy(pose.r, pose.r + 9, out.r);
-        std::copy(pose.t, pose.t + 3, out.t);
-        return out;
-    }
+    // Of the smaller body in the frame of the larger: the bound on its motion is tighter.
+    Relative smaller_pose() const { return (b_.radius <= a_.radius ? b_to_a_ : a_to_b_).rounded(); }
 
     // How far any point of one body can have come in the frame of the other
     // since it was at `then`. A gap along an axis changes by no more, so the
@@ -215,8 +208,15 @@ class Pair {
             return;
         }
         const int face = is_a ? faces_.face_a : faces_.face_b;
-        meet_face(is_a, face, -1);
-        take_face(is_a, face);
+        const PairFace passed =
+            passing_face(kernels_, a_, b_, pose_a_, pose_b_, motion_, settings_.hysteresis,
+                         {is_a, face}, scratch_.axis, scratch_.ahead);
+        meet_face(passed.is_a, passed.face, -1);
+        take_face(passed.is_a, passed.face);
+        if (passed != PairFace{is_a, face}) {
+            forget_without_points();
+            return;
+        }
         if (out_.count > 0 && deepest_ <= static_cast<double>(widest) + settings_.face_preference) {
             return;
         }
@@ -234,6 +234,10 @@ class Pair {
         if (out_.count == 0 && widest < 0) {
             take_lowest(is_a, face);
         }
+        forget_without_points();
+    }
+
+    void forget_without_points() {
         if (out_.count == 0) {
             memory_.feature = Feature::None;
             memory_.has_axis = false;
@@ -307,7 +311,8 @@ class Pair {
         double seen[3];
         to_incident(is_a).turn(normal, seen);
         const Incident found = incident_face(is_a ? b_ : a_, seen, before, settings_.hysteresis);
-        incident_ = found.face;
+        // What is recalled may have been held for longer than a search would keep it.
+        incident_ = memory_.recalled ? before : found.face;
         const double *t = from_incident(is_a).t;
         return found.lowest + normal[0] * t[0] + normal[1] * t[1] + normal[2] * t[2] -
                static_cast<double>(reference.offset[face]);
@@ -386,9 +391,9 @@ class Pair {
 } // namespace
 
 void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
-             const Rigid &pose_b, const PairSettings &settings, PairMemory &memory,
-             PairScratch &scratch, PairContact &out) {
-    Pair(kernels, a, b, pose_a, pose_b, settings, memory, scratch, out).run();
+             const Rigid &pose_b, const PairMotion &motion, const PairSettings &settings,
+             PairMemory &memory, PairScratch &scratch, PairContact &out) {
+    Pair(kernels, a, b, pose_a, pose_b, motion, settings, memory, scratch, out).run();
     out.feature = out.count > 0 ? packed(memory.feature, memory.first, memory.second) : 0;
 }
 

@@ -8,6 +8,7 @@
 #include "hull_axis.h"
 #include "hull_clip.h"
 #include "hull_memory.h"
+#include "hull_passing.h"
 
 namespace pluvia {
 
@@ -28,13 +29,13 @@ struct PairSettings {
 };
 
 struct PairScratch {
-    AxisScratch axis;
+    AxisScratch axis, ahead;
     ClipScratch clip;
 };
 
 // Finds the contact of two hulls at their world poses.
 void collide(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
-             const Rigid &pose_b, const PairSettings &settings, PairMemory &memory,
-             PairScratch &scratch, PairContact &out);
+             const Rigid &pose_b, const PairMotion &motion, const PairSettings &settings,
+             PairMemory &memory, PairScratch &scratch, PairContact &out);
 
 } // namespace pluvia

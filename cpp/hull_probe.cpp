@@ -61,8 +61,8 @@ rust::Vec<HullProbePoint> HullProbe::step(const HullProbePose &a, const HullProb
 
 void HullProbe::find(const Rigid &pose_a, const Rigid &pose_b) {
     PairContact contact;
-    collide(*collision_.kernels, *a_, *b_, pose_a, pose_b, collision_.settings, state_.memory,
-            scratch_, contact);
+    collide(*collision_.kernels, *a_, *b_, pose_a, pose_b, PairMotion{}, collision_.settings,
+            state_.memory, scratch_, contact);
     take_contact(contact, collision_.match, state_);
 }
 
@@ -83,10 +83,7 @@ void HullProbe::forget() { state_ = PairState(); }
 HullProbeGap HullProbe::widest_gap(const HullProbePose &a, const HullProbePose &b, bool all_edges) {
     const Rigid pose_a = rigid(units_.pose(a.position, a.rotation));
     const Rigid pose_b = rigid(units_.pose(b.position, b.rotation));
-    const Rigid relative = Rigid::between(pose_b, pose_a);
-    Relative pose;
-    std::copy(relative.r, relative.r + 9, pose.r);
-    std::copy(relative.t, relative.t + 3, pose.t);
+    const Relative pose = Rigid::between(pose_b, pose_a).rounded();
     AxisScratch &scratch = scratch_.axis;
     scratch.fit(*a_, *b_);
     FaceGaps faces;

@@ -11,7 +11,7 @@ use crate::verify::scene::{Scene, floor, grain_body, grains, uniform, wall};
 use crate::world::{Body, BodyId, BodyState, Material, Motion, PairCoefficients};
 
 /// Friction and restitution of the gravel (paper, section 4).
-const FRICTION: f64 = 0.793;
+pub(super) const FRICTION: f64 = 0.793;
 const RESTITUTION: f64 = 0.315;
 /// Inner width of the box in m: about four grains.
 pub(super) const WIDTH: f64 = 0.04;
@@ -30,7 +30,8 @@ pub enum Quantity {
     /// Largest rise of the total energy above its lowest value so far, in % of
     /// what the fall sets free, from the start to the end of the settling time.
     EnergyGain,
-    /// Furthest that a vertex gets beyond a wall's inner face while shaken, in mm.
+    /// Furthest that a vertex gets beyond a wall's inner face while shaken, in mm,
+    /// with the grains added in several orders.
     BeyondWalls,
     /// Mean grain height with the grains added in other orders over that in
     /// the first order.
@@ -199,8 +200,8 @@ pub(super) fn packing(
     match quantity {
         Quantity::Creep => packing_stability::creep(bench, count, settle, duration),
         Quantity::Reload => packing_stability::reload(bench, count, settle, duration),
-        Quantity::GrainsKept => packing_stability::shaken(bench, count, settle, duration, true),
-        Quantity::BeyondWalls => packing_stability::shaken(bench, count, settle, duration, false),
+        Quantity::GrainsKept => packing_stability::kept(bench, count, settle, duration),
+        Quantity::BeyondWalls => packing_stability::beyond(bench, count, settle, duration),
         Quantity::EnergyGain => energy_gain(bench, count, settle),
         Quantity::OtherOrders => other_orders(bench, count, settle),
         Quantity::MeanHeight => {

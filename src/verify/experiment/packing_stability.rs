@@ -2,13 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use super::packing::{Heap, WIDTH, corners, mass, rough, rough_of};
+use super::packing::{FRICTION, Heap, WIDTH, corners, mass, rough, rough_of};
 use super::{Bench, Outcome, VerifyError};
 use crate::units::to_mm;
 
 /// The paper's vibration: 3 Hz, 25 mm to either side (sections 3 and 4).
 const FREQUENCY: f64 = 3.0;
 const AMPLITUDE: f64 = 0.025;
+/// Orders in which the grains of a heap are added.
+const ORDERS: u64 = 5;
 
 pub(super) fn creep(
     bench: &Bench,
@@ -63,25 +65,35 @@ pub(super) fn reload(
     Ok(outcome.got(lost[1] - lost[0]))
 }
 
-/// Shakes a settled heap; with `kept` the share of grains and mass that stays
-/// inside, else how far in mm a vertex gets beyond a wall's or the floor's face.
-pub(super) fn shaken(
-    bench: &Bench,
-    count: usize,
+/// Shakes a settled heap, step by step, and hands on the time and how far in m
+/// each grain's furthest vertex lies beyond a wall's or the floor's face.
+fn shake(
+    heap: &mut Heap,
     settle: f64,
     duration: f64,
-    kept: bool,
-) -> Result<Outcome, VerifyError> {
-    let mut heap = rough(bench, count)?;
+    mut watch: impl FnMut(f64, &[f64], &Heap),
+) -> Result<(), VerifyError> {
     heap.scene.run(settle)?;
-    let (mut curve, mut furthest, mut share) = (Vec::new(), 0.0_f64, 1.0_f64);
     for n in 1..=heap.scene.steps_in(duration) {
         let time = n as f64 * heap.scene.time_step();
         let x = AMPLITUDE * (TAU * FREQUENCY * time).sin();
         heap.drive(x)?;
         heap.scene.step()?;
-        let beyond = beyond_walls(&mut heap, x)?;
-        furthest = beyond.iter().fold(furthest, |far, b| if b.is_nan() { *b } else { far.max(*b) });
+        let beyond = beyond_walls(heap, x)?;
+        watch(time, &beyond, heap);
+    }
+    Ok(())
+}
+
+/// Share of grains and mass that stays inside a heap that is shaken.
+pub(super) fn kept(
+    bench: &Bench,
+    count: usize,
+    settle: f64,
+    duration: f64,
+) -> Result<Outcome, VerifyError> {
+    let (mut curve, mut share) = (Vec::new(), 1.0_f64);
+    shake(&mut rough(bench, count)?, settle, duration, |time, beyond, heap| {
         // Outside: the grain as a whole has passed a wall.
         let inside: f64 = beyond
             .iter()
@@ -90,18 +102,45 @@ pub(super) fn shaken(
             .map(|(_, body)| mass(body))
             .sum();
         share = share.min(inside / heap.mass());
-        curve
-            .push((time, if kept { share } else { to_mm(beyond.into_iter().fold(0.0, f64::max)) }));
-    }
-    let (y, law) = if kept {
-        ("Share of the mass inside", 1.0)
-    } else {
-        ("Furthest vertex beyond a wall (mm)", 0.0)
-    };
-    let mut outcome = Outcome::new("Time (s)", y);
-    outcome.law("Law", vec![(0.0, law), (duration, law)]);
+        curve.push((time, share));
+    })?;
+    let mut outcome = Outcome::new("Time (s)", "Share of the mass inside");
+    outcome.law("Law", vec![(0.0, 1.0), (duration, 1.0)]);
     outcome.measured("Engine", curve);
-    Ok(outcome.got(if kept { share } else { to_mm(furthest) }))
+    Ok(outcome.got(share))
+}
+
+/// How far in mm a vertex gets beyond a wall's or the floor's face, at the worst
+/// of [`ORDERS`] heaps of the same grains: how hard a grain is driven against a wall
+/// is chance.
+pub(super) fn beyond(
+    bench: &Bench,
+    count: usize,
+    settle: f64,
+    duration: f64,
+) -> Result<Outcome, VerifyError> {
+    let mut outcome = Outcome::new("Time (s)", "Furthest vertex beyond a wall (mm)");
+    outcome.law("Law", vec![(0.0, 0.0), (duration, 0.0)]);
+    let (mut furthest, mut notes) = (0.0_f64, Vec::new());
+    for order in 0..ORDERS {
+        let (mut curve, mut worst) = (Vec::new(), 0.0_f64);
+        let mut heap = Heap::new(bench, count, order, FRICTION)?;
+        shake(&mut heap, settle, duration, |time, beyond, _| {
+            let far = largest(beyond);
+            worst = largest(&[worst, far]);
+            curve.push((time, to_mm(far)));
+        })?;
+        furthest = largest(&[furthest, worst]);
+        notes.push(format!("{:.3}", to_mm(worst)));
+        outcome.measured(format!("Order {order}"), curve);
+    }
+    outcome.note = Some(format!("mm in each order: {}", notes.join(", ")));
+    Ok(outcome.got(to_mm(furthest)))
+}
+
+/// The largest of lengths that are not negative; no number if one is none.
+fn largest(lengths: &[f64]) -> f64 {
+    lengths.iter().fold(0.0, |far: f64, b| if b.is_nan() { *b } else { far.max(*b) })
 }
 
 /// How far in m each grain's furthest vertex lies beyond the inner faces of
@@ -119,4 +158,20 @@ fn beyond_walls(heap: &mut Heap, x: f64) -> Result<Vec<f64>, VerifyError> {
                 .fold(0.0, |far: f64, b| if b.is_nan() { b } else { far.max(b) })
         })
         .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::largest;
+
+    #[test]
+    fn the_largest_length_is_found_and_what_is_no_number_is_not_hidden() {
+        assert_eq!(largest(&[]), 0.0);
+        assert_eq!(largest(&[0.1, 0.3, 0.2]), 0.3);
+        for at in 0..3 {
+            let mut lengths = [0.1, 0.3, 0.2];
+            lengths[at] = f64::NAN;
+            assert!(largest(&lengths).is_nan(), "law: no number is told, at place {at}");
+        }
+    }
 }

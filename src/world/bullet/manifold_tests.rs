@@ -129,3 +129,42 @@ fn a_world_told_of_its_contacts_goes_on_without_a_jump() {
         "law: the table carries the heap's weight to 2 %, {heap} N, got {weight} N"
     );
 }
+
+/// How far in mm a block comes that slides at 0.6 m/s from one floor piece to another
+/// which begins `ahead` (mm) of it and lies higher by `step` (mm).
+fn slid_over_a_joint(ahead: f64, step: f64) -> f64 {
+    let mut world = world(ManifoldSettings::default());
+    for (x, raised) in [(-0.2, 0.0), (0.2, 1e-3 * step)] {
+        let mut piece = slab(Motion::Static);
+        piece.state.pose.translation.vector += Vector::new(x, 0.0, raised);
+        world.add(&piece).expect("added");
+    }
+    let start = -0.01 - 1e-3 * ahead;
+    let mut block = free_box(Vector::new(0.02, 0.02, 0.005), Vector::new(start, 0.0, 0.0025));
+    block.state.linear_velocity.x = 0.6;
+    let id = world.add(&block).expect("added");
+    for _ in 0..96 {
+        world.step().expect("a step");
+    }
+    let mut states = Snapshot::new();
+    world.read(&mut states);
+    1e3 * (states[id.0 as usize].expect("a body").pose.translation.x - start)
+}
+
+#[test]
+fn a_joint_is_not_felt_and_a_step_is() {
+    let _turn = shared_turn();
+    let (free, joint) = (slid_over_a_joint(50.0, 0.0), slid_over_a_joint(10.0, 0.0));
+    assert!(free > 20.0, "the check slides past the joint: 20 mm and more, got {free:.2} mm");
+    assert!(
+        (joint - free).abs() < 0.02,
+        "law: as far over a joint as over one floor, {free:.3} mm to 0.02 mm, got {joint:.3} mm"
+    );
+    for step in [0.05, 0.2, 1.0] {
+        let got = slid_over_a_joint(10.0, step);
+        assert!(
+            (8.0..10.05).contains(&got),
+            "law: a step of {step} mm stops it at 10 mm and throws it back by 1.3 mm, got {got:.2}"
+        );
+    }
+}

@@ -1,0 +1,76 @@
+#include "hull_passing.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pluvia {
+
+namespace {
+
+// Turned about the origin of the body by its spin, to the second order, and moved.
+Rigid moved(const Rigid &pose, const HullMotion &motion, double step) {
+    const double w[3] = {step * motion.spin[0], step * motion.spin[1], step * motion.spin[2]};
+    const double half = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) / 2;
+    const double turn[9] = {
+        1 - half + w[0] * w[0] / 2, w[0] * w[1] / 2 - w[2],     w[0] * w[2] / 2 + w[1],
+        w[0] * w[1] / 2 + w[2],     1 - half + w[1] * w[1] / 2, w[1] * w[2] / 2 - w[0],
+        w[0] * w[2] / 2 - w[1],     w[1] * w[2] / 2 + w[0],     1 - half + w[2] * w[2] / 2};
+    Rigid out;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            out.r[3 * i + j] = turn[3 * i] * pose.r[j] + turn[3 * i + 1] * pose.r[3 + j] +
+                               turn[3 * i + 2] * pose.r[6 + j];
+        }
+        out.t[i] = pose.t[i] + step * motion.velocity[i];
+    }
+    return out;
+}
+
+// Whether a face other than the one found has a gap of `most` at most, or is as deep.
+bool has_other(const float *gaps, int count, int besides, float most) {
+    for (int f = 0; f < count; ++f) {
+        if (f != besides && std::abs(gaps[f]) <= most) {
+            return true;
+        }
+    }
+    return false;
+}
+
+} // namespace
+
+PairFace passing_face(const AxisKernels &kernels, const HullData &a, const HullData &b,
+                      const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion,
+                      double slack, const PairFace &found, const AxisScratch &now,
+                      AxisScratch &ahead) {
+    const auto most = static_cast<float>(slack);
+    if (!has_other(now.gap_a, a.faces, found.is_a ? found.face : -1, most) &&
+        !has_other(now.gap_b, b.faces, found.is_a ? -1 : found.face, most)) {
+        return found;
+    }
+    const Rigid b_to_a =
+        Rigid::between(moved(pose_b, motion.b, motion.step), moved(pose_a, motion.a, motion.step));
+    ahead.fit(a, b);
+    FaceGaps widest;
+    kernels.faces(a, b, b_to_a.rounded(), ahead, widest);
+    const auto way = [&](bool is_a, int f) {
+        return is_a ? now.gap_a[f] - ahead.gap_a[f] : now.gap_b[f] - ahead.gap_b[f];
+    };
+    PairFace best = found;
+    float shortest = way(found.is_a, found.face) / 2;
+    if (!(shortest > 0)) {
+        return found;
+    }
+    for (const bool is_a : {true, false}) {
+        const float *gap = is_a ? now.gap_a : now.gap_b;
+        const float *then = is_a ? ahead.gap_a : ahead.gap_b;
+        for (int f = 0; f < (is_a ? a.faces : b.faces); ++f) {
+            if (std::abs(gap[f]) <= most && std::abs(then[f]) <= most && way(is_a, f) < shortest) {
+                shortest = way(is_a, f);
+                best = {is_a, f};
+            }
+        }
+    }
+    return best;
+}
+
+} // namespace pluvia

@@ -1,0 +1,45 @@
+// Bodies that are about to meet along one axis, and slip past each other along
+// another.
+//
+// A contact is found along the axis on which the bodies are farthest apart. A
+// block that slides from one floor piece to the next is farthest from the next
+// one's side, though it will only come over it: a contact there would stop it at
+// a joint that cannot be felt ("ghost collisions" at inner edges). So where two
+// faces will do, the one that the bodies hardly approach is taken.
+#pragma once
+
+#include "hull_axis.h"
+#include "hull_clip.h"
+
+namespace pluvia {
+
+// Velocity of a body's origin and angular velocity, in the world.
+struct HullMotion {
+    double velocity[3];
+    double spin[3];
+};
+
+// Where the bodies go in a step if nothing stops them.
+struct PairMotion {
+    HullMotion a, b;
+    double step;
+};
+
+// A face of A (`is_a`) or of B.
+struct PairFace {
+    bool is_a;
+    int face;
+
+    bool operator!=(const PairFace &o) const { return is_a != o.is_a || face != o.face; }
+};
+
+// The face that the bodies slide along: neither its gap nor its depth is more than
+// `slack`, now and at the end of the step, and the gap shrinks by less than half of
+// what the widest does. `found` otherwise: the face with the widest gap now. `now` has the gaps of
+// this moment, as `faces` of the kernels leaves them; `ahead` is written to.
+PairFace passing_face(const AxisKernels &kernels, const HullData &a, const HullData &b,
+                      const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion,
+                      double slack, const PairFace &found, const AxisScratch &now,
+                      AxisScratch &ahead);
+
+} // namespace pluvia
