@@ -75,12 +75,15 @@ pub struct Guards {
     pub overlap_p99: GuardSummary,
     /// Creep at rest.
     pub creep: GuardSummary,
+    /// How well the contacts were solved; null in summaries from before it was watched.
+    #[serde(default)]
+    pub solver_residual: Option<GuardSummary>,
 }
 
 impl Guards {
     /// Every guard with its name.
-    pub fn each(&self) -> [(&'static str, &GuardSummary); 8] {
-        [
+    pub fn each(&self) -> Vec<(&'static str, &GuardSummary)> {
+        let mut each = vec![
             ("finite", &self.finite),
             ("lost", &self.lost),
             ("through_walls", &self.through_walls),
@@ -89,7 +92,9 @@ impl Guards {
             ("overlap_mean", &self.overlap_mean),
             ("overlap_p99", &self.overlap_p99),
             ("creep", &self.creep),
-        ]
+        ];
+        each.extend(self.solver_residual.as_ref().map(|guard| ("solver_residual", guard)));
+        each
     }
 
     /// In a line: `all 8 passed`, or which did not.
@@ -144,6 +149,20 @@ impl GuardSummary {
             worst_at_s: seen(watched.worst_at_s),
             first_beyond_s: watched.first_beyond_s,
             passed: watched.passed(),
+        }
+    }
+
+    /// Of a figure about so many looks together, at most `limit`; none of no looks.
+    pub fn at_most(watches: &str, limit: f64, figure: Option<f64>, looks: u64) -> Self {
+        Self {
+            watches: watches.to_owned(),
+            unit: String::new(),
+            looks,
+            worst: figure,
+            limit: figure.map(|_| limit),
+            worst_at_s: None,
+            first_beyond_s: None,
+            passed: figure.map(|figure| figure <= limit),
         }
     }
 

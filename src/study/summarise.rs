@@ -115,6 +115,15 @@ pub fn summarise(
             overlap.mean_percent, overlap.p99_percent
         ));
     }
+    let guards = guards::of_run(all.clone().map(|s| &s.record));
+    if let Some(g) = guards.solver_residual.as_ref().filter(|g| g.passed == Some(false)) {
+        warnings.push(format!(
+            "the contacts were not solved well enough: the 99th percentile of the residual is \
+             {:.3}, limit {:.3}; more sweeps or sub-steps would help",
+            g.worst.unwrap_or(f64::NAN),
+            g.limit.unwrap_or(f64::NAN)
+        ));
+    }
     let known = described(&run.grains);
     let specified = ParticleSizeDistribution::of(&run.grains).ok();
     let mut sieve = SieveSummary::of(&known.sieved, specified.as_ref());
@@ -155,7 +164,7 @@ pub fn summarise(
         creep_um_per_s: creep,
         control: control_figures,
         meets_standard,
-        guards: Some(guards::of_run(all.clone().map(|s| &s.record))),
+        guards: Some(guards),
         solver_residual: SolverResidual::of(
             all.clone().flat_map(|s| s.record.solver_residuals.iter().copied()),
         ),

@@ -123,7 +123,7 @@ fn no_crushing(study: &StudyView) -> Claim {
     let each: Option<Vec<usize>> = study.runs.iter().map(others).collect();
     let largest = each.as_ref().and_then(|each| each.iter().max());
     let change = study.runs.iter().filter_map(|r| Some(secondary(r)?.largest_change_percent));
-    let change = change.fold(0.0_f64, |most, c| if c > most || c.is_nan() { c } else { most });
+    let change = change.fold(0.0_f64, |most, c| if most.is_nan() || c <= most { most } else { c });
     Draft::new(
         "no-crushing",
         "Section 4",

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Outcome, VerifyError, largest};
 use crate::geometry::Vector;
 use crate::units::{from_deg, from_mm, to_mm};
 use crate::verify::bench::GRAVITY;
@@ -81,14 +81,11 @@ impl InnerEdge {
                 .zip(&laid)
                 .map(|((t, a), (_, b))| (*t, to_mm(furthest_corner(sides, a, b))))
                 .collect();
-            let most = apart
-                .iter()
-                .map(|(_, d)| *d)
-                .fold(0.0, |m: f64, d| if d.is_nan() { d } else { m.max(d) });
+            let most = largest(apart.iter().map(|(_, d)| *d));
             let gone = whole.last().map_or(0.0, |(_, s)| s.pose.translation.vector.xy().norm());
             notes.push(format!("{heading}°: {most:.4} of {:.2} mm", to_mm(gone)));
             outcome.measured(format!("{heading}°"), apart);
-            worst = if most.is_nan() { most } else { worst.max(most) };
+            worst = largest([worst, most]);
         }
         if let Some(end) = outcome.curves.first().and_then(|c| c.points.last()) {
             outcome.law("One floor", vec![(0.0, 0.0), (end.0, 0.0)]);
@@ -100,13 +97,12 @@ impl InnerEdge {
 
 /// Distance in m of the corner of a box that two states have furthest apart.
 fn furthest_corner(sides: Vector, a: &BodyState, b: &BodyState) -> f64 {
-    let corners = (0..8).map(|n| {
+    largest((0..8).map(|n| {
         let sign = |bit: u32| if n & bit == 0 { -0.5 } else { 0.5 };
         let corner = sides.component_mul(&Vector::new(sign(1), sign(2), sign(4)));
         let of = |s: &BodyState| s.pose.translation.vector + s.pose.rotation * corner;
         (of(a) - of(b)).norm()
-    });
-    corners.fold(0.0, |m: f64, d| if d.is_nan() { d } else { m.max(d) })
+    }))
 }
 
 #[cfg(test)]

@@ -266,3 +266,26 @@ impl Experiment {
         }
     }
 }
+
+/// The largest of numbers that are not negative, 0 of none; no number as soon as one
+/// of them is none, which `f64::max` would pass over.
+fn largest(numbers: impl IntoIterator<Item = f64>) -> f64 {
+    let worse = |most: f64, n: f64| if most.is_nan() || n <= most { most } else { n };
+    numbers.into_iter().fold(0.0, worse)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::largest;
+
+    #[test]
+    fn the_largest_is_found_and_what_is_no_number_is_not_hidden() {
+        assert_eq!(largest([]), 0.0);
+        assert_eq!(largest([0.1, 0.3, 0.2]), 0.3);
+        for at in 0..3 {
+            let mut numbers = [0.1, 0.3, 0.2];
+            numbers[at] = f64::NAN;
+            assert!(largest(numbers).is_nan(), "law: no number is told, at place {at}");
+        }
+    }
+}

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::packing::{FRICTION, Heap, WIDTH, corners, mass, rough, rough_of};
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Outcome, VerifyError, largest};
 use crate::units::to_mm;
 
 /// The paper's vibration: 3 Hz, 25 mm to either side (sections 3 and 4).
@@ -126,21 +126,16 @@ pub(super) fn beyond(
         let (mut curve, mut worst) = (Vec::new(), 0.0_f64);
         let mut heap = Heap::new(bench, count, order, FRICTION)?;
         shake(&mut heap, settle, duration, |time, beyond, _| {
-            let far = largest(beyond);
-            worst = largest(&[worst, far]);
+            let far = largest(beyond.iter().copied());
+            worst = largest([worst, far]);
             curve.push((time, to_mm(far)));
         })?;
-        furthest = largest(&[furthest, worst]);
+        furthest = largest([furthest, worst]);
         notes.push(format!("{:.3}", to_mm(worst)));
         outcome.measured(format!("Order {order}"), curve);
     }
     outcome.note = Some(format!("mm in each order: {}", notes.join(", ")));
     Ok(outcome.got(to_mm(furthest)))
-}
-
-/// The largest of lengths that are not negative; no number if one is none.
-fn largest(lengths: &[f64]) -> f64 {
-    lengths.iter().fold(0.0, |far: f64, b| if b.is_nan() { *b } else { far.max(*b) })
 }
 
 /// How far in m each grain's furthest vertex lies beyond the inner faces of
@@ -150,28 +145,10 @@ fn beyond_walls(heap: &mut Heap, x: f64) -> Result<Vec<f64>, VerifyError> {
     let bodies = heap.bodies.iter().zip(&states);
     Ok(bodies
         .map(|(body, state)| {
-            corners(&body.shape, &state.pose)
-                .map(|c| {
-                    let beside = (c.x - x).abs().max(c.y.abs()) - WIDTH / 2.0;
-                    beside.max(-c.z)
-                })
-                .fold(0.0, |far: f64, b| if b.is_nan() { b } else { far.max(b) })
+            largest(corners(&body.shape, &state.pose).map(|c| {
+                let beside = (c.x - x).abs().max(c.y.abs()) - WIDTH / 2.0;
+                beside.max(-c.z)
+            }))
         })
         .collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::largest;
-
-    #[test]
-    fn the_largest_length_is_found_and_what_is_no_number_is_not_hidden() {
-        assert_eq!(largest(&[]), 0.0);
-        assert_eq!(largest(&[0.1, 0.3, 0.2]), 0.3);
-        for at in 0..3 {
-            let mut lengths = [0.1, 0.3, 0.2];
-            lengths[at] = f64::NAN;
-            assert!(largest(&lengths).is_nan(), "law: no number is told, at place {at}");
-        }
-    }
 }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Outcome, VerifyError, largest};
 use crate::geometry::{Pose, Vector};
 use crate::units::{from_mm, to_mm};
 use crate::verify::bench::GRAVITY;
@@ -86,11 +86,7 @@ pub(super) fn block_on_table(
         travel.push(scene.state(id)?.pose.translation.vector.x - table.place(time));
     }
     let law = newmark(table, friction, &times);
-    let off = travel
-        .iter()
-        .zip(&law)
-        .map(|(got, law)| (got - law).abs())
-        .fold(0.0_f64, |a, b| if b.is_nan() { b } else { a.max(b) });
+    let off = largest(travel.iter().zip(&law).map(|(got, law)| (got - law).abs()));
     let in_mm =
         |values: &[f64]| times.iter().copied().zip(values.iter().map(|v| to_mm(*v))).collect();
     let mut outcome = Outcome::new("Time (s)", "Travel of the block on the table (mm)");
