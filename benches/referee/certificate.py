@@ -135,6 +135,8 @@ def answer(given):
     specimen.take_out_what_falls()
     factor = specimen.least_factor()
     friction = max((c["friction"] for c in specimen.contacts), default=0.0)
+    left = specimen.uncarried(1.0)
+    own = np.linalg.norm(specimen.weights, axis=1) / specimen.force
     return {
         "grains": len(specimen.weights),
         "contacts": len(specimen.contacts),
@@ -142,6 +144,9 @@ def answer(given):
         "friction": friction,
         "least_factor": factor,
         "least_friction": None if factor is None else factor * friction,
+        # With the friction that it has, of the grains that do not fall.
+        "worst_left": float((left / own)[specimen.stands].max(initial=0.0)),
+        "left": float(np.linalg.norm(left) / np.linalg.norm(own[specimen.stands])),
     }
 
 

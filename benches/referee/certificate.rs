@@ -1,23 +1,27 @@
 //! Whether finished specimens can stand with the friction they have.
 
 use std::{
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
+    time::Instant,
 };
 
 use pluvia::{
     export::{MadeBy, Scene},
     grains::generate,
     protocol::{Moment, Observer, Setup, run},
+    record::write_json,
     scenario::{GrainsSpec, StageSpec, load},
     specimen::{Specimen, SpecimenState},
     world,
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::{
+    kept::{Kept, fingerprint, identity},
     pours::Engine,
-    program::{Program, number},
+    program::{self, Program, number},
 };
 
 /// Largest gap in m of a contact point that may bear something.
@@ -25,23 +29,37 @@ const GAP: f64 = 5e-5;
 /// Simulated time in s of rest before a specimen is taken.
 const REST: f64 = 1.0;
 
+/// Scenarios whose specimens are asked of.
+pub const SCENARIOS: [(&str, &str); 2] =
+    [("quick", "scenarios/quick/pluviation.json"), ("paper", "scenarios/paper/pluviation.json")];
+
 /// A specimen and the least friction with which it can stand.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Certificate {
     pub specimen: String,
-    pub engine: &'static str,
+    pub engine: Engine,
+    /// Fingerprint of what computed it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    by: String,
     pub grains: u64,
     /// Contact points with gaps up to `gap_mm`.
     pub contacts: u64,
     pub gap_mm: f64,
     /// Friction coefficient between its grains, and the least with which forces in
-    /// the cones carry the weights; `null` where none is.
+    /// the cones carry the weights, all pairs' coefficients being multiplied alike;
+    /// `null` where none is.
     pub friction: f64,
     pub least_friction: Option<f64>,
-    /// Grains that no friction holds: they fall, or stand on what is out of reach.
+    /// Grains that no friction holds: they still move, or stand on what is out of reach.
     pub fall: u64,
+    /// Largest share of its weight that a grain is left with, and of all weights
+    /// together, with the friction that the specimen has.
+    pub worst_left_percent: Option<f64>,
+    pub left_percent: Option<f64>,
     /// It needs no more friction than it has.
     pub stands: bool,
+    /// Wall time of pouring and of the certificate.
+    pub wall_s: f64,
 }
 
 struct Nobody;
@@ -51,61 +69,92 @@ impl Observer for Nobody {
 }
 
 /// Pours a specimen of a scenario with each engine and asks of it.
-pub fn certify(name: &str, scenario: &str, engines: &[Engine]) -> Result<Vec<Certificate>, String> {
+pub fn certify(
+    folder: &Path,
+    name: &str,
+    scenario: &str,
+    engines: &[Engine],
+) -> Result<Vec<Certificate>, String> {
+    let us = identity(&std::env::current_exe().map_err(|e| e.to_string())?)?;
+    let judges = [identity(&program::referee())?, identity(&program::certificate())?];
+    let by = fingerprint(&[us.as_bytes(), judges[0].as_bytes(), judges[1].as_bytes()]);
+    let (mut file, known) = Kept::open(&folder.join("static.jsonl"), |c: &Certificate| c.by == by)?;
+    let mut certificates = Vec::new();
+    for &engine in engines {
+        let kept = known.iter().rfind(|c| c.specimen == name && c.engine == engine);
+        let mut certificate = match kept {
+            Some(kept) => kept.clone(),
+            None => {
+                eprintln!("{name} specimen, {} ...", engine.name());
+                let begun = Instant::now();
+                let scene = poured(scenario, engine)?;
+                let contacts = Program::referee(&["contacts", &GAP.to_string()])?.ask(&scene)?;
+                let question = folder.join(format!("static-{name}-{}.json", engine.name()));
+                write_json(&question, &contacts).map_err(|e| e.to_string())?;
+                let answer = Program::certificate()?.ask(&contacts)?;
+                let mut made = judged(name, engine, &answer)?;
+                made.by.clone_from(&by);
+                made.wall_s = begun.elapsed().as_secs_f64();
+                file.keep(&made)?;
+                made
+            }
+        };
+        certificate.by.clear();
+        certificates.push(certificate);
+    }
+    Ok(certificates)
+}
+
+/// A poured specimen at rest, in the exchange format (docs/exchange.md).
+fn poured(scenario: &str, engine: Engine) -> Result<Value, String> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(scenario);
     let scenario = load(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
     let GrainsSpec::Sieved(spec) = &scenario.grains else {
         return Err(format!("{}: grains of a sieve table are needed", path.display()));
     };
     let grains = Arc::new(generate(spec, scenario.seed).map_err(|e| e.to_string())?);
-    let mut finder = Program::start(&["contacts", &GAP.to_string()])?;
-    let mut judge = Program::certificate()?;
-    let mut certificates = Vec::new();
-    for &engine in engines {
-        let Some(settings) = engine.settings() else { continue };
-        eprintln!("{name}, {} ...", engine.name());
-        let mut setup = Setup::new(&scenario).map_err(|e| e.to_string())?;
-        setup.engine = settings;
-        let state = SpecimenState::before_everything(grains.grains.len());
-        let mut specimen = Specimen { grains: grains.clone(), state };
-        for stage in [
-            StageSpec::FillFunnel { time_limit_s: 4.0 },
-            StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: 5.0 },
-            StageSpec::Rest { duration_s: REST },
-        ] {
-            let go_on = AtomicBool::new(false);
-            specimen = run(&setup, &world::create, specimen, &stage, None, &mut Nobody, &go_on)
-                .map_err(|e| e.to_string())?
-                .specimen;
-        }
-        let made_by = MadeBy {
-            program: concat!("pluvia ", env!("CARGO_PKG_VERSION")).to_owned(),
-            scenario: scenario.name.clone(),
-            stage: "rest".to_owned(),
-            time_s: specimen.state.time,
-        };
-        let scene = Scene::of(&setup, &specimen, None, made_by).map_err(|e| e.to_string())?;
-        let friction = scene
-            .pairs
-            .iter()
-            .find(|p| p.between == [world::Material::Grain; 2])
-            .map_or(f64::NAN, |p| p.friction);
-        let contacts = finder.ask(&serde_json::to_value(&scene).map_err(|e| e.to_string())?)?;
-        let answer = judge.ask(&contacts)?;
-        let factor = answer["least_factor"].as_f64();
-        let certificate = Certificate {
-            specimen: name.to_owned(),
-            engine: engine.name(),
-            grains: number(&answer, "grains")? as u64,
-            contacts: number(&answer, "contacts")? as u64,
-            gap_mm: 1e3 * GAP,
-            friction,
-            least_friction: factor.map(|f| f * friction),
-            fall: number(&answer, "fall")? as u64,
-            stands: factor.is_some_and(|f| f <= 1.0),
-        };
-        eprintln!("    {}", super::table::certificate(&certificate));
-        certificates.push(certificate);
+    let mut setup = Setup::new(&scenario).map_err(|e| e.to_string())?;
+    setup.engine = engine.settings().ok_or("the referee pours no specimens")?;
+    let state = SpecimenState::before_everything(grains.grains.len());
+    let mut specimen = Specimen { grains, state };
+    for stage in [
+        StageSpec::FillFunnel { time_limit_s: 4.0 },
+        StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: 5.0 },
+        StageSpec::Rest { duration_s: REST },
+    ] {
+        let stop = AtomicBool::new(false);
+        specimen = run(&setup, &world::create, specimen, &stage, None, &mut Nobody, &stop)
+            .map_err(|e| e.to_string())?
+            .specimen;
     }
-    Ok(certificates)
+    let made_by = MadeBy {
+        program: concat!("pluvia ", env!("CARGO_PKG_VERSION")).to_owned(),
+        scenario: scenario.name.clone(),
+        stage: "rest".to_owned(),
+        time_s: specimen.state.time,
+    };
+    let scene = Scene::of(&setup, &specimen, None, made_by).map_err(|e| e.to_string())?;
+    serde_json::to_value(&scene).map_err(|e| e.to_string())
+}
+
+/// What `certificate.py` answers.
+fn judged(name: &str, engine: Engine, answer: &Value) -> Result<Certificate, String> {
+    let whole = |field: &str| number(answer, field).map(|n| n as u64);
+    let factor = answer["least_factor"].as_f64();
+    let percent = |field: &str| answer[field].as_f64().map(|share| 100.0 * share);
+    Ok(Certificate {
+        specimen: name.to_owned(),
+        engine,
+        by: String::new(),
+        grains: whole("grains")?,
+        contacts: whole("contacts")?,
+        gap_mm: 1e3 * GAP,
+        friction: number(answer, "friction")?,
+        least_friction: answer["least_friction"].as_f64(),
+        fall: whole("fall")?,
+        worst_left_percent: percent("worst_left"),
+        left_percent: percent("left"),
+        stands: factor.is_some_and(|f| f <= 1.0),
+        wall_s: 0.0,
+    })
 }

@@ -5,12 +5,17 @@
 //! solutions come from a program of its own (`main.cpp` and its like in this
 //! folder), which knows problems and scenes in files and nothing of Pluvia.
 
+mod cells;
 mod certificate;
+mod crew;
 mod heap;
+mod kept;
+mod nearness;
 mod pours;
 mod program;
 mod steps;
 mod table;
+mod tap;
 
 use std::{
     path::{Path, PathBuf},
@@ -30,22 +35,30 @@ struct Options {
     /// A few instants, pours and specimens of each kind: some minutes
     #[arg(long)]
     quick: bool,
-    /// Only these parts, with commas between; the others stay as they were
+    /// Only these parts, with commas between; results of the others stay in the file
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = Part::ALL)]
     only: Vec<Part>,
-    /// Instants of each scene [default: 6, quick 2]
+    /// Instants of each scene [default: 10, quick 2]
     #[arg(long)]
     instants: Option<usize>,
-    /// Iterations a sub-step of the native solver, one after the other, beside its
+    /// Iterations per sub-step of the native solver, one after the other, beside its
     /// default
     #[arg(long, value_delimiter = ',')]
     iterations: Vec<u32>,
-    /// Keep the contact problems, some megabytes each
+    /// Also solve each instant from nothing, to see whether velocities are unique
     #[arg(long)]
-    keep: bool,
-    /// Realisations of each kind of pour [default: 400, quick 6]
-    #[arg(long)]
+    twice: bool,
+    /// Realisations of each kind of pour, of the native solver three times as many
+    /// [default: 400, quick 4]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(2..))]
     pours: Option<u64>,
+    /// Only specimens with these names: quick (364 grains), paper (1456)
+    /// [default: both, with --quick only quick]
+    #[arg(long, value_delimiter = ',')]
+    specimens: Vec<String>,
+    /// Instants or pours that are computed at a time [default: processors]
+    #[arg(long)]
+    jobs: Option<usize>,
     /// Only pours with this coefficient of restitution
     #[arg(long)]
     restitution: Option<f64>,
@@ -55,7 +68,7 @@ struct Options {
     /// File for the results
     #[arg(long, default_value = "out/referee.json")]
     out: PathBuf,
-    /// Cargo says so to every benchmark
+    /// Cargo passes it to every benchmark
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -98,73 +111,114 @@ fn main() -> ExitCode {
 fn compare(options: &Options) -> Result<(), String> {
     let folder = options.out.with_extension("");
     create_folder(&folder).map_err(|e| e.to_string())?;
-    let mut results = earlier(&options.out);
-    let mut lines = Vec::new();
+    let mut results = earlier(&options.out)?;
+    let mut tables = String::new();
     for part in Part::ALL.into_iter().filter(|p| options.only.contains(p)) {
-        let (field, value) = match part {
-            Part::OneStep => ("one_step", one_step(options, &folder, &mut lines)?),
-            Part::Pours => ("pours", pours(options, &folder, &mut lines)?),
-            Part::Static => ("static", certificates(options, &mut lines)?),
+        tables += &match part {
+            Part::OneStep => one_step(options, &folder, &mut results)?,
+            Part::Pours => pours(options, &folder, &mut results)?,
+            Part::Static => certificates(options, &folder, &mut results)?,
         };
-        results.insert(field.to_owned(), value);
-        // After each part: the next may take hours.
-        write_json(&options.out, &results).map_err(|e| e.to_string())?;
     }
-    for line in lines {
-        println!("{line}");
-    }
-    println!("results in {}", options.out.display());
+    println!("{tables}\nresults in {}", options.out.display());
     Ok(())
 }
 
-/// Parts of an earlier run.
-fn earlier(path: &Path) -> Map<String, Value> {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    serde_json::from_str(&text).unwrap_or_default()
+impl Options {
+    fn jobs(&self) -> usize {
+        let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.jobs.unwrap_or_else(processors).max(1)
+    }
+
+    /// Whether a specimen is looked at.
+    fn takes(&self, specimen: &str) -> bool {
+        if self.specimens.is_empty() {
+            return !self.quick || specimen == "quick";
+        }
+        self.specimens.iter().any(|s| s == specimen)
+    }
+
+    /// Puts a part's results beside those that are there, whether or not the part is
+    /// finished: the rest may take hours.
+    fn write(
+        &self,
+        results: &mut Map<String, Value>,
+        field: &str,
+        value: Value,
+    ) -> Result<(), String> {
+        results.insert(field.to_owned(), value);
+        write_json(&self.out, results).map_err(|e| e.to_string())
+    }
 }
 
-fn one_step(options: &Options, folder: &Path, lines: &mut Vec<String>) -> Result<Value, String> {
-    let instants = options.instants.unwrap_or(if options.quick { 2 } else { 6 });
-    let mut found = Vec::new();
-    for (name, scenario) in steps::SCENARIOS {
-        if options.quick && name == "paper" {
-            continue;
+/// Parts of an earlier run.
+fn earlier(path: &Path) -> Result<Map<String, Value>, String> {
+    match std::fs::read_to_string(path) {
+        Ok(text) => serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display())),
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
+            let none = |field: &str| (field.to_owned(), json!([]));
+            Ok(["one_step", "pours", "static"].map(none).into_iter().collect())
         }
-        for iterations in std::iter::once(None).chain(options.iterations.iter().copied().map(Some))
-        {
-            let how = steps::Looking { folder, instants, iterations, keep: options.keep };
+        Err(e) => Err(format!("{}: {e}", path.display())),
+    }
+}
+
+fn one_step(
+    options: &Options,
+    folder: &Path,
+    results: &mut Map<String, Value>,
+) -> Result<String, String> {
+    let instants = options.instants.unwrap_or(if options.quick { 2 } else { 10 });
+    let mut found = Vec::new();
+    for (name, scenario) in steps::SCENARIOS.into_iter().filter(|(name, _)| options.takes(name)) {
+        let others = options.iterations.iter().copied().map(Some);
+        for iterations in std::iter::once(None).chain(others) {
+            let (twice, jobs) = (options.twice, options.jobs());
+            let how = steps::Looking { folder, instants, iterations, twice, jobs };
             found.extend(steps::look(&how, name, scenario)?);
+            options.write(results, "one_step", json!(found))?;
         }
     }
-    lines.extend(found.iter().map(table::nearness));
-    Ok(json!(found))
+    Ok(table::one_step(&found))
 }
 
-fn pours(options: &Options, folder: &Path, lines: &mut Vec<String>) -> Result<Value, String> {
-    let count = options.pours.unwrap_or(if options.quick { 6 } else { 400 });
+fn pours(
+    options: &Options,
+    folder: &Path,
+    results: &mut Map<String, Value>,
+) -> Result<String, String> {
+    let count = options.pours.unwrap_or(if options.quick { 4 } else { 400 });
     let wanted = |given: Option<f64>, value: f64| given.is_none_or(|g| g == value);
-    let cells: Vec<(f64, f64)> = pours::RESTITUTIONS
+    let kinds: Vec<(f64, f64)> = pours::RESTITUTIONS
         .into_iter()
         .filter(|e| wanted(options.restitution, *e))
         .flat_map(|e| pours::FRICTIONS.into_iter().map(move |mu| (e, mu)))
         .filter(|(_, mu)| wanted(options.friction, *mu))
         .collect();
-    let found = pours::compare(folder, count, &cells)?;
-    lines.extend(found.iter().map(table::cell));
-    Ok(json!(found))
+    if kinds.is_empty() {
+        return Err(format!(
+            "--restitution is one of {:?}, --friction one of {:?}",
+            pours::RESTITUTIONS,
+            pours::FRICTIONS
+        ));
+    }
+    let found = pours::compare(folder, count, options.jobs(), &kinds, |cells| {
+        options.write(results, "pours", json!(cells))
+    })?;
+    Ok(table::pours(&found))
 }
 
-fn certificates(options: &Options, lines: &mut Vec<String>) -> Result<Value, String> {
+fn certificates(
+    options: &Options,
+    folder: &Path,
+    results: &mut Map<String, Value>,
+) -> Result<String, String> {
+    let engines = [Engine::Native, Engine::Rapier, Engine::Stock];
     let mut found = Vec::new();
-    for (name, scenario) in
-        [("quick", "scenarios/quick/pluviation.json"), ("paper", "scenarios/paper/pluviation.json")]
-    {
-        if options.quick && name == "paper" {
-            continue;
-        }
-        let engines = [Engine::Native, Engine::Rapier, Engine::Stock];
-        found.extend(certificate::certify(name, scenario, &engines)?);
+    let taken = |(name, _): &(&str, &str)| options.takes(name);
+    for (name, scenario) in certificate::SCENARIOS.into_iter().filter(taken) {
+        found.extend(certificate::certify(folder, name, scenario, &engines)?);
+        options.write(results, "static", json!(found))?;
     }
-    lines.extend(found.iter().map(table::certificate));
-    Ok(json!(found))
+    Ok(table::certificates(&found))
 }

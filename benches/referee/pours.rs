@@ -1,21 +1,22 @@
-//! Many small pours by every engine and by the referee, and whether they are the
-//! same in the mean.
+//! Many small pours by every engine and by the referee.
 
 use std::{
-    collections::HashMap,
-    fs::{File, OpenOptions},
-    io::{BufRead, BufReader, Write},
+    collections::{HashMap, HashSet},
     path::Path,
+    time::Instant,
 };
 
 use pluvia::{
-    measure::inference::t_quantile,
     scenario::{Backend, ContactPath, EngineSettings},
+    world::{Body, BodyState},
 };
 use serde::{Deserialize, Serialize};
 
 use super::{
+    cells::{Cell, judge},
+    crew,
     heap::{self, Recipe},
+    kept::{Kept, fingerprint, identity},
     program::{self, Program, number},
 };
 
@@ -27,11 +28,9 @@ const DURATION: f64 = 1.5;
 /// The referee's step in s, and the residual to which it solves each.
 const STEP: f64 = 5e-4;
 const TOLERANCE: f64 = 1e-4;
-/// Pours of our own solver for one of the referee's: they cost so much less, and
+/// Pours of the native solver for one of the referee's: they cost so much less, and
 /// the scatter of a difference is that of both.
-const OURS_FOR_ONE: u64 = 3;
-/// Half width of what counts as equivalent, in %.
-const MARGIN_PERCENT: f64 = 0.5;
+const NATIVE_FOR_ONE: u64 = 3;
 
 /// Coefficients of restitution and friction of the pours.
 pub const RESTITUTIONS: [f64; 2] = [0.0, 0.315];
@@ -69,248 +68,189 @@ impl Engine {
             Self::Stock => Some(EngineSettings { contact_path: ContactPath::Bullet, ..defaults }),
         }
     }
+
+    /// Realisations that are poured where `count` are asked for.
+    fn realisations(self, count: u64) -> u64 {
+        if self == Self::Native { NATIVE_FOR_ONE * count } else { count }
+    }
 }
 
 /// One pour, as it is kept in `pours.jsonl`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Poured {
-    engine: Engine,
-    friction: f64,
-    restitution: f64,
-    seed: u64,
-    /// Program that computed it.
-    by: String,
-    height_m: f64,
-    coordination: f64,
-    sliding: Option<f64>,
-    deepest_overlap_m: f64,
-    outside: u64,
-    /// Of the referee: share of the steps above the tolerance, and the worst.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    unsolved: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    worst_residual: Option<f64>,
-}
-
-/// One engine's pours of one kind, beside the referee's.
-#[derive(Debug, Clone, Serialize)]
-pub struct Cell {
+pub struct Poured {
     pub engine: Engine,
     pub friction: f64,
     pub restitution: f64,
-    pub realisations: usize,
-    pub height_mean_mm: f64,
-    pub height_standard_error_mm: f64,
-    /// Of the mean height to the referee's, in % of it, with its standard error
-    /// and its 90 % interval; `null` for the referee.
-    pub difference_percent: Option<f64>,
-    pub difference_standard_error_percent: Option<f64>,
-    pub difference_interval_percent: Option<[f64; 2]>,
-    /// Two one-sided t-tests at 5 %: the interval lies within ±0.5 %.
-    pub equivalent_within_0_5_percent: Option<bool>,
-    /// Of the heights of the same seeds by this engine and the referee.
-    pub correlation: Option<f64>,
-    pub coordination_mean: f64,
-    pub coordination_standard_error: f64,
-    pub sliding_share: Option<f64>,
-    pub deepest_overlap_mm: f64,
+    pub seed: u64,
+    /// Fingerprint of what computed it.
+    by: String,
+    /// Mean height of the grains' centres of mass.
+    pub height_m: f64,
+    pub coordination: f64,
+    pub sliding: Option<f64>,
+    pub deepest_overlap_m: f64,
     pub outside: u64,
-    /// Of the referee: mean share of steps above its tolerance.
-    pub unsolved_share: Option<f64>,
+    pub wall_s: f64,
+    /// Of the referee: share of the steps above the tolerance, and the worst residual.
+    pub unsolved: Option<f64>,
+    pub worst_residual: Option<f64>,
 }
 
-/// Pours that were kept, by engine, friction, restitution and seed.
+/// One engine, friction coefficient, coefficient of restitution, and seed.
+type Key = (Engine, u64, u64, u64);
+
+impl Poured {
+    fn key(&self) -> Key {
+        (self.engine, self.friction.to_bits(), self.restitution.to_bits(), self.seed)
+    }
+}
+
+/// Pours that were kept, and the programs that compute more of them.
 struct Store {
-    file: File,
-    known: HashMap<(Engine, u64, u64, u64), Poured>,
-    identities: HashMap<Engine, String>,
+    file: Kept,
+    known: HashMap<Key, Poured>,
+    engines: String,
+    referee: String,
 }
 
 impl Store {
     fn open(path: &Path) -> Result<Self, String> {
-        let told = |e: std::io::Error| format!("{}: {e}", path.display());
-        let us = program::identity(&std::env::current_exe().map_err(|e| e.to_string())?)?;
-        let referee = program::identity(&program::file())?;
-        let identities: HashMap<_, _> = Engine::ALL
-            .into_iter()
-            .map(|e| (e, if e == Engine::Referee { referee.clone() } else { us.clone() }))
-            .collect();
-        let mut known = HashMap::new();
-        if path.exists() {
-            for line in BufReader::new(File::open(path).map_err(told)?).lines() {
-                // A line that a stopped run left unfinished is no pour.
-                let line = line.map_err(told)?;
-                let Ok(poured) = serde_json::from_str::<Poured>(&line) else { continue };
-                if identities[&poured.engine] == poured.by {
-                    known.insert(key(&poured), poured);
-                }
-            }
-        }
-        let file = OpenOptions::new().create(true).append(true).open(path).map_err(told)?;
-        Ok(Self { file, known, identities })
+        let us = std::env::current_exe().map_err(|e| e.to_string())?;
+        let engines = identity(&us)?;
+        let referee = identity_of_referee()?;
+        let (file, parts) = Kept::open(path, |p: &Poured| {
+            p.by == if p.engine == Engine::Referee { &*referee } else { &*engines }
+        })?;
+        let known = parts.into_iter().map(|p| (p.key(), p)).collect();
+        Ok(Self { file, known, engines, referee })
     }
 
-    fn keep(&mut self, poured: Poured) -> Result<(), String> {
-        let line = serde_json::to_string(&poured).map_err(|e| e.to_string())?;
-        writeln!(self.file, "{line}").map_err(|e| e.to_string())?;
-        self.known.insert(key(&poured), poured);
-        Ok(())
+    fn by(&self, engine: Engine) -> String {
+        if engine == Engine::Referee { &self.referee } else { &self.engines }.clone()
     }
 
     fn of(&self, engine: Engine, recipe: &Recipe, count: u64) -> Vec<&Poured> {
-        (0..count)
-            .filter_map(|seed| {
-                let (friction, restitution) = (recipe.friction, recipe.restitution);
-                self.known.get(&(engine, friction.to_bits(), restitution.to_bits(), seed))
-            })
+        let (friction, restitution) = (recipe.friction.to_bits(), recipe.restitution.to_bits());
+        (0..engine.realisations(count))
+            .filter_map(|seed| self.known.get(&(engine, friction, restitution, seed)))
             .collect()
+    }
+
+    fn keep(&mut self, poured: Poured) -> Result<(), String> {
+        self.file.keep(&poured)?;
+        self.known.insert(poured.key(), poured);
+        Ok(())
     }
 }
 
-fn key(p: &Poured) -> (Engine, u64, u64, u64) {
-    (p.engine, p.friction.to_bits(), p.restitution.to_bits(), p.seed)
+/// The referee's program and what it is asked: its pours stay when only Pluvia
+/// changes, unless grains then begin elsewhere.
+fn identity_of_referee() -> Result<String, String> {
+    let recipe = recipe(0.0, 0.0);
+    let grains = heap::start(&recipe, 0)?;
+    let states: Vec<_> = grains.iter().map(|g| g.state).collect();
+    let question = heap::as_json(&recipe, &grains, &states).to_string();
+    let file = identity(&program::referee())?;
+    let arguments = arguments().join(" ");
+    Ok(fingerprint(&[file.as_bytes(), question.as_bytes(), arguments.as_bytes()]))
+}
+
+fn arguments() -> [String; 4] {
+    let [step, duration, tolerance] = [STEP, DURATION, TOLERANCE].map(|x| x.to_string());
+    ["pour".to_owned(), step, duration, tolerance]
+}
+
+fn recipe(restitution: f64, friction: f64) -> Recipe {
+    Recipe {
+        grains: GRAINS,
+        width: WIDTH,
+        friction,
+        restitution,
+        restitution_threshold: EngineSettings::default().restitution_velocity_threshold_m_per_s,
+    }
 }
 
 /// Pours `count` realisations of each kind with the referee and as many or more
-/// with the engines; those in `folder` are taken from there.
-pub fn compare(folder: &Path, count: u64, cells: &[(f64, f64)]) -> Result<Vec<Cell>, String> {
+/// with the engines, `jobs` at a time; those kept in `folder` are taken from there.
+/// Calls `progress` with all that is known so far after each kind.
+pub fn compare(
+    folder: &Path,
+    count: u64,
+    jobs: usize,
+    kinds: &[(f64, f64)],
+    mut progress: impl FnMut(&[Cell]) -> Result<(), String>,
+) -> Result<Vec<Cell>, String> {
     let mut store = Store::open(&folder.join("pours.jsonl"))?;
-    let mut judged = Vec::new();
-    for &(restitution, friction) in cells {
-        let recipe = Recipe {
-            grains: GRAINS,
-            width: WIDTH,
-            friction,
-            restitution,
-            restitution_threshold: EngineSettings::default().restitution_velocity_threshold_m_per_s,
-        };
+    let mut cells = Vec::new();
+    for &(restitution, friction) in kinds {
+        let recipe = recipe(restitution, friction);
         for engine in Engine::ALL {
-            let wanted = if engine == Engine::Native { OURS_FOR_ONE * count } else { count };
-            pour_missing(&mut store, engine, &recipe, wanted)?;
+            pour_missing(&mut store, engine, &recipe, count, jobs)?;
         }
         let referee = store.of(Engine::Referee, &recipe, count);
-        for engine in Engine::ALL {
-            let poured = store.of(engine, &recipe, OURS_FOR_ONE * count);
-            let cell = judge(&recipe, engine, &poured, &referee);
-            eprintln!("    {}", super::table::cell(&cell));
-            judged.push(cell);
-        }
+        cells.extend(
+            Engine::ALL
+                .map(|engine| judge(&recipe, engine, &store.of(engine, &recipe, count), &referee)),
+        );
+        progress(&cells)?;
     }
-    Ok(judged)
+    Ok(cells)
 }
 
 fn pour_missing(
     store: &mut Store,
     engine: Engine,
     recipe: &Recipe,
-    wanted: u64,
+    count: u64,
+    jobs: usize,
 ) -> Result<(), String> {
+    let known: HashSet<u64> = store.of(engine, recipe, count).iter().map(|p| p.seed).collect();
+    let missing: Vec<u64> =
+        (0..engine.realisations(count)).filter(|seed| !known.contains(seed)).collect();
     let (e, mu) = (recipe.restitution, recipe.friction);
-    let missing: Vec<u64> = (0..wanted)
-        .filter(|seed| !store.known.contains_key(&(engine, mu.to_bits(), e.to_bits(), *seed)))
-        .collect();
-    if missing.is_empty() {
-        return Ok(());
+    if !missing.is_empty() {
+        eprintln!("e {e}, mu {mu}: {} {} pours ...", missing.len(), engine.name());
     }
-    eprintln!("{} pours {} times, e {e}, mu {mu} ...", engine.name(), missing.len());
-    let arguments = [STEP, DURATION, TOLERANCE].map(|x| x.to_string());
-    let command: Vec<&str> = match engine {
-        Engine::Referee => {
-            ["pour"].into_iter().chain(arguments.iter().map(String::as_str)).collect()
-        }
-        _ => vec!["measure"],
+    let by = store.by(engine);
+    let start = || match engine {
+        Engine::Referee => Program::referee(&arguments().each_ref().map(String::as_str)),
+        _ => Program::referee(&["measure"]),
     };
-    let mut program = Program::start(&command)?;
-    for seed in missing {
-        let grains = heap::start(recipe, seed)?;
-        let begun: Vec<_> = grains.iter().map(|g| g.state).collect();
-        let (states, sliding) = match engine.settings() {
-            None => (begun, None),
-            Some(settings) => {
-                let ended = heap::pour(recipe, &grains, &settings, DURATION)?;
-                (ended.states, ended.sliding)
-            }
-        };
+    let work = |program: &mut Program, seed: &u64| {
+        let begun = Instant::now();
+        let grains = heap::start(recipe, *seed)?;
+        let (states, sliding) = poured_by(engine, recipe, &grains)?;
         let answer = program.ask(&heap::as_json(recipe, &grains, &states))?;
-        store.keep(Poured {
+        let number = |field: &str| number(&answer, field);
+        Ok(Poured {
             engine,
             friction: mu,
             restitution: e,
-            seed,
-            by: store.identities[&engine].clone(),
-            height_m: number(&answer, "mean_height_m")?,
-            coordination: number(&answer, "coordination")?,
-            sliding: sliding.or(answer["sliding"].as_f64()),
-            deepest_overlap_m: number(&answer, "deepest_overlap_m")?,
-            outside: answer["outside"].as_u64().unwrap_or(0),
+            seed: *seed,
+            by: by.clone(),
+            height_m: number("mean_height_m")?,
+            coordination: number("coordination")?,
+            // Without friction every contact slides as it likes.
+            sliding: sliding.or(answer["sliding"].as_f64()).filter(|_| mu > 0.0),
+            deepest_overlap_m: number("deepest_overlap_m")?,
+            outside: number("outside")? as u64,
+            wall_s: begun.elapsed().as_secs_f64(),
             unsolved: answer["unsolved"].as_f64(),
             worst_residual: answer["worst_residual"].as_f64(),
-        })?;
-    }
-    Ok(())
-}
-
-/// Mean, and its variance.
-fn mean_of(values: impl Iterator<Item = f64>) -> (f64, f64, f64) {
-    let values: Vec<f64> = values.collect();
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
-    (mean, squares / (n - 1.0) / n, n)
-}
-
-fn judge(recipe: &Recipe, engine: Engine, poured: &[&Poured], referee: &[&Poured]) -> Cell {
-    let (mean, variance, n) = mean_of(poured.iter().map(|p| p.height_m));
-    let (truth, truth_variance, m) = mean_of(referee.iter().map(|p| p.height_m));
-    let (coordination, coordination_variance, _) = mean_of(poured.iter().map(|p| p.coordination));
-    let slid: Vec<f64> = poured.iter().filter_map(|p| p.sliding).collect();
-    let mut cell = Cell {
-        engine,
-        friction: recipe.friction,
-        restitution: recipe.restitution,
-        realisations: poured.len(),
-        height_mean_mm: 1e3 * mean,
-        height_standard_error_mm: 1e3 * variance.sqrt(),
-        difference_percent: None,
-        difference_standard_error_percent: None,
-        difference_interval_percent: None,
-        equivalent_within_0_5_percent: None,
-        correlation: None,
-        coordination_mean: coordination,
-        coordination_standard_error: coordination_variance.sqrt(),
-        sliding_share: (!slid.is_empty()).then(|| slid.iter().sum::<f64>() / slid.len() as f64),
-        deepest_overlap_mm: 1e3 * poured.iter().map(|p| p.deepest_overlap_m).fold(0.0, f64::max),
-        outside: poured.iter().map(|p| p.outside).sum(),
-        unsolved_share: (engine == Engine::Referee)
-            .then(|| mean_of(poured.iter().filter_map(|p| p.unsolved)).0),
+        })
     };
-    if engine != Engine::Referee && n > 1.0 && m > 1.0 {
-        // Welch: the heights of one seed by two engines are as good as independent
-        // (`correlation`), and the scatters differ.
-        let both = variance + truth_variance;
-        let freedom = both * both
-            / (variance * variance / (n - 1.0) + truth_variance * truth_variance / (m - 1.0));
-        let difference = 100.0 * (mean - truth) / truth;
-        let error = 100.0 * both.sqrt() / truth;
-        let half = t_quantile(0.95, freedom).unwrap_or(f64::INFINITY) * error;
-        cell.difference_percent = Some(difference);
-        cell.difference_standard_error_percent = Some(error);
-        cell.difference_interval_percent = Some([difference - half, difference + half]);
-        cell.equivalent_within_0_5_percent = Some(difference.abs() + half < MARGIN_PERCENT);
-        cell.correlation = Some(correlation(poured, referee));
-    }
-    cell
+    crew::each(jobs, &missing, start, work, |_, poured| store.keep(poured))
 }
 
-fn correlation(poured: &[&Poured], referee: &[&Poured]) -> f64 {
-    let by_seed: HashMap<u64, f64> = referee.iter().map(|p| (p.seed, p.height_m)).collect();
-    let pairs: Vec<(f64, f64)> = poured
-        .iter()
-        .filter_map(|p| by_seed.get(&p.seed).map(|truth| (p.height_m, *truth)))
-        .collect();
-    let n = pairs.len() as f64;
-    let (a, b) = pairs.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
-    let sum =
-        |f: &dyn Fn(f64, f64) -> f64| -> f64 { pairs.iter().map(|p| f(p.0 - a, p.1 - b)).sum() };
-    sum(&|x, y| x * y) / (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt()
+/// How an engine's pour ended; for the referee, who pours when it is asked, how it begins.
+fn poured_by(
+    engine: Engine,
+    recipe: &Recipe,
+    grains: &[Body],
+) -> Result<(Vec<BodyState>, Option<f64>), String> {
+    let Some(settings) = engine.settings() else {
+        return Ok((grains.iter().map(|g| g.state).collect(), None));
+    };
+    let ended = heap::pour(recipe, grains, &settings, DURATION)?;
+    Ok((ended.states, ended.sliding))
 }

@@ -1,4 +1,4 @@
-//! The referee's own program, which answers a line of JSON with a line of JSON.
+//! The referee's own programs, which answer a line of JSON with a line of JSON.
 
 use std::{
     io::{BufRead, BufReader, Write},
@@ -6,82 +6,82 @@ use std::{
     process::{Child, ChildStdin, ChildStdout, Command, Stdio},
 };
 
-use pluvia::record::hash_bytes;
 use serde_json::Value;
 
 /// Folder that `scripts/referee.sh` builds into.
-pub const WORKSHOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/referee");
+const WORKSHOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/referee");
 
-/// A running referee.
+/// A running program.
 pub struct Program {
+    name: String,
     child: Child,
     questions: Option<ChildStdin>,
     answers: BufReader<ChildStdout>,
 }
 
+/// The file of the program that solves, pours and measures (`main.cpp`).
+pub fn referee() -> PathBuf {
+    Path::new(WORKSHOP).join("referee")
+}
+
+/// The file of the certificate.
+pub fn certificate() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/referee/certificate.py")
+}
+
 impl Program {
-    /// Starts it with arguments (`benches/referee/main.cpp` says which).
-    pub fn start(args: &[&str]) -> Result<Self, String> {
-        let file = Path::new(WORKSHOP).join("referee");
-        Self::run(&file, args)
+    /// Starts the referee with arguments (`main.cpp` says which).
+    pub fn referee(args: &[&str]) -> Result<Self, String> {
+        Self::run(Command::new(referee()).args(args))
     }
 
     /// Starts the certificate of `certificate.py`.
     pub fn certificate() -> Result<Self, String> {
-        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/referee/certificate.py");
-        Self::run(&Path::new(WORKSHOP).join("venv/bin/python"), &[script, "answer"])
+        let python = Path::new(WORKSHOP).join("venv/bin/python");
+        Self::run(Command::new(python).arg(certificate()).arg("answer"))
     }
 
-    fn run(file: &Path, args: &[&str]) -> Result<Self, String> {
-        let mut child = Command::new(file)
-            .args(args)
+    fn run(command: &mut Command) -> Result<Self, String> {
+        let name = Path::new(command.get_program()).display().to_string();
+        // One thread each: work is spread over programs.
+        let mut child = command
             .env("OMP_NUM_THREADS", "1")
             .env("OPENBLAS_NUM_THREADS", "1")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
-            // Siconos tells there what it tries.
+            // Siconos reports its attempts there.
             .stderr(Stdio::null())
             .spawn()
-            .map_err(|e| format!("{}: {e}; `make referee` builds it", file.display()))?;
+            .map_err(|e| format!("{name}: {e}; `make referee` builds it"))?;
         let questions = child.stdin.take();
         let answers = BufReader::new(child.stdout.take().ok_or("no output")?);
-        Ok(Self { child, questions, answers })
+        Ok(Self { name, child, questions, answers })
     }
 
     /// Asks one question.
     pub fn ask(&mut self, question: &Value) -> Result<Value, String> {
-        let told = |e: std::io::Error| format!("the referee stopped: {e}");
-        let questions = self.questions.as_mut().ok_or("the referee takes no questions")?;
-        writeln!(questions, "{question}").map_err(told)?;
+        let name = &self.name;
+        let stopped = |e: std::io::Error| format!("{name} stopped: {e}");
+        let questions = self.questions.as_mut().ok_or("no questions are taken any more")?;
+        writeln!(questions, "{question}").map_err(stopped)?;
         let mut line = String::new();
-        self.answers.read_line(&mut line).map_err(told)?;
+        self.answers.read_line(&mut line).map_err(stopped)?;
         if line.is_empty() {
-            return Err("the referee stopped without an answer".into());
+            return Err(format!("{name} stopped without an answer"));
         }
-        serde_json::from_str(&line).map_err(|e| format!("the referee answers {line:?}: {e}"))
+        serde_json::from_str(&line).map_err(|e| format!("{name} answers {line:?}: {e}"))
     }
 }
 
 impl Drop for Program {
     fn drop(&mut self) {
-        // It ends with its questions.
+        // It ends when its input does.
         self.questions = None;
         let _ = self.child.wait();
     }
 }
 
-/// Names the program that computed something: a hash of its file.
-pub fn identity(file: &Path) -> Result<String, String> {
-    let bytes = std::fs::read(file).map_err(|e| format!("{}: {e}", file.display()))?;
-    Ok(hash_bytes(&bytes)[..16].to_owned())
-}
-
-/// The file of the referee's program.
-pub fn file() -> PathBuf {
-    Path::new(WORKSHOP).join("referee")
-}
-
 /// A number of an answer.
 pub fn number(answer: &Value, field: &str) -> Result<f64, String> {
-    answer[field].as_f64().ok_or_else(|| format!("the referee's answer has no number `{field}`"))
+    answer[field].as_f64().ok_or_else(|| format!("the answer has no number `{field}`"))
 }

@@ -2,123 +2,33 @@
 //! their exact solutions.
 
 use std::{
-    fs::File,
-    io::Write,
+    collections::BTreeSet,
     path::{Path, PathBuf},
     sync::{Arc, Mutex, atomic::AtomicBool},
 };
 
 use pluvia::{
-    geometry::{Pose, Vector},
+    geometry::Vector,
     grains::{generate, streams},
     protocol::{Moment, Observer, Setup, run},
-    scenario::{EngineSettings, GrainsSpec, StageSpec, StrokeReading, load},
+    scenario::{EngineSettings, GrainsSpec, Scenario, StageSpec, StrokeReading, load},
     specimen::{Specimen, SpecimenState},
-    world::{
-        Body, BodyId, Contact, EffectiveSettings, PairCoefficients, PairTable, RememberedContact,
-        Snapshot, World, WorldError,
-        bullet::{BulletBackend, SubstepRecord},
-    },
+    world::{PairTable, bullet::SubstepRecord},
 };
-use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::program::{Program, number};
+use super::{
+    crew,
+    kept::{Kept, fingerprint, identity},
+    nearness::{Instant, Nearness, summary},
+    program::{self, Program},
+    tap::{Tap, Tapped, locked},
+};
 
 /// Simulated time in s in which instants of a scene are drawn.
 const POURING: f64 = 1.0;
 const SHAKING: f64 = 2.0;
 const RESTING: f64 = 0.5;
-
-/// How near the native solver comes in one scene.
-#[derive(Debug, Clone, Serialize)]
-pub struct Nearness {
-    pub scene: String,
-    pub grains: usize,
-    /// Contact points, mean of the instants.
-    pub contacts: f64,
-    pub engine: String,
-    pub instants: usize,
-    /// Over all touched bodies of all instants; see docs/referee.md.
-    pub velocity_error_median_percent: f64,
-    pub velocity_error_p99_percent: f64,
-    pub velocity_error_worst_percent: f64,
-    /// The worst of the instants: residual of the reference, and of what was found.
-    pub reference_residual: f64,
-    pub engine_residual: f64,
-    /// 99th percentile of the distance between the exact solutions found from the
-    /// native one and from nothing, the worst of the instants: beyond rounding
-    /// where there is more than one.
-    pub other_solution_p99_percent: f64,
-    /// How far the velocities are from those that the impulses give, the worst.
-    pub inconsistency: f64,
-}
-
-/// What is recorded of the worlds of a stage.
-#[derive(Default)]
-struct Tap {
-    due: Vec<u64>,
-    step: u64,
-    records: Vec<(u64, SubstepRecord)>,
-}
-
-/// A world that hands over its contact problem in the steps that are due.
-struct Tapped {
-    world: BulletBackend,
-    tap: Arc<Mutex<Tap>>,
-}
-
-impl World for Tapped {
-    fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
-        self.world.add(body)
-    }
-    fn remove(&mut self, id: BodyId) -> Result<(), WorldError> {
-        self.world.remove(id)
-    }
-    fn drive(&mut self, id: BodyId, pose_at_end_of_step: &Pose) -> Result<(), WorldError> {
-        self.world.drive(id, pose_at_end_of_step)
-    }
-    fn step(&mut self) -> Result<(), WorldError> {
-        self.world.step()?;
-        let mut tap = self.tap.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        tap.step += 1;
-        if tap.due.contains(&tap.step) {
-            let step = tap.step;
-            tap.records.push((step, self.world.recorded_substep()));
-        }
-        Ok(())
-    }
-    fn time_step(&self) -> f64 {
-        self.world.time_step()
-    }
-    fn read(&self, into: &mut Snapshot) {
-        self.world.read(into);
-    }
-    fn contacts(&self, into: &mut Vec<Contact>) {
-        self.world.contacts(into);
-    }
-    fn remember(&self, into: &mut Vec<RememberedContact>) {
-        self.world.remember(into);
-    }
-    fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError> {
-        self.world.recall(contacts)
-    }
-    fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
-        self.world.corners(into);
-    }
-    fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {
-        self.world.pair_coefficients(a, b)
-    }
-    fn effective(&self) -> EffectiveSettings {
-        self.world.effective()
-    }
-}
-
-struct Nobody;
-
-impl Observer for Nobody {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
-}
 
 /// Scenarios whose specimens are looked at.
 pub const SCENARIOS: [(&str, &str); 2] = [
@@ -132,28 +42,83 @@ pub struct Looking<'a> {
     pub folder: &'a Path,
     /// Random instants of each scene.
     pub instants: usize,
-    /// Iterations a sub-step of the native solver in place of its default.
+    /// Iterations per sub-step of the native solver in place of its default.
     pub iterations: Option<u32>,
-    /// Keep the problems themselves, too.
-    pub keep: bool,
+    /// Also solve from nothing, to see whether velocities are unique.
+    pub twice: bool,
+    /// Problems that are solved at a time.
+    pub jobs: usize,
+}
+
+/// A stage of the experiment, and the instants of it that are looked at.
+struct Part {
+    stage: StageSpec,
+    scene: String,
+    due: BTreeSet<u64>,
+}
+
+struct Nobody;
+
+impl Observer for Nobody {
+    fn observe(&mut self, _: &Specimen, _: Moment) {}
 }
 
 /// Looks at random instants of pouring, shaking and rest.
 pub fn look(how: &Looking, name: &str, scenario: &str) -> Result<Vec<Nearness>, String> {
-    let Looking { folder, instants, iterations, keep } = *how;
-    let engine = iterations.map_or("native".into(), |n| format!("native, {n} iterations"));
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(scenario);
     let scenario = load(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
-    let GrainsSpec::Sieved(spec) = &scenario.grains else {
-        return Err(format!("{}: grains of a sieve table are needed", path.display()));
-    };
     let mut setup = Setup::new(&scenario).map_err(|e| e.to_string())?;
-    if let Some(iterations) = iterations {
+    let engine = how.iterations.map_or("native".into(), |n| format!("native, {n} iterations"));
+    if let Some(iterations) = how.iterations {
         setup.engine.manifold.sweeps = iterations;
     }
-    let grains = Arc::new(generate(spec, scenario.seed).map_err(|e| e.to_string())?);
-    let mut specimen =
-        Specimen { state: SpecimenState::before_everything(grains.grains.len()), grains };
+    let mut parts = parts(how.instants, name, scenario.seed, setup.engine.rate_hz);
+
+    let us = identity(&std::env::current_exe().map_err(|e| e.to_string())?)?;
+    let by = fingerprint(&[us.as_bytes(), identity(&program::referee())?.as_bytes()]);
+    let (mut file, mut instants) = Kept::open(&how.folder.join("steps.jsonl"), |i: &Instant| {
+        i.by == by && i.engine == engine && (i.other_solution_p99.is_some() || !how.twice)
+    })?;
+    let known: BTreeSet<(String, u64)> =
+        instants.iter().map(|i| (i.scene.clone(), i.step)).collect();
+    let scenes: Vec<(String, BTreeSet<u64>)> =
+        parts.iter().map(|p| (p.scene.clone(), p.due.clone())).collect();
+    for part in &mut parts {
+        part.due.retain(|step| !known.contains(&(part.scene.clone(), *step)));
+    }
+    // What comes after the last instant that is missing need not be simulated.
+    let end = parts.iter().rposition(|p| !p.due.is_empty()).map_or(0, |last| last + 1);
+    parts.truncate(end);
+    let mut specimen = specimen(&scenario, &path)?;
+    for part in parts {
+        let records;
+        (specimen, records) = recorded(&setup, specimen, &part)?;
+        let grains = specimen.grains.grains.len();
+        let start = || Program::referee(if how.twice { &["steps", "twice"] } else { &["steps"] });
+        let work = |program: &mut Program, (step, record): &(u64, SubstepRecord)| {
+            let time = *step as f64 / setup.engine.rate_hz;
+            let answer = program.ask(&as_json(&part.scene, time, &setup.engine, record))?;
+            Instant::of(&answer, &part.scene, &engine, *step, &by, grains)
+        };
+        crew::each(how.jobs, &records, start, work, |_, instant| {
+            eprintln!("    {}", super::table::instant(&instant));
+            file.keep(&instant)?;
+            instants.push(instant);
+            Ok(())
+        })?;
+    }
+    instants.sort_by_key(|i| i.step);
+    Ok(scenes
+        .iter()
+        .filter_map(|(scene, due)| {
+            let of = |i: &&Instant| i.scene == *scene && due.contains(&i.step);
+            summary(scene, &engine, &instants.iter().filter(of).collect::<Vec<_>>())
+        })
+        .collect())
+}
+
+/// The stages, with random steps of those that are looked at.
+fn parts(instants: usize, name: &str, seed: u64, rate_hz: f64) -> Vec<Part> {
     let shake = StageSpec::Vibrate {
         frequency_hz: 3.0,
         amplitude_mm: 25.0,
@@ -164,73 +129,59 @@ pub fn look(how: &Looking, name: &str, scenario: &str) -> Result<Vec<Nearness>, 
         ramp_s: 0.0,
     };
     let pour = StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: 5.0 };
-    let stages = [
-        (None, StageSpec::FillFunnel { time_limit_s: 4.0 }),
-        (Some(("pour", POURING)), pour),
-        (None, StageSpec::PlaceTopPlate { time_limit_s: 2.0 }),
-        (Some(("shaken", SHAKING)), shake),
-        (Some(("rest", RESTING)), StageSpec::Rest { duration_s: RESTING }),
-    ];
-    let mut program = Program::start(&["steps"])?;
-    let file = |kind: &str| {
-        let path = folder.join(format!("{kind}-{name}-{}.jsonl", iterations.unwrap_or(0)));
-        File::create(&path).map_err(|e| format!("{}: {e}", path.display()))
+    [
+        (StageSpec::FillFunnel { time_limit_s: 4.0 }, "funnel", 0.0),
+        (pour, "pour", POURING),
+        (StageSpec::PlaceTopPlate { time_limit_s: 2.0 }, "plate", 0.0),
+        (shake, "shaken", SHAKING),
+        (StageSpec::Rest { duration_s: RESTING }, "rest", RESTING),
+    ]
+    .into_iter()
+    .map(|(stage, scene, duration)| {
+        let scene = format!("{name} {scene}");
+        let steps = (duration * rate_hz).floor();
+        let wanted = instants.min(steps as usize);
+        let mut rng = streams::stream(seed, &scene);
+        let mut due = BTreeSet::new();
+        while due.len() < wanted {
+            due.insert(1 + (steps * streams::uniform(&mut rng)) as u64);
+        }
+        Part { stage, scene, due }
+    })
+    .collect()
+}
+
+fn specimen(scenario: &Scenario, path: &Path) -> Result<Specimen, String> {
+    let GrainsSpec::Sieved(spec) = &scenario.grains else {
+        return Err(format!("{}: grains of a sieve table are needed", path.display()));
     };
-    let mut kept = file("steps")?;
-    let mut problems = if keep { Some(file("problems")?) } else { None };
-    let mut found = Vec::new();
-    for (scene, stage) in stages {
-        let tap = Arc::new(Mutex::new(Tap::default()));
-        if let Some((scene, duration)) = scene {
-            let scene = format!("{name} {scene}");
-            let steps = duration * setup.engine.rate_hz;
-            let mut rng = streams::stream(scenario.seed, &scene);
-            let due = (0..instants).map(|_| 1 + (steps * streams::uniform(&mut rng)) as u64);
-            tap.lock().unwrap_or_else(std::sync::PoisonError::into_inner).due = due.collect();
-            eprintln!("{scene}: {instants} instants ...");
-        }
-        let make = |settings: &EngineSettings, gravity: Vector, pairs: &PairTable| {
-            let mut world = BulletBackend::new(settings, gravity, pairs)?;
-            if scene.is_some() {
-                world.record_substeps();
-            }
-            Ok(Box::new(Tapped { world, tap: tap.clone() }) as Box<dyn World + Send>)
-        };
-        let go_on = AtomicBool::new(false);
-        specimen = run(&setup, &make, specimen, &stage, None, &mut Nobody, &go_on)
-            .map_err(|e| e.to_string())?
-            .specimen;
-        let Some((scene, _)) = scene else { continue };
-        let records = std::mem::take(
-            &mut tap.lock().unwrap_or_else(std::sync::PoisonError::into_inner).records,
-        );
-        let mut answers = Vec::new();
-        for (step, record) in &records {
-            let scene = format!("{name} {scene}");
-            let time = *step as f64 / setup.engine.rate_hz;
-            let problem = as_json(&scene, time, &setup.engine, record);
-            if let Some(file) = &mut problems {
-                writeln!(file, "{problem}").map_err(|e| e.to_string())?;
-            }
-            let answer = program.ask(&problem)?;
-            let percent = |field: &str| Ok::<_, String>(100.0 * number(&answer, field)?);
-            eprintln!(
-                "    {:.3} s, {} contact points: median {:.3} %, p99 {:.2} %, residual {:.0e}",
-                number(&answer, "time_s")?,
-                number(&answer, "contacts")?,
-                percent("velocity_error_median")?,
-                percent("velocity_error_p99")?,
-                number(&answer, "residual")?,
-            );
-            writeln!(kept, "{answer}").map_err(|e| e.to_string())?;
-            answers.push(answer);
-        }
-        if !answers.is_empty() {
-            let grains = specimen.grains.grains.len();
-            found.push(nearness(format!("{name} {scene}"), &engine, grains, &answers)?);
-        }
+    let grains = Arc::new(generate(spec, scenario.seed).map_err(|e| e.to_string())?);
+    let state = SpecimenState::before_everything(grains.grains.len());
+    Ok(Specimen { grains, state })
+}
+
+/// Simulates a stage, and records the sub-steps that are due in it.
+fn recorded(
+    setup: &Setup,
+    specimen: Specimen,
+    part: &Part,
+) -> Result<(Specimen, Vec<(u64, SubstepRecord)>), String> {
+    let Part { stage, scene, due } = part;
+    eprintln!("{scene}: {} instants ...", due.len());
+    let tap = Arc::new(Mutex::new(Tap::default()));
+    locked(&tap).due.clone_from(due);
+    let make = |settings: &EngineSettings, gravity: Vector, pairs: &PairTable| {
+        Tapped::make(settings, gravity, pairs, &tap)
+    };
+    let stop = AtomicBool::new(false);
+    let specimen = run(setup, &make, specimen, stage, None, &mut Nobody, &stop)
+        .map_err(|e| e.to_string())?
+        .specimen;
+    let records = std::mem::take(&mut locked(&tap).records);
+    if records.len() < due.len() {
+        return Err(format!("{scene} ended before the last of its instants"));
     }
-    Ok(found)
+    Ok((specimen, records))
 }
 
 /// The problem as the referee reads it (`benches/referee/problem.h`). Bodies turn
@@ -244,48 +195,13 @@ fn as_json(scene: &str, time: f64, engine: &EngineSettings, record: &SubstepReco
     let contacts: Vec<Vec<f64>> = record
         .contacts
         .chunks(SubstepRecord::CONTACT)
-        // Approach velocity and restitution belong to what follows this problem.
+        // Approach velocity and restitution belong to the impacts, which follow
+        // this problem.
         .map(|c| [&c[..32], &c[34..]].concat())
         .collect();
     let substeps = f64::from(engine.manifold.substeps(engine.rate_hz));
     json!({
         "scene": scene, "engine": "native", "time_s": time,
         "step_s": 1.0 / (engine.rate_hz * substeps), "bodies": bodies, "contacts": contacts,
-    })
-}
-
-fn nearness(
-    scene: String,
-    engine: &str,
-    grains: usize,
-    answers: &[Value],
-) -> Result<Nearness, String> {
-    let mut errors: Vec<f64> = answers
-        .iter()
-        .flat_map(|a| a["velocity_errors"].as_array().into_iter().flatten())
-        .filter_map(Value::as_f64)
-        .collect();
-    errors.sort_by(f64::total_cmp);
-    let percentile = |share: f64| {
-        let rank = (share * errors.len() as f64).ceil().max(1.0) as usize;
-        errors.get(rank - 1).map_or(f64::NAN, |e| 100.0 * e)
-    };
-    let worst = |field: &str| -> Result<f64, String> {
-        answers.iter().try_fold(0.0_f64, |w, a| Ok(w.max(number(a, field)?)))
-    };
-    let contacts: f64 = answers.iter().filter_map(|a| a["contacts"].as_f64()).sum();
-    Ok(Nearness {
-        scene,
-        grains,
-        contacts: (contacts / answers.len() as f64).round(),
-        engine: engine.to_owned(),
-        instants: answers.len(),
-        velocity_error_median_percent: percentile(0.5),
-        velocity_error_p99_percent: percentile(0.99),
-        velocity_error_worst_percent: percentile(1.0),
-        reference_residual: worst("residual")?,
-        engine_residual: worst("residual_given")?,
-        other_solution_p99_percent: 100.0 * worst("afresh_p99")?,
-        inconsistency: worst("inconsistency")?,
     })
 }
