@@ -27,8 +27,8 @@ pub struct Cell {
     /// Of the grains' centres of mass above the floor.
     pub height_mean_mm: f64,
     pub height_standard_error_mm: f64,
-    /// Of the mean height to the referee's, in % of it, with its standard error
-    /// and its 90 % interval; `null` for the referee.
+    /// Of the heights to the referee's of the same seeds, mean in % of the referee's
+    /// mean, with its standard error and its 90 % interval; `null` for the referee.
     pub difference_percent: Option<f64>,
     pub difference_standard_error_percent: Option<f64>,
     pub difference_interval_percent: Option<[f64; 2]>,
@@ -46,22 +46,22 @@ pub struct Cell {
     /// Of the referee: mean share of steps above its tolerance, and the worst residual.
     pub unsolved_share: Option<f64>,
     pub worst_residual: Option<f64>,
+    /// Of the referee: largest energy that a step gained, over what the fall set free.
+    pub energy_gain_worst: Option<f64>,
     pub wall_s_per_pour: f64,
 }
 
 /// Mean of a sample and its standard error.
-#[derive(Clone, Copy)]
 struct Mean {
-    count: f64,
     value: f64,
     error: f64,
 }
 
 impl Mean {
     fn of(values: &[f64]) -> Self {
-        let count = values.len() as f64;
         let deviation = sample_standard_deviation(values).unwrap_or(f64::NAN);
-        Self { count, value: mean(values).unwrap_or(f64::NAN), error: deviation / count.sqrt() }
+        let error = deviation / (values.len() as f64).sqrt();
+        Self { value: mean(values).unwrap_or(f64::NAN), error }
     }
 }
 
@@ -71,11 +71,10 @@ fn all(poured: &[&Poured], value: impl Fn(&Poured) -> Option<f64>) -> Vec<f64> {
 
 /// Compares an engine's pours with the referee's.
 pub fn judge(recipe: &Recipe, engine: Engine, poured: &[&Poured], referee: &[&Poured]) -> Cell {
-    let heights = |poured: &[&Poured]| Mean::of(&all(poured, |p| Some(p.height_m)));
-    let (height, truth) = (heights(poured), heights(referee));
+    let height = Mean::of(&all(poured, |p| Some(p.height_m)));
     let coordination = Mean::of(&all(poured, |p| Some(p.coordination)));
-    let other = engine != Engine::Referee;
-    let difference = difference(height, truth).filter(|_| other);
+    let pairs = if engine == Engine::Referee { Vec::new() } else { pairs(poured, referee) };
+    let difference = difference(&pairs);
     Cell {
         engine,
         friction: recipe.friction,
@@ -89,7 +88,7 @@ pub fn judge(recipe: &Recipe, engine: Engine, poured: &[&Poured], referee: &[&Po
             .map(|d| [d.percent - d.half_width, d.percent + d.half_width]),
         equivalent_within_0_5_percent: difference
             .map(|d| d.percent.abs() + d.half_width < MARGIN_PERCENT),
-        correlation: correlation(poured, referee).filter(|_| other),
+        correlation: correlation(&pairs),
         coordination_mean: coordination.value,
         coordination_standard_error: coordination.error,
         sliding_share: mean(&all(poured, |p| p.sliding)),
@@ -97,6 +96,7 @@ pub fn judge(recipe: &Recipe, engine: Engine, poured: &[&Poured], referee: &[&Po
         outside: poured.iter().map(|p| p.outside).sum(),
         unsolved_share: mean(&all(poured, |p| p.unsolved)),
         worst_residual: all(poured, |p| p.worst_residual).into_iter().reduce(f64::max),
+        energy_gain_worst: all(poured, |p| p.energy_gain).into_iter().reduce(f64::max),
         wall_s_per_pour: mean(&all(poured, |p| Some(p.wall_s))).unwrap_or(f64::NAN),
     }
 }
@@ -110,27 +110,28 @@ struct Difference {
     half_width: f64,
 }
 
-/// After Welch: the heights of one seed by two engines are as good as independent
-/// (`correlation`), and the scatters differ.
-fn difference(ours: Mean, truth: Mean) -> Option<Difference> {
-    let [a, b] = [ours, truth].map(|m| m.error * m.error);
-    let both = a + b;
-    let freedom = both * both / (a * a / (ours.count - 1.0) + b * b / (truth.count - 1.0));
-    let error = 100.0 * both.sqrt() / truth.value;
-    let half_width = t_quantile(0.95, freedom)? * error;
+/// Heights of the same seeds by an engine and the referee.
+fn pairs(poured: &[&Poured], referee: &[&Poured]) -> Vec<(f64, f64)> {
+    let by_seed: HashMap<u64, f64> = referee.iter().map(|p| (p.seed, p.height_m)).collect();
+    poured.iter().filter_map(|p| by_seed.get(&p.seed).map(|truth| (p.height_m, *truth))).collect()
+}
+
+/// Student's interval of paired differences: the same grains that begin in the same
+/// places scatter alike (`correlation`).
+fn difference(pairs: &[(f64, f64)]) -> Option<Difference> {
+    let truths: Vec<f64> = pairs.iter().map(|p| p.1).collect();
+    let percent = 100.0 / mean(&truths)?;
+    let differences: Vec<f64> = pairs.iter().map(|p| p.0 - p.1).collect();
+    let of = Mean::of(&differences);
+    let half_width = t_quantile(0.95, differences.len() as f64 - 1.0)? * of.error;
     Some(Difference {
-        percent: 100.0 * (ours.value - truth.value) / truth.value,
-        error,
-        half_width,
+        percent: of.value * percent,
+        error: of.error * percent,
+        half_width: half_width * percent,
     })
 }
 
-fn correlation(poured: &[&Poured], referee: &[&Poured]) -> Option<f64> {
-    let by_seed: HashMap<u64, f64> = referee.iter().map(|p| (p.seed, p.height_m)).collect();
-    let pairs: Vec<(f64, f64)> = poured
-        .iter()
-        .filter_map(|p| by_seed.get(&p.seed).map(|truth| (p.height_m, *truth)))
-        .collect();
+fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
     let n = pairs.len() as f64;
     let (a, b) = pairs.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
     let sum =

@@ -22,6 +22,8 @@ from scipy import sparse
 UNCARRIED = 1e-4
 # The same of one grain that stands by itself or falls, over its weight.
 FALLS = 1e-2
+# Share of the grains that may be left with more than that, where the rest is asked of.
+ODD_ONES = 0.01
 # Friction beyond which nothing stands that did not before.
 MOST_FRICTION = 10.0
 # Precision of the answer.
@@ -36,6 +38,7 @@ class Specimen:
         self.length = float(np.mean(given["radii_m"]))
         self.force = float(np.mean(np.linalg.norm(self.weights, axis=1)))
         self.stands = np.ones(len(self.weights), bool)
+        self.known = {}
 
     def loaded(self):
         """Contacts of grains that stand."""
@@ -96,33 +99,53 @@ class Specimen:
         left = np.array(solution.x)[forces:].reshape(-1, 6)
         return np.linalg.norm(left, axis=1)
 
-    def carried(self, factor):
-        weights = np.linalg.norm(self.weights[self.stands], axis=1) / self.force
-        return np.linalg.norm(self.uncarried(factor)) <= UNCARRIED * np.linalg.norm(weights)
+    def weights_alone(self):
+        """Each grain's weight over the mean."""
+        return np.linalg.norm(self.weights, axis=1) / self.force
+
+    def left(self, factor):
+        """What is left uncarried of each grain that does not fall, over the mean
+        weight."""
+        if factor not in self.known:
+            self.known[factor] = self.uncarried(factor)[self.stands]
+        return self.known[factor]
+
+    def all_carried(self, factor):
+        weights = self.weights_alone()[self.stands]
+        return np.linalg.norm(self.left(factor)) <= UNCARRIED * np.linalg.norm(weights)
+
+    def unbalanced(self, factor):
+        """How many grains are left with more than a little of their weight."""
+        return int((self.left(factor) > FALLS * self.weights_alone()[self.stands]).sum())
+
+    def most_carried(self, factor):
+        return self.unbalanced(factor) <= ODD_ONES * len(self.weights)
 
     def take_out_what_falls(self):
         """Takes out grains that no friction holds, until all others stand."""
-        own = np.linalg.norm(self.weights, axis=1) / self.force
+        own = self.weights_alone()
         for _ in range(20):
             left = self.uncarried(1.0, MOST_FRICTION)
             falls = self.stands & (left > FALLS * own)
             if not falls.any():
                 break
             self.stands &= ~falls
+        self.known = {}
 
-    def least_factor(self):
-        """Least multiple of the friction coefficients that carries the weights."""
+    def least_factor(self, carried):
+        """Least multiple of the friction coefficients with which the weights are
+        carried, by one of the two measures above."""
         largest = max((c["friction"] for c in self.loaded()), default=0.0)
-        if largest == 0 or not self.carried(MOST_FRICTION / largest):
+        if largest == 0 or not carried(MOST_FRICTION / largest):
             return None
         # Without any friction a cone is no cone for the solver.
         low, high = PRECISION / largest, MOST_FRICTION / largest
-        if self.carried(low):
+        if carried(low):
             return low
         # The specimen's own friction is asked first: most stand with it.
         guess = 1.0
         while (high - low) * largest > PRECISION:
-            if self.carried(guess):
+            if carried(guess):
                 high = guess
             else:
                 low = guess
@@ -133,10 +156,11 @@ class Specimen:
 def answer(given):
     specimen = Specimen(given)
     specimen.take_out_what_falls()
-    factor = specimen.least_factor()
+    factor = specimen.least_factor(specimen.all_carried)
+    of_most = specimen.least_factor(specimen.most_carried)
     friction = max((c["friction"] for c in specimen.contacts), default=0.0)
-    left = specimen.uncarried(1.0)
-    own = np.linalg.norm(specimen.weights, axis=1) / specimen.force
+    own = specimen.weights_alone()
+    left = specimen.left(1.0)
     return {
         "grains": len(specimen.weights),
         "contacts": len(specimen.contacts),
@@ -144,9 +168,11 @@ def answer(given):
         "friction": friction,
         "least_factor": factor,
         "least_friction": None if factor is None else factor * friction,
+        "least_friction_of_most": None if of_most is None else of_most * friction,
         # With the friction that it has, of the grains that do not fall.
-        "worst_left": float((left / own)[specimen.stands].max(initial=0.0)),
-        "left": float(np.linalg.norm(left) / np.linalg.norm(own[specimen.stands])),
+        "unbalanced": specimen.unbalanced(1.0),
+        "worst_left": float((left / own[specimen.stands]).max(initial=0.0)),
+        "left": float(np.linalg.norm(left) / np.linalg.norm(own)),
     }
 
 

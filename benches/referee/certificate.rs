@@ -19,13 +19,16 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{
-    kept::{Kept, fingerprint, identity},
+    kept::{self, Kept, fingerprint, identity},
     pours::Engine,
     program::{self, Program, number},
 };
 
 /// Largest gap in m of a contact point that may bear something.
 const GAP: f64 = 5e-5;
+/// Distance in m by which an axis between two bodies may fall short of the one of
+/// least overlap and bear all the same; the overlap itself where that is larger.
+const DOUBT: f64 = 1e-5;
 /// Simulated time in s of rest before a specimen is taken.
 const REST: f64 = 1.0;
 
@@ -42,18 +45,23 @@ pub struct Certificate {
     #[serde(default, skip_serializing_if = "String::is_empty")]
     by: String,
     pub grains: u64,
-    /// Contact points with gaps up to `gap_mm`.
+    /// Contact points with gaps up to `gap_mm`, on every axis that may bear.
     pub contacts: u64,
     pub gap_mm: f64,
-    /// Friction coefficient between its grains, and the least with which forces in
+    /// Largest friction coefficient in it, that between grains, and the least with which forces in
     /// the cones carry the weights, all pairs' coefficients being multiplied alike;
     /// `null` where none is.
     pub friction: f64,
     pub least_friction: Option<f64>,
+    /// The same where 1 % of the grains may be left with more than 1 % of their weight.
+    pub least_friction_of_99_percent: Option<f64>,
     /// Grains that no friction holds: they still move, or stand on what is out of reach.
     pub fall: u64,
-    /// Largest share of its weight that a grain is left with, and of all weights
-    /// together, with the friction that the specimen has.
+    /// Other grains that are left with more than 1 % of their weight with the friction
+    /// that the specimen has.
+    pub unbalanced: u64,
+    /// Largest share of its weight that one of them is left with, and share of all
+    /// weights together (Euclidean norm).
     pub worst_left_percent: Option<f64>,
     pub left_percent: Option<f64>,
     /// It needs no more friction than it has.
@@ -75,7 +83,7 @@ pub fn certify(
     scenario: &str,
     engines: &[Engine],
 ) -> Result<Vec<Certificate>, String> {
-    let us = identity(&std::env::current_exe().map_err(|e| e.to_string())?)?;
+    let us = kept::own_identity()?;
     let judges = [identity(&program::referee())?, identity(&program::certificate())?];
     let by = fingerprint(&[us.as_bytes(), judges[0].as_bytes(), judges[1].as_bytes()]);
     let (mut file, known) = Kept::open(&folder.join("static.jsonl"), |c: &Certificate| c.by == by)?;
@@ -88,7 +96,8 @@ pub fn certify(
                 eprintln!("{name} specimen, {} ...", engine.name());
                 let begun = Instant::now();
                 let scene = poured(scenario, engine)?;
-                let contacts = Program::referee(&["contacts", &GAP.to_string()])?.ask(&scene)?;
+                let [gap, doubt] = [GAP, DOUBT].map(|x| x.to_string());
+                let contacts = Program::referee(&["contacts", &gap, &doubt])?.ask(&scene)?;
                 let question = folder.join(format!("static-{name}-{}.json", engine.name()));
                 write_json(&question, &contacts).map_err(|e| e.to_string())?;
                 let answer = Program::certificate()?.ask(&contacts)?;
@@ -151,7 +160,9 @@ fn judged(name: &str, engine: Engine, answer: &Value) -> Result<Certificate, Str
         gap_mm: 1e3 * GAP,
         friction: number(answer, "friction")?,
         least_friction: answer["least_friction"].as_f64(),
+        least_friction_of_99_percent: answer["least_friction_of_most"].as_f64(),
         fall: whole("fall")?,
+        unbalanced: whole("unbalanced")?,
         worst_left_percent: percent("worst_left"),
         left_percent: percent("left"),
         stands: factor.is_some_and(|f| f <= 1.0),

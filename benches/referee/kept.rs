@@ -5,6 +5,7 @@ use std::{
     fs::{File, OpenOptions},
     io::Write,
     path::{Path, PathBuf},
+    sync::OnceLock,
 };
 
 use pluvia::record::hash_bytes;
@@ -58,6 +59,14 @@ pub fn fingerprint(parts: &[&[u8]]) -> String {
         all.extend_from_slice(part);
     }
     hash_bytes(&all)[..16].to_owned()
+}
+
+/// The fingerprint of this program, as it was when this was first asked: a build may
+/// replace its file.
+pub fn own_identity() -> Result<String, String> {
+    static OWN: OnceLock<Result<String, String>> = OnceLock::new();
+    let find = || identity(&std::env::current_exe().map_err(|e| e.to_string())?);
+    OWN.get_or_init(find).clone()
 }
 
 /// The fingerprint of a program: of its file.

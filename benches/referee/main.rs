@@ -48,8 +48,10 @@ struct Options {
     /// Also solve each instant from nothing, to see whether velocities are unique
     #[arg(long)]
     twice: bool,
-    /// Realisations of each kind of pour, of the native solver three times as many
-    /// [default: 400, quick 4]
+    /// Keep the contact problems that are solved, some megabytes each
+    #[arg(long)]
+    keep: bool,
+    /// Realisations of each kind of pour [default: 400, quick 4]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..))]
     pours: Option<u64>,
     /// Only specimens with these names: quick (364 grains), paper (1456)
@@ -111,6 +113,7 @@ fn main() -> ExitCode {
 fn compare(options: &Options) -> Result<(), String> {
     let folder = options.out.with_extension("");
     create_folder(&folder).map_err(|e| e.to_string())?;
+    kept::own_identity()?;
     let mut results = earlier(&options.out)?;
     let mut tables = String::new();
     for part in Part::ALL.into_iter().filter(|p| options.only.contains(p)) {
@@ -173,8 +176,9 @@ fn one_step(
     for (name, scenario) in steps::SCENARIOS.into_iter().filter(|(name, _)| options.takes(name)) {
         let others = options.iterations.iter().copied().map(Some);
         for iterations in std::iter::once(None).chain(others) {
-            let (twice, jobs) = (options.twice, options.jobs());
-            let how = steps::Looking { folder, instants, iterations, twice, jobs };
+            let Options { twice, keep, .. } = *options;
+            let jobs = options.jobs();
+            let how = steps::Looking { folder, instants, iterations, twice, keep, jobs };
             found.extend(steps::look(&how, name, scenario)?);
             options.write(results, "one_step", json!(found))?;
         }

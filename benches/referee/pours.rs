@@ -16,7 +16,7 @@ use super::{
     cells::{Cell, judge},
     crew,
     heap::{self, Recipe},
-    kept::{Kept, fingerprint, identity},
+    kept::{self, Kept, fingerprint, identity},
     program::{self, Program, number},
 };
 
@@ -28,9 +28,6 @@ const DURATION: f64 = 1.5;
 /// The referee's step in s, and the residual to which it solves each.
 const STEP: f64 = 5e-4;
 const TOLERANCE: f64 = 1e-4;
-/// Pours of the native solver for one of the referee's: they cost so much less, and
-/// the scatter of a difference is that of both.
-const NATIVE_FOR_ONE: u64 = 3;
 
 /// Coefficients of restitution and friction of the pours.
 pub const RESTITUTIONS: [f64; 2] = [0.0, 0.315];
@@ -68,11 +65,6 @@ impl Engine {
             Self::Stock => Some(EngineSettings { contact_path: ContactPath::Bullet, ..defaults }),
         }
     }
-
-    /// Realisations that are poured where `count` are asked for.
-    fn realisations(self, count: u64) -> u64 {
-        if self == Self::Native { NATIVE_FOR_ONE * count } else { count }
-    }
 }
 
 /// One pour, as it is kept in `pours.jsonl`.
@@ -94,6 +86,8 @@ pub struct Poured {
     /// Of the referee: share of the steps above the tolerance, and the worst residual.
     pub unsolved: Option<f64>,
     pub worst_residual: Option<f64>,
+    /// Of the referee: largest energy that a step gained, over what the fall set free.
+    pub energy_gain: Option<f64>,
 }
 
 /// One engine, friction coefficient, coefficient of restitution, and seed.
@@ -115,8 +109,7 @@ struct Store {
 
 impl Store {
     fn open(path: &Path) -> Result<Self, String> {
-        let us = std::env::current_exe().map_err(|e| e.to_string())?;
-        let engines = identity(&us)?;
+        let engines = kept::own_identity()?;
         let referee = identity_of_referee()?;
         let (file, parts) = Kept::open(path, |p: &Poured| {
             p.by == if p.engine == Engine::Referee { &*referee } else { &*engines }
@@ -131,7 +124,7 @@ impl Store {
 
     fn of(&self, engine: Engine, recipe: &Recipe, count: u64) -> Vec<&Poured> {
         let (friction, restitution) = (recipe.friction.to_bits(), recipe.restitution.to_bits());
-        (0..engine.realisations(count))
+        (0..count)
             .filter_map(|seed| self.known.get(&(engine, friction, restitution, seed)))
             .collect()
     }
@@ -170,8 +163,8 @@ fn recipe(restitution: f64, friction: f64) -> Recipe {
     }
 }
 
-/// Pours `count` realisations of each kind with the referee and as many or more
-/// with the engines, `jobs` at a time; those kept in `folder` are taken from there.
+/// Pours `count` realisations of each kind with the referee and with each engine,
+/// `jobs` at a time; those kept in `folder` are taken from there.
 /// Calls `progress` with all that is known so far after each kind.
 pub fn compare(
     folder: &Path,
@@ -205,8 +198,7 @@ fn pour_missing(
     jobs: usize,
 ) -> Result<(), String> {
     let known: HashSet<u64> = store.of(engine, recipe, count).iter().map(|p| p.seed).collect();
-    let missing: Vec<u64> =
-        (0..engine.realisations(count)).filter(|seed| !known.contains(seed)).collect();
+    let missing: Vec<u64> = (0..count).filter(|seed| !known.contains(seed)).collect();
     let (e, mu) = (recipe.restitution, recipe.friction);
     if !missing.is_empty() {
         eprintln!("e {e}, mu {mu}: {} {} pours ...", missing.len(), engine.name());
@@ -237,6 +229,7 @@ fn pour_missing(
             wall_s: begun.elapsed().as_secs_f64(),
             unsolved: answer["unsolved"].as_f64(),
             worst_residual: answer["worst_residual"].as_f64(),
+            energy_gain: answer["energy_gain"].as_f64(),
         })
     };
     crew::each(jobs, &missing, start, work, |_, poured| store.keep(poured))

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 use super::{
     crew,
-    kept::{Kept, fingerprint, identity},
+    kept::{self, Kept, fingerprint, identity},
     nearness::{Instant, Nearness, summary},
     program::{self, Program},
     tap::{Tap, Tapped, locked},
@@ -46,6 +46,8 @@ pub struct Looking<'a> {
     pub iterations: Option<u32>,
     /// Also solve from nothing, to see whether velocities are unique.
     pub twice: bool,
+    /// Keep the problems themselves, too.
+    pub keep: bool,
     /// Problems that are solved at a time.
     pub jobs: usize,
 }
@@ -74,7 +76,7 @@ pub fn look(how: &Looking, name: &str, scenario: &str) -> Result<Vec<Nearness>, 
     }
     let mut parts = parts(how.instants, name, scenario.seed, setup.engine.rate_hz);
 
-    let us = identity(&std::env::current_exe().map_err(|e| e.to_string())?)?;
+    let us = kept::own_identity()?;
     let by = fingerprint(&[us.as_bytes(), identity(&program::referee())?.as_bytes()]);
     let (mut file, mut instants) = Kept::open(&how.folder.join("steps.jsonl"), |i: &Instant| {
         i.by == by && i.engine == engine && (i.other_solution_p99.is_some() || !how.twice)
@@ -97,7 +99,14 @@ pub fn look(how: &Looking, name: &str, scenario: &str) -> Result<Vec<Nearness>, 
         let start = || Program::referee(if how.twice { &["steps", "twice"] } else { &["steps"] });
         let work = |program: &mut Program, (step, record): &(u64, SubstepRecord)| {
             let time = *step as f64 / setup.engine.rate_hz;
-            let answer = program.ask(&as_json(&part.scene, time, &setup.engine, record))?;
+            let problem = as_json(&part.scene, time, &setup.engine, record);
+            if how.keep {
+                let name = format!("problem-{}-{engine}-{step}.json", part.scene);
+                let path = how.folder.join(name.replace([' ', ','], "-"));
+                std::fs::write(&path, problem.to_string())
+                    .map_err(|e| format!("{}: {e}", path.display()))?;
+            }
+            let answer = program.ask(&problem)?;
             Instant::of(&answer, &part.scene, &engine, *step, &by, grains)
         };
         crew::each(how.jobs, &records, start, work, |_, instant| {
@@ -167,7 +176,10 @@ fn recorded(
     part: &Part,
 ) -> Result<(Specimen, Vec<(u64, SubstepRecord)>), String> {
     let Part { stage, scene, due } = part;
-    eprintln!("{scene}: {} instants ...", due.len());
+    match due.len() {
+        0 => eprintln!("{scene} ..."),
+        count => eprintln!("{scene}: {count} instants ..."),
+    }
     let tap = Arc::new(Mutex::new(Tap::default()));
     locked(&tap).due.clone_from(due);
     let make = |settings: &EngineSettings, gravity: Vector, pairs: &PairTable| {
