@@ -101,8 +101,9 @@ bench: setup ## run the benchmarks
 bench-peers: setup ## other engines on the same specimens: a table, and out/peers.json
 	cargo bench --locked --bench peers -- $(ARGS)
 
-referee: setup ## build the exact contact solver and have it check itself
+referee: setup ## the contact problems solved exactly, and what engines make of them: out/referee.json
 	@bash scripts/referee.sh
+	cargo bench --locked --bench referee -- $(ARGS)
 
 bench-sweep: build ## what a sweep costs beside its runs (a few minutes)
 	bash scripts/sweep-overhead.sh

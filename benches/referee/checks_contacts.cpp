@@ -125,6 +125,19 @@ void check_contacts(Checks &checks) {
     touches(upper, lower, 2e-5, found);
     checks.equal("points beyond the margin", static_cast<double>(found.size()), 0, 0);
 
+    // An edge of a cube on an edge of another, parallel: above or beside it.
+    upper.place(cube, {0.01 - 1e-6, 0, 0.01 - 2e-6}, Quat::Identity());
+    for (const double doubt : {0.0, 1e-5}) {
+        found.clear();
+        touches(upper, lower, 0, found, doubt);
+        Vec3 most = Vec3::Constant(-1);
+        for (const Touch &t : found) {
+            most = most.cwiseMax(t.normal);
+        }
+        checks.equal("an axis beside the one of least overlap", most.z(), doubt > 0 ? 1 : 0, 1e-12);
+        checks.equal("and that one", most.x(), 1, 1e-12);
+    }
+
     // Edges that cross at right angles, 10 µm inside each other.
     const Quat on_edge(Eigen::AngleAxisd(M_PI / 4, Vec3::UnitX()));
     const Quat across = Quat(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ())) * on_edge;

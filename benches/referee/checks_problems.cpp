@@ -76,6 +76,9 @@ void check_one_contact(Checks &checks) {
         worst = std::max(worst, (impulse - onto_cone(impulse - shifted, friction)).norm() / scale);
         ++kinds[impulse[0] == 0 ? 0 : (u.norm() < 1e-9 * scale ? 1 : 2)];
     }
+    checks.equal("what pulls without friction lies outside the cone",
+                 onto_cone({-1, 0, 0}, 0).norm(), 0, 0);
+    checks.equal("what presses without friction inside", onto_cone({1, 0, 0}, 0)[0], 1, 0);
     checks.below("law at one contact, 3000 random ones", worst, 1e-10);
     checks.above("of which part, stick and slide at least", *std::min_element(kinds, kinds + 3),
                  300);

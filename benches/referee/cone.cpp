@@ -95,11 +95,11 @@ Vec3 solve_loaded_contact(const Mat3 &w, const Vec3 &q, double friction, double 
 
 Vec3 onto_cone(const Vec3 &x, double friction) {
     const double size = std::sqrt(x[1] * x[1] + x[2] * x[2]);
-    if (size <= friction * x[0]) {
-        return x;
-    }
     if (friction * size <= -x[0]) {
         return Vec3::Zero();
+    }
+    if (size <= friction * x[0]) {
+        return x;
     }
     const double n = (x[0] + friction * size) / (1 + friction * friction);
     const double scale = size > 0 ? friction * n / size : 0;

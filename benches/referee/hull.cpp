@@ -34,17 +34,22 @@ struct Axis {
     int kind = 0, first = 0, second = 0; // 0: face of A, 1: face of B, 2: edges
 };
 
-// Faces of `reference` against the vertices of `other`.
-void ask_faces(const Placed &reference, const Placed &other, int kind, double enough, Axis &best) {
+// Faces of `reference` against the vertices of `other`. `all`, or null, gets every axis.
+void ask_faces(const Placed &reference, const Placed &other, int kind, double enough, Axis &best,
+               std::vector<Axis> *all = nullptr) {
     for (std::size_t f = 0; f < reference.normals.size(); ++f) {
         double least = FAR;
         for (const Vec3 &v : other.vertices) {
             least = std::min(least, reference.normals[f].dot(v));
         }
         const double separation = least - reference.offsets[f];
+        const Vec3 normal = kind == 0 ? Vec3(-reference.normals[f]) : reference.normals[f];
+        const Axis axis = {separation, normal, kind, static_cast<int>(f), 0};
+        if (all != nullptr) {
+            all->push_back(axis);
+        }
         if (separation > best.separation) {
-            const Vec3 normal = kind == 0 ? Vec3(-reference.normals[f]) : reference.normals[f];
-            best = {separation, normal, kind, static_cast<int>(f), 0};
+            best = axis;
             if (separation > enough) {
                 return;
             }
@@ -54,7 +59,8 @@ void ask_faces(const Placed &reference, const Placed &other, int kind, double en
 
 // Edges that make a face of the Minkowski difference: their arcs on the sphere
 // of normals cross.
-void ask_edges(const Placed &a, const Placed &b, double enough, Axis &best) {
+void ask_edges(const Placed &a, const Placed &b, double enough, Axis &best,
+               std::vector<Axis> *all = nullptr) {
     const double to_beat = best.separation + EDGE_HANDICAP;
     Axis edges;
     edges.separation = to_beat;
@@ -89,8 +95,12 @@ void ask_edges(const Placed &a, const Placed &b, double enough, Axis &best) {
             }
             const double separation =
                 normal.dot(pa - b.vertices[static_cast<std::size_t>(eb.from)]);
+            const Axis axis = {separation, normal, 2, static_cast<int>(i), static_cast<int>(j)};
+            if (all != nullptr) {
+                all->push_back(axis);
+            }
             if (separation > edges.separation) {
-                edges = {separation, normal, 2, static_cast<int>(i), static_cast<int>(j)};
+                edges = axis;
                 if (separation > enough) {
                     break;
                 }
@@ -259,7 +269,23 @@ void Placed::place(const Hull &of, const Vec3 &position, const Quat &rotation) {
     }
 }
 
-void touches(const Placed &a, const Placed &b, double margin, std::vector<Touch> &out) {
+namespace {
+
+void touches_along(const Axis &axis, const Placed &a, const Placed &b, double margin,
+                   std::vector<Touch> &out) {
+    if (axis.kind == 0) {
+        clip(a, axis.first, b, axis, margin, out);
+    } else if (axis.kind == 1) {
+        clip(b, axis.first, a, axis, margin, out);
+    } else {
+        cross(a, b, axis, out);
+    }
+}
+
+} // namespace
+
+void touches(const Placed &a, const Placed &b, double margin, std::vector<Touch> &out,
+             double doubt) {
     const double reach = a.hull->radius + b.hull->radius + margin;
     if ((a.centre - b.centre).squaredNorm() > reach * reach) {
         return;
@@ -268,12 +294,22 @@ void touches(const Placed &a, const Placed &b, double margin, std::vector<Touch>
     if (axis.separation > margin) {
         return;
     }
-    if (axis.kind == 0) {
-        clip(a, axis.first, b, axis, margin, out);
-    } else if (axis.kind == 1) {
-        clip(b, axis.first, a, axis, margin, out);
-    } else {
-        cross(a, b, axis, out);
+    touches_along(axis, a, b, margin, out);
+    if (doubt <= 0) {
+        return;
+    }
+    Axis best;
+    std::vector<Axis> all;
+    ask_faces(a, b, 0, FAR, best, &all);
+    ask_faces(b, a, 1, FAR, best, &all);
+    ask_edges(a, b, FAR, best, &all);
+    const double least = axis.separation - std::max(doubt, -axis.separation);
+    for (const Axis &other : all) {
+        const bool same =
+            other.kind == axis.kind && other.first == axis.first && other.second == axis.second;
+        if (!same && other.separation >= least) {
+            touches_along(other, a, b, margin, out);
+        }
     }
 }
 

@@ -49,8 +49,11 @@ struct Touch {
 
 // All contact points of a pair with gaps up to `margin`: the whole polygon where
 // faces meet, one point where edges cross. Nothing where the hulls are further
-// apart. Gaps of hulls that overlap are negative.
-void touches(const Placed &a, const Placed &b, double margin, std::vector<Touch> &out);
+// apart. Gaps of hulls that overlap are negative. With a doubt, m, also along every
+// other axis whose separation falls short of the largest by less than it, or than
+// the overlap: which of them bears cannot be said from the places alone.
+void touches(const Placed &a, const Placed &b, double margin, std::vector<Touch> &out,
+             double doubt = 0);
 void touches(const Placed &a, const Plane &b, double margin, std::vector<Touch> &out);
 
 // Gap along the axis of largest separation: minus the depth of an overlap, and

@@ -95,7 +95,8 @@ double friction_of(const Scene &scene, const SceneTouch &touch) {
     return scene.friction[a][b];
 }
 
-std::vector<SceneTouch> scene_touches(const Scene &scene, const std::vector<double> &margins) {
+std::vector<SceneTouch> scene_touches(const Scene &scene, const std::vector<double> &margins,
+                                      double doubt) {
     const auto count = static_cast<int>(scene.grains.size());
     std::vector<Placed> placed(scene.grains.size());
     for (std::size_t i = 0; i < placed.size(); ++i) {
@@ -140,13 +141,13 @@ std::vector<SceneTouch> scene_touches(const Scene &scene, const std::vector<doub
             take(i, fixed--);
         }
         for (const Placed &piece : pieces) {
-            touches(placed[k], piece, margins[k], found);
+            touches(placed[k], piece, margins[k], found, doubt);
             take(i, fixed--);
         }
     }
     for (const auto &[i, j] : pairs) {
         const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
-        touches(placed[a], placed[b], margins[a] + margins[b], found);
+        touches(placed[a], placed[b], margins[a] + margins[b], found, doubt);
         take(i, j);
     }
     return out;

@@ -50,8 +50,9 @@ struct SceneTouch {
 Scene read_scene(const std::string &text);
 
 // All contact points with gaps up to the sum of the two bodies' margins; what is
-// fixed has none.
-std::vector<SceneTouch> scene_touches(const Scene &scene, const std::vector<double> &margins);
+// fixed has none. `doubt` as in hull.h.
+std::vector<SceneTouch> scene_touches(const Scene &scene, const std::vector<double> &margins,
+                                      double doubt = 0);
 
 double friction_of(const Scene &scene, const SceneTouch &touch);
 
