@@ -51,7 +51,7 @@ fn make_targets_exist() {
         assert!(missing.is_empty(), "{document} names targets the Makefile lacks: {missing:?}");
     }
     assert_eq!(
-        missing("`make test bogus OUT=x ARGS=--quick`"),
+        missing("`make test bogus OUT=x ARGS=\"--quick other\"`"),
         ["bogus"],
         "the check finds faults"
     );

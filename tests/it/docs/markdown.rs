@@ -82,9 +82,10 @@ pub fn make_targets(text: &str) -> Vec<String> {
     commands
         .iter()
         .filter_map(|command| command.trim().strip_prefix("make "))
-        .flat_map(str::split_whitespace)
+        // What stands in quotes is a value.
+        .map(|words| words.split('"').step_by(2).collect::<String>())
+        .flat_map(|words| words.split_whitespace().map(str::to_owned).collect::<Vec<_>>())
         .filter(|word| !word.contains('=') && !word.starts_with(['[', '-']))
-        .map(str::to_owned)
         .collect()
 }
 
