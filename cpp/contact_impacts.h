@@ -26,7 +26,8 @@
 
 namespace pluvia {
 
-// Share of the fastest approach to which impacts are solved.
+// Share of the fastest approach to which impacts are solved, where it is more than the
+// threshold of restitution.
 template <class L>
 inline constexpr
     typename Lane<L>::Number IMPACT_SHARE = static_cast<typename Lane<L>::Number>(0.001);

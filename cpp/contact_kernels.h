@@ -23,8 +23,8 @@ template <class N> struct LaneLaw {
 // Where a blow calls for more sweeps, at most so many times as many.
 constexpr int MOST_SWEEPS = 8;
 
-// Among few contacts, impacts are solved with as many sweeps as come to so much
-// work, in batches: blocks that stand on two supports need hundreds.
+// Among few contacts impacts get more sweeps, until this number of batches has been
+// solved: a block that meets two supports needs hundreds.
 constexpr int SMALL_WORK = 4096;
 
 // The motion of the bodies of one side of a batch.

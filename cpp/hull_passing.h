@@ -35,8 +35,9 @@ struct PairFace {
 
 // The face that the bodies slide along: neither its gap nor its depth is more than
 // `slack`, now and at the end of the step, and the gap shrinks by less than half of
-// what the widest does. `found` otherwise: the face with the widest gap now. `now` has the gaps of
-// this moment, as `faces` of the kernels leaves them; `ahead` is written to.
+// what the widest does. Where there is none, `found`: the face with the widest gap
+// now. `now` has the gaps of this moment, as `faces` of the kernels leaves them;
+// `ahead` is written to.
 PairFace passing_face(const AxisKernels &kernels, const HullData &a, const HullData &b,
                       const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion,
                       double slack, const PairFace &found, const AxisScratch &now,

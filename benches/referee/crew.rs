@@ -35,7 +35,7 @@ pub fn each<T: Sync, R>(
         let ended = threads
             .into_iter()
             .map(|t| t.join().unwrap_or_else(|_| Err("a thread of the referee panicked".into())));
-        // All are joined before the first error is told.
+        // All are joined before the first error is reported.
         ended.collect::<Vec<_>>().into_iter().collect()
     })
 }

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use pluvia::{
     geometry::{ConvexPolyhedron, Pose, Vector},
-    grains::{generate, streams},
-    scenario::{EngineSettings, SieveFraction, SievedGrains},
+    grains::streams,
+    scenario::EngineSettings,
+    verify::grains,
     world::{
         Body, BodyId, BodyState, Contact, Material, Motion, PairCoefficients, PairTable, Snapshot,
         create,
@@ -13,8 +14,6 @@ use pluvia::{
 };
 use serde_json::{Value, json};
 
-/// Density of the solids in kg/m³ (paper, section 3).
-const DENSITY: f64 = 2673.9;
 const GRAVITY: f64 = 9.81;
 /// Thickness of the box's floor and sides in m, where an engine needs one.
 const WALL: f64 = 0.02;
@@ -48,19 +47,7 @@ pub struct Ended {
 /// The grains of a realisation where they begin to fall: turned at random, each
 /// as low as the spheres around those before it allow.
 pub fn start(recipe: &Recipe, seed: u64) -> Result<Vec<Body>, String> {
-    // A fraction has V / (π/6 d³) grains of its mean diameter 9 mm.
-    let volume_mm3 = recipe.grains as f64 * std::f64::consts::PI / 6.0 * 9.0_f64.powi(3);
-    let spec = SievedGrains {
-        total_mass_g: volume_mm3 * 1e-6 * DENSITY,
-        density_kg_per_m3: DENSITY,
-        sieve_table: vec![SieveFraction {
-            passing_mm: 10.0,
-            retained_mm: 8.0,
-            mass_percent: 100.0,
-        }],
-        cells: Default::default(),
-    };
-    let set = generate(&spec, seed).map_err(|e| e.to_string())?;
+    let set = grains(recipe.grains, seed).map_err(|e| e.to_string())?;
     let mut placed: Vec<(Vector, f64)> = Vec::new();
     let mut bodies = Vec::new();
     for (n, grain) in set.grains.iter().enumerate() {

@@ -67,7 +67,7 @@ struct Log {
 
 type Logs = Mutex<Vec<Arc<Mutex<Log>>>>;
 
-/// A world that writes down what it is told.
+/// A world that records its calls.
 struct Spy {
     inner: Box<dyn World + Send>,
     log: Arc<Mutex<Log>>,
@@ -172,7 +172,7 @@ fn carry_out(
     };
     let never = AtomicBool::new(false);
     let outcome = run(&setup, &make, specimen, stage, None, &mut Unseen, &never);
-    let outcome = outcome.expect("it can be carried out");
+    let outcome = outcome.expect("it runs");
     let logs = logs.into_inner().expect("alone");
     (outcome, logs.iter().map(|log| log.lock().expect("alone").clone()).collect())
 }
@@ -198,7 +198,7 @@ fn a_segment_is_told_where_the_table_was_in_the_last_steps_of_the_one_before() {
     for pair in logs.windows(2) {
         let (before, after) = (&pair[0], &pair[1]);
         let on_table = after.recalled_drives.len();
-        assert!(on_table > 1, "law: every piece on the table is told");
+        assert!(on_table > 1, "law: every piece on the table is recalled");
         for (id, ends) in &after.recalled_drives {
             let driven: Vec<Pose> =
                 before.driven.iter().filter(|(other, _)| other == id).map(|(_, p)| *p).collect();
@@ -247,7 +247,7 @@ fn a_pile_takes_all_its_contacts_from_segment_to_segment() {
     assert!(logs.len() > 3, "the check has seams, {} worlds", logs.len());
     let mut swapped = 0;
     for (before, after) in logs.iter().zip(&logs[1..]) {
-        assert_eq!(before.remembered.len(), after.recalled.len(), "law: every contact is told");
+        assert_eq!(before.remembered.len(), after.recalled.len(), "law: every contact is recalled");
         let forces =
             |contacts: &[RememberedContact]| contacts.iter().map(|c| c.force.norm()).sum::<f64>();
         assert_eq!(forces(&before.remembered), forces(&after.recalled), "law: with its force");

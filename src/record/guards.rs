@@ -152,7 +152,7 @@ impl GuardSummary {
         }
     }
 
-    /// Of a figure about so many looks together, at most `limit`; none of no looks.
+    /// Of one figure over all looks, at most `limit`; `None` where there were no looks.
     pub fn at_most(watches: &str, limit: f64, figure: Option<f64>, looks: u64) -> Self {
         Self {
             watches: watches.to_owned(),

@@ -20,6 +20,7 @@ pub use bench::{Bench, Maker};
 pub use case::{Case, KnownFailure, builtin};
 pub use experiment::Outcome;
 pub use judge::{Status, Verdict, within};
+pub use scene::grains;
 pub use settings::{Setting, settings};
 pub use suite::{SuiteError, SuiteOptions, run_suite, tally};
 pub use view::View;

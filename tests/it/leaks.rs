@@ -60,7 +60,7 @@ struct Held {
 enum Leak {
     /// Nothing.
     Nothing,
-    /// So many bytes a world, by Rust.
+    /// Rust leaks this number of bytes per world.
     Bytes(usize),
     /// A pair of hulls a world, made in C++.
     Hulls,
@@ -69,7 +69,7 @@ enum Leak {
 }
 
 impl Leak {
-    /// As it is told to the other process.
+    /// As the other process reads it.
     fn told(self) -> String {
         match self {
             Self::Nothing => "nothing".into(),
@@ -217,7 +217,7 @@ fn a_growth_is_told_from_none() {
     assert!(growth(&[]).is_err(), "law: nothing measured is no proof");
 }
 
-/// The other process: makes worlds, and prints what it holds after so many each.
+/// The other process: makes worlds, and prints what it holds after each round.
 #[test]
 fn leaks_other_process() {
     let Ok(worlds) = env::var(WORLDS) else { return };
@@ -234,7 +234,7 @@ fn leaks_other_process() {
     }
 }
 
-/// Makes worlds in another process; what it held after so many each.
+/// Makes worlds in another process; what it held after each round.
 fn held(worlds: usize, each: usize, leak: Leak) -> Vec<Held> {
     let this = env::current_exe().expect("this program");
     let output = Command::new(this)

@@ -285,7 +285,7 @@ mod tests {
         for at in 0..3 {
             let mut numbers = [0.1, 0.3, 0.2];
             numbers[at] = f64::NAN;
-            assert!(largest(numbers).is_nan(), "law: no number is told, at place {at}");
+            assert!(largest(numbers).is_nan(), "law: what is no number is reported, at place {at}");
         }
     }
 }

@@ -1,5 +1,5 @@
 //! How driven bodies go through a step: their velocity changes steadily, in a new
-//! world that is told of the steps before as well, and a new body begins anew.
+//! world that recalls the steps before as well, and a new body begins anew.
 
 use super::probe::ProbeDrive;
 use super::tests::{free_box, precision, shared_turn, slab};

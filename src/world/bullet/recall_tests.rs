@@ -1,4 +1,4 @@
-//! Contacts that a world is told of by another: all of them are taken over,
+//! Contacts that a world recalls from another: all of them are taken over,
 //! whatever the order of the bodies.
 
 use super::tests::{free_box, shared_turn, slab};
