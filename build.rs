@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 37] = [
+const SHIMS: [&str; 38] = [
     "contact_batches",
     "contact_bodies",
     "contact_iterations",
@@ -31,6 +31,7 @@ const SHIMS: [&str; 37] = [
     "hull_clip",
     "hull_memory",
     "hull_pair",
+    "hull_landing",
     "hull_passing",
     "hull_algorithm",
     "hull_dispatcher",
@@ -65,6 +66,7 @@ fn main() {
     println!("cargo::rerun-if-changed=cpp/contact_impacts.h");
     println!("cargo::rerun-if-changed=cpp/contact_kernels.h");
     println!("cargo::rerun-if-changed=cpp/contact_residual.h");
+    println!("cargo::rerun-if-changed=cpp/contact_sweeps.h");
     println!("cargo::rerun-if-changed=cpp/hull_axis_kernels.h");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-env-changed={SANITIZE}");

@@ -38,10 +38,18 @@ template <class L> struct alignas(64) BatchMemory {
     L total, total_1, total_2; // impulses of the step
 };
 
+// Of the contacts of a batch: what the last sweep changed, and the way along which
+// sweeps go on.
+template <class L> struct alignas(64) Search {
+    L change{}, change_1{}, change_2{};
+    L way{}, way_1{}, way_2{};
+};
+
 // All batches of a step; those from `near` on are of contacts that may sleep.
 template <class L> struct Contacts {
     UnsetVector<Batch<L>> batches;
     UnsetVector<BatchMemory<L>> memory;
+    std::vector<Search<L>> search;
     std::vector<char> awake; // whether the sweeps take the batch in
     std::size_t near = 0;
 };
@@ -53,11 +61,18 @@ template <class N> struct PackedBodies {
     UnsetVector<Record<N>> root; // of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz, -
     UnsetVector<Record<N>> way;  // gone since the step began: shift, -, turn (a rotation vector), -
     UnsetVector<Record<N>> forced; // what external forces add to the motion in a sub-step
+    UnsetVector<Record<N>> free;   // motion of the sub-step without contacts
+    UnsetVector<Record<N>> before; // motion before the last sweep
+    UnsetVector<Record<N>> search; // the way along which sweeps go on, in the motion
 
     void resize(std::size_t count) {
         for (auto *records : {&motion, &root, &way, &forced}) {
             records->resize(count);
         }
+    }
+    void begin_search() {
+        before = motion;
+        search.assign(motion.size(), Record<N>{});
     }
 };
 

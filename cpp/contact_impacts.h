@@ -115,6 +115,7 @@ PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
         contacts.awake[i] = i < contacts.near || any_larger(batches[i].impulse, 0);
     }
     force(bodies);
+    bodies.free = bodies.motion;
     if (look != nullptr && look->record != nullptr) {
         record_bodies(bodies, false, *look->record);
     }
@@ -123,7 +124,7 @@ PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
             begin(batches[i], motion);
         }
     }
-    iterate<Unsolved::Approach>(contacts, sweeps, law.unsolved_speed, motion);
+    iterate<Solved::Forces>(contacts, sweeps, law.unsolved_speed, law.unsolved_share, bodies);
     if (look != nullptr) {
         for (const Batch<L> &batch : batches) {
             add_residual(batch, motion, look->residual);
@@ -160,11 +161,11 @@ PLUVIA_INLINE void substep(Contacts<L> &contacts, int sweeps,
     for (std::size_t i = 0; i < batches.size(); ++i) {
         begin_compression(batches[i], memory[i], normal_speed(batches[i], motion), law);
     }
-    iterate<Unsolved::Change>(contacts, sweeps, limit, motion);
+    iterate<Solved::Impacts>(contacts, sweeps, limit, 0, bodies);
     for (std::size_t i = 0; i < batches.size(); ++i) {
         begin_restitution(batches[i], memory[i], normal_speed(batches[i], motion));
     }
-    iterate<Unsolved::Change>(contacts, sweeps, limit, motion);
+    iterate<Solved::Impacts>(contacts, sweeps, limit, 0, bodies);
     for (std::size_t i = 0; i < batches.size(); ++i) {
         end_impacts(batches[i], memory[i]);
     }

@@ -42,7 +42,8 @@ template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double step) {
             static_cast<N>(law.push_out_speed),
             static_cast<N>(law.restitution_speed),
             static_cast<N>(law.closed_gap),
-            static_cast<N>(law.unsolved_gap / substep)};
+            static_cast<N>(law.unsolved_gap / substep),
+            law.unsolved_share};
 }
 
 template <class L> void set_three(Three<L> &lanes, int i, const Three<double> &value) {

@@ -17,15 +17,9 @@ template <class N> struct LaneLaw {
     N stiffness,
         damping; // damping per root of mass: twice the ratio times the root of the stiffness
     N push_out_speed, restitution_speed, closed_gap;
-    N unsolved_speed; // approach that calls for another sweep
+    N unsolved_speed;      // approach that calls for another sweep
+    double unsolved_share; // of what contacts change, that calls for another sweep
 };
-
-// Where a blow calls for more sweeps, at most so many times as many.
-constexpr int MOST_SWEEPS = 8;
-
-// Among few contacts impacts get more sweeps, until this number of batches has been
-// solved: a block that meets two supports needs hundreds.
-constexpr int SMALL_WORK = 4096;
 
 // The motion of the bodies of one side of a batch.
 template <class L> struct Side {
@@ -192,60 +186,6 @@ PLUVIA_INLINE void aim(Batch<L> &c, BatchMemory<L> &m, const LaneLaw<typename La
     c.impulse_2 = c.impulse_2 * scale;
 }
 
-// What a sweep reports of the normals: how fast contacts were approached beyond
-// what they aim at, which is what adds overlap, or any change of their speed, sliding included.
-enum class Unsolved { Approach, Change };
-
-// Friction first, within the cone that the normal impulse allows so far; the
-// normal last, since overlap is worse than a little sliding. `unsolved` gets the
-// fastest of what is asked for.
-template <Unsolved WHAT, class L>
-PLUVIA_INLINE void solve(Batch<L> &c, Side<L> &a, Side<L> &b, L &unsolved) {
-    const L zero{};
-    const L slip_1 = parting(a, b, c.tangent_1, c.lever_1_a, c.lever_1_b);
-    const L slip_2 = parting(a, b, c.tangent_2, c.lever_2_a, c.lever_2_b);
-    L next_1 = c.impulse_1 - c.tangent_mass * slip_1;
-    L next_2 = c.impulse_2 - c.tangent_mass * slip_2;
-    const L most = c.friction * c.impulse;
-    const L size = root(L(next_1 * next_1 + next_2 * next_2));
-    // min(1, most/size), for size 0 as well.
-    const L scale = most / larger(L(most), larger(size, L(zero + TINY<L>)));
-    next_1 = next_1 * scale;
-    next_2 = next_2 * scale;
-    const L more_1 = next_1 - c.impulse_1;
-    const L more_2 = next_2 - c.impulse_2;
-    push(a, b, c.tangent_1 * more_1 + c.tangent_2 * more_2,
-         c.lever_1_a * more_1 + c.lever_2_a * more_2, c.lever_1_b * more_1 + c.lever_2_b * more_2);
-    c.impulse_1 = next_1;
-    c.impulse_2 = next_2;
-
-    const L speed = parting(a, b, c.normal, c.lever_a, c.lever_b);
-    const L error = speed - c.target + c.yield * c.impulse;
-    const L wanted = larger(zero, L(c.impulse - c.normal_mass * error));
-    const L next = smaller(wanted, c.most);
-    const L more = next - c.impulse;
-    if (WHAT == Unsolved::Change) {
-        const L change = larger(more, L(zero - more));
-        const L turn = root(L(more_1 * more_1 + more_2 * more_2));
-        unsolved = larger(unsolved, L(change / larger(c.normal_mass, L(zero + TINY<L>))));
-        unsolved = larger(unsolved, L(turn / larger(c.tangent_mass, L(zero + TINY<L>))));
-    } else {
-        unsolved = larger(unsolved, wanted > next ? zero : L(zero - error));
-    }
-    push(a, b, c.normal * more, c.lever_a * more, c.lever_b * more);
-    c.impulse = next;
-}
-
-template <Unsolved WHAT, class L>
-PLUVIA_INLINE void solve_at(Batch<L> &c, Records<L> *motion, L &unsolved) {
-    Side<L> a, b;
-    gather_motion(motion, c.a, a);
-    gather_motion(motion, c.b, b);
-    solve<WHAT>(c, a, b, unsolved);
-    scatter_motion(a, c.a, motion);
-    scatter_motion(b, c.b, motion);
-}
-
 // Applies the impulses that the contacts begin with.
 template <class L> PLUVIA_INLINE void begin(const Batch<L> &c, Records<L> *motion) {
     Side<L> a, b;
@@ -277,42 +217,6 @@ template <class N> PLUVIA_INLINE void go(PackedBodies<N> &bodies, N step) {
         const N motion[8] = {m[0], m[1], m[2], 0, spin.x, spin.y, spin.z, 0};
         for (int i = 0; i < 8; ++i) {
             bodies.way[b].at[i] += motion[i] * step;
-        }
-    }
-}
-
-// Sweeps over the contacts that are awake until less than `limit` is unsolved.
-//
-// A contact that bears nothing and is not approached too fast is left as it is
-// by a sweep. So the contacts that are not near are looked at in the first
-// sweep, every so many, and when all others are solved; they take part in all
-// sweeps from when one of their batch bears something.
-template <Unsolved WHAT, class L>
-PLUVIA_INLINE void iterate(Contacts<L> &contacts, int sweeps, typename Lane<L>::Number limit,
-                           Records<L> *motion) {
-    auto &batches = contacts.batches;
-    // A blow to a heap takes more sweeps to get through it than its weight.
-    const int small = WHAT == Unsolved::Change ? SMALL_WORK / static_cast<int>(batches.size()) : 0;
-    const int most = std::max(MOST_SWEEPS * sweeps, small);
-    for (int sweep = 1; sweep <= most; ++sweep) {
-        L unsolved{};
-        for (std::size_t i = 0; i < batches.size(); ++i) {
-            if (contacts.awake[i]) {
-                solve_at<WHAT>(batches[i], motion, unsolved);
-            }
-        }
-        const bool solved = sweep >= sweeps && !any_larger(unsolved, limit);
-        if (sweep > 1 && sweep % sweeps != 0 && !solved) {
-            continue;
-        }
-        for (std::size_t i = contacts.near; i < batches.size(); ++i) {
-            if (!contacts.awake[i]) {
-                solve_at<WHAT>(batches[i], motion, unsolved);
-                contacts.awake[i] = any_larger(batches[i].impulse, 0);
-            }
-        }
-        if (solved && !any_larger(unsolved, limit)) {
-            break;
         }
     }
 }

@@ -25,8 +25,8 @@ double square(const float a[3], const float b[3]) {
 
 // For each new point the old one that it continues, or -1.
 void match_points(const KeptContact &contact, const KeptContact &before, double match,
-                  int from[4]) {
-    bool taken[4] = {false, false, false, false};
+                  int from[MOST_POINTS]) {
+    bool taken[MOST_POINTS] = {};
     int left = 0;
     for (int i = 0; i < contact.count; ++i) {
         from[i] = -1;
@@ -97,13 +97,13 @@ void take_contact(const PairContact &contact, double match, PairState &state) {
     const KeptContact before = state.memory.last;
     KeptContact &now = state.memory.last;
     now.keep(contact);
-    Load loads[4];
+    Load loads[MOST_POINTS];
     if (contact.held) {
         for (int i = 0; i < now.count; ++i) {
             loads[i] = turned(state.loads[i], before.normal, now.normal);
         }
     } else {
-        int from[4];
+        int from[MOST_POINTS];
         match_points(now, before, match, from);
         for (int i = 0; i < now.count; ++i) {
             if (from[i] >= 0) {

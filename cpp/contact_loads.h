@@ -18,8 +18,8 @@ struct Load {
 // One pair: the contact found last with its loads, point by point.
 struct PairState {
     PairMemory memory;
-    Load loads[4];
     float friction = 0, restitution = 0;
+    Load loads[MOST_POINTS];
 };
 
 // Makes a contact found now the one of the pair.

@@ -100,7 +100,7 @@ void RecalledContacts::give(const btCollisionObject &a, const btCollisionObject 
     }
     recall(hull_a, hull_b, points->front().feature, state.memory);
     KeptContact &contact = state.memory.last;
-    contact.count = static_cast<int>(std::min<std::size_t>(points->size(), 4));
+    contact.count = static_cast<int>(std::min<std::size_t>(points->size(), MOST_POINTS));
     for (int i = 0; i < contact.count; ++i) {
         const Recalled &r = (*points)[static_cast<std::size_t>(i)];
         const btVector3 on_a = a.getWorldTransform().invXform(r.point);

@@ -1,8 +1,8 @@
 // Looks at a sub-step (see contact_look.h).
 #pragma once
 
-#include "contact_kernels.h"
 #include "contact_look.h"
+#include "contact_sweeps.h"
 
 namespace pluvia {
 

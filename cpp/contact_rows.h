@@ -13,13 +13,15 @@ namespace pluvia {
 // How contacts yield and rebound; engine units.
 struct ContactLaw {
     int substeps;             // of a step
-    int sweeps;               // over all contacts in a sub-step
+    int sweeps;               // over all contacts in a sub-step, at least
     double stiffness;         // of a contact point, N/m: mass over time squared, whatever the unit
     double damping_ratio;     // of the spring with the bodies it stands between
     double push_out_speed;    // largest speed at which overlap is pushed apart
     double restitution_speed; // approach speed below which nothing rebounds
     double closed_gap;        // gap up to which a contact counts as touching
     double unsolved_gap;      // overlap that a sub-step may add before more sweeps are made
+    // Of what contacts change in a sub-step: what the last sweep may change at most.
+    double unsolved_share;
 };
 
 // A body in the solver; index 0 is the world at rest.

@@ -41,11 +41,26 @@ std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const Wor
                          d.push_out_speed * scale,
                          d.restitution_velocity_threshold * scale,
                          CLOSED_GAP * scale,
-                         UNSOLVED_GAP * scale};
+                         UNSOLVED_GAP * scale,
+                         d.solver_tolerance};
     const Sweep sweep = d.contacts_at_once == 1     ? Sweep::OneByOne
                         : has_avx2() && !d.portable ? Sweep::Avx2
                                                     : Sweep::Portable;
     return std::make_unique<ContactSolver>(collision.touching, law, sweep, d.gyroscopic, workers);
+}
+
+void read_solver(const Units &units, const ContactSolver &solver, ReadBack &into) {
+    const ContactLaw &law = solver.law();
+    into.put("portable_instructions", solver.sweep() == Sweep::Portable);
+    into.put("substeps", law.substeps);
+    into.put("sweeps_in_a_substep", law.sweeps);
+    into.put("solver_tolerance", law.unsolved_share);
+    into.put("contact_stiffness_n_per_m", law.stiffness);
+    into.put("contact_damping_ratio", law.damping_ratio);
+    into.put("push_out_speed_m_per_s", law.push_out_speed / units.scale());
+    into.put("restitution_speed_m_per_s", law.restitution_speed / units.scale());
+    into.put("closed_gap_m", law.closed_gap / units.scale());
+    into.put("contacts_at_once", solver.sweep() == Sweep::OneByOne ? 1 : 8);
 }
 
 } // namespace pluvia

@@ -36,7 +36,7 @@ std::uint32_t place(const btCollisionObject &body) {
 } // namespace
 
 PairSettings pair_settings(double reach, double scale) {
-    return {reach, HYSTERESIS * scale, HOLD * scale, FACE_PREFERENCE * scale};
+    return {reach, 0, HYSTERESIS * scale, HOLD * scale, FACE_PREFERENCE * scale};
 }
 
 double match_distance(double scale) { return MATCH * scale; }
@@ -66,7 +66,8 @@ void HullAlgorithm::ask_for_hulls(const HullData &a, const HullData &b) const {
 void HullAlgorithm::find(const HullBody &a, const HullBody &b, double travelled,
                          PairScratch &scratch) {
     PairSettings settings = shared_.settings;
-    settings.reach += approach_in_step(a, b, shared_.step);
+    settings.approach = approach_in_step(a, b, shared_.step);
+    settings.reach += settings.approach;
     if (!shared_.recalled.empty()) {
         shared_.recalled.give(*a.object, *b.object, *a.hull, *b.hull, state_);
     }

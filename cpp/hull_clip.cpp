@@ -261,8 +261,8 @@ int keep_points(std::vector<ClipPoint> &points, double slack, const std::uint32_
     const auto rest = std::stable_partition(points.begin(), points.end(), [&](const ClipPoint &p) {
         return std::find(known, known + known_count, p.id) != known + known_count;
     });
-    const int most = std::min(4, static_cast<int>(points.size()));
-    int kept = std::min(4, static_cast<int>(rest - points.begin()));
+    int kept = static_cast<int>(rest - points.begin());
+    const int most = std::max(kept, std::min(4, static_cast<int>(points.size())));
     const auto apart = [&](const ClipPoint &p) {
         double nearest = 1e300;
         for (int i = 0; i < kept; ++i) {

@@ -81,7 +81,7 @@ int reduce_points(std::vector<ClipPoint> &points, const double normal[3], double
                   double slack, const std::uint32_t *known, int known_count);
 
 // The same where the points with the `known` ids are to be kept whatever else
-// there is: they come first, then those farthest from all before.
+// there is: they come first, then, up to four, those farthest from all before.
 int keep_points(std::vector<ClipPoint> &points, double slack, const std::uint32_t *known,
                 int known_count);
 

@@ -14,6 +14,10 @@ enum class Feature : std::uint8_t { None, FaceOfA, FaceOfB, Edges };
 constexpr std::uint32_t FROM_FACE_OF_B = 1U << 30;
 constexpr std::uint32_t FROM_EDGES = 3U << 28;
 
+// Points that a contact may have: four hold bodies at rest, and more are there where
+// bodies meet fast.
+constexpr int MOST_POINTS = 8;
+
 struct PairPoint {
     double on_a[3]; // in A's frame
     double on_b[3]; // in B's frame
@@ -34,7 +38,7 @@ struct PairContact {
     std::uint32_t feature = 0;    // packed
     bool held = false;            // the same points as in the last step
     double normal[3] = {0, 0, 0}; // out of A towards B, in the world
-    PairPoint points[4];
+    PairPoint points[MOST_POINTS];
 };
 
 // A contact as its pair keeps it: in single precision, which the solver reads it
@@ -52,7 +56,7 @@ struct KeptContact {
     std::int32_t count = 0;
     std::uint32_t feature = 0;
     float normal[3] = {0, 0, 0};
-    KeptPoint points[4];
+    KeptPoint points[MOST_POINTS];
 
     void keep(const PairContact &contact);
 };
@@ -70,15 +74,18 @@ struct PairMemory {
     // that is apart: how far in this step, along the axis.
     float widest = 0;
     Relative pose = {};
-    // The contact of the last step, which who calls puts here.
-    KeptContact last;
     // Of a face contact: where the smaller body was in the frame of the larger
     // when its points were found.
     Relative met_at = {};
+    // And the reach with which they were found.
+    float met_reach = 0;
     // The same face's plane, a copy beside the points: while they stay, nothing
     // else is read of the hulls, which may be far away in memory.
     float plane_normal[3] = {0, 0, 0};
     float plane_offset = 0;
+    // The contact of the last step, which who calls puts here. At the end: of most
+    // pairs only the first points are ever read.
+    KeptContact last;
 };
 
 // How far any point of a body can have come from one place to another: |t - t'| +

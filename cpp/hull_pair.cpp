@@ -1,5 +1,7 @@
 #include "hull_pair.h"
 
+#include "hull_landing.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -87,18 +89,7 @@ class Pair {
     // Whether the axis that parted the pair does so still.
     bool still_apart() {
         const double axis[3] = {memory_.axis[0], memory_.axis[1], memory_.axis[2]};
-        double world[3];
-        pose_a_.turn(axis, world);
-        const double *r = pose_b_.r;
-        float axis_b[3];
-        double shift = 0;
-        for (int i = 0; i < 3; ++i) {
-            axis_b[i] =
-                static_cast<float>(r[i] * world[0] + r[3 + i] * world[1] + r[6 + i] * world[2]);
-            shift += world[i] * (pose_b_.t[i] - pose_a_.t[i]);
-        }
-        memory_.widest =
-            kernels_.gap_along(a_, b_, memory_.axis, axis_b, static_cast<float>(shift));
+        memory_.widest = static_cast<float>(gap_along(axis));
         return memory_.widest > reach();
     }
 
@@ -127,13 +118,16 @@ class Pair {
         if (memory_.feature == Feature::Edges) {
             return moved(memory_.pose) <= settings_.hold && keep_edges(ANY);
         }
-        if (memory_.last.count == 0 || moved(memory_.met_at) > settings_.hold) {
+        // Corners that were out of reach then may land now.
+        const bool farther =
+            settings_.reach > static_cast<double>(memory_.met_reach) + settings_.hold;
+        if (memory_.last.count == 0 || farther || moved(memory_.met_at) > settings_.hold) {
             return false;
         }
         const bool is_a = memory_.feature == Feature::FaceOfA;
         const double normal[3] = {memory_.plane_normal[0], memory_.plane_normal[1],
                                   memory_.plane_normal[2]};
-        ClipPoint points[4];
+        ClipPoint points[MOST_POINTS];
         for (int i = 0; i < memory_.last.count; ++i) {
             const KeptPoint &before = memory_.last.points[i];
             ClipPoint &point = points[i];
@@ -267,6 +261,7 @@ class Pair {
     // What `hold` goes on with.
     void remember_plane(const HullData &reference, int face) {
         memory_.met_at = now_;
+        memory_.met_reach = reach();
         memory_.plane_normal[0] = reference.nx[face];
         memory_.plane_normal[1] = reference.ny[face];
         memory_.plane_normal[2] = reference.nz[face];
@@ -300,6 +295,7 @@ class Pair {
         deepest_ = edge.gap;
     }
 
+    static std::uint32_t mark(bool is_a) { return is_a ? 0 : FROM_FACE_OF_B; }
     const Rigid &from_incident(bool is_a) const { return is_a ? b_to_a_ : a_to_b_; }
     const Rigid &to_incident(bool is_a) const { return is_a ? a_to_b_ : b_to_a_; }
 
@@ -324,21 +320,28 @@ class Pair {
         auto &points = scratch_.clip.points;
         clip_face(reference, face, is_a ? b_ : a_, incident_, from_incident(is_a), settings_.reach,
                   scratch_.clip);
-        const std::uint32_t mark = is_a ? 0 : FROM_FACE_OF_B;
         deepest_ = settings_.reach;
         for (ClipPoint &point : points) {
-            point.id |= mark;
+            point.id |= mark(is_a);
             deepest_ = std::min(deepest_, point.gap);
         }
         const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
-        std::uint32_t known[4];
+        std::uint32_t known[MOST_POINTS];
         for (int i = 0; i < memory_.last.count; ++i) {
             known[i] = memory_.last.points[i].id;
         }
         const double slack = settings_.hysteresis;
-        const int count = memory_.recalled ? keep_points(points, slack, known, memory_.last.count)
-                                           : reduce_points(points, normal, settings_.reach, slack,
-                                                           known, memory_.last.count);
+        const int before = memory_.last.count;
+        int count = memory_.recalled
+                        ? keep_points(points, slack, known, before)
+                        : reduce_points(points, normal, settings_.reach, slack, known, before);
+        if (settings_.approach > settings_.reach / 2) {
+            const Rigid ahead = b_to_a_ahead(pose_a_, pose_b_, motion_);
+            const Rigid end = is_a ? ahead : ahead.inverse();
+            count =
+                add_landing({reference, face, is_a ? b_ : a_, from_incident(is_a), end, mark(is_a)},
+                            settings_.reach, slack, points, count);
+        }
         put(is_a, normal, points.data(), count);
         remember(is_a ? Feature::FaceOfA : Feature::FaceOfB, face, incident_);
         remember_plane(reference, face);
@@ -347,21 +350,9 @@ class Pair {
     // The lowest vertex above a reference face, wherever it lies beside it.
     void take_lowest(bool is_a, int face) {
         const HullData &reference = is_a ? a_ : b_;
-        const HullData &incident = is_a ? b_ : a_;
         const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
-        ClipPoint lowest{{0, 0, 0}, 1e300, 0};
-        for (int v = 0; v < incident.vertices; ++v) {
-            const double local[3] = {incident.vx[v], incident.vy[v], incident.vz[v]};
-            double x[3];
-            from_incident(is_a).apply(local, x);
-            const double gap = normal[0] * x[0] + normal[1] * x[1] + normal[2] * x[2] -
-                               static_cast<double>(reference.offset[face]);
-            if (gap < lowest.gap) {
-                lowest = {{x[0], x[1], x[2]},
-                          gap,
-                          (static_cast<std::uint32_t>(v) & 0x3fffU) | (is_a ? 0 : FROM_FACE_OF_B)};
-            }
-        }
+        ClipPoint lowest = lowest_corner(reference, face, is_a ? b_ : a_, from_incident(is_a));
+        lowest.id |= mark(is_a);
         put(is_a, normal, &lowest, 1);
         remember_plane(reference, face);
         deepest_ = lowest.gap;

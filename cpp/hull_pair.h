@@ -1,4 +1,4 @@
-// The contact of one pair of hulls, from their poses to at most four points,
+// The contact of one pair of hulls, from their poses to at most MOST_POINTS points,
 // with a memory from step to step.
 //
 // A pure computation: reads two hulls and two poses, writes the pair's own
@@ -16,6 +16,8 @@ namespace pluvia {
 struct PairSettings {
     // Points are kept up to this gap.
     double reach;
+    // How much of it is for the way that the bodies may come closer in the step.
+    double approach;
     // Last step's feature is kept while no other has a gap wider by this.
     // Without it, features of nearly equal depth alternate, the solver's
     // impulses are thrown away, and a packing at rest creeps.

@@ -38,6 +38,11 @@ bool has_other(const float *gaps, int count, int besides, float most) {
 
 } // namespace
 
+Rigid b_to_a_ahead(const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion) {
+    return Rigid::between(moved(pose_b, motion.b, motion.step),
+                          moved(pose_a, motion.a, motion.step));
+}
+
 PairFace passing_face(const AxisKernels &kernels, const HullData &a, const HullData &b,
                       const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion,
                       double slack, const PairFace &found, const AxisScratch &now,
@@ -47,8 +52,7 @@ PairFace passing_face(const AxisKernels &kernels, const HullData &a, const HullD
         !has_other(now.gap_b, b.faces, found.is_a ? -1 : found.face, most)) {
         return found;
     }
-    const Rigid b_to_a =
-        Rigid::between(moved(pose_b, motion.b, motion.step), moved(pose_a, motion.a, motion.step));
+    const Rigid b_to_a = b_to_a_ahead(pose_a, pose_b, motion);
     ahead.fit(a, b);
     FaceGaps widest;
     kernels.faces(a, b, b_to_a.rounded(), ahead, widest);

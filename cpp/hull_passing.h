@@ -25,6 +25,9 @@ struct PairMotion {
     double step;
 };
 
+// From B's frame to A's at the end of the step, if nothing stops the bodies.
+Rigid b_to_a_ahead(const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion);
+
 // A face of A (`is_a`) or of B.
 struct PairFace {
     bool is_a;

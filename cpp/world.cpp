@@ -304,7 +304,7 @@ void BulletWorld::find_contacts() { impl_->world.performDiscreteCollisionDetecti
 void BulletWorld::remember_contacts(rust::Vec<ContactRead> &out) const {
     out.clear();
     if (!impl_->hull_collision) {
-        return; // Bullet's own contacts cannot be told anything
+        return; // Bullet's own contacts are not recalled
     }
     for (const Touching &pair : impl_->hull_collision->touching) {
         remember(impl_->units, pair, out);
@@ -348,8 +348,8 @@ PairValue BulletWorld::pair_value(std::uint32_t a, std::uint32_t b) const {
 rust::Vec<EngineSetting> BulletWorld::effective() const {
     ReadBack out;
     const auto put = [&out](const char *name, double value) { out.put(name, value); };
+    const auto &units = impl_->units;
     const GlobalSettings globals = GlobalsHold::read_back();
-    const Units &units = impl_->units;
     const bool relative = (impl_->dispatcher.getDispatcherFlags() &
                            btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD) != 0;
     put("length_scale_units_per_m", units.scale());
@@ -360,24 +360,15 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
         relative ? static_cast<double>(globals.contact_breaking_threshold) : 0);
     read_world(units, impl_->world, out);
     if (impl_->hull_collision) {
-        const HullCollision &collision = *impl_->hull_collision;
-        put("manifold_reach_m", collision.settings.reach / units.scale());
-        put("manifold_hysteresis_m", collision.settings.hysteresis / units.scale());
-        put("manifold_face_preference_m", collision.settings.face_preference / units.scale());
-        put("manifold_match_m", units.metres(collision.match));
+        const PairSettings &settings = impl_->hull_collision->settings;
+        put("manifold_reach_m", settings.reach / units.scale());
+        put("manifold_hysteresis_m", settings.hysteresis / units.scale());
+        put("manifold_face_preference_m", settings.face_preference / units.scale());
+        put("manifold_match_m", units.metres(impl_->hull_collision->match));
     }
     if (impl_->contact_solver) {
-        const ContactLaw &law = impl_->contact_solver->law();
         put("threads", impl_->dispatcher.threads());
-        put("portable_instructions", impl_->contact_solver->sweep() == Sweep::Portable);
-        put("substeps", law.substeps);
-        put("sweeps_in_a_substep", law.sweeps);
-        put("contact_stiffness_n_per_m", law.stiffness);
-        put("contact_damping_ratio", law.damping_ratio);
-        put("push_out_speed_m_per_s", law.push_out_speed / units.scale());
-        put("restitution_speed_m_per_s", law.restitution_speed / units.scale());
-        put("closed_gap_m", law.closed_gap / units.scale());
-        put("contacts_at_once", impl_->contact_solver->sweep() == Sweep::OneByOne ? 1 : 8);
+        read_solver(units, *impl_->contact_solver, out);
     }
     double lightest = 0;
     for (const auto &body : impl_->bodies) {

@@ -231,7 +231,11 @@ fn manifold_contacts(e: &EngineSettings) -> Vec<Choice> {
         ),
         choice(
             "Solver iterations",
-            format!("{} sweeps a sub-step, more where a blow is not solved", m.sweeps),
+            format!(
+                "at least {} sweeps a sub-step, until one changes less than {} %",
+                m.sweeps,
+                compact(100.0 * m.solver_tolerance)
+            ),
             "Not given; the tool's default of the time was 10.",
             "Fewer: contacts give way under the weight above them.",
         ),

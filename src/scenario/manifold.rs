@@ -15,10 +15,16 @@ pub struct ManifoldSettings {
     /// coarsely; higher: slower.
     #[schemars(range(min = 30.0, max = 1e6))]
     pub substep_rate_hz: f64,
-    /// Sweeps over all contacts in a sub-step; a blow that is not solved by
-    /// them gets more. Fewer: loads do not get through the packing; more: slower.
+    /// Sweeps over all contacts in a sub-step, at least: they go on until
+    /// `solver_tolerance` is met, up to 256 of them. Fewer: loads do not get through
+    /// the packing; more: slower.
     #[schemars(range(min = 1, max = 10000))]
     pub sweeps: u32,
+    /// Share of what the contacts change in a sub-step that the last sweep may
+    /// change, both as energies' roots. Lower: forces are found more exactly, by more
+    /// sweeps; 1: `sweeps` of them will do, but for blows.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub solver_tolerance: f64,
     /// Stiffness of a contact point in N/m. Lower: grains sink in further, by
     /// their load over it; higher: more sweeps are needed for the load to
     /// get through the packing. 10000 N/m make a grain of 1.6 g on four points
@@ -71,6 +77,7 @@ impl Default for ManifoldSettings {
         Self {
             substep_rate_hz: 1440.0,
             sweeps: 8,
+            solver_tolerance: 0.005,
             contact_stiffness_n_per_m: 10000.0,
             contact_damping_ratio: 1.0,
             push_out_speed_m_per_s: 0.3,

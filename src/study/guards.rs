@@ -18,9 +18,9 @@ const OVERLAP_INTERVAL: f64 = 2.0;
 /// in a shorter one what still moves comes to rest.
 const SHORTEST_REST: f64 = 1.0;
 
-/// Largest 99th percentile of the solver's residual, our choice: quick specimens have 0.02 to
-/// 0.04 at the default while they are poured, and 0.07 with half of its sweeps
-/// (docs/accuracy.md).
+/// Largest 99th percentile of the solver's residual, our choice: quick specimens have 0.002 to
+/// 0.015 at the default while they are poured and shaken, and 0.02 to 0.04 with eight
+/// sweeps whatever they leave (docs/accuracy.md).
 const RESIDUAL_LIMIT: f64 = 0.05;
 
 /// Times in s that differ by less are the same.

@@ -119,7 +119,7 @@ pub fn summarise(
     if let Some(g) = guards.solver_residual.as_ref().filter(|g| g.passed == Some(false)) {
         warnings.push(format!(
             "the contacts were not solved well enough: the 99th percentile of the residual is \
-             {:.3}, limit {:.3}; more sweeps or sub-steps would help",
+             {:.3}, limit {:.3}; a smaller solver_tolerance or more sub-steps would help",
             g.worst.unwrap_or(f64::NAN),
             g.limit.unwrap_or(f64::NAN)
         ));

@@ -72,8 +72,10 @@ mod bridge {
         push_out_speed: f64,
         /// Of Pluvia's own solver in a step.
         substeps: i32,
-        /// Over all contacts in a sub-step.
+        /// Over all contacts in a sub-step, at least.
         sweeps: i32,
+        /// Share of what contacts change in a sub-step that the last sweep may change.
+        solver_tolerance: f64,
         /// That find contacts.
         threads: i32,
         /// Whether to use the instructions that every processor has.

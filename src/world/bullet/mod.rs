@@ -16,6 +16,8 @@ mod ffi;
 #[cfg(test)]
 mod impact_tests;
 #[cfg(test)]
+mod landing_tests;
+#[cfg(test)]
 mod manifold_tests;
 pub mod probe;
 #[cfg(test)]
@@ -298,6 +300,7 @@ fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinitio
         )?,
         substeps: i32::try_from(s.manifold.substeps(s.rate_hz)).unwrap_or(i32::MAX),
         sweeps: i32::try_from(s.manifold.sweeps.max(1)).unwrap_or(i32::MAX),
+        solver_tolerance: zero_or_more("manifold.solver_tolerance", s.manifold.solver_tolerance)?,
         threads: i32::try_from(s.manifold.threads.clamp(1, 1024)).unwrap_or(1),
         portable: s.manifold.portable,
         contacts_at_once: s.manifold.contacts_at_once,
