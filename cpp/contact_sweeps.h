@@ -10,7 +10,7 @@
 
 namespace pluvia {
 
-// At most so many sweeps, unless more are asked for at least.
+// Most sweeps in a sub-step, unless more are asked for.
 constexpr int MOST_SWEEPS = 256;
 
 // Among few contacts impacts get more sweeps, until this number of batches has been
