@@ -1,5 +1,7 @@
 #include "hull_clip.h"
 
+#include "hull_memory.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -261,7 +263,8 @@ int keep_points(std::vector<ClipPoint> &points, double slack, const std::uint32_
     const auto rest = std::stable_partition(points.begin(), points.end(), [&](const ClipPoint &p) {
         return std::find(known, known + known_count, p.id) != known + known_count;
     });
-    int kept = static_cast<int>(rest - points.begin());
+    // Ids may repeat.
+    int kept = std::min(MOST_POINTS, static_cast<int>(rest - points.begin()));
     const int most = std::max(kept, std::min(4, static_cast<int>(points.size())));
     const auto apart = [&](const ClipPoint &p) {
         double nearest = 1e300;

@@ -348,8 +348,8 @@ PairValue BulletWorld::pair_value(std::uint32_t a, std::uint32_t b) const {
 rust::Vec<EngineSetting> BulletWorld::effective() const {
     ReadBack out;
     const auto put = [&out](const char *name, double value) { out.put(name, value); };
-    const auto &units = impl_->units;
     const GlobalSettings globals = GlobalsHold::read_back();
+    const Units &units = impl_->units;
     const bool relative = (impl_->dispatcher.getDispatcherFlags() &
                            btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD) != 0;
     put("length_scale_units_per_m", units.scale());
@@ -360,11 +360,11 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
         relative ? static_cast<double>(globals.contact_breaking_threshold) : 0);
     read_world(units, impl_->world, out);
     if (impl_->hull_collision) {
-        const PairSettings &settings = impl_->hull_collision->settings;
-        put("manifold_reach_m", settings.reach / units.scale());
-        put("manifold_hysteresis_m", settings.hysteresis / units.scale());
-        put("manifold_face_preference_m", settings.face_preference / units.scale());
-        put("manifold_match_m", units.metres(impl_->hull_collision->match));
+        const HullCollision &collision = *impl_->hull_collision;
+        put("manifold_reach_m", collision.settings.reach / units.scale());
+        put("manifold_hysteresis_m", collision.settings.hysteresis / units.scale());
+        put("manifold_face_preference_m", collision.settings.face_preference / units.scale());
+        put("manifold_match_m", units.metres(collision.match));
     }
     if (impl_->contact_solver) {
         put("threads", impl_->dispatcher.threads());

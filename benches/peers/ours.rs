@@ -45,7 +45,6 @@ pub fn carry(args: &[String]) -> Result<(), String> {
         Backend::Bullet => {
             let substeps = settings.manifold.substeps(rate);
             settings.manifold.sweeps = iterations.div_ceil(substeps).max(1);
-            settings.manifold.solver_tolerance = 1.0; // no more of them than asked for
         }
         Backend::Rapier => settings.rapier.substeps = iterations,
     }

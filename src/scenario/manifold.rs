@@ -20,9 +20,9 @@ pub struct ManifoldSettings {
     /// the packing; more: slower.
     #[schemars(range(min = 1, max = 10000))]
     pub sweeps: u32,
-    /// Share of what the contacts change in a sub-step that the last sweep may
-    /// change, both as energies' roots. Lower: forces are found more exactly, by more
-    /// sweeps; 1: `sweeps` of them will do, but for blows.
+    /// Share of what the contacts change in a sub-step that the last iteration may
+    /// still change, in the kinetic norm. Lower: forces are found more exactly, by more
+    /// iterations; 1: no more than `sweeps`, but after blows.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub solver_tolerance: f64,
     /// Stiffness of a contact point in N/m. Lower: grains sink in further, by
