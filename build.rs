@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 38] = [
+const SHIMS: [&str; 39] = [
     "contact_batches",
     "contact_bodies",
     "contact_iterations",
@@ -27,6 +27,7 @@ const SHIMS: [&str; 38] = [
     "globals",
     "hull_data",
     "hull_axis",
+    "hull_beside",
     "hull_bodies",
     "hull_clip",
     "hull_memory",
@@ -68,6 +69,7 @@ fn main() {
     println!("cargo::rerun-if-changed=cpp/contact_residual.h");
     println!("cargo::rerun-if-changed=cpp/contact_sweeps.h");
     println!("cargo::rerun-if-changed=cpp/hull_axis_kernels.h");
+    println!("cargo::rerun-if-changed=cpp/hull_frames.h");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-env-changed={SANITIZE}");
 

@@ -38,8 +38,8 @@ template <class L> struct alignas(64) BatchMemory {
     L total, total_1, total_2; // impulses of the step
 };
 
-// Of the contacts of a batch: what the last sweep changed, and the way along which
-// sweeps go on.
+// Of the contacts of a batch: what the last round changed, and the way along which
+// rounds go on.
 template <class L> struct alignas(64) Search {
     L change{}, change_1{}, change_2{};
     L way{}, way_1{}, way_2{};
@@ -62,8 +62,8 @@ template <class N> struct PackedBodies {
     UnsetVector<Record<N>> way;  // gone since the step began: shift, -, turn (a rotation vector), -
     UnsetVector<Record<N>> forced; // what external forces add to the motion in a sub-step
     UnsetVector<Record<N>> free;   // motion of the sub-step without contacts
-    UnsetVector<Record<N>> before; // motion before the last sweep
-    UnsetVector<Record<N>> search; // the way along which sweeps go on, in the motion
+    UnsetVector<Record<N>> before; // motion before the last round
+    UnsetVector<Record<N>> search; // the way along which rounds go on, in the motion
 
     void resize(std::size_t count) {
         for (auto *records : {&motion, &root, &way, &forced}) {

@@ -1,9 +1,12 @@
 #include "hull_pair.h"
 
+#include "hull_beside.h"
+#include "hull_frames.h"
 #include "hull_landing.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace pluvia {
 
@@ -13,20 +16,18 @@ namespace {
 constexpr double ANY = -1e30;
 
 // Everything about the pair at hand.
-class Pair {
+class Pair : PairFrames {
   public:
     Pair(const AxisKernels &kernels, const HullData &a, const HullData &b, const Rigid &pose_a,
          const Rigid &pose_b, const PairMotion &motion, const PairSettings &settings,
          PairMemory &memory, PairScratch &scratch, PairContact &out)
-        : kernels_(kernels), a_(a), b_(b), pose_a_(pose_a), pose_b_(pose_b), motion_(motion),
-          settings_(settings), memory_(memory), scratch_(scratch), out_(out) {}
+        : PairFrames(kernels, a, b, pose_a, pose_b), pose_a_(pose_a), pose_b_(pose_b),
+          motion_(motion), settings_(settings), memory_(memory), scratch_(scratch), out_(out) {}
 
     void run() {
         out_.count = 0;
         out_.held = false;
         const bool fresh = memory_.feature == Feature::None;
-        b_to_a_ = Rigid::between(pose_b_, pose_a_);
-        a_to_b_ = b_to_a_.inverse();
         now_ = smaller_pose();
         if (fresh && memory_.has_axis && still_apart()) {
             return;
@@ -65,9 +66,6 @@ class Pair {
     }
 
   private:
-    const AxisKernels &kernels_;
-    const HullData &a_;
-    const HullData &b_;
     const Rigid &pose_a_;
     const Rigid &pose_b_;
     const PairMotion &motion_;
@@ -75,8 +73,6 @@ class Pair {
     PairMemory &memory_;
     PairScratch &scratch_;
     PairContact &out_;
-    Rigid b_to_a_;
-    Rigid a_to_b_;
     Relative relative_;
     Relative now_; // of the smaller body
     FaceGaps faces_;
@@ -92,9 +88,6 @@ class Pair {
         memory_.widest = static_cast<float>(gap_along(axis));
         return memory_.widest > reach();
     }
-
-    // Of the smaller body in the frame of the larger: the bound on its motion is tighter.
-    Relative smaller_pose() const { return (b_.radius <= a_.radius ? b_to_a_ : a_to_b_).rounded(); }
 
     // How far any point of one body can have come in the frame of the other
     // since it was at `then`. A gap along an axis changes by no more, so the
@@ -179,7 +172,8 @@ class Pair {
             return false;
         }
         take_face(is_a, memory_.first);
-        return out_.count > 0 && deepest_ <= gap + settings_.hysteresis;
+        // What is recalled may have been held for longer than a search would keep it.
+        return out_.count > 0 && (memory_.recalled || deepest_ <= gap + settings_.hysteresis);
     }
 
     bool keep_edges(double least) {
@@ -238,20 +232,6 @@ class Pair {
         }
     }
 
-    double gap_along(const double axis[3]) const {
-        const float axis_a[3] = {static_cast<float>(axis[0]), static_cast<float>(axis[1]),
-                                 static_cast<float>(axis[2])};
-        const double *r = b_to_a_.r;
-        float axis_b[3];
-        double shift = 0;
-        for (int i = 0; i < 3; ++i) {
-            axis_b[i] =
-                static_cast<float>(r[i] * axis[0] + r[3 + i] * axis[1] + r[6 + i] * axis[2]);
-            shift += axis[i] * b_to_a_.t[i];
-        }
-        return kernels_.gap_along(a_, b_, axis_a, axis_b, static_cast<float>(shift));
-    }
-
     void remember(Feature feature, int first, int second) {
         memory_.feature = feature;
         memory_.first = first;
@@ -293,54 +273,91 @@ class Pair {
         point.id = FROM_EDGES | (static_cast<std::uint32_t>(memory_.first) & 0x3fffU) << 14 |
                    (static_cast<std::uint32_t>(memory_.second) & 0x3fffU);
         deepest_ = edge.gap;
+        add_beside(edge);
     }
 
-    static std::uint32_t mark(bool is_a) { return is_a ? 0 : FROM_FACE_OF_B; }
-    const Rigid &from_incident(bool is_a) const { return is_a ? b_to_a_ : a_to_b_; }
-    const Rigid &to_incident(bool is_a) const { return is_a ? a_to_b_ : b_to_a_; }
+    // Adds the points of a face that the edges' contact is almost one of.
+    void add_beside(const EdgeContact &edge) {
+        const auto [is_a, face] =
+            flat_face(a_, memory_.first, b_, memory_.second, edge.axis, b_to_a_, memory_.last);
+        if (face < 0) {
+            return;
+        }
+        double normal[3], at[3];
+        if (is_a) {
+            std::copy(edge.axis, edge.axis + 3, normal);
+            std::copy(edge.on_b, edge.on_b + 3, at);
+        } else {
+            a_to_b_.turn(edge.axis, normal);
+            a_to_b_.apply(edge.on_a, at);
+            std::transform(normal, normal + 3, normal, std::negate<>());
+        }
+        meet_face(is_a, face, -1);
+        const HullData &reference = this->reference(is_a);
+        const double cosine = normal[0] * reference.nx[face] + normal[1] * reference.ny[face] +
+                              normal[2] * reference.nz[face];
+        const int count = clip(is_a, face, normal, [&](auto &points) {
+            keep_beside({at, edge.gap, cosine}, settings_.hysteresis, settings_.face_preference,
+                        points);
+        });
+        for (int k = 0; k < count && out_.count < MOST_POINTS; ++k) {
+            out_.points[out_.count++] = pair_point(is_a, normal, scratch_.clip.points[k]);
+        }
+    }
 
     // Finds the incident face of a reference face; `before` is kept while it
     // will do. Returns the gap above the reference face.
     double meet_face(bool is_a, int face, int before) {
-        const HullData &reference = is_a ? a_ : b_;
+        const HullData &reference = this->reference(is_a);
         const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
         double seen[3];
         to_incident(is_a).turn(normal, seen);
-        const Incident found = incident_face(is_a ? b_ : a_, seen, before, settings_.hysteresis);
-        // What is recalled may have been held for longer than a search would keep it.
-        incident_ = memory_.recalled ? before : found.face;
+        const Incident found = incident_face(incident(is_a), seen, before, settings_.hysteresis);
+        incident_ = memory_.recalled && before >= 0 ? before : found.face;
         const double *t = from_incident(is_a).t;
         return found.lowest + normal[0] * t[0] + normal[1] * t[1] + normal[2] * t[2] -
                static_cast<double>(reference.offset[face]);
     }
 
-    // Points of a reference face and the incident face found for it.
-    void take_face(bool is_a, int face) {
-        const HullData &reference = is_a ? a_ : b_;
+    // The points of a reference face and the incident face found for it that hold the
+    // bodies best, of those that `choose` leaves. Returns their number.
+    template <class Choose>
+    int clip(bool is_a, int face, const double normal[3], const Choose &choose) {
         auto &points = scratch_.clip.points;
-        clip_face(reference, face, is_a ? b_ : a_, incident_, from_incident(is_a), settings_.reach,
-                  scratch_.clip);
-        deepest_ = settings_.reach;
+        clip_face(reference(is_a), face, incident(is_a), incident_, from_incident(is_a),
+                  settings_.reach, scratch_.clip);
         for (ClipPoint &point : points) {
             point.id |= mark(is_a);
-            deepest_ = std::min(deepest_, point.gap);
         }
-        const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
+        choose(points);
         std::uint32_t known[MOST_POINTS];
         for (int i = 0; i < memory_.last.count; ++i) {
             known[i] = memory_.last.points[i].id;
         }
         const double slack = settings_.hysteresis;
         const int before = memory_.last.count;
-        int count = memory_.recalled
-                        ? keep_points(points, slack, known, before)
-                        : reduce_points(points, normal, settings_.reach, slack, known, before);
+        return memory_.recalled
+                   ? keep_points(points, slack, known, before)
+                   : reduce_points(points, normal, settings_.reach, slack, known, before);
+    }
+
+    // Makes a reference face and the incident face found for it the contact.
+    void take_face(bool is_a, int face) {
+        const HullData &reference = this->reference(is_a);
+        auto &points = scratch_.clip.points;
+        const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
+        deepest_ = settings_.reach;
+        int count = clip(is_a, face, normal, [this](const auto &all) {
+            for (const ClipPoint &point : all) {
+                deepest_ = std::min(deepest_, point.gap);
+            }
+        });
         if (settings_.approach > settings_.reach / 2) {
             const Rigid ahead = b_to_a_ahead(pose_a_, pose_b_, motion_);
             const Rigid end = is_a ? ahead : ahead.inverse();
             count =
-                add_landing({reference, face, is_a ? b_ : a_, from_incident(is_a), end, mark(is_a)},
-                            settings_.reach, slack, points, count);
+                add_landing({reference, face, incident(is_a), from_incident(is_a), end, mark(is_a)},
+                            settings_.reach, settings_.hysteresis, points, count);
         }
         put(is_a, normal, points.data(), count);
         remember(is_a ? Feature::FaceOfA : Feature::FaceOfB, face, incident_);
@@ -349,9 +366,9 @@ class Pair {
 
     // The lowest vertex above a reference face, wherever it lies beside it.
     void take_lowest(bool is_a, int face) {
-        const HullData &reference = is_a ? a_ : b_;
+        const HullData &reference = this->reference(is_a);
         const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
-        ClipPoint lowest = lowest_corner(reference, face, is_a ? b_ : a_, from_incident(is_a));
+        ClipPoint lowest = lowest_corner(reference, face, incident(is_a), from_incident(is_a));
         lowest.id |= mark(is_a);
         put(is_a, normal, &lowest, 1);
         remember_plane(reference, face);
@@ -366,15 +383,7 @@ class Pair {
             out_.normal[i] = is_a ? turned[i] : -turned[i];
         }
         for (int k = 0; k < count; ++k) {
-            PairPoint &point = out_.points[k];
-            point.gap = points[k].gap;
-            point.id = points[k].id;
-            double *on_reference = is_a ? point.on_a : point.on_b;
-            double *on_incident = is_a ? point.on_b : point.on_a;
-            for (int i = 0; i < 3; ++i) {
-                on_reference[i] = points[k].x[i] - points[k].gap * normal[i];
-            }
-            to_incident(is_a).apply(points[k].x, on_incident);
+            out_.points[k] = pair_point(is_a, normal, points[k]);
         }
     }
 };

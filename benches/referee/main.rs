@@ -41,10 +41,9 @@ struct Options {
     /// Instants of each scene [default: 10, quick 2]
     #[arg(long)]
     instants: Option<usize>,
-    /// Iterations per sub-step of the native solver, one after the other, beside its
-    /// default
+    /// Solver tolerances of the native solver, one after the other, beside its default
     #[arg(long, value_delimiter = ',')]
-    iterations: Vec<u32>,
+    tolerances: Vec<f64>,
     /// Also solve each instant from nothing, to see whether velocities are unique
     #[arg(long)]
     twice: bool,
@@ -174,11 +173,11 @@ fn one_step(
     let instants = options.instants.unwrap_or(if options.quick { 2 } else { 10 });
     let mut found = Vec::new();
     for (name, scenario) in steps::SCENARIOS.into_iter().filter(|(name, _)| options.takes(name)) {
-        let others = options.iterations.iter().copied().map(Some);
-        for iterations in std::iter::once(None).chain(others) {
+        let others = options.tolerances.iter().copied().map(Some);
+        for tolerance in std::iter::once(None).chain(others) {
             let Options { twice, keep, .. } = *options;
             let jobs = options.jobs();
-            let how = steps::Looking { folder, instants, iterations, twice, keep, jobs };
+            let how = steps::Looking { folder, instants, tolerance, twice, keep, jobs };
             found.extend(steps::look(&how, name, scenario)?);
             options.write(results, "one_step", json!(found))?;
         }

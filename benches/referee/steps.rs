@@ -42,8 +42,8 @@ pub struct Looking<'a> {
     pub folder: &'a Path,
     /// Random instants of each scene.
     pub instants: usize,
-    /// Iterations per sub-step of the native solver in place of its default.
-    pub iterations: Option<u32>,
+    /// Tolerance of the native solver in place of its default.
+    pub tolerance: Option<f64>,
     /// Also solve from nothing, to see whether velocities are unique.
     pub twice: bool,
     /// Keep the problems themselves, too.
@@ -70,9 +70,9 @@ pub fn look(how: &Looking, name: &str, scenario: &str) -> Result<Vec<Nearness>, 
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(scenario);
     let scenario = load(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
     let mut setup = Setup::new(&scenario).map_err(|e| e.to_string())?;
-    let engine = how.iterations.map_or("native".into(), |n| format!("native, {n} iterations"));
-    if let Some(iterations) = how.iterations {
-        setup.engine.manifold.sweeps = iterations;
+    let engine = how.tolerance.map_or("native".into(), |t| format!("native, tolerance {t}"));
+    if let Some(tolerance) = how.tolerance {
+        setup.engine.manifold.solver_tolerance = tolerance;
     }
     let mut parts = parts(how.instants, name, scenario.seed, setup.engine.rate_hz);
 

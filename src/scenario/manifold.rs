@@ -15,14 +15,14 @@ pub struct ManifoldSettings {
     /// coarsely; higher: slower.
     #[schemars(range(min = 30.0, max = 1e6))]
     pub substep_rate_hz: f64,
-    /// Sweeps over all contacts in a sub-step, at least: they go on until
-    /// `solver_tolerance` is met, up to 256 of them. Fewer: loads do not get through
-    /// the packing; more: slower.
+    /// Sweeps over all contacts in a sub-step, there and back in turn, at least: they
+    /// go on until `solver_tolerance` is met, up to 256 times there and back. Fewer: loads
+    /// do not get through the packing; more: slower.
     #[schemars(range(min = 1, max = 10000))]
     pub sweeps: u32,
-    /// Share of what the contacts change in a sub-step that the last iteration may
-    /// still change, in the kinetic norm. Lower: forces are found more exactly, by more
-    /// iterations; 1: no more than `sweeps`, but after blows.
+    /// Share of what contacts change of a body in a sub-step, on average, by which the
+    /// last sweep there or back may still change a contact, in the kinetic norm. Lower: forces
+    /// are found more exactly, by more sweeps; 1: no more than `sweeps`, but after blows.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub solver_tolerance: f64,
     /// Stiffness of a contact point in N/m. Lower: grains sink in further, by

@@ -116,8 +116,12 @@ fn judge(case: &Case) -> Result<Separation, String> {
 
     // The contact.
     let points = pair.step(&case.pose_a, &case.pose_b);
-    if points.len() > 4 {
-        return Err(format!("{}: law: at most 4 points, got {}", case.name, points.len()));
+    if points.len() > 5 {
+        return Err(format!(
+            "{}: law: at most 4 points of a face beside one of edges, got {}",
+            case.name,
+            points.len()
+        ));
     }
     let deepest = points.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
     let bound = FACE_PREFERENCE + tolerance;

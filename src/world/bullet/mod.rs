@@ -23,6 +23,8 @@ pub mod probe;
 #[cfg(test)]
 mod recall_tests;
 #[cfg(test)]
+mod rest_tests;
+#[cfg(test)]
 mod shim_tests;
 #[cfg(test)]
 mod stock_tests;

@@ -20,8 +20,8 @@ fn world() -> BulletBackend {
 }
 
 /// A floor and four walls, then some seventy grains and cubes above one another,
-/// turned every which way.
-fn bodies() -> Vec<Body> {
+/// turned every which way; `seed` decides what grains they are.
+pub(super) fn bodies(seed: u64) -> Vec<Body> {
     let mut bodies = vec![slab(Motion::Driven)];
     for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
         let mut wall = slab(Motion::Static);
@@ -36,7 +36,7 @@ fn bodies() -> Vec<Body> {
         "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
     }))
     .expect("grains");
-    let set = generate(&spec, 1).expect("grains");
+    let set = generate(&spec, seed).expect("grains");
     let cubes = (0..20).map(|_| free_box(Vector::repeat(0.009), Vector::zeros()));
     let grains = set.grains.iter().map(|grain| Body {
         shape: Arc::clone(&grain.shape),
@@ -62,7 +62,7 @@ struct Specimen {
 
 fn settled() -> Specimen {
     let mut world = world();
-    let mut bodies = bodies();
+    let mut bodies = bodies(1);
     for body in &bodies {
         world.add(body).expect("added");
     }

@@ -1,0 +1,34 @@
+// Points beside a contact of edges.
+//
+// Edges give one point. Where their axis is nearly the normal of a face, the bodies lie
+// almost flat on each other, and other corners are about to touch: with the one point
+// alone a body rocks from one pair of edges to the next, is caught by each a step
+// late, beyond the surface, and pushed up again, so that it may never come to rest.
+#pragma once
+
+#include "hull_memory.h"
+#include "hull_passing.h"
+
+namespace pluvia {
+
+// The face that a contact of edges is almost one of: of those that meet in the edges, the one
+// that looks most along the axis, of the body whose points `last` has if it has any. Face -1
+// where none does. `b_to_a` leads from B's frame to A's.
+PairFace flat_face(const HullData &a, int edge_a, const HullData &b, int edge_b,
+                   const double axis[3], const Rigid &b_to_a, const KeptContact &last);
+
+// Where edges meet, in the frame of the reference hull, their gap, and the cosine
+// between their axis and the normal of the face.
+struct EdgesAt {
+    const double *at;
+    double gap;
+    double cosine;
+};
+
+// Leaves of the points of that face those that are not within `near` of where the edges
+// meet, with their gaps along the edges' axis. None is deeper than the edges: what is by
+// up to `slack` is as deep, and what is deeper lies under another part of the surface. Nor
+// is any so far from the face that the axis leads to a place farther off than that.
+void keep_beside(const EdgesAt &edges, double near, double slack, std::vector<ClipPoint> &points);
+
+} // namespace pluvia
