@@ -17,8 +17,8 @@ template <class N> struct LaneLaw {
     N stiffness,
         damping; // damping per root of mass: twice the ratio times the root of the stiffness
     N push_out_speed, restitution_speed, closed_gap;
-    N unsolved_speed;      // approach that calls for another sweep
-    double unsolved_share; // of what contacts change, that calls for another sweep
+    N unsolved_speed;      // approach that calls for another round
+    double unsolved_share; // of what contacts change of a body, that calls for another round
 };
 
 // The motion of the bodies of one side of a batch.

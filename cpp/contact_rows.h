@@ -20,7 +20,7 @@ struct ContactLaw {
     double restitution_speed; // approach speed below which nothing rebounds
     double closed_gap;        // gap up to which a contact counts as touching
     double unsolved_gap;      // overlap that a sub-step may add before more sweeps are made
-    // Of what contacts change in a sub-step: what the last sweep may change at most.
+    // Of what contacts change of a body in a sub-step: what the last round may change of a contact.
     double unsolved_share;
 };
 

@@ -11,8 +11,6 @@ namespace {
 // leans by more is farther than contacts reach at rest, 0.2 mm.
 constexpr double FLAT = 0.9992;
 
-double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 // The face beside an edge that looks most along an axis.
 struct Flat {
     int face = -1;

@@ -22,8 +22,6 @@ constexpr double CHOICE_SLACK = 1.1;
 // Square of the sine between two edges below which they have no common normal.
 constexpr double PARALLEL = 1e-8;
 
-double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 void cross(const double a[3], const double b[3], double out[3]) {
     out[0] = a[1] * b[2] - a[2] * b[1];
     out[1] = a[2] * b[0] - a[0] * b[2];

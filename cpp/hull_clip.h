@@ -11,6 +11,10 @@
 
 namespace pluvia {
 
+inline double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 // A rigid motion x -> r x + t, r row by row.
 struct Rigid {
     double r[9];

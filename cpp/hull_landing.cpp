@@ -8,8 +8,6 @@ namespace pluvia {
 
 namespace {
 
-double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 std::uint32_t corner_id(int vertex) { return static_cast<std::uint32_t>(vertex) & 0x3fffU; }
 
 // A face, in the frame of its hull.

@@ -26,7 +26,7 @@ struct PairSettings {
     // nothing has moved further than this since they were found.
     double hold;
     // A pair of edges must beat the best face by this: a face gives up to
-    // four points, edges give one.
+    // four points, edges that do not meet almost flat give one.
     double face_preference;
 };
 

@@ -232,7 +232,7 @@ fn manifold_contacts(e: &EngineSettings) -> Vec<Choice> {
         choice(
             "Solver iterations",
             format!(
-                "at least {} iterations a sub-step, until one changes less than {} %",
+                "at least {} iterations a sub-step, until one changes no contact by more than {} %",
                 m.sweeps,
                 compact(100.0 * m.solver_tolerance)
             ),

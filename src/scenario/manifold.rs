@@ -22,7 +22,8 @@ pub struct ManifoldSettings {
     pub sweeps: u32,
     /// Share of what contacts change of a body in a sub-step, on average, by which the
     /// last sweep there or back may still change a contact, in the kinetic norm. Lower: forces
-    /// are found more exactly, by more sweeps; 1: no more than `sweeps`, but after blows.
+    /// are found more exactly, by more sweeps; 1: no more than `sweeps`, but after
+    /// blows and among few contacts.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub solver_tolerance: f64,
     /// Stiffness of a contact point in N/m. Lower: grains sink in further, by

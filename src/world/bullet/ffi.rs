@@ -74,7 +74,8 @@ mod bridge {
         substeps: i32,
         /// Over all contacts in a sub-step, at least.
         sweeps: i32,
-        /// Share of what contacts change in a sub-step that the last sweep may change.
+        /// Share of what contacts change of a body in a sub-step by which the last round
+        /// may change a contact.
         solver_tolerance: f64,
         /// That find contacts.
         threads: i32,
