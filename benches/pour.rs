@@ -10,7 +10,7 @@ use std::{hint::black_box, time::Duration};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use pluvia::{
     grains::generate,
-    measure::{Container, DEFAULT_CELL, HeightMap, TOUCHING_GAP, grain_energy, pairs_within},
+    measure::{Container, HeightMap, grain_energy, height_cell, pairs_within, touching_gap},
     protocol::Setup,
     scenario::{
         Backend, ContactPath, EngineSettings, ManifoldSettings, Scenario, StageSpec, StrokeReading,
@@ -115,11 +115,11 @@ fn benches(c: &mut Criterion) {
 
     let mut group = c.benchmark_group("measures");
     group.bench_function("height map", |b| {
-        b.iter(|| HeightMap::of(black_box(&specimen), &container, DEFAULT_CELL))
+        b.iter(|| HeightMap::of(black_box(&specimen), &container, height_cell(&specimen.grains)))
     });
     let members = container.members(&specimen);
     group.bench_function("exact overlap of all pairs", |b| {
-        b.iter(|| pairs_within(black_box(&specimen), &members, TOUCHING_GAP))
+        b.iter(|| pairs_within(black_box(&specimen), &members, touching_gap(&specimen.grains)))
     });
     let still = pluvia::geometry::Vector::zeros();
     group.bench_function("energy", |b| b.iter(|| grain_energy(black_box(&specimen), 9.81, &still)));

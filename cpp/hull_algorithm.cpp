@@ -1,5 +1,6 @@
 #include "hull_algorithm.h"
 
+#include "pluvia/src/world/bullet/ffi.rs.h"
 #include "prefetch.h"
 
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
@@ -14,32 +15,16 @@ namespace pluvia {
 
 namespace {
 
-// Found by experiment on packings at rest: with 0.005 to 0.05 mm they stay at
-// rest, with 0 they creep.
-constexpr double HYSTERESIS = 0.02e-3; // m
-
-// The same: features may differ by as much and be kept.
-constexpr double HOLD = 0.02e-3; // m
-
-// A quarter of that: enough to tell a face from edges that lie on it within
-// rounding, too little to be felt as depth.
-constexpr double FACE_PREFERENCE = 0.005e-3; // m
-
-// A tenth of a grain: contact points of one pair are further apart than that,
-// and none travels so far in a step.
-constexpr double MATCH = 1e-3; // m
-
 std::uint32_t place(const btCollisionObject &body) {
     return static_cast<std::uint32_t>(HullBodies::index(*body.getBroadphaseHandle()));
 }
 
 } // namespace
 
-PairSettings pair_settings(double reach, double scale) {
-    return {reach, 0, HYSTERESIS * scale, HOLD * scale, FACE_PREFERENCE * scale};
+PairSettings pair_settings(const Tolerances &tolerances, double scale) {
+    return {tolerances.contact_margin * scale, 0, tolerances.hysteresis * scale,
+            tolerances.hold * scale, tolerances.face_preference * scale};
 }
-
-double match_distance(double scale) { return MATCH * scale; }
 
 void HullCollision::forget(const btCollisionObject &body) {
     touching.erase(std::remove_if(touching.begin(), touching.end(),

@@ -12,6 +12,8 @@
 
 namespace pluvia {
 
+struct Tolerances;
+
 struct Touching;
 
 // What all pairs of a world share.
@@ -28,10 +30,8 @@ struct HullCollision {
     void forget(const btCollisionObject &body);
 };
 
-// Settings for a world: `reach` is the gap up to which contact points are
-// kept; both in engine units, `scale` in engine units per metre.
-PairSettings pair_settings(double reach, double scale);
-double match_distance(double scale);
+// In engine units, of which `scale` make a metre.
+PairSettings pair_settings(const Tolerances &tolerances, double scale);
 
 // One for each pair in the broadphase; holds what the pair carries from step
 // to step. No manifold of Bullet's: the solver reads the pairs themselves.

@@ -17,10 +17,11 @@ struct HullProbeGap;
 struct HullProbePoint;
 struct HullProbePose;
 struct HullProbeShape;
+struct Tolerances;
 
 class HullProbe {
   public:
-    HullProbe(double scale, double reach, bool portable, std::unique_ptr<const HullData> a,
+    HullProbe(double scale, const Tolerances &tolerances, bool portable, std::unique_ptr<const HullData> a,
               std::unique_ptr<const HullData> b);
 
     // One step: the contact at these poses, remembering the steps before.
@@ -48,9 +49,9 @@ class HullProbe {
     void find(const Rigid &pose_a, const Rigid &pose_b);
 };
 
-// `scale`: engine units in a metre; `reach` in m. Throws std::runtime_error
+// `scale`: engine units in a metre. Throws std::runtime_error
 // when a surface is not closed.
-std::unique_ptr<HullProbe> new_hull_probe(double scale, double reach, bool portable,
-                                          const HullProbeShape &a, const HullProbeShape &b);
+std::unique_ptr<HullProbe> new_hull_probe(double scale, const Tolerances &tolerances,
+                                          bool portable, const HullProbeShape &a, const HullProbeShape &b);
 
 } // namespace pluvia

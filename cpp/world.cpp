@@ -16,6 +16,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -35,16 +36,20 @@ btDefaultCollisionConstructionInfo pool_sizes(bool own_collision) {
     return info;
 }
 
-// How far the boxes of Pluvia's own contacts stand off the bodies: a tenth of a
-// grain. More makes more pairs to look at, less more boxes to renew.
-constexpr double BOX_SLACK = 1e-3; // m
+// A length in engine units without the last bits: worlds of grains of different sizes
+// agree where only rounding differs.
+btScalar shared_length(const Units &units, double metres) {
+    int exponent = 0;
+    const double mantissa = std::frexp(metres * units.scale(), &exponent);
+    return static_cast<btScalar>(std::ldexp(std::round(std::ldexp(mantissa, 44)), exponent - 44));
+}
 
 GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
     // Bullet reads the same variable as a length or as a share of the radius.
     const bool relative = d.relative_contact_threshold > 0;
     return {relative ? static_cast<btScalar>(d.relative_contact_threshold)
-                     : units.length(d.contact_threshold),
-            units.length(d.broadphase_margin)};
+                     : shared_length(units, d.contact_threshold),
+            shared_length(units, d.broadphase_margin)};
 }
 
 } // namespace
@@ -58,6 +63,7 @@ class BulletWorld::Impl {
           body_settings{static_cast<btScalar>(definition.linear_damping),
                         static_cast<btScalar>(definition.angular_damping), definition.gyroscopic},
           margin(definition.collision_margin),
+          box_slack(units.length(definition.tolerances.box_slack)),
           stock(units, definition), materials{definition.materials, {pairs.begin(), pairs.end()}},
           globals(global_settings(units, definition)),
           hull_collision(definition.own_collision ? make_hull_collision(units, definition)
@@ -110,6 +116,7 @@ class BulletWorld::Impl {
     Drives drives;
     DampingAndSpin body_settings;
     double margin; // m
+    btScalar box_slack;
     StockRules stock;
     Materials materials;
     GlobalsHold globals;
@@ -134,7 +141,7 @@ class BulletWorld::Impl {
             return nullptr;
         }
         return std::make_unique<HullWorld>(&dispatcher, &broadphase, *contact_solver,
-                                           &configuration, *hull_collision, units.length(BOX_SLACK),
+                                           &configuration, *hull_collision, box_slack,
                                            body_settings.linear > 0 || body_settings.angular > 0);
     }
 
@@ -364,7 +371,9 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
         put("manifold_reach_m", collision.settings.reach / units.scale());
         put("manifold_hysteresis_m", collision.settings.hysteresis / units.scale());
         put("manifold_face_preference_m", collision.settings.face_preference / units.scale());
+        put("manifold_hold_m", collision.settings.hold / units.scale());
         put("manifold_match_m", units.metres(collision.match));
+        put("box_slack_m", units.metres(impl_->box_slack));
     }
     if (impl_->contact_solver) {
         put("threads", impl_->dispatcher.threads());

@@ -32,6 +32,7 @@ pub mod picture;
 pub mod protocol;
 pub mod record;
 pub mod report;
+pub mod scale;
 pub mod scenario;
 pub mod specimen;
 pub mod study;

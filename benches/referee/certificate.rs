@@ -9,9 +9,10 @@ use std::{
 use pluvia::{
     export::{MadeBy, Scene},
     grains::generate,
+    grains::load_scenario,
     protocol::{Moment, Observer, Setup, run},
     record::write_json,
-    scenario::{GrainsSpec, StageSpec, load},
+    scenario::{GrainsSpec, StageSpec},
     specimen::{Specimen, SpecimenState},
     world,
 };
@@ -117,7 +118,7 @@ pub fn certify(
 /// A poured specimen at rest, in the exchange format (docs/exchange.md).
 fn poured(scenario: &str, engine: Engine) -> Result<Value, String> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(scenario);
-    let scenario = load(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
+    let scenario = load_scenario(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
     let GrainsSpec::Sieved(spec) = &scenario.grains else {
         return Err(format!("{}: grains of a sieve table are needed", path.display()));
     };

@@ -9,9 +9,10 @@ use std::{
 
 use pluvia::{
     geometry::Vector,
+    grains::load_scenario,
     grains::{generate, streams},
     protocol::{Moment, Observer, Setup, run},
-    scenario::{EngineSettings, GrainsSpec, Scenario, StageSpec, StrokeReading, load},
+    scenario::{EngineSettings, GrainsSpec, Scenario, StageSpec, StrokeReading},
     specimen::{Specimen, SpecimenState},
     world::{PairTable, bullet::SubstepRecord},
 };
@@ -68,7 +69,7 @@ impl Observer for Nobody {
 /// Looks at random instants of pouring, shaking and rest.
 pub fn look(how: &Looking, name: &str, scenario: &str) -> Result<Vec<Nearness>, String> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(scenario);
-    let scenario = load(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
+    let scenario = load_scenario(&path, &[]).map_err(|e| format!("{e:?}"))?.scenario;
     let mut setup = Setup::new(&scenario).map_err(|e| e.to_string())?;
     let engine = how.tolerance.map_or("native".into(), |t| format!("native, tolerance {t}"));
     if let Some(tolerance) = how.tolerance {

@@ -5,7 +5,8 @@ use std::{path::PathBuf, thread::available_parallelism};
 use clap::Args;
 
 use super::{CliError, Context, ExitStatus, changes::backend, output_folder, table};
-use crate::scenario::{Backend, Override, load};
+use crate::grains::load_scenario;
+use crate::scenario::{Backend, Override};
 use crate::study::{RunOptions, compare};
 
 /// Carry out one scenario in several engines
@@ -46,7 +47,7 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
             "--backends needs at least two different engines, as in bullet,rapier".to_owned(),
         ));
     }
-    let loaded = load(&args.scenario, &args.set)?;
+    let loaded = load_scenario(&args.scenario, &args.set)?;
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
     let cores = || available_parallelism().map_or(1, usize::from);

@@ -6,12 +6,13 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::{CliError, Context, ExitStatus, output_folder};
+use crate::grains::load_scenario;
 use crate::grains::{
     GrainShape, ParticleSizeDistribution, SieveAnalysis, StoneRecord, write_obj, write_ply,
     write_stl,
 };
 use crate::record::{FileError, GradationSummary, ShapeSummary, SieveSummary, write_file};
-use crate::scenario::{GrainsSpec, Scenario, load};
+use crate::scenario::{GrainsSpec, Scenario};
 use crate::study::{make_grains, write_grains};
 use crate::units::{to_cm3, to_g};
 
@@ -64,7 +65,7 @@ struct Made {
 }
 
 pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let scenario = load(&args.scenario, &[])?.scenario;
+    let scenario = load_scenario(&args.scenario, &[])?.scenario;
     output_folder::prepare(&args.out)?;
     let set = make_grains(&scenario)?;
     write_grains(&args.out, &scenario, &set)?;

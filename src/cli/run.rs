@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CliError, Context, ExitStatus, changes::Changes, output_folder, table};
-use crate::scenario::load;
+use crate::grains::load_scenario;
+use crate::scenario;
 use crate::study::{RunOptions, run_scenario};
 
 /// Carry out one scenario
@@ -30,8 +31,11 @@ pub(super) struct RunArgs {
 }
 
 pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let loaded = load(&args.scenario, &args.changes.overrides())?;
+    let loaded = load_scenario(&args.scenario, &args.changes.overrides())?;
     tracing::info!(files = ?loaded.files, "the scenario `{}` is sound", loaded.scenario.name);
+    for warning in scenario::warnings(&loaded.scenario) {
+        context.progress.message(&format!("warning: {warning}"));
+    }
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
     let options = RunOptions {

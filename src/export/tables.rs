@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::exchange::party_name;
-use crate::measure::{TOUCHING_GAP, pairs_within};
+use crate::measure::{pairs_within, touching_gap};
 use crate::protocol::Setup;
 use crate::record::to_csv;
 use crate::specimen::{Fate, SavedContact, Specimen};
@@ -138,7 +138,7 @@ pub fn contacts_csv(setup: &Setup, specimen: &Specimen) -> Result<Vec<u8>, csv::
 pub fn pairs_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
     let present: Vec<usize> = specimen.present().collect();
     let grains = &specimen.grains.grains;
-    let touching = pairs_within(specimen, &present, TOUCHING_GAP);
+    let touching = pairs_within(specimen, &present, touching_gap(&specimen.grains));
     let rows = touching.iter().map(|p| {
         let sizes = grains[p.a].equivalent_diameter + grains[p.b].equivalent_diameter;
         let overlap_percent = 100.0 * (-p.gap).max(0.0) / (sizes / 2.0);

@@ -10,18 +10,6 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use super::GrainsError;
 use crate::geometry::{ConvexPolyhedron, Point, PolyhedronError, Vector};
 
-/// Vertices joined by an edge shorter than this (in m) are merged where the
-/// cells stay convex.
-///
-/// Nearly coincident vertices are where four planes almost meet in a point;
-/// their edges have no meaningful direction, which spoils edge-edge tests in
-/// collision detection. One micrometre is a ten-thousandth of a 10 mm grain.
-/// A merged vertex lies up to half the edge's length beside the planes it
-/// belongs to, and [`ConvexPolyhedron::new`] accepts 1e-5 of the bounding
-/// radius, some 0.07 µm. So only part of the edges between 0.1 and 1 µm can go;
-/// of 10⁵ cells of 8 mm grains none kept an edge below 0.1 µm.
-pub const MERGE_DISTANCE: f64 = 1e-6;
-
 /// A vertex of the complex.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SharedVertex {
@@ -73,6 +61,14 @@ impl CellComplex {
     /// Vertices joined by short edges go together, and all at once: a sliver
     /// of a face has short edges at both ends, and with only one of them gone
     /// its normal would point anywhere. What spoils a cell is undone.
+    ///
+    /// Nearly coincident vertices are where four planes almost meet in a point;
+    /// their edges have no meaningful direction, which spoils edge-edge tests in
+    /// collision detection. With a ten-thousandth of a grain (`scale::MERGE_DISTANCE`), a
+    /// merged vertex lies up to half of that beside the planes it belongs to, and
+    /// [`ConvexPolyhedron::new`] accepts 1e-5 of the bounding radius: of the edges
+    /// between 0.1 and 1 µm of 8 mm grains only a part can go; of 10⁵ cells none kept
+    /// an edge below 0.1 µm.
     pub fn merge_short_edges(&mut self, distance: f64) -> usize {
         // From a thousandth upwards, so that a cluster that is too wide to
         // merge as a whole can still lose its shortest edges.

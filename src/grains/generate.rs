@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use super::{
-    Block, Grain, GrainSet, GrainsError, psd::ParticleSizeDistribution, voronoi::random_cells,
+    Block, Grain, GrainSet, GrainsError,
+    psd::ParticleSizeDistribution,
+    voronoi::{Cube, random_cells},
 };
 use crate::{
     geometry::{ConvexPolyhedron, MassProperties, Vector},
+    scale::{self, Scale},
     scenario::SievedGrains,
 };
-
-/// Gap in m between the blocks, which lie side by side along x.
-const BLOCK_GAP: f64 = 0.01;
 
 /// Makes the grains of a sieve table (paper, section 3): for every fraction a
 /// cube of its solid volume, cut into as many Voronoi cells of uniformly
@@ -29,12 +29,20 @@ pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError>
         density: psd.density,
         stones: Vec::new(),
     };
+    let smallest = psd.fractions.iter().map(|f| f.retained).fold(f64::INFINITY, f64::min);
+    let scale = Scale::of_smallest(smallest, Scale::PAPER.gravity);
+    let merge = scale::MERGE_DISTANCE.at(&scale);
     let mut x = 0.0;
     for (index, fraction) in psd.fractions.iter().enumerate() {
         let side = fraction.volume.cbrt();
         let origin = Vector::new(x, 0.0, 0.0);
         let name = format!("points of block {index}");
-        let tessellation = random_cells(fraction.grains, side, origin, &spec.cells, (seed, &name))?;
+        let tessellation = random_cells(
+            fraction.grains,
+            &Cube { side, origin, merge },
+            &spec.cells,
+            (seed, &name),
+        )?;
         set.push_block(Block {
             passing: fraction.passing,
             retained: fraction.retained,
@@ -44,7 +52,7 @@ pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError>
             first_grain: 0,
             cells: tessellation.cells,
         });
-        x += side + BLOCK_GAP;
+        x += side + scale::BLOCK_GAP.at(&scale);
     }
     Ok(set)
 }

@@ -13,11 +13,6 @@ use super::{
 };
 use crate::geometry::Pose;
 
-/// Clearance in m around the bounding sphere of each grain that [`rain`]
-/// places: two grains begin at least twice as far apart, more than engines
-/// pad their shapes by.
-pub const RAIN_CLEARANCE: f64 = 0.25e-3;
-
 /// Places tried for each grain; the lowest is taken.
 const TRIES: usize = 24;
 
@@ -46,7 +41,7 @@ pub fn mix(grains: &GrainSet, seed: u64, configuration: u32) -> Mixing {
 }
 
 /// Poses, by grain index, from which mixed grains can be let fall: their
-/// bounding spheres, with [`RAIN_CLEARANCE`] around, touch neither each other
+/// bounding spheres, with a clearance around ([`GrainSet::rain_clearance`]), touch neither each other
 /// nor the vertical cylinder of radius `region_radius` (m) about the z axis
 /// nor the plane z = `bottom` (m), and form a column about as low as dropped
 /// spheres do.
@@ -71,8 +66,9 @@ pub fn rain(
     }
     let count = grains.grains.len();
     check_mixing(mixing, count)?;
+    let clearance = grains.rain_clearance();
     let radii: Vec<f64> =
-        grains.grains.iter().map(|g| g.shape.radius_about_origin() + RAIN_CLEARANCE).collect();
+        grains.grains.iter().map(|g| g.shape.radius_about_origin() + clearance).collect();
     if let Some(grain) = radii.iter().position(|&r| r > region_radius) {
         let (radius_m, region_m) = (radii[grain], region_radius);
         return Err(GrainsError::DoesNotFit { grain, radius_m, region_m });
@@ -251,10 +247,11 @@ mod tests {
         let poses = rain(&grains, &mix(&grains, 1, 1), region, bottom).unwrap();
         let [apart, wall, floor, height] = gaps(&grains, &poses, region, bottom);
         let rounding = 1e-9;
+        let clearance = grains.rain_clearance();
         for (what, gap, least) in [
-            ("between spheres", apart, 2.0 * RAIN_CLEARANCE),
-            ("to the wall", wall, RAIN_CLEARANCE),
-            ("to the bottom", floor, RAIN_CLEARANCE),
+            ("between spheres", apart, 2.0 * clearance),
+            ("to the wall", wall, clearance),
+            ("to the bottom", floor, clearance),
         ] {
             assert!(gap > least - rounding, "gap {what}: expected ≥ {least} m, got {gap} m");
         }
@@ -300,7 +297,7 @@ mod tests {
     fn a_narrow_region_is_a_column_and_a_narrower_one_an_error() {
         let grains = generate(&few_grains(), 1).unwrap();
         let mixing = mix(&grains, 1, 1);
-        let needed = grains.largest_bounding_radius() + RAIN_CLEARANCE;
+        let needed = grains.largest_bounding_radius() + grains.rain_clearance();
         let poses = rain(&grains, &mixing, needed, 0.0).unwrap();
         let [apart, wall, ..] = gaps(&grains, &poses, needed, 0.0);
         assert!(apart > 0.0 && wall > 0.0, "gaps in a tight column: {apart} m, {wall} m");

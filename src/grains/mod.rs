@@ -19,6 +19,7 @@ mod shape;
 mod sieve;
 mod sieve_memory;
 mod sieve_table;
+mod sizes;
 mod stones;
 pub mod streams;
 pub mod voronoi;
@@ -26,7 +27,6 @@ pub mod voronoi;
 use std::sync::Arc;
 
 pub use analysis::{SieveAnalysis, Sieved};
-pub use complex::MERGE_DISTANCE;
 pub use error::GrainsError;
 pub use file::{
     BlockJson, CellJson, GrainsJson, SieveJson, from_json, read_json, to_json, write_json,
@@ -34,12 +34,13 @@ pub use file::{
 pub use generate::generate;
 pub use gradation::{Gradation, UscsClass};
 pub use mesh::{write_obj, write_ply, write_ply_of, write_stl, write_stl_of};
-pub use mixing::{Mixing, RAIN_CLEARANCE, mix, rain};
+pub use mixing::{Mixing, mix, rain};
 pub use psd::{Fraction, ParticleSizeDistribution};
 pub use shape::{GrainShape, ShapeRatio};
 pub use sieve::{Passage, SIEVE_TOLERANCE, sieve_size};
 pub use sieve_memory::sieve_size_of;
 pub use sieve_table::{sieve_csv, sieve_table};
+pub use sizes::load_scenario;
 pub use stones::{StoneRecord, from_meshes, stones_csv};
 
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};

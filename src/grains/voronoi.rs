@@ -8,7 +8,7 @@ use rand_pcg::Pcg64;
 use super::{
     GrainsError,
     cell_shape::{box_sides, relaxed},
-    complex::{CellComplex, MERGE_DISTANCE, SharedVertex},
+    complex::{CellComplex, SharedVertex},
     psd::positive,
     streams::{stream, uniform},
 };
@@ -30,6 +30,18 @@ const VOLUME_TOLERANCE: f64 = 1e-9;
 /// degenerate. No draw in some 10⁵ cells needed it.
 const ATTEMPTS: u32 = 8;
 
+/// A cube that is cut into cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cube {
+    /// Length of its sides in m.
+    pub side: f64,
+    /// Its lowest corner in m.
+    pub origin: Vector,
+    /// Edges of cells up to this length in m are merged to a point where the cells
+    /// stay convex ([`crate::scale::MERGE_DISTANCE`]).
+    pub merge: f64,
+}
+
 /// Points in a cube and their Voronoi cells, in the same order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tessellation {
@@ -41,16 +53,14 @@ pub struct Tessellation {
 
 /// Cuts a cube into the Voronoi cells of uniformly random points, drawn from
 /// the random stream `name`, or of what became of them by relaxation, in a
-/// space stretched as the shape of the cells asks for. The cube has the given
-/// side (m) and lowest corner `origin` (m).
+/// space stretched as the shape of the cells asks for.
 ///
 /// # Errors
 /// A side that is not positive; the last attempt's fault, if every attempt
 /// gave degenerate cells.
 pub fn random_cells(
     count: usize,
-    side: f64,
-    origin: Vector,
+    cube: &Cube,
     shape: &CellShape,
     (seed, name): (u64, &str),
 ) -> Result<Tessellation, GrainsError> {
@@ -63,10 +73,10 @@ pub fn random_cells(
         };
         attempt += 1;
         let made = relaxed(random_points(count, &mut rng), sides, shape.relaxation_steps)
-            .and_then(|points| Ok((stretched_cells(&points, sides, side, origin)?, points)));
+            .and_then(|points| Ok((stretched_cells(&points, sides, cube)?, points)));
         match made {
             Ok((cells, points)) => {
-                let points = points.iter().map(|p| origin + p * side).collect();
+                let points = points.iter().map(|p| cube.origin + p * cube.side).collect();
                 return Ok(Tessellation { points, cells });
             }
             Err(error @ (GrainsError::NotPositive { .. } | GrainsError::NoGrains)) => {
@@ -82,19 +92,14 @@ fn random_points(count: usize, rng: &mut Pcg64) -> Vec<Vector> {
     (0..count).map(|_| Vector::from_fn(|_, _| uniform(rng))).collect()
 }
 
-/// The Voronoi cells of points inside a cube with the given side (m) and
-/// lowest corner `origin` (m); the points are given in units of the side,
-/// 0 to 1. Nearly coincident vertices are merged ([`MERGE_DISTANCE`]).
+/// The Voronoi cells of points inside a cube; the points are given in units of
+/// its side, 0 to 1. Nearly coincident vertices are merged.
 ///
 /// # Errors
 /// No points, points outside the cube or nearer to each other than 1e-9 of
 /// its side, and cells that are no convex polyhedra or do not fill the cube.
-pub fn cells(
-    points: &[Vector],
-    side: f64,
-    origin: Vector,
-) -> Result<Vec<ConvexPolyhedron>, GrainsError> {
-    stretched_cells(points, Vector::repeat(1.0), side, origin)
+pub fn cells(points: &[Vector], cube: &Cube) -> Result<Vec<ConvexPolyhedron>, GrainsError> {
+    stretched_cells(points, Vector::repeat(1.0), cube)
 }
 
 /// The same, of cells that are those of a box of the given sides, mapped to
@@ -102,13 +107,12 @@ pub fn cells(
 fn stretched_cells(
     points: &[Vector],
     sides: Vector,
-    side: f64,
-    origin: Vector,
+    &Cube { side, origin, merge }: &Cube,
 ) -> Result<Vec<ConvexPolyhedron>, GrainsError> {
     positive("side of a block, m", side)?;
     check_points(points)?;
     let mut complex = tessellate(points, sides, side, origin);
-    complex.merge_short_edges(MERGE_DISTANCE);
+    complex.merge_short_edges(merge);
     let cells = complex.into_polyhedra()?;
     let cells_m3: f64 = cells.iter().map(ConvexPolyhedron::signed_volume).sum();
     let block_m3 = side.powi(3);
@@ -233,6 +237,12 @@ fn volume(faces: &[Vec<u32>], vertices: &[SharedVertex]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const MERGE: f64 = 1e-6;
+
+    fn cube(side: f64, origin: Vector) -> Cube {
+        Cube { side, origin, merge: MERGE }
+    }
     use proptest::prelude::*;
 
     fn check(cells: &[ConvexPolyhedron], side: f64) -> Result<(), String> {
@@ -263,11 +273,11 @@ mod tests {
     #[test]
     fn one_point_gives_the_cube_and_two_give_its_halves() {
         let origin = Vector::new(0.3, -0.1, 0.2);
-        let one = cells(&[Vector::repeat(0.5)], 0.02, origin).unwrap();
+        let one = cells(&[Vector::repeat(0.5)], &cube(0.02, origin)).unwrap();
         assert_eq!((one[0].vertices().len(), one[0].faces().len()), (8, 6), "a cube");
         check(&one, 0.02).unwrap();
         let halves =
-            cells(&[Vector::new(0.25, 0.5, 0.5), Vector::new(0.75, 0.5, 0.5)], 0.02, origin)
+            cells(&[Vector::new(0.25, 0.5, 0.5), Vector::new(0.75, 0.5, 0.5)], &cube(0.02, origin))
                 .unwrap();
         check(&halves, 0.02).unwrap();
         for (half, low) in halves.iter().zip([0.3, 0.31]) {
@@ -287,7 +297,7 @@ mod tests {
         // The law that defines the tessellation, at places drawn at random.
         let tessellation = {
             let origin = Vector::new(0.1, 0.0, 0.0);
-            random_cells(60, 0.04, origin, &CellShape::default(), (11, "law")).unwrap()
+            random_cells(60, &cube(0.04, origin), &CellShape::default(), (11, "law")).unwrap()
         };
         let mut rng = stream(12, "places");
         for _ in 0..300 {
@@ -300,7 +310,7 @@ mod tests {
                 .map(|(normal, offset)| normal.dot(&place) - offset)
                 .fold(f64::NEG_INFINITY, f64::max);
             assert!(
-                outside < MERGE_DISTANCE,
+                outside < MERGE,
                 "place {place:?} is nearest to point {nearest}, but {outside:e} m outside its cell"
             );
         }
@@ -316,7 +326,7 @@ mod tests {
                 Vector::from(index.map(|k| (k as f64 + 0.5) / n as f64))
             })
             .collect();
-        let cells = cells(&points, 0.04, Vector::zeros()).unwrap();
+        let cells = cells(&points, &cube(0.04, Vector::zeros())).unwrap();
         check(&cells, 0.04).unwrap();
         for cell in &cells {
             let got = cell.signed_volume();
@@ -331,7 +341,7 @@ mod tests {
             let side = 0.0854;
             // Not `random_cells`, which would draw again: the first draw must do.
             let points = random_points(1000, &mut stream(seed, "many"));
-            let cells = cells(&points, side, Vector::zeros()).unwrap();
+            let cells = cells(&points, &cube(side, Vector::zeros())).unwrap();
             check(&cells, side).unwrap_or_else(|e| panic!("seed {seed}: {e}"));
             for cell in &cells {
                 shortest = shortest.min(shortest_edge(cell));
@@ -359,7 +369,7 @@ mod tests {
             })
             .collect();
         let mut complex = tessellate(&points, Vector::repeat(1.0), 0.04, Vector::zeros());
-        let mergers = complex.merge_short_edges(MERGE_DISTANCE);
+        let mergers = complex.merge_short_edges(MERGE);
         assert!(mergers > 100, "most of 125 clusters have vertices to merge, merged {mergers}");
         let cells = complex.into_polyhedra().unwrap();
         check(&cells, 0.04).unwrap();
@@ -377,15 +387,15 @@ mod tests {
     fn bad_points_are_refused() {
         let good = Vector::repeat(0.5);
         for bad in [f64::NAN, f64::INFINITY, -0.1, 1.1] {
-            let error = cells(&[good, Vector::new(0.2, bad, 0.2)], 1.0, Vector::zeros());
+            let error = cells(&[good, Vector::new(0.2, bad, 0.2)], &cube(1.0, Vector::zeros()));
             assert!(matches!(error, Err(GrainsError::BadPoint { point: 1, .. })), "{error:?}");
         }
         let close = good + Vector::new(0.0, 1e-10, 0.0);
-        let error = cells(&[good, Vector::zeros(), close], 1.0, Vector::zeros());
+        let error = cells(&[good, Vector::zeros(), close], &cube(1.0, Vector::zeros()));
         assert!(matches!(error, Err(GrainsError::BadPoint { point: 2, .. })), "{error:?}");
-        assert!(matches!(cells(&[], 1.0, Vector::zeros()), Err(GrainsError::NoGrains)));
+        assert!(matches!(cells(&[], &cube(1.0, Vector::zeros())), Err(GrainsError::NoGrains)));
         for side in [0.0, -1.0, f64::NAN] {
-            let error = cells(&[good], side, Vector::zeros());
+            let error = cells(&[good], &cube(side, Vector::zeros()));
             assert!(matches!(error, Err(GrainsError::NotPositive { .. })), "{error:?}");
         }
     }
@@ -400,10 +410,10 @@ mod tests {
         ) {
             let shape = CellShape { relaxation_steps: steps, elongation, flatness };
             let origin = Vector::new(x, 0.0, 0.5);
-            let tessellation = random_cells(count, side, origin, &shape, (seed, "any")).unwrap();
+            let tessellation = random_cells(count, &cube(side, origin), &shape, (seed, "any")).unwrap();
             prop_assert_eq!(tessellation.cells.len(), count);
             prop_assert_eq!(check(&tessellation.cells, side), Ok(()));
-            let again = random_cells(count, side, origin, &shape, (seed, "any")).unwrap();
+            let again = random_cells(count, &cube(side, origin), &shape, (seed, "any")).unwrap();
             prop_assert_eq!(tessellation, again);
         }
     }

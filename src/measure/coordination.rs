@@ -51,10 +51,12 @@ pub fn coordination(grains: &[usize], pairs: &[PairGap]) -> Coordination {
 #[cfg(test)]
 mod tests {
     use super::super::{
-        TOUCHING_GAP, pairs_within,
+        pairs_within,
         testing::{cube, specimen_of},
     };
     use super::*;
+
+    const TOUCHING_GAP: f64 = 1e-4;
     use crate::geometry::Pose;
 
     /// Law: in a row of five touching cubes the ends touch one, the others

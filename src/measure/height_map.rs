@@ -4,12 +4,15 @@ use super::{Container, MeasureError, raster::Surface, statistics};
 use crate::{
     geometry::{Pose, Vector},
     grains::GrainSet,
+    scale,
     specimen::Specimen,
 };
 
-/// Side of a height map's cells in m where nothing else is asked for: a tenth
-/// of a grain, about 10 400 cells on the paper's cylinder.
-pub const DEFAULT_CELL: f64 = 1e-3;
+/// Side in m of a height map's cells where nothing else is asked for: about 10 400
+/// cells on the paper's cylinder.
+pub fn height_cell(grains: &GrainSet) -> f64 {
+    grains.of_size(&scale::HEIGHT_CELL)
+}
 
 /// Most cells across a diameter; a finer map is a mistake in the units.
 const MOST_ACROSS: usize = 4000;
@@ -153,6 +156,8 @@ mod tests {
         assert_near, cube, random, random_polyhedron, random_rotation, specimen_of,
     };
     use super::*;
+
+    const DEFAULT_CELL: f64 = 1e-3;
     use crate::{geometry::ConvexPolyhedron, specimen::Fate};
     use std::f64::consts::PI;
 

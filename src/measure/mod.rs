@@ -33,12 +33,12 @@ pub use container::Container;
 pub use coordination::{Coordination, coordination};
 pub use energy::{Energy, body_energy, grain_energy, largest_speed};
 pub use estimate::{Estimate, change_for_one_unit, paired_difference};
-pub use height_map::{DEFAULT_CELL, HeightMap, StandingHeight};
+pub use height_map::{HeightMap, StandingHeight, height_cell};
 pub use heights::{Content, content, mean_grain_height};
 pub use hull::WorldHull;
 pub use inverse::{InversePrediction, bend_pattern, inverse_prediction};
 pub use overlap::{OverlapStatistics, overlap_statistics};
-pub use pairs::{PairGap, TOUCHING_GAP, pairs_within, pairs_within_of};
+pub use pairs::{PairGap, pairs_within, pairs_within_of, touching_gap};
 pub use plate::{PlatePosition, plate_position};
 pub use repose::{
     FLANK, NoPile, PileSurface, Repose, Sector, base_level, over, pile_surface, pile_top,

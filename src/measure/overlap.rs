@@ -46,10 +46,12 @@ pub fn overlap_statistics(specimen: &Specimen, pairs: &[PairGap]) -> OverlapStat
 #[cfg(test)]
 mod tests {
     use super::super::{
-        TOUCHING_GAP, pairs_within,
+        pairs_within,
         testing::{assert_near, cube, specimen_of},
     };
     use super::*;
+
+    const TOUCHING_GAP: f64 = 1e-4;
     use crate::geometry::Pose;
 
     /// Law: a tower of cubes of 10, 10, 20 and 10 mm, overlapping by 0.1 and

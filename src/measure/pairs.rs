@@ -1,13 +1,14 @@
 //! Which grains touch or overlap.
 
 use super::{WorldHull, separation_within};
+use crate::grains::GrainSet;
+use crate::scale;
 use crate::specimen::Specimen;
 
-/// Gap in m up to which two grains count as touching: 0.1 mm, a hundredth of
-/// the mean grain diameter. It must exceed the play that contacts have at
-/// rest (the engines' own tolerances and the overlap that carries the load),
-/// else the coordination number flickers with rounding.
-pub const TOUCHING_GAP: f64 = 1e-4;
+/// Gap in m up to which two grains of a set count as touching.
+pub fn touching_gap(grains: &GrainSet) -> f64 {
+    grains.of_size(&scale::TOUCHING_GAP)
+}
 
 /// Two grains and how far they are apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,6 +89,8 @@ mod tests {
         testing::{cube, dense_bed, specimen_of},
     };
     use super::*;
+
+    const TOUCHING_GAP: f64 = 1e-4;
     use crate::geometry::Pose;
 
     /// Law: the pairs are those that testing everything against everything finds.

@@ -29,7 +29,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{Container, DEFAULT_CELL, HeightMap, MeasureError, inference::MeanTest, statistics};
+use super::{Container, HeightMap, MeasureError, height_cell, inference::MeanTest, statistics};
 use crate::specimen::{Base, Specimen, SpecimenState};
 
 /// Sectors about the axis: of 10° each.
@@ -147,7 +147,7 @@ pub enum NoPile {
 /// [`MeasureError`] of the height map.
 pub fn pile_surface(specimen: &Specimen) -> Result<Option<PileSurface>, MeasureError> {
     let Some(base) = &specimen.state.base else { return Ok(None) };
-    let map = HeightMap::of(specimen, &over(base), DEFAULT_CELL)?;
+    let map = HeightMap::of(specimen, &over(base), height_cell(&specimen.grains))?;
     let level = base_level(specimen)?;
     let middle = (map.across() - 1) as f64 / 2.0;
     let place = |n: usize| (n as f64 - middle) * map.cell();
@@ -177,7 +177,8 @@ pub fn base_level(specimen: &Specimen) -> Result<f64, MeasureError> {
         return Ok(0.0);
     };
     let poses: Vec<_> = base.fixed_grains.iter().map(|f| (f.grain, f.pose)).collect();
-    let map = HeightMap::of_poses(&specimen.grains, &poses, &over(base), DEFAULT_CELL)?;
+    let map =
+        HeightMap::of_poses(&specimen.grains, &poses, &over(base), height_cell(&specimen.grains))?;
     Ok(map.standing_height().mean_surface)
 }
 

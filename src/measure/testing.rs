@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::{
     geometry::{ConvexPolyhedron, MassProperties, Point, Pose, Vector},
-    grains::{Grain, GrainSet},
+    grains::{Block, Grain, GrainSet},
     specimen::{Fate, GrainState, Specimen, SpecimenState},
     world::BodyState,
 };
@@ -167,6 +167,19 @@ pub fn grain(shape: &ConvexPolyhedron) -> (Grain, Pose) {
     (grain, frame.pose)
 }
 
+/// A block whose sieves are the paper's finest and coarsest.
+fn of_the_papers_sizes() -> Block {
+    Block {
+        passing: 0.016,
+        retained: 0.008,
+        side: 0.1,
+        origin: Vector::zeros(),
+        points: vec![],
+        first_grain: 0,
+        cells: vec![],
+    }
+}
+
 /// A specimen at rest: every shape at its pose.
 pub fn specimen_of(parts: Vec<(ConvexPolyhedron, Pose)>) -> Specimen {
     let mut grains = vec![];
@@ -177,7 +190,12 @@ pub fn specimen_of(parts: Vec<(ConvexPolyhedron, Pose)>) -> Specimen {
         bodies.push(GrainState { body: BodyState::at_rest(pose * frame), fate: Fate::Present });
     }
     Specimen {
-        grains: Arc::new(GrainSet { grains, blocks: vec![], density: DENSITY, stones: vec![] }),
+        grains: Arc::new(GrainSet {
+            grains,
+            blocks: vec![of_the_papers_sizes()],
+            density: DENSITY,
+            stones: vec![],
+        }),
         state: SpecimenState {
             bodies,
             funnel: None,

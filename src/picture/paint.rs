@@ -4,7 +4,7 @@ use super::PictureError;
 use super::colour::{Colour, round_up, scale, step};
 use crate::geometry::Vector;
 use crate::grains::GrainSet;
-use crate::measure::{TOUCHING_GAP, WorldHull, pairs_within_of};
+use crate::measure::{WorldHull, pairs_within_of, touching_gap};
 use crate::record::Frame;
 use crate::units::to_mm;
 
@@ -157,7 +157,7 @@ fn by_coordination(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
     };
     let hulls: Vec<WorldHull> = present.iter().filter_map(hull).collect();
     let mut touching = vec![0_usize; now.grains.len()];
-    for (a, b, _) in pairs_within_of(&hulls, TOUCHING_GAP) {
+    for (a, b, _) in pairs_within_of(&hulls, touching_gap(grains)) {
         touching[present[a]] += 1;
         touching[present[b]] += 1;
     }

@@ -9,12 +9,10 @@ use crate::grains::{
     GrainSet,
     streams::{below, rotation, stream},
 };
+use crate::scale;
 use crate::scenario::{BaseKind, BaseSpec};
 use crate::specimen::{Base, FixedGrain, SpecimenState};
 use crate::world::{Material, PairTable};
-
-/// Thickness of the floor in m; nothing is seen of it.
-pub(super) const FLOOR_THICKNESS: f64 = 0.02;
 
 /// The base of a scenario, of the given radius in m.
 ///
@@ -90,7 +88,7 @@ pub fn base_pieces(
         })
         .collect();
     let material = if base.friction.is_some() { Material::Wall } else { Material::Grain };
-    pieces.push((round_floor(base.radius, FLOOR_THICKNESS)?, material));
+    pieces.push((round_floor(base.radius, grains.of_size(&scale::FLOOR_THICKNESS))?, material));
     Ok(pieces)
 }
 

@@ -5,18 +5,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Pose, Vector};
 use crate::grains::{
-    self, Mixing, RAIN_CLEARANCE,
+    self, Mixing,
     streams::{in_unit_disc, stream},
 };
+use crate::scale;
 use crate::specimen::Specimen;
 
 /// Places under the spout that are tried before a grain waits for the next check.
 const TRIES: usize = 16;
 
 /// A grain counts as landed so many times the time of its free fall after it
-/// was let go, and [`LANDED_AFTER`] s later: the first blow is over then.
+/// was let go, and [`scale::LANDED_AFTER`] later.
 const FALLS: f64 = 2.0;
-const LANDED_AFTER: f64 = 0.05;
 
 /// How grains are fed, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +37,8 @@ pub(super) struct Feeder {
     mixing: Mixing,
     /// Radius of the sphere around each grain with its clearance, in m.
     radii: Vec<f64>,
+    /// How long after its fall a grain counts as landed, in s.
+    landed_after: f64,
     /// Highest point of the base in m.
     base_top: f64,
     so_far: Fed,
@@ -67,9 +69,11 @@ impl Feeder {
         let base_top = fixed
             .flat_map(|f| set.grains[f.grain].shape.vertices().iter().map(|v| (f.pose * v).z))
             .fold(0.0, f64::max);
-        let radius = |g: &grains::Grain| g.shape.radius_about_origin() + RAIN_CLEARANCE;
+        let clearance = set.rain_clearance();
+        let radius = |g: &grains::Grain| g.shape.radius_about_origin() + clearance;
         Self {
             feed,
+            landed_after: scale::LANDED_AFTER.at(&set.scale(feed.gravity)),
             mixing: grains::mix(set, seed, configuration),
             radii: set.grains.iter().map(radius).collect(),
             base_top,
@@ -109,7 +113,7 @@ impl Feeder {
             let pose = Pose::from_parts(place.into(), self.mixing.orientations[grain]);
             let fall =
                 (2.0 * (self.feed.drop_height + self.radii[grain]) / self.feed.gravity).sqrt();
-            self.so_far.falling.push((grain, time + FALLS * fall + LANDED_AFTER));
+            self.so_far.falling.push((grain, time + FALLS * fall + self.landed_after));
             released.push((grain, pose));
             self.so_far.count += 1;
         }

@@ -8,6 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Setup, Watch, feeder::Fed, stages::table_motion};
+use crate::scale;
 use crate::scenario::{Backend, ContactPath, StageSpec};
 use crate::specimen::SpecimenState;
 
@@ -19,9 +20,6 @@ const LEG_WALL: f64 = 60.0;
 /// at its default settings (docs/contacts.md), to the order of magnitude. A
 /// faster machine has shorter legs; the bits must not depend on it.
 const GRAIN_STEP: f64 = 12e-6;
-
-/// Interval in s at which guards look and grains are counted; legs end there.
-const CHECK_INTERVAL: f64 = 0.02;
 
 /// Where a stage is between two of its legs: all that it needs to go on, beside
 /// its grains.
@@ -73,9 +71,10 @@ impl Midway {
     }
 }
 
-/// Steps of a length in s between two checks.
-pub(super) fn steps_a_check(step: f64) -> u64 {
-    (CHECK_INTERVAL / step).round().max(1.0) as u64
+/// Steps of a length in s between two checks, at which guards look and grains are
+/// counted; legs end there.
+pub(super) fn steps_a_check(setup: &Setup, step: f64) -> u64 {
+    (scale::CHECK_INTERVAL.at(&setup.scale) / step).round().max(1.0) as u64
 }
 
 /// Engine steps of a leg, by the engine's settings and the number of grains
@@ -86,7 +85,7 @@ pub(super) fn leg_steps(setup: &Setup, grains: usize) -> Option<u64> {
     if engine.backend != Backend::Bullet || engine.contact_path != ContactPath::Manifold {
         return None;
     }
-    let check = steps_a_check(1.0 / engine.rate_hz);
+    let check = steps_a_check(setup, 1.0 / engine.rate_hz);
     let steps = match engine.manifold.checkpoint_every_s {
         Some(time) => time * engine.rate_hz,
         None => LEG_WALL / (GRAIN_STEP * grains.max(1) as f64),
@@ -120,7 +119,7 @@ mod tests {
             "name": "test",
             "grains": {
                 "total_mass_g": 60, "density_kg_per_m3": 2673.9,
-                "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+                "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
             },
             "stages": []
         }))
@@ -134,7 +133,7 @@ mod tests {
         for (rate, grains) in [(480.0, 364), (480.0, 2000), (960.0, 50), (77.7, 100_000)] {
             let setup = setup(|s| s.engine.rate_hz = rate);
             let steps = leg_steps(&setup, grains).expect("legs");
-            let check = steps_a_check(1.0 / rate);
+            let check = steps_a_check(&setup, 1.0 / rate);
             let wall = steps as f64 * grains as f64 * GRAIN_STEP;
             let one = check as f64 * grains as f64 * GRAIN_STEP;
             assert_eq!(steps % check, 0, "law: legs end at a check");

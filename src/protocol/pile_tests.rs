@@ -128,7 +128,7 @@ fn grains_are_fed_at_their_rate_above_the_pile_and_clear_of_each_other() {
             assert!(gap > 0.0, "law: spheres of grains let go are apart, {i} and {j}: {gap} m");
         }
     }
-    let expected = DROP + crate::grains::RAIN_CLEARANCE;
+    let expected = DROP + set.rain_clearance();
     assert!(
         (lowest - expected).abs() < 1e-12,
         "law: the first sphere begins the drop height above the base, expected {expected} m, got \

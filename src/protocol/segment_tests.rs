@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, atomic::AtomicBool};
 use super::*;
 use crate::geometry::{ConvexPolyhedron, MassProperties, Pose, Vector};
 use crate::grains::{Grain, GrainSet, generate};
+use crate::scale::Scale;
 use crate::scenario::{BaseKind, BaseSpec, GrainsSpec, Scenario, StageSpec, StrokeReading};
 use crate::specimen::SpecimenState;
 use crate::world::{
@@ -165,7 +166,9 @@ fn carry_out(
     checkpoint_every_s: Option<f64>,
     make: Maker,
 ) -> (StageOutcome, Vec<Log>) {
-    let setup = Setup::new(&scenario(checkpoint_every_s)).expect("a laboratory");
+    let mut setup = Setup::new(&scenario(checkpoint_every_s)).expect("a laboratory");
+    // With which a check comes every ten steps.
+    setup.scale = Scale::PAPER;
     let logs = Logs::default();
     let make = |settings: &_, gravity, pairs: &_| {
         make(settings, gravity, pairs).map(|world| Spy::watch(world, &logs))

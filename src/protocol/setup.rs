@@ -1,6 +1,7 @@
 //! Everything a stage needs to know about the laboratory, in SI units.
 
 use crate::apparatus::{ApparatusError, Cylinder, TopPlate};
+use crate::scale::Scale;
 use crate::scenario::{ContactSpec, EngineSettings, FunnelSpec, Scenario};
 use crate::units::from_mm;
 use crate::world::{Material, PairCoefficients, PairTable};
@@ -14,6 +15,8 @@ const SAMPLE_INTERVAL: f64 = 0.08;
 pub struct Setup {
     /// Gravitational acceleration in m/s².
     pub gravity: f64,
+    /// What lengths, speeds and times of ours follow from.
+    pub scale: Scale,
     /// Engine settings.
     pub engine: EngineSettings,
     /// Friction and restitution of each pair of materials.
@@ -54,6 +57,7 @@ impl Setup {
         let settle = &scenario.settle;
         Ok(Self {
             gravity: scenario.gravity_m_per_s2,
+            scale: scenario.scale(),
             engine: scenario.engine.clone(),
             pairs: pair_table(&scenario.contact),
             cylinder: Cylinder::new(&scenario.apparatus.cylinder)?,

@@ -10,17 +10,11 @@ use super::{
 use crate::apparatus::{Funnel, TableMotion};
 use crate::geometry::Pose;
 use crate::grains;
+use crate::scale;
 use crate::scenario::{StageSpec, StrokeReading};
 use crate::specimen::{Fate, FunnelState, Specimen, SpecimenState};
 use crate::units::from_mm;
 use crate::world::BodyState;
-
-/// Clearance in m between the funnel's collar and the grains poured into it.
-const COLLAR_CLEARANCE: f64 = 2e-3;
-
-/// Height in m above the highest grain at which the top plate is let go: it
-/// lands with 44 mm/s ("allowed to fall slowly", paper, section 3).
-const PLATE_RELEASE: f64 = 1e-4;
 
 /// Carries out one stage on a specimen, as it is at the end of the stage before;
 /// from `midway`, where it was interrupted.
@@ -154,7 +148,7 @@ impl<'a> Laboratory<'a> {
         let poses = grains::rain(
             &specimen.grains,
             &mixing,
-            bare.top_radius - COLLAR_CLEARANCE,
+            bare.top_radius - scale::COLLAR_CLEARANCE.at(&self.setup.scale),
             bare.top_height,
         )
         .map_err(|error| StageError::Placing(error.to_string()))?;
@@ -296,7 +290,8 @@ impl<'a> Laboratory<'a> {
                 specimen.grains.grains[i].shape.vertices().iter().map(move |v| (pose * v).z)
             })
             .fold(0.0, f64::max);
-        let height = highest + PLATE_RELEASE + self.setup.plate.thickness / 2.0;
+        let release = scale::PLATE_RELEASE.at(&self.setup.scale);
+        let height = highest + release + self.setup.plate.thickness / 2.0;
         specimen.state.top_plate =
             Some(BodyState::at_rest(Pose::translation(specimen.state.table_x, 0.0, height)));
         let course = Course::until_settled(limit);

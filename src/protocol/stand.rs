@@ -20,6 +20,7 @@ use super::{
 use crate::apparatus::{Funnel, TableMotion};
 use crate::geometry::{Pose, Vector};
 use crate::grains::{Grain, GrainSet};
+use crate::scale;
 use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen, SpecimenState};
 use crate::world::{
     Body, BodyId, BodyState, Guard, GuardLimits, Material, Motion, PairTable, Snapshot, World,
@@ -38,9 +39,6 @@ pub type WorldMaker<'a> = &'a (
 
 /// Nothing here is faster: a grain reaches 2.8 m/s in the paper's highest fall.
 const SPEED_LIMIT: f64 = 20.0;
-
-/// A 10 mm grain whose rim moves at the speed limit.
-const ANGULAR_SPEED_LIMIT: f64 = 4000.0;
 
 /// Everything happens within this distance of the cylinder's floor, in m.
 const DISTANCE_LIMIT: f64 = 20.0;
@@ -171,7 +169,7 @@ impl<'a> Stand<'a> {
         let remembered = remembered(&state.contacts, &parties);
         world.recall(&remembered).map_err(|source| fail(source, &specimen))?;
         let mut whereabouts = Whereabouts::new(
-            grains.len(),
+            &specimen.grains,
             state.cylinder.then_some(&setup.cylinder),
             funnel.as_ref().map(|(f, _)| f),
             state.base.as_ref().map(|b| b.radius),
@@ -195,7 +193,7 @@ impl<'a> Stand<'a> {
             whereabouts,
             guard: Guard::new(GuardLimits {
                 speed: SPEED_LIMIT,
-                angular_speed: ANGULAR_SPEED_LIMIT,
+                angular_speed: scale::LARGEST_SPIN.at(&setup.scale),
                 distance: DISTANCE_LIMIT,
             }),
             snapshot: Snapshot::new(),
@@ -215,7 +213,7 @@ impl<'a> Stand<'a> {
     ) -> Result<LegEnd, StageError> {
         let dt = self.world.time_step();
         let last_step = (until.limit / dt).round().max(1.0) as u64;
-        let check_every = steps_a_check(dt);
+        let check_every = steps_a_check(self.setup, dt);
         let leg = leg_steps(self.setup, self.specimen.grains.grains.len());
         let seam = leg.map(|leg| (self.midway.steps / leg + 1).saturating_mul(leg));
         let look_every = motion.map(|m| steps_a_look(m.frequency, dt)).filter(|n| *n < check_every);

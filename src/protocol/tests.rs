@@ -174,7 +174,11 @@ fn the_plate_is_let_go_just_above_the_highest_grain() {
         carry_out(still(), specimen, &StageSpec::PlaceTopPlate { time_limit_s: 1.0 });
     let plate = outcome.expect("placed").specimen.state.top_plate.expect("a plate");
     let gap = plate.pose.translation.z - 0.005 - highest;
-    assert!((gap - 1e-4).abs() < 1e-12, "expected a gap of 0.1 mm, got {gap} m");
+    let expected = 1e-4 * 10.0 / 8.0;
+    assert!(
+        (gap - expected).abs() < 1e-12,
+        "law: 0.0125 of the smallest grains, of 10 mm; expected {expected} m, got {gap} m"
+    );
     assert_eq!(plate.pose.rotation.angle(), 0.0, "level");
 }
 

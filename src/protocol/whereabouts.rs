@@ -2,14 +2,9 @@
 
 use crate::apparatus::{Cylinder, Funnel};
 use crate::geometry::Vector;
+use crate::grains::GrainSet;
+use crate::scale;
 use crate::specimen::Fate;
-
-/// How far below the rim a grain must be, in m, to count as inside the
-/// cylinder rather than on its way over the rim: about a grain and a half.
-const RIM_ZONE: f64 = 0.015;
-
-/// How far below the lowest floor a lost grain falls, in m, before it is taken away.
-const FALL: f64 = 0.05;
 
 /// A region of the laboratory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,14 +26,18 @@ pub(super) struct Whereabouts {
     base: Option<f64>,
     wall: f64,
     floor: f64,
+    /// See [`scale::RIM_ZONE`], [`scale::FALL_BELOW`] and [`scale::FLOOR_THICKNESS`]; in m.
+    rim_zone: f64,
+    fall_below: f64,
+    floor_thickness: f64,
     last: Vec<Zone>,
 }
 
 impl Whereabouts {
-    /// For `grains` grains among the parts of the apparatus that stand; radius of
-    /// a pile's base and wall thickness in m.
+    /// For grains among the parts of the apparatus that stand; radius of a pile's
+    /// base and wall thickness in m.
     pub(super) fn new(
-        grains: usize,
+        grains: &GrainSet,
         cylinder: Option<&Cylinder>,
         funnel: Option<&Funnel>,
         base: Option<f64>,
@@ -54,13 +53,16 @@ impl Whereabouts {
             base,
             wall,
             floor,
-            last: vec![Zone::Open; grains],
+            rim_zone: grains.of_size(&scale::RIM_ZONE),
+            fall_below: grains.of_size(&scale::FALL_BELOW),
+            floor_thickness: grains.of_size(&scale::FLOOR_THICKNESS),
+            last: vec![Zone::Open; grains.grains.len()],
         }
     }
 
     /// Height in m below which no grain is seen: it is taken away there.
     pub(super) fn lowest(&self) -> f64 {
-        self.floor - FALL
+        self.floor - self.fall_below
     }
 
     /// Notes where a grain is now; tells what became of it when it has left
@@ -72,7 +74,7 @@ impl Whereabouts {
             return Fate::ThroughWall;
         }
         self.last[grain] = zone;
-        if position.z < self.floor - FALL {
+        if position.z < self.floor - self.fall_below {
             return if last == Zone::Inside { Fate::ThroughWall } else { Fate::Spilled };
         }
         Fate::Present
@@ -81,7 +83,7 @@ impl Whereabouts {
     fn zone(&self, position: &Vector, x: f64) -> Zone {
         let radius = (position.x - x).hypot(position.y);
         if let Some((inner, height)) = self.cylinder
-            && position.z < height - RIM_ZONE
+            && position.z < height - self.rim_zone
         {
             // A centroid in the middle of a wall has passed its inner face by
             // more than any contact would allow.
@@ -89,7 +91,7 @@ impl Whereabouts {
             return if inside { Zone::Inside } else { Zone::Outside };
         }
         if let Some(funnel) = &self.funnel
-            && position.z > funnel.opening_height + RIM_ZONE
+            && position.z > funnel.opening_height + self.rim_zone
             && position.z < funnel.top_height
         {
             let inner = funnel.inner_radius(position.z);
@@ -97,8 +99,8 @@ impl Whereabouts {
         }
         if let Some(base) = self.base {
             // Over the edge a grain goes beyond it first.
-            if radius < base - RIM_ZONE {
-                let above = position.z > -super::base::FLOOR_THICKNESS / 2.0;
+            if radius < base - self.rim_zone {
+                let above = position.z > -self.floor_thickness / 2.0;
                 return if above { Zone::Inside } else { Zone::Outside };
             }
         }
@@ -111,10 +113,17 @@ mod tests {
     use super::*;
     use crate::scenario::{CylinderSpec, FunnelSpec};
 
+    fn one_grain() -> GrainSet {
+        let table = r#"{ "total_mass_g": 2, "density_kg_per_m3": 2673.9, "sieve_table":
+            [{ "passing_mm": 16, "retained_mm": 8, "mass_percent": 100 }] }"#;
+        let spec = serde_json::from_str(table).expect("a sieve table");
+        crate::grains::generate(&spec, 1).expect("grains")
+    }
+
     fn laboratory() -> Whereabouts {
         let cylinder = Cylinder::new(&CylinderSpec::default()).expect("cylinder");
         let funnel = Funnel::new(&FunnelSpec::default(), 0.25, 0.0).expect("funnel");
-        Whereabouts::new(1, Some(&cylinder), Some(&funnel), None, 0.02)
+        Whereabouts::new(&one_grain(), Some(&cylinder), Some(&funnel), None, 0.02)
     }
 
     fn walk(path: &[[f64; 3]]) -> Vec<Fate> {

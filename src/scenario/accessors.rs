@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use super::{GrainsSpec, Scenario, SieveFraction, StageSpec, StrokeReading};
+use super::{Grading, GrainsSpec, Scenario, SieveFraction, StageSpec, StrokeReading};
+use crate::scale::Scale;
 use crate::units::{from_g, from_mm};
 
 /// A vibration in SI units.
@@ -124,6 +125,21 @@ impl Scenario {
             GrainsSpec::File(_) => return None,
         };
         table.iter().map(|f| from_mm(f.retained_mm)).min_by(f64::total_cmp)
+    }
+
+    /// What lengths, speeds and times of ours follow from: the sizes of the sieve table, or
+    /// else the size that the engine is given.
+    pub fn scale(&self) -> Scale {
+        let gravity = self.gravity_m_per_s2;
+        let table = match &self.grains {
+            GrainsSpec::Sieved(sieved) => Grading::of_table(sieved),
+            GrainsSpec::Meshes(meshes) => meshes.as_sieved().and_then(|s| Grading::of_table(&s)),
+            GrainsSpec::File(_) => None,
+        };
+        match table {
+            Some(Grading { sizes, density, .. }) => Scale { sizes, density, gravity },
+            None => Scale::of_smallest(from_mm(self.engine.grain_size_mm), gravity),
+        }
     }
 
     /// Falling height of the pour in mm, where grains are poured.

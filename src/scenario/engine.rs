@@ -35,6 +35,12 @@ pub struct EngineSettings {
     pub backend: Backend,
     /// Who finds and solves contacts on Bullet.
     pub contact_path: ContactPath,
+    /// Size of the smallest grains in mm, from which the engine's own lengths
+    /// follow: gaps, clearances and margins (`docs/scale.md`). Left out, it is that of
+    /// the grains. Smaller: contacts are found later and more boxes are renewed; larger:
+    /// gaps that a grain notices.
+    #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 10000.0))]
+    pub grain_size_mm: f64,
     /// Steps per second of simulated time. Lower: grains sink into each
     /// other; higher: slower.
     #[schemars(range(min = 30.0, max = 100000.0))]
@@ -127,6 +133,7 @@ impl Default for EngineSettings {
         Self {
             backend: Backend::Bullet,
             contact_path: ContactPath::Manifold,
+            grain_size_mm: 8.0,
             rate_hz: 480.0,
             iterations: 20,
             length_scale: 100.0,
@@ -154,7 +161,7 @@ mod tests {
     /// As the version before rapier wrote the defaults: stages that it stored
     /// are found by these bytes.
     const BULLET_DEFAULTS: &str = "{\"backend\":\"bullet\",\"contact_path\":\"bullet\",\
-        \"rate_hz\":480.0,\"iterations\":20,\"length_scale\":100.0,\"friction_directions\":2,\
+        \"grain_size_mm\":8.0,\"rate_hz\":480.0,\"iterations\":20,\"length_scale\":100.0,\"friction_directions\":2,\
         \"contact_threshold_mm\":1.0,\"error_reduction\":0.2,\"warm_start\":0.85,\
         \"split_impulse\":false,\"restitution_velocity_threshold_m_per_s\":0.002,\
         \"linear_damping\":0.0,\"angular_damping\":0.0,\"gyroscopic\":true}";

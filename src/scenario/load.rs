@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::{
-    Fault, GrainsSpec, Override, Scenario, ScenarioErrors,
+    Fault, Grading, GrainsSpec, Override, Scenario, ScenarioErrors, automatic,
     source::{self, Document, Origin},
     structure, validate,
 };
@@ -19,9 +19,14 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
 }
 
+/// Tells of grains that have no sieve table what values follow from; `None` where they
+/// cannot be read, which whoever makes the grains then says.
+pub type GradingOf = fn(&GrainsSpec) -> Option<Grading>;
+
 /// Loads a scenario: reads the file and those it extends, lays the overrides
-/// over them, and checks everything, from spelling to whether the time step
-/// can resolve the motion.
+/// over them, fills in what follows from the grains, and checks everything, from
+/// spelling to whether the time step can resolve the motion. `grading` is asked about
+/// grains without a sieve table.
 ///
 /// Relative paths in `extends`, `grains.file` and `grains.meshes` begin at the file that gives
 /// them, those of overrides at the working directory.
@@ -29,13 +34,20 @@ pub struct Loaded {
 /// # Errors
 /// [`ScenarioErrors::Unreadable`] for a file that cannot be read, and else
 /// [`ScenarioErrors::Faults`] with all faults found.
-pub fn load(path: &Path, overrides: &[Override]) -> Result<Loaded, ScenarioErrors> {
+pub fn load_with(
+    path: &Path,
+    overrides: &[Override],
+    grading: GradingOf,
+) -> Result<Loaded, ScenarioErrors> {
     let mut document = source::read(path)?;
     let mut faults = std::mem::take(&mut document.faults);
     for change in overrides {
         if let Err(fault) = change.apply(&mut document) {
             faults.push(fault);
         }
+    }
+    if let Some(grading) = grading_of(&document, grading) {
+        automatic::fill(&mut document.value, &grading);
     }
     let checked = check_value(&document.value);
     let (scenario, found) = match checked {
@@ -49,7 +61,7 @@ pub fn load(path: &Path, overrides: &[Override]) -> Result<Loaded, ScenarioError
     );
     match scenario {
         Some(mut scenario) if faults.is_empty() => {
-            place_grains_files(&mut scenario, &document);
+            place_grains_files(&mut scenario.grains, &document);
             Ok(Loaded { scenario, files: document.files })
         }
         _ => Err(ScenarioErrors::Faults(faults)),
@@ -135,10 +147,21 @@ fn check_value(value: &Value) -> Result<Scenario, Vec<Fault>> {
     Err(faults)
 }
 
+/// What automatic values follow from, where it can be told.
+fn grading_of(document: &Document, of_others: GradingOf) -> Option<Grading> {
+    let grains = document.value.get("grains")?;
+    if let Some(grading) = Grading::of_json(grains) {
+        return Some(grading);
+    }
+    let mut grains: GrainsSpec = serde::Deserialize::deserialize(grains).ok()?;
+    place_grains_files(&mut grains, document);
+    of_others(&grains)
+}
+
 /// Makes the paths of grains files, relative to the file that gives them, ones
 /// that can be opened from here.
-fn place_grains_files(scenario: &mut Scenario, document: &Document) {
-    match &mut scenario.grains {
+fn place_grains_files(grains: &mut GrainsSpec, document: &Document) {
+    match grains {
         GrainsSpec::File(grains) => {
             if let Origin::File(given_in) = document.origin("grains.file") {
                 let folder = given_in.parent().unwrap_or(Path::new(""));

@@ -6,6 +6,7 @@
 //! [`crate::units`].
 
 mod accessors;
+mod automatic;
 mod cells;
 mod document;
 mod engine;
@@ -23,11 +24,12 @@ mod structure;
 mod validate;
 
 pub use accessors::Vibration;
+pub use automatic::Grading;
 pub use cells::CellShape;
 pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactPath, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
-pub use load::{Loaded, check, gathered, load};
+pub use load::{GradingOf, Loaded, check, gathered, load_with};
 pub use manifold::ManifoldSettings;
 pub use meshes::{MeshGrains, MeshUnit};
 pub use overrides::{NotAnOverride, Override};

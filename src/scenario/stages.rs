@@ -145,13 +145,13 @@ pub enum StageSpec {
 fn fill_limit() -> f64 {
     4.0
 }
-fn feed_rate() -> f64 {
+pub(super) fn feed_rate() -> f64 {
     25.0
 }
-fn drop_height() -> f64 {
+pub(super) fn drop_height() -> f64 {
     10.0
 }
-fn spout_diameter() -> f64 {
+pub(super) fn spout_diameter() -> f64 {
     30.0
 }
 fn slow_limit() -> f64 {

@@ -14,10 +14,10 @@ use super::{
     RunOptions, StudyError,
     plan::{PlannedRun, Prepared},
     run::{carry_out, kind_of, make_grains, write_grains},
-    summarise::STANDARD,
+    summarise::standard,
 };
 use crate::record::{RunRecord, Summary, create_folder, write_json};
-use crate::report::{self, ComparedQuantity, ComparedRun, Comparison, Standard};
+use crate::report::{self, ComparedQuantity, ComparedRun, Comparison};
 use crate::scenario::{Backend, Scenario, StageSpec};
 use crate::world::BackendInfo;
 
@@ -108,14 +108,13 @@ pub fn compare(
         within_bands: within,
     };
     write_json(&options.out.join("compare.json"), &record)?;
-    let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
     report::write_comparison(
         &options.out,
         &Comparison {
             scenario: scenario.name.clone(),
             engines: record.backends.clone(),
             vibrated: handed_on < scenario.stages.len(),
-            standard: Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s },
+            standard: standard(&scenario.scale()),
             runs: compared,
             quantities,
         },

@@ -231,7 +231,7 @@ impl Shop<'_> {
         })?;
         recorder.end(&outcome.specimen, outcome.simulated);
         let (observed, frames) = recorder.into_parts();
-        let creep = guards::creep(&node.stage, &observed.rows);
+        let creep = guards::creep(&node.stage, &observed.rows, &node.setup.scale);
         let guards = StageGuards::of(&outcome.watch, observed.overlap, creep);
         let mut warnings = outcome.warnings;
         warnings.extend(guards::warnings(&guards));

@@ -1,12 +1,13 @@
 //! Guards that need measures: overlap while a stage goes on, creep where it
 //! rests; and what all guards of a run found together.
 
-use super::summarise::{STANDARD, creep_um_per_s};
+use super::summarise::{creep_um_per_s, standard};
 use crate::measure::{overlap_statistics, pairs_within};
 use crate::protocol::{Watched, table_motion};
 use crate::record::{
     GuardSummary, Guards, OverlapWatch, SeriesRow, SolverResidual, StageGuards, StageRecord,
 };
+use crate::scale::Scale;
 use crate::scenario::StageSpec;
 use crate::specimen::Specimen;
 
@@ -80,7 +81,8 @@ fn measure_overlap(watch: &mut OverlapWatch, specimen: &Specimen, time: f64) -> 
     // Pairs that only touch count in neither figure.
     let statistics = overlap_statistics(specimen, &pairs_within(specimen, &present, 0.0));
     let (mean, p99) = (100.0 * statistics.mean, 100.0 * statistics.p99);
-    let (mean_limit, p99_limit, _) = STANDARD;
+    let limits = standard(&Scale::PAPER);
+    let (mean_limit, p99_limit) = (limits.overlap_mean_percent, limits.overlap_p99_percent);
     let mean_is_new = watch.mean.note(mean, mean_limit, time);
     let p99_is_new = watch.p99.note(p99, p99_limit, time);
     (mean_is_new || p99_is_new).then(|| {
@@ -91,8 +93,9 @@ fn measure_overlap(watch: &mut OverlapWatch, specimen: &Specimen, time: f64) -> 
     })
 }
 
-/// Creep wherever a stage rests, from its rows.
-pub(super) fn creep(stage: &StageSpec, rows: &[SeriesRow]) -> Watched {
+/// Creep wherever a stage rests, from its rows, against what the scale allows.
+pub(super) fn creep(stage: &StageSpec, rows: &[SeriesRow], scale: &Scale) -> Watched {
+    let limit = standard(scale).creep_um_per_s;
     let mut watched = Watched::default();
     let Some(began) = rows.first().map(|r| r.time_s) else { return watched };
     let rests: Vec<(f64, f64)> = match stage {
@@ -114,7 +117,7 @@ pub(super) fn creep(stage: &StageSpec, rows: &[SeriesRow]) -> Watched {
         };
         let rest: Vec<SeriesRow> = rows.iter().filter(within).copied().collect();
         if let (Some(creep), Some(last)) = (creep_um_per_s(&rest), rest.last()) {
-            watched.note(creep.abs(), STANDARD.2, last.time_s);
+            watched.note(creep.abs(), limit, last.time_s);
         }
     }
     watched
@@ -340,17 +343,17 @@ mod tests {
             t if t < 6.05 => 76.0 - 0.02 * (t - 5.0),
             t => 76.0 - (t - 6.0),
         });
-        let watched = creep(&shaken(1.0), &sinking);
+        let watched = creep(&shaken(1.0), &sinking, &Scale::PAPER);
         assert_eq!((watched.looks, watched.beyond), (2, 1), "law: two rests, {watched:?}");
         assert!((watched.worst - 20.0).abs() < 1e-6, "law: 20 µm/s, got {}", watched.worst);
         assert!((watched.worst_at_s - 9.0).abs() < 1e-9, "law: at the end of its rest");
-        assert_eq!(creep(&shaken(0.5), &sinking).looks, 0, "law: too short to tell");
-        let still = creep(&REST, &rows(10.0, |_| 80.0));
+        assert_eq!(creep(&shaken(0.5), &sinking, &Scale::PAPER).looks, 0, "law: too short to tell");
+        let still = creep(&REST, &rows(10.0, |_| 80.0), &Scale::PAPER);
         assert_eq!((still.looks, still.passed()), (1, Some(true)));
-        let rising = creep(&REST, &rows(10.0, |t| 80.0 + 0.02 * t));
+        let rising = creep(&REST, &rows(10.0, |t| 80.0 + 0.02 * t), &Scale::PAPER);
         assert_eq!(rising.passed(), Some(false), "law: up or down");
         let pour = StageSpec::Pour { falling_height_mm: 0.0, time_limit_s: 4.0 };
-        assert_eq!(creep(&pour, &sinking).passed(), None);
+        assert_eq!(creep(&pour, &sinking, &Scale::PAPER).passed(), None);
     }
 
     fn stage(name: &str, guards: Option<StageGuards>) -> StageRecord {

@@ -39,7 +39,7 @@ pub use run::{RunOptions, make_grains, run_scenario, write_grains};
 pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, SensitivityStudy};
 pub use side_by_side::{ReadingsOptions, ReadingsOutcome, readings};
 pub use slurm::{SlurmJob, SlurmRequest, quoted, submit as submit_to_slurm, this_program};
-pub use summarise::STANDARD;
+pub use summarise::standard;
 pub use sweep::{
     Design, Factor, PLAN_FILE, PlannedPoint, Point, SCENARIO_FILE, SNAKEFILE, SampledRange,
     SweepOptions, SweepPlan, SweepStage, SweepStatus, SweepStudy, SweepTasks, write_snakefile,

@@ -13,6 +13,7 @@ use super::{StudyError, summarise::grains_hash};
 use crate::grains::GrainSet;
 use crate::protocol::{Setup, legs, table_motion};
 use crate::record::{RunKind, hash_json};
+use crate::scale::{GrainSizes, Scale};
 use crate::scenario::{
     ApparatusSpec, ContactSpec, EngineSettings, Scenario, SettleSpec, StageSpec,
 };
@@ -20,7 +21,7 @@ use crate::world::BackendInfo;
 
 /// Raised whenever the meaning of a stored stage changes, so that none of an
 /// older meaning is ever taken for a new one.
-const FORMAT: u32 = 7;
+const FORMAT: u32 = 8;
 
 /// A run to carry out.
 #[derive(Debug, Clone)]
@@ -101,6 +102,7 @@ struct Determinants<'a> {
     engine: &'a EngineSettings,
     settle: &'a SettleSpec,
     gravity_m_per_s2: f64,
+    scale: (Scale, GrainSizes),
     seed: u64,
     configuration: u32,
     parent: &'a str,
@@ -209,6 +211,7 @@ impl Plan {
             engine: &scenario.engine,
             settle: &scenario.settle,
             gravity_m_per_s2: scenario.gravity_m_per_s2,
+            scale: (laboratory.setup.scale, run.grains.sizes()),
             seed: scenario.seed,
             configuration: scenario.configuration,
             parent: parent.map_or(grains_hash, |p| &self.nodes[p].key),

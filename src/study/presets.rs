@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 use super::StudyError;
+use crate::grains::load_scenario;
 use crate::record::{FileError, create_folder, write_file};
-use crate::scenario::{Override, Scenario, load};
+use crate::scenario::{Override, Scenario};
 
 /// The files under `scenarios/` that `reproduce` and the studies use.
 const FILES: [(&str, &str); 9] = [
@@ -37,7 +38,7 @@ const FILES: [(&str, &str); 9] = [
 /// When the temporary folder cannot be used, or a change does not fit.
 pub fn preset(name: &str, changes: &[Override]) -> Result<Scenario, StudyError> {
     let folder = unpack()?;
-    Ok(load(&folder.path().join(name), changes)?.scenario)
+    Ok(load_scenario(&folder.path().join(name), changes)?.scenario)
 }
 
 /// Writes the built-in files to a temporary folder, which lasts as long as

@@ -5,7 +5,7 @@ use std::{ops::ControlFlow, time::Instant};
 use super::guards::{last_look_at_overlap, look_at_overlap};
 use crate::geometry::Vector;
 use crate::measure::{
-    self, Container, DEFAULT_CELL, HeightMap, body_energy, content, grain_energy, largest_speed,
+    self, Container, HeightMap, body_energy, content, grain_energy, height_cell, largest_speed,
     mean_grain_height, plate_position,
 };
 use crate::protocol::{Midway, Moment, Observer, Setup};
@@ -151,7 +151,7 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         let state = &specimen.state;
         let (surface, inside, grain_height) = if state.cylinder || state.base.is_some() {
             let container = container(self.setup, specimen);
-            let surface = HeightMap::of(specimen, &container, DEFAULT_CELL)
+            let surface = HeightMap::of(specimen, &container, height_cell(&specimen.grains))
                 .map_or(0.0, |map| map.standing_height().mean_surface);
             let content = content(specimen, &container);
             (surface, content.grains, content.mean_grain_height)

@@ -14,14 +14,15 @@ use super::{
     presets::preset,
     readings::Reading,
     run::{CarriedOut, RunOptions, carry_out, make_grains, write_grains},
-    summarise::STANDARD,
+    summarise::standard,
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
 use crate::picture;
 use crate::protocol::{Progress, table_motion};
 use crate::record::{RunKind, RunRecord, create_folder, read_json, write_json};
-use crate::report::{self, Column, Figure, Picture, ReportInput, Standard};
+use crate::report::{self, Column, Figure, Picture, ReportInput};
+use crate::scale::Scale;
 use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
 use crate::specimen::Specimen;
 use crate::units::{to_cm3, to_g, to_mm};
@@ -236,7 +237,6 @@ fn finish(
     let mut choices = report::choices(&scenarios.intermittent);
     choices.extend(scenarios.repose.iter().flat_map(report::pile_choices));
     let (pictures, warnings) = pictures(options, scenarios);
-    let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
     report::write(
         &options.out,
         &ReportInput {
@@ -244,7 +244,7 @@ fn finish(
             claims: &claims,
             beside: &beside,
             choices: &choices,
-            standard: Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s },
+            standard: standard(&Scale::PAPER),
             provenance: &provenance(options, scenarios),
             effective,
             piles: &pile_pictures(&options.out, grains, &records)?,

@@ -21,6 +21,7 @@ use crate::record::{
     FileError, RunKind, RunRecord, StageStore, StoredStage, create_folder, grains_csv, hash_bytes,
     json_text, read_json, to_csv, write_file, write_json,
 };
+use crate::scale;
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
 use crate::world::EffectiveSettings;
 
@@ -308,6 +309,7 @@ fn manifest(
         "backend": crate::world::info(run.scenario.engine.backend),
         "target": format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
         "scenario": run.scenario,
+        "scale": scale::read_back(&run.grains.scale(run.scenario.gravity_m_per_s2)),
         "engine_settings_read_back": effective,
         "stages": nodes.stages.iter().map(stage).collect::<Vec<_>>(),
         "control": nodes.control.as_ref().map(stage),

@@ -12,12 +12,13 @@ use super::{
     readings::Reading,
     reproduce::{Scenarios, programme, study_view},
     run::{CarriedOut, RunOptions, carry_out_each, make_grains},
-    summarise::STANDARD,
+    summarise::standard,
 };
 use crate::paper;
 use crate::protocol::Progress;
 use crate::record::{FileError, RunRecord, create_folder, read_json, write_json};
-use crate::report::{ReadingColumn, ReadingFailure, ReadingRun, Standard, write_readings};
+use crate::report::{ReadingColumn, ReadingFailure, ReadingRun, write_readings};
+use crate::scale::Scale;
 use crate::scenario::{Override, warnings};
 
 /// Folder of the columns in the output folder.
@@ -71,8 +72,7 @@ pub fn readings(options: &ReadingsOptions) -> Result<ReadingsOutcome, StudyError
         options.progress.message(&format!("reading {}: {}", reading.name, reading.title));
         let column = carry_out_reading(options, reading)?;
         let columns = keep_and_read(&options.out, column)?;
-        let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
-        let standard = Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s };
+        let standard = standard(&Scale::PAPER);
         write_readings(&options.out, &columns, standard)?;
         outcome = Some(ReadingsOutcome { columns, report: options.out.join("readings.html") });
     }

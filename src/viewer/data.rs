@@ -16,7 +16,7 @@ use super::shapes::Shape;
 use crate::apparatus::{ApparatusError, Funnel, Piece};
 use crate::export::{ExportError, Exported, Playback, PlayedStage, read_playback, read_run};
 use crate::grains::sieve_size;
-use crate::measure::{TOUCHING_GAP, pairs_within};
+use crate::measure::{pairs_within, touching_gap};
 use crate::protocol::base_pieces;
 use crate::specimen::{SavedContact, Specimen};
 use crate::units::to_mm;
@@ -308,7 +308,7 @@ impl Body {
 fn neighbours(specimen: &Specimen) -> Vec<u32> {
     let present: Vec<usize> = specimen.present().collect();
     let mut counts = vec![0; specimen.grains.grains.len()];
-    for pair in pairs_within(specimen, &present, TOUCHING_GAP) {
+    for pair in pairs_within(specimen, &present, touching_gap(&specimen.grains)) {
         counts[pair.a] += 1;
         counts[pair.b] += 1;
     }

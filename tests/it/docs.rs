@@ -5,9 +5,8 @@ mod markdown;
 
 use std::{collections::BTreeSet, fs, path::Path};
 
-use pluvia::scenario::{
-    EngineSettings, ManifoldSettings, RapierSettings, Scenario, StockSettings, load,
-};
+use pluvia::grains::load_scenario;
+use pluvia::scenario::{EngineSettings, ManifoldSettings, RapierSettings, Scenario, StockSettings};
 use serde_json::Value;
 
 use markdown::{anchors, blocks, links, make_targets};
@@ -128,7 +127,7 @@ fn the_gravel_of_the_tutorial_is_a_scenario() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("my-gravel.json");
     std::fs::write(&path, block.expect("the tutorial has a scenario")).expect("it is written");
-    if let Err(faults) = load(&path, &[]) {
+    if let Err(faults) = load_scenario(&path, &[]) {
         panic!("the scenario of docs/tutorial.md is refused: {faults}");
     }
 }

@@ -1,6 +1,7 @@
 //! Scenarios of piles: what they may say, and what is answered where they cannot.
 
-use pluvia::scenario::{BaseKind, Override, Scenario, ScenarioErrors, StageSpec, check, load};
+use pluvia::grains::load_scenario;
+use pluvia::scenario::{BaseKind, Override, Scenario, ScenarioErrors, StageSpec, check};
 use serde_json::{Value, json};
 
 fn sound() -> Value {
@@ -19,7 +20,7 @@ fn faults(value: &Value) -> Vec<(String, String)> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scenario.json");
     std::fs::write(&path, value.to_string()).expect("written");
-    match load(&path, &[]) {
+    match load_scenario(&path, &[]) {
         Ok(_) => Vec::new(),
         Err(ScenarioErrors::Faults(faults)) => {
             faults.into_iter().map(|f| (f.path.clone(), f.to_string())).collect()
@@ -110,7 +111,7 @@ fn a_pile_comes_first_and_only_rests_afterwards() {
 fn fields_of_the_pile_can_be_set_from_outside() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/quick/repose.json");
     let set: Override = "stages.0.feed_rate_grains_per_s=12.5".parse().expect("an override");
-    let scenario = load(file.as_ref(), &[set]).expect("the quick pile").scenario;
+    let scenario = load_scenario(file.as_ref(), &[set]).expect("the quick pile").scenario;
     let StageSpec::SlowPluviation { feed_rate_grains_per_s, .. } = scenario.stages[0] else {
         panic!("{:?}", scenario.stages)
     };

@@ -12,9 +12,8 @@ use std::{
 };
 
 use pluvia::grains::ParticleSizeDistribution;
-use pluvia::scenario::{
-    Fault, GrainsSpec, Override, Scenario, ScenarioErrors, check, load, schema,
-};
+use pluvia::grains::load_scenario;
+use pluvia::scenario::{Fault, GrainsSpec, Override, Scenario, ScenarioErrors, check, schema};
 use serde_json::{Value, json};
 
 fn root() -> &'static Path {
@@ -50,7 +49,8 @@ fn grain_count(scenario: &Scenario) -> usize {
 fn every_scenario_of_the_project_loads_and_says_its_choices() {
     let validator = jsonschema::validator_for(&schema()).expect("a sound schema");
     for file in files() {
-        let loaded = load(&file, &[]).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        let loaded =
+            load_scenario(&file, &[]).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
         let scenario = loaded.scenario;
         assert!(!scenario.notes.is_empty(), "{} has no notes", file.display());
         let expected = match file.parent().and_then(Path::file_name) {
@@ -76,8 +76,8 @@ fn every_scenario_of_the_project_loads_and_says_its_choices() {
 
 #[test]
 fn extends_merges_objects_and_replaces_lists() {
-    let load = |path: &str| load(&root().join(path), &[]).expect("it loads");
-    let quick = load("scenarios/quick/vibration.json");
+    let load = |path: &str| load_scenario(&root().join(path), &[]).expect("it loads");
+    let quick = load_scenario("scenarios/quick/vibration.json");
     assert_eq!(quick.files.len(), 3, "vibration, pluviation and the paper's: {:?}", quick.files);
     let scenario = quick.scenario;
     assert_eq!(scenario.apparatus.cylinder.inner_diameter_mm, 72.5, "from quick/pluviation");
@@ -120,7 +120,7 @@ fn load_text(text: &str, overrides: &[&str]) -> Result<Scenario, ScenarioErrors>
     let folder = folder(&[("s.json", text)]);
     let overrides: Vec<Override> =
         overrides.iter().map(|o| o.parse().expect("an override")).collect();
-    load(&folder.path().join("s.json"), &overrides).map(|loaded| loaded.scenario)
+    load_scenario(&folder.path().join("s.json"), &overrides).map(|loaded| loaded.scenario)
 }
 
 fn faults(value: &Value) -> Vec<Fault> {
@@ -267,8 +267,9 @@ fn faults_name_the_file_that_gives_the_value() {
     base["engine"] = json!({ "rate_hz": -1, "iterations": 20 });
     let top = json!({ "extends": "base.json", "name": "top", "engine": { "iterations": 0 } });
     let folder = folder(&[("base.json", &base.to_string()), ("top.json", &top.to_string())]);
-    let found = load(&folder.path().join("top.json"), &["seed=x".parse().expect("an override")])
-        .expect_err("three faults");
+    let found =
+        load_scenario(&folder.path().join("top.json"), &["seed=x".parse().expect("an override")])
+            .expect_err("three faults");
     let mut files: Vec<(String, String)> = found
         .faults()
         .iter()
@@ -287,7 +288,7 @@ fn faults_name_the_file_that_gives_the_value() {
 fn circles_and_chains_of_extends_end() {
     let folder_of = |files: &[(&str, &str)]| {
         let folder = folder(files);
-        load(&folder.path().join("a.json"), &[]).expect_err("a fault")
+        load_scenario(&folder.path().join("a.json"), &[]).expect_err("a fault")
     };
     let circle = folder_of(&[
         ("a.json", r#"{ "extends": "b.json" }"#),
@@ -323,11 +324,14 @@ fn grains_files_are_found_beside_the_scenario() {
         ("top.json", &top.to_string()),
         ("sieved.json", &sieved.to_string()),
     ]);
-    let load = |name: &str| load(&folder.path().join(name), &[]).expect("it loads").scenario;
-    let GrainsSpec::File(grains) = load("top.json").grains else { panic!("grains from a file") };
+    let load =
+        |name: &str| load_scenario(&folder.path().join(name), &[]).expect("it loads").scenario;
+    let GrainsSpec::File(grains) = load_scenario("top.json").grains else {
+        panic!("grains from a file")
+    };
     assert_eq!(Path::new(&grains.file), folder.path().join("my/grains.json"));
     assert!(
-        matches!(load("sieved.json").grains, GrainsSpec::Sieved(_)),
+        matches!(load_scenario("sieved.json").grains, GrainsSpec::Sieved(_)),
         "sieve data replace a file"
     );
 }
@@ -366,7 +370,7 @@ fn overrides_change_values() {
 #[test]
 fn scenarios_survive_the_round_trip_through_json() {
     for file in files() {
-        let scenario = load(&file, &[]).expect("it loads").scenario;
+        let scenario = load_scenario(&file, &[]).expect("it loads").scenario;
         let back = load_text(&scenario.canonical_json(), &[]).expect("its own JSON loads");
         assert_eq!(back, scenario, "{} read, written and read again", file.display());
     }

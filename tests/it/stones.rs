@@ -107,7 +107,7 @@ fn fields_that_do_not_go_together_are_told() {
         let stages = json!([{ "stage": "fill_funnel" }]);
         let text = json!({ "name": "s", "grains": grains, "stages": stages });
         fs::write(&path, text.to_string()).expect("a file");
-        match pluvia::scenario::load(&path, &[]) {
+        match pluvia::grains::load_scenario(&path, &[]) {
             Ok(_) => String::new(),
             Err(error) => error.to_string(),
         }

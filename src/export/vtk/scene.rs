@@ -9,7 +9,7 @@ use crate::export::moments::Moment;
 use crate::export::parts::Part;
 use crate::geometry::{Point, Vector};
 use crate::grains::{GrainSet, sieve_size};
-use crate::measure::{TOUCHING_GAP, pairs_within};
+use crate::measure::{pairs_within, touching_gap};
 use crate::protocol::Setup;
 use crate::specimen::{Other, Party, SavedContact, Specimen, SpecimenState};
 
@@ -54,7 +54,7 @@ pub fn grains(moment: &Moment, set: &Arc<GrainSet>, sizes: &[f64]) -> PolyData {
 /// How many others each grain touches, as [`crate::measure::coordination`] counts.
 fn touching(specimen: &Specimen, present: &[usize]) -> Vec<i32> {
     let mut counts = vec![0; specimen.grains.grains.len()];
-    for pair in pairs_within(specimen, present, TOUCHING_GAP) {
+    for pair in pairs_within(specimen, present, touching_gap(&specimen.grains)) {
         counts[pair.a] += 1;
         counts[pair.b] += 1;
     }

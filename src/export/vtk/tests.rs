@@ -7,7 +7,7 @@ use roxmltree::{Document, Node};
 
 use super::*;
 use crate::export::testing;
-use crate::measure::{TOUCHING_GAP, coordination, pairs_within};
+use crate::measure::{coordination, pairs_within, touching_gap};
 
 /// A `.vtp` file as read back.
 struct Read3d {
@@ -201,7 +201,7 @@ fn grains_are_the_grains_with_what_is_known_of_them() {
             "speed_m_per_s"
         ]
     );
-    let pairs = pairs_within(&specimen, &present, TOUCHING_GAP);
+    let pairs = pairs_within(&specimen, &present, touching_gap(&specimen.grains));
     let mean = coordination(&present, &pairs).mean.expect("grains");
     let mut seen = BTreeMap::new();
     for (cell, &n) in read.cell_data["grain"].iter().enumerate() {

@@ -10,12 +10,10 @@ use crate::{
         psd::MOST_GRAINS,
         streams::{shuffle, stream, uniform},
     },
+    scale::{self, Scale},
     scenario::{Fault, MeshGrains},
     units::{from_mm, to_g, to_mm},
 };
-
-/// Gap in m between blocks.
-const BLOCK_GAP: f64 = 0.01;
 
 /// How far inside its two sieves a stone stays, as a fraction of its size.
 const INSIDE: f64 = 1e-6;
@@ -33,7 +31,10 @@ pub(super) fn draw(
     let density = spec.density_kg_per_m3;
     let mut set = GrainSet { grains: Vec::new(), blocks: Vec::new(), density, stones: Vec::new() };
     let mut x = 0.0;
-    for ((retained, passing), drawn) in plan(spec, seed, stones)? {
+    let blocks = plan(spec, seed, stones)?;
+    let smallest = blocks.iter().map(|((retained, _), _)| *retained).fold(f64::INFINITY, f64::min);
+    let gap = scale::BLOCK_GAP.at(&Scale::of_smallest(smallest, Scale::PAPER.gravity));
+    for ((retained, passing), drawn) in blocks {
         for &(stone, scale) in &drawn {
             records[stone].take(scale);
         }
@@ -48,7 +49,7 @@ pub(super) fn draw(
             first_grain: 0,
             cells,
         });
-        x += side + BLOCK_GAP;
+        x += side + gap;
     }
     set.stones = records;
     Ok(set)

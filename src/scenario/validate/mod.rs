@@ -10,6 +10,8 @@ mod grains;
 mod stages;
 mod time_step;
 
+pub(super) use time_step::least_rate_hz;
+
 use std::{collections::BTreeSet, fmt};
 
 use serde::de::DeserializeOwned;
@@ -17,7 +19,8 @@ use serde_json::{Map, Value};
 
 use super::{
     CylinderSpec, EngineSettings, Fault, FunnelSpec, MeshGrains, Scenario, SettleSpec,
-    SievedGrains, StageSpec, TopPlateSpec, accessors::field, fault::misleads, source::shown,
+    SievedGrains, StageSpec, TopPlateSpec, accessors::field, automatic, fault::misleads,
+    source::shown,
 };
 
 /// The parts of a scenario that could be read.
@@ -117,12 +120,16 @@ pub(super) fn faults(value: &Value) -> Vec<Fault> {
 pub enum Warning {
     /// Steps cannot resolve the motion; `engine.allow_coarse_steps` lets it pass.
     CoarseStep(Fault),
+    /// A value that is typed and far from what the grains ask for, or apparatus that does
+    /// not suit them.
+    Unusual(Fault),
 }
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::CoarseStep(fault) => write!(f, "let pass by engine.allow_coarse_steps: {fault}"),
+            Self::Unusual(fault) => fault.fmt(f),
         }
     }
 }
@@ -131,18 +138,20 @@ impl fmt::Display for Warning {
 pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     let Ok(value) = serde_json::to_value(scenario) else { return Vec::new() };
     let parts = Parts::of(&value);
-    if !parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
-        return Vec::new();
+    let mut warnings: Vec<Warning> =
+        automatic::unusual(scenario, &value).into_iter().map(Warning::Unusual).collect();
+    if parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
+        warnings.extend(time_step::coarse_steps(&parts).into_iter().map(Warning::CoarseStep));
     }
-    time_step::coarse_steps(&parts).into_iter().map(Warning::CoarseStep).collect()
+    warnings
 }
 
-fn fault(path: &str, found: impl ToString, allowed: String, message: String) -> Fault {
+pub(super) fn fault(path: &str, found: impl ToString, allowed: String, message: String) -> Fault {
     Fault { file: String::new(), path: path.to_owned(), found: found.to_string(), allowed, message }
 }
 
 /// A number for people: four significant digits, no trailing zeros.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }

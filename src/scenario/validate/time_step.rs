@@ -8,6 +8,8 @@
 //! stand: twice the size is the limit set to it. And a sinusoid taken at N points a cycle is off in
 //! acceleration, (2π/N)²/12 of it, which is 0.2 % for N = 40.
 
+use serde_json::Value;
+
 use super::{Parts, fault, short};
 use crate::scenario::{Backend, ContactPath, Fault, StageSpec};
 use crate::units::{from_deg, from_mm, to_mm};
@@ -22,6 +24,17 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
     if !parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
         faults.extend(coarse_steps(parts));
     }
+}
+
+/// Least step rate in Hz at which nothing whose speed is known beforehand moves by more than the
+/// size of the smallest grains in a step, and vibration is followed; `None` where nothing moves.
+pub(in crate::scenario) fn least_rate_hz(value: &Value) -> Option<f64> {
+    let parts = Parts::of(value);
+    let vibrations = parts.stages.iter().filter_map(|s| s.spec.as_ref()?.vibration());
+    let followed = vibrations.map(|v| STEPS_A_CYCLE * v.frequency);
+    let size = from_mm(parts.finest_mm()?);
+    let passed = motions(&parts).into_iter().map(|m| m.speed / size);
+    followed.chain(passed).filter(|rate| rate.is_finite()).max_by(f64::total_cmp)
 }
 
 /// What the time step cannot resolve: faults, unless `engine.allow_coarse_steps`

@@ -19,9 +19,10 @@ use super::{
     RunOptions, StudyError,
     variations::{Variation, Varied, carry_out_in},
 };
+use crate::grains::load_scenario;
 use crate::record::{RunRow, read_json};
 use crate::report::{self, Calibration, CalibrationRun};
-use crate::scenario::{Override, Scenario, load};
+use crate::scenario::{Override, Scenario};
 use question::{ANGLE_OF_REPOSE, Reading};
 use search::{Question, search};
 
@@ -70,7 +71,7 @@ impl<'a> CalibrationStudy<'a> {
     /// # Errors
     /// [`StudyError::Faults`] of the scenario, [`StudyError::Scenario`] else.
     pub fn new(options: &'a CalibrationOptions) -> Result<Self, StudyError> {
-        let scenario = load(&options.scenario, &options.changes)?.scenario;
+        let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
         let unknown = question::unknown(&options.unknown, &scenario)?;
         let CalibrationRange { low, high } = options.between;
         if unknown.whole && (low.fract() != 0.0 || high.fract() != 0.0) {

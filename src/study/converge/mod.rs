@@ -13,12 +13,13 @@ use std::{path::PathBuf, sync::Arc};
 use super::{
     RunOptions, StudyError,
     presets::DesignFile,
-    summarise::STANDARD,
+    summarise,
     variations::{Kept, Varied, carry_out_variations, keep_and_read, write_variations},
 };
 use crate::protocol::Progress;
 use crate::record::RunRow;
 use crate::report::{self, Convergence, Standard};
+use crate::scale::Scale;
 
 /// Where the built-in design stands under `scenarios/`.
 const BUILT_IN: &str = "studies/convergence.json";
@@ -99,8 +100,7 @@ impl ConvergenceStudy {
 
 /// The accuracy standard as reports have it.
 pub(super) fn standard() -> Standard {
-    let (overlap_mean_percent, overlap_p99_percent, creep_um_per_s) = STANDARD;
-    Standard { overlap_mean_percent, overlap_p99_percent, creep_um_per_s }
+    summarise::standard(&Scale::PAPER)
 }
 
 /// The rows of this build beside those of others.

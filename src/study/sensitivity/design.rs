@@ -11,7 +11,8 @@ use super::super::{
     design::{Faults, SpecimenDesign},
     variations::{Variation, Varied},
 };
-use crate::scenario::{Override, ScenarioErrors, load, load_document};
+use crate::grains::load_scenario;
+use crate::scenario::{Override, ScenarioErrors, load_document};
 
 /// Name of the variation that changes nothing.
 pub(super) const DEFAULT: &str = "default";
@@ -173,7 +174,7 @@ pub(in crate::study) fn read(
     let mut common = faults.changes(&format!("{part}.changes"), &specimen.changes);
     common.extend_from_slice(more);
     let base = faults.beside(&specimen.scenario);
-    let scenario = match load(&base, &common) {
+    let scenario = match load_scenario(&base, &common) {
         Ok(loaded) => serde_json::to_value(&loaded.scenario).unwrap_or(Value::Null),
         Err(errors) => {
             faults.extend(errors)?;

@@ -6,8 +6,9 @@ use std::path::{Path, absolute};
 use serde_json::Value;
 
 use super::{PLAN_FILE, SCENARIO_FILE, SweepPlan};
+use crate::grains::load_scenario;
 use crate::record::{hash_json, read_json};
-use crate::scenario::{Scenario, load};
+use crate::scenario::Scenario;
 use crate::study::StudyError;
 
 /// Most differences that are told one by one.
@@ -42,7 +43,7 @@ pub(super) fn refuse(
         return Ok(());
     }
     let why = built_otherwise(&there, now).unwrap_or_else(|| {
-        let kept = load(&out.join(SCENARIO_FILE), &options.changes);
+        let kept = load_scenario(&out.join(SCENARIO_FILE), &options.changes);
         let told = kept.map_or_else(
             |_| vec![format!("{SCENARIO_FILE} there, which says what it was, cannot be read")],
             |kept| differences(&kept.scenario, scenario),

@@ -24,9 +24,10 @@ use super::{
     sensitivity::{Parameter, read_design},
     variations::{Variation, Varied, carry_out_variations, collect_stored},
 };
+use crate::grains::load_scenario;
 use crate::record::{RunRow, read_json};
 use crate::report::{self, OUTCOMES, Sweep, SweepFactor, SweepRun};
-use crate::scenario::{Override, Scenario, gathered, load};
+use crate::scenario::{Override, Scenario, gathered};
 
 /// What to vary, and how.
 pub struct SweepOptions {
@@ -111,7 +112,7 @@ impl SweepStudy {
         if let Some(twice) = paths.iter().enumerate().find(|(n, p)| paths[..*n].contains(p)) {
             return Err(StudyError::Scenario(format!("`{}` is varied twice", twice.1)));
         }
-        let scenario = load(&options.scenario, &options.changes)?.scenario;
+        let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
         let gathered = gathered(&options.scenario)?;
         let SweepOptions { design, over, parameters, ranges, .. } = &options;
         let points = points::points(*design, over, parameters, ranges, &scenario)?;

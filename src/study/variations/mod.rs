@@ -26,12 +26,13 @@ use super::{
     run::{RunOptions, kind_of, make_grains, write_grains, write_run},
 };
 use crate::grains::GrainSet;
+use crate::grains::load_scenario;
 use crate::protocol::WorldMaker;
 use crate::record::{
     FileError, RunRow, StageStore, VariationRow, create_folder, hash_json, variation_runs_csv,
     variations_csv, write_file, write_json,
 };
-use crate::scenario::{Backend, Fault, Override, Scenario, ScenarioErrors, load};
+use crate::scenario::{Backend, Fault, Override, Scenario, ScenarioErrors};
 
 /// A variation of a scenario.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,19 +61,19 @@ impl Varied {
     /// variation over it.
     ///
     /// # Errors
-    /// As [`load`]: the faults of the base scenario, or else those of all
+    /// As [`load_scenario`]: the faults of the base scenario, or else those of all
     /// variations, each with the variation's name.
     pub fn load(
         base: &Path,
         common: &[Override],
         variations: Vec<Variation>,
     ) -> Result<Self, ScenarioErrors> {
-        let scenario = load(base, common)?.scenario;
+        let scenario = load_scenario(base, common)?.scenario;
         let mut faults = Vec::new();
         let mut all = Vec::new();
         for variation in variations {
             let changes = [common, &variation.changes].concat();
-            match load(base, &changes) {
+            match load_scenario(base, &changes) {
                 Ok(loaded) => all.push((variation, loaded.scenario)),
                 Err(ScenarioErrors::Faults(found)) => faults.extend(found.into_iter().map(|f| {
                     Fault { file: format!("variation `{}`: {}", variation.name, f.file), ..f }

@@ -26,6 +26,19 @@ mod bridge {
         BoundingBoxWithDefaultMargin,
     }
 
+    /// Lengths of Pluvia's own contacts in m, made from the size of the grains
+    /// (`scale.rs`, where each is explained).
+    struct Tolerances {
+        contact_margin: f64,
+        closed_gap: f64,
+        unsolved_gap: f64,
+        hysteresis: f64,
+        hold: f64,
+        face_preference: f64,
+        match_distance: f64,
+        box_slack: f64,
+    }
+
     /// Everything about a world that is fixed at its creation.
     struct WorldDefinition {
         /// Engine length units in a metre.
@@ -41,6 +54,7 @@ mod bridge {
         contact_threshold: f64,
         /// Growth of the broadphase's leaves in m.
         broadphase_margin: f64,
+        tolerances: Tolerances,
         error_reduction: f64,
         warm_start: f64,
         split_impulse: bool,
@@ -275,7 +289,7 @@ mod bridge {
 
         fn new_hull_probe(
             scale: f64,
-            reach: f64,
+            tolerances: &Tolerances,
             portable: bool,
             a: &HullProbeShape,
             b: &HullProbeShape,

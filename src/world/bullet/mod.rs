@@ -10,6 +10,7 @@
 mod constants;
 #[cfg(test)]
 mod crowd_tests;
+mod definition;
 #[cfg(test)]
 mod drive_tests;
 mod ffi;
@@ -36,6 +37,7 @@ pub use substep::SubstepRecord;
 
 use std::{collections::HashMap, sync::Arc};
 
+use definition::definition;
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::{
@@ -43,13 +45,7 @@ use super::{
     PairTable, PhaseTimes, RememberedContact, Snapshot, World, WorldError,
 };
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
-use crate::scenario::{ContactPath, EngineSettings, InertiaRule, StockSettings};
-use crate::units::{from_g, from_mm};
-
-/// Growth of the broadphase's tree leaves in m: a grain is inserted anew only
-/// when it has moved so far. Bullet's default is 0.05 length units whatever
-/// they are; half a millimetre is a twentieth of a grain.
-const BROADPHASE_MARGIN: f64 = 0.5e-3;
+use crate::scenario::EngineSettings;
 
 /// A Bullet world. See [`World`].
 pub struct BulletBackend {
@@ -198,115 +194,6 @@ fn flat(shape: &ConvexPolyhedron) -> ffi::HullProbeShape {
 
 fn engine(error: cxx::Exception) -> WorldError {
     WorldError::Engine(error.what().to_owned())
-}
-
-fn definition(s: &EngineSettings, gravity: Vector) -> Result<ffi::WorldDefinition, WorldError> {
-    let positive = |setting: &str, value: f64| {
-        if value.is_finite() && value > 0.0 {
-            Ok(value)
-        } else {
-            Err(WorldError::BadSetting {
-                setting: setting.into(),
-                reason: format!("{value} is not a positive number"),
-            })
-        }
-    };
-    let zero_or_more = |setting: &str, value: f64| {
-        if value.is_finite() && value >= 0.0 {
-            Ok(value)
-        } else {
-            Err(WorldError::BadSetting {
-                setting: setting.into(),
-                reason: format!("{value} is neither zero nor a positive number"),
-            })
-        }
-    };
-    if s.contact_path == ContactPath::Manifold && s.bullet != StockSettings::default() {
-        return Err(WorldError::BadSetting {
-            setting: "bullet".into(),
-            reason: "these are settings of the contact path `bullet`; the contact path `manifold` \
-                     asks for hulls without margin and bodies that never sleep"
-                .into(),
-        });
-    }
-    if !gravity.iter().all(|g| g.is_finite()) {
-        return Err(WorldError::BadSetting {
-            setting: "gravity".into(),
-            reason: format!("{gravity:?} is not finite"),
-        });
-    }
-    let mut solver_mode = constants::SOLVER_USE_WARMSTARTING;
-    match s.friction_directions {
-        1 => {}
-        2 => solver_mode |= constants::SOLVER_USE_2_FRICTION_DIRECTIONS,
-        other => {
-            return Err(WorldError::BadSetting {
-                setting: "friction_directions".into(),
-                reason: format!("{other} is neither 1 nor 2"),
-            });
-        }
-    }
-    Ok(ffi::WorldDefinition {
-        length_scale: positive("length_scale", s.length_scale)?,
-        time_step: 1.0 / positive("rate_hz", s.rate_hz)?,
-        gravity: gravity.into(),
-        iterations: i32::try_from(s.iterations.max(1)).unwrap_or(i32::MAX),
-        solver_mode: i32::try_from(solver_mode).unwrap_or_default(),
-        contact_threshold: from_mm(positive("contact_threshold_mm", s.contact_threshold_mm)?),
-        broadphase_margin: BROADPHASE_MARGIN,
-        error_reduction: s.error_reduction,
-        warm_start: s.warm_start,
-        split_impulse: s.split_impulse,
-        restitution_velocity_threshold: s.restitution_velocity_threshold_m_per_s,
-        linear_damping: s.linear_damping,
-        angular_damping: s.angular_damping,
-        gyroscopic: s.gyroscopic,
-        collision_margin: from_mm(zero_or_more(
-            "bullet.collision_margin_mm",
-            s.bullet.collision_margin_mm,
-        )?),
-        inertia: match s.bullet.inertia {
-            InertiaRule::Exact => ffi::InertiaRule::Exact,
-            InertiaRule::BoundingBox => ffi::InertiaRule::BoundingBox,
-            InertiaRule::BoundingBoxWithDefaultMargin => {
-                ffi::InertiaRule::BoundingBoxWithDefaultMargin
-            }
-        },
-        least_mass: from_g(zero_or_more("bullet.least_mass_g", s.bullet.least_mass_g)?),
-        relative_contact_threshold: zero_or_more(
-            "bullet.relative_contact_threshold",
-            s.bullet.relative_contact_threshold,
-        )?,
-        deactivation: s.bullet.deactivation,
-        deactivation_speed: zero_or_more(
-            "bullet.deactivation_speed_m_per_s",
-            s.bullet.deactivation_speed_m_per_s,
-        )?,
-        deactivation_spin: zero_or_more(
-            "bullet.deactivation_spin_rad_per_s",
-            s.bullet.deactivation_spin_rad_per_s,
-        )?,
-        materials: 3,
-        own_collision: match s.contact_path {
-            ContactPath::Bullet => false,
-            ContactPath::Manifold => true,
-        },
-        contact_stiffness: positive(
-            "manifold.contact_stiffness_n_per_m",
-            s.manifold.contact_stiffness_n_per_m,
-        )?,
-        contact_damping_ratio: s.manifold.contact_damping_ratio,
-        push_out_speed: positive(
-            "manifold.push_out_speed_m_per_s",
-            s.manifold.push_out_speed_m_per_s,
-        )?,
-        substeps: i32::try_from(s.manifold.substeps(s.rate_hz)).unwrap_or(i32::MAX),
-        sweeps: i32::try_from(s.manifold.sweeps.max(1)).unwrap_or(i32::MAX),
-        solver_tolerance: zero_or_more("manifold.solver_tolerance", s.manifold.solver_tolerance)?,
-        threads: i32::try_from(s.manifold.threads.clamp(1, 1024)).unwrap_or(1),
-        portable: s.manifold.portable,
-        contacts_at_once: s.manifold.contacts_at_once,
-    })
 }
 
 fn rotation_array(pose: &Pose) -> [f64; 4] {

@@ -5,8 +5,9 @@
 //! threads of a world without the world, the speeds by which boxes stand off, the
 //! memory that the process holds, and what happens within the step of a world.
 
-use super::{BulletBackend, engine, ffi, flat, rotation_array};
+use super::{BulletBackend, definition::tolerances, engine, ffi, flat, rotation_array};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::scale::Scale;
 use crate::world::{BodyId, WorldError};
 
 /// How a pair is probed.
@@ -77,7 +78,7 @@ impl HullPair {
     ) -> Result<Self, WorldError> {
         ffi::new_hull_probe(
             settings.length_scale,
-            settings.reach,
+            &ffi::Tolerances { contact_margin: settings.reach, ..tolerances(&Scale::PAPER) },
             settings.portable,
             &flat(a),
             &flat(b),

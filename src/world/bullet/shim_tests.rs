@@ -1,9 +1,12 @@
 //! What the C++ side refuses by itself, whatever Rust has let through: every
 //! exception comes back as an error with its words, and ends nothing.
 
+use super::definition::tolerances;
 use super::probe::shared_sum;
 use super::tests::{exclusive_turn, free_box, shared_turn, slab};
 use super::*;
+use crate::scale::Scale;
+use crate::scenario::ContactPath;
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
@@ -110,7 +113,7 @@ fn malformed_hulls_come_back_as_errors() {
     }
     for (i, (words, shape)) in malformed().iter().enumerate() {
         for (a, b) in [(shape, &tetrahedron()), (&tetrahedron(), shape)] {
-            let made = ffi::new_hull_probe(100.0, 1e-3, false, a, b);
+            let made = ffi::new_hull_probe(100.0, &tolerances(&Scale::PAPER), false, a, b);
             assert_thrown(made, words, &format!("probed hull {i}"));
         }
     }
@@ -142,7 +145,8 @@ fn what_a_world_has_not_comes_back_as_an_error() {
         world.pin_mut().step().expect("law: the world goes on");
     }
     let shape = tetrahedron();
-    let mut pair = ffi::new_hull_probe(100.0, 1e-3, false, &shape, &shape).expect("a pair");
+    let mut pair = ffi::new_hull_probe(100.0, &tolerances(&Scale::PAPER), false, &shape, &shape)
+        .expect("a pair");
     let set = pair.pin_mut().set_impulse(4, 1.0, &[0.0; 3]);
     assert_thrown(set, "no such contact point", "an impulse of no point");
 }

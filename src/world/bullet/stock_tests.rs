@@ -2,7 +2,8 @@
 
 use super::tests::{exclusive_turn, free_box, shared_turn, slab};
 use super::*;
-use crate::scenario::StockSettings;
+use crate::scenario::{ContactPath, InertiaRule, StockSettings};
+use crate::units::from_mm;
 
 fn on(bullet: StockSettings) -> EngineSettings {
     EngineSettings { contact_path: ContactPath::Bullet, bullet, ..Default::default() }

@@ -4,6 +4,7 @@ use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use super::*;
 use crate::geometry::MassProperties;
+use crate::scenario::ContactPath;
 use crate::world::Material;
 
 /// Bullet keeps the contact threshold once a process: tests with the default

@@ -8,12 +8,9 @@ use serde_json::{Value, json};
 
 use super::super::{EffectiveSettings, WorldError};
 use super::convert::Units;
+use crate::scale::{self, Scale};
 use crate::scenario::{self, EngineSettings};
 use crate::units::from_mm;
-
-/// Growth of the broadphase's tree leaves in m: a grain is inserted anew only
-/// when it has moved so far. As in the Bullet backend, a twentieth of a grain.
-const BROADPHASE_MARGIN: f64 = 0.5e-3;
 
 /// The share of its length unit by which rapier lets leaves grow
 /// (`CHANGE_DETECTION_FACTOR` in `broad_phase_bvh/mod.rs`, 0.36).
@@ -69,7 +66,10 @@ pub(super) fn integration_parameters(
 ) -> Result<IntegrationParameters, WorldError> {
     let r = &s.rapier;
     let dt = 1.0 / positive("rate_hz", s.rate_hz)?;
-    let length_unit = BROADPHASE_MARGIN / MARGIN_OF_LENGTH_UNIT * units.per_metre();
+    let size = from_mm(positive("grain_size_mm", s.grain_size_mm)?);
+    let scale = Scale::of_smallest(size, Scale::PAPER.gravity);
+    let margin = scale::BROADPHASE_MARGIN.at(&scale);
+    let length_unit = margin / MARGIN_OF_LENGTH_UNIT * units.per_metre();
     // Rapier multiplies what it calls normalised by its length unit.
     let normalised = |metres: f64| metres * units.per_metre() / length_unit;
     let spring = |name: &str, frequency: f64, ratio: f64| {

@@ -9,7 +9,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use pluvia::scenario::load;
+use pluvia::grains::load_scenario;
 use serde_json::{Value, json};
 
 use super::sound;
@@ -227,7 +227,7 @@ fn all() -> Vec<Hostile> {
 /// What loading a file answers, with its folder left out, on one line.
 fn answer(folder: &Path, text: &[u8]) -> String {
     fs::write(folder.join("s.json"), text).expect("written");
-    let said = match load(&folder.join("s.json"), &[]) {
+    let said = match load_scenario(&folder.join("s.json"), &[]) {
         Ok(_) => "loads".to_owned(),
         Err(errors) => errors.to_string(),
     };

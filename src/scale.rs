@@ -1,0 +1,340 @@
+//! One scale: every length, speed, time and stiffness that is ours follows from
+//! the size of the grains and gravity.
+//!
+//! What falls and collides under gravity is similar at every size when lengths
+//! grow with the grain size d, times with √(d/g), speeds with √(g d) and
+//! stiffnesses with ρ g d² (Froude's law; contacts then give way by the same
+//! share of a grain). A [`Quantity`] is such a number: its value for the paper's
+//! gravel, with which it was found, and the law by which it grows. For the
+//! paper's gravel every quantity has that value to the last bit.
+
+use serde::Serialize;
+
+/// Sizes of grains in m, as sieves measure them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GrainSizes {
+    /// Opening of the finest sieve that retains grains.
+    pub smallest: f64,
+    /// Size than which half of the mass is finer, between two sieves in
+    /// proportion to the logarithm of the opening.
+    pub median: f64,
+    /// Opening of the coarsest sieve that grains pass.
+    pub largest: f64,
+}
+
+/// Mass between two sieves: openings in m, mass in any unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SieveMass {
+    /// Opening of the sieve that the grains pass.
+    pub passing: f64,
+    /// Opening of the sieve that retains them.
+    pub retained: f64,
+    /// Their mass.
+    pub mass: f64,
+}
+
+impl GrainSizes {
+    /// The paper's gravel: 15 % from 12.5 to 16 mm, 51.95 % from 10 to 12.5 mm and
+    /// 33.05 % from 8 to 10 mm (`scenarios/paper/pluviation.json`).
+    pub const PAPER: Self =
+        Self { smallest: 0.008, median: 0.010_755_221_034_089_258, largest: 0.016 };
+
+    /// Sizes of grains that were sieved; `None` where no fraction has openings and a mass
+    /// above zero.
+    pub fn of(fractions: &[SieveMass]) -> Option<Self> {
+        let mut sound: Vec<&SieveMass> = fractions
+            .iter()
+            .filter(|f| {
+                let all_finite = [f.passing, f.retained, f.mass].iter().all(|x| x.is_finite());
+                all_finite && f.retained > 0.0 && f.passing > f.retained && f.mass > 0.0
+            })
+            .collect();
+        sound.sort_by(|a, b| a.retained.total_cmp(&b.retained));
+        let half = sound.iter().map(|f| f.mass).sum::<f64>() / 2.0;
+        let mut finer = 0.0;
+        let median = sound.iter().find_map(|f| {
+            let share = (half - finer) / f.mass;
+            finer += f.mass;
+            (share <= 1.0).then(|| f.retained * (f.passing / f.retained).powf(share.max(0.0)))
+        })?;
+        let largest = sound.iter().map(|f| f.passing).fold(0.0, f64::max);
+        Some(Self { smallest: sound[0].retained, median, largest })
+    }
+}
+
+/// What sizes and speeds of ours follow from.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Scale {
+    /// Sizes of the grains.
+    pub sizes: GrainSizes,
+    /// Density of the solids in kg/m³.
+    pub density: f64,
+    /// Gravitational acceleration in m/s².
+    pub gravity: f64,
+}
+
+impl Scale {
+    /// The paper's gravel on earth (paper, section 3: 2673.9 kg/m³).
+    pub const PAPER: Self = Self { sizes: GrainSizes::PAPER, density: 2673.9, gravity: 9.81 };
+
+    /// The paper's gravel enlarged until its smallest grains have a size in m, where
+    /// no more is known; gravity in m/s².
+    pub fn of_smallest(smallest: f64, gravity: f64) -> Self {
+        let paper = GrainSizes::PAPER;
+        let larger = smallest / paper.smallest;
+        let sizes =
+            GrainSizes { smallest, median: paper.median * larger, largest: paper.largest * larger };
+        Self { sizes, gravity, ..Self::PAPER }
+    }
+}
+
+/// How a quantity grows with the scale.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Law {
+    /// A length, with the smallest grains: d.
+    Fine,
+    /// A length, with the largest grains: d.
+    Coarse,
+    /// The inverse of a length, with the smallest grains: 1/d.
+    PerLength,
+    /// A speed, with the smallest grains: √(g d).
+    Speed,
+    /// A time, with the smallest grains: √(d/g).
+    Time,
+    /// A frequency, with the smallest grains: √(g/d).
+    Rate,
+    /// A stiffness, with the median grains: ρ g d².
+    Stiffness,
+}
+
+impl Law {
+    /// Its value at a scale over that for the paper's gravel, which is exactly 1 there.
+    pub fn factor(self, scale: &Scale) -> f64 {
+        let paper = Scale::PAPER;
+        let finer = scale.sizes.smallest / paper.sizes.smallest;
+        let heavier = scale.gravity / paper.gravity;
+        match self {
+            Self::Fine => finer,
+            Self::Coarse => scale.sizes.largest / paper.sizes.largest,
+            Self::PerLength => 1.0 / finer,
+            Self::Speed => (finer * heavier).sqrt(),
+            Self::Time => (finer / heavier).sqrt(),
+            Self::Rate => (heavier / finer).sqrt(),
+            Self::Stiffness => {
+                let denser = scale.density / paper.density;
+                (scale.sizes.median / paper.sizes.median).powi(2) * denser * heavier
+            }
+        }
+    }
+
+    /// What it grows with at a scale, in SI units: what makes a quantity a number without
+    /// unit when divided by it.
+    pub fn unit(self, scale: &Scale) -> f64 {
+        let Scale { sizes, density, gravity } = *scale;
+        let d = sizes.smallest;
+        match self {
+            Self::Fine => d,
+            Self::Coarse => sizes.largest,
+            Self::PerLength => 1.0 / d,
+            Self::Speed => (gravity * d).sqrt(),
+            Self::Time => (d / gravity).sqrt(),
+            Self::Rate => (gravity / d).sqrt(),
+            Self::Stiffness => density * gravity * sizes.median.powi(2),
+        }
+    }
+
+    /// That unit as a formula.
+    pub fn formula(self) -> &'static str {
+        match self {
+            Self::Fine => "d",
+            Self::Coarse => "D",
+            Self::PerLength => "1/d",
+            Self::Speed => "√(g d)",
+            Self::Time => "√(d/g)",
+            Self::Rate => "√(g/d)",
+            Self::Stiffness => "ρ g d₅₀²",
+        }
+    }
+}
+
+/// A number of ours that follows from the scale.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// Its name, with its unit at the end.
+    pub name: &'static str,
+    /// Its value for the paper's gravel, in SI units.
+    pub paper: f64,
+    /// How it grows.
+    pub law: Law,
+    /// What it is, and why it is so large.
+    pub why: &'static str,
+}
+
+impl Quantity {
+    /// Its value at a scale, in SI units.
+    pub fn at(&self, scale: &Scale) -> f64 {
+        self.paper * self.law.factor(scale)
+    }
+
+    /// Its value over the unit of its law.
+    pub fn number(&self) -> f64 {
+        self.paper / self.law.unit(&Scale::PAPER)
+    }
+}
+
+macro_rules! quantities {
+    ($($id:ident = $law:ident $paper:literal, $name:literal, $why:literal;)*) => {
+        $(
+            #[doc = $why]
+            pub const $id: Quantity =
+                Quantity { name: $name, paper: $paper, law: Law::$law, why: $why };
+        )*
+        /// All of them, in the order of the page that lists them.
+        pub const ALL: &[Quantity] = &[$($id),*];
+    };
+}
+
+quantities! {
+    CONTACT_MARGIN = Fine 0.2e-3, "contact_margin_m",
+        "Gap up to which contacts are prepared before they touch. With whole manifolds in every step a \
+         point need not be foreseen long; twice as much finds contacts that bear nothing.";
+    CLOSED_GAP = Fine 0.01e-3, "closed_gap_m",
+        "Gap below which a contact touches and can rebound.";
+    UNSOLVED_GAP = Fine 0.02e-3, "unsolved_gap_m",
+        "Overlap that a sub-step may add at one contact before the solver goes on.";
+    HYSTERESIS = Fine 0.02e-3, "hysteresis_m",
+        "By how much another feature of two hulls must be better than that of the last step to \
+         replace it: with 0.005 to 0.05 mm packings stay at rest, with 0 they creep.";
+    HOLD = Fine 0.02e-3, "hold_m",
+        "By how much features may move and be kept without a search.";
+    FACE_PREFERENCE = Fine 0.005e-3, "face_preference_m",
+        "By how much edges must be better than a face: enough to tell a face from edges that lie \
+         on it within rounding, too little to be felt as depth.";
+    MATCH_DISTANCE = Fine 1e-3, "match_distance_m",
+        "Distance within which a contact point is one of the last step: points of one pair are \
+         further apart, and none travels so far in a step.";
+    BOX_SLACK = Fine 1e-3, "box_slack_m",
+        "How far the boxes of the broad phase extend beyond the bodies. More makes more pairs, \
+         less more boxes to renew.";
+    BROADPHASE_MARGIN = Fine 0.5e-3, "broadphase_margin_m",
+        "Growth of the broad phase's tree leaves: a grain is inserted anew only when it has moved \
+         so far.";
+    RAIN_CLEARANCE = Fine 0.25e-3, "rain_clearance_m",
+        "Clearance around the bounding sphere of each grain that is placed to fall: two grains \
+         begin at least twice as far apart, more than engines pad their shapes by.";
+    COLLAR_CLEARANCE = Fine 2e-3, "collar_clearance_m",
+        "Clearance between the funnel's collar and the grains placed in it.";
+    PLATE_RELEASE = Fine 0.1e-3, "plate_release_m",
+        "Height above the highest grain at which the top plate is let go: 10 mm gravel feels it \
+         land with 44 mm/s (\"allowed to fall slowly\", paper, section 3).";
+    TOUCHING_GAP = Fine 0.1e-3, "touching_gap_m",
+        "Gap up to which two grains count as touching. It must exceed the play that contacts have \
+         at rest, else the coordination number flickers with rounding.";
+    HEIGHT_CELL = Fine 1e-3, "height_cell_m",
+        "Side of the cells of the height map.";
+    MERGE_DISTANCE = Fine 1e-6, "merge_distance_m",
+        "Edges of Voronoi cells up to this length are merged to a point.";
+    BLOCK_GAP = Fine 10e-3, "block_gap_m",
+        "Gap between the blocks that grains are cut from, in `grains.json`.";
+    RIM_ZONE = Coarse 15e-3, "rim_zone_m",
+        "Below a rim and above an opening, how far a grain's centre may be out of line while the \
+         grain still leans on it.";
+    FALL_BELOW = Coarse 50e-3, "fall_below_m",
+        "How far below the lowest floor a grain is followed.";
+    FLOOR_THICKNESS = Coarse 20e-3, "floor_thickness_m",
+        "Thickness of a pile's floor; nothing is seen of it.";
+    LANDED_AFTER = Time 0.05, "landed_after_s",
+        "How long after its fall a grain fed to a pile counts as landed: the first impact is over.";
+    CHECK_INTERVAL = Time 0.02, "check_interval_s",
+        "Time between two looks at a running stage.";
+    SLOW = Speed 0.02, "slow_m_per_s",
+        "What is slower is part of a pile and not on its way to it.";
+    CREEP_LIMIT = Speed 5e-6, "creep_limit_m_per_s",
+        "Creep at rest that the accuracy standard allows: 0.1 mm in 20 s for the paper's gravel, \
+         whose settlement is 14 to 19.61 mm.";
+    LARGEST_SPIN = Rate 4000.0, "largest_spin_rad_per_s",
+        "Angular speed beyond which a state is unphysical: the rim of a small grain moves at 16 m/s.";
+}
+
+/// Reads all quantities at a scale, with what they follow from; in SI units.
+pub fn read_back(scale: &Scale) -> std::collections::BTreeMap<String, f64> {
+    let Scale { sizes, density, gravity } = *scale;
+    let mut all: std::collections::BTreeMap<String, f64> =
+        ALL.iter().map(|q| (q.name.to_owned(), q.at(scale))).collect();
+    all.extend([
+        ("smallest_grain_size_m".to_owned(), sizes.smallest),
+        ("median_grain_size_m".to_owned(), sizes.median),
+        ("largest_grain_size_m".to_owned(), sizes.largest),
+        ("density_kg_per_m3".to_owned(), density),
+        ("gravity_m_per_s2".to_owned(), gravity),
+    ]);
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paper_sieves(larger: f64) -> [SieveMass; 3] {
+        [(16.0, 12.5, 15.0), (12.5, 10.0, 51.95), (10.0, 8.0, 33.05)].map(
+            |(passing, retained, mass)| SieveMass {
+                passing: crate::units::from_mm(passing * larger),
+                retained: crate::units::from_mm(retained * larger),
+                mass,
+            },
+        )
+    }
+
+    #[test]
+    fn the_papers_gravel_is_the_measure() {
+        let sizes = GrainSizes::of(&paper_sieves(1.0)).expect("it has sizes");
+        assert_eq!(sizes, GrainSizes::PAPER, "law: the constant is what its sieves give");
+        for q in ALL {
+            let got = q.at(&Scale::PAPER);
+            assert_eq!(
+                got.to_bits(),
+                q.paper.to_bits(),
+                "law: {} has its own value, to the bit",
+                q.name
+            );
+        }
+    }
+
+    #[test]
+    fn quantities_over_their_units_are_the_same_at_every_scale() {
+        for (larger, gravity, density) in [(0.1, 9.81, 2673.9), (5.0, 1.62, 2650.0)] {
+            let sizes = GrainSizes::of(&paper_sieves(larger)).expect("it has sizes");
+            let scale = Scale { sizes, density, gravity };
+            for q in ALL {
+                let (expected, got) = (q.number(), q.at(&scale) / q.law.unit(&scale));
+                assert!(
+                    (got / expected - 1.0).abs() < 1e-12,
+                    "law: {} is a number without unit; at {larger}: expected {expected}, got {got}, \
+                     tolerance 1e-12 of it",
+                    q.name
+                );
+            }
+            let stiffness = Law::Stiffness;
+            let (expected, got) =
+                (stiffness.unit(&scale) / stiffness.unit(&Scale::PAPER), stiffness.factor(&scale));
+            assert!((got / expected - 1.0).abs() < 1e-12, "law: ρ g d², {expected}, got {got}");
+        }
+    }
+
+    #[test]
+    fn faulty_fractions_have_no_size() {
+        let fraction = SieveMass { passing: 0.002, retained: 0.001, mass: 1.0 };
+        let one = GrainSizes::of(&[fraction]).expect("it has sizes");
+        let middle = (0.001_f64 * 0.002).sqrt();
+        assert!((one.median / middle - 1.0).abs() < 1e-12, "law: half-way in the logarithm");
+        for bad in [
+            SieveMass { passing: 0.001, ..fraction },
+            SieveMass { retained: 0.0, ..fraction },
+            SieveMass { mass: 0.0, ..fraction },
+            SieveMass { mass: f64::NAN, ..fraction },
+        ] {
+            assert_eq!(GrainSizes::of(&[bad]), None, "{bad:?} has no size");
+            assert_eq!(GrainSizes::of(&[bad, fraction]), Some(one), "{bad:?} is left out");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! From the settings of an engine to what the bridge takes, checked value by value.
+
+use super::{constants, ffi};
+use crate::geometry::Vector;
+use crate::scale::{self, Scale};
+use crate::scenario::{ContactPath, EngineSettings, InertiaRule, StockSettings};
+use crate::units::{from_g, from_mm};
+use crate::world::WorldError;
+
+/// Everything that is fixed when a world is made; gravity in m/s².
+///
+/// # Errors
+/// [`WorldError::BadSetting`] for a value that Bullet cannot take.
+pub(super) fn definition(
+    s: &EngineSettings,
+    gravity: Vector,
+) -> Result<ffi::WorldDefinition, WorldError> {
+    let positive = |setting: &str, value: f64| {
+        if value.is_finite() && value > 0.0 {
+            Ok(value)
+        } else {
+            Err(WorldError::BadSetting {
+                setting: setting.into(),
+                reason: format!("{value} is not a positive number"),
+            })
+        }
+    };
+    let zero_or_more = |setting: &str, value: f64| {
+        if value.is_finite() && value >= 0.0 {
+            Ok(value)
+        } else {
+            Err(WorldError::BadSetting {
+                setting: setting.into(),
+                reason: format!("{value} is neither zero nor a positive number"),
+            })
+        }
+    };
+    if s.contact_path == ContactPath::Manifold && s.bullet != StockSettings::default() {
+        return Err(WorldError::BadSetting {
+            setting: "bullet".into(),
+            reason: "these are settings of the contact path `bullet`; the contact path `manifold` \
+                     asks for hulls without margin and bodies that never sleep"
+                .into(),
+        });
+    }
+    if !gravity.iter().all(|g| g.is_finite()) {
+        return Err(WorldError::BadSetting {
+            setting: "gravity".into(),
+            reason: format!("{gravity:?} is not finite"),
+        });
+    }
+    let size = from_mm(positive("grain_size_mm", s.grain_size_mm)?);
+    let scale = Scale::of_smallest(size, Scale::PAPER.gravity);
+    let mut solver_mode = constants::SOLVER_USE_WARMSTARTING;
+    match s.friction_directions {
+        1 => {}
+        2 => solver_mode |= constants::SOLVER_USE_2_FRICTION_DIRECTIONS,
+        other => {
+            return Err(WorldError::BadSetting {
+                setting: "friction_directions".into(),
+                reason: format!("{other} is neither 1 nor 2"),
+            });
+        }
+    }
+    Ok(ffi::WorldDefinition {
+        length_scale: positive("length_scale", s.length_scale)?,
+        time_step: 1.0 / positive("rate_hz", s.rate_hz)?,
+        gravity: gravity.into(),
+        iterations: i32::try_from(s.iterations.max(1)).unwrap_or(i32::MAX),
+        solver_mode: i32::try_from(solver_mode).unwrap_or_default(),
+        contact_threshold: from_mm(positive("contact_threshold_mm", s.contact_threshold_mm)?),
+        broadphase_margin: scale::BROADPHASE_MARGIN.at(&scale),
+        tolerances: tolerances(&scale),
+        error_reduction: s.error_reduction,
+        warm_start: s.warm_start,
+        split_impulse: s.split_impulse,
+        restitution_velocity_threshold: s.restitution_velocity_threshold_m_per_s,
+        linear_damping: s.linear_damping,
+        angular_damping: s.angular_damping,
+        gyroscopic: s.gyroscopic,
+        collision_margin: from_mm(zero_or_more(
+            "bullet.collision_margin_mm",
+            s.bullet.collision_margin_mm,
+        )?),
+        inertia: match s.bullet.inertia {
+            InertiaRule::Exact => ffi::InertiaRule::Exact,
+            InertiaRule::BoundingBox => ffi::InertiaRule::BoundingBox,
+            InertiaRule::BoundingBoxWithDefaultMargin => {
+                ffi::InertiaRule::BoundingBoxWithDefaultMargin
+            }
+        },
+        least_mass: from_g(zero_or_more("bullet.least_mass_g", s.bullet.least_mass_g)?),
+        relative_contact_threshold: zero_or_more(
+            "bullet.relative_contact_threshold",
+            s.bullet.relative_contact_threshold,
+        )?,
+        deactivation: s.bullet.deactivation,
+        deactivation_speed: zero_or_more(
+            "bullet.deactivation_speed_m_per_s",
+            s.bullet.deactivation_speed_m_per_s,
+        )?,
+        deactivation_spin: zero_or_more(
+            "bullet.deactivation_spin_rad_per_s",
+            s.bullet.deactivation_spin_rad_per_s,
+        )?,
+        materials: 3,
+        own_collision: match s.contact_path {
+            ContactPath::Bullet => false,
+            ContactPath::Manifold => true,
+        },
+        contact_stiffness: positive(
+            "manifold.contact_stiffness_n_per_m",
+            s.manifold.contact_stiffness_n_per_m,
+        )?,
+        contact_damping_ratio: s.manifold.contact_damping_ratio,
+        push_out_speed: positive(
+            "manifold.push_out_speed_m_per_s",
+            s.manifold.push_out_speed_m_per_s,
+        )?,
+        substeps: i32::try_from(s.manifold.substeps(s.rate_hz)).unwrap_or(i32::MAX),
+        sweeps: i32::try_from(s.manifold.sweeps.max(1)).unwrap_or(i32::MAX),
+        solver_tolerance: zero_or_more("manifold.solver_tolerance", s.manifold.solver_tolerance)?,
+        threads: i32::try_from(s.manifold.threads.clamp(1, 1024)).unwrap_or(1),
+        portable: s.manifold.portable,
+        contacts_at_once: s.manifold.contacts_at_once,
+    })
+}
+
+/// The lengths that belong to a scale.
+pub(super) fn tolerances(scale: &Scale) -> ffi::Tolerances {
+    ffi::Tolerances {
+        contact_margin: scale::CONTACT_MARGIN.at(scale),
+        closed_gap: scale::CLOSED_GAP.at(scale),
+        unsolved_gap: scale::UNSOLVED_GAP.at(scale),
+        hysteresis: scale::HYSTERESIS.at(scale),
+        hold: scale::HOLD.at(scale),
+        face_preference: scale::FACE_PREFERENCE.at(scale),
+        match_distance: scale::MATCH_DISTANCE.at(scale),
+        box_slack: scale::BOX_SLACK.at(scale),
+    }
+}
