@@ -15,7 +15,8 @@ namespace pluvia {
 std::mutex &construction_mutex();
 
 struct GlobalSettings {
-    btScalar contact_breaking_threshold; // engine length units
+    // In engine length units; negative for worlds that do not read it.
+    btScalar contact_breaking_threshold;
     btScalar broadphase_margin;          // engine length units
 };
 
@@ -31,6 +32,9 @@ class GlobalsHold {
 
     // As Bullet has them now.
     static GlobalSettings read_back();
+
+  private:
+    bool reads_threshold_;
 };
 
 } // namespace pluvia

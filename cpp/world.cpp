@@ -16,7 +16,6 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -34,22 +33,6 @@ btDefaultCollisionConstructionInfo pool_sizes(bool own_collision) {
     info.m_defaultMaxPersistentManifoldPoolSize = pairs;
     info.m_defaultMaxCollisionAlgorithmPoolSize = pairs;
     return info;
-}
-
-// A length in engine units without the last bits: worlds of grains of different sizes
-// agree where only rounding differs.
-btScalar shared_length(const Units &units, double metres) {
-    int exponent = 0;
-    const double mantissa = std::frexp(metres * units.scale(), &exponent);
-    return static_cast<btScalar>(std::ldexp(std::round(std::ldexp(mantissa, 44)), exponent - 44));
-}
-
-GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
-    // Bullet reads the same variable as a length or as a share of the radius.
-    const bool relative = d.relative_contact_threshold > 0;
-    return {relative ? static_cast<btScalar>(d.relative_contact_threshold)
-                     : shared_length(units, d.contact_threshold),
-            shared_length(units, d.broadphase_margin)};
 }
 
 } // namespace
@@ -361,7 +344,9 @@ rust::Vec<EngineSetting> BulletWorld::effective() const {
                            btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD) != 0;
     put("length_scale_units_per_m", units.scale());
     put("time_step_s", static_cast<double>(impl_->time_step));
-    put("contact_breaking_threshold_m", units.metres(globals.contact_breaking_threshold));
+    if (!impl_->hull_collision) {
+        put("contact_breaking_threshold_m", units.metres(globals.contact_breaking_threshold));
+    }
     put("broadphase_margin_m", units.metres(globals.broadphase_margin));
     put("relative_contact_threshold",
         relative ? static_cast<double>(globals.contact_breaking_threshold) : 0);

@@ -4,9 +4,10 @@
 
 use std::{fs, path::Path};
 
+use pluvia::grains::load_scenario;
 use pluvia::grains::{self, GrainSet, ParticleSizeDistribution};
 use pluvia::record::StageStore;
-use pluvia::scenario::{GrainsSpec, MeshGrains, SieveFraction, SievedGrains, load};
+use pluvia::scenario::{GrainsSpec, MeshGrains, SieveFraction, SievedGrains};
 use pluvia::specimen::SpecimenState;
 
 thread_local! {
@@ -28,10 +29,10 @@ fn with_file(name: &str, data: &[u8], read: impl FnOnce(&Path)) {
 /// A scenario file; one that loads is written and read again as the same.
 pub fn scenario(data: &[u8]) {
     with_file("scenario.json", data, |path| {
-        let Ok(loaded) = load(path, &[]) else { return };
+        let Ok(loaded) = load_scenario(path, &[]) else { return };
         if matches!(loaded.scenario.grains, GrainsSpec::Sieved(_)) {
             fs::write(path, loaded.scenario.canonical_json()).expect("written");
-            let again = load(path, &[]).expect("law: what was loaded can be loaded again");
+            let again = load_scenario(path, &[]).expect("law: what was loaded can be loaded again");
             assert_eq!(again.scenario, loaded.scenario, "law: nothing is lost by writing");
         }
     });

@@ -20,6 +20,7 @@ mod readings;
 mod repose;
 mod reproduce;
 mod same;
+mod scale;
 mod scenario;
 mod small;
 mod soak;

@@ -77,7 +77,7 @@ fn every_scenario_of_the_project_loads_and_says_its_choices() {
 #[test]
 fn extends_merges_objects_and_replaces_lists() {
     let load = |path: &str| load_scenario(&root().join(path), &[]).expect("it loads");
-    let quick = load_scenario("scenarios/quick/vibration.json");
+    let quick = load("scenarios/quick/vibration.json");
     assert_eq!(quick.files.len(), 3, "vibration, pluviation and the paper's: {:?}", quick.files);
     let scenario = quick.scenario;
     assert_eq!(scenario.apparatus.cylinder.inner_diameter_mm, 72.5, "from quick/pluviation");
@@ -326,12 +326,10 @@ fn grains_files_are_found_beside_the_scenario() {
     ]);
     let load =
         |name: &str| load_scenario(&folder.path().join(name), &[]).expect("it loads").scenario;
-    let GrainsSpec::File(grains) = load_scenario("top.json").grains else {
-        panic!("grains from a file")
-    };
+    let GrainsSpec::File(grains) = load("top.json").grains else { panic!("grains from a file") };
     assert_eq!(Path::new(&grains.file), folder.path().join("my/grains.json"));
     assert!(
-        matches!(load_scenario("sieved.json").grains, GrainsSpec::Sieved(_)),
+        matches!(load("sieved.json").grains, GrainsSpec::Sieved(_)),
         "sieve data replace a file"
     );
 }

@@ -124,11 +124,11 @@ impl BulletBackend {
         let held = self.effective();
         let single = constants::PLUVIA_SCALAR_BYTES == 4;
         let tolerance = if single { 1e-6 } else { 1e-12 };
-        // One variable of Bullet's holds whichever of the two is used.
-        let threshold = if d.relative_contact_threshold > 0.0 {
-            ("relative_contact_threshold", d.relative_contact_threshold)
-        } else {
-            ("contact_breaking_threshold_m", d.contact_threshold)
+        // One variable of Bullet's holds whichever of the two is used; our own contacts have none.
+        let threshold = match (d.own_collision, d.relative_contact_threshold > 0.0) {
+            (true, _) => ("relative_contact_threshold", 0.0),
+            (false, true) => ("relative_contact_threshold", d.relative_contact_threshold),
+            (false, false) => ("contact_breaking_threshold_m", d.contact_threshold),
         };
         for (name, asked) in [
             ("time_step_s", d.time_step),

@@ -163,10 +163,10 @@ fn worlds_that_cannot_be_come_back_as_errors() {
             assert_thrown(none, "one thread", "a world of no thread");
         }
         let first = bare(path);
-        let second = made(path, |d| d.contact_threshold *= 2.0, 9);
-        assert_thrown(second, "whole process", "another threshold");
+        let second = made(path, |d| d.broadphase_margin *= 2.0, 9);
+        assert_thrown(second, "whole process", "another margin");
         drop(first);
-        let third = made(path, |d| d.contact_threshold *= 2.0, 9);
+        let third = made(path, |d| d.broadphase_margin *= 2.0, 9);
         assert!(third.is_ok(), "law: what failed holds nothing");
     }
 }

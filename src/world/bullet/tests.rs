@@ -280,12 +280,17 @@ fn refuses_what_no_engine_should_see() {
 #[test]
 fn worlds_with_different_process_wide_settings_do_not_live_together() {
     let _turn = exclusive_turn();
-    let first = world(&EngineSettings::default());
-    let other = EngineSettings { contact_threshold_mm: 0.5, ..Default::default() };
+    let first = world(&on(ContactPath::Bullet));
+    let other = EngineSettings { contact_threshold_mm: 0.5, ..on(ContactPath::Bullet) };
     assert!(matches!(
         BulletBackend::new(&other, GRAVITY, &pairs()),
         Err(WorldError::Engine(text)) if text.contains("whole process")
     ));
+    let native = EngineSettings { contact_threshold_mm: 0.5, ..Default::default() };
+    assert!(
+        BulletBackend::new(&native, GRAVITY, &pairs()).is_ok(),
+        "law: the native contact solver does not read the threshold"
+    );
     drop(first);
     assert!(BulletBackend::new(&other, GRAVITY, &pairs()).is_ok());
 }

@@ -1,6 +1,6 @@
 //! What the shims refuse: every failure comes back as an error.
 
-use crate::worlds::{STILL, body, cuboid, definition, pairs};
+use crate::worlds::{STILL, body, cuboid, definition, pairs, tolerances};
 use crate::{BodyKind, HullProbeShape, new_hull_probe, new_world, shared_sum};
 
 /// Spoils a hull in one way.
@@ -36,8 +36,8 @@ pub fn all() -> usize {
             spoil(&mut s);
             let added = world.pin_mut().add_shape(&s.coordinates, &s.face_starts, &s.face_vertices);
             failed(added.is_err());
-            failed(new_hull_probe(100.0, 1e-3, false, &s, &sound()).is_err());
-            failed(new_hull_probe(100.0, 1e-3, true, &sound(), &s).is_err());
+            failed(new_hull_probe(100.0, &tolerances(), false, &s, &sound()).is_err());
+            failed(new_hull_probe(100.0, &tolerances(), true, &sound(), &s).is_err());
         }
         for (shape, material) in [(0, 0), (u32::MAX, 0)] {
             let mut body = body(shape, BodyKind::Free, [0.0; 3], 1.0, STILL);
@@ -48,7 +48,7 @@ pub fn all() -> usize {
         failed(world.pin_mut().drive_body(4, &[0.0; 3], &STILL).is_err());
         failed(world.pair_value(0, 1).is_err());
         let mut other = definition((own, 1, false, 8));
-        other.contact_threshold *= 2.0;
+        other.broadphase_margin *= 2.0;
         failed(new_world(&other, &pairs()).is_err());
         failed(new_world(&definition((own, 0, false, 8)), &pairs()).is_err());
         failed(new_world(&definition((own, 1, false, 8)), &pairs()[..8]).is_err());

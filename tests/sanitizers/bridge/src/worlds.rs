@@ -4,7 +4,7 @@ use std::thread;
 
 use crate::{
     BodyDefinition, BodyKind, BulletWorld, CrowdProbeBody, DrivenPose, HullProbePose,
-    HullProbeShape, InertiaRule, PairValue, WorldDefinition, crowd_speeds, new_hull_probe,
+    HullProbeShape, InertiaRule, PairValue, Tolerances, WorldDefinition, crowd_speeds, new_hull_probe,
     new_world,
 };
 
@@ -24,6 +24,20 @@ pub const KINDS: [Kind; 5] = [
 /// No rotation.
 pub const STILL: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
 
+/// Lengths as the program has them for grains of 8 mm and more.
+pub fn tolerances() -> Tolerances {
+    Tolerances {
+        contact_margin: 0.2e-3,
+        closed_gap: 0.01e-3,
+        unsolved_gap: 0.02e-3,
+        hysteresis: 0.02e-3,
+        hold: 0.02e-3,
+        face_preference: 0.005e-3,
+        match_distance: 1e-3,
+        box_slack: 1e-3,
+    }
+}
+
 /// Settings as the program has them.
 pub fn definition((own_collision, threads, portable, contacts_at_once): Kind) -> WorldDefinition {
     WorldDefinition {
@@ -34,6 +48,7 @@ pub fn definition((own_collision, threads, portable, contacts_at_once): Kind) ->
         solver_mode: 4, // warm starting
         contact_threshold: 1e-3,
         broadphase_margin: 0.5e-3,
+        tolerances: tolerances(),
         error_reduction: 0.2,
         warm_start: 0.85,
         split_impulse: true,
@@ -270,7 +285,7 @@ pub fn probes() -> usize {
     let mut points = 0;
     for (portable, scale) in [(false, 1.0), (false, 100.0), (true, 1.0), (true, 100.0)] {
         let (a, b) = (cuboid([0.02, 0.03, 0.01]), cuboid([0.01, 0.012, 0.02]));
-        let mut pair = new_hull_probe(scale, 0.5e-3, portable, &a, &b).expect("a pair");
+        let mut pair = new_hull_probe(scale, &tolerances(), portable, &a, &b).expect("a pair");
         let origin = HullProbePose { position: [0.0; 3], rotation: STILL };
         for i in 0..2000_u32 {
             let t = 0.37 * f64::from(i);

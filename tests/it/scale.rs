@@ -1,0 +1,177 @@
+//! Grains of any size: what is simulated is similar, whatever the scale.
+
+use std::{sync::Arc, sync::atomic::AtomicBool};
+
+use pluvia::{
+    geometry::{Pose, Vector},
+    grains::{self, load_scenario},
+    protocol::{self, Moment, Observer, Setup},
+    scenario::{GrainsSpec, Scenario, warnings},
+    specimen::{Specimen, SpecimenState},
+    world,
+};
+use serde_json::{Value, json};
+
+/// A scenario as a file gives it, with everything that follows from its grains.
+fn loaded(file: &Value) -> Scenario {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("s.json");
+    std::fs::write(&path, file.to_string()).expect("written");
+    load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{e:?}")).scenario
+}
+
+/// Thirty grains in a funnel, everything times `larger`.
+fn twin(larger: f64, mut engine: Value) -> Scenario {
+    engine["manifold"] = json!({ "contact_stiffness_n_per_m": 8000.0 * larger.powi(2) });
+    loaded(&json!({
+        "name": "twin",
+        "grains": {
+            "total_mass_g": 48.0 * larger.powi(3), "density_kg_per_m3": 2673.9,
+            "sieve_table": [
+                { "passing_mm": 16.0 * larger, "retained_mm": 10.0 * larger, "mass_percent": 40 },
+                { "passing_mm": 10.0 * larger, "retained_mm": 8.0 * larger, "mass_percent": 60 },
+            ],
+        },
+        // What is automatic of these is rounded to what a person would type.
+        "apparatus": {
+            "cylinder": { "inner_diameter_mm": 64.0 * larger, "height_mm": 64.0 * larger },
+            "funnel": { "opening_diameter_mm": 56.0 * larger, "top_diameter_mm": 80.0 * larger },
+        },
+        "engine": engine,
+        "stages": [{ "stage": "fill_funnel", "time_limit_s": 0.5 * larger.sqrt() }],
+    }))
+}
+
+/// Poses and velocities of all grains at every look.
+#[derive(Default)]
+struct Seen(Vec<Vec<(Pose, Vector, Vector)>>);
+
+impl Observer for Seen {
+    fn observe(&mut self, specimen: &Specimen, _: Moment) {
+        let of = |g: &pluvia::specimen::GrainState| {
+            (g.body.pose, g.body.linear_velocity, g.body.angular_velocity)
+        };
+        self.0.push(specimen.state.bodies.iter().map(of).collect());
+    }
+}
+
+/// What happens until the time limit, seen every twentieth of it.
+fn filled(scenario: &Scenario, larger: f64) -> Vec<Vec<(Pose, Vector, Vector)>> {
+    let GrainsSpec::Sieved(sieved) = &scenario.grains else { panic!("sieved") };
+    let grains = Arc::new(grains::generate(sieved, scenario.seed).expect("grains"));
+    let state = SpecimenState::before_everything(grains.grains.len());
+    let mut setup = Setup::new(scenario).expect("a laboratory");
+    setup.sample_interval = 0.025 * larger.sqrt();
+    let mut seen = Seen::default();
+    protocol::run(
+        &setup,
+        &world::create,
+        Specimen { grains, state },
+        &scenario.stages[0],
+        None,
+        &mut seen,
+        &AtomicBool::new(false),
+    )
+    .expect("it can be run");
+    seen.0
+}
+
+/// Factors whose square roots are powers of two, so that scaling rounds nothing.
+const LARGER: [f64; 2] = [0.25, 4.0];
+
+#[test]
+fn scaled_twins_agree_to_the_bit() {
+    let plain = filled(&twin(1.0, json!({})), 1.0);
+    assert!(plain.len() >= 20, "law: it is seen on its way, got {} looks", plain.len());
+    for larger in LARGER {
+        let other = filled(&twin(larger, json!({})), larger);
+        assert_eq!(other.len(), plain.len(), "law: as many looks at {larger} times the size");
+        for (look, (a, b)) in plain.iter().zip(&other).enumerate() {
+            for (grain, (a, b)) in a.iter().zip(b).enumerate() {
+                let same = a.0.translation.vector * larger == b.0.translation.vector
+                    && a.0.rotation == b.0.rotation
+                    && a.1 * larger.sqrt() == b.1
+                    && a.2 / larger.sqrt() == b.2;
+                assert!(
+                    same,
+                    "law: at {larger} times the size lengths, speeds (square root) and spins (its \
+                     inverse) are scaled to the bit; look {look}, grain {grain}: {a:?} and {b:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn twins_with_a_length_of_their_own_are_told_apart() {
+    let plain = filled(&twin(1.0, json!({})), 1.0);
+    let larger = 4.0;
+    let other = filled(&twin(larger, json!({ "grain_size_mm": 8, "length_scale": 100 })), larger);
+    let last = |all: &[Vec<(Pose, Vector, Vector)>]| all.last().expect("looks").clone();
+    let differs = last(&plain)
+        .iter()
+        .zip(last(&other))
+        .any(|(a, b)| a.0.translation.vector * larger != b.0.translation.vector);
+    assert!(differs, "law: the comparison sees an engine whose gaps are not scaled");
+}
+
+/// Sand, gravel and ballast with nothing typed but grains and stages.
+#[test]
+fn any_grain_size_needs_nothing_else() {
+    for (largest, smallest, mass) in [(2.0, 0.5, 2.0), (16.0, 8.0, 2343.0), (63.0, 31.5, 1e5)] {
+        let scenario = loaded(&json!({
+            "name": "any",
+            "grains": {
+                "total_mass_g": mass, "density_kg_per_m3": 2650,
+                "sieve_table": [
+                    { "passing_mm": largest, "retained_mm": smallest, "mass_percent": 100 },
+                ],
+            },
+            "stages": [
+                { "stage": "fill_funnel" },
+                { "stage": "pour", "falling_height_mm": largest },
+                { "stage": "place_top_plate" },
+            ],
+        }));
+        assert_eq!(scenario.engine.grain_size_mm, smallest, "law: that of the finest sieve");
+        let unusual: Vec<String> = warnings(&scenario).iter().map(ToString::to_string).collect();
+        assert!(
+            unusual.is_empty(),
+            "law: what follows from the grains suits them; {smallest} to {largest} mm: {unusual:?}"
+        );
+    }
+}
+
+#[test]
+fn what_is_typed_is_taken_and_told_where_it_does_not_suit() {
+    let of = |engine: Value, apparatus: Value| {
+        let scenario = loaded(&json!({
+            "name": "ballast",
+            "grains": {
+                "total_mass_g": 1e5, "density_kg_per_m3": 2650,
+                "sieve_table": [{ "passing_mm": 63, "retained_mm": 31.5, "mass_percent": 100 }],
+            },
+            "engine": engine,
+            "apparatus": apparatus,
+            "stages": [{ "stage": "fill_funnel" }, { "stage": "pour", "falling_height_mm": 50 }],
+        }));
+        let told = warnings(&scenario).iter().map(ToString::to_string).collect::<Vec<_>>();
+        (scenario, told)
+    };
+    let (scenario, told) =
+        of(json!({ "manifold": { "contact_stiffness_n_per_m": 10000 } }), json!({}));
+    assert_eq!(scenario.engine.manifold.contact_stiffness_n_per_m, 10000.0, "law: typed is kept");
+    assert!(told.len() == 1 && told[0].contains("contact_stiffness"), "law: one is told: {told:?}");
+    let (_, told) = of(json!({ "rate_hz": 480 }), json!({}));
+    assert!(told.is_empty(), "law: twice as fine as needed is not unusual: {told:?}");
+    let (_, told) = of(json!({ "grain_size_mm": 1 }), json!({}));
+    assert!(told.len() == 1 && told[0].contains("grain_size_mm"), "law: one is told: {told:?}");
+    let narrow = json!({
+        "cylinder": { "height_mm": 300 }, "funnel": { "opening_diameter_mm": 200 },
+    });
+    let (_, told) = of(json!({}), narrow);
+    assert!(
+        told.len() == 2 && told[0].contains("over the rim") && told[1].contains("jam"),
+        "law: a cylinder that runs over and a funnel that jams are told: {told:?}"
+    );
+}
