@@ -256,6 +256,20 @@ quantities! {
         "Angular speed beyond which a state is unphysical: the rim of a small grain moves at 16 m/s.";
 }
 
+/// All quantities as a table in Markdown, for `docs/scale.md`.
+pub fn table() -> String {
+    let mut text =
+        "| quantity | for the paper's gravel | law | what it is |\n| --- | --- | --- | --- |\n"
+            .to_owned();
+    for q in ALL {
+        let unit = q.law.formula();
+        // Four digits, in plain notation.
+        let number: f64 = format!("{:.3e}", q.number()).parse().unwrap_or(f64::NAN);
+        text += &format!("| `{}` | {} | {number} {unit} | {} |\n", q.name, q.paper, q.why);
+    }
+    text
+}
+
 /// Reads all quantities at a scale, with what they follow from; in SI units.
 pub fn read_back(scale: &Scale) -> std::collections::BTreeMap<String, f64> {
     let Scale { sizes, density, gravity } = *scale;
@@ -278,8 +292,8 @@ mod tests {
     fn paper_sieves(larger: f64) -> [SieveMass; 3] {
         [(16.0, 12.5, 15.0), (12.5, 10.0, 51.95), (10.0, 8.0, 33.05)].map(
             |(passing, retained, mass)| SieveMass {
-                passing: crate::units::from_mm(passing * larger),
-                retained: crate::units::from_mm(retained * larger),
+                passing: 1e-3 * passing * larger,
+                retained: 1e-3 * retained * larger,
                 mass,
             },
         )

@@ -47,6 +47,7 @@ impl<'a> Page<'a> {
                 _ if required.contains(name.as_str()) => "must be given".to_owned(),
                 // What is in an object has defaults of its own, below.
                 Value::Object(_) | Value::Null => String::new(),
+                value if field["x-automatic"] == true => format!("automatic (`{value}`)"),
                 value => format!("`{value}`"),
             };
             let meaning = self.meaning(field);

@@ -10,14 +10,14 @@ use std::f64::consts::PI;
 use serde_json::{Map, Number, Value};
 
 use super::{
-    Backend, ContactPath, CylinderSpec, EngineSettings, Fault, FunnelSpec, GrainsSpec,
-    ManifoldSettings, MeshGrains, RapierSettings, Scenario, SettleSpec, SievedGrains, TopPlateSpec,
+    CylinderSpec, EngineSettings, FunnelSpec, ManifoldSettings, MeshGrains, RapierSettings,
+    SettleSpec, SievedGrains, TopPlateSpec,
     accessors::field,
     stages::{drop_height, feed_rate, spout_diameter},
-    validate::{fault, least_rate_hz, short},
+    validate::least_rate_hz,
 };
 use crate::scale::{GrainSizes, Law, Scale, SieveMass};
-use crate::units::{from_g, from_mm, to_mm};
+use crate::units::{from_g, from_mm};
 
 /// What of the grains the values follow from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,22 +30,22 @@ pub struct Grading {
     pub solids: f64,
 }
 
-/// Solids of the paper in m³ (paper, section 3: 2343 g of 2673.9 kg/m³).
-fn paper_solids() -> f64 {
-    from_g(2343.0) / Scale::PAPER.density
-}
+/// The step rate in Hz is a multiple of this, so that a cycle of 1, 2, 3, 4, 6 or 12 Hz takes a
+/// whole number of steps and the table stops in its middle.
+const CYCLES: f64 = 12.0;
 
 /// A load on a specimen in grain sizes of solid weight up to which the default stiffness
 /// holds: the paper's specimen and plate press with 8.
 const STRESS_OF_DEFAULT: f64 = 10.0;
 
-/// Least diameter and height of a cylinder in sizes of the largest grains.
-const CYLINDER_GRAINS: f64 = 4.0;
-
-/// Opening of the funnel in sizes of the largest grains, and at most in cylinder
-/// diameters.
-const OPENING_GRAINS: f64 = 5.0;
+/// Widest opening of the funnel that is filled in, in cylinder diameters.
 const OPENING_OF_CYLINDER: f64 = 0.9;
+
+/// Weaker gravity, in m/s², counts as this where values are filled in.
+const WEAKEST: f64 = 0.01;
+
+/// Strongest gravity that is allowed, in m/s².
+const STRONGEST: f64 = 100.0;
 
 impl Grading {
     /// Of grains by a sieve table; `None` where the table has no sizes.
@@ -86,11 +86,12 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
         None => super::default_gravity(),
         Some(gravity) => gravity.as_f64().unwrap_or(f64::NAN),
     };
-    if !(gravity > 0.0) || !value.is_object() {
+    if !(gravity > 0.0 && gravity <= STRONGEST) || !value.is_object() {
         return;
     }
+    let gravity = gravity.max(WEAKEST);
     let scale = grading.scale(gravity);
-    fill_apparatus(value, grading, &scale);
+    fill_apparatus(value, &scale);
     fill_stages(value, &scale);
     for (path, law, default) in fields() {
         put(value, path, default, law.factor(&scale));
@@ -101,13 +102,70 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
     let default = EngineSettings::default().rate_hz;
     let rate = default * Law::Rate.factor(&scale);
     let rate = least_rate_hz(value).map_or(rate, |least| rate.max(least.ceil()));
-    put(value, "engine.rate_hz", default, rate / default);
+    put(value, "engine.rate_hz", default, (rate / CYCLES - 1e-9).ceil() * CYCLES / default);
 }
 
-const STIFFNESS: &str = "engine.manifold.contact_stiffness_n_per_m";
+/// What is allowed of a field, by its unit: from, to.
+fn allowed(path: &str) -> (f64, f64) {
+    let ends = |unit: &str| path.ends_with(unit);
+    match () {
+        () if ends("length_scale") => (1.0, 1e4),
+        () if ends("_n_per_m") => (1e-3, 1e9),
+        () if ends("_mm_per_s") => (1e-9, 1e6),
+        () if ends("_m_per_s") => (1e-12, 100.0),
+        () if ends("_per_s") => (1e-6, 1e4),
+        () if ends("engine_unit_mm") => (0.01, 1e5),
+        () if ends("_mm") => (1e-3, 1e4),
+        () if ends("rapier.contact_frequency_hz") => (1e-3, 1e6),
+        () if ends("_hz") => (30.0, 1e5),
+        () if ends("_g") => (1e-3, 1e9),
+        () if ends("hold_s") => (0.0, 60.0),
+        () => (f64::NEG_INFINITY, f64::INFINITY),
+    }
+}
+
+/// Path of the stiffness.
+pub(super) const STIFFNESS: &str = "engine.manifold.contact_stiffness_n_per_m";
+
+/// Types of a scenario and their fields that are automatic where they are left out.
+pub(super) const AUTOMATIC: [(&str, &[&str]); 7] = [
+    (
+        "EngineSettings",
+        &[
+            "grain_size_mm",
+            "rate_hz",
+            "length_scale",
+            "contact_threshold_mm",
+            "restitution_velocity_threshold_m_per_s",
+        ],
+    ),
+    (
+        "ManifoldSettings",
+        &["substep_rate_hz", "contact_stiffness_n_per_m", "push_out_speed_m_per_s"],
+    ),
+    (
+        "RapierSettings",
+        &[
+            "contact_frequency_hz",
+            "wall_contact_frequency_hz",
+            "engine_unit_mm",
+            "prediction_mm",
+            "corrective_speed_m_per_s",
+            "recycling_distance_mm",
+        ],
+    ),
+    ("SettleSpec", &["rms_speed_mm_per_s", "largest_speed_mm_per_s", "hold_s"]),
+    ("CylinderSpec", &["inner_diameter_mm", "height_mm", "wall_thickness_mm"]),
+    ("FunnelSpec", &["opening_diameter_mm", "top_diameter_mm", "wall_thickness_mm"]),
+    ("TopPlateSpec", &["diameter_mm", "thickness_mm", "mass_g"]),
+];
+
+/// Those of the stage `slow_pluviation`.
+pub(super) const AUTOMATIC_OF_PILES: [&str; 3] =
+    ["feed_rate_grains_per_s", "drop_height_mm", "spout_diameter_mm"];
 
 /// Fields that are their default times the factor of a law.
-fn fields() -> [(&'static str, Law, f64); 16] {
+fn fields() -> [(&'static str, Law, f64); 15] {
     let engine = EngineSettings::default();
     let (manifold, rapier) = (ManifoldSettings::default(), RapierSettings::default());
     let settle = SettleSpec::default();
@@ -131,43 +189,35 @@ fn fields() -> [(&'static str, Law, f64); 16] {
         ("settle.rms_speed_mm_per_s", Law::Speed, settle.rms_speed_mm_per_s),
         ("settle.largest_speed_mm_per_s", Law::Speed, settle.largest_speed_mm_per_s),
         ("settle.hold_s", Law::Time, settle.hold_s),
-        (
-            "apparatus.cylinder.wall_thickness_mm",
-            Law::Coarse,
-            CylinderSpec::default().wall_thickness_mm,
-        ),
     ]
 }
 
-/// Funnel, cylinder and plate have the paper's proportions for the volume of the solids;
-/// what is typed of the cylinder is kept to. The funnel's opening follows the grains.
-fn fill_apparatus(value: &mut Value, grading: &Grading, scale: &Scale) {
+/// Cylinder, funnel and plate are those of the paper times the size of the largest grains; funnel
+/// and plate are narrower where they would not fit into a cylinder that is typed.
+fn fill_apparatus(value: &mut Value, scale: &Scale) {
     let (cylinder, funnel, plate) =
         (CylinderSpec::default(), FunnelSpec::default(), TopPlateSpec::default());
-    let more = grading.solids / paper_solids();
-    let wider = more.cbrt();
+    let coarser = Law::Coarse.factor(scale);
     let mut length = |path: &str, default: f64, factor: f64| {
-        let factor = if factor == 1.0 { factor } else { rounded(default * factor, 4) / default };
+        let factor = match factor == 1.0 {
+            true => factor,
+            false => rounded(default * factor, 4) / default,
+        };
         put(value, path, default, factor);
         number_at(value, path).unwrap_or(default)
     };
-    let least = CYLINDER_GRAINS * to_mm(grading.sizes.largest);
-    let factor = wider.max(least / cylinder.inner_diameter_mm);
     let diameter =
-        length("apparatus.cylinder.inner_diameter_mm", cylinder.inner_diameter_mm, factor);
-    let across = diameter / cylinder.inner_diameter_mm;
-    let factor = (more / across.powi(2)).max(least / cylinder.height_mm);
-    length("apparatus.cylinder.height_mm", cylinder.height_mm, factor);
-    let opening = OPENING_GRAINS * to_mm(grading.sizes.largest);
-    let opening = opening.min(OPENING_OF_CYLINDER * diameter) / funnel.opening_diameter_mm;
-    length("apparatus.funnel.opening_diameter_mm", funnel.opening_diameter_mm, opening);
-    let factor = wider.max(across);
-    length("apparatus.funnel.top_diameter_mm", funnel.top_diameter_mm, factor);
-    let coarser = Law::Coarse.factor(scale);
+        length("apparatus.cylinder.inner_diameter_mm", cylinder.inner_diameter_mm, coarser);
+    length("apparatus.cylinder.height_mm", cylinder.height_mm, coarser);
+    length("apparatus.cylinder.wall_thickness_mm", cylinder.wall_thickness_mm, coarser);
+    let widest = OPENING_OF_CYLINDER * diameter / funnel.opening_diameter_mm;
+    length("apparatus.funnel.opening_diameter_mm", funnel.opening_diameter_mm, coarser.min(widest));
+    length("apparatus.funnel.top_diameter_mm", funnel.top_diameter_mm, coarser);
     length("apparatus.funnel.wall_thickness_mm", funnel.wall_thickness_mm, coarser);
+    let across = coarser.min(diameter / cylinder.inner_diameter_mm);
     length("apparatus.top_plate.diameter_mm", plate.diameter_mm, across);
-    length("apparatus.top_plate.thickness_mm", plate.thickness_mm, across);
-    let heavier = across.powi(3) * grading.density / Scale::PAPER.density;
+    length("apparatus.top_plate.thickness_mm", plate.thickness_mm, coarser);
+    let heavier = across.powi(2) * coarser;
     length("apparatus.top_plate.mass_g", plate.mass_g, heavier);
 }
 
@@ -189,7 +239,7 @@ fn fill_stages(value: &mut Value, scale: &Scale) {
 
 /// Stiffness of a contact point in N/m, to two digits: that of the law, and so much more as
 /// the largest stress exceeds what the default is for.
-fn stiffness(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
+pub(super) fn stiffness(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
     let default = ManifoldSettings::default().contact_stiffness_n_per_m;
     let light = scale.density * scale.gravity * STRESS_OF_DEFAULT * scale.sizes.median;
     let heavier = (largest_stress(value, grading, scale.gravity) / light).max(1.0);
@@ -219,7 +269,9 @@ pub(super) fn largest_stress(value: &Value, grading: &Grading, gravity: f64) -> 
 /// Sets a field that is left out to its default times a factor; nothing where that is the
 /// default, or where something else stands in the way.
 fn put(value: &mut Value, path: &str, default: f64, factor: f64) {
-    let Some(number) = Number::from_f64(default * factor).filter(|_| factor != 1.0) else { return };
+    let (low, high) = allowed(path);
+    let number = (default * factor).clamp(low, high);
+    let Some(number) = Number::from_f64(number).filter(|_| factor != 1.0) else { return };
     let (parents, name) = path.rsplit_once('.').unwrap_or(("", path));
     let mut at = value;
     for step in parents.split('.').filter(|step| !step.is_empty()) {
@@ -244,147 +296,182 @@ fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
-/// A typed value is unusual when it is off from the automatic one by more than this factor.
-const UNUSUAL: f64 = 4.0;
-
-/// Overlap at the 99th percentile in multiples of σ d₅₀ / k: 2.2 in a specimen of 364 grains
-/// with 5, 10 and 20 kN/m (docs/accuracy.md).
-const OVERLAP_OF_STRESS: f64 = 2.2;
-
-/// Largest overlap of the accuracy standard at the 99th percentile.
-const OVERLAP_ALLOWED: f64 = 0.03;
-
-/// Void ratio of a very loose specimen: more than the cylinder holds then may go over its rim.
-const LOOSE: f64 = 1.1;
-
-/// Opening of a funnel in median grain sizes below which it jams now and then.
-const JAMS_BELOW: f64 = 5.0;
-
-/// What is typed in a scenario, of which `value` is the JSON, and does not suit its grains.
-pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
-    let grading = match &scenario.grains {
-        GrainsSpec::Sieved(sieved) => Grading::of_table(sieved),
-        GrainsSpec::Meshes(meshes) => meshes.as_sieved().and_then(|s| Grading::of_table(&s)),
-        GrainsSpec::File(_) => None,
-    };
-    let scale = scenario.scale();
-    let mut found = Vec::new();
-    unusual_engine(scenario, &scale, &mut found);
-    if let Some(grading) = grading {
-        unusual_load(scenario, value, &grading, &scale, &mut found);
-        unusual_apparatus(scenario, &grading, &mut found);
-    }
-    found
-}
-
-fn unusual_engine(scenario: &Scenario, scale: &Scale, found: &mut Vec<Fault>) {
-    let EngineSettings { manifold, .. } = &scenario.engine;
-    let default = (EngineSettings::default(), ManifoldSettings::default());
-    let native = scenario.engine.backend == Backend::Bullet
-        && scenario.engine.contact_path == ContactPath::Manifold;
-    let of_native = [
-        (
-            "engine.manifold.substep_rate_hz",
-            manifold.substep_rate_hz,
-            default.1.substep_rate_hz,
-            Law::Rate,
-        ),
-        (
-            STIFFNESS,
-            manifold.contact_stiffness_n_per_m,
-            default.1.contact_stiffness_n_per_m,
-            Law::Stiffness,
-        ),
-        (
-            "engine.manifold.push_out_speed_m_per_s",
-            manifold.push_out_speed_m_per_s,
-            default.1.push_out_speed_m_per_s,
-            Law::Speed,
-        ),
-        (
-            "engine.restitution_velocity_threshold_m_per_s",
-            scenario.engine.restitution_velocity_threshold_m_per_s,
-            default.0.restitution_velocity_threshold_m_per_s,
-            Law::Speed,
-        ),
-    ];
-    let of_both = [
-        ("engine.grain_size_mm", scenario.engine.grain_size_mm, default.0.grain_size_mm, Law::Fine),
-        ("engine.rate_hz", scenario.engine.rate_hz, default.0.rate_hz, Law::Rate),
-    ];
-    for (path, typed, default, law) in
-        of_both.into_iter().chain(native.then_some(of_native).into_iter().flatten())
-    {
-        let automatic = default * law.factor(scale);
-        // Faster and stiffer than needed costs time alone; the load may ask for it.
-        let costly = matches!(law, Law::Rate | Law::Stiffness);
-        if typed < automatic / UNUSUAL || (typed > automatic * UNUSUAL && !costly) {
-            found.push(fault(
-                path,
-                short(typed),
-                format!("{} for these grains, or the field left out", short(automatic)),
-                format!("the value differs by more than a factor of {UNUSUAL} from what the size of the grains asks for"),
-            ));
+impl EngineSettings {
+    /// The settings for the same bodies so many times as large, under the same gravity.
+    pub fn enlarged(&self, larger: f64) -> Self {
+        let paper = Scale::PAPER;
+        let scale = Scale::of_smallest(paper.sizes.smallest * larger, paper.gravity);
+        let by = |law: Law| law.factor(&scale);
+        let (length, speed, rate) = (by(Law::Fine), by(Law::Speed), by(Law::Rate));
+        let (manifold, rapier) = (&self.manifold, &self.rapier);
+        Self {
+            grain_size_mm: self.grain_size_mm * length,
+            rate_hz: self.rate_hz * rate,
+            length_scale: self.length_scale * by(Law::PerLength),
+            contact_threshold_mm: self.contact_threshold_mm * length,
+            restitution_velocity_threshold_m_per_s: self.restitution_velocity_threshold_m_per_s
+                * speed,
+            manifold: ManifoldSettings {
+                substep_rate_hz: manifold.substep_rate_hz * rate,
+                contact_stiffness_n_per_m: manifold.contact_stiffness_n_per_m * by(Law::Stiffness),
+                push_out_speed_m_per_s: manifold.push_out_speed_m_per_s * speed,
+                ..manifold.clone()
+            },
+            rapier: RapierSettings {
+                contact_frequency_hz: rapier.contact_frequency_hz * rate,
+                wall_contact_frequency_hz: rapier.wall_contact_frequency_hz * rate,
+                engine_unit_mm: rapier.engine_unit_mm * length,
+                prediction_mm: rapier.prediction_mm * length,
+                corrective_speed_m_per_s: rapier.corrective_speed_m_per_s * speed,
+                recycling_distance_mm: rapier.recycling_distance_mm * length,
+                ..rapier.clone()
+            },
+            ..self.clone()
         }
     }
 }
 
-/// Grains that would sink into each other by more than the accuracy standard allows.
-fn unusual_load(
-    scenario: &Scenario,
-    value: &Value,
-    grading: &Grading,
-    scale: &Scale,
-    found: &mut Vec<Fault>,
-) {
-    let native = scenario.engine.backend == Backend::Bullet
-        && scenario.engine.contact_path == ContactPath::Manifold;
-    let typed = scenario.engine.manifold.contact_stiffness_n_per_m;
-    let stress = largest_stress(value, grading, scale.gravity);
-    let overlap = OVERLAP_OF_STRESS * stress * scale.sizes.median / typed;
-    if native && overlap > OVERLAP_ALLOWED && !found.iter().any(|f| f.path == STIFFNESS) {
-        found.push(fault(
-            STIFFNESS,
-            short(typed),
-            format!(
-                "at least {} N/m, or the field left out",
-                short(stiffness(value, grading, scale))
-            ),
-            format!(
-                "contacts too soft for {} Pa at the bottom of the specimen: grains would overlap \
-                 by some {} % of their size",
-                short(stress),
-                short(100.0 * overlap)
-            ),
-        ));
-    }
-}
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
 
-/// A cylinder that runs over, or a funnel that jams.
-fn unusual_apparatus(scenario: &Scenario, grading: &Grading, found: &mut Vec<Fault>) {
-    if !scenario.stages.iter().any(|s| s.name() == "pour") {
-        return;
+    use super::super::schema;
+    use super::*;
+
+    fn larger() -> Grading {
+        let paper = GrainSizes::PAPER;
+        let sizes = GrainSizes {
+            smallest: 3.0 * paper.smallest,
+            median: 3.0 * paper.median,
+            largest: 3.0 * paper.largest,
+        };
+        Grading { sizes, density: 2000.0, solids: 0.035 }
     }
-    let (cylinder, funnel) = (&scenario.apparatus.cylinder, &scenario.apparatus.funnel);
-    let area = PI / 4.0 * from_mm(cylinder.inner_diameter_mm).powi(2);
-    let height = to_mm(grading.solids * (1.0 + LOOSE) / area);
-    if height > cylinder.height_mm {
-        found.push(fault(
-            "apparatus.cylinder.height_mm",
-            short(cylinder.height_mm),
-            format!("at least {} mm", short(height)),
-            format!("grains may fall over the rim: a specimen with a void ratio of {LOOSE} stands higher than the cylinder"),
-        ));
+
+    fn stages() -> Value {
+        json!([{ "stage": "slow_pluviation", "base_diameter_mm": 500 }])
     }
-    let least = JAMS_BELOW * to_mm(grading.sizes.median);
-    if funnel.opening_diameter_mm < least {
-        found.push(fault(
-            "apparatus.funnel.opening_diameter_mm",
-            short(funnel.opening_diameter_mm),
-            format!("at least {} mm", short(least)),
-            format!(
-                "the funnel may jam: its opening is narrower than {JAMS_BELOW} median grain sizes"
-            ),
-        ));
+
+    #[test]
+    fn nothing_is_filled_in_for_the_papers_gravel() {
+        let paper =
+            Grading { sizes: GrainSizes::PAPER, density: Scale::PAPER.density, solids: 0.000_876 };
+        let before = json!({ "name": "a", "stages": stages() });
+        let mut after = before.clone();
+        fill(&mut after, &paper);
+        assert_eq!(after, before, "law: the defaults are those of the paper's gravel");
+    }
+
+    #[test]
+    fn what_is_filled_in_is_what_the_schema_calls_automatic() {
+        let mut value = json!({ "stages": stages() });
+        fill(&mut value, &larger());
+        let parts = [
+            ("EngineSettings", "/engine"),
+            ("ManifoldSettings", "/engine/manifold"),
+            ("RapierSettings", "/engine/rapier"),
+            ("SettleSpec", "/settle"),
+            ("CylinderSpec", "/apparatus/cylinder"),
+            ("FunnelSpec", "/apparatus/funnel"),
+            ("TopPlateSpec", "/apparatus/top_plate"),
+        ];
+        for ((of, fields), (part, pointer)) in AUTOMATIC.iter().zip(parts) {
+            assert_eq!(*of, part);
+            let filled = value.pointer(pointer).and_then(Value::as_object).expect(part);
+            let mut got: Vec<&str> = filled
+                .iter()
+                .filter(|(_, value)| value.is_number())
+                .map(|(name, _)| name.as_str())
+                .collect();
+            let mut expected = fields.to_vec();
+            got.sort_unstable();
+            expected.sort_unstable();
+            assert_eq!(got, expected, "law: fields of {part} that are filled in");
+            let known = &schema::typed()["$defs"][part]["properties"];
+            for field in *fields {
+                assert!(known[field]["x-automatic"] == true, "law: the schema says so of {field}");
+            }
+        }
+        for field in AUTOMATIC_OF_PILES {
+            assert!(value["stages"][0][field].is_number(), "law: {field} is filled in");
+        }
+    }
+
+    #[test]
+    fn what_is_typed_stays() {
+        let typed = json!({
+            "gravity_m_per_s2": 1.62,
+            "stages": stages(),
+            "engine": { "rate_hz": 77, "manifold": { "contact_stiffness_n_per_m": 5 } },
+            "apparatus": { "cylinder": { "inner_diameter_mm": 200 } },
+        });
+        let mut value = typed.clone();
+        fill(&mut value, &larger());
+        for pointer in [
+            "/gravity_m_per_s2",
+            "/engine/rate_hz",
+            "/engine/manifold/contact_stiffness_n_per_m",
+            "/apparatus/cylinder/inner_diameter_mm",
+        ] {
+            assert_eq!(value.pointer(pointer), typed.pointer(pointer), "law: {pointer} is kept");
+        }
+        let plate = number_at(&value, "apparatus.top_plate.diameter_mm").expect("a plate");
+        assert!((plate - 196.5).abs() < 0.1, "law: the plate fits the typed cylinder, {plate} mm");
+    }
+
+    #[test]
+    fn what_is_no_scenario_is_left_alone() {
+        for odd in [
+            json!(3),
+            json!({ "engine": 7, "stages": "no", "apparatus": [] }),
+            json!({ "gravity_m_per_s2": "strong" }),
+            json!({ "gravity_m_per_s2": 0 }),
+        ] {
+            let mut value = odd.clone();
+            fill(&mut value, &larger());
+            assert_eq!(value.get("engine"), odd.get("engine"), "law: faults stay as they are");
+        }
+    }
+
+    /// Law: what nobody typed is no fault.
+    #[test]
+    fn extreme_grains_are_filled_in_as_is_allowed() {
+        for size in [1e-6, 1e-4, 1.0, 10.0] {
+            for gravity in [1e-300, 0.01, 100.0] {
+                let sizes = GrainSizes { smallest: size, median: size, largest: 1.5 * size };
+                let grading = Grading { sizes, density: 3000.0, solids: 1000.0 * size.powi(3) };
+                let mut value = json!({
+                    "name": "a", "gravity_m_per_s2": gravity, "grains": { "file": "g.json" },
+                    "stages": [{ "stage": "slow_pluviation", "base_diameter_mm": 5000 }],
+                });
+                fill(&mut value, &grading);
+                let faults = super::super::structure::check(&value).faults;
+                assert!(faults.is_empty(), "grains of {size} m under {gravity} m/s²: {faults:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_cycle_takes_whole_steps() {
+        let mut value = json!({ "stages": [{ "stage": "vibrate", "frequency_hz": 3 }] });
+        fill(&mut value, &larger());
+        let rate = number_at(&value, "engine.rate_hz").expect("a rate");
+        let law = 480.0 / 3_f64.sqrt();
+        assert_eq!(rate % 3.0, 0.0, "law: whole steps in a cycle, {rate} Hz");
+        assert!((law..law + 12.0).contains(&rate), "law: at least {law} Hz, got {rate}");
+    }
+
+    #[test]
+    fn a_load_makes_contacts_stiffer() {
+        let scale = larger().scale(9.81);
+        let of = |diameter: f64| {
+            let value = json!({ "apparatus": { "cylinder": { "inner_diameter_mm": diameter } } });
+            stiffness(&value, &larger(), &scale)
+        };
+        let (wide, narrow, narrower) = (of(3000.0), of(200.0), of(200.0 / 2_f64.sqrt()));
+        // 10 kN/m × 3² × 2000/2673.9 is 67 kN/m.
+        assert_eq!(wide, 67_000.0, "law: that of the size where little weighs on a grain");
+        assert!(narrow > wide, "law: more where more does");
+        assert!((narrower / narrow - 2.0).abs() < 0.05, "law: as the stress, {narrow}, {narrower}");
     }
 }

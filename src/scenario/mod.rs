@@ -21,6 +21,7 @@ mod source;
 mod stages;
 mod stock;
 mod structure;
+mod unusual;
 mod validate;
 
 pub use accessors::Vibration;

@@ -2,7 +2,10 @@
 
 use serde_json::{Map, Value, json};
 
-use super::Scenario;
+use super::{
+    Scenario,
+    automatic::{AUTOMATIC, AUTOMATIC_OF_PILES},
+};
 
 /// The JSON Schema (draft 2020-12) of a scenario file.
 ///
@@ -52,7 +55,23 @@ pub fn schema() -> Value {
 
 /// The schema of the type, as its definition declares it.
 pub(super) fn typed() -> Value {
-    schemars::schema_for!(Scenario).to_value()
+    let mut schema = schemars::schema_for!(Scenario).to_value();
+    let mark = |part: &mut Value, fields: &[&str]| {
+        for field in fields {
+            if let Some(field) = part["properties"].get_mut(field).and_then(Value::as_object_mut) {
+                field.insert("x-automatic".into(), true.into());
+            }
+        }
+    };
+    for (name, fields) in AUTOMATIC {
+        mark(&mut schema["$defs"][name], fields);
+    }
+    for stage in schema["$defs"]["StageSpec"]["oneOf"].as_array_mut().into_iter().flatten() {
+        if stage["properties"]["stage"]["const"] == "slow_pluviation" {
+            mark(stage, &AUTOMATIC_OF_PILES);
+        }
+    }
+    schema
 }
 
 #[cfg(test)]

@@ -78,7 +78,7 @@ pub fn summarise(
         .find(|(spec, _)| matches!(spec, StageSpec::Pour { .. }))
         .map(|(_, stage)| {
             let poured = Specimen { grains: run.grains.clone(), state: stage.state.clone() };
-            Standing::of(&poured, &container)
+            Standing::of(&poured, &self::container(setup, &poured))
         })
         .transpose()?;
 

@@ -1,7 +1,7 @@
 //! What an experiment runs on: an engine's settings, how its worlds are made,
 //! and how the whole laboratory stands in them.
 
-use super::{VerifyError, scene::Scene, view::View};
+use super::{VerifyError, enlarged::Enlarged, scene::Scene, view::View};
 use crate::geometry::Vector;
 use crate::scenario::EngineSettings;
 use crate::world::{PairTable, World, WorldError};
@@ -23,19 +23,22 @@ pub struct Bench<'a> {
     /// How the laboratory stands in the world: every position, velocity and
     /// the gravity of an experiment pass through this view.
     pub view: View,
+    /// How many times as large everything is in the engine, times and masses as they belong
+    /// to it; experiments do not see it.
+    pub larger: f64,
     make: Maker<'a>,
 }
 
 impl<'a> Bench<'a> {
     /// An upright laboratory at rest.
     pub fn new(engine: EngineSettings, make: Maker<'a>) -> Self {
-        Self { engine, view: View::default(), make }
+        Self { engine, view: View::default(), larger: 1.0, make }
     }
 
     /// The same at another rate in steps a second.
     pub fn at_rate(&self, rate_hz: f64) -> Self {
         let mut other = self.clone();
-        other.engine.rate_hz = rate_hz;
+        other.engine.rate_hz = rate_hz / self.larger.sqrt();
         other
     }
 
@@ -52,9 +55,17 @@ impl<'a> Bench<'a> {
         other
     }
 
+    /// The same with everything so many times as large.
+    pub fn enlarged(&self, larger: f64) -> Self {
+        let mut other = self.clone();
+        other.engine = self.engine.enlarged(larger);
+        other.larger = self.larger * larger;
+        other
+    }
+
     /// Length of a step in s.
     pub fn time_step(&self) -> f64 {
-        1.0 / self.engine.rate_hz
+        1.0 / (self.engine.rate_hz * self.larger.sqrt())
     }
 
     /// An empty scene under gravity along −z of the laboratory.
@@ -71,6 +82,10 @@ impl<'a> Bench<'a> {
     /// [`VerifyError::World`].
     pub fn scene_under(&self, gravity: Vector, pairs: &PairTable) -> Result<Scene, VerifyError> {
         let world = (self.make)(&self.engine, self.view.vector_out(gravity), pairs)?;
+        let world = match self.larger == 1.0 {
+            true => world,
+            false => Box::new(Enlarged::new(world, self.larger)),
+        };
         Ok(Scene::new(world, self.view))
     }
 }

@@ -177,6 +177,7 @@ pub fn builtin() -> Result<Vec<Case>, VerifyError> {
         "packing-order",
         "packing-reload",
         "packing-turned",
+        "packing-size",
         "table-turned",
         "spin-slide-turned",
         "spin-slide-mirrored",
@@ -187,6 +188,7 @@ pub fn builtin() -> Result<Vec<Case>, VerifyError> {
         "impact-tilted-order",
         "impact-tilted-boosted",
         "slide-length-scale",
+        "slide-size",
     ]
     .iter()
     .map(|(file, text)| Case::from_json(file, text))

@@ -9,6 +9,7 @@
 
 mod bench;
 mod case;
+mod enlarged;
 mod experiment;
 mod judge;
 mod scene;

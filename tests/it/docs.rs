@@ -187,6 +187,21 @@ fn every_field_of_a_scenario_is_on_its_page() {
     );
 }
 
+/// `PLUVIA_WRITE=1` writes the table anew.
+#[test]
+fn every_quantity_of_the_scale_is_on_its_page() {
+    let page = read("docs/scale.md");
+    let (before, rest) = page.split_once("<!-- SCALE: from src/scale.rs -->\n").expect("a mark");
+    let (kept, after) = rest.split_once("<!-- END -->").expect("its end");
+    let table = pluvia::scale::table();
+    if std::env::var_os("PLUVIA_WRITE").is_some() {
+        let page = format!("{before}<!-- SCALE: from src/scale.rs -->\n{table}<!-- END -->{after}");
+        fs::write(root().join("docs/scale.md"), page).expect("written");
+        return;
+    }
+    assert_eq!(kept, table, "law: docs/scale.md holds the table of src/scale.rs");
+}
+
 #[test]
 fn engine_settings_are_explained_with_their_defaults() {
     let table = read("docs/parameters.md");

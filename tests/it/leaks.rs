@@ -170,8 +170,8 @@ fn one(settings: &EngineSettings) -> Box<dyn World + Send> {
     assert!(touched > 12, "the check has contacts, got {touched}");
     // What is refused holds nothing either.
     assert!(world.remove(grains[5]).is_err());
-    let other = EngineSettings { contact_threshold_mm: 0.7, ..settings.clone() };
-    assert!(world::create(&other, down, &pairs).is_err(), "two thresholds in one process");
+    let other = EngineSettings { length_scale: 2.0 * settings.length_scale, ..settings.clone() };
+    assert!(world::create(&other, down, &pairs).is_err(), "two margins in one process");
     world
 }
 

@@ -54,7 +54,7 @@ fn what_only_bullets_contacts_have_is_refused_elsewhere() {
 
 #[test]
 fn coarse_steps_are_refused_or_a_warning() {
-    let coarse = json!({ "contact_path": "bullet", "rate_hz": 60 });
+    let coarse = json!({ "contact_path": "bullet", "rate_hz": 130 });
     let refused = faults(coarse.clone());
     assert!(refused.iter().any(|(path, _)| path == "engine.rate_hz"), "refused: {refused:?}");
     assert!(warnings(&scenario(coarse.clone())).is_empty(), "law: no leave, no warning");

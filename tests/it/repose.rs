@@ -67,7 +67,7 @@ fn faults_of_a_pile_name_field_and_what_is_allowed() {
             "at least 0",
         ),
         (json!({ "base": { "kind": "plane", "fricton": 1 } }), "", "friction"),
-        (json!({ "base_diameter_mm": 30 }), "stages[0].base_diameter_mm", "more than the spout"),
+        (json!({ "base_diameter_mm": 10 }), "stages[0].base_diameter_mm", "more than the spout"),
         (json!({ "feed_rate_grains_per_s": 0 }), "stages[0].feed_rate_grains_per_s", "above 0"),
         (json!({ "time_limit_s": 1 }), "stages[0].time_limit_s", "all grains have been fed"),
         (json!({ "funnel": 1 }), "stages[0].funnel", "no such field"),

@@ -19,8 +19,8 @@ use serde_json::{Map, Value};
 
 use super::{
     CylinderSpec, EngineSettings, Fault, FunnelSpec, MeshGrains, Scenario, SettleSpec,
-    SievedGrains, StageSpec, TopPlateSpec, accessors::field, automatic, fault::misleads,
-    source::shown,
+    SievedGrains, StageSpec, TopPlateSpec, accessors::field, fault::misleads, source::shown,
+    unusual,
 };
 
 /// The parts of a scenario that could be read.
@@ -139,7 +139,7 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     let Ok(value) = serde_json::to_value(scenario) else { return Vec::new() };
     let parts = Parts::of(&value);
     let mut warnings: Vec<Warning> =
-        automatic::unusual(scenario, &value).into_iter().map(Warning::Unusual).collect();
+        unusual::unusual(scenario, &value).into_iter().map(Warning::Unusual).collect();
     if parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
         warnings.extend(time_step::coarse_steps(&parts).into_iter().map(Warning::CoarseStep));
     }

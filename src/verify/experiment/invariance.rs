@@ -29,6 +29,11 @@ pub enum Change {
         /// Engine units in a metre.
         scales: Vec<f64>,
     },
+    /// Everything, with the times and masses that belong to it.
+    Size {
+        /// How many times as large.
+        larger: Vec<f64>,
+    },
 }
 
 pub(super) fn invariance(
@@ -62,6 +67,9 @@ pub(super) fn invariance(
             .collect(),
         Change::LengthScale { scales } => {
             scales.iter().map(|s| (format!("{s} units/m"), bench.at_length_scale(*s))).collect()
+        }
+        Change::Size { larger } => {
+            larger.iter().map(|l| (format!("{l} times as large"), bench.enlarged(*l))).collect()
         }
     };
     let mut outcome = Outcome::default();

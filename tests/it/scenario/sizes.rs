@@ -123,7 +123,11 @@ fn funnel_and_plate_must_fit() {
         &["no wider at the top"],
     );
     expect_one(
-        |s| s["apparatus"] = json!({ "cylinder": { "inner_diameter_mm": 75 } }),
+        |s| {
+            s["apparatus"] = json!({
+                "cylinder": { "inner_diameter_mm": 75 }, "funnel": { "opening_diameter_mm": 80 },
+            })
+        },
         "apparatus.funnel.opening_diameter_mm",
         &["wider than the cylinder"],
     );

@@ -66,6 +66,7 @@ fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
     expect_one(
         |s| {
             with_stages(&["fill_funnel", "pour", "vibrate"])(s);
+            s["engine"] = json!({ "rate_hz": 480 });
             s["stages"][2]["frequency_hz"] = json!(15);
             s["stages"][2]["amplitude_mm"] = json!(1);
         },
@@ -76,7 +77,7 @@ fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
     expect_one(
         |s| {
             with_stages(&["fill_funnel", "pour", "vibrate"])(s);
-            s["engine"] = json!({ "contact_path": "bullet" });
+            s["engine"] = json!({ "contact_path": "bullet", "rate_hz": 480 });
             s["stages"][2]["frequency_hz"] = json!(6);
             s["stages"][2]["amplitude_mm"] = json!(200);
         },
