@@ -10,8 +10,9 @@ namespace {
 
 // A step asks for several jobs within milliseconds. Who sleeps in between wakes
 // too late to help, and on the processor of who woke it: so workers stay
-// awake for a few of them.
+// awake for a few of them, but leave the processor to whoever else wants it.
 constexpr std::chrono::milliseconds AWAKE{4};
+constexpr int PAUSES = 64;
 
 void pause() {
 #if defined(__x86_64__)
@@ -21,13 +22,17 @@ void pause() {
 
 // Whether it came true within that time.
 template <class F> bool soon(const F &is_true) {
+    for (int i = 0; i < PAUSES; ++i) {
+        if (is_true()) {
+            return true;
+        }
+        pause();
+    }
     const auto until = std::chrono::steady_clock::now() + AWAKE;
     do {
-        for (int i = 0; i < 64; ++i) {
-            if (is_true()) {
-                return true;
-            }
-            pause();
+        std::this_thread::yield();
+        if (is_true()) {
+            return true;
         }
     } while (std::chrono::steady_clock::now() < until);
     return false;
@@ -110,11 +115,16 @@ void Workers::share(std::size_t size, std::size_t length,
     {
         const std::lock_guard<std::mutex> lock(mutex_);
         job_ = &job;
-        busy_ = static_cast<int>(threads_.size());
         ++round_;
     }
     begin_.notify_all();
     job.run(0);
+    // Nothing is left to take. Who has not come yet need not: where processors are
+    // shared, a worker may not run for milliseconds.
+    {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        job_ = nullptr;
+    }
     const auto ended = [this] { return busy_ == 0; };
     if (!soon(ended)) {
         std::unique_lock<std::mutex> lock(mutex_);
@@ -136,8 +146,17 @@ void Workers::work(int worker) {
         if (closing_) {
             return;
         }
-        seen = round_;
-        job_.load()->run(worker);
+        Job *job = nullptr;
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            seen = round_;
+            job = job_;
+            busy_ += job ? 1 : 0;
+        }
+        if (!job) {
+            continue; // it is over
+        }
+        job->run(worker);
         {
             const std::lock_guard<std::mutex> lock(mutex_);
             --busy_;

@@ -36,9 +36,9 @@ class Workers {
 
     std::mutex mutex_;
     std::condition_variable begin_, end_;
-    std::atomic<Job *> job_{nullptr};
+    Job *job_ = nullptr;                  // that workers may take part in
     std::atomic<unsigned long> round_{0}; // of jobs
-    std::atomic<int> busy_{0};            // workers that have not ended the job
+    std::atomic<int> busy_{0};            // workers that take part in the job
     std::atomic<bool> closing_{false};
     std::vector<std::thread> threads_;
 

@@ -13,11 +13,13 @@ use super::{
     CylinderSpec, EngineSettings, FunnelSpec, ManifoldSettings, MeshGrains, RapierSettings,
     SettleSpec, SievedGrains, TopPlateSpec,
     accessors::field,
-    stages::{drop_height, feed_rate, spout_diameter},
+    stages::{
+        drop_height, feed_rate, fill_limit, place_limit, pour_limit, slow_limit, spout_diameter,
+    },
     validate::least_rate_hz,
 };
 use crate::scale::{GrainSizes, Law, Scale, SieveMass};
-use crate::units::{from_g, from_mm};
+use crate::units::{from_g, from_mm, to_mm};
 
 /// What of the grains the values follow from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,6 +122,7 @@ fn allowed(path: &str) -> (f64, f64) {
         () if ends("_hz") => (30.0, 1e5),
         () if ends("_g") => (1e-3, 1e9),
         () if ends("hold_s") => (0.0, 60.0),
+        () if ends("time_limit_s") => (0.0, 600.0),
         () => (f64::NEG_INFINITY, f64::INFINITY),
     }
 }
@@ -160,9 +163,9 @@ pub(super) const AUTOMATIC: [(&str, &[&str]); 7] = [
     ("TopPlateSpec", &["diameter_mm", "thickness_mm", "mass_g"]),
 ];
 
-/// Those of the stage `slow_pluviation`.
-pub(super) const AUTOMATIC_OF_PILES: [&str; 3] =
-    ["feed_rate_grains_per_s", "drop_height_mm", "spout_diameter_mm"];
+/// Those of stages.
+pub(super) const AUTOMATIC_OF_STAGES: [&str; 4] =
+    ["time_limit_s", "feed_rate_grains_per_s", "drop_height_mm", "spout_diameter_mm"];
 
 /// Fields that are their default times the factor of a law.
 fn fields() -> [(&'static str, Law, f64); 15] {
@@ -210,11 +213,17 @@ fn fill_apparatus(value: &mut Value, scale: &Scale) {
         length("apparatus.cylinder.inner_diameter_mm", cylinder.inner_diameter_mm, coarser);
     length("apparatus.cylinder.height_mm", cylinder.height_mm, coarser);
     length("apparatus.cylinder.wall_thickness_mm", cylinder.wall_thickness_mm, coarser);
-    let widest = OPENING_OF_CYLINDER * diameter / funnel.opening_diameter_mm;
+    // Nothing follows from a cylinder that is itself a fault.
+    let across = match diameter > to_mm(scale.sizes.largest) {
+        true => diameter / cylinder.inner_diameter_mm,
+        false => coarser,
+    };
+    let widest =
+        OPENING_OF_CYLINDER * across * cylinder.inner_diameter_mm / funnel.opening_diameter_mm;
     length("apparatus.funnel.opening_diameter_mm", funnel.opening_diameter_mm, coarser.min(widest));
     length("apparatus.funnel.top_diameter_mm", funnel.top_diameter_mm, coarser);
     length("apparatus.funnel.wall_thickness_mm", funnel.wall_thickness_mm, coarser);
-    let across = coarser.min(diameter / cylinder.inner_diameter_mm);
+    let across = coarser.min(across);
     length("apparatus.top_plate.diameter_mm", plate.diameter_mm, across);
     length("apparatus.top_plate.thickness_mm", plate.thickness_mm, coarser);
     let heavier = across.powi(2) * coarser;
@@ -224,6 +233,15 @@ fn fill_apparatus(value: &mut Value, scale: &Scale) {
 fn fill_stages(value: &mut Value, scale: &Scale) {
     let stages = value.get_mut("stages").and_then(Value::as_array_mut);
     for stage in stages.into_iter().flatten() {
+        let limit = match stage["stage"].as_str() {
+            Some("fill_funnel") => fill_limit(),
+            Some("pour") => pour_limit(),
+            Some("place_top_plate") => place_limit(),
+            Some("slow_pluviation") => slow_limit(),
+            _ => continue,
+        };
+        // Small grains fall sooner; but it is a limit, and there may be many.
+        put(stage, "time_limit_s", limit, Law::Time.factor(scale).max(1.0));
         if stage["stage"] != "slow_pluviation" {
             continue;
         }
@@ -392,7 +410,7 @@ mod tests {
                 assert!(known[field]["x-automatic"] == true, "law: the schema says so of {field}");
             }
         }
-        for field in AUTOMATIC_OF_PILES {
+        for field in AUTOMATIC_OF_STAGES {
             assert!(value["stages"][0][field].is_number(), "law: {field} is filled in");
         }
     }

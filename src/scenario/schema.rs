@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::{
     Scenario,
-    automatic::{AUTOMATIC, AUTOMATIC_OF_PILES},
+    automatic::{AUTOMATIC, AUTOMATIC_OF_STAGES},
 };
 
 /// The JSON Schema (draft 2020-12) of a scenario file.
@@ -67,9 +67,7 @@ pub(super) fn typed() -> Value {
         mark(&mut schema["$defs"][name], fields);
     }
     for stage in schema["$defs"]["StageSpec"]["oneOf"].as_array_mut().into_iter().flatten() {
-        if stage["properties"]["stage"]["const"] == "slow_pluviation" {
-            mark(stage, &AUTOMATIC_OF_PILES);
-        }
+        mark(stage, &AUTOMATIC_OF_STAGES);
     }
     schema
 }

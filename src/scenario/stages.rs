@@ -142,7 +142,7 @@ pub enum StageSpec {
     },
 }
 
-fn fill_limit() -> f64 {
+pub(super) fn fill_limit() -> f64 {
     4.0
 }
 pub(super) fn feed_rate() -> f64 {
@@ -154,13 +154,13 @@ pub(super) fn drop_height() -> f64 {
 pub(super) fn spout_diameter() -> f64 {
     30.0
 }
-fn slow_limit() -> f64 {
+pub(super) fn slow_limit() -> f64 {
     120.0
 }
-fn pour_limit() -> f64 {
+pub(super) fn pour_limit() -> f64 {
     6.0
 }
-fn place_limit() -> f64 {
+pub(super) fn place_limit() -> f64 {
     1.5
 }
 fn half_stroke() -> StrokeReading {
