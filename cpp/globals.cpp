@@ -14,7 +14,7 @@ namespace {
 // Guarded by construction_mutex.
 int holders = 0;
 int threshold_holders = 0;
-}
+} // namespace
 
 std::mutex &construction_mutex() {
     static std::mutex mutex;

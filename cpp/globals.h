@@ -17,7 +17,7 @@ std::mutex &construction_mutex();
 struct GlobalSettings {
     // In engine length units; negative for worlds that do not read it.
     btScalar contact_breaking_threshold;
-    btScalar broadphase_margin;          // engine length units
+    btScalar broadphase_margin; // engine length units
 };
 
 // Holds the process's settings for the life of one world. Construct and

@@ -9,8 +9,8 @@
 
 namespace pluvia {
 
-HullProbe::HullProbe(double scale, const Tolerances &tolerances, bool portable, std::unique_ptr<const HullData> a,
-                     std::unique_ptr<const HullData> b)
+HullProbe::HullProbe(double scale, const Tolerances &tolerances, bool portable,
+                     std::unique_ptr<const HullData> a, std::unique_ptr<const HullData> b)
     : units_(scale), a_(std::move(a)), b_(std::move(b)) {
     collision_.settings = pair_settings(tolerances, scale);
     collision_.match = tolerances.match_distance * scale;
@@ -143,8 +143,8 @@ std::unique_ptr<const HullData> hull(double scale, const HullProbeShape &shape) 
 
 } // namespace
 
-std::unique_ptr<HullProbe> new_hull_probe(double scale, const Tolerances &tolerances,
-                                          bool portable, const HullProbeShape &a, const HullProbeShape &b) {
+std::unique_ptr<HullProbe> new_hull_probe(double scale, const Tolerances &tolerances, bool portable,
+                                          const HullProbeShape &a, const HullProbeShape &b) {
     return std::make_unique<HullProbe>(scale, tolerances, portable, hull(scale, a), hull(scale, b));
 }
 

@@ -21,8 +21,8 @@ struct Tolerances;
 
 class HullProbe {
   public:
-    HullProbe(double scale, const Tolerances &tolerances, bool portable, std::unique_ptr<const HullData> a,
-              std::unique_ptr<const HullData> b);
+    HullProbe(double scale, const Tolerances &tolerances, bool portable,
+              std::unique_ptr<const HullData> a, std::unique_ptr<const HullData> b);
 
     // One step: the contact at these poses, remembering the steps before.
     rust::Vec<HullProbePoint> step(const HullProbePose &a, const HullProbePose &b);
@@ -51,7 +51,7 @@ class HullProbe {
 
 // `scale`: engine units in a metre. Throws std::runtime_error
 // when a surface is not closed.
-std::unique_ptr<HullProbe> new_hull_probe(double scale, const Tolerances &tolerances,
-                                          bool portable, const HullProbeShape &a, const HullProbeShape &b);
+std::unique_ptr<HullProbe> new_hull_probe(double scale, const Tolerances &tolerances, bool portable,
+                                          const HullProbeShape &a, const HullProbeShape &b);
 
 } // namespace pluvia
