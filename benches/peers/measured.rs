@@ -6,9 +6,10 @@ use pluvia::{
     export::{Carrier, Scene},
     geometry::{Pose, Vector},
     grains::{Grain, GrainSet},
-    measure::{TOUCHING_GAP, mean_grain_height, overlap_statistics, pairs_within},
+    measure::{mean_grain_height, overlap_statistics, pairs_within, touching_gap},
+    scale::Scale,
     specimen::{Specimen, SpecimenState},
-    study::STANDARD,
+    study::standard,
     world::BodyState,
 };
 use serde::Serialize;
@@ -111,7 +112,10 @@ pub fn measure(
             "{lost} grains {how}went through walls or floor, or have no place that is a number"
         ));
     }
-    let overlap = overlap_statistics(&specimen, &pairs_within(&specimen, &kept, TOUCHING_GAP));
+    let overlap = overlap_statistics(
+        &specimen,
+        &pairs_within(&specimen, &kept, touching_gap(&specimen.grains)),
+    );
     let (mean, p99) = (100.0 * overlap.mean, 100.0 * overlap.p99);
     row.overlap_mean_percent = Some(mean);
     row.overlap_p99_percent = Some(p99);
@@ -131,7 +135,10 @@ pub fn measure(
 /// Whether all three are within the standard; not known where the first two
 /// are and nobody measured the third.
 fn meets_standard(mean: f64, p99: f64, creep: Option<f64>) -> Option<bool> {
-    let (mean_limit, p99_limit, creep_limit) = STANDARD;
+    // The scenes of the peers are of the paper's gravel.
+    let limits = standard(&Scale::PAPER);
+    let (mean_limit, p99_limit) = (limits.overlap_mean_percent, limits.overlap_p99_percent);
+    let creep_limit = limits.creep_um_per_s;
     if mean < mean_limit && p99 < p99_limit {
         creep.map(|c| c.abs() < creep_limit)
     } else {

@@ -88,7 +88,7 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
         None => super::default_gravity(),
         Some(gravity) => gravity.as_f64().unwrap_or(f64::NAN),
     };
-    if !(gravity > 0.0 && gravity <= STRONGEST) || !value.is_object() {
+    if !(gravity > 0.0 && gravity <= STRONGEST && value.is_object()) {
         return;
     }
     let gravity = gravity.max(WEAKEST);

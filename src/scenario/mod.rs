@@ -1,7 +1,7 @@
 //! The scenario file: what is done in the laboratory, in the user's terms.
 //!
 //! [`Scenario`] is the typed content of a file after `extends` has been
-//! resolved and everything has been validated ([`load`]). Numbers are kept in
+//! resolved and everything has been validated ([`load_with`]). Numbers are kept in
 //! the units people typed; the modules that use them convert to SI through
 //! [`crate::units`].
 

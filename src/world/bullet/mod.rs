@@ -5,7 +5,7 @@
 //!
 //! What finds contacts and what solves them is chosen in one place: the
 //! members `hull_collision`, `dispatcher`, `contact_solver` and `make_hull_world`
-//! of `BulletWorld::Impl` in `cpp/world.cpp`, by [`ContactPath`].
+//! of `BulletWorld::Impl` in `cpp/world.cpp`, by [`crate::scenario::ContactPath`].
 
 mod constants;
 #[cfg(test)]
