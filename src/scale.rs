@@ -62,7 +62,7 @@ impl GrainSizes {
     }
 }
 
-/// What sizes and speeds of ours follow from.
+/// What our lengths, speeds, times and stiffnesses follow from.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Scale {
     /// Sizes of the grains.
@@ -157,7 +157,7 @@ impl Law {
     }
 }
 
-/// A number of ours that follows from the scale.
+/// One of our numbers, which follows from the scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantity {
     /// Its name, with its unit at the end.

@@ -6,7 +6,7 @@ use super::{GrainSet, file, from_meshes};
 use crate::scale::{self, GrainSizes, Quantity, Scale, SieveMass};
 use crate::scenario::{self, Grading, GrainsSpec, Loaded, Override, ScenarioErrors};
 
-/// Any: sizes depend on it by the drawing of stones alone.
+/// Any: sizes depend on it only where grains are drawn from meshes.
 const SEED: u64 = 1;
 
 impl GrainSet {
@@ -52,9 +52,10 @@ impl GrainSet {
         self.of_size(&scale::RAIN_CLEARANCE)
     }
 
-    /// A length that follows from the size of these grains, in m.
-    pub fn of_size(&self, length: &Quantity) -> f64 {
-        length.at(&self.scale(Scale::PAPER.gravity))
+    /// A quantity that follows from the size of these grains, in SI units; of speeds and
+    /// times, that on earth.
+    pub fn of_size(&self, quantity: &Quantity) -> f64 {
+        quantity.at(&self.scale(Scale::PAPER.gravity))
     }
 
     /// What automatic values of a scenario with these grains follow from.

@@ -30,6 +30,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::{Container, HeightMap, MeasureError, height_cell, inference::MeanTest, statistics};
+use crate::scale;
 use crate::specimen::{Base, Specimen, SpecimenState};
 
 /// Sectors about the axis: of 10° each.
@@ -49,9 +50,6 @@ const LEAST_CELLS: usize = 12;
 const CONFIDENCE: f64 = 0.95;
 /// Nothing of a pile is higher, in m: the pile's map is taken up to here.
 const HIGHEST: f64 = 100.0;
-/// What is slower, in m/s, is part of the pile and not on its way to it: a
-/// grain let go falls faster than this after 2 ms.
-const SLOW: f64 = 0.02;
 
 /// Height of the surface over one cell of a square grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -186,7 +184,8 @@ pub fn base_level(specimen: &Specimen) -> Result<f64, MeasureError> {
 /// pile: those that do not move just now. `None` without any.
 pub fn pile_top(specimen: &Specimen) -> Option<f64> {
     let SpecimenState { bodies, .. } = &specimen.state;
-    let lying = specimen.present().filter(|&i| bodies[i].body.linear_velocity.norm() < SLOW);
+    let slow = specimen.grains.of_size(&scale::SLOW);
+    let lying = specimen.present().filter(|&i| bodies[i].body.linear_velocity.norm() < slow);
     let tops = lying.flat_map(|i| {
         let pose = &bodies[i].body.pose;
         specimen.grains.grains[i].shape.vertices().iter().map(move |v| (pose * v).z)

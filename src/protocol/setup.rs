@@ -15,7 +15,7 @@ const SAMPLE_INTERVAL: f64 = 0.08;
 pub struct Setup {
     /// Gravitational acceleration in m/s².
     pub gravity: f64,
-    /// What lengths, speeds and times of ours follow from.
+    /// What our lengths, speeds and times follow from.
     pub scale: Scale,
     /// Engine settings.
     pub engine: EngineSettings,

@@ -127,7 +127,7 @@ impl Scenario {
         table.iter().map(|f| from_mm(f.retained_mm)).min_by(f64::total_cmp)
     }
 
-    /// What lengths, speeds and times of ours follow from: the sizes of the sieve table, or
+    /// What our lengths, speeds and times follow from: the sizes of the sieve table, or
     /// else the size that the engine is given.
     pub fn scale(&self) -> Scale {
         let gravity = self.gravity_m_per_s2;

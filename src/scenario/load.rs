@@ -70,7 +70,7 @@ pub fn load_with(
 
 /// A scenario's JSON as its files give it: after `extends`, before defaults and
 /// overrides, and with the paths of grains made absolute, so that it means the
-/// same wherever it is kept. Faults are told by [`load_with`] alone.
+/// same wherever it is kept. [`load_with`] alone reports faults.
 ///
 /// # Errors
 /// [`ScenarioErrors::Unreadable`] for a file that cannot be read, and

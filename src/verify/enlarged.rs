@@ -87,7 +87,7 @@ impl World for Enlarged {
         }
     }
 
-    // In the inner world's units: only another world of the same size is told of it.
+    // In the inner world's units: only another world of the same size recalls it.
     fn remember(&self, into: &mut Vec<RememberedContact>) {
         self.inner.remember(into);
     }

@@ -161,17 +161,52 @@ fn what_is_typed_is_taken_and_told_where_it_does_not_suit() {
     let (scenario, told) =
         of(json!({ "manifold": { "contact_stiffness_n_per_m": 10000 } }), json!({}));
     assert_eq!(scenario.engine.manifold.contact_stiffness_n_per_m, 10000.0, "law: typed is kept");
-    assert!(told.len() == 1 && told[0].contains("contact_stiffness"), "law: one is told: {told:?}");
+    assert!(
+        told.len() == 1 && told[0].contains("contact_stiffness"),
+        "law: one is reported: {told:?}"
+    );
     let (_, told) = of(json!({ "rate_hz": 480 }), json!({}));
     assert!(told.is_empty(), "law: twice as fine as needed is not unusual: {told:?}");
     let (_, told) = of(json!({ "grain_size_mm": 1 }), json!({}));
-    assert!(told.len() == 1 && told[0].contains("grain_size_mm"), "law: one is told: {told:?}");
+    assert!(told.len() == 1 && told[0].contains("grain_size_mm"), "law: one is reported: {told:?}");
     let narrow = json!({
         "cylinder": { "height_mm": 300 }, "funnel": { "opening_diameter_mm": 200 },
     });
     let (_, told) = of(json!({}), narrow);
     assert!(
         told.len() == 2 && told[0].contains("over the rim") && told[1].contains("jam"),
-        "law: a cylinder that runs over and a funnel that jams are told: {told:?}"
+        "law: a cylinder that runs over and a funnel that jams are reported: {told:?}"
     );
+}
+
+/// Law: a quantity that the page lists is one that the program uses.
+#[test]
+fn every_quantity_is_used() {
+    fn sources(folder: &std::path::Path, text: &mut String) {
+        for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                sources(&path, text);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                text.push_str(&std::fs::read_to_string(&path).expect("a source"));
+            }
+        }
+    }
+    let mut text = String::new();
+    sources(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut text);
+    let named = |line: &str| {
+        let (name, rest) = line.trim().split_once(" = ")?;
+        let capitals = name.chars().all(|c| c.is_ascii_uppercase() || c == '_');
+        (capitals && rest.contains(", \"")).then(|| name.to_owned())
+    };
+    let source = include_str!("../../src/scale.rs");
+    let names: Vec<String> = source.lines().filter_map(named).collect();
+    assert_eq!(names.len(), pluvia::scale::ALL.len(), "law: all are found: {names:?}");
+    for name in names {
+        let used = text.match_indices(&format!("scale::{name}")).any(|(at, found)| {
+            text[at + found.len()..].starts_with(".at(")
+                || text[at + found.len()..].starts_with(')')
+        });
+        assert!(used, "law: {name} is used");
+    }
 }
