@@ -9,15 +9,13 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 39] = [
-    "contact_batches",
+const SHIMS: [&str; 37] = [
     "contact_bodies",
+    "contact_colours",
     "contact_iterations",
     "contact_loads",
     "contact_look",
     "contact_memory",
-    "contact_parts",
-    "contact_rows",
     "contact_setup",
     "contact_solver",
     "convert",
@@ -64,9 +62,15 @@ fn main() {
     println!("cargo::rerun-if-changed=cpp/lanes.h");
     println!("cargo::rerun-if-changed=cpp/prefetch.h");
     println!("cargo::rerun-if-changed=cpp/unset.h");
+    println!("cargo::rerun-if-changed=cpp/contact_few.h");
     println!("cargo::rerun-if-changed=cpp/contact_impacts.h");
     println!("cargo::rerun-if-changed=cpp/contact_kernels.h");
+    println!("cargo::rerun-if-changed=cpp/contact_law.h");
+    println!("cargo::rerun-if-changed=cpp/contact_load.h");
+    println!("cargo::rerun-if-changed=cpp/contact_packs.h");
+    println!("cargo::rerun-if-changed=cpp/contact_phases.h");
     println!("cargo::rerun-if-changed=cpp/contact_residual.h");
+    println!("cargo::rerun-if-changed=cpp/contact_run.h");
     println!("cargo::rerun-if-changed=cpp/contact_sweeps.h");
     println!("cargo::rerun-if-changed=cpp/hull_axis_kernels.h");
     println!("cargo::rerun-if-changed=cpp/hull_frames.h");

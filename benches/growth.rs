@@ -1,6 +1,7 @@
-//! How the cost of a step grows with the number of grains, and where it goes:
-//! 1, 4, 16 and 64 cylinders of 364 settled grains beside each other in one
-//! world, so that nothing differs but the number.
+//! How the cost of a step grows with the number of grains and falls with threads, and
+//! where it goes: one specimen of 364 and of 1456 settled grains, and 4, 16 and 64
+//! cylinders of 364 grains beside each other in one world, so that nothing differs but the
+//! number; on one thread and on two, at rest, shaken and poured. Writes `out/bench.json`.
 
 #[allow(dead_code)] // each benchmark uses a part of it
 mod common;
@@ -8,6 +9,7 @@ mod common;
 use std::{
     collections::HashMap,
     fs,
+    path::Path,
     sync::Arc,
     time::{Duration, Instant},
 };
@@ -17,20 +19,29 @@ use pluvia::{
     apparatus::TableMotion,
     geometry::{Pose, Vector},
     protocol::Setup,
+    record::{create_folder, write_json},
+    scenario::StageSpec,
     specimen::Other,
     specimen::{Fate, Party, Specimen},
     world::{
         self, Body, BodyId, BodyState, Material, Motion, PhaseTimes, RememberedContact, World,
     },
 };
+use serde_json::{Value, json};
 
-use common::{QUARTER, filled, scenario, settled};
+use common::{FALLING_HEIGHT_MM, QUARTER, WHOLE, filled, scenario, settled, stage};
 
 /// Cylinders in a world.
 const COPIES: [usize; 4] = [1, 4, 16, 64];
 
 /// Distance between the axes of neighbouring cylinders in m.
 const PITCH: f64 = 0.2;
+
+/// Threads of a world.
+const THREADS: [u32; 2] = [1, 2];
+
+/// Simulated time in s of a measured pour.
+const POUR: f64 = 0.5;
 
 /// Steps that a state is held before it is measured.
 const BEFORE: usize = 48;
@@ -134,34 +145,83 @@ fn spent(before: PhaseTimes, after: PhaseTimes) -> [f64; 4] {
     ]
 }
 
-/// Memory of the largest world. It must be the first of all: what a world gives
-/// back is not given back to the system, and the next one takes it from there.
-fn memory(setup: &Setup, specimen: &Specimen) {
-    let copies = COPIES[COPIES.len() - 1];
-    let grains = specimen.present().count() * copies;
-    let before = resident();
-    let mut cylinders = Cylinders::new(setup, specimen, copies);
-    cylinders.steps(BEFORE, None);
-    if let (Some(before), Some(after)) = (before, resident()) {
-        let each = (after - before) / 1024.0 / grains as f64;
-        println!("rest, {grains} grains: {each:.1} KiB a grain");
+/// What is measured: a specimen, and how often it stands in the world.
+struct Size<'a> {
+    setup: &'a Setup,
+    specimen: &'a Specimen,
+    copies: usize,
+}
+
+impl Size<'_> {
+    fn grains(&self) -> usize {
+        self.specimen.present().count() * self.copies
+    }
+
+    fn on(&self, threads: u32) -> Setup {
+        let mut setup = self.setup.clone();
+        setup.engine.manifold.threads = threads;
+        setup
     }
 }
 
-/// Where the time of a step goes, by the number of grains.
+/// Memory in KiB that a world holds for each grain. The largest must be asked first: what a
+/// world gives back is not given back to the system, and the next one takes it from there.
+fn memory(size: &Size) -> Option<f64> {
+    let before = resident()?;
+    let mut cylinders = Cylinders::new(size.setup, size.specimen, size.copies);
+    cylinders.steps(BEFORE, None);
+    let each = (resident()? - before) / 1024.0 / size.grains() as f64;
+    println!("rest, {} grains: {each:.1} KiB a grain", size.grains());
+    Some(each)
+}
+
+/// A row of `out/bench.json`.
+fn row(size: &Size, state: &str, threads: u32, phases: [f64; 4], kib: Option<f64>) -> Value {
+    let step: f64 = phases.iter().sum();
+    let grains = size.grains();
+    println!(
+        "{state}, {grains} grains in {} specimens, {threads} threads: {:.2} ms a step, {:.2} µs a \
+         grain-step; broadphase {:.2}, collision {:.2}, solver {:.2}, integration {:.2} ms",
+        size.copies,
+        step * 1e3,
+        step * 1e6 / grains as f64,
+        phases[0] * 1e3,
+        phases[1] * 1e3,
+        phases[2] * 1e3,
+        phases[3] * 1e3,
+    );
+    json!({
+        "grains": grains,
+        "specimens": size.copies,
+        "state": state,
+        "threads": threads,
+        "ms_per_step": step * 1e3,
+        "us_per_grain_step": step * 1e6 / grains as f64,
+        "phases": {
+            "broadphase_ms": phases[0] * 1e3,
+            "collision_ms": phases[1] * 1e3,
+            "solver_ms": phases[2] * 1e3,
+            "integration_ms": phases[3] * 1e3,
+        },
+        "memory_kib_per_grain": kib,
+    })
+}
+
+/// Where the time of a step goes, at rest or shaken, by size and threads.
 ///
 /// Other programs on the machine make single times longer by tens of percent.
 /// A world that begins alike does the same in every step: the sizes are
 /// measured in turns, and of each step and phase the shortest time counts.
-fn phases(setup: &Setup, specimen: &Specimen, motion: &TableMotion) {
-    // Criterion's `--quick`: one round, without the largest.
-    let quick = std::env::args().any(|a| a == "--quick");
-    let (rounds, sizes) = if quick { (2, 3) } else { (ROUNDS, COPIES.len()) };
-    for (what, motion) in [("rest", None), ("shaken", Some(motion))] {
-        let mut least = vec![[[f64::INFINITY; 4]; MEASURED]; sizes];
+fn phases(sizes: &[Size], kib: &[Option<f64>], motion: &TableMotion, rounds: usize) -> Vec<Value> {
+    let mut rows = Vec::new();
+    for (state, motion) in [("rest", None), ("shaken", Some(motion))] {
+        let cases: Vec<(usize, u32)> =
+            (0..sizes.len()).flat_map(|size| THREADS.map(|threads| (size, threads))).collect();
+        let mut least = vec![[[f64::INFINITY; 4]; MEASURED]; cases.len()];
         for _ in 0..rounds {
-            for (least, copies) in least.iter_mut().zip(COPIES) {
-                let mut cylinders = Cylinders::new(setup, specimen, copies);
+            for (least, (size, threads)) in least.iter_mut().zip(&cases) {
+                let size = &sizes[*size];
+                let mut cylinders = Cylinders::new(&size.on(*threads), size.specimen, size.copies);
                 cylinders.steps(BEFORE, motion);
                 for least in least {
                     let before = cylinders.world.phases().expect("an engine that tells phases");
@@ -173,34 +233,70 @@ fn phases(setup: &Setup, specimen: &Specimen, motion: &TableMotion) {
                 }
             }
         }
-        let mut first = f64::NAN;
-        for (least, copies) in least.iter().zip(COPIES) {
-            let grains = specimen.present().count() * copies;
-            let phase = |p: usize| {
-                let sum: f64 = least.iter().map(|step| step[p]).sum();
-                sum / (MEASURED * grains) as f64 * 1e9
-            };
-            let all: f64 = (0..4).map(phase).sum();
-            if first.is_nan() {
-                first = all;
-            }
-            println!(
-                "{what}, {grains} grains, ns a grain-step: broadphase {:.0}, collision {:.0}, \
-                 solver {:.0}, integration {:.0}, all {all:.0}, {:.2} times the first",
-                phase(0),
-                phase(1),
-                phase(2),
-                phase(3),
-                all / first,
-            );
+        for (least, (size, threads)) in least.iter().zip(&cases) {
+            let phase = |p| least.iter().map(|step| step[p]).sum::<f64>() / MEASURED as f64;
+            let phases = [phase(0), phase(1), phase(2), phase(3)];
+            rows.push(row(&sizes[*size], state, *threads, phases, kib[*size]));
         }
     }
+    rows
+}
+
+/// The beginning of a pour. The engine's time in a stage is not split into phases.
+fn pours(size: &Size, filled: &Specimen, rounds: usize) -> Vec<Value> {
+    let spec = StageSpec::Pour { falling_height_mm: FALLING_HEIGHT_MM, time_limit_s: POUR };
+    THREADS
+        .iter()
+        .map(|&threads| {
+            let setup = size.on(threads);
+            let step = (0..rounds)
+                .map(|_| {
+                    let outcome = stage(&setup, filled.clone(), &spec);
+                    outcome.engine_time.as_secs_f64() / outcome.steps as f64
+                })
+                .fold(f64::INFINITY, f64::min);
+            let grains = size.grains();
+            println!("pour, {grains} grains, {threads} threads: {:.2} ms a step", step * 1e3);
+            json!({
+                "grains": grains, "specimens": 1, "state": "pour", "threads": threads,
+                "ms_per_step": step * 1e3, "us_per_grain_step": step * 1e6 / grains as f64,
+                "phases": {}, "memory_kib_per_grain": null,
+            })
+        })
+        .collect()
+}
+
+/// Measures everything and writes `out/bench.json`.
+fn table(quarter: (&Setup, &Specimen, &Specimen), motion: &TableMotion) {
+    // Criterion's `--quick`: fewer rounds, without the largest sizes and pours.
+    let quick = std::env::args().any(|a| a == "--quick");
+    let (setup, full, specimen) = quarter;
+    let copies = if quick { &COPIES[..3] } else { &COPIES[..] };
+    let mut sizes: Vec<Size> =
+        copies.iter().rev().map(|&copies| Size { setup, specimen, copies }).collect();
+    let mut kib: Vec<Option<f64>> = sizes.iter().map(memory).collect();
+    let whole = scenario(WHOLE);
+    let whole_setup = Setup::new(&whole).expect("a laboratory");
+    let whole_full = filled(&whole, &whole_setup);
+    let whole_specimen = settled(&whole_setup, whole_full.clone());
+    sizes.push(Size { setup: &whole_setup, specimen: &whole_specimen, copies: 1 });
+    kib.push(None);
+    let rounds = if quick { 2 } else { ROUNDS };
+    let mut rows = phases(&sizes, &kib, motion, rounds);
+    if !quick {
+        rows.extend(pours(&Size { setup, specimen, copies: 1 }, full, 2));
+        rows.extend(pours(&sizes[sizes.len() - 1], &whole_full, 2));
+    }
+    let out = Path::new("out");
+    create_folder(out).expect("a folder for results");
+    write_json(&out.join("bench.json"), &rows).expect("results");
 }
 
 fn growth(c: &mut Criterion) {
     let scenario = scenario(QUARTER);
     let setup = Setup::new(&scenario).expect("a laboratory");
-    let specimen = settled(&setup, filled(&scenario, &setup));
+    let full = filled(&scenario, &setup);
+    let specimen = settled(&setup, full.clone());
     let shaking = TableMotion {
         amplitude: 0.025,
         frequency: 3.0,
@@ -209,8 +305,7 @@ fn growth(c: &mut Criterion) {
         rest: 0.0,
         ramp: 0.0,
     };
-    memory(&setup, &specimen);
-    phases(&setup, &specimen, &shaking);
+    table((&setup, &full, &specimen), &shaking);
     let mut group = c.benchmark_group("a step");
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
     group.warm_up_time(Duration::from_millis(1)).measurement_time(Duration::from_secs(10));

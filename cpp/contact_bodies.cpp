@@ -77,6 +77,10 @@ void prefetch_body(const btRigidBody &body) {
     prefetch(&body.getInvInertiaTensorWorld(), &body.getTotalTorque() + 1);
 }
 
+Three<double> centre(const btRigidBody &body) {
+    return three(body.getWorldTransform().getOrigin());
+}
+
 SolverBody free_body(const btRigidBody &body) {
     SolverBody out;
     out.velocity = three(body.getLinearVelocity());

@@ -1,7 +1,7 @@
 // Bodies on their way from Bullet into the solver and back.
 #pragma once
 
-#include "contact_rows.h"
+#include "contact_law.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -19,6 +19,9 @@ struct Moving {
 
 // Asks the memory for what is read of a body below.
 void prefetch_body(const btRigidBody &body);
+
+// Its centre of mass.
+Three<double> centre(const btRigidBody &body);
 
 // A body that moves freely, by its weight and by Bullet's forces on it.
 SolverBody free_body(const btRigidBody &body);

@@ -1,8 +1,8 @@
-// The arithmetic of the solver on contacts beside each other. See
-// contact_iterations.h for what it computes.
+// The arithmetic of the solver on pairs beside each other: how a sub-step is set up, and
+// how bodies move. See contact_iterations.h for what it computes.
 #pragma once
 
-#include "contact_batches.h"
+#include "contact_packs.h"
 
 #include <algorithm>
 #include <vector>
@@ -17,11 +17,11 @@ template <class N> struct LaneLaw {
     N stiffness,
         damping; // damping per root of mass: twice the ratio times the root of the stiffness
     N push_out_speed, restitution_speed, closed_gap;
-    N unsolved_speed;      // approach that calls for another round
-    double unsolved_share; // of what contacts change of a body, that calls for another round
+    N unsolved_speed;      // approach that calls for another iteration
+    double unsolved_share; // of what contacts change of a body, that calls for another iteration
 };
 
-// The motion of the bodies of one side of a batch.
+// The motion of the bodies of one side of a pack.
 template <class L> struct Side {
     Three<L> velocity, spin; // the spin times the root of the inertia
     L inverse_mass, turns;
@@ -49,6 +49,20 @@ PLUVIA_INLINE void scatter_motion(const Side<L> &side, const int *index, Records
     scatter(f, index, motion);
 }
 
+// Both sides of a pack.
+template <class L> struct Sides {
+    Side<L> a, b;
+
+    PLUVIA_INLINE Sides(const Pack<L> &pack, const Records<L> *motion) {
+        gather_motion(motion, pack.a, a);
+        gather_motion(motion, pack.b, b);
+    }
+    PLUVIA_INLINE void put_back(const Pack<L> &pack, Records<L> *motion) const {
+        scatter_motion(a, pack.a, motion);
+        scatter_motion(b, pack.b, motion);
+    }
+};
+
 template <class L>
 PLUVIA_INLINE void push(Side<L> &a, Side<L> &b, const Three<L> &impulse, const Three<L> &moment_a,
                         const Three<L> &moment_b) {
@@ -75,7 +89,7 @@ inline constexpr typename Lane<L>::Number UNLIMITED = static_cast<typename Lane<
 
 // Levers and masses that the bodies show at the arms of the sub-step. With
 // those of the step's beginning a body that turns fast, and whose arms have
-// grown, is pushed by more than it needs, the more so in every sweep.
+// grown, is pushed by more than it needs, the more so in every iteration.
 //
 // One mass for all directions of the contact plane, that of the direction that
 // resists sliding least: friction of a sliding contact then points against its
@@ -85,31 +99,30 @@ inline constexpr typename Lane<L>::Number UNLIMITED = static_cast<typename Lane<
 //
 // Returns the mass along the normal.
 template <class L>
-PLUVIA_INLINE L set_levers(Batch<L> &c, const Side<L> &a, const Side<L> &b, const Three<L> &arm_a,
-                           const Three<L> &arm_b, const Bodies<L> &bodies) {
-    L f[8], g[8];
-    gather(bodies.root.data(), c.a, f);
-    gather(bodies.root.data(), c.b, g);
-    const Symmetric<L> root_a{f[0], f[1], f[2], f[3], f[4], f[5]};
-    const Symmetric<L> root_b{g[0], g[1], g[2], g[3], g[4], g[5]};
-    c.lever_a = root_a * arm_a.cross(c.normal);
-    c.lever_b = root_b * arm_b.cross(c.normal);
-    c.lever_1_a = root_a * arm_a.cross(c.tangent_1);
-    c.lever_1_b = root_b * arm_b.cross(c.tangent_1);
-    c.lever_2_a = root_a * arm_a.cross(c.tangent_2);
-    c.lever_2_b = root_b * arm_b.cross(c.tangent_2);
+PLUVIA_INLINE L set_levers(const Pack<L> &pack, Point<L> &c, const Sides<L> &at,
+                           const Three<L> &arm_a, const Three<L> &arm_b, const Symmetric<L> &root_a,
+                           const Symmetric<L> &root_b) {
+    c.lever_a = root_a * arm_a.cross(pack.normal);
+    c.lever_b = root_b * arm_b.cross(pack.normal);
+    c.lever_1_a = root_a * arm_a.cross(pack.tangent_1);
+    c.lever_1_b = root_b * arm_b.cross(pack.tangent_1);
+    c.lever_2_a = root_a * arm_a.cross(pack.tangent_2);
+    c.lever_2_b = root_b * arm_b.cross(pack.tangent_2);
     const L zero{};
     const L one = zero + 1;
     const L half = zero + typename Lane<L>::Number(0.5);
     const L least = zero + TINY<L>;
-    const L linear = a.inverse_mass + b.inverse_mass;
-    const L normal =
-        linear + c.lever_a.dot(c.lever_a) * a.turns + c.lever_b.dot(c.lever_b) * b.turns;
-    const L k11 =
-        linear + c.lever_1_a.dot(c.lever_1_a) * a.turns + c.lever_1_b.dot(c.lever_1_b) * b.turns;
-    const L k22 =
-        linear + c.lever_2_a.dot(c.lever_2_a) * a.turns + c.lever_2_b.dot(c.lever_2_b) * b.turns;
-    const L k12 = c.lever_1_a.dot(c.lever_2_a) * a.turns + c.lever_1_b.dot(c.lever_2_b) * b.turns;
+    const L linear = at.a.inverse_mass + at.b.inverse_mass;
+    const auto inverse = [&](const Three<L> &on_a, const Three<L> &on_b, const Three<L> &to_a,
+                             const Three<L> &to_b) __attribute__((always_inline)) {
+        return L(on_a.dot(to_a) * at.a.turns + on_b.dot(to_b) * at.b.turns);
+    };
+    const L normal = linear + inverse(c.lever_a, c.lever_b, c.lever_a, c.lever_b);
+    const L k11 = linear + inverse(c.lever_1_a, c.lever_1_b, c.lever_1_a, c.lever_1_b);
+    const L k22 = linear + inverse(c.lever_2_a, c.lever_2_b, c.lever_2_a, c.lever_2_b);
+    const L k12 = inverse(c.lever_1_a, c.lever_1_b, c.lever_2_a, c.lever_2_b);
+    c.coupling_1 = inverse(c.lever_a, c.lever_b, c.lever_1_a, c.lever_1_b);
+    c.coupling_2 = inverse(c.lever_a, c.lever_b, c.lever_2_a, c.lever_2_b);
     const L apart = (k11 - k22) * half;
     const L softest = (k11 + k22) * half + root(L(apart * apart + k12 * k12));
     c.tangent_mass = one / larger(softest, least);
@@ -131,6 +144,25 @@ template <class L> PLUVIA_INLINE bool any_larger(const L &lanes, typename Lane<L
     return any;
 }
 
+// The roots of the inverse inertias of bodies.
+template <class L> PLUVIA_INLINE Symmetric<L> roots(const Bodies<L> &bodies, const int *index) {
+    L f[8];
+    gather(bodies.root.data(), index, f);
+    return {f[0], f[1], f[2], f[3], f[4], f[5]};
+}
+
+// How bodies have moved and turned since the step began.
+template <class L> struct Way {
+    Three<L> moved, turned;
+
+    PLUVIA_INLINE Way(const Bodies<L> &bodies, const int *index) {
+        L f[8];
+        gather(bodies.way.data(), index, f);
+        moved = {f[0], f[1], f[2]};
+        turned = {f[4], f[5], f[6]};
+    }
+};
+
 // The speed to reach along the normal in this sub-step, and how the contact
 // yields.
 //
@@ -142,82 +174,118 @@ template <class L> PLUVIA_INLINE bool any_larger(const L &lanes, typename Lane<L
 // The spring: stiffness k, damping c = 2 ζ √(k m), in a sub-step h yield
 // γ = 1/(h (c + h k)), share of the overlap to remove β = h k/(c + h k).
 template <class L>
-PLUVIA_INLINE void aim(Batch<L> &c, BatchMemory<L> &m, const LaneLaw<typename Lane<L>::Number> &law,
-                       const Bodies<L> &bodies) {
+PLUVIA_INLINE void aim(const Pack<L> &pack, Point<L> *points, PointMemory<L> *memory,
+                       const LaneLaw<typename Lane<L>::Number> &law, const Bodies<L> &bodies) {
     const L zero{};
     const L one = zero + 1;
-    Side<L> a, b;
-    gather_motion(bodies.motion.data(), c.a, a);
-    gather_motion(bodies.motion.data(), c.b, b);
-    L f[8], g[8];
-    gather(bodies.way.data(), c.a, f);
-    gather(bodies.way.data(), c.b, g);
-    const Three<L> moved_a{f[0], f[1], f[2]}, turned_a{f[4], f[5], f[6]};
-    const Three<L> moved_b{g[0], g[1], g[2]}, turned_b{g[4], g[5], g[6]};
-    const Three<L> turned_arm_a = turned(m.arm_a, turned_a);
-    const Three<L> turned_arm_b = turned(m.arm_b, turned_b);
-    const Three<L> way = moved_a - moved_b + (turned_arm_a - m.arm_a) - (turned_arm_b - m.arm_b);
-    m.gap_now = m.gap + way.dot(c.normal);
-    // Both bodies are pushed in one point, nearer to the lighter one's: so the
-    // angular momentum is kept, however far they slid past each other, and a
-    // block stays on its corners wherever on the plane it is.
-    const Three<L> apart = c.normal * m.gap + way;
-    const L both = larger(L(a.inverse_mass + b.inverse_mass), L(zero + TINY<L>));
-    const Three<L> arm_a = turned_arm_a - apart * L(b.inverse_mass / both);
-    const Three<L> arm_b = turned_arm_b + apart * L(a.inverse_mass / both);
-    m.mass = set_levers(c, a, b, arm_a, arm_b, bodies);
-    m.approach = zero - parting(a, b, c.normal, c.lever_a, c.lever_b);
+    const Sides<L> at(pack, bodies.motion.data());
+    const Way<L> way_a(bodies, pack.a), way_b(bodies, pack.b);
+    const Symmetric<L> root_a = roots<L>(bodies, pack.a), root_b = roots<L>(bodies, pack.b);
+    const L both = larger(L(at.a.inverse_mass + at.b.inverse_mass), L(zero + TINY<L>));
+    const L share_a = at.b.inverse_mass / both, share_b = at.a.inverse_mass / both;
+    for (int p = 0; p < pack.points; ++p) {
+        Point<L> &c = points[p];
+        PointMemory<L> &m = memory[p];
+        const Three<L> arm_a = turned(m.arm_a, way_a.turned);
+        const Three<L> arm_b = turned(m.arm_b, way_b.turned);
+        const Three<L> way = way_a.moved - way_b.moved + (arm_a - m.arm_a) - (arm_b - m.arm_b);
+        m.gap_now = m.gap + way.dot(pack.normal);
+        // Both bodies are pushed in one point, nearer to the lighter one's: so the
+        // angular momentum is kept, however far they slid past each other, and a
+        // block stays on its corners wherever on the plane it is.
+        const Three<L> apart = pack.normal * m.gap + way;
+        m.mass = set_levers(pack, c, at, arm_a - apart * share_a, arm_b + apart * share_b, root_a,
+                            root_b);
+        m.approach = zero - parting(at.a, at.b, pack.normal, c.lever_a, c.lever_b);
 
-    const L stiff = zero + law.step * law.stiffness;
-    const L firm = root(m.mass) * law.damping + stiff;
-    const L yield = one / (firm * law.step);
-    const auto closed = m.gap_now <= zero + law.closed_gap;
-    const L spring = smaller(L(zero - stiff / firm * m.gap_now * law.inverse_step),
-                             L(zero + law.push_out_speed));
-    c.target = closed ? spring : L(zero - m.gap_now * law.inverse_step);
-    c.normal_mass = closed ? L(m.mass / (one + m.mass * yield)) : m.mass;
-    c.yield = closed ? yield : zero;
-    c.most = zero + UNLIMITED<L>;
-    // Friction that a solved contact was left with beyond its cone is not begun with.
-    const L most = c.friction * c.impulse;
-    const L size = root(L(c.impulse_1 * c.impulse_1 + c.impulse_2 * c.impulse_2));
-    const L scale = most / larger(L(most), larger(size, L(zero + TINY<L>)));
-    c.impulse_1 = c.impulse_1 * scale;
-    c.impulse_2 = c.impulse_2 * scale;
-}
-
-// Applies the impulses that the contacts begin with.
-template <class L> PLUVIA_INLINE void begin(const Batch<L> &c, Records<L> *motion) {
-    Side<L> a, b;
-    gather_motion(motion, c.a, a);
-    gather_motion(motion, c.b, b);
-    push(a, b, c.normal * c.impulse + c.tangent_1 * c.impulse_1 + c.tangent_2 * c.impulse_2,
-         c.lever_a * c.impulse + c.lever_1_a * c.impulse_1 + c.lever_2_a * c.impulse_2,
-         c.lever_b * c.impulse + c.lever_1_b * c.impulse_1 + c.lever_2_b * c.impulse_2);
-    scatter_motion(a, c.a, motion);
-    scatter_motion(b, c.b, motion);
-}
-
-// What external forces add to the motion.
-template <class N> PLUVIA_INLINE void force(PackedBodies<N> &bodies) {
-    for (std::size_t b = 0; b < bodies.motion.size(); ++b) {
-        for (int i = 0; i < 8; ++i) {
-            bodies.motion[b].at[i] += bodies.forced[b].at[i];
-        }
+        const L stiff = zero + law.step * law.stiffness;
+        const L firm = root(m.mass) * law.damping + stiff;
+        const L yield = one / (firm * law.step);
+        const auto closed = m.gap_now <= zero + law.closed_gap;
+        const L spring = smaller(L(zero - stiff / firm * m.gap_now * law.inverse_step),
+                                 L(zero + law.push_out_speed));
+        c.target = closed ? spring : L(zero - m.gap_now * law.inverse_step);
+        c.normal_mass = closed ? L(m.mass / (one + m.mass * yield)) : m.mass;
+        c.yield = closed ? yield : zero;
+        c.most = zero + UNLIMITED<L>;
+        // Friction that a solved contact was left with beyond its cone is not begun with.
+        const L most = pack.friction * c.impulse;
+        const L size = root(L(c.impulse_1 * c.impulse_1 + c.impulse_2 * c.impulse_2));
+        const L scale = most / larger(L(most), larger(size, L(zero + TINY<L>)));
+        c.impulse_1 = c.impulse_1 * scale;
+        c.impulse_2 = c.impulse_2 * scale;
     }
 }
 
-// The way that the bodies go.
-template <class N> PLUVIA_INLINE void go(PackedBodies<N> &bodies, N step) {
-    for (std::size_t b = 0; b < bodies.motion.size(); ++b) {
-        const auto &r = bodies.root[b].at;
-        const auto &m = bodies.motion[b].at;
-        const Symmetric<N> root{r[0], r[1], r[2], r[3], r[4], r[5]};
-        const Three<N> spin = root * Three<N>{m[4], m[5], m[6]};
-        const N motion[8] = {m[0], m[1], m[2], 0, spin.x, spin.y, spin.z, 0};
-        for (int i = 0; i < 8; ++i) {
-            bodies.way[b].at[i] += motion[i] * step;
-        }
+// Whether a point of a pack bears something.
+template <class L> PLUVIA_INLINE bool bears(const Pack<L> &pack, const Point<L> *points) {
+    bool any = false;
+    for (int p = 0; p < pack.points; ++p) {
+        any = any || any_larger(points[p].impulse, 0);
+    }
+    return any;
+}
+
+// Applies the impulses that the contacts begin with.
+template <class L>
+PLUVIA_INLINE void begin(const Pack<L> &pack, const Point<L> *points, Records<L> *motion) {
+    Sides<L> at(pack, motion);
+    for (int p = 0; p < pack.points; ++p) {
+        const Point<L> &c = points[p];
+        push(at.a, at.b,
+             pack.normal * c.impulse + pack.tangent_1 * c.impulse_1 + pack.tangent_2 * c.impulse_2,
+             c.lever_a * c.impulse + c.lever_1_a * c.impulse_1 + c.lever_2_a * c.impulse_2,
+             c.lever_b * c.impulse + c.lever_1_b * c.impulse_1 + c.lever_2_b * c.impulse_2);
+    }
+    at.put_back(pack, motion);
+}
+
+// How far two motions of a body are apart, as an energy.
+template <class N> PLUVIA_INLINE N energy(const Record<N> &now, const Record<N> &then) {
+    N shift = 0, turn = 0;
+    for (int i = 0; i < 3; ++i) {
+        shift += (now.at[i] - then.at[i]) * (now.at[i] - then.at[i]);
+        turn += (now.at[i + 4] - then.at[i + 4]) * (now.at[i + 4] - then.at[i + 4]);
+    }
+    return now.at[3] > 0 ? shift / now.at[3] + turn : 0;
+}
+
+// What external forces add to the motion of a body.
+template <class N> PLUVIA_INLINE void force(PackedBodies<N> &bodies, std::size_t b) {
+    for (int i = 0; i < 8; ++i) {
+        bodies.motion[b].at[i] += bodies.forced[b].at[i];
+    }
+    bodies.free[b] = bodies.motion[b];
+}
+
+// Begins iterations at the motion that a body has.
+template <class N> PLUVIA_INLINE void begin_search(PackedBodies<N> &bodies, std::size_t b) {
+    bodies.before[b] = bodies.motion[b];
+    bodies.search[b] = Record<N>{};
+}
+
+// A body's part of going on along the way that the last iteration and the one before took
+// together; `before` is the motion before the last iteration.
+template <class N> PLUVIA_INLINE void go_on(PackedBodies<N> &bodies, std::size_t b, N beta) {
+    for (int i = 0; i < 8; ++i) {
+        N &now = bodies.motion[b].at[i];
+        N &way = bodies.search[b].at[i];
+        N &before = bodies.before[b].at[i];
+        way = (way + (now - before)) * beta;
+        now += way;
+        before = now;
+    }
+}
+
+// The way that a body goes.
+template <class N> PLUVIA_INLINE void go(PackedBodies<N> &bodies, std::size_t b, N step) {
+    const auto &r = bodies.root[b].at;
+    const auto &m = bodies.motion[b].at;
+    const Symmetric<N> root{r[0], r[1], r[2], r[3], r[4], r[5]};
+    const Three<N> spin = root * Three<N>{m[4], m[5], m[6]};
+    const N motion[8] = {m[0], m[1], m[2], 0, spin.x, spin.y, spin.z, 0};
+    for (int i = 0; i < 8; ++i) {
+        bodies.way[b].at[i] += motion[i] * step;
     }
 }
 

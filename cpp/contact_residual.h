@@ -14,34 +14,38 @@ namespace pluvia {
 // for nonsmooth dynamical systems", 12.4; here with the normal law for itself, as
 // by Alart & Curnier 1991).
 template <class L>
-PLUVIA_INLINE void add_residual(const Batch<L> &c, const Records<L> *motion, Residual &sum) {
+PLUVIA_INLINE void add_residual(const Pack<L> &pack, const Point<L> *points,
+                                const Records<L> *motion, Residual &sum) {
     const L zero{};
-    Side<L> a, b;
-    gather_motion(motion, c.a, a);
-    gather_motion(motion, c.b, b);
-    const L speed = parting(a, b, c.normal, c.lever_a, c.lever_b);
-    const L slip_1 = parting(a, b, c.tangent_1, c.lever_1_a, c.lever_1_b);
-    const L slip_2 = parting(a, b, c.tangent_2, c.lever_2_a, c.lever_2_b);
-    const L wanted =
-        larger(zero, L(c.impulse - c.normal_mass * (speed - c.target + c.yield * c.impulse)));
-    const L next_1 = c.impulse_1 - c.tangent_mass * slip_1;
-    const L next_2 = c.impulse_2 - c.tangent_mass * slip_2;
-    const L most = c.friction * c.impulse;
-    const L size = root(L(next_1 * next_1 + next_2 * next_2));
-    const L scale = most / larger(L(most), larger(size, L(zero + TINY<L>)));
-    for (int i = 0; i < Lane<L>::WIDTH; ++i) {
-        const auto at = [i](const L &lanes) { return static_cast<double>(Lane<L>::get(lanes, i)); };
-        const double normal_mass = at(c.normal_mass), tangent_mass = at(c.tangent_mass);
-        if (!(normal_mass > 0) || !(tangent_mass > 0)) {
-            continue; // padded
+    const Sides<L> at(pack, motion);
+    for (int p = 0; p < pack.points; ++p) {
+        const Point<L> &c = points[p];
+        const L speed = parting(at.a, at.b, pack.normal, c.lever_a, c.lever_b);
+        const L slip_1 = parting(at.a, at.b, pack.tangent_1, c.lever_1_a, c.lever_1_b);
+        const L slip_2 = parting(at.a, at.b, pack.tangent_2, c.lever_2_a, c.lever_2_b);
+        const L wanted =
+            larger(zero, L(c.impulse - c.normal_mass * (speed - c.target + c.yield * c.impulse)));
+        const L next_1 = c.impulse_1 - c.tangent_mass * slip_1;
+        const L next_2 = c.impulse_2 - c.tangent_mass * slip_2;
+        const L most = pack.friction * c.impulse;
+        const L size = root(L(next_1 * next_1 + next_2 * next_2));
+        const L scale = most / larger(L(most), larger(size, L(zero + TINY<L>)));
+        for (int i = 0; i < Lane<L>::WIDTH; ++i) {
+            const auto get = [i](const L &lanes) {
+                return static_cast<double>(Lane<L>::get(lanes, i));
+            };
+            const double normal_mass = get(c.normal_mass), tangent_mass = get(c.tangent_mass);
+            if (pack.pair[i] < 0 || !(normal_mass > 0) || !(tangent_mass > 0)) {
+                continue;
+            }
+            const auto square = [](double x) { return x * x; };
+            const double off = get(c.impulse) - get(wanted);
+            const double off_1 = get(c.impulse_1) - get(next_1) * get(scale);
+            const double off_2 = get(c.impulse_2) - get(next_2) * get(scale);
+            sum.error += square(off) / normal_mass + (square(off_1) + square(off_2)) / tangent_mass;
+            sum.impulse += square(get(c.impulse)) / normal_mass +
+                           (square(get(c.impulse_1)) + square(get(c.impulse_2))) / tangent_mass;
         }
-        const auto square = [](double x) { return x * x; };
-        const double off = at(c.impulse) - at(wanted);
-        const double off_1 = at(c.impulse_1) - at(next_1) * at(scale);
-        const double off_2 = at(c.impulse_2) - at(next_2) * at(scale);
-        sum.error += square(off) / normal_mass + (square(off_1) + square(off_2)) / tangent_mass;
-        sum.impulse += square(at(c.impulse)) / normal_mass +
-                       (square(at(c.impulse_1)) + square(at(c.impulse_2))) / tangent_mass;
     }
 }
 
@@ -60,28 +64,28 @@ void record_bodies(const PackedBodies<N> &bodies, bool found, SubstepRecord &out
     }
 }
 
-template <class L> void record_contacts(const Contacts<L> &contacts, SubstepRecord &out) {
-    out.contacts.clear();
-    for (std::size_t n = 0; n < contacts.batches.size(); ++n) {
-        const Batch<L> &c = contacts.batches[n];
-        const BatchMemory<L> &m = contacts.memory[n];
-        for (int i = 0; i < Lane<L>::WIDTH; ++i) {
-            if (m.row[i] < 0) {
-                continue;
-            }
+// Adds the points that a pack's pairs have; `count` says how many pair i has.
+template <class L, class Count>
+void record_contacts(const Pack<L> &pack, const Point<L> *points, const PointMemory<L> *memory,
+                     const Count &count, SubstepRecord &out) {
+    for (int i = 0; i < Lane<L>::WIDTH; ++i) {
+        const int own = pack.pair[i] < 0 ? 0 : count(pack.pair[i]);
+        for (int p = 0; p < own; ++p) {
+            const Point<L> &c = points[p];
             const auto put = [&](const L &lanes) {
                 out.contacts.push_back(static_cast<double>(Lane<L>::get(lanes, i)));
             };
-            out.contacts.push_back(c.a[i]);
-            out.contacts.push_back(c.b[i]);
-            for (const Three<L> *v : {&c.normal, &c.lever_a, &c.lever_b, &c.tangent_1, &c.lever_1_a,
-                                      &c.lever_1_b, &c.tangent_2, &c.lever_2_a, &c.lever_2_b}) {
+            out.contacts.push_back(pack.a[i]);
+            out.contacts.push_back(pack.b[i]);
+            for (const Three<L> *v :
+                 {&pack.normal, &c.lever_a, &c.lever_b, &pack.tangent_1, &c.lever_1_a, &c.lever_1_b,
+                  &pack.tangent_2, &c.lever_2_a, &c.lever_2_b}) {
                 put(v->x);
                 put(v->y);
                 put(v->z);
             }
-            for (const L *lanes : {&c.friction, &c.target, &c.yield, &m.approach, &m.restitution,
-                                   &c.impulse, &c.impulse_1, &c.impulse_2}) {
+            for (const L *lanes : {&pack.friction, &c.target, &c.yield, &memory[p].approach,
+                                   &pack.restitution, &c.impulse, &c.impulse_1, &c.impulse_2}) {
                 put(*lanes);
             }
         }

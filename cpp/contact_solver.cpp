@@ -1,11 +1,13 @@
 #include "contact_solver.h"
 
+#include "contact_load.h"
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "prefetch.h"
 
 #include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -25,15 +27,37 @@ constexpr std::size_t AHEAD = 4;
 // Steps from one that is looked at to the next: looking costs about as much as a sweep.
 constexpr unsigned LOOK_EVERY = 16;
 
+// Slices of the specimen by which bodies are sorted.
+constexpr std::size_t SLICES = 1024;
+
 // Bodies or pairs that a thread takes at once.
 constexpr std::size_t AT_ONCE = 64;
+
+// Whether a point of a pair may well bear something in the step.
+bool is_near(const ContactLaw &law, double step, const Touching &pair, const SolverBody &a,
+             const SolverBody &b) {
+    const Three<double> normal = normal_of(pair);
+    for (int p = 0; p < pair.points; ++p) {
+        if (three(pair.state->loads[p].impulse).dot(normal) > 0) {
+            return true;
+        }
+        const Arms arms(pair, p);
+        const Three<double> speed_a = a.velocity + a.spin.cross(arms.a);
+        const Three<double> speed_b = b.velocity + b.spin.cross(arms.b);
+        const double parting = (speed_a - speed_b).dot(normal);
+        const double gap = static_cast<double>(pair.state->memory.last.points[p].gap);
+        if (gap + std::min(0.0, parting * step) <= law.closed_gap) {
+            return true;
+        }
+    }
+    return false;
+}
 
 } // namespace
 
 ContactSolver::ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law,
                              Sweep sweep, bool gyroscopic, Workers &workers)
-    : touching_(touching), law_(law), sweep_(sweep), gyroscopic_(gyroscopic), workers_(workers),
-      desks_(static_cast<std::size_t>(workers.count())) {}
+    : touching_(touching), law_(law), sweep_(sweep), gyroscopic_(gyroscopic), workers_(workers) {}
 
 btScalar ContactSolver::solveGroup(btCollisionObject **, int, btPersistentManifold **, int,
                                    btTypedConstraint **, int constraint_count,
@@ -43,64 +67,50 @@ btScalar ContactSolver::solveGroup(btCollisionObject **, int, btPersistentManifo
         throw std::logic_error("the contact solver does not know joints");
     }
     const double step = static_cast<double>(info.m_timeStep);
-    take_driven(step);
-    links_.clear();
-    for (const Touching &pair : touching_) {
-        links_.push_back({pair.a->number, pair.b->number});
+    const int free = static_cast<int>(moving_.size());
+    take_bodies(step);
+    take_pairs(step);
+    colours_.sort(places_, free, sweep_ == Sweep::OneByOne ? 1 : Lane<Float8>::WIDTH);
+    Look look;
+    recorded_ = SubstepRecord{};
+    look.record = recording_ ? &recorded_ : nullptr;
+    const bool looks = recording_ || steps_++ % LOOK_EVERY == 0;
+    iterations_.run(sweep_, law_, step, {touching_, places_, colours_}, free, bodies_, workers_,
+                    looks ? &look : nullptr);
+    if (looks) {
+        const Residual &residual = look.residual;
+        residual_ = residual.impulse > 0 ? std::sqrt(residual.error / residual.impulse) : 0;
     }
-    parts_.split(moving_.size(), links_);
-    for (Desk &desk : desks_) {
-        desk.local.assign(driven_.size(), 0);
-    }
-    begin_look();
-    // A part that is more than a thread's share is solved by all of them.
-    small_.clear();
-    const std::size_t share = links_.size() / desks_.size();
-    for (std::size_t part = 0; part < parts_.count(); ++part) {
-        if (desks_.size() > 1 && parts_.pairs(part).size() > share) {
-            solve_part(part, step, desks_[0], &workers_);
-        } else {
-            small_.push_back(part);
-        }
-    }
-    workers_.share(small_.size(), 1, [&](int worker, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            solve_part(small_[i], step, desks_[static_cast<std::size_t>(worker)], nullptr);
-        }
-    });
-    end_look();
     return 0;
 }
 
-void ContactSolver::begin_look() {
-    const bool look = recording_ || steps_++ % LOOK_EVERY == 0;
-    looks_.assign(look ? parts_.count() : 0, Look{});
-    records_.assign(recording_ ? parts_.count() : 0, SubstepRecord{});
-    for (std::size_t part = 0; part < records_.size(); ++part) {
-        looks_[part].record = &records_[part];
-    }
+// Where a body is among bodies_, by its companion id.
+std::size_t ContactSolver::place(int id) const {
+    return id > WORLD    ? static_cast<std::size_t>(place_[static_cast<std::size_t>(id)])
+           : id == WORLD ? 0
+                         : moving_.size() + 1 + static_cast<std::size_t>(driven_number(id));
 }
 
-// In the order of the parts, whoever solved them.
-void ContactSolver::end_look() {
-    Residual all;
-    for (const Look &look : looks_) {
-        all.error += look.residual.error;
-        all.impulse += look.residual.impulse;
-    }
-    if (!looks_.empty()) {
-        residual_ = all.impulse > 0 ? std::sqrt(all.error / all.impulse) : 0;
-    }
-    recorded_ = SubstepRecord{};
-    for (const SubstepRecord &record : records_) {
-        recorded_.append(record);
-    }
+void ContactSolver::take_pairs(double step) {
+    places_.resize(touching_.size());
+    workers_.share(touching_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + AHEAD < end) {
+                prefetch(*touching_[i + AHEAD].state);
+            }
+            const Touching &pair = touching_[i];
+            const std::size_t a = place(pair.a->number), b = place(pair.b->number);
+            places_[i] = {static_cast<int>(a), static_cast<int>(b),
+                          static_cast<std::int16_t>(pair.points),
+                          is_near(law_, step, pair, bodies_[a], bodies_[b])};
+        }
+    });
 }
 
 void ContactSolver::bodies_changed() {
     moving_.clear();
     driving_.clear();
-    driven_.clear();
+    bodies_.clear();
     sorted_ = false;
 }
 
@@ -123,19 +133,70 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
             moving_.back().body = body;
         }
     }
-    place_.resize(moving_.size());
     sorted_ = true;
 }
 
-void ContactSolver::take_driven(double step) {
-    driven_.clear();
+// Free bodies in the order of places along the axis along which they are spread most.
+void ContactSolver::sort_places() {
+    const std::size_t count = moving_.size();
+    std::vector<Three<double>> centres(count);
+    workers_.share(count, AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + AHEAD < end) {
+                prefetch(moving_[i + AHEAD].body->getWorldTransform());
+            }
+            centres[i] = centre(*moving_[i].body);
+        }
+    });
+    place_.resize(count);
+    if (count == 0) {
+        return;
+    }
+    Three<double> low = centres[0], high = low;
+    for (const Three<double> &c : centres) {
+        low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
+        high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
+    }
+    const Three<double> size = high - low;
+    const auto along = size.z >= size.x && size.z >= size.y ? &Three<double>::z
+                       : size.x >= size.y                   ? &Three<double>::x
+                                                            : &Three<double>::y;
+    const double length = std::max(size.*along, 1e-30);
+    std::array<int, SLICES + 1> begin{};
+    const auto slice = [&](const Three<double> &c) {
+        const double share = (c.*along - low.*along) / length;
+        return share >= 0 && share < 1 ? static_cast<std::size_t>(share * SLICES) : SLICES - 1;
+    };
+    for (const Three<double> &c : centres) {
+        ++begin[slice(c) + 1];
+    }
+    for (std::size_t i = 1; i < begin.size(); ++i) {
+        begin[i] += begin[i - 1];
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        place_[i] = 1 + begin[slice(centres[i])]++;
+    }
+}
+
+void ContactSolver::take_bodies(double step) {
+    sort_places();
+    bodies_.resize(1 + moving_.size() + driving_.size());
+    bodies_[0] = SolverBody{};
+    workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i + AHEAD < end) {
+                prefetch_body(*moving_[i + AHEAD].body);
+            }
+            bodies_[static_cast<std::size_t>(place_[i])] = free_body(*moving_[i].body);
+        }
+    });
     drives_now_.clear();
-    for (const btRigidBody *body : driving_) {
-        const int number = body->getUserIndex();
+    for (std::size_t i = 0; i < driving_.size(); ++i) {
+        const int number = driving_[i]->getUserIndex();
         Drive &drive = drives_now_[number];
         const auto before = drives_.find(number);
         drive = before != drives_.end() ? before->second : Drive{};
-        driven_.push_back(driven_body(*body, step, drive));
+        bodies_[moving_.size() + 1 + i] = driven_body(*driving_[i], step, drive);
     }
     std::swap(drives_, drives_now_);
 }
@@ -144,10 +205,10 @@ void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) c
     const auto metres = [&](const Three<double> &v) {
         return std::array<double, 3>{v.x / units.scale(), v.y / units.scale(), v.z / units.scale()};
     };
-    for (std::size_t i = 0; i < driven_.size(); ++i) {
-        const SolverBody &body = driven_[i];
+    for (std::size_t i = moving_.size() + 1; i < bodies_.size(); ++i) {
+        const SolverBody &body = bodies_[i];
         DriveRead read{};
-        read.id = static_cast<std::uint32_t>(driving_[i]->getUserIndex());
+        read.id = static_cast<std::uint32_t>(driving_[i - moving_.size() - 1]->getUserIndex());
         read.velocity = metres(body.velocity);
         read.acceleration = metres(body.acceleration);
         read.spin = {body.spin.x, body.spin.y, body.spin.z};
@@ -156,101 +217,15 @@ void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) c
     }
 }
 
-// Driven bodies come to a desk when a pair of the part has them.
-int ContactSolver::local_index(int id, Desk &desk) const {
-    if (id > WORLD) {
-        return place_[static_cast<std::size_t>(id)];
-    }
-    if (id == WORLD) {
-        return 0;
-    }
-    const int driven = driven_number(id);
-    int &local = desk.local[static_cast<std::size_t>(driven)];
-    if (local == 0) {
-        local = static_cast<int>(desk.bodies.size());
-        desk.bodies.push_back(driven_[static_cast<std::size_t>(driven)]);
-        desk.driven_in.push_back(driven);
-    }
-    return local;
-}
-
-// Reads and writes only what belongs to the part, and of that each thread only
-// what belongs to the pairs and bodies it has taken.
-void ContactSolver::solve_part(std::size_t part, double step, Desk &desk, Workers *workers) {
-    const auto share = [workers](std::size_t size, const auto &range) {
-        if (workers == nullptr) {
-            range(std::size_t{0}, size);
-        } else {
-            workers->share(size, AT_ONCE,
-                           [&](int, std::size_t begin, std::size_t end) { range(begin, end); });
-        }
-    };
-    const Parts::Range bodies = parts_.bodies(part);
-    const auto body_at = [&](std::size_t i) -> Moving & {
-        return moving_[static_cast<std::size_t>(bodies.first[i])];
-    };
-    desk.bodies.assign(bodies.size() + 1, SolverBody{});
-    share(bodies.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (i + AHEAD < end) {
-                prefetch_body(*body_at(i + AHEAD).body);
-            }
-            place_[static_cast<std::size_t>(bodies.first[i])] = static_cast<int>(i + 1);
-            desk.bodies[i + 1] = free_body(*body_at(i).body);
-        }
-    });
-    desk.pairs.clear();
-    std::size_t rows = 0;
-    for (const int &number : parts_.pairs(part)) {
-        const Touching &pair = touching_[static_cast<std::size_t>(number)];
-        const int a = local_index(pair.a->number, desk);
-        const int b = local_index(pair.b->number, desk);
-        desk.pairs.push_back({&pair, a, b, rows});
-        rows += static_cast<std::size_t>(pair.points);
-    }
-    desk.rows.resize(rows);
-    share(desk.pairs.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (i + AHEAD < end) {
-                prefetch(*desk.pairs[i + AHEAD].pair->state);
-            }
-            const auto &[pair, a, b, first] = desk.pairs[i];
-            for (int p = 0; p < pair->points; ++p) {
-                desk.rows[first + static_cast<std::size_t>(p)] =
-                    make_row(law_, step, *pair, p, a, b, desk.bodies[static_cast<std::size_t>(a)],
-                             desk.bodies[static_cast<std::size_t>(b)]);
-            }
-        }
-    });
-    desk.iterations.run(sweep_, law_, step, desk.rows, desk.bodies,
-                        looks_.empty() ? nullptr : &looks_[part]);
-    share(desk.pairs.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            for (int p = 0; p < desk.pairs[i].pair->points; ++p) {
-                write_row(desk.rows[desk.pairs[i].first + static_cast<std::size_t>(p)]);
-            }
-        }
-    });
-    share(bodies.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const SolverBody &body = desk.bodies[i + 1];
-            Moving &moving = body_at(i);
-            moving = {moving.body, body.velocity, body.spin, body.shift, body.turn};
-        }
-    });
-    for (const int driven : desk.driven_in) {
-        desk.local[static_cast<std::size_t>(driven)] = 0;
-    }
-    desk.driven_in.clear();
-}
-
 void ContactSolver::move_bodies(double step) {
     workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (i + AHEAD < end) {
                 prefetch(*moving_[i + AHEAD].body);
             }
-            move_body(moving_[i], step, gyroscopic_);
+            const SolverBody &body = bodies_[static_cast<std::size_t>(place_[i])];
+            move_body({moving_[i].body, body.velocity, body.spin, body.shift, body.turn}, step,
+                      gyroscopic_);
         }
     });
 }

@@ -3,7 +3,6 @@
 
 #include "contact_bodies.h"
 #include "contact_iterations.h"
-#include "contact_parts.h"
 #include "convert.h"
 #include "rust/cxx.h"
 #include "workers.h"
@@ -63,51 +62,30 @@ class ContactSolver final : public btConstraintSolver {
     Sweep sweep() const { return sweep_; }
 
   private:
-    // A pair of a part: its bodies' places there, and the first of its rows.
-    struct PairRows {
-        const Touching *pair;
-        int a, b;
-        std::size_t first;
-    };
-    // What a thread needs to solve a part.
-    struct Desk {
-        std::vector<SolverBody> bodies; // of the part; the first is the world
-        std::vector<PairRows> pairs;
-        ContactRows rows;
-        std::vector<int> local;     // by driven body: its place in `bodies`, or 0
-        std::vector<int> driven_in; // whose place is not 0
-        Iterations iterations;
-    };
-
     const std::vector<Touching> &touching_;
     ContactLaw law_;
     Sweep sweep_;
     bool gyroscopic_;
     Workers &workers_;
-    Parts parts_;
-    std::vector<Link> links_;            // by pair that touches
     std::vector<Moving> moving_;         // every free body
-    std::vector<int> place_;             // of a free body in its part
     std::vector<btRigidBody *> driving_; // every driven body
-    std::vector<SolverBody> driven_;     // the same
-    bool sorted_ = false;                // moving_ and driving_ are the world's bodies
+    std::vector<int> place_;             // of a free body among bodies_
+    std::vector<SolverBody> bodies_;     // the world, free bodies along the specimen, driven ones
+    std::vector<PairPlace> places_;      // of the pairs that touch
+    Colours colours_;
+    Iterations iterations_;
+    bool sorted_ = false; // moving_ and driving_ are the world's bodies
     // By the body's number in its world: a new body may get the address of one that left.
     std::unordered_map<int, Drive> drives_, drives_now_;
-    std::vector<Desk> desks_;        // by worker
-    std::vector<std::size_t> small_; // parts that a thread solves by itself
     bool recording_ = false;
     unsigned steps_ = 0;
     double residual_ = 0;
-    std::vector<Look> looks_; // by part, in a step that is looked at
-    std::vector<SubstepRecord> records_;
     SubstepRecord recorded_;
 
-    void take_driven(double step);
-    // With `workers`, all of them work on the part.
-    void solve_part(std::size_t part, double step, Desk &desk, Workers *workers);
-    void begin_look();
-    void end_look();
-    int local_index(int id, Desk &desk) const;
+    std::size_t place(int id) const;
+    void sort_places();
+    void take_bodies(double step);
+    void take_pairs(double step);
 };
 
 } // namespace pluvia

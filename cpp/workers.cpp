@@ -2,17 +2,24 @@
 
 #include <algorithm>
 #include <chrono>
-#include <exception>
 
 namespace pluvia {
 
 namespace {
 
-// A step asks for several jobs within milliseconds. Who sleeps in between wakes
+// A step asks for hundreds of jobs within milliseconds. Who sleeps in between wakes
 // too late to help, and on the processor of who woke it: so workers stay
-// awake for a few of them, but leave the processor to whoever else wants it.
+// awake for a few milliseconds, but leave the processor to whoever else wants it.
 constexpr std::chrono::milliseconds AWAKE{4};
-constexpr int PAUSES = 64;
+
+// Looks at a number that another thread is about to write, before the processor is left.
+constexpr int LOOKS = 256;
+
+// As many before the stretch of a worker that does not come is taken from it: some
+// microseconds, longer than one that is awake needs.
+constexpr int PATIENCE = 128;
+
+constexpr std::uint64_t LEFT = 0xffffffffU; // of a ticket: the parts that nobody has taken
 
 void pause() {
 #if defined(__x86_64__)
@@ -20,72 +27,20 @@ void pause() {
 #endif
 }
 
-// Whether it came true within that time.
-template <class F> bool soon(const F &is_true) {
-    for (int i = 0; i < PAUSES; ++i) {
+// Whether it came true within some looks.
+template <class F> bool at_once(int looks, const F &is_true) {
+    for (int i = 0; i < looks; ++i) {
         if (is_true()) {
             return true;
         }
         pause();
     }
-    const auto until = std::chrono::steady_clock::now() + AWAKE;
-    do {
-        std::this_thread::yield();
-        if (is_true()) {
-            return true;
-        }
-    } while (std::chrono::steady_clock::now() < until);
     return false;
 }
 
 } // namespace
 
-struct Workers::Job {
-    std::size_t size, length;
-    const std::function<void(int, std::size_t, std::size_t)> &part;
-    std::vector<std::atomic<std::size_t>> next; // by worker: where its share goes on
-    std::atomic<bool> failed{false};
-    std::exception_ptr error; // of the first part that failed
-
-    Job(int count, std::size_t size, std::size_t length,
-        const std::function<void(int, std::size_t, std::size_t)> &part)
-        : size(size), length(length), part(part), next(static_cast<std::size_t>(count)) {
-        for (std::size_t share = 0; share < next.size(); ++share) {
-            next[share] = begin_of(share);
-        }
-    }
-
-    std::size_t begin_of(std::size_t share) const { return size * share / next.size(); }
-
-    // An exception may leave neither a thread nor, while others are at work, the
-    // job that they share.
-    void run(int worker) {
-        try {
-            run_parts(worker);
-        } catch (...) {
-            if (!failed.exchange(true)) {
-                error = std::current_exception();
-            }
-        }
-    }
-
-    // First the own share, then what others have left of theirs.
-    void run_parts(int worker) {
-        for (std::size_t i = 0; i < next.size(); ++i) {
-            const std::size_t share = (static_cast<std::size_t>(worker) + i) % next.size();
-            const std::size_t end = begin_of(share + 1);
-            for (;;) {
-                const std::size_t begin = next[share].fetch_add(length);
-                if (begin >= end) {
-                    break;
-                }
-                part(worker, begin, std::min(end, begin + length));
-            }
-        }
-    }
-};
-
-Workers::Workers(int count) {
+Workers::Workers(int count) : stretches_(static_cast<std::size_t>(count)) {
     for (int worker = 1; worker < count; ++worker) {
         threads_.emplace_back([this, worker] { work(worker); });
     }
@@ -102,66 +57,101 @@ Workers::~Workers() {
     }
 }
 
-void Workers::share(std::size_t size, std::size_t length,
-                    const std::function<void(int, std::size_t, std::size_t)> &part) {
-    if (size == 0) {
-        return;
+// Takes and does a part of a stretch. False where none is left. While a part that was taken
+// is not over, the job stays as it is; who takes none may look at nothing else of it.
+bool Workers::take_part(int worker, Stretch &stretch) {
+    std::uint64_t ticket = stretch.ticket.load();
+    do {
+        if ((ticket & LEFT) == 0) {
+            return false;
+        }
+    } while (!stretch.ticket.compare_exchange_weak(ticket, ticket - 1));
+    // Parts are counted from the end of the stretch.
+    const std::size_t before = ((ticket & LEFT) - 1) * job_.length;
+    const std::size_t begin = stretch.begin + before;
+    const std::size_t end = std::min(stretch.end, begin + job_.length);
+    // An exception may leave neither a thread nor, while others are at work, the
+    // job that they share.
+    try {
+        job_.call(job_.part, worker, begin, end);
+    } catch (...) {
+        if (!failed_.exchange(true)) {
+            error_ = std::current_exception();
+        }
     }
-    if (threads_.empty() || size <= length) {
-        part(0, 0, size);
-        return;
+    --open_;
+    return true;
+}
+
+void Workers::run(const Job &job) {
+    job_ = job;
+    failed_ = false;
+    ++number_;
+    const std::size_t count = stretches_.size();
+    std::size_t parts = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        Stretch &stretch = stretches_[i];
+        stretch.begin = job.size * i / count;
+        stretch.end = job.size * (i + 1) / count;
+        parts += (stretch.end - stretch.begin + job.length - 1) / job.length;
     }
-    Job job(count(), size, length, part);
-    {
+    open_ = parts;
+    for (Stretch &stretch : stretches_) {
+        const std::uint64_t own = (stretch.end - stretch.begin + job.length - 1) / job.length;
+        stretch.ticket = number_ << 32 | own;
+    }
+    if (asleep_ > 0) {
         const std::lock_guard<std::mutex> lock(mutex_);
-        job_ = &job;
-        ++round_;
+        begin_.notify_all();
     }
-    begin_.notify_all();
-    job.run(0);
-    // Nothing is left to take. Who has not come yet need not: where processors are
-    // shared, a worker may not run for milliseconds.
-    {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        job_ = nullptr;
+    while (take_part(0, stretches_[0])) {
     }
-    const auto ended = [this] { return busy_ == 0; };
-    if (!soon(ended)) {
-        std::unique_lock<std::mutex> lock(mutex_);
-        end_.wait(lock, ended);
+    for (Stretch &stretch : stretches_) {
+        const auto taken = [&stretch] { return (stretch.ticket.load() & LEFT) == 0; };
+        if (!stretch.late && at_once(PATIENCE, taken)) {
+            continue;
+        }
+        while (take_part(0, stretch)) {
+            stretch.late = true;
+        }
     }
-    if (job.failed) {
-        std::rethrow_exception(job.error);
+    const auto over = [this] { return open_ == 0; };
+    while (!at_once(LOOKS, over)) {
+        std::this_thread::yield();
+    }
+    if (failed_) {
+        std::rethrow_exception(error_);
     }
 }
 
-void Workers::work(int worker) {
-    unsigned long seen = 0;
-    for (;;) {
-        const auto called = [this, &seen] { return closing_ || round_ != seen; };
-        if (!soon(called)) {
-            std::unique_lock<std::mutex> lock(mutex_);
-            begin_.wait(lock, called);
+void Workers::wait_for_job(int worker, std::uint64_t seen) {
+    const Stretch &own = stretches_[static_cast<std::size_t>(worker)];
+    const auto called = [&] { return closing_ || own.ticket.load() >> 32 != seen; };
+    const auto until = std::chrono::steady_clock::now() + AWAKE;
+    do {
+        if (at_once(LOOKS, called)) {
+            return;
         }
+        std::this_thread::yield();
+    } while (std::chrono::steady_clock::now() < until);
+    std::unique_lock<std::mutex> lock(mutex_);
+    ++asleep_;
+    begin_.wait(lock, called);
+    --asleep_;
+}
+
+void Workers::work(int worker) {
+    Stretch &own = stretches_[static_cast<std::size_t>(worker)];
+    std::uint64_t seen = 0;
+    for (;;) {
+        wait_for_job(worker, seen);
         if (closing_) {
             return;
         }
-        Job *job = nullptr;
-        {
-            const std::lock_guard<std::mutex> lock(mutex_);
-            seen = round_;
-            job = job_;
-            busy_ += job ? 1 : 0;
+        seen = own.ticket.load() >> 32;
+        own.late = false;
+        while (take_part(worker, own)) {
         }
-        if (!job) {
-            continue; // it is over
-        }
-        job->run(worker);
-        {
-            const std::lock_guard<std::mutex> lock(mutex_);
-            --busy_;
-        }
-        end_.notify_one();
     }
 }
 

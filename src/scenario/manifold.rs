@@ -21,8 +21,8 @@ pub struct ManifoldSettings {
     #[schemars(range(min = 1, max = 10000))]
     pub sweeps: u32,
     /// Share of what contacts change of a body in a sub-step, on average, by which the
-    /// last sweep there or back may still change a contact, in the kinetic norm. Lower: forces
-    /// are found more exactly, by more sweeps; 1: no more than `sweeps`, but after
+    /// last iteration may still change any body, in the kinetic norm. Lower: forces
+    /// are found more exactly, by more iterations; 1: no more than `sweeps`, but after
     /// blows and among few contacts.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub solver_tolerance: f64,
@@ -40,9 +40,9 @@ pub struct ManifoldSettings {
     /// overlaps last; higher: they burst.
     #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 100.0))]
     pub push_out_speed_m_per_s: f64,
-    /// Threads that find contacts in one world. They change no bit of the
-    /// result, and are therefore left out of what is kept of a run; stages that
-    /// do not need each other already run at the same time (`--jobs`).
+    /// Threads that compute one world: they find its contacts, solve them and move its
+    /// bodies. They change no bit of the result, and are therefore left out of what is kept of a
+    /// run; stages that do not need each other already run at the same time (`--jobs`).
     #[schemars(range(min = 1, max = 1024))]
     #[serde(skip_serializing)]
     pub threads: u32,
@@ -78,7 +78,7 @@ impl Default for ManifoldSettings {
         Self {
             substep_rate_hz: 1440.0,
             sweeps: 8,
-            solver_tolerance: 0.005,
+            solver_tolerance: 0.0025,
             contact_stiffness_n_per_m: 10000.0,
             contact_damping_ratio: 1.0,
             push_out_speed_m_per_s: 0.3,

@@ -53,7 +53,7 @@ fn shaken(world: &mut BulletBackend, table: BodyId) -> Snapshot {
 fn run(manifold: ManifoldSettings) -> Snapshot {
     let mut world = world(manifold);
     let table = heap(&mut world);
-    // Heaps that do not touch are parts of their own, which threads share.
+    // Heaps far apart, so that threads have bodies that do not touch.
     heap_at(&mut world, 3.0);
     heap_at(&mut world, 6.0);
     shaken(&mut world, table)
@@ -68,8 +68,8 @@ fn threads_and_instructions_change_no_bit() {
         let same = reference == got;
         assert!(same, "law: {threads} threads, portable {portable}: the same bits as one");
     }
-    // The comparison can fail: other sweeps are another result.
-    let other = ManifoldSettings { sweeps: 6, ..Default::default() };
+    // The comparison can fail: another tolerance is another result.
+    let other = ManifoldSettings { solver_tolerance: 0.02, ..Default::default() };
     assert!(reference != run(other), "law: other settings, other bits");
 }
 

@@ -70,7 +70,7 @@ pub fn definition((own_collision, threads, portable, contacts_at_once): Kind) ->
         push_out_speed: 0.3,
         substeps: 4,
         sweeps: 5,
-        solver_tolerance: 0.005,
+        solver_tolerance: 0.0025,
         threads,
         portable,
         contacts_at_once,

@@ -1,0 +1,151 @@
+// The pairs of few bodies, copied to be iterated by themselves.
+#pragma once
+
+#include "contact_load.h"
+#include "workers.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace pluvia {
+
+// Packs that a thread takes at least: fewer do not pay for the others' coming.
+constexpr std::size_t PACKS_AT_ONCE = 8;
+
+template <class L> class Few {
+  public:
+    // Bodies 1 to `free` move.
+    Few(Problem<L> &problem, const Contacts &contacts, int free, Workers &workers)
+        : p_(problem), contacts_(contacts), free_(free), workers_(workers) {}
+
+    // Copies the pairs in the packs of `all` that active bodies have, colour by
+    // colour, and lists the bodies of these pairs.
+    void choose(const Turn &all) {
+        from_.clear();
+        turn_.packs.clear();
+        turn_.begin.assign(1, 0);
+        bodies_.clear();
+        listed_.assign(p_.bodies.motion.size(), 0);
+        plans_.clear();
+        int points = 0;
+        for (std::size_t c = 0; c < contacts_.colours.count(); ++c) {
+            const int width = contacts_.colours.in_order(c) ? 1 : Lane<L>::WIDTH;
+            int lane = width;
+            for (int i = all.begin[c]; i < all.begin[c + 1]; ++i) {
+                const int number = all.packs[static_cast<std::size_t>(i)];
+                const Pack<L> &pack = p_.all.packs[static_cast<std::size_t>(number)];
+                for (int n = 0; n < Lane<L>::WIDTH && pack.pair[n] >= 0; ++n) {
+                    if (!is_active(pack.a[n]) && !is_active(pack.b[n])) {
+                        continue;
+                    }
+                    if (lane == width) {
+                        turn_.packs.push_back(static_cast<int>(plans_.size()));
+                        plans_.push_back({static_cast<int>(from_.size()), 0, points});
+                        lane = 0;
+                    }
+                    from_.push_back({number, n});
+                    Plan &plan = plans_.back();
+                    const int own = points_of(pack.pair[n]);
+                    points += std::max(0, own - plan.points);
+                    plan.points = std::max(plan.points, own);
+                    ++lane;
+                    list(pack.a[n]);
+                    list(pack.b[n]);
+                }
+            }
+            turn_.begin.push_back(static_cast<int>(turn_.packs.size()));
+        }
+        p_.few.resize(plans_.size(), static_cast<std::size_t>(points));
+        workers_.share(plans_.size(), PACKS_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                copy(i);
+            }
+        });
+    }
+
+    // Puts their impulses back.
+    void put_back() {
+        workers_.share(plans_.size(), PACKS_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const int first = plans_[i].first;
+                lanes(i, [&](int lane, std::size_t number, int to_lane) {
+                    const Pack<L> &pack = p_.all.packs[number];
+                    for (int p = 0; p < points_of(pack.pair[to_lane]); ++p) {
+                        const Point<L> &from = p_.few.points[static_cast<std::size_t>(first + p)];
+                        Point<L> &to = p_.all.points[static_cast<std::size_t>(pack.first + p)];
+                        for (auto impulse :
+                             {&Point<L>::impulse, &Point<L>::impulse_1, &Point<L>::impulse_2}) {
+                            Lane<L>::set(to.*impulse, to_lane, Lane<L>::get(from.*impulse, lane));
+                        }
+                    }
+                });
+            }
+        });
+    }
+
+    const Turn &turn() const { return turn_; }
+    const std::vector<int> &bodies() const { return bodies_; }
+
+  private:
+    // Where a pair comes from, and the packs that they are put into.
+    struct From {
+        int pack, lane;
+    };
+    struct Plan {
+        int begin, points,
+            first; // in from_; of the pair that has most; in the copies
+    };
+
+    Problem<L> &p_;
+    const Contacts &contacts_;
+    int free_;
+    Workers &workers_;
+    Turn turn_;
+    std::vector<int> bodies_;
+    std::vector<From> from_;
+    std::vector<Plan> plans_;
+    std::vector<std::uint8_t> listed_; // by body
+
+    bool is_active(int body) const { return p_.active[static_cast<std::size_t>(body)] != 0; }
+    int points_of(int pair) const {
+        return contacts_.places[static_cast<std::size_t>(pair)].points;
+    }
+    void list(int body) {
+        std::uint8_t &listed = listed_[static_cast<std::size_t>(body)];
+        if (body > 0 && body <= free_ && listed == 0) {
+            listed = 1;
+            bodies_.push_back(body);
+        }
+    }
+
+    // Calls `what(lane, from pack, from lane)` for the pairs of a pack of the
+    // few.
+    template <class F> void lanes(std::size_t i, const F &what) const {
+        const auto begin = static_cast<std::size_t>(plans_[i].begin);
+        const std::size_t end =
+            i + 1 < plans_.size() ? static_cast<std::size_t>(plans_[i + 1].begin) : from_.size();
+        for (std::size_t k = begin; k < end; ++k) {
+            what(static_cast<int>(k - begin), static_cast<std::size_t>(from_[k].pack),
+                 from_[k].lane);
+        }
+    }
+
+    void copy(std::size_t i) {
+        Pack<L> &to = p_.few.packs[i];
+        clear_pack(to, plans_[i].first, plans_[i].points);
+        for (int p = 0; p < to.points; ++p) {
+            p_.few.points[static_cast<std::size_t>(to.first + p)] = Point<L>{};
+        }
+        lanes(i, [&](int lane, std::size_t number, int from_lane) {
+            const Pack<L> &from = p_.all.packs[number];
+            copy_lane(from, from_lane, to, lane);
+            for (int p = 0; p < points_of(from.pair[from_lane]); ++p) {
+                copy_lane(p_.all.points[static_cast<std::size_t>(from.first + p)], from_lane,
+                          p_.few.points[static_cast<std::size_t>(to.first + p)], lane);
+            }
+        });
+    }
+};
+
+} // namespace pluvia

@@ -1,0 +1,223 @@
+// Pairs and bodies on their way into the solver's packs and back.
+#pragma once
+
+#include "contact_colours.h"
+#include "contact_phases.h"
+#include "hull_algorithm.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pluvia {
+
+// The pairs of a step and their order.
+struct Contacts {
+    const std::vector<Touching> &touching;
+    const std::vector<PairPlace> &places;
+    const Colours &colours;
+};
+
+// A gap that nothing crosses in a step, in engine units: some tens of metres.
+constexpr double NEVER = 1e4;
+
+template <class N> Three<double> three(const N x[3]) {
+    return {static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2])};
+}
+
+// Two tangents of a unit normal (Duff et al. 2017, "Building an orthonormal
+// basis, revisited").
+inline void tangents(const Three<double> &n, Three<double> &t1, Three<double> &t2) {
+    const double sign = std::copysign(1.0, n.z);
+    const double a = -1.0 / (sign + n.z);
+    const double b = n.x * n.y * a;
+    t1 = {1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x};
+    t2 = {b, sign + n.y * n.y * a, -n.y};
+}
+
+// From B to A.
+inline Three<double> normal_of(const Touching &pair) {
+    return three(pair.state->memory.last.normal) * -1.0;
+}
+
+// From the centres of mass to point `p`, in the world.
+struct Arms {
+    Three<double> a, b;
+
+    Arms(const Touching &pair, int p) {
+        double arm[3];
+        pair.a->pose.turn(pair.state->memory.last.points[p].on_a, arm);
+        a = three(arm);
+        pair.b->pose.turn(pair.state->memory.last.points[p].on_b, arm);
+        b = three(arm);
+    }
+};
+
+template <class L> void set_three(Three<L> &lanes, int i, const Three<double> &value) {
+    using N = typename Lane<L>::Number;
+    Lane<L>::set(lanes.x, i, static_cast<N>(value.x));
+    Lane<L>::set(lanes.y, i, static_cast<N>(value.y));
+    Lane<L>::set(lanes.z, i, static_cast<N>(value.z));
+}
+
+// A pack without pairs.
+template <class L> void clear_pack(Pack<L> &pack, int first, int points) {
+    pack = Pack<L>{};
+    pack.first = first;
+    pack.points = points;
+    std::fill(pack.pair, pack.pair + Lane<L>::WIDTH, -1);
+}
+
+// One lane of numbers that follow each other in memory.
+template <class L>
+void copy_lanes(const L *from, int from_lane, L *to, int to_lane, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) {
+        Lane<L>::set(to[k], to_lane, Lane<L>::get(from[k], from_lane));
+    }
+}
+
+template <class L> void copy_lane(const Point<L> &from, int from_lane, Point<L> &to, int to_lane) {
+    static_assert(sizeof(Point<L>) % sizeof(L) == 0);
+    copy_lanes(reinterpret_cast<const L *>(&from), from_lane, reinterpret_cast<L *>(&to), to_lane,
+               sizeof(Point<L>) / sizeof(L));
+}
+
+template <class L> void copy_lane(const Pack<L> &from, int from_lane, Pack<L> &to, int to_lane) {
+    to.a[to_lane] = from.a[from_lane];
+    to.b[to_lane] = from.b[from_lane];
+    to.pair[to_lane] = from.pair[from_lane];
+    constexpr std::size_t COUNT = 3 * 3 + 2; // from the normal to the restitution
+    copy_lanes(&from.normal.x, from_lane, &to.normal.x, to_lane, COUNT);
+}
+
+// Puts the pairs of pack number `i` into its lanes. They begin with the last
+// step's impulses, whole: what is thrown away has to be found again in a few
+// iterations, and the packing creeps while it is not.
+template <class L>
+void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &places,
+          const Colours &colours, int substeps, std::size_t i, Problem<L> &problem) {
+    using N = typename Lane<L>::Number;
+    const Colours::Pack &plan = colours.packs()[i];
+    Pack<L> &pack = problem.all.packs[i];
+    clear_pack(pack, plan.first, plan.points);
+    problem.near[i] = plan.near;
+    const auto first = static_cast<std::size_t>(plan.first);
+    for (int p = 0; p < plan.points; ++p) {
+        problem.all.points[first + static_cast<std::size_t>(p)] = Point<L>{};
+        PointMemory<L> &m = problem.memory[first + static_cast<std::size_t>(p)];
+        m = PointMemory<L>{};
+        m.gap = L{} + static_cast<N>(NEVER);
+    }
+    for (int lane = 0; lane < plan.pairs; ++lane) {
+        const int number = colours.order()[static_cast<std::size_t>(plan.begin + lane)];
+        const PairPlace &place = places[static_cast<std::size_t>(number)];
+        const Touching &pair = touching[static_cast<std::size_t>(number)];
+        const KeptContact &contact = pair.state->memory.last;
+        const auto put = [lane](L &lanes, double value) {
+            Lane<L>::set(lanes, lane, static_cast<N>(value));
+        };
+        const Three<double> normal = normal_of(pair);
+        Three<double> tangent_1, tangent_2;
+        tangents(normal, tangent_1, tangent_2);
+        pack.a[lane] = place.a;
+        pack.b[lane] = place.b;
+        pack.pair[lane] = number;
+        set_three(pack.normal, lane, normal);
+        set_three(pack.tangent_1, lane, tangent_1);
+        set_three(pack.tangent_2, lane, tangent_2);
+        put(pack.friction, static_cast<double>(pair.state->friction));
+        put(pack.restitution, static_cast<double>(pair.state->restitution));
+        for (int p = 0; p < place.points; ++p) {
+            Point<L> &c = problem.all.points[first + static_cast<std::size_t>(p)];
+            PointMemory<L> &m = problem.memory[first + static_cast<std::size_t>(p)];
+            const Load &load = pair.state->loads[p];
+            const Arms arms(pair, p);
+            set_three(m.arm_a, lane, arms.a);
+            set_three(m.arm_b, lane, arms.b);
+            put(m.gap, static_cast<double>(contact.points[p].gap));
+            const Three<double> borne = three(load.impulse);
+            const double kept = static_cast<double>(load.kept) / substeps;
+            put(c.impulse, std::max(0.0, borne.dot(normal)) * kept);
+            put(c.impulse_1, borne.dot(tangent_1) * kept);
+            put(c.impulse_2, borne.dot(tangent_2) * kept);
+        }
+    }
+}
+
+// Writes what was found in pack number `i` to its pairs.
+template <class L>
+void unload(const Problem<L> &problem, const std::vector<Touching> &touching,
+            const std::vector<PairPlace> &places, int substeps, std::size_t i) {
+    const Pack<L> &pack = problem.all.packs[i];
+    for (int lane = 0; lane < Lane<L>::WIDTH && pack.pair[lane] >= 0; ++lane) {
+        const auto number = static_cast<std::size_t>(pack.pair[lane]);
+        const auto get = [lane](const L &lanes) {
+            return static_cast<double>(Lane<L>::get(lanes, lane));
+        };
+        const auto three_of = [&](const Three<L> &v) {
+            return Three<double>{get(v.x), get(v.y), get(v.z)};
+        };
+        for (int p = 0; p < places[number].points; ++p) {
+            const auto at = static_cast<std::size_t>(pack.first + p);
+            const PointMemory<L> &m = problem.memory[at];
+            const double impulse = get(m.total);
+            const Three<double> borne = three_of(pack.normal) * impulse +
+                                        three_of(pack.tangent_1) * get(m.total_1) +
+                                        three_of(pack.tangent_2) * get(m.total_2);
+            Load &load = touching[number].state->loads[p];
+            load.impulse[0] = static_cast<float>(borne.x);
+            load.impulse[1] = static_cast<float>(borne.y);
+            load.impulse[2] = static_cast<float>(borne.z);
+            load.kept = static_cast<float>(
+                impulse > 0 ? get(problem.all.points[at].impulse) * substeps / impulse : 1);
+        }
+    }
+}
+
+template <class N>
+void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
+          PackedBodies<N> &packed) {
+    const bool moves = body.inverse_mass > 0;
+    Three<double> velocity = body.velocity;
+    Three<double> spin = body.spin;
+    if (!moves) {
+        // A driven body's velocity is its mean in the step.
+        const double before = substep * (substeps + 1) / 2;
+        velocity = velocity - body.acceleration * before;
+        spin = spin - body.spin_up * before;
+    }
+    spin = body.inertia_root * spin;
+    const double motion[8] = {velocity.x, velocity.y, velocity.z, body.inverse_mass,
+                              spin.x,     spin.y,     spin.z,     moves ? 1.0 : 0.0};
+    const Symmetric<double> &m = body.inverse_inertia_root;
+    const double root[8] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, 0, 0};
+    const Three<double> v = body.acceleration * substep;
+    const Three<double> w = body.inertia_root * body.spin_up * substep;
+    const double forced[8] = {v.x, v.y, v.z, 0, w.x, w.y, w.z, 0};
+    for (int k = 0; k < 8; ++k) {
+        packed.motion[i].at[k] = static_cast<N>(motion[k]);
+        packed.root[i].at[k] = static_cast<N>(root[k]);
+        packed.way[i].at[k] = 0;
+        packed.forced[i].at[k] = static_cast<N>(forced[k]);
+    }
+}
+
+// A step without contacts: the sum over its sub-steps.
+inline void fly(SolverBody &body, int substeps, double substep) {
+    const double step = substeps * substep;
+    const double mean = step * (substep * (substeps + 1) / 2);
+    body.shift = body.velocity * step + body.acceleration * mean;
+    body.turn = body.spin * step + body.spin_up * mean;
+    body.velocity = body.velocity + body.acceleration * step;
+    body.spin = body.spin + body.spin_up * step;
+}
+
+template <class N> void unpack(const PackedBodies<N> &packed, std::size_t i, SolverBody &body) {
+    const auto &m = packed.motion[i].at;
+    const auto &w = packed.way[i].at;
+    body.velocity = {m[0], m[1], m[2]};
+    body.spin = body.inverse_inertia_root * Three<double>{m[4], m[5], m[6]};
+    body.shift = {w[0], w[1], w[2]};
+    body.turn = {w[4], w[5], w[6]};
+}
+
+} // namespace pluvia

@@ -1,0 +1,74 @@
+// Pairs and bodies side by side, as the arithmetic of the solver reads them.
+#pragma once
+
+#include "contact_law.h"
+#include "unset.h"
+
+#include <vector>
+
+namespace pluvia {
+
+// Pairs beside each other. The normal leads from B to A. Lanes without a pair hold the
+// world with itself, and points that a pair of the pack has less than another are too
+// far apart to meet: neither does anything.
+template <class L> struct alignas(64) Pack {
+    int a[Lane<L>::WIDTH], b[Lane<L>::WIDTH];
+    int pair[Lane<L>::WIDTH]; // its number among those that touch; -1 where there is none
+    int first, points;        // of its points among all, and how many
+    Three<L> normal, tangent_1, tangent_2;
+    L friction, restitution;
+};
+
+// A point of each pair of a pack: what iterations read and write.
+//
+// A body turns in these numbers by the root of its inertia times its spin, on
+// which an impulse acts by the lever alone: the root of the inverse inertia
+// times the moment of a unit impulse along normal or tangent.
+template <class L> struct alignas(64) Point {
+    Three<L> lever_a, lever_b;     // of the normal
+    Three<L> lever_1_a, lever_1_b; // of the tangents
+    Three<L> lever_2_a, lever_2_b;
+    L coupling_1, coupling_2; // normal speed that a unit impulse along a tangent gives
+    L tangent_mass;
+    L target, normal_mass, yield;
+    L most;                          // that the normal impulse may become
+    L impulse, impulse_1, impulse_2; // of the sub-step
+};
+
+// The rest about it: what a sub-step is set up from.
+template <class L> struct alignas(64) PointMemory {
+    Three<L> arm_a, arm_b;     // from the centres of mass when the step began
+    L gap;                     // then
+    L gap_now, approach, mass; // when the sub-step began; `mass` along the normal
+    // Of a sub-step with impacts: 1 for an impact, the normal impulse without
+    // restitution, and all that compression has brought it to.
+    L impact, solved, compression, compression_1, compression_2;
+    L total, total_1, total_2; // impulses of the step
+};
+
+// Of a point of each pair: what the last iteration changed, and the way that
+// it went on before that.
+template <class L> struct alignas(64) Search {
+    L change, change_1, change_2;
+    L way, way_1, way_2;
+};
+
+// Bodies in records, each kind by itself: what iterations read and write is the
+// motion alone. A body that is driven or stands still keeps its motion.
+template <class N> struct PackedBodies {
+    UnsetVector<Record<N>> motion; // velocity, inverse mass, inertia root times spin, 1 if it turns
+    UnsetVector<Record<N>> root; // of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz, -
+    UnsetVector<Record<N>> way;  // gone since the step began: shift, -, turn (a rotation vector), -
+    UnsetVector<Record<N>> forced; // what external forces add to the motion in a sub-step
+    UnsetVector<Record<N>> free;   // motion of the sub-step without contacts
+    UnsetVector<Record<N>> before; // motion before the last iteration
+    UnsetVector<Record<N>> search; // the way that the last iteration went on, in the motion
+
+    void resize(std::size_t count) {
+        for (auto *records : {&motion, &root, &way, &forced, &free, &before, &search}) {
+            records->resize(count);
+        }
+    }
+};
+
+} // namespace pluvia

@@ -1,0 +1,243 @@
+// What threads do to the pairs and bodies of a sub-step, one kind of work at a time.
+#pragma once
+
+#include "contact_impacts.h"
+#include "contact_residual.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace pluvia {
+
+// Each goes over packs or over bodies; of the others no result depends on the order.
+enum class Phase {
+    // Packs.
+    Aim,
+    Begin, // by colour
+    ClearSearch,
+    ForcesThere, // these four by colour, those back from the last to the first
+    ForcesBack,
+    ImpactsThere,
+    ImpactsBack,
+    Look,
+    Fastest,
+    Compress,
+    Restitute,
+    EndForces,
+    EndImpacts,
+    // Bodies.
+    Force,
+    BeginSearch,
+    GoOn,
+    Go,
+    // Blocks of bodies.
+    ForcesChange,
+    ImpactsChange,
+};
+
+// How much the last iteration changed bodies, as energies; by impacts, as squares of a speed.
+struct BodyChange {
+    double most = 0; // of one body
+    double all = 0;  // what contacts have changed in the sub-step, of all together
+    int touched = 0; // bodies
+    int active = 0;  // those that changed by more than asked for
+};
+
+// Sums are made block by block, so that they do not depend on who made which.
+constexpr std::size_t BODY_BLOCK = 64;
+
+// Pairs with what iterations keep of them.
+template <class L> struct Pairs {
+    UnsetVector<Pack<L>> packs;
+    UnsetVector<Point<L>> points;
+    UnsetVector<Search<L>> search;
+    std::vector<double> work; // by pack: what the last iteration changed
+
+    void resize(std::size_t pack_count, std::size_t point_count) {
+        packs.resize(pack_count);
+        work.resize(pack_count);
+        points.resize(point_count);
+        search.resize(point_count);
+    }
+};
+
+// The pairs and bodies of a step.
+template <class L> struct Problem {
+    using N = typename Lane<L>::Number;
+    Pairs<L> all;
+    UnsetVector<PointMemory<L>> memory; // of all points
+    std::vector<std::uint8_t> near;     // by pack
+    std::vector<std::uint8_t> awake;    // by pack: whether iterations visit it
+    Pairs<L> few;                       // copies of the pairs of few bodies
+    Pairs<L> *pairs;                    // which of them are gone over
+    PackedBodies<N> bodies;
+    std::vector<std::uint8_t> active;  // by body
+    std::vector<BodyChange> changes;   // by block
+    std::vector<Unsolved<L>> unsolved; // by worker
+    LaneLaw<N> law;
+    L beta;             // how far to go on along the way
+    double limit;       // from which on a body that changes is active
+    const int *list;    // packs or bodies to go over; null for all
+    std::size_t listed; // how many there are
+    Look *look;
+};
+
+template <class L>
+using Kernel = void (*)(Phase phase, Problem<L> &problem, int worker, std::size_t begin,
+                        std::size_t end);
+
+template <Solved WHAT, Half HALF, class L>
+PLUVIA_INLINE void visit_all(Problem<L> &p, int worker, std::size_t begin, std::size_t end) {
+    Unsolved<L> &unsolved = p.unsolved[static_cast<std::size_t>(worker)];
+    Unsolved<L> own = unsolved;
+    const L beta = p.beta;
+    Records<L> *const motion = p.bodies.motion.data();
+    for (std::size_t k = begin; k < end; ++k) {
+        const std::size_t at = HALF == Half::There ? k : begin + end - 1 - k;
+        const auto i = static_cast<std::size_t>(p.list[at]);
+        const Pack<L> &pack = p.pairs->packs[i];
+        if (HALF == Half::Back) {
+            own.work = L{};
+        }
+        visit<WHAT, HALF>(pack, &p.pairs->points[static_cast<std::size_t>(pack.first)],
+                          &p.pairs->search[static_cast<std::size_t>(pack.first)], beta, motion,
+                          own);
+        if (HALF == Half::Back) {
+            p.pairs->work[i] = sum(own.work);
+        }
+    }
+    unsolved = own;
+}
+
+template <Solved WHAT, class L> PLUVIA_INLINE void find_change(Problem<L> &p, std::size_t block) {
+    const std::size_t end = std::min(p.listed, (block + 1) * BODY_BLOCK);
+    const auto limit = static_cast<typename Lane<L>::Number>(p.limit);
+    BodyChange change;
+    for (std::size_t k = block * BODY_BLOCK; k < end; ++k) {
+        const auto b = static_cast<std::size_t>(p.list[k]);
+        const auto &now = p.bodies.motion[b];
+        auto one = energy(now, p.bodies.before[b]);
+        if (WHAT == Solved::Impacts) {
+            one *= now.at[3];
+        }
+        change.most = std::max(change.most, static_cast<double>(one));
+        p.active[b] = one > limit;
+        change.active += one > limit;
+        if (WHAT == Solved::Forces) {
+            const auto all = static_cast<double>(energy(now, p.bodies.free[b]));
+            change.all += all;
+            change.touched += all > 0;
+        }
+    }
+    p.changes[block] = change;
+}
+
+template <class L>
+PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, int worker, std::size_t begin,
+                             std::size_t end) {
+    using N = typename Lane<L>::Number;
+    Records<L> *const motion = p.bodies.motion.data();
+    const auto listed = [&p](std::size_t k) __attribute__((always_inline)) {
+        return p.list == nullptr ? k : static_cast<std::size_t>(p.list[k]);
+    };
+    // Calls `what(pack, points, memory, search, number)`.
+    const auto packs = [&](const auto &what) __attribute__((always_inline)) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t i = listed(k);
+            const Pack<L> &pack = p.pairs->packs[i];
+            const auto first = static_cast<std::size_t>(pack.first);
+            what(pack, &p.pairs->points[first], p.memory.data() + first, &p.pairs->search[first],
+                 i);
+        }
+    };
+    const auto bodies = [&](const auto &what) __attribute__((always_inline)) {
+        for (std::size_t k = begin; k < end; ++k) {
+            what(listed(k));
+        }
+    };
+    switch (phase) {
+    case Phase::Aim:
+        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t i)
+                  __attribute__((always_inline)) {
+                      aim(pack, points, memory, p.law, p.bodies);
+                      p.awake[i] = p.near[i] != 0 || bears(pack, points);
+                  });
+        break;
+    case Phase::Begin:
+        packs([&](const auto &pack, auto *points, auto *, auto *, std::size_t)
+                  __attribute__((always_inline)) { pluvia::begin(pack, points, motion); });
+        break;
+    case Phase::ClearSearch:
+        packs([&](const auto &pack, auto *, auto *, auto *search, std::size_t)
+                  __attribute__((always_inline)) {
+                      for (int n = 0; n < pack.points; ++n) {
+                          search[n] = Search<L>{};
+                      }
+                  });
+        break;
+    case Phase::ForcesThere:
+        visit_all<Solved::Forces, Half::There>(p, worker, begin, end);
+        break;
+    case Phase::ForcesBack:
+        visit_all<Solved::Forces, Half::Back>(p, worker, begin, end);
+        break;
+    case Phase::ImpactsThere:
+        visit_all<Solved::Impacts, Half::There>(p, worker, begin, end);
+        break;
+    case Phase::ImpactsBack:
+        visit_all<Solved::Impacts, Half::Back>(p, worker, begin, end);
+        break;
+    case Phase::Look:
+        packs([&](const auto &pack, auto *points, auto *, auto *, std::size_t) __attribute__((
+            always_inline)) { add_residual(pack, points, motion, p.look->residual); });
+        break;
+    case Phase::Fastest: {
+        L &fastest = p.unsolved[static_cast<std::size_t>(worker)].fastest;
+        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
+            always_inline)) { find_fastest(pack, points, memory, motion, p.law, fastest); });
+        break;
+    }
+    case Phase::Compress:
+        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
+            always_inline)) { begin_compression(pack, points, memory, motion, p.law); });
+        break;
+    case Phase::Restitute:
+        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
+            always_inline)) { begin_restitution(pack, points, memory, motion); });
+        break;
+    case Phase::EndForces:
+        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t)
+                  __attribute__((always_inline)) { end_forces(pack, points, memory); });
+        break;
+    case Phase::EndImpacts:
+        packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t)
+                  __attribute__((always_inline)) { end_impacts(pack, points, memory); });
+        break;
+    case Phase::Force:
+        bodies([&](std::size_t b) __attribute__((always_inline)) { force(p.bodies, b); });
+        break;
+    case Phase::BeginSearch:
+        bodies([&](std::size_t b) __attribute__((always_inline)) { begin_search(p.bodies, b); });
+        break;
+    case Phase::GoOn: {
+        const N beta = Lane<L>::get(p.beta, 0);
+        bodies([&](std::size_t b) __attribute__((always_inline)) { go_on(p.bodies, b, beta); });
+        break;
+    }
+    case Phase::Go:
+        bodies([&](std::size_t b) __attribute__((always_inline)) { go(p.bodies, b, p.law.step); });
+        break;
+    case Phase::ForcesChange:
+    case Phase::ImpactsChange:
+        for (std::size_t block = begin; block < end; ++block) {
+            if (phase == Phase::ForcesChange) {
+                find_change<Solved::Forces>(p, block);
+            } else {
+                find_change<Solved::Impacts>(p, block);
+            }
+        }
+        break;
+    }
+}
+
+} // namespace pluvia

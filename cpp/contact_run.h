@@ -1,0 +1,337 @@
+// The control of the sub-steps of a step: what is done when, by all threads.
+#pragma once
+
+#include "contact_few.h"
+
+#include <cmath>
+
+namespace pluvia {
+
+// Most iterations in a sub-step, unless more are asked for; those of a part of
+// the pairs count by that part.
+constexpr int MOST_ITERATIONS = 256;
+
+// Among few pairs there are more iterations than asked for, until this number
+// of packs has been solved or there were so many: they cost nothing, without
+// them a single block is half a percent of its way off after it has slid, and
+// one that meets two supports needs hundreds for the impact.
+constexpr int SMALL_WORK = 512;
+constexpr int SMALL_ITERATIONS = 32;
+constexpr int SMALL_IMPACT_ITERATIONS = 256;
+
+// Once no more than one in this number of bodies changes too much, iterations
+// go over the pairs of those alone, up to so many times.
+constexpr int FEW = 32;
+constexpr int LOCAL_ITERATIONS = 16;
+
+// Share of what a body may change when all is solved, that it may change in an
+// iteration over the pairs of few bodies.
+constexpr double LOCAL_SHARE = 0.25;
+
+// Iterations begin anew when one changes more than the last by this factor; and
+// the farthest that they go on, as a share. Found on sub-steps of shaken
+// specimens of 364 and 1456 grains: farther, single grains are not solved, for
+// friction is no gradient of anything.
+constexpr double WORSE = 1.25;
+constexpr double FARTHEST = 0.85;
+
+// Bodies that a thread takes at least.
+constexpr std::size_t BODIES_AT_ONCE = 128;
+
+// How far iterations go on along the way, as a share of the last.
+class Pace {
+  public:
+    // `work`: what the last iteration changed, as an energy.
+    double next(double work) {
+        const bool worse = last_ > 0 && work > WORSE * last_;
+        last_ = work;
+        const double t = worse ? 1 : t_;
+        t_ = worse ? 1 : (1 + std::sqrt(1 + 4 * t * t)) / 2;
+        return worse ? 0 : std::min((t - 1) / t_, FARTHEST);
+    }
+
+    // What comes next is not compared with what was before.
+    void forget_work() { last_ = 0; }
+
+  private:
+    double t_ = 1;    // Nesterov's sequence
+    double last_ = 0; // work
+};
+
+// All sub-steps of a step.
+template <class L> class Run {
+    using N = typename Lane<L>::Number;
+
+  public:
+    Run(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts, int free, int iterations,
+        Workers &workers)
+        : p_(problem), kernel_(kernel), contacts_(contacts), least_(iterations), workers_(workers),
+          few_(problem, contacts, free, workers) {
+        const auto bodies = p_.bodies.motion.size();
+        p_.active.assign(bodies, 0);
+        p_.unsolved.assign(static_cast<std::size_t>(workers.count()), Unsolved<L>{});
+        for (int b = 1; b <= free; ++b) {
+            if (contacts.colours.touched(b)) {
+                touched_.push_back(b);
+            }
+        }
+    }
+
+    void substep(Look *look) {
+        over_packs(Phase::Aim, nullptr, p_.all.packs.size());
+        over_bodies(Phase::Force, nullptr, p_.bodies.motion.size());
+        if (look != nullptr && look->record != nullptr) {
+            record_bodies(p_.bodies, false, *look->record);
+        }
+        choose_awake();
+        by_colour(Phase::Begin, all_, false);
+        iterate<Solved::Forces>(p_.law.unsolved_speed);
+        if (look != nullptr) {
+            look_at(*look);
+        }
+        over_bodies(Phase::Go, nullptr, p_.bodies.motion.size());
+        const N fastest = fastest_impact();
+        if (!(fastest > 0)) {
+            over_packs(Phase::EndForces, nullptr, p_.all.packs.size());
+            return;
+        }
+        const N limit = std::max(p_.law.restitution_speed, fastest * IMPACT_SHARE<L>);
+        over_packs(Phase::Compress, nullptr, p_.all.packs.size());
+        iterate<Solved::Impacts>(limit);
+        over_packs(Phase::Restitute, nullptr, p_.all.packs.size());
+        iterate<Solved::Impacts>(limit);
+        over_packs(Phase::EndImpacts, nullptr, p_.all.packs.size());
+    }
+
+  private:
+    Problem<L> &p_;
+    Kernel<L> kernel_;
+    const Contacts &contacts_;
+    int least_; // iterations
+    Workers &workers_;
+    std::vector<int> touched_; // bodies
+    Turn all_, asleep_;
+    Few<L> few_;
+
+    void over(Phase phase, const int *list, std::size_t size, std::size_t at_once) {
+        p_.list = list;
+        p_.listed = size;
+        const std::size_t share = (size + static_cast<std::size_t>(workers_.count()) - 1) /
+                                  static_cast<std::size_t>(workers_.count());
+        workers_.share(size, std::max(at_once, share),
+                       [&](int worker, std::size_t begin, std::size_t end) {
+                           kernel_(phase, p_, worker, begin, end);
+                       });
+    }
+    void over_packs(Phase phase, const int *list, std::size_t size) {
+        over(phase, list, size, PACKS_AT_ONCE);
+    }
+    void over_bodies(Phase phase, const int *list, std::size_t size) {
+        over(phase, list, size, BODIES_AT_ONCE);
+    }
+
+    void by_colour(Phase phase, const Turn &turn, bool back) {
+        const std::size_t colours = turn.begin.size() - 1;
+        for (std::size_t k = 0; k < colours; ++k) {
+            const std::size_t c = back ? colours - 1 - k : k;
+            const int *const list = turn.packs.data() + turn.begin[c];
+            const auto size = static_cast<std::size_t>(turn.begin[c + 1] - turn.begin[c]);
+            if (size == 0) {
+                continue;
+            }
+            if (contacts_.colours.in_order(c)) {
+                p_.list = list;
+                kernel_(phase, p_, 0, 0, size);
+            } else {
+                over_packs(phase, list, size);
+            }
+        }
+    }
+
+    void choose_awake() {
+        all_.choose(contacts_.colours, [&](std::size_t i) { return p_.awake[i] != 0; });
+        asleep_.choose(contacts_.colours, [&](std::size_t i) { return p_.awake[i] == 0; });
+    }
+
+    Unsolved<L> take_unsolved() {
+        Unsolved<L> all;
+        for (Unsolved<L> &own : p_.unsolved) {
+            all.speed = larger(all.speed, own.speed);
+            all.fastest = larger(all.fastest, own.fastest);
+            own = Unsolved<L>{};
+        }
+        return all;
+    }
+
+    BodyChange change(bool impacts, const std::vector<int> &bodies) {
+        const std::size_t blocks = (bodies.size() + BODY_BLOCK - 1) / BODY_BLOCK;
+        p_.changes.resize(blocks);
+        p_.list = bodies.data();
+        p_.listed = bodies.size();
+        const Phase phase = impacts ? Phase::ImpactsChange : Phase::ForcesChange;
+        workers_.share(
+            blocks, std::max<std::size_t>(2, blocks / static_cast<std::size_t>(workers_.count())),
+            [&](int worker, std::size_t begin, std::size_t end) {
+                kernel_(phase, p_, worker, begin, end);
+            });
+        BodyChange all;
+        for (const BodyChange &one : p_.changes) {
+            all.most = std::max(all.most, one.most);
+            all.all += one.all;
+            all.touched += one.touched;
+            all.active += one.active;
+        }
+        return all;
+    }
+
+    // Iterations begin without a way.
+    void begin_search(const Turn &turn, const std::vector<int> &bodies) {
+        over_packs(Phase::ClearSearch, turn.packs.data(), turn.packs.size());
+        over_bodies(Phase::BeginSearch, bodies.data(), bodies.size());
+    }
+
+    // Goes over the contacts that are awake until they are solved: until less
+    // than `limit` of speed is unsolved, and no body changes by more than asked
+    // for.
+    //
+    // A contact that bears nothing and is not approached too fast is left as it
+    // is. So those that are asleep are looked at in the first iteration, every so
+    // many, and when all others are solved; they take part in all iterations from
+    // when one of their pack bears something.
+    template <Solved WHAT> void iterate(N limit) {
+        constexpr bool IMPACTS = WHAT == Solved::Impacts;
+        const Phase there = IMPACTS ? Phase::ImpactsThere : Phase::ForcesThere;
+        const Phase back = IMPACTS ? Phase::ImpactsBack : Phase::ForcesBack;
+        const int packs = std::max(1, static_cast<int>(p_.all.packs.size()));
+        const int few = IMPACTS ? SMALL_IMPACT_ITERATIONS : SMALL_ITERATIONS;
+        const int least = std::max(least_, std::min(few, SMALL_WORK / packs));
+        const int most = std::max(MOST_ITERATIONS, least);
+        double left = static_cast<double>(most) * packs;
+        // What a body may change.
+        double allowed =
+            IMPACTS ? 0.25 * static_cast<double>(limit) * static_cast<double>(limit) : 0;
+        Pace pace, whole; // of the iterations at hand; of those over all
+        int local = 0;    // iterations over the few, since there were some over all
+        bool over_few = false;
+        take_unsolved();
+        over_packs(Phase::ClearSearch, nullptr, p_.all.packs.size());
+        over_bodies(Phase::BeginSearch, touched_.data(), touched_.size());
+        p_.beta = L{};
+        for (int n = 1; left > 0; ++n) {
+            const Turn &turn = over_few ? few_.turn() : all_;
+            const std::vector<int> &bodies = over_few ? few_.bodies() : touched_;
+            by_colour(there, turn, false);
+            by_colour(back, turn, true);
+            left -= std::max<double>(1, static_cast<double>(turn.packs.size()));
+            const Unsolved<L> unsolved = take_unsolved();
+            p_.limit = LOCAL_SHARE * allowed;
+            const BodyChange changed = change(IMPACTS, bodies);
+            if (over_few) {
+                if (++local < LOCAL_ITERATIONS && changed.most > p_.limit) {
+                    go_on(turn, bodies, pace);
+                    continue;
+                }
+                few_.put_back();
+                over_few = false;
+                p_.pairs = &p_.all;
+                pace = whole;
+                pace.forget_work();
+                begin_search(all_, touched_);
+                p_.beta = L{};
+                continue;
+            }
+            if (!IMPACTS) {
+                allowed = changed.touched > 0 ? p_.law.unsolved_share * p_.law.unsolved_share *
+                                                    changed.all / changed.touched
+                                              : 0;
+            }
+            const bool solved = n >= least && changed.most <= allowed &&
+                                (IMPACTS || !any_larger(unsolved.speed, limit));
+            if ((n == 1 || n % least == 0 || solved) && !wake(back, limit) && solved) {
+                break;
+            }
+            if (n >= least && changed.active > 0 &&
+                changed.active * FEW < static_cast<int>(touched_.size()) &&
+                changed.most > allowed) {
+                few_.choose(all_);
+                over_few = true;
+                p_.pairs = &p_.few;
+                local = 0;
+                whole = pace;
+                pace = Pace{};
+                begin_search(few_.turn(), few_.bodies());
+                p_.beta = L{};
+                continue;
+            }
+            go_on(turn, bodies, pace);
+        }
+        if (over_few) {
+            few_.put_back();
+            p_.pairs = &p_.all;
+        }
+    }
+
+    // Goes on along the way, the farther the more iterations there were since it
+    // began anew.
+    void go_on(const Turn &turn, const std::vector<int> &bodies, Pace &pace) {
+        double work = 0;
+        for (const int i : turn.packs) {
+            work += p_.pairs->work[static_cast<std::size_t>(i)];
+        }
+        p_.beta = L{} + static_cast<N>(pace.next(work));
+        over_bodies(Phase::GoOn, bodies.data(), bodies.size());
+    }
+
+    // Looks at the pairs that are asleep. Whether one woke, or is met too fast.
+    bool wake(Phase back, N limit) {
+        if (asleep_.packs.empty()) {
+            return false;
+        }
+        p_.beta = L{};
+        by_colour(back, asleep_, true);
+        bool woke = any_larger(take_unsolved().speed, limit);
+        bool any = false;
+        for (const int number : asleep_.packs) {
+            const auto i = static_cast<std::size_t>(number);
+            const Pack<L> &pack = p_.all.packs[i];
+            if (bears(pack, &p_.all.points[static_cast<std::size_t>(pack.first)])) {
+                p_.awake[i] = 1;
+                any = true;
+            }
+        }
+        if (any) {
+            choose_awake();
+        }
+        return woke || any;
+    }
+
+    void look_at(Look &look) {
+        p_.look = &look;
+        p_.list = nullptr;
+        kernel_(Phase::Look, p_, 0, 0, p_.all.packs.size());
+        if (look.record == nullptr) {
+            return;
+        }
+        record_bodies(p_.bodies, true, *look.record);
+        look.record->contacts.clear();
+        for (const Pack<L> &pack : p_.all.packs) {
+            const auto first = static_cast<std::size_t>(pack.first);
+            record_contacts(
+                pack, &p_.all.points[first], &p_.memory[first],
+                [&](int pair) { return contacts_.places[static_cast<std::size_t>(pair)].points; },
+                *look.record);
+        }
+    }
+
+    N fastest_impact() {
+        over_packs(Phase::Fastest, nullptr, p_.all.packs.size());
+        const L found = take_unsolved().fastest;
+        N fastest = 0;
+        for (int i = 0; i < Lane<L>::WIDTH; ++i) {
+            fastest = std::max(fastest, Lane<L>::get(found, i));
+        }
+        return fastest;
+    }
+};
+
+} // namespace pluvia
