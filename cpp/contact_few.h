@@ -26,6 +26,7 @@ template <class L> class Few {
         turn_.packs.clear();
         turn_.begin.assign(1, 0);
         bodies_.clear();
+        start_.clear();
         listed_.assign(p_.bodies.motion.size(), 0);
         plans_.clear();
         int points = 0;
@@ -84,6 +85,23 @@ template <class L> class Few {
         });
     }
 
+    // Makes those active that were not solved, and those beside them that have changed by more
+    // than `limit` since they were chosen, as an energy or for impacts the square of a speed: all
+    // other bodies are as they were. False where there are none.
+    bool spread(bool impacts, double limit) {
+        bool any = false;
+        for (std::size_t k = 0; k < bodies_.size(); ++k) {
+            const auto b = static_cast<std::size_t>(bodies_[k]);
+            if (listed_[b] == BESIDE) {
+                const auto &now = p_.bodies.motion[b];
+                const auto moved = energy(now, start_[k]) * (impacts ? now.at[3] : 1);
+                p_.active[b] = static_cast<double>(moved) > limit;
+            }
+            any = any || p_.active[b] != 0;
+        }
+        return any;
+    }
+
     const Turn &turn() const { return turn_; }
     const std::vector<int> &bodies() const { return bodies_; }
 
@@ -105,7 +123,9 @@ template <class L> class Few {
     std::vector<int> bodies_;
     std::vector<From> from_;
     std::vector<Plan> plans_;
-    std::vector<std::uint8_t> listed_; // by body
+    std::vector<Record<typename Lane<L>::Number>> start_; // motion of each when it was chosen
+    static constexpr std::uint8_t CHOSEN = 2, BESIDE = 1;
+    std::vector<std::uint8_t> listed_; // by body: whether it was active, or has a pair with one
 
     bool is_active(int body) const { return p_.active[static_cast<std::size_t>(body)] != 0; }
     int points_of(int pair) const {
@@ -114,8 +134,9 @@ template <class L> class Few {
     void list(int body) {
         std::uint8_t &listed = listed_[static_cast<std::size_t>(body)];
         if (body > 0 && body <= free_ && listed == 0) {
-            listed = 1;
+            listed = is_active(body) ? CHOSEN : BESIDE;
             bodies_.push_back(body);
+            start_.push_back(p_.bodies.motion[static_cast<std::size_t>(body)]);
         }
     }
 

@@ -24,6 +24,9 @@ constexpr int SMALL_IMPACT_ITERATIONS = 256;
 constexpr int FEW = 32;
 constexpr int LOCAL_ITERATIONS = 16;
 
+// How often those beside them that were moved by it become the few, before all are looked at.
+constexpr int MOST_SPREADS = 16;
+
 // Share of what a body may change when all is solved, that it may change in an
 // iteration over the pairs of few bodies.
 constexpr double LOCAL_SHARE = 0.25;
@@ -211,7 +214,8 @@ template <class L> class Run {
         double allowed =
             IMPACTS ? 0.25 * static_cast<double>(limit) * static_cast<double>(limit) : 0;
         Pace pace, whole; // of the iterations at hand; of those over all
-        int local = 0;    // iterations over the few, since there were some over all
+        int local = 0;    // iterations over the few at hand
+        int spread = 0;   // how often others became the few, since there were iterations over all
         bool over_few = false;
         take_unsolved();
         over_packs(Phase::ClearSearch, nullptr, p_.all.packs.size());
@@ -232,6 +236,12 @@ template <class L> class Run {
                     continue;
                 }
                 few_.put_back();
+                if (++spread < MOST_SPREADS && few_.spread(IMPACTS, p_.limit)) {
+                    choose_few();
+                    local = 0;
+                    pace = Pace{};
+                    continue;
+                }
                 over_few = false;
                 p_.pairs = &p_.all;
                 pace = whole;
@@ -253,14 +263,12 @@ template <class L> class Run {
             if (n >= least && changed.active > 0 &&
                 changed.active * FEW < static_cast<int>(touched_.size()) &&
                 changed.most > allowed) {
-                few_.choose(all_);
+                choose_few();
                 over_few = true;
-                p_.pairs = &p_.few;
                 local = 0;
+                spread = 0;
                 whole = pace;
                 pace = Pace{};
-                begin_search(few_.turn(), few_.bodies());
-                p_.beta = L{};
                 continue;
             }
             go_on(turn, bodies, pace);
@@ -269,6 +277,13 @@ template <class L> class Run {
             few_.put_back();
             p_.pairs = &p_.all;
         }
+    }
+
+    void choose_few() {
+        few_.choose(all_);
+        p_.pairs = &p_.few;
+        begin_search(few_.turn(), few_.bodies());
+        p_.beta = L{};
     }
 
     // Goes on along the way, the farther the more iterations there were since it
