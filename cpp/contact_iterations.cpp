@@ -54,7 +54,7 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, doub
     problem.bodies.resize(bodies.size());
     workers.share(packs, PACKS_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            load(contacts.touching, contacts.places, colours, law.substeps, i, problem);
+            load(contacts.touching, contacts.places, colours, free, law.substeps, i, problem);
         }
     });
     workers.share(bodies.size(), BODIES_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {

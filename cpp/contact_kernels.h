@@ -41,12 +41,14 @@ PLUVIA_INLINE void gather_motion(const Records<L> *motion, const int *index, Sid
     side.turns = f[7];
 }
 
-// What does not move may stand in several lanes; all write what was there.
+// What does not move may stand in several lanes, and be read by several threads: it is not
+// written.
 template <class L>
-PLUVIA_INLINE void scatter_motion(const Side<L> &side, const int *index, Records<L> *motion) {
+PLUVIA_INLINE void scatter_motion(const Side<L> &side, const int *index, unsigned still,
+                                  Records<L> *motion) {
     const L f[8] = {side.velocity.x, side.velocity.y, side.velocity.z, side.inverse_mass,
                     side.spin.x,     side.spin.y,     side.spin.z,     side.turns};
-    scatter(f, index, motion);
+    scatter(f, index, still, motion);
 }
 
 // Both sides of a pack.
@@ -58,8 +60,8 @@ template <class L> struct Sides {
         gather_motion(motion, pack.b, b);
     }
     PLUVIA_INLINE void put_back(const Pack<L> &pack, Records<L> *motion) const {
-        scatter_motion(a, pack.a, motion);
-        scatter_motion(b, pack.b, motion);
+        scatter_motion(a, pack.a, pack.still_a, motion);
+        scatter_motion(b, pack.b, pack.still_b, motion);
     }
 };
 

@@ -64,7 +64,12 @@ template <class L> void clear_pack(Pack<L> &pack, int first, int points) {
     pack = Pack<L>{};
     pack.first = first;
     pack.points = points;
+    pack.still_a = pack.still_b = (1U << Lane<L>::WIDTH) - 1;
     std::fill(pack.pair, pack.pair + Lane<L>::WIDTH, -1);
+}
+
+inline unsigned with_bit(unsigned bits, int place, unsigned bit) {
+    return (bits & ~(1U << place)) | bit << place;
 }
 
 // One lane of numbers that follow each other in memory.
@@ -85,6 +90,8 @@ template <class L> void copy_lane(const Pack<L> &from, int from_lane, Pack<L> &t
     to.a[to_lane] = from.a[from_lane];
     to.b[to_lane] = from.b[from_lane];
     to.pair[to_lane] = from.pair[from_lane];
+    to.still_a = with_bit(to.still_a, to_lane, from.still_a >> from_lane & 1);
+    to.still_b = with_bit(to.still_b, to_lane, from.still_b >> from_lane & 1);
     constexpr std::size_t COUNT = 3 * 3 + 2; // from the normal to the restitution
     copy_lanes(&from.normal.x, from_lane, &to.normal.x, to_lane, COUNT);
 }
@@ -94,7 +101,7 @@ template <class L> void copy_lane(const Pack<L> &from, int from_lane, Pack<L> &t
 // iterations, and the packing creeps while it is not.
 template <class L>
 void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &places,
-          const Colours &colours, int substeps, std::size_t i, Problem<L> &problem) {
+          const Colours &colours, int free, int substeps, std::size_t i, Problem<L> &problem) {
     using N = typename Lane<L>::Number;
     const Colours::Pack &plan = colours.packs()[i];
     Pack<L> &pack = problem.all.packs[i];
@@ -121,6 +128,8 @@ void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &p
         pack.a[lane] = place.a;
         pack.b[lane] = place.b;
         pack.pair[lane] = number;
+        pack.still_a = with_bit(pack.still_a, lane, place.a > 0 && place.a <= free ? 0 : 1);
+        pack.still_b = with_bit(pack.still_b, lane, place.b > 0 && place.b <= free ? 0 : 1);
         set_three(pack.normal, lane, normal);
         set_three(pack.tangent_1, lane, tangent_1);
         set_three(pack.tangent_2, lane, tangent_2);

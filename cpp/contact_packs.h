@@ -13,8 +13,9 @@ namespace pluvia {
 // far apart to meet: neither does anything.
 template <class L> struct alignas(64) Pack {
     int a[Lane<L>::WIDTH], b[Lane<L>::WIDTH];
-    int pair[Lane<L>::WIDTH]; // its number among those that touch; -1 where there is none
-    int first, points;        // of its points among all, and how many
+    int pair[Lane<L>::WIDTH];  // its number among those that touch; -1 where there is none
+    int first, points;         // of its points among all, and how many
+    unsigned still_a, still_b; // a bit for each lane whose body does not move
     Three<L> normal, tangent_1, tangent_2;
     L friction, restitution;
 };

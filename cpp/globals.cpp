@@ -31,14 +31,15 @@ GlobalsHold::GlobalsHold(const GlobalSettings &settings)
             "Bullet keeps the contact threshold and the broadphase margin once for the whole "
             "process, and another world with other values is alive");
     }
-    gDbvtMargin = settings.broadphase_margin;
-    gCalculateCombinedFrictionCallback = &combined_friction;
-    gCalculateCombinedRestitutionCallback = &combined_restitution;
-    if (reads_threshold_) {
-        gContactBreakingThreshold = settings.contact_breaking_threshold;
-        ++threshold_holders;
+    // Written by the first alone: the others' threads may be reading.
+    if (holders++ == 0) {
+        gDbvtMargin = settings.broadphase_margin;
+        gCalculateCombinedFrictionCallback = &combined_friction;
+        gCalculateCombinedRestitutionCallback = &combined_restitution;
     }
-    ++holders;
+    if (reads_threshold_ && threshold_holders++ == 0) {
+        gContactBreakingThreshold = settings.contact_breaking_threshold;
+    }
 }
 
 GlobalsHold::~GlobalsHold() {

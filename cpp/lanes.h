@@ -44,9 +44,13 @@ inline __attribute__((always_inline)) void gather(const Record<N> *records, cons
     }
 }
 
+// Back again, but for the lanes whose bits are set in `except`.
 template <class N>
 inline __attribute__((always_inline)) void scatter(const double (&f)[8], const int *index,
-                                                   Record<N> *records) {
+                                                   unsigned except, Record<N> *records) {
+    if (except != 0) {
+        return;
+    }
     double *to = records[index[0]].at;
 #pragma GCC unroll 8
     for (int k = 0; k < 8; ++k) {
@@ -93,17 +97,21 @@ inline __attribute__((always_inline)) void gather(const Record<N> *records, cons
 
 template <class N>
 inline __attribute__((always_inline)) void scatter(const Float8 (&f)[8], const int *index,
-                                                   Record<N> *records) {
+                                                   unsigned except, Record<N> *records) {
 #pragma GCC unroll 2
     for (int half = 0; half < 8; half += 4) {
         Float8 r[4] = {f[half], f[half + 1], f[half + 2], f[half + 3]};
         transpose(r);
 #pragma GCC unroll 4
         for (int i = 0; i < 4; ++i) {
-            *reinterpret_cast<Float4 *>(records[index[i]].at + half) =
-                __builtin_shufflevector(r[i], r[i], 0, 1, 2, 3);
-            *reinterpret_cast<Float4 *>(records[index[i + 4]].at + half) =
-                __builtin_shufflevector(r[i], r[i], 4, 5, 6, 7);
+            if ((except >> i & 1) == 0) {
+                *reinterpret_cast<Float4 *>(records[index[i]].at + half) =
+                    __builtin_shufflevector(r[i], r[i], 0, 1, 2, 3);
+            }
+            if ((except >> (i + 4) & 1) == 0) {
+                *reinterpret_cast<Float4 *>(records[index[i + 4]].at + half) =
+                    __builtin_shufflevector(r[i], r[i], 4, 5, 6, 7);
+            }
         }
     }
 }
