@@ -125,31 +125,30 @@ SolverBody driven_body(const btRigidBody &body, double step, Drive &drive) {
 // changes while it turns; the spin it has half a step on, from the angular
 // momentum it had on average, turns it right to the second order (midpoint
 // rule).
-void move_body(const Moving &moving, double step, bool gyroscopic) {
-    btRigidBody &body = *moving.body;
+void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gyroscopic) {
     const double rate = 1 / step;
     const btVector3 inertia = moments(body);
     const bool uneven = gyroscopic && !even(inertia);
-    btVector3 spin = vector(moving.turn * rate);
+    btVector3 spin = vector(solved.turn * rate);
     btVector3 momentum(0, 0, 0); // at the end of the step, in world axes
     if (uneven) {
         const btMatrix3x3 &basis = body.getWorldTransform().getBasis();
-        momentum = momentum_of(vector(moving.spin), inertia, basis);
+        momentum = momentum_of(vector(solved.spin), inertia, basis);
         const btScalar half = static_cast<btScalar>(step / 2);
         spin = spin_of(momentum_of(spin, inertia, basis), body.getInvInertiaDiagLocal(),
                        turned(basis, spin, half));
     }
-    body.setLinearVelocity(vector(moving.shift * rate));
+    body.setLinearVelocity(vector(solved.shift * rate));
     body.setAngularVelocity(spin);
     // As Bullet does with a body that is not swept (btDiscreteDynamicsWorld.cpp,
     // integrateTransformsInternal, 3.24).
     btTransform end;
     body.predictIntegratedTransform(static_cast<btScalar>(step), end);
     body.proceedToTransform(end);
-    body.setLinearVelocity(vector(moving.velocity));
+    body.setLinearVelocity(vector(solved.velocity));
     body.setAngularVelocity(uneven ? spin_of(momentum, body.getInvInertiaDiagLocal(),
                                              body.getWorldTransform().getBasis())
-                                   : vector(moving.spin));
+                                   : vector(solved.spin));
     body.clearForces();
 }
 

@@ -9,14 +9,6 @@
 
 namespace pluvia {
 
-// A body with what the solver found for the step: its velocities at the end,
-// and the way it goes.
-struct Moving {
-    btRigidBody *body = nullptr;
-    Three<double> velocity{0, 0, 0}, spin{0, 0, 0};
-    Three<double> shift{0, 0, 0}, turn{0, 0, 0};
-};
-
 // Asks the memory for what is read of a body below.
 void prefetch_body(const btRigidBody &body);
 
@@ -26,10 +18,10 @@ Three<double> centre(const btRigidBody &body);
 // A body that moves freely, by its weight and by Bullet's forces on it.
 SolverBody free_body(const btRigidBody &body);
 
-// Moves the body by what was solved in a step of length `step`, by Bullet's
+// Moves a body by what was solved in a step of length `step`, by Bullet's
 // integration, and takes the forces of the step from it. `gyroscopic`: uneven
 // bodies turn by Euler's equations.
-void move_body(const Moving &moving, double step, bool gyroscopic);
+void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gyroscopic);
 
 // A driven body's velocities: of the last step, and their change from the one
 // before.

@@ -24,7 +24,7 @@ int driven_number(int id) { return WORLD - 1 - id; }
 // So many bodies or pairs ahead the memory is asked for them.
 constexpr std::size_t AHEAD = 4;
 
-// Steps from one that is looked at to the next: looking costs about as much as a sweep.
+// Steps from one that is looked at to the next: looking costs about as much as an iteration.
 constexpr unsigned LOOK_EVERY = 16;
 
 // Slices of the specimen by which bodies are sorted.
@@ -129,8 +129,7 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
             bodies[i]->setCompanionId(WORLD);
         } else {
             bodies[i]->setCompanionId(static_cast<int>(moving_.size()));
-            moving_.emplace_back();
-            moving_.back().body = body;
+            moving_.push_back(body);
         }
     }
     sorted_ = true;
@@ -143,9 +142,9 @@ void ContactSolver::sort_places() {
     workers_.share(count, AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (i + AHEAD < end) {
-                prefetch(moving_[i + AHEAD].body->getWorldTransform());
+                prefetch(moving_[i + AHEAD]->getWorldTransform());
             }
-            centres[i] = centre(*moving_[i].body);
+            centres[i] = centre(*moving_[i]);
         }
     });
     place_.resize(count);
@@ -185,9 +184,9 @@ void ContactSolver::take_bodies(double step) {
     workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (i + AHEAD < end) {
-                prefetch_body(*moving_[i + AHEAD].body);
+                prefetch_body(*moving_[i + AHEAD]);
             }
-            bodies_[static_cast<std::size_t>(place_[i])] = free_body(*moving_[i].body);
+            bodies_[static_cast<std::size_t>(place_[i])] = free_body(*moving_[i]);
         }
     });
     drives_now_.clear();
@@ -221,11 +220,9 @@ void ContactSolver::move_bodies(double step) {
     workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (i + AHEAD < end) {
-                prefetch(*moving_[i + AHEAD].body);
+                prefetch(*moving_[i + AHEAD]);
             }
-            const SolverBody &body = bodies_[static_cast<std::size_t>(place_[i])];
-            move_body({moving_[i].body, body.velocity, body.spin, body.shift, body.turn}, step,
-                      gyroscopic_);
+            move_body(*moving_[i], bodies_[static_cast<std::size_t>(place_[i])], step, gyroscopic_);
         }
     });
 }

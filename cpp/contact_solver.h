@@ -67,7 +67,7 @@ class ContactSolver final : public btConstraintSolver {
     Sweep sweep_;
     bool gyroscopic_;
     Workers &workers_;
-    std::vector<Moving> moving_;         // every free body
+    std::vector<btRigidBody *> moving_;  // every free body
     std::vector<btRigidBody *> driving_; // every driven body
     std::vector<int> place_;             // of a free body among bodies_
     std::vector<SolverBody> bodies_;     // the world, free bodies along the specimen, driven ones

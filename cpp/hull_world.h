@@ -16,7 +16,7 @@ namespace pluvia {
 // that moves along with the apparatus, so that shaking alone lets none leave.
 //
 // Bullet looks for no islands: all contacts go to the solver in one call, and
-// the solver splits them into islands of its own (contact_parts.h).
+// the solver puts them in an order of its own (contact_colours.h).
 //
 // Passes over all bodies are left out that would find nothing to do: none is
 // swept, sleeps, has a motion state or, without damping, is slowed down. The

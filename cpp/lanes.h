@@ -33,7 +33,7 @@ template <> struct Lane<Float8> {
 // Eight numbers that are moved as one.
 template <class N> struct alignas(32) Record { N at[8]; };
 
-// The records of the bodies of a batch: `f[k]` gets number k of each.
+// The records of the bodies of a pack: `f[k]` gets number k of each.
 template <class N>
 inline __attribute__((always_inline)) void gather(const Record<N> *records, const int *index,
                                                   double (&f)[8]) {

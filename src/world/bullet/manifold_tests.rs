@@ -1,6 +1,8 @@
 //! The contact path `manifold`: the same bits whoever computes them, and a
 //! restart that goes on.
 
+use std::collections::BTreeSet;
+
 use super::tests::{free_box, shared_turn, slab};
 use super::*;
 use crate::scenario::ManifoldSettings;
@@ -71,6 +73,49 @@ fn threads_and_instructions_change_no_bit() {
     // The comparison can fail: another tolerance is another result.
     let other = ManifoldSettings { solver_tolerance: 0.02, ..Default::default() };
     assert!(reference != run(other), "law: other settings, other bits");
+}
+
+/// A plate that has come to rest on 81 boxes: the world's state, and on how many it bears.
+fn plate_on_boxes(manifold: ManifoldSettings) -> (Snapshot, usize) {
+    let mut world = world(manifold);
+    world.add(&slab(Motion::Static)).expect("added");
+    for n in 0..81_u32 {
+        let (x, y) = (f64::from(n % 9) - 4.0, f64::from(n / 9) - 4.0);
+        let at = Vector::new(0.013 * x, 0.013 * y, 0.005);
+        world.add(&free_box(Vector::repeat(0.01), at)).expect("added");
+    }
+    let above = Vector::new(0.0, 0.0, 0.0125);
+    let plate = world.add(&free_box(Vector::new(0.12, 0.12, 0.004), above)).expect("added");
+    for _ in 0..240 {
+        world.step().expect("a step");
+    }
+    let (mut state, mut contacts) = (Snapshot::new(), Vec::new());
+    world.read(&mut state);
+    world.remember(&mut contacts);
+    let with_plate = contacts.iter().filter(|c| c.a == plate || c.b == plate);
+    let bears: BTreeSet<u32> =
+        with_plate.map(|c| if c.a == plate { c.b.0 } else { c.a.0 }).collect();
+    (state, bears.len())
+}
+
+#[test]
+fn a_body_with_more_pairs_than_colours_rests_on_all_of_them() {
+    let _turn = shared_turn();
+    let (state, bears) = plate_on_boxes(ManifoldSettings::default());
+    assert!(bears > 63, "the check sees more pairs than colours, {bears}");
+    let plate = state.last().expect("bodies").expect("a plate");
+    let height = 1e3 * plate.pose.translation.z;
+    assert!(
+        (height - 12.0).abs() < 0.01,
+        "law: the plate lies on the boxes, at 12 mm to 0.01 mm, got {height:.4} mm"
+    );
+    let speed = 1e3 * plate.linear_velocity.norm();
+    assert!(speed < 0.1, "law: at rest after half a second, to 0.1 mm/s, got {speed:.4} mm/s");
+    for (threads, portable) in [(2, false), (3, true)] {
+        let settings = ManifoldSettings { threads, portable, ..Default::default() };
+        let same = plate_on_boxes(settings).0 == state;
+        assert!(same, "law: {threads} threads, portable {portable}: the same bits as one");
+    }
 }
 
 #[test]
