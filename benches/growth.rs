@@ -159,7 +159,7 @@ impl Size<'_> {
 
     fn on(&self, threads: u32) -> Setup {
         let mut setup = self.setup.clone();
-        setup.engine.manifold.threads = threads;
+        setup.engine.manifold.threads = Some(threads);
         setup
     }
 }

@@ -30,7 +30,7 @@ const MEASURED: f64 = 1.0 / 6.0;
 /// iterations are the best of what is commonly used.
 fn engines() -> Vec<(&'static str, EngineSettings)> {
     let manifold = EngineSettings::default();
-    let threads = ManifoldSettings { threads: 2, ..manifold.manifold.clone() };
+    let threads = ManifoldSettings { threads: Some(2), ..manifold.manifold.clone() };
     let bullets_own = EngineSettings {
         contact_path: ContactPath::Bullet,
         rate_hz: 960.0,

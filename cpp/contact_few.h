@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 namespace pluvia {
@@ -19,9 +20,10 @@ template <class L> class Few {
     Few(Problem<L> &problem, const Contacts &contacts, int free, Workers &workers)
         : p_(problem), contacts_(contacts), free_(free), workers_(workers) {}
 
-    // Copies the pairs in the packs of `all` that active bodies have, colour by
+    // Copies the pairs that active bodies have in packs that are awake, colour by
     // colour, and lists the bodies of these pairs.
-    void choose(const Turn &all) {
+    void choose() {
+        mark();
         from_.clear();
         turn_.packs.clear();
         turn_.begin.assign(1, 0);
@@ -33,19 +35,17 @@ template <class L> class Few {
         for (std::size_t c = 0; c < contacts_.colours.count(); ++c) {
             const int width = contacts_.colours.in_order(c) ? 1 : Lane<L>::WIDTH;
             int lane = width;
-            for (int i = all.begin[c]; i < all.begin[c + 1]; ++i) {
-                const int number = all.packs[static_cast<std::size_t>(i)];
-                const Pack<L> &pack = p_.all.packs[static_cast<std::size_t>(number)];
-                for (int n = 0; n < Lane<L>::WIDTH && pack.pair[n] >= 0; ++n) {
-                    if (!is_active(pack.a[n]) && !is_active(pack.b[n])) {
-                        continue;
-                    }
+            for (int i = contacts_.colours.begin()[c]; i < contacts_.colours.begin()[c + 1]; ++i) {
+                const auto number = static_cast<std::size_t>(i);
+                const Pack<L> &pack = p_.all.packs[number];
+                for (unsigned left = taken_[number]; left != 0; left &= left - 1) {
+                    const int n = __builtin_ctz(left);
                     if (lane == width) {
                         turn_.packs.push_back(static_cast<int>(plans_.size()));
                         plans_.push_back({static_cast<int>(from_.size()), 0, points});
                         lane = 0;
                     }
-                    from_.push_back({number, n});
+                    from_.push_back({i, n});
                     Plan &plan = plans_.back();
                     const int own = points_of(pack.pair[n]);
                     points += std::max(0, own - plan.points);
@@ -126,6 +126,51 @@ template <class L> class Few {
     std::vector<Record<typename Lane<L>::Number>> start_; // motion of each when it was chosen
     static constexpr std::uint8_t CHOSEN = 2, BESIDE = 1;
     std::vector<std::uint8_t> listed_; // by body: whether it was active, or has a pair with one
+
+    std::vector<int> ends_, at_;      // by body: where its pairs end in at_; 8 times pack plus lane
+    std::vector<std::uint8_t> taken_; // by pack: a bit for each lane whose pair is copied
+    static_assert(Lane<L>::WIDTH <= 8);
+
+    // Lists the pairs of every body.
+    void list_pairs() {
+        const auto packs = p_.all.packs.size();
+        const auto each = [&](const auto &what) {
+            for (std::size_t i = 0; i < packs; ++i) {
+                const Pack<L> &pack = p_.all.packs[i];
+                for (int n = 0; n < Lane<L>::WIDTH && pack.pair[n] >= 0; ++n) {
+                    for (const int body : {pack.a[n], pack.b[n]}) {
+                        if (body > 0 && body <= free_) {
+                            what(static_cast<std::size_t>(body), static_cast<int>(8 * i) + n);
+                        }
+                    }
+                }
+            }
+        };
+        ends_.assign(static_cast<std::size_t>(free_) + 2, 0);
+        each([&](std::size_t body, int) { ++ends_[body + 1]; });
+        std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
+        at_.resize(static_cast<std::size_t>(ends_.back()));
+        // What was a body's beginning becomes its end.
+        each([&](std::size_t body, int at) { at_[static_cast<std::size_t>(ends_[body]++)] = at; });
+    }
+
+    // Marks the pairs of active bodies in the packs that are awake.
+    void mark() {
+        if (ends_.empty()) {
+            list_pairs();
+        }
+        taken_.assign(p_.all.packs.size(), 0);
+        for (std::size_t b = 1; b <= static_cast<std::size_t>(free_); ++b) {
+            if (p_.active[b] == 0) {
+                continue;
+            }
+            for (int k = ends_[b - 1]; k < ends_[b]; ++k) {
+                const int at = at_[static_cast<std::size_t>(k)];
+                const auto number = static_cast<std::size_t>(at / 8);
+                taken_[number] |= static_cast<std::uint8_t>(p_.awake[number] != 0 ? 1 << at % 8 : 0);
+            }
+        }
+    }
 
     bool is_active(int body) const { return p_.active[static_cast<std::size_t>(body)] != 0; }
     int points_of(int pair) const {

@@ -280,7 +280,7 @@ template <class L> class Run {
     }
 
     void choose_few() {
-        few_.choose(all_);
+        few_.choose();
         p_.pairs = &p_.few;
         begin_search(few_.turn(), few_.bodies());
         p_.beta = L{};

@@ -100,7 +100,7 @@ pub fn all() -> Vec<Engine> {
     let yade = program(&["yade", "-n", "-x", "-j1", "-f2"], script("yade_peer.py"));
     let blender = ["blender", "-b", "--factory-startup", "-P"];
     let pluvia = EngineSettings::default();
-    let threads = ManifoldSettings { threads: 2, ..pluvia.manifold.clone() };
+    let threads = ManifoldSettings { threads: Some(2), ..pluvia.manifold.clone() };
     let two_threads = EngineSettings { manifold: threads, ..pluvia.clone() };
     let rapier = EngineSettings { backend: Backend::Rapier, ..pluvia.clone() };
     let rate = pluvia.rate_hz;

@@ -1,10 +1,10 @@
 //! `pluvia calibrate`.
 
-use std::{path::PathBuf, thread::available_parallelism};
+use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, changes::Changes, output_folder, table};
+use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, table};
 use crate::report::CalibrationEnding;
 use crate::study::{
     CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
@@ -59,9 +59,8 @@ pub(super) struct CalibrateArgs {
     most_runs: Option<usize>,
     #[command(flatten)]
     changes: Changes,
-    /// Stages carried out at the same time [default: the number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    jobs: Option<u16>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Folder for the results; it is made if needed
     #[arg(long, value_name = "DIR", default_value = "out/calibrate")]
     out: PathBuf,
@@ -80,7 +79,6 @@ fn positive(text: &str) -> Result<f64, String> {
 pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let target = args.angle_of_repose.clone().or_else(|| args.target.clone());
     let target = target.ok_or_else(|| CliError::Usage("nothing is wanted".to_owned()))?;
-    let cores = || available_parallelism().map_or(1, usize::from);
     let options = CalibrationOptions {
         scenario: args.scenario.clone(),
         changes: args.changes.overrides(),
@@ -92,7 +90,7 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
         most_runs: args.most_runs,
         run: RunOptions {
             out: args.out.clone(),
-            jobs: args.jobs.map_or_else(cores, usize::from),
+            jobs: args.jobs.cores(),
             frames: false,
             cancel: context.cancel.clone(),
             progress: context.progress.clone(),

@@ -1,10 +1,10 @@
 //! `pluvia compare`.
 
-use std::{path::PathBuf, thread::available_parallelism};
+use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, changes::backend, output_folder, table};
+use super::{CliError, Context, ExitStatus, changes::backend, jobs::Jobs, output_folder, table};
 use crate::grains::load_scenario;
 use crate::scenario::{Backend, Override};
 use crate::study::{RunOptions, compare};
@@ -31,9 +31,8 @@ pub(super) struct CompareArgs {
     /// Change one value of the scenario (repeatable)
     #[arg(long, value_name = "path=value")]
     set: Vec<Override>,
-    /// Stages carried out at the same time [default: the number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    jobs: Option<u16>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Folder for the results; it is made if needed
     #[arg(long, value_name = "DIR", default_value = "out/compare")]
     out: PathBuf,
@@ -50,10 +49,9 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
     let loaded = load_scenario(&args.scenario, &args.set)?;
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
-    let cores = || available_parallelism().map_or(1, usize::from);
     let options = RunOptions {
         out: args.out.clone(),
-        jobs: args.jobs.map_or_else(cores, usize::from),
+        jobs: args.jobs.cores(),
         frames: false,
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),

@@ -1,10 +1,10 @@
 //! Options of studies whose design is in a file.
 
-use std::{path::PathBuf, thread::available_parallelism};
+use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Context;
+use super::{Context, jobs::Jobs};
 use crate::study::{RunOptions, StudyOptions};
 
 /// What both studies ask for.
@@ -16,9 +16,8 @@ pub(super) struct DesignedArgs {
     /// Number of configurations, each the same grains mixed anew [default: the design's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     configurations: Option<u32>,
-    /// Stages carried out at the same time [default: the number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    jobs: Option<u16>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// A design of your own in place of the built-in one
     #[arg(long, value_name = "FILE")]
     design: Option<PathBuf>,
@@ -27,14 +26,13 @@ pub(super) struct DesignedArgs {
 impl DesignedArgs {
     /// As options of a study that leaves its results in a folder.
     pub(super) fn options(&self, out: &std::path::Path, context: &Context) -> StudyOptions {
-        let cores = || available_parallelism().map_or(1, usize::from);
         StudyOptions {
             design: self.design.clone(),
             quick: self.quick,
             configurations: self.configurations,
             run: RunOptions {
                 out: out.to_owned(),
-                jobs: self.jobs.map_or_else(cores, usize::from),
+                jobs: self.jobs.cores(),
                 frames: false,
                 cancel: context.cancel.clone(),
                 progress: context.progress.clone(),

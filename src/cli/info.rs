@@ -1,11 +1,9 @@
 //! `pluvia info`.
 
-use std::thread::available_parallelism;
-
 use clap::Args;
 use serde::Serialize;
 
-use super::{CliError, Context, ExitStatus};
+use super::{CliError, Context, ExitStatus, jobs};
 use crate::world::{self, BackendInfo};
 
 /// Print versions, the engines with their precision, features, number of cores
@@ -42,7 +40,7 @@ pub(super) fn run(_: &InfoArgs, context: &Context) -> Result<ExitStatus, CliErro
         backends: world::built_in().iter().map(|&backend| world::info(backend)).collect(),
         features,
         target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
-        cores: available_parallelism().map_or(1, usize::from),
+        cores: jobs::cores(),
     };
     let mut text = format!("pluvia    {} for {}\n", info.pluvia, info.target);
     for backend in &info.backends {

@@ -13,6 +13,7 @@ mod export;
 mod field_page;
 mod grains;
 mod info;
+mod jobs;
 mod lines;
 mod man;
 mod output_folder;

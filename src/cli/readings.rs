@@ -1,10 +1,10 @@
 //! `pluvia readings`.
 
-use std::{path::PathBuf, thread::available_parallelism};
+use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, changes::Changes, output_folder, table};
+use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, table};
 use crate::record::read_json;
 use crate::study::{Reading, ReadingsOptions, readings};
 
@@ -30,9 +30,8 @@ pub(super) struct ReadingsArgs {
     /// Only these readings [default: all]
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = reading)]
     only: Vec<Reading>,
-    /// Stages carried out at the same time [default: the number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    jobs: Option<u16>,
+    #[command(flatten)]
+    jobs: Jobs,
     #[command(flatten)]
     changes: Changes,
     /// Folder for the results; it is made if needed
@@ -49,13 +48,12 @@ pub(super) fn run(args: &ReadingsArgs, context: &Context) -> Result<ExitStatus, 
     let readings_asked = if args.only.is_empty() { Reading::all()? } else { args.only.clone() };
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
-    let cores = || available_parallelism().map_or(1, usize::from);
     let outcome = readings(&ReadingsOptions {
         out: args.out.clone(),
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
         readings: readings_asked,
-        jobs: args.jobs.map_or_else(cores, usize::from),
+        jobs: args.jobs.cores(),
         changes: args.changes.overrides(),
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),

@@ -1,11 +1,11 @@
 //! `pluvia reproduce`.
 
-use std::{path::PathBuf, thread::available_parallelism};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::Value;
 
-use super::{CliError, Context, ExitStatus, changes::Changes, output_folder, table};
+use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, table};
 use crate::record::read_json;
 use crate::study::{Reading, ReproduceOptions, reproduce};
 
@@ -29,9 +29,8 @@ pub(super) struct ReproduceArgs {
     /// Number of initial configurations, each the same grains mixed anew [default: 3, with --quick 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     configurations: Option<u32>,
-    /// Stages carried out at the same time [default: the number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    jobs: Option<u16>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// A reading of the paper, in place of the default `converged` (pluvia readings --help)
     #[arg(long, value_name = "NAME", value_parser = super::readings::reading)]
     reading: Option<Reading>,
@@ -48,12 +47,11 @@ pub(super) struct ReproduceArgs {
 pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus, CliError> {
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
-    let cores = || available_parallelism().map_or(1, usize::from);
     let outcome = reproduce(&ReproduceOptions {
         out: args.out.clone(),
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
-        jobs: args.jobs.map_or_else(cores, usize::from),
+        jobs: args.jobs.cores(),
         changes: args.changes.overrides(),
         reading: args.reading.clone(),
         cancel: context.cancel.clone(),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, changes::Changes, output_folder, table};
+use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, table};
 use crate::grains::load_scenario;
 use crate::scenario;
 use crate::study::{RunOptions, run_scenario};
@@ -28,6 +28,8 @@ pub(super) struct RunArgs {
     /// Folder for the results; it is made if needed
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    jobs: Jobs,
 }
 
 pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliError> {
@@ -40,8 +42,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     context.stop_on_ctrl_c();
     let options = RunOptions {
         out: args.out.clone(),
-        // The stages of one run follow each other.
-        jobs: 1,
+        jobs: args.jobs.cores(),
         frames: true,
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),

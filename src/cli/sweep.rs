@@ -1,11 +1,11 @@
 //! `pluvia sweep`.
 
-use std::{path::PathBuf, thread::available_parallelism};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::json;
 
-use super::{CliError, Context, ExitStatus, changes::Changes, output_folder};
+use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder};
 use crate::record::read_file;
 use crate::report::Sweep;
 use crate::study::{
@@ -83,9 +83,8 @@ pub(super) struct SweepArgs {
     slurm: SlurmArgs,
     #[command(flatten)]
     changes: Changes,
-    /// Stages carried out at the same time [default: the number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    jobs: Option<u16>,
+    #[command(flatten)]
+    jobs: Jobs,
     /// Folder for the results; it is made if needed
     #[arg(long, value_name = "DIR", default_value = "out/sweep")]
     out: PathBuf,
@@ -176,10 +175,9 @@ fn options(args: &SweepArgs, run: RunOptions) -> Result<SweepOptions, CliError> 
 }
 
 fn run_options(args: &SweepArgs, context: &Context) -> RunOptions {
-    let cores = || available_parallelism().map_or(1, usize::from);
     RunOptions {
         out: args.out.clone(),
-        jobs: args.jobs.map_or_else(cores, usize::from),
+        jobs: args.jobs.cores(),
         frames: false,
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),

@@ -1,10 +1,10 @@
 //! `pluvia verify`.
 
-use std::{path::PathBuf, thread::available_parallelism};
+use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, changes::backend, output_folder, table};
+use super::{CliError, Context, ExitStatus, changes::backend, jobs::cores, output_folder, table};
 use crate::scenario::Backend;
 use crate::verify::{SuiteOptions, Verdict, builtin, run_suite, settings};
 use crate::world;
@@ -66,7 +66,6 @@ pub(super) fn run(args: &VerifyArgs, context: &Context) -> Result<ExitStatus, Cl
     let settings = choose("setting", offered, &args.setting, |s| &s.name)?;
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
-    let cores = || available_parallelism().map_or(1, usize::from);
     let options = SuiteOptions {
         cases,
         settings,

@@ -31,7 +31,7 @@ pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactPath, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
 pub use load::{GradingOf, Loaded, check, gathered, load_with};
-pub use manifold::ManifoldSettings;
+pub use manifold::{ManifoldSettings, automatic_threads};
 pub use meshes::{MeshGrains, MeshUnit};
 pub use overrides::{NotAnOverride, Override};
 pub use rapier::{FrictionModel, RapierSettings};

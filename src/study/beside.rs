@@ -128,7 +128,7 @@ mod tests {
         let rapier = EngineSettings { backend: Backend::Rapier, ..stock.clone() };
         let faster = EngineSettings { rate_hz: 960.0, ..default.clone() };
         let mut threads = default.clone();
-        threads.manifold.threads = 2;
+        threads.manifold.threads = Some(2);
         for (engine, words, name) in [
             (&default, "manifold", ""),
             (&threads, "manifold", ""),

@@ -14,10 +14,11 @@ use super::{
 };
 use crate::geometry::Vector;
 use crate::grains::sieve_size_of;
-use crate::protocol::{Progress, StageError, WorldMaker, run as run_stage};
+use crate::protocol::{Progress, Setup, StageError, WorldMaker, run as run_stage};
 use crate::record::{
     Checkpoints, FileError, FrameWriter, StageGuards, StageRecord, StageStore, StoredStage,
 };
+use crate::scenario::automatic_threads;
 use crate::specimen::{Specimen, SpecimenState};
 use crate::units::to_mm;
 
@@ -42,7 +43,8 @@ pub struct Executed {
     pub cancelled: bool,
 }
 
-/// Carries out every stage of a plan; gives the finished stages by node.
+/// Runs every stage of a plan; gives the finished stages by node. `jobs` cores are used: by so many
+/// stages at the same time or, where fewer are left, by several threads of one.
 ///
 /// When a stage fails, the stages that need it are not begun, all others are
 /// finished and stored, and the first failure is returned.
@@ -73,7 +75,7 @@ pub fn execute_each(
     cancel: &AtomicBool,
     progress: &dyn Progress,
 ) -> Executed {
-    let shop = Shop { store, make_world, cancel, progress };
+    let shop = Shop { store, make_world, cancel, progress, cores: jobs.max(1) };
     let roots = (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent.is_none()).collect();
     let board = Mutex::new(Board {
         done: vec![None; plan.nodes.len()],
@@ -85,7 +87,7 @@ pub fn execute_each(
     let changed = Condvar::new();
     progress.begin_work(plan.nodes.iter().map(|node| node.expected).sum());
     std::thread::scope(|scope| {
-        for _ in 0..jobs.max(1) {
+        for _ in 0..shop.cores {
             scope.spawn(|| shop.work(plan, &board, &changed));
         }
     });
@@ -104,13 +106,14 @@ struct Shop<'a> {
     make_world: WorldMaker<'a>,
     cancel: &'a AtomicBool,
     progress: &'a dyn Progress,
+    cores: usize,
 }
 
 impl Shop<'_> {
     /// Takes one stage after the other until none is left.
     fn work(&self, plan: &Plan, board: &Mutex<Board>, changed: &Condvar) {
         loop {
-            let (node, parent) = {
+            let (node, parent, at_once) = {
                 let mut held = lock(board);
                 loop {
                     if self.cancel.load(Ordering::Relaxed) {
@@ -126,7 +129,8 @@ impl Shop<'_> {
                         let node = held.ready.swap_remove(next);
                         held.running += 1;
                         let parent = plan.nodes[node].parent.and_then(|p| held.done[p].clone());
-                        break (node, parent);
+                        let at_once = (held.running + held.ready.len()).min(self.cores);
+                        break (node, parent, at_once);
                     }
                     if held.running == 0 {
                         changed.notify_all();
@@ -135,7 +139,8 @@ impl Shop<'_> {
                     held = changed.wait(held).unwrap_or_else(PoisonError::into_inner);
                 }
             };
-            let result = self.finish(node, &plan.nodes[node], parent.as_deref());
+            let result =
+                self.finish(node, &plan.nodes[node], parent.as_deref(), self.cores / at_once);
             let mut held = lock(board);
             held.running -= 1;
             match result {
@@ -153,12 +158,13 @@ impl Shop<'_> {
         }
     }
 
-    /// Takes a stage from the store, or carries it out and stores it.
+    /// Takes a stage from the store, or runs it on so many cores and stores it.
     fn finish(
         &self,
         index: usize,
         node: &Node,
         parent: Option<&StoredStage>,
+        cores: usize,
     ) -> Result<StoredStage, StudyError> {
         let Self { store, progress, .. } = self;
         let (stored, damaged) = store.load(&node.key);
@@ -202,8 +208,11 @@ impl Shop<'_> {
             progress.message(&format!("{}: goes on from {done:.2} s", node.label));
             recorder.go_on(observed);
         }
+        let mut setup = Setup::clone(&node.setup);
+        let automatic = automatic_threads(cores, node.grains.grains.len());
+        setup.engine.manifold.threads.get_or_insert(automatic);
         let outcome = run_stage(
-            &node.setup,
+            &setup,
             self.make_world,
             specimen,
             &node.stage,

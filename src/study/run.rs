@@ -32,7 +32,8 @@ const GRAINS_FILE: &str = "grains.json";
 pub struct RunOptions {
     /// Folder for results; what is finished there is not done again.
     pub out: PathBuf,
-    /// Threads for stages that do not need each other.
+    /// Cores: so many stages that do not need each other run at the same time; where there are
+    /// fewer, each gets its share as threads of its world.
     pub jobs: usize,
     /// Whether stages keep frames, for pictures and the viewer: about 20 bytes a
     /// grain and sample.

@@ -69,7 +69,8 @@ pub fn submit(
                 quoted(tasks.folder())
             );
             let name = format!("pluvia-{level}");
-            let text = script_text(&name, Some(numbers), &before, request, &folder, &command);
+            let tasks = Tasks { numbers: Some(numbers), cores: tasks.cores(level) };
+            let text = script_text(&name, tasks, &before, request, &folder, &command);
             write_file(&script, text.as_bytes())?;
             let id = sbatch(&script)?;
             jobs.push(SlurmJob { id: id.clone(), level: Some(level), tasks: numbers.len() });
@@ -82,7 +83,8 @@ pub fn submit(
     let script = folder.join("collect.sh");
     let command =
         format!("{} sweep --collect --out {} --quiet", quoted(program), quoted(tasks.folder()));
-    let text = script_text("pluvia-collect", None, &before, request, &folder, &command);
+    let tasks = Tasks { numbers: None, cores: 1 };
+    let text = script_text("pluvia-collect", tasks, &before, request, &folder, &command);
     write_file(&script, text.as_bytes())?;
     jobs.push(SlurmJob { id: sbatch(&script)?, level: None, tasks: 1 });
     write_json(&folder.join("jobs.json"), &jobs)?;
@@ -107,9 +109,16 @@ fn ranges(numbers: &[usize]) -> String {
     parts.iter().map(part).collect::<Vec<_>>().join(",")
 }
 
+/// What a script runs: once, or once for each number.
+#[derive(Clone, Copy)]
+struct Tasks<'a> {
+    numbers: Option<&'a [usize]>,
+    cores: u32, // of each
+}
+
 fn script_text(
     name: &str,
-    array: Option<&[usize]>,
+    tasks: Tasks<'_>,
     after: &[String],
     request: &SlurmRequest,
     logs: &Path,
@@ -122,14 +131,14 @@ fn script_text(
     };
     option("job-name", name);
     option("ntasks", "1");
-    option("cpus-per-task", "1");
+    option("cpus-per-task", &tasks.cores.to_string());
     // A node that fails must not fail the array: what it had is done again.
     option("requeue", "");
-    let log = if array.is_some() { "%x-%A_%a.log" } else { "%x-%j.log" };
+    let log = if tasks.numbers.is_some() { "%x-%A_%a.log" } else { "%x-%j.log" };
     option("output", &log_pattern(logs, log));
     // A stage that comes near its time limit is told, and keeps its checkpoint.
     option("signal", "TERM@30");
-    if let Some(numbers) = array {
+    if let Some(numbers) = tasks.numbers {
         option("array", &ranges(numbers));
     }
     if !after.is_empty() {
@@ -207,11 +216,12 @@ mod tests {
             ..SlurmRequest::default()
         };
         let logs = Path::new("out/slurm");
-        let text =
-            script_text("pluvia-1", Some(&[0, 1]), &["7".into()], &request, logs, "pluvia x");
+        let tasks = Tasks { numbers: Some(&[0, 1]), cores: 4 };
+        let text = script_text("pluvia-1", tasks, &["7".into()], &request, logs, "pluvia x");
         for line in [
             "#!/bin/sh",
             "#SBATCH --requeue",
+            "#SBATCH --cpus-per-task=4",
             "#SBATCH --array=0-1",
             "#SBATCH --dependency=afterany:7",
             "#SBATCH --partition=long",

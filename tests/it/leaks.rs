@@ -106,9 +106,9 @@ impl Leak {
 
 /// Both contact paths, Pluvia's own with one thread and with two.
 fn kinds() -> [EngineSettings; 3] {
-    let manifold = |threads| EngineSettings {
+    let manifold = |threads: u32| EngineSettings {
         contact_path: ContactPath::Manifold,
-        manifold: ManifoldSettings { threads, ..Default::default() },
+        manifold: ManifoldSettings { threads: Some(threads), ..Default::default() },
         ..Default::default()
     };
     let bullet = EngineSettings { contact_path: ContactPath::Bullet, ..Default::default() };

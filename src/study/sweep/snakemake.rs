@@ -90,11 +90,12 @@ fn text(tasks: &SweepTasks, program: &Path) -> String {
     text += RULES_BEGIN;
     for level in 0..levels.len() {
         let input = if level == 0 { "ancient(\"plan.json\")" } else { "ancient(goes_on_from)" };
+        let cores = tasks.cores(level);
         let _ = write!(
             text,
             "rule level_{level}:\n    input: {input}\n    output: update(\"stages/{{stage}}/stage.json\")\n    \
              wildcard_constraints: stage=\"|\".join(LEVELS[{level}])\n    \
-             params: name=named\n    message: \"{{params.name}}\"\n    threads: 1\n    \
+             params: name=named\n    message: \"{{params.name}}\"\n    threads: {cores}\n    \
              shell: \"{{PLUVIA:q}} stage . --key {{wildcards.stage}} --quiet\"\n\n"
         );
     }

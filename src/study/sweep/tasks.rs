@@ -102,6 +102,13 @@ impl SweepTasks {
         self.levels.get(level).map_or_else(Vec::new, |nodes| nodes.iter().map(stage).collect())
     }
 
+    /// Cores that a stage of a level needs: the threads that its scenario asks for.
+    pub fn cores(&self, level: usize) -> u32 {
+        let nodes = self.levels.get(level).into_iter().flatten();
+        let threads = |n: &usize| self.plan.nodes[*n].setup.engine.manifold.threads;
+        nodes.filter_map(threads).max().unwrap_or(1)
+    }
+
     /// Level and number, within it, of the stage whose key begins so.
     ///
     /// # Errors

@@ -120,7 +120,7 @@ pub(super) fn definition(
         substeps: i32::try_from(s.manifold.substeps(s.rate_hz)).unwrap_or(i32::MAX),
         sweeps: i32::try_from(s.manifold.sweeps.max(1)).unwrap_or(i32::MAX),
         solver_tolerance: zero_or_more("manifold.solver_tolerance", s.manifold.solver_tolerance)?,
-        threads: i32::try_from(s.manifold.threads.clamp(1, 1024)).unwrap_or(1),
+        threads: i32::try_from(s.manifold.threads.unwrap_or(1).clamp(1, 1024)).unwrap_or(1),
         portable: s.manifold.portable,
         contacts_at_once: s.manifold.contacts_at_once,
     })

@@ -66,7 +66,7 @@ fn threads_and_instructions_change_no_bit() {
     let _turn = shared_turn();
     let reference = run(ManifoldSettings::default());
     for (threads, portable) in [(1, true), (2, false), (3, true)] {
-        let got = run(ManifoldSettings { threads, portable, ..Default::default() });
+        let got = run(ManifoldSettings { threads: Some(threads), portable, ..Default::default() });
         let same = reference == got;
         assert!(same, "law: {threads} threads, portable {portable}: the same bits as one");
     }
@@ -112,7 +112,7 @@ fn a_body_with_more_pairs_than_colours_rests_on_all_of_them() {
     let speed = 1e3 * plate.linear_velocity.norm();
     assert!(speed < 0.1, "law: at rest after half a second, to 0.1 mm/s, got {speed:.4} mm/s");
     for (threads, portable) in [(2, false), (3, true)] {
-        let settings = ManifoldSettings { threads, portable, ..Default::default() };
+        let settings = ManifoldSettings { threads: Some(threads), portable, ..Default::default() };
         let same = plate_on_boxes(settings).0 == state;
         assert!(same, "law: {threads} threads, portable {portable}: the same bits as one");
     }
