@@ -1,8 +1,7 @@
 // The pairs of few bodies, copied to be iterated by themselves.
 #pragma once
 
-#include "contact_load.h"
-#include "workers.h"
+#include "contact_sequence.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -10,9 +9,6 @@
 #include <vector>
 
 namespace pluvia {
-
-// Packs that a thread takes at least: fewer do not pay for the others' coming.
-constexpr std::size_t PACKS_AT_ONCE = 8;
 
 template <class L> class Few {
   public:
@@ -167,7 +163,8 @@ template <class L> class Few {
             for (int k = ends_[b - 1]; k < ends_[b]; ++k) {
                 const int at = at_[static_cast<std::size_t>(k)];
                 const auto number = static_cast<std::size_t>(at / 8);
-                taken_[number] |= static_cast<std::uint8_t>(p_.awake[number] != 0 ? 1 << at % 8 : 0);
+                taken_[number] |=
+                    static_cast<std::uint8_t>(p_.awake[number] != 0 ? 1 << at % 8 : 0);
             }
         }
     }

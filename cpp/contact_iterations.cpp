@@ -8,19 +8,17 @@ namespace pluvia {
 
 namespace {
 
-void single(Phase phase, Problem<double> &problem, int worker, std::size_t begin, std::size_t end) {
-    run_phase(phase, problem, worker, begin, end);
+void single(Phase phase, Problem<double> &problem, const Part &part) {
+    run_phase(phase, problem, part);
 }
 
-void portable(Phase phase, Problem<Float8> &problem, int worker, std::size_t begin,
-              std::size_t end) {
-    run_phase(phase, problem, worker, begin, end);
+void portable(Phase phase, Problem<Float8> &problem, const Part &part) {
+    run_phase(phase, problem, part);
 }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) void avx2(Phase phase, Problem<Float8> &problem, int worker,
-                                          std::size_t begin, std::size_t end) {
-    run_phase(phase, problem, worker, begin, end);
+__attribute__((target("avx2"))) void avx2(Phase phase, Problem<Float8> &problem, const Part &part) {
+    run_phase(phase, problem, part);
 }
 #endif
 

@@ -75,26 +75,33 @@ template <class L> struct Problem {
     std::vector<BodyChange> changes;   // by block
     std::vector<Unsolved<L>> unsolved; // by worker
     LaneLaw<N> law;
-    L beta;             // how far to go on along the way
-    double limit;       // from which on a body that changes is active
-    const int *list;    // packs or bodies to go over; null for all
-    std::size_t listed; // how many there are
+    L beta;       // how far to go on along the way
+    double limit; // from which on a body that changes is active
     Look *look;
 };
 
-template <class L>
-using Kernel = void (*)(Phase phase, Problem<L> &problem, int worker, std::size_t begin,
-                        std::size_t end);
+// A part of the packs, bodies or blocks of bodies that a phase goes over.
+struct Part {
+    const int *list;    // of all; null for every one there is
+    std::size_t listed; // how many are in the list
+    int worker;
+    std::size_t begin, end;
+
+    std::size_t at(std::size_t k) const {
+        return list == nullptr ? k : static_cast<std::size_t>(list[k]);
+    }
+};
+
+template <class L> using Kernel = void (*)(Phase phase, Problem<L> &problem, const Part &part);
 
 template <Solved WHAT, Half HALF, class L>
-PLUVIA_INLINE void visit_all(Problem<L> &p, int worker, std::size_t begin, std::size_t end) {
-    Unsolved<L> &unsolved = p.unsolved[static_cast<std::size_t>(worker)];
+PLUVIA_INLINE void visit_all(Problem<L> &p, const Part &part) {
+    Unsolved<L> &unsolved = p.unsolved[static_cast<std::size_t>(part.worker)];
     Unsolved<L> own = unsolved;
     const L beta = p.beta;
     Records<L> *const motion = p.bodies.motion.data();
-    for (std::size_t k = begin; k < end; ++k) {
-        const std::size_t at = HALF == Half::There ? k : begin + end - 1 - k;
-        const auto i = static_cast<std::size_t>(p.list[at]);
+    for (std::size_t k = part.begin; k < part.end; ++k) {
+        const std::size_t i = part.at(HALF == Half::There ? k : part.begin + part.end - 1 - k);
         const Pack<L> &pack = p.pairs->packs[i];
         if (HALF == Half::Back) {
             own.work = L{};
@@ -109,12 +116,13 @@ PLUVIA_INLINE void visit_all(Problem<L> &p, int worker, std::size_t begin, std::
     unsolved = own;
 }
 
-template <Solved WHAT, class L> PLUVIA_INLINE void find_change(Problem<L> &p, std::size_t block) {
-    const std::size_t end = std::min(p.listed, (block + 1) * BODY_BLOCK);
+template <Solved WHAT, class L>
+PLUVIA_INLINE void find_change(Problem<L> &p, const Part &part, std::size_t block) {
+    const std::size_t end = std::min(part.listed, (block + 1) * BODY_BLOCK);
     const auto limit = static_cast<typename Lane<L>::Number>(p.limit);
     BodyChange change;
     for (std::size_t k = block * BODY_BLOCK; k < end; ++k) {
-        const auto b = static_cast<std::size_t>(p.list[k]);
+        const std::size_t b = part.at(k);
         const auto &now = p.bodies.motion[b];
         auto one = energy(now, p.bodies.before[b]);
         if (WHAT == Solved::Impacts) {
@@ -132,18 +140,13 @@ template <Solved WHAT, class L> PLUVIA_INLINE void find_change(Problem<L> &p, st
     p.changes[block] = change;
 }
 
-template <class L>
-PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, int worker, std::size_t begin,
-                             std::size_t end) {
+template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, const Part &part) {
     using N = typename Lane<L>::Number;
     Records<L> *const motion = p.bodies.motion.data();
-    const auto listed = [&p](std::size_t k) __attribute__((always_inline)) {
-        return p.list == nullptr ? k : static_cast<std::size_t>(p.list[k]);
-    };
     // Calls `what(pack, points, memory, search, number)`.
     const auto packs = [&](const auto &what) __attribute__((always_inline)) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const std::size_t i = listed(k);
+        for (std::size_t k = part.begin; k < part.end; ++k) {
+            const std::size_t i = part.at(k);
             const Pack<L> &pack = p.pairs->packs[i];
             const auto first = static_cast<std::size_t>(pack.first);
             what(pack, &p.pairs->points[first], p.memory.data() + first, &p.pairs->search[first],
@@ -151,8 +154,8 @@ PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, int worker, std::size_t
         }
     };
     const auto bodies = [&](const auto &what) __attribute__((always_inline)) {
-        for (std::size_t k = begin; k < end; ++k) {
-            what(listed(k));
+        for (std::size_t k = part.begin; k < part.end; ++k) {
+            what(part.at(k));
         }
     };
     switch (phase) {
@@ -176,23 +179,23 @@ PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, int worker, std::size_t
                   });
         break;
     case Phase::ForcesThere:
-        visit_all<Solved::Forces, Half::There>(p, worker, begin, end);
+        visit_all<Solved::Forces, Half::There>(p, part);
         break;
     case Phase::ForcesBack:
-        visit_all<Solved::Forces, Half::Back>(p, worker, begin, end);
+        visit_all<Solved::Forces, Half::Back>(p, part);
         break;
     case Phase::ImpactsThere:
-        visit_all<Solved::Impacts, Half::There>(p, worker, begin, end);
+        visit_all<Solved::Impacts, Half::There>(p, part);
         break;
     case Phase::ImpactsBack:
-        visit_all<Solved::Impacts, Half::Back>(p, worker, begin, end);
+        visit_all<Solved::Impacts, Half::Back>(p, part);
         break;
     case Phase::Look:
         packs([&](const auto &pack, auto *points, auto *, auto *, std::size_t) __attribute__((
             always_inline)) { add_residual(pack, points, motion, p.look->residual); });
         break;
     case Phase::Fastest: {
-        L &fastest = p.unsolved[static_cast<std::size_t>(worker)].fastest;
+        L &fastest = p.unsolved[static_cast<std::size_t>(part.worker)].fastest;
         packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
             always_inline)) { find_fastest(pack, points, memory, motion, p.law, fastest); });
         break;
@@ -229,11 +232,11 @@ PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, int worker, std::size_t
         break;
     case Phase::ForcesChange:
     case Phase::ImpactsChange:
-        for (std::size_t block = begin; block < end; ++block) {
+        for (std::size_t block = part.begin; block < part.end; ++block) {
             if (phase == Phase::ForcesChange) {
-                find_change<Solved::Forces>(p, block);
+                find_change<Solved::Forces>(p, part, block);
             } else {
-                find_change<Solved::Impacts>(p, block);
+                find_change<Solved::Impacts>(p, part, block);
             }
         }
         break;

@@ -38,9 +38,6 @@ constexpr double LOCAL_SHARE = 0.25;
 constexpr double WORSE = 1.25;
 constexpr double FARTHEST = 0.85;
 
-// Bodies that a thread takes at least.
-constexpr std::size_t BODIES_AT_ONCE = 128;
-
 // How far iterations go on along the way, as a share of the last.
 class Pace {
   public:
@@ -68,8 +65,8 @@ template <class L> class Run {
   public:
     Run(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts, int free, int iterations,
         Workers &workers)
-        : p_(problem), kernel_(kernel), contacts_(contacts), least_(iterations), workers_(workers),
-          few_(problem, contacts, free, workers) {
+        : p_(problem), kernel_(kernel), contacts_(contacts), least_(iterations),
+          now_(problem, kernel, workers), few_(problem, contacts, free, workers) {
         const auto bodies = p_.bodies.motion.size();
         p_.active.assign(bodies, 0);
         p_.unsolved.assign(static_cast<std::size_t>(workers.count()), Unsolved<L>{});
@@ -81,75 +78,43 @@ template <class L> class Run {
     }
 
     void substep(Look *look) {
-        over_packs(Phase::Aim, nullptr, p_.all.packs.size());
-        over_bodies(Phase::Force, nullptr, p_.bodies.motion.size());
+        now_.packs(Phase::Aim);
+        now_.bodies(Phase::Force);
+        now_.run();
         if (look != nullptr && look->record != nullptr) {
             record_bodies(p_.bodies, false, *look->record);
         }
         choose_awake();
-        by_colour(Phase::Begin, all_, false);
+        now_.colours(Phase::Begin, all_, contacts_.colours, false);
         iterate<Solved::Forces>(p_.law.unsolved_speed);
         if (look != nullptr) {
             look_at(*look);
         }
-        over_bodies(Phase::Go, nullptr, p_.bodies.motion.size());
+        now_.bodies(Phase::Go);
         const N fastest = fastest_impact();
         if (!(fastest > 0)) {
-            over_packs(Phase::EndForces, nullptr, p_.all.packs.size());
+            now_.packs(Phase::EndForces);
+            now_.run();
             return;
         }
         const N limit = std::max(p_.law.restitution_speed, fastest * IMPACT_SHARE<L>);
-        over_packs(Phase::Compress, nullptr, p_.all.packs.size());
+        now_.packs(Phase::Compress);
         iterate<Solved::Impacts>(limit);
-        over_packs(Phase::Restitute, nullptr, p_.all.packs.size());
+        now_.packs(Phase::Restitute);
         iterate<Solved::Impacts>(limit);
-        over_packs(Phase::EndImpacts, nullptr, p_.all.packs.size());
+        now_.packs(Phase::EndImpacts);
+        now_.run();
     }
 
   private:
     Problem<L> &p_;
     Kernel<L> kernel_;
     const Contacts &contacts_;
-    int least_; // iterations
-    Workers &workers_;
+    int least_;                // iterations
+    Sequence<L> now_;          // what is to be done before the next look
     std::vector<int> touched_; // bodies
     Turn all_, asleep_;
     Few<L> few_;
-
-    void over(Phase phase, const int *list, std::size_t size, std::size_t at_once) {
-        p_.list = list;
-        p_.listed = size;
-        const std::size_t share = (size + static_cast<std::size_t>(workers_.count()) - 1) /
-                                  static_cast<std::size_t>(workers_.count());
-        workers_.share(size, std::max(at_once, share),
-                       [&](int worker, std::size_t begin, std::size_t end) {
-                           kernel_(phase, p_, worker, begin, end);
-                       });
-    }
-    void over_packs(Phase phase, const int *list, std::size_t size) {
-        over(phase, list, size, PACKS_AT_ONCE);
-    }
-    void over_bodies(Phase phase, const int *list, std::size_t size) {
-        over(phase, list, size, BODIES_AT_ONCE);
-    }
-
-    void by_colour(Phase phase, const Turn &turn, bool back) {
-        const std::size_t colours = turn.begin.size() - 1;
-        for (std::size_t k = 0; k < colours; ++k) {
-            const std::size_t c = back ? colours - 1 - k : k;
-            const int *const list = turn.packs.data() + turn.begin[c];
-            const auto size = static_cast<std::size_t>(turn.begin[c + 1] - turn.begin[c]);
-            if (size == 0) {
-                continue;
-            }
-            if (contacts_.colours.in_order(c)) {
-                p_.list = list;
-                kernel_(phase, p_, 0, 0, size);
-            } else {
-                over_packs(phase, list, size);
-            }
-        }
-    }
 
     void choose_awake() {
         all_.choose(contacts_.colours, [&](std::size_t i) { return p_.awake[i] != 0; });
@@ -166,17 +131,7 @@ template <class L> class Run {
         return all;
     }
 
-    BodyChange change(bool impacts, const std::vector<int> &bodies) {
-        const std::size_t blocks = (bodies.size() + BODY_BLOCK - 1) / BODY_BLOCK;
-        p_.changes.resize(blocks);
-        p_.list = bodies.data();
-        p_.listed = bodies.size();
-        const Phase phase = impacts ? Phase::ImpactsChange : Phase::ForcesChange;
-        workers_.share(
-            blocks, std::max<std::size_t>(2, blocks / static_cast<std::size_t>(workers_.count())),
-            [&](int worker, std::size_t begin, std::size_t end) {
-                kernel_(phase, p_, worker, begin, end);
-            });
+    BodyChange changed() const {
         BodyChange all;
         for (const BodyChange &one : p_.changes) {
             all.most = std::max(all.most, one.most);
@@ -189,8 +144,9 @@ template <class L> class Run {
 
     // Iterations begin without a way.
     void begin_search(const Turn &turn, const std::vector<int> &bodies) {
-        over_packs(Phase::ClearSearch, turn.packs.data(), turn.packs.size());
-        over_bodies(Phase::BeginSearch, bodies.data(), bodies.size());
+        now_.packs(Phase::ClearSearch, turn.packs.data(), turn.packs.size());
+        now_.bodies(Phase::BeginSearch, bodies.data(), bodies.size());
+        p_.beta = L{};
     }
 
     // Goes over the contacts that are awake until they are solved: until less
@@ -217,19 +173,20 @@ template <class L> class Run {
         int local = 0;    // iterations over the few at hand
         int spread = 0;   // how often others became the few, since there were iterations over all
         bool over_few = false;
-        take_unsolved();
-        over_packs(Phase::ClearSearch, nullptr, p_.all.packs.size());
-        over_bodies(Phase::BeginSearch, touched_.data(), touched_.size());
+        now_.packs(Phase::ClearSearch);
+        now_.bodies(Phase::BeginSearch, touched_.data(), touched_.size());
         p_.beta = L{};
         for (int n = 1; left > 0; ++n) {
             const Turn &turn = over_few ? few_.turn() : all_;
             const std::vector<int> &bodies = over_few ? few_.bodies() : touched_;
-            by_colour(there, turn, false);
-            by_colour(back, turn, true);
+            p_.limit = LOCAL_SHARE * allowed;
+            now_.colours(there, turn, contacts_.colours, false);
+            now_.colours(back, turn, contacts_.colours, true);
+            now_.change(IMPACTS ? Phase::ImpactsChange : Phase::ForcesChange, bodies);
+            now_.run();
             left -= std::max<double>(1, static_cast<double>(turn.packs.size()));
             const Unsolved<L> unsolved = take_unsolved();
-            p_.limit = LOCAL_SHARE * allowed;
-            const BodyChange changed = change(IMPACTS, bodies);
+            const BodyChange changed = this->changed();
             if (over_few) {
                 if (++local < LOCAL_ITERATIONS && changed.most > p_.limit) {
                     go_on(turn, bodies, pace);
@@ -247,7 +204,6 @@ template <class L> class Run {
                 pace = whole;
                 pace.forget_work();
                 begin_search(all_, touched_);
-                p_.beta = L{};
                 continue;
             }
             if (!IMPACTS) {
@@ -273,6 +229,8 @@ template <class L> class Run {
             }
             go_on(turn, bodies, pace);
         }
+        // Where iterations ran out: what was to come next would move bodies, not their impulses.
+        now_.forget();
         if (over_few) {
             few_.put_back();
             p_.pairs = &p_.all;
@@ -283,7 +241,6 @@ template <class L> class Run {
         few_.choose();
         p_.pairs = &p_.few;
         begin_search(few_.turn(), few_.bodies());
-        p_.beta = L{};
     }
 
     // Goes on along the way, the farther the more iterations there were since it
@@ -294,7 +251,7 @@ template <class L> class Run {
             work += p_.pairs->work[static_cast<std::size_t>(i)];
         }
         p_.beta = L{} + static_cast<N>(pace.next(work));
-        over_bodies(Phase::GoOn, bodies.data(), bodies.size());
+        now_.bodies(Phase::GoOn, bodies.data(), bodies.size());
     }
 
     // Looks at the pairs that are asleep. Whether one woke, or is met too fast.
@@ -303,7 +260,8 @@ template <class L> class Run {
             return false;
         }
         p_.beta = L{};
-        by_colour(back, asleep_, true);
+        now_.colours(back, asleep_, contacts_.colours, true);
+        now_.run();
         bool woke = any_larger(take_unsolved().speed, limit);
         bool any = false;
         for (const int number : asleep_.packs) {
@@ -322,8 +280,7 @@ template <class L> class Run {
 
     void look_at(Look &look) {
         p_.look = &look;
-        p_.list = nullptr;
-        kernel_(Phase::Look, p_, 0, 0, p_.all.packs.size());
+        kernel_(Phase::Look, p_, {nullptr, 0, 0, 0, p_.all.packs.size()});
         if (look.record == nullptr) {
             return;
         }
@@ -339,7 +296,8 @@ template <class L> class Run {
     }
 
     N fastest_impact() {
-        over_packs(Phase::Fastest, nullptr, p_.all.packs.size());
+        now_.packs(Phase::Fastest);
+        now_.run();
         const L found = take_unsolved().fastest;
         N fastest = 0;
         for (int i = 0; i < Lane<L>::WIDTH; ++i) {

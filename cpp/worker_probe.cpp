@@ -2,6 +2,7 @@
 
 #include "workers.h"
 
+#include <array>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -17,23 +18,39 @@ std::uint64_t shared_sum(std::int32_t threads, std::size_t size, std::size_t rou
     Workers workers(threads);
     // Plain numbers, as in a world: only one thread at a time may touch each.
     std::vector<std::uint64_t> parts(static_cast<std::size_t>(threads), 0);
-    std::vector<std::uint64_t> sums(size, 0);
+    std::vector<std::uint64_t> here(size, 0), there(size, 0);
+    std::uint64_t early = 0;
+    const std::array<Share, 3> shares{{{size, 3}, {size, 5}, {size > 0 ? 1U : 0U, 1}}};
     for (std::size_t round = 0; round < rounds; ++round) {
-        workers.share(size, 3, [&](int worker, std::size_t begin, std::size_t end) {
+        const auto part = [&](std::size_t share, int worker, std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                if (i == fails_at) {
-                    throw std::runtime_error("asked to fail at " + std::to_string(i));
+                if (share == 0) {
+                    if (i == fails_at) {
+                        throw std::runtime_error("asked to fail at " + std::to_string(i));
+                    }
+                    here[i] += i;
+                } else if (share == 1) {
+                    // By whoever had the other end in the share before.
+                    there[i] += here[size - 1 - i];
+                } else {
+                    const std::uint64_t sum =
+                        std::accumulate(there.begin(), there.end(), std::uint64_t{0});
+                    const std::uint64_t times = (round + 1) * (round + 2) / 2;
+                    early += sum != times * (size * (size - 1) / 2);
                 }
-                sums[i] += i;
             }
             parts[static_cast<std::size_t>(worker)] += end - begin;
-        });
+        };
+        workers.share(shares.data(), shares.size(), part);
     }
     const std::uint64_t touched = std::accumulate(parts.begin(), parts.end(), std::uint64_t{0});
-    if (touched != size * rounds) {
+    if (touched != (2 * size + shares[2].size) * rounds) {
         throw std::logic_error("work was lost or done twice");
     }
-    return std::accumulate(sums.begin(), sums.end(), std::uint64_t{0});
+    if (early > 0) {
+        throw std::logic_error("a share began before the one before was over");
+    }
+    return std::accumulate(here.begin(), here.end(), std::uint64_t{0});
 }
 
 } // namespace pluvia

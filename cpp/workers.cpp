@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <stdexcept>
 
 namespace pluvia {
 
@@ -19,7 +20,9 @@ constexpr int LOOKS = 256;
 // microseconds, longer than one that is awake needs.
 constexpr int PATIENCE = 128;
 
-constexpr std::uint64_t LEFT = 0xffffffffU; // of a ticket: the parts that nobody has taken
+constexpr std::uint64_t LEFT = 0xffffffffU; // of a ticket: the lower half
+
+std::uint64_t job_of(std::uint64_t ticket) { return ticket >> 32; }
 
 void pause() {
 #if defined(__x86_64__)
@@ -38,9 +41,23 @@ template <class F> bool at_once(int looks, const F &is_true) {
     return false;
 }
 
+template <class F> void wait_until(const F &is_true) {
+    while (!at_once(LOOKS, is_true)) {
+        std::this_thread::yield();
+    }
+}
+
+// Numbers of a share from 0 up to the beginning of stretch number `i` of `count`.
+std::size_t before(const Share &share, std::size_t i, std::size_t count) {
+    if (share.size <= share.length) {
+        return i == 0 ? 0 : share.size;
+    }
+    return share.size * i / count;
+}
+
 } // namespace
 
-Workers::Workers(int count) : stretches_(static_cast<std::size_t>(count)) {
+Workers::Workers(int count) : stretches_(new Stretch[static_cast<std::size_t>(count)]) {
     for (int worker = 1; worker < count; ++worker) {
         threads_.emplace_back([this, worker] { work(worker); });
     }
@@ -57,76 +74,100 @@ Workers::~Workers() {
     }
 }
 
-// Takes and does a part of a stretch. False where none is left. While a part that was taken
-// is not over, the job stays as it is; who takes none may look at nothing else of it.
-bool Workers::take_part(int worker, Stretch &stretch) {
-    std::uint64_t ticket = stretch.ticket.load();
+// Takes and does a part of somebody's stretch of a share. False where none is left. While a part
+// that was taken is not over, the job stays as it is; who takes none may look at nothing else of
+// it.
+bool Workers::take_part(int worker, std::uint64_t number, std::size_t of, std::size_t share) {
+    Ticket &left = stretches_[of].tickets[share];
+    std::uint64_t ticket = left.load();
     do {
-        if ((ticket & LEFT) == 0) {
+        if (job_of(ticket) != number || (ticket & LEFT) == 0) {
             return false;
         }
-    } while (!stretch.ticket.compare_exchange_weak(ticket, ticket - 1));
+    } while (!left.compare_exchange_weak(ticket, ticket - 1));
+    const Share &whole = job_.shares[share];
+    const auto count = static_cast<std::size_t>(this->count());
     // Parts are counted from the end of the stretch.
-    const std::size_t before = ((ticket & LEFT) - 1) * job_.length;
-    const std::size_t begin = stretch.begin + before;
-    const std::size_t end = std::min(stretch.end, begin + job_.length);
+    const std::size_t begin = before(whole, of, count) + ((ticket & LEFT) - 1) * whole.length;
+    const std::size_t end = std::min(before(whole, of + 1, count), begin + whole.length);
     // An exception may leave neither a thread nor, while others are at work, the
     // job that they share.
     try {
-        job_.call(job_.part, worker, begin, end);
+        if (!failed_) {
+            job_.call(job_.part, share, worker, begin, end);
+        }
     } catch (...) {
         if (!failed_.exchange(true)) {
             error_ = std::current_exception();
         }
     }
-    --open_;
+    --open_[share];
     return true;
 }
 
-void Workers::run(const Job &job) {
+// A worker sees a job by the first ticket of its own stretch, which is therefore written last;
+// and its end by a ticket with another number.
+void Workers::publish(const Job &job) {
+    if (job.count > MOST_SHARES) {
+        throw std::logic_error("a job with too many shares");
+    }
     job_ = job;
     failed_ = false;
-    ++number_;
-    const std::size_t count = stretches_.size();
-    std::size_t parts = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        Stretch &stretch = stretches_[i];
-        stretch.begin = job.size * i / count;
-        stretch.end = job.size * (i + 1) / count;
-        parts += (stretch.end - stretch.begin + job.length - 1) / job.length;
+    number_ = (number_ + 1) & LEFT;
+    const auto count = static_cast<std::size_t>(this->count());
+    for (std::size_t k = job.count; k-- > 0;) {
+        const Share &share = job.shares[k];
+        const auto parts = [&](std::size_t i) {
+            const std::size_t own = before(share, i + 1, count) - before(share, i, count);
+            return (own + share.length - 1) / share.length;
+        };
+        std::uint64_t all = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            all += parts(i);
+        }
+        open_[k].store(number_ << 32 | all, std::memory_order_release);
+        for (std::size_t i = 0; i < count; ++i) {
+            stretches_[i].tickets[k].store(number_ << 32 | parts(i),
+                                           k > 0 ? std::memory_order_release
+                                                 : std::memory_order_seq_cst);
+        }
     }
-    open_ = parts;
-    for (Stretch &stretch : stretches_) {
-        const std::uint64_t own = (stretch.end - stretch.begin + job.length - 1) / job.length;
-        stretch.ticket = number_ << 32 | own;
-    }
+}
+
+void Workers::run(const Job &job) {
+    publish(job);
     if (asleep_ > 0) {
         const std::lock_guard<std::mutex> lock(mutex_);
         begin_.notify_all();
     }
-    while (take_part(0, stretches_[0])) {
-    }
-    for (Stretch &stretch : stretches_) {
-        const auto taken = [&stretch] { return (stretch.ticket.load() & LEFT) == 0; };
-        if (!stretch.late && at_once(PATIENCE, taken)) {
-            continue;
+    for (std::size_t k = 0; k < job.count; ++k) {
+        while (take_part(0, number_, 0, k)) {
         }
-        while (take_part(0, stretch)) {
-            stretch.late = true;
-        }
-    }
-    const auto over = [this] { return open_ == 0; };
-    while (!at_once(LOOKS, over)) {
-        std::this_thread::yield();
+        help(k);
+        wait_until([&] { return (open_[k].load() & LEFT) == 0; });
     }
     if (failed_) {
         std::rethrow_exception(error_);
     }
 }
 
+// Takes what those who are late have left of a share.
+void Workers::help(std::size_t share) {
+    for (std::size_t i = 1; i < static_cast<std::size_t>(count()); ++i) {
+        Stretch &stretch = stretches_[i];
+        const auto taken = [&] { return (stretch.tickets[share].load() & LEFT) == 0; };
+        if (!stretch.late && at_once(PATIENCE, taken)) {
+            continue;
+        }
+        while (take_part(0, number_, i, share)) {
+            stretch.late = true;
+        }
+    }
+}
+
 void Workers::wait_for_job(int worker, std::uint64_t seen) {
-    const Stretch &own = stretches_[static_cast<std::size_t>(worker)];
-    const auto called = [&] { return closing_ || own.ticket.load() >> 32 != seen; };
+    const Ticket &own = stretches_[static_cast<std::size_t>(worker)].tickets[0];
+    const auto called = [&] { return closing_ || job_of(own.load()) != seen; };
     const auto until = std::chrono::steady_clock::now() + AWAKE;
     do {
         if (at_once(LOOKS, called)) {
@@ -140,18 +181,38 @@ void Workers::wait_for_job(int worker, std::uint64_t seen) {
     --asleep_;
 }
 
+// Does a worker's parts of a job. It may be over at any time, taken by the caller.
+void Workers::follow(int worker, std::uint64_t number) {
+    const auto own = static_cast<std::size_t>(worker);
+    Stretch &stretch = stretches_[own];
+    for (std::size_t k = 0; k < MOST_SHARES; ++k) {
+        if (job_of(stretch.tickets[k].load()) != number) {
+            return;
+        }
+        if (k > 0) {
+            wait_until([&] {
+                const std::uint64_t open = open_[k - 1].load();
+                return (open & LEFT) == 0 || job_of(open) != number;
+            });
+        }
+        if (stretch.late) {
+            stretch.late = false;
+        }
+        while (take_part(worker, number, own, k)) {
+        }
+    }
+}
+
 void Workers::work(int worker) {
-    Stretch &own = stretches_[static_cast<std::size_t>(worker)];
+    const Ticket &first = stretches_[static_cast<std::size_t>(worker)].tickets[0];
     std::uint64_t seen = 0;
     for (;;) {
         wait_for_job(worker, seen);
         if (closing_) {
             return;
         }
-        seen = own.ticket.load() >> 32;
-        own.late = false;
-        while (take_part(worker, own)) {
-        }
+        seen = job_of(first.load());
+        follow(worker, seen);
     }
 }
 

@@ -1,21 +1,31 @@
 // A few threads that share the work of one world.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
 
 namespace pluvia {
 
+// One thing after another that threads share: the numbers from 0 to `size`, of which one thread
+// takes `length` at a time, or the caller all of them where there are no more.
+struct Share {
+    std::size_t size, length;
+};
+
 // Runs one function on several threads, the caller's among them, and waits for
 // all of them. What it computes must not depend on who computes which part.
 class Workers {
   public:
+    static constexpr std::size_t MOST_SHARES = 224; // of a job
+
     // `count`: threads in all, at least 1.
     explicit Workers(int count);
     ~Workers();
@@ -24,47 +34,63 @@ class Workers {
 
     int count() const { return static_cast<int>(threads_.size()) + 1; }
 
-    // Calls `part(worker, begin, end)` for parts of 0 to `size`, each of `length`
-    // or less, or one by the caller for all where there are no others; `worker` is
-    // smaller than `count()` and no two calls at a time have the same. Every worker
-    // has its own stretch, the same for the same size: what it wrote the last time is in
-    // its cache. The caller takes what is left of the stretch of one that is late: where
-    // processors are shared, a worker may not run for milliseconds.
-    // What a part throws is thrown here, once all of them are over; of several, one.
-    template <class Part> void share(std::size_t size, std::size_t length, const Part &part) {
-        if (size == 0) {
+    // Calls `part(share, worker, begin, end)` for parts of each of `count` shares; all of one are
+    // over before any of the next begins. `worker` is smaller than `count()` and no two calls
+    // at a time have the same. Every worker has its own stretch, the same for the same size: what
+    // it wrote the last time is in its cache. The caller takes what is left of the stretch of one
+    // that is late: where processors are shared, a worker may not run for milliseconds.
+    // What a part throws is thrown here, once all that began are over; of several, one.
+    template <class Part> void share(const Share *shares, std::size_t count, const Part &part) {
+        bool alone = true;
+        for (std::size_t k = 0; k < count; ++k) {
+            alone = alone && shares[k].size <= shares[k].length;
+        }
+        if (alone || threads_.empty()) {
+            for (std::size_t k = 0; k < count; ++k) {
+                if (shares[k].size > 0) {
+                    part(k, 0, std::size_t{0}, shares[k].size);
+                }
+            }
             return;
         }
-        if (threads_.empty() || size <= length) {
-            part(0, std::size_t{0}, size);
-            return;
-        }
-        const auto call = [](const void *what, int worker, std::size_t begin, std::size_t end) {
-            (*static_cast<const Part *>(what))(worker, begin, end);
+        const auto call = [](const void *what, std::size_t k, int worker, std::size_t begin,
+                             std::size_t end) {
+            (*static_cast<const Part *>(what))(k, worker, begin, end);
         };
-        run({call, &part, size, length});
+        run({call, &part, shares, count});
+    }
+
+    // The same with one share.
+    template <class Part> void share(std::size_t size, std::size_t length, const Part &part) {
+        const Share one{size, length};
+        share(&one, 1, [&part](std::size_t, int worker, std::size_t begin, std::size_t end) {
+            part(worker, begin, end);
+        });
     }
 
   private:
     struct Job {
-        void (*call)(const void *part, int worker, std::size_t begin, std::size_t end) = nullptr;
+        void (*call)(const void *part, std::size_t share, int worker, std::size_t begin,
+                     std::size_t end) = nullptr;
         const void *part = nullptr;
-        std::size_t size = 0, length = 1;
+        const Share *shares = nullptr;
+        std::size_t count = 0;
     };
-    // A worker's stretch of the job.
+    // The number of a job, and in the lower half how many parts nobody has taken, or are not over.
+    using Ticket = std::atomic<std::uint64_t>;
+    using Tickets = std::array<Ticket, MOST_SHARES>;
+    // What a worker takes first.
     struct alignas(64) Stretch {
-        // The number of the job, and in the lower half how many of its parts nobody has taken.
-        std::atomic<std::uint64_t> ticket{0};
+        Tickets tickets{};             // by share
         std::atomic<bool> late{false}; // its parts are taken at once
-        std::size_t begin = 0, end = 0;
     };
 
     std::mutex mutex_;
     std::condition_variable begin_;
     Job job_;
     std::uint64_t number_ = 0; // of the job
-    std::vector<Stretch> stretches_;
-    alignas(64) std::atomic<std::size_t> open_{0}; // parts of the job that are not over
+    std::unique_ptr<Stretch[]> stretches_;
+    alignas(64) Tickets open_{}; // by share: parts that are not over
     std::atomic<int> asleep_{0};
     std::atomic<bool> closing_{false};
     std::atomic<bool> failed_{false};
@@ -72,8 +98,11 @@ class Workers {
     std::vector<std::thread> threads_;
 
     void run(const Job &job);
+    void publish(const Job &job);
+    void help(std::size_t share);
     void work(int worker);
-    bool take_part(int worker, Stretch &stretch);
+    void follow(int worker, std::uint64_t number);
+    bool take_part(int worker, std::uint64_t number, std::size_t of, std::size_t share);
     void wait_for_job(int worker, std::uint64_t seen);
 };
 

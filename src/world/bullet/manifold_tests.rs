@@ -217,3 +217,67 @@ fn a_joint_is_not_felt_and_a_step_is() {
         );
     }
 }
+
+/// The largest velocity that the impulses of a sub-step do not explain, as a share of the largest
+/// velocity.
+fn unexplained(record: &SubstepRecord) -> f64 {
+    const BODY: usize = SubstepRecord::BODY;
+    let mut given = vec![[0.0; 6]; record.bodies.len() / BODY];
+    for c in record.contacts.chunks_exact(SubstepRecord::CONTACT) {
+        for (side, sign) in [(0, 1.0), (1, -1.0)] {
+            let body = c[side] as usize;
+            let inverse_mass = record.bodies[BODY * body];
+            for along in 0..3 {
+                let impulse = sign * c[34 + along];
+                for k in 0..3 {
+                    given[body][k] += inverse_mass * impulse * c[2 + 9 * along + k];
+                    given[body][3 + k] += impulse * c[5 + 9 * along + 3 * side + k];
+                }
+            }
+        }
+    }
+    let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+    for (body, given) in record.bodies.chunks_exact(BODY).zip(&given) {
+        if body[0] > 0.0 {
+            for k in 0..6 {
+                worst = worst.max((body[7 + k] - body[1 + k] - given[k]).abs());
+                largest = largest.max(body[7 + k].abs());
+            }
+        }
+    }
+    worst / largest
+}
+
+#[test]
+fn impulses_explain_velocities_also_where_iterations_run_out() {
+    let _turn = shared_turn();
+    // In single precision, thousands of iterations over few grains add up rounding.
+    for (solver_tolerance, contacts_at_once, tolerance) in
+        [(ManifoldSettings::default().solver_tolerance, 8, 1e-5), (1e-6, 1, 1e-9)]
+    {
+        let settings =
+            ManifoldSettings { solver_tolerance, contacts_at_once, ..Default::default() };
+        let mut world = world(settings);
+        let table = heap(&mut world);
+        world.record_substeps();
+        let mut worst = 0.0_f64;
+        for step in 0..120 {
+            let x = 0.01 * (std::f64::consts::TAU * 3.0 * f64::from(step) / 480.0).sin();
+            world.drive(table, &Pose::translation(x, 0.0, -0.01)).expect("driven");
+            world.step().expect("a step");
+            let record = world.recorded_substep();
+            if !record.contacts.is_empty() {
+                worst = worst.max(unexplained(&record));
+            }
+        }
+        assert!(
+            worst < tolerance,
+            "law: what a sub-step changes are its impulses; solver_tolerance {solver_tolerance}: \
+             expected 0, got {worst} of the largest velocity, tolerance {tolerance}"
+        );
+        // The comparison can fail.
+        let mut record = world.recorded_substep();
+        record.contacts[34] += 0.01;
+        assert!(unexplained(&record) > 1e-5, "law: an impulse that was not given is seen");
+    }
+}

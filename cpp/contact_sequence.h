@@ -1,0 +1,87 @@
+// Phases that follow each other without the control looking in between, by all threads.
+#pragma once
+
+#include "contact_load.h"
+#include "workers.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace pluvia {
+
+// Packs and bodies that a thread takes at least: fewer do not pay for the others' coming.
+constexpr std::size_t PACKS_AT_ONCE = 8;
+constexpr std::size_t BODIES_AT_ONCE = 128;
+
+template <class L> class Sequence {
+  public:
+    Sequence(Problem<L> &problem, Kernel<L> kernel, Workers &workers)
+        : p_(problem), kernel_(kernel), workers_(workers) {}
+
+    // Over listed packs or bodies; over all of `size` where the list is null.
+    void packs(Phase phase, const int *list, std::size_t size) {
+        add(phase, list, size, PACKS_AT_ONCE);
+    }
+    void packs(Phase phase) { packs(phase, nullptr, p_.all.packs.size()); }
+    void bodies(Phase phase, const int *list, std::size_t size) {
+        add(phase, list, size, BODIES_AT_ONCE);
+    }
+    void bodies(Phase phase) { bodies(phase, nullptr, p_.bodies.motion.size()); }
+
+    // Over packs, one colour after the other; `back`: from the last to the first.
+    void colours(Phase phase, const Turn &turn, const Colours &colours, bool back) {
+        const std::size_t count = turn.begin.size() - 1;
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::size_t c = back ? count - 1 - k : k;
+            const auto size = static_cast<std::size_t>(turn.begin[c + 1] - turn.begin[c]);
+            add(phase, turn.packs.data() + turn.begin[c], size,
+                colours.in_order(c) ? size : PACKS_AT_ONCE);
+        }
+    }
+
+    // Over blocks of the listed bodies.
+    void change(Phase phase, const std::vector<int> &bodies) {
+        const std::size_t blocks = (bodies.size() + BODY_BLOCK - 1) / BODY_BLOCK;
+        p_.changes.resize(blocks);
+        add(phase, bodies.data(), blocks, BODIES_AT_ONCE / BODY_BLOCK);
+        steps_.back().listed = bodies.size();
+    }
+
+    // Does all of it; then there is nothing left to do.
+    void run() {
+        workers_.share(shares_.data(), shares_.size(),
+                       [this](std::size_t k, int worker, std::size_t begin, std::size_t end) {
+                           const Step &step = steps_[k];
+                           kernel_(step.phase, p_, {step.list, step.listed, worker, begin, end});
+                       });
+        forget();
+    }
+
+    void forget() {
+        steps_.clear();
+        shares_.clear();
+    }
+
+  private:
+    struct Step {
+        Phase phase;
+        const int *list;
+        std::size_t listed;
+    };
+    Problem<L> &p_;
+    Kernel<L> kernel_;
+    Workers &workers_;
+    std::vector<Step> steps_;
+    std::vector<Share> shares_;
+
+    // `least`: that a thread takes.
+    void add(Phase phase, const int *list, std::size_t size, std::size_t least) {
+        if (size > 0) {
+            const auto threads = static_cast<std::size_t>(workers_.count());
+            steps_.push_back({phase, list, size});
+            shares_.push_back({size, std::max(least, (size + threads - 1) / threads)});
+        }
+    }
+};
+
+} // namespace pluvia
