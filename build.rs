@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 37] = [
+const SHIMS: [&str; 36] = [
     "contact_bodies",
     "contact_colours",
     "contact_iterations",
@@ -21,7 +21,6 @@ const SHIMS: [&str; 37] = [
     "convert",
     "crowd",
     "crowd_probe",
-    "drives",
     "globals",
     "hull_data",
     "hull_axis",
@@ -33,7 +32,7 @@ const SHIMS: [&str; 37] = [
     "hull_landing",
     "hull_passing",
     "hull_algorithm",
-    "hull_dispatcher",
+    "hull_search",
     "hull_probe",
     "memory_probe",
     "workers",
@@ -41,9 +40,9 @@ const SHIMS: [&str; 37] = [
     "shapes",
     "bodies",
     "settings",
-    "stock",
-    "phased_world",
-    "hull_world",
+    "stock_world",
+    "engine_world",
+    "native_world",
     "pool",
     "pairs",
     "world",

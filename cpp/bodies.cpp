@@ -2,21 +2,27 @@
 
 namespace pluvia {
 
-const PairValue &Materials::of(const btCollisionObject &a, const btCollisionObject &b) const {
-    return pairs[static_cast<std::size_t>(a.getUserIndex2()) * count +
-                 static_cast<std::size_t>(b.getUserIndex2())];
+const PairValue &Materials::of(int a, int b) const {
+    const auto material = [this](int body) { return bodies[static_cast<std::size_t>(body)]; };
+    return pairs[material(a) * count + material(b)];
 }
 
+BodySettings::BodySettings(const Units &units, const WorldDefinition &definition)
+    : linear_damping(static_cast<btScalar>(definition.linear_damping)),
+      angular_damping(static_cast<btScalar>(definition.angular_damping)),
+      sleep_speed(units.length(definition.deactivation_speed)),
+      sleep_spin(static_cast<btScalar>(definition.deactivation_spin)),
+      gyroscopic(definition.gyroscopic) {}
+
 BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
-                  btConvexHullShape *shape, Materials *materials, const DampingAndSpin &settings,
-                  Pool &pool) {
+                  btConvexHullShape *shape, const BodySettings &settings, Pool &pool) {
     const bool free = definition.kind == BodyKind::Free;
     const btScalar mass = free ? static_cast<btScalar>(definition.mass) : btScalar(0);
     const btVector3 inertia = free ? units.inertia(definition.inertia) : btVector3(0, 0, 0);
     btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
     info.m_startWorldTransform = units.pose(definition.position, definition.rotation);
-    info.m_linearDamping = settings.linear;
-    info.m_angularDamping = settings.angular;
+    info.m_linearDamping = settings.linear_damping;
+    info.m_angularDamping = settings.angular_damping;
     info.m_additionalDamping = false;
     // Unused by the pair hooks below; one keeps Bullet's own product neutral.
     info.m_friction = 1;
@@ -36,14 +42,14 @@ BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
         body->setActivationState(DISABLE_DEACTIVATION);
     }
     body->setUserIndex(id);
-    body->setUserIndex2(static_cast<int>(definition.material));
-    body->setUserPointer(materials);
+    body->setSleepingThresholds(settings.sleep_speed, settings.sleep_spin);
     return body;
 }
 
 namespace {
 const PairValue &pair_value(const btCollisionObject *a, const btCollisionObject *b) {
-    return static_cast<const Materials *>(a->getUserPointer())->of(*a, *b);
+    return static_cast<const Materials *>(a->getUserPointer())
+        ->of(a->getUserIndex(), b->getUserIndex());
 }
 } // namespace
 

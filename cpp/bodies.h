@@ -15,20 +15,24 @@
 
 namespace pluvia {
 
-// Friction and restitution by material, row by row.
+// Friction and restitution by material, row by row, and the material of each body.
 struct Materials {
     std::size_t count;
-    std::vector<PairValue> pairs; // count squared
+    std::vector<PairValue> pairs;    // count squared
+    std::vector<std::size_t> bodies; // by the body's number
 
-    const PairValue &of(const btCollisionObject &a, const btCollisionObject &b) const;
+    const PairValue &of(int a, int b) const;
 };
 
 // Collision groups: walls of every kind never meet each other.
 enum Group : int { FREE = 1, WALL = 2 };
 
-struct DampingAndSpin {
-    btScalar linear;
-    btScalar angular;
+// What all bodies of a world have alike.
+struct BodySettings {
+    BodySettings(const Units &units, const WorldDefinition &definition);
+
+    btScalar linear_damping, angular_damping;
+    btScalar sleep_speed, sleep_spin;
     bool gyroscopic;
 };
 
@@ -42,14 +46,13 @@ struct BodyEnd {
 };
 using BodyPtr = std::unique_ptr<btRigidBody, BodyEnd>;
 
-// A body as defined, in a piece of `pool`; `id` and its material are found again in Bullet's user
-// indices, the materials' table behind its user pointer.
+// A body as defined, in a piece of `pool`; Bullet's user index holds its number.
 BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
-                  btConvexHullShape *shape, Materials *materials, const DampingAndSpin &settings,
-                  Pool &pool);
+                  btConvexHullShape *shape, const BodySettings &settings, Pool &pool);
 
 // Bullet's hooks for the coefficients of a pair (btManifoldResult.h). They
-// stand in for Bullet's rule, which multiplies one value of each body.
+// stand in for Bullet's rule, which multiplies one value of each body, and find
+// the materials behind the user pointer of the first.
 btScalar combined_friction(const btCollisionObject *a, const btCollisionObject *b);
 btScalar combined_restitution(const btCollisionObject *a, const btCollisionObject *b);
 

@@ -23,6 +23,15 @@ SolverBody free_body(const btRigidBody &body);
 // bodies turn by Euler's equations.
 void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gyroscopic);
 
+// Velocities in engine units.
+struct DrivenVelocity {
+    btVector3 linear, angular;
+};
+
+// Those that Bullet gives a driven body for a step from one pose to another, to
+// the bit.
+DrivenVelocity driven_velocity(const btTransform &start, const btTransform &end, btScalar step);
+
 // A driven body's velocities: of the last step, and their change from the one
 // before.
 struct Drive {

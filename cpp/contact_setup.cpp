@@ -6,34 +6,36 @@
 
 namespace pluvia {
 
-std::unique_ptr<HullCollision> make_hull_collision(const Units &units, const WorldDefinition &d) {
-    auto collision = std::make_unique<HullCollision>();
-    collision->settings = pair_settings(d.tolerances, units.scale());
-    collision->settings.reach =
+HullCollision hull_collision(const Units &units, const WorldDefinition &d,
+                             const Materials &materials) {
+    HullCollision collision;
+    collision.materials = &materials;
+    collision.settings = pair_settings(d.tolerances, units.scale());
+    collision.settings.reach =
         std::min(d.contact_threshold, d.tolerances.contact_margin) * units.scale();
-    collision->match = d.tolerances.match_distance * units.scale();
-    collision->kernels = d.portable ? &portable_axis_kernels() : &axis_kernels();
-    collision->step = d.time_step;
+    collision.match = d.tolerances.match_distance * units.scale();
+    collision.kernels = d.portable ? &portable_axis_kernels() : &axis_kernels();
+    collision.step = d.time_step;
     return collision;
 }
 
-std::unique_ptr<ContactSolver> make_contact_solver(const Units &units, const WorldDefinition &d,
-                                                   const HullCollision &collision,
-                                                   Workers &workers) {
+ContactLaw contact_law(const Units &units, const WorldDefinition &d) {
     const double scale = units.scale();
-    const ContactLaw law{d.substeps,
-                         d.sweeps,
-                         d.contact_stiffness,
-                         d.contact_damping_ratio,
-                         d.push_out_speed * scale,
-                         d.restitution_velocity_threshold * scale,
-                         d.tolerances.closed_gap * scale,
-                         d.tolerances.unsolved_gap * scale,
-                         d.solver_tolerance};
-    const Sweep sweep = d.contacts_at_once == 1     ? Sweep::OneByOne
-                        : has_avx2() && !d.portable ? Sweep::Avx2
-                                                    : Sweep::Portable;
-    return std::make_unique<ContactSolver>(collision.touching, law, sweep, d.gyroscopic, workers);
+    return {d.substeps,
+            d.sweeps,
+            d.contact_stiffness,
+            d.contact_damping_ratio,
+            d.push_out_speed * scale,
+            d.restitution_velocity_threshold * scale,
+            d.tolerances.closed_gap * scale,
+            d.tolerances.unsolved_gap * scale,
+            d.solver_tolerance};
+}
+
+Sweep sweep(const WorldDefinition &d) {
+    return d.contacts_at_once == 1     ? Sweep::OneByOne
+           : has_avx2() && !d.portable ? Sweep::Avx2
+                                       : Sweep::Portable;
 }
 
 void read_solver(const Units &units, const ContactSolver &solver, ReadBack &into) {

@@ -4,22 +4,13 @@
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "prefetch.h"
 
-#include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 
 namespace pluvia {
 
 namespace {
-
-// Numbers of bodies, kept as Bullet's companion ids: free bodies count from 0
-// upwards, driven ones from -2 downwards; -1 is the world.
-constexpr int WORLD = -1;
-
-int driven_number(int id) { return WORLD - 1 - id; }
 
 // So many bodies or pairs ahead the memory is asked for them.
 constexpr std::size_t AHEAD = 4;
@@ -59,14 +50,8 @@ ContactSolver::ContactSolver(const std::vector<Touching> &touching, const Contac
                              Sweep sweep, bool gyroscopic, Workers &workers)
     : touching_(touching), law_(law), sweep_(sweep), gyroscopic_(gyroscopic), workers_(workers) {}
 
-btScalar ContactSolver::solveGroup(btCollisionObject **, int, btPersistentManifold **, int,
-                                   btTypedConstraint **, int constraint_count,
-                                   const btContactSolverInfo &info, btIDebugDraw *,
-                                   btDispatcher *) {
-    if (constraint_count != 0) {
-        throw std::logic_error("the contact solver does not know joints");
-    }
-    const double step = static_cast<double>(info.m_timeStep);
+void ContactSolver::solve(const btCollisionObjectArray &bodies, double step) {
+    sort_bodies(bodies);
     const int free = static_cast<int>(moving_.size());
     take_bodies(step);
     take_pairs(step);
@@ -81,14 +66,6 @@ btScalar ContactSolver::solveGroup(btCollisionObject **, int, btPersistentManifo
         const Residual &residual = look.residual;
         residual_ = residual.impulse > 0 ? std::sqrt(residual.error / residual.impulse) : 0;
     }
-    return 0;
-}
-
-// Where a body is among bodies_, by its companion id.
-std::size_t ContactSolver::place(int id) const {
-    return id > WORLD    ? static_cast<std::size_t>(place_[static_cast<std::size_t>(id)])
-           : id == WORLD ? 0
-                         : moving_.size() + 1 + static_cast<std::size_t>(driven_number(id));
 }
 
 void ContactSolver::take_pairs(double step) {
@@ -99,10 +76,11 @@ void ContactSolver::take_pairs(double step) {
                 prefetch(*touching_[i + AHEAD].state);
             }
             const Touching &pair = touching_[i];
-            const std::size_t a = place(pair.a->number), b = place(pair.b->number);
-            places_[i] = {static_cast<int>(a), static_cast<int>(b),
-                          static_cast<std::int16_t>(pair.points),
-                          is_near(law_, step, pair, bodies_[a], bodies_[b])};
+            const int a = place_[static_cast<std::size_t>(pair.a->number)];
+            const int b = place_[static_cast<std::size_t>(pair.b->number)];
+            places_[i] = {a, b, static_cast<std::int16_t>(pair.points),
+                          is_near(law_, step, pair, bodies_[static_cast<std::size_t>(a)],
+                                  bodies_[static_cast<std::size_t>(b)])};
         }
     });
 }
@@ -121,18 +99,26 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
     bodies_changed();
     for (int i = 0; i < bodies.size(); ++i) {
         btRigidBody *body = btRigidBody::upcast(bodies[i]);
+        const auto number = static_cast<std::size_t>(body->getUserIndex());
+        place_.resize(std::max(place_.size(), number + 1));
+        place_[number] = 0;
         // What is driven counts as static with Bullet, too.
-        if (body != nullptr && body->isKinematicObject()) {
-            bodies[i]->setCompanionId(driven_number(static_cast<int>(driving_.size())));
+        if (body->isKinematicObject()) {
             driving_.push_back(body);
-        } else if (body == nullptr || body->isStaticObject()) {
-            bodies[i]->setCompanionId(WORLD);
-        } else {
-            bodies[i]->setCompanionId(static_cast<int>(moving_.size()));
-            moving_.push_back(body);
+        } else if (!body->isStaticObject()) {
+            moving_.push_back({body, number});
         }
     }
+    for (std::size_t i = 0; i < driving_.size(); ++i) {
+        place_[static_cast<std::size_t>(driving_[i]->getUserIndex())] =
+            static_cast<int>(moving_.size() + 1 + i);
+    }
     sorted_ = true;
+}
+
+const std::vector<btRigidBody *> &ContactSolver::driven(const btCollisionObjectArray &bodies) {
+    sort_bodies(bodies);
+    return driving_;
 }
 
 // Free bodies in the order of places along the axis along which they are spread most.
@@ -142,12 +128,11 @@ void ContactSolver::sort_places() {
     workers_.share(count, AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (i + AHEAD < end) {
-                prefetch(moving_[i + AHEAD]->getWorldTransform());
+                prefetch(moving_[i + AHEAD].body->getWorldTransform());
             }
-            centres[i] = centre(*moving_[i]);
+            centres[i] = centre(*moving_[i].body);
         }
     });
-    place_.resize(count);
     if (count == 0) {
         return;
     }
@@ -173,7 +158,7 @@ void ContactSolver::sort_places() {
         begin[i] += begin[i - 1];
     }
     for (std::size_t i = 0; i < count; ++i) {
-        place_[i] = 1 + begin[slice(centres[i])]++;
+        place_[moving_[i].number] = 1 + begin[slice(centres[i])]++;
     }
 }
 
@@ -184,9 +169,10 @@ void ContactSolver::take_bodies(double step) {
     workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (i + AHEAD < end) {
-                prefetch_body(*moving_[i + AHEAD]);
+                prefetch_body(*moving_[i + AHEAD].body);
             }
-            bodies_[static_cast<std::size_t>(place_[i])] = free_body(*moving_[i]);
+            bodies_[static_cast<std::size_t>(place_[moving_[i].number])] =
+                free_body(*moving_[i].body);
         }
     });
     drives_now_.clear();
@@ -220,9 +206,10 @@ void ContactSolver::move_bodies(double step) {
     workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (i + AHEAD < end) {
-                prefetch(*moving_[i + AHEAD]);
+                prefetch(*moving_[i + AHEAD].body);
             }
-            move_body(*moving_[i], bodies_[static_cast<std::size_t>(place_[i])], step, gyroscopic_);
+            const auto place = static_cast<std::size_t>(place_[moving_[i].number]);
+            move_body(*moving_[i].body, bodies_[place], step, gyroscopic_);
         }
     });
 }

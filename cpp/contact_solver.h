@@ -1,4 +1,4 @@
-// Pluvia's contact solver in the place of Bullet's.
+// Pluvia's contact solver.
 #pragma once
 
 #include "contact_bodies.h"
@@ -7,7 +7,7 @@
 #include "rust/cxx.h"
 #include "workers.h"
 
-#include <BulletDynamics/ConstraintSolver/btConstraintSolver.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <unordered_map>
 #include <vector>
@@ -18,34 +18,25 @@ struct DriveRead;
 
 // Solves all contacts of a step at once: projected Gauss–Seidel in sub-steps that
 // begins with the whole of the last step's impulses, friction within its cone,
-// normals as implicit springs, restitution as typed. The world must call it once
-// a step, and must hold no joints.
-class ContactSolver final : public btConstraintSolver {
+// normals as implicit springs, restitution as typed.
+class ContactSolver {
   public:
     // `touching`: the contacts of the step at hand, in the place of Bullet's
     // manifolds. `gyroscopic`: uneven bodies turn by Euler's equations.
     ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law, Sweep sweep,
                   bool gyroscopic, Workers &workers);
 
-    btScalar solveGroup(btCollisionObject **bodies, int body_count,
-                        btPersistentManifold **manifolds, int manifold_count,
-                        btTypedConstraint **constraints, int constraint_count,
-                        const btContactSolverInfo &info, btIDebugDraw *drawer,
-                        btDispatcher *dispatcher) override;
-    void reset() override {}
-    btConstraintSolverType getSolverType() const override { return BT_SEQUENTIAL_IMPULSE_SOLVER; }
+    // To be called once a step with all bodies of the world.
+    void solve(const btCollisionObjectArray &bodies, double step);
 
-    // Moves the bodies of the last solveGroup by what was found.
+    // Moves the bodies by what was found.
     void move_bodies(double step);
 
     // To be called when a body came or went.
     void bodies_changed();
 
-    // To be called in every step, before contacts are found: numbers the bodies
-    // (companion ids) where they have changed.
-    void sort_bodies(const btCollisionObjectArray &bodies);
-    // The driven ones among them.
-    const std::vector<btRigidBody *> &driven() const { return driving_; }
+    // The driven ones among all bodies of the world.
+    const std::vector<btRigidBody *> &driven(const btCollisionObjectArray &bodies);
 
     // How a body was driven before the first step of its world, by its number.
     void recall_drive(int number, const Drive &drive) { drives_[number] = drive; }
@@ -67,9 +58,13 @@ class ContactSolver final : public btConstraintSolver {
     Sweep sweep_;
     bool gyroscopic_;
     Workers &workers_;
-    std::vector<btRigidBody *> moving_;  // every free body
+    struct Moving {
+        btRigidBody *body;
+        std::size_t number; // in the world
+    };
+    std::vector<Moving> moving_;         // every free body
     std::vector<btRigidBody *> driving_; // every driven body
-    std::vector<int> place_;             // of a free body among bodies_
+    std::vector<int> place_;             // by the body's number: among bodies_
     std::vector<SolverBody> bodies_;     // the world, free bodies along the specimen, driven ones
     std::vector<PairPlace> places_;      // of the pairs that touch
     Colours colours_;
@@ -82,7 +77,7 @@ class ContactSolver final : public btConstraintSolver {
     double residual_ = 0;
     SubstepRecord recorded_;
 
-    std::size_t place(int id) const;
+    void sort_bodies(const btCollisionObjectArray &bodies);
     void sort_places();
     void take_bodies(double step);
     void take_pairs(double step);

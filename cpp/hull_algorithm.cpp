@@ -3,23 +3,11 @@
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "prefetch.h"
 
-#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
-#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
-#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include <algorithm>
-#include <new>
 
 namespace pluvia {
-
-namespace {
-
-std::uint32_t place(const btCollisionObject &body) {
-    return static_cast<std::uint32_t>(HullBodies::index(*body.getBroadphaseHandle()));
-}
-
-} // namespace
 
 PairSettings pair_settings(const Tolerances &tolerances, double scale) {
     return {tolerances.contact_margin * scale, 0, tolerances.hysteresis * scale,
@@ -68,21 +56,12 @@ void HullAlgorithm::find(const HullBody &a, const HullBody &b, double travelled,
                        : -1;
 }
 
-HullAlgorithm::HullAlgorithm(const btCollisionAlgorithmConstructionInfo &info,
-                             HullCollision &shared, const btCollisionObject *a,
-                             const btCollisionObject *b)
-    : btCollisionAlgorithm(info), shared_(shared), at_a_(place(*a)), at_b_(place(*b)) {
-    state_.friction = static_cast<float>(gCalculateCombinedFrictionCallback(a, b));
-    state_.restitution = static_cast<float>(gCalculateCombinedRestitutionCallback(a, b));
-}
-
-btCollisionAlgorithm *
-HullCreateFunc::CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo &info,
-                                         const btCollisionObjectWrapper *a,
-                                         const btCollisionObjectWrapper *b) {
-    void *memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(HullAlgorithm));
-    return new (memory)
-        HullAlgorithm(info, shared_, a->getCollisionObject(), b->getCollisionObject());
+HullAlgorithm::HullAlgorithm(HullCollision &shared, const PairValue &value, std::size_t at_a,
+                             std::size_t at_b)
+    : shared_(shared), at_a_(static_cast<std::uint32_t>(at_a)),
+      at_b_(static_cast<std::uint32_t>(at_b)) {
+    state_.friction = static_cast<float>(value.friction);
+    state_.restitution = static_cast<float>(value.restitution);
 }
 
 } // namespace pluvia

@@ -1,4 +1,4 @@
-// Pluvia's hull–hull test in Bullet's dispatcher.
+// What a pair in Bullet's broadphase carries from step to step, and its hull–hull test.
 #pragma once
 
 #include "contact_memory.h"
@@ -6,18 +6,20 @@
 #include "hull_pair.h"
 
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
-#include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 
 #include <vector>
 
 namespace pluvia {
 
+struct Materials;
+struct PairValue;
 struct Tolerances;
 
 struct Touching;
 
 // What all pairs of a world share.
 struct HullCollision {
+    const Materials *materials = nullptr;
     PairSettings settings;
     double match; // distance up to which points of successive steps are taken for the same
     const AxisKernels *kernels;
@@ -37,10 +39,11 @@ PairSettings pair_settings(const Tolerances &tolerances, double scale);
 // to step. No manifold of Bullet's: the solver reads the pairs themselves.
 class HullAlgorithm final : public btCollisionAlgorithm {
   public:
-    HullAlgorithm(const btCollisionAlgorithmConstructionInfo &info, HullCollision &shared,
-                  const btCollisionObject *a, const btCollisionObject *b);
+    // `at_a`, `at_b`: the bodies' places in HullBodies.
+    HullAlgorithm(HullCollision &shared, const PairValue &value, std::size_t at_a,
+                  std::size_t at_b);
 
-    // Never called: the dispatcher goes to `find` at once.
+    // Never called: HullSearch goes to `find` at once.
     void processCollision(const btCollisionObjectWrapper *, const btCollisionObjectWrapper *,
                           const btDispatcherInfo &, btManifoldResult *) override {}
     // Bodies are not swept: the step ends where contacts begin.
@@ -80,19 +83,6 @@ struct Touching {
     PairState *state;
     const HullBody *a, *b;
     int points;
-};
-
-// Makes the algorithm; register it for (CONVEX_HULL, CONVEX_HULL) where every
-// such shape is a TightHull.
-class HullCreateFunc final : public btCollisionAlgorithmCreateFunc {
-  public:
-    explicit HullCreateFunc(HullCollision &shared) : shared_(shared) {}
-    btCollisionAlgorithm *CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo &info,
-                                                   const btCollisionObjectWrapper *a,
-                                                   const btCollisionObjectWrapper *b) override;
-
-  private:
-    HullCollision &shared_;
 };
 
 } // namespace pluvia

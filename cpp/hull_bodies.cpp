@@ -46,7 +46,7 @@ HullBody hull_body(const btCollisionObject &object) {
     HullBody out;
     out.object = &object;
     out.hull = &shape.data();
-    out.number = object.getCompanionId();
+    out.number = object.getUserIndex();
     out.pose = rigid(object.getWorldTransform());
     for (int i = 0; i < 3; ++i) {
         out.motion.velocity[i] = static_cast<double>(body.getLinearVelocity()[i]);

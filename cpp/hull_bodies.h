@@ -19,7 +19,7 @@ Rigid rigid(const btTransform &pose);
 struct HullBody {
     const btCollisionObject *object = nullptr; // null where no body has this number
     const HullData *hull = nullptr;
-    int number = -1; // of the object among those of the solver, its companion id
+    int number = -1; // in its world
     Rigid pose;
     HullMotion motion;
     double turning; // speed at which its farthest point turns

@@ -3,9 +3,8 @@
 //! Everything is validated here, in Rust, before it crosses to C++, and every
 //! setting is read back from the engine ([`World::effective`]).
 //!
-//! What finds contacts and what solves them is chosen in one place: the
-//! members `hull_collision`, `dispatcher`, `contact_solver` and `make_hull_world`
-//! of `BulletWorld::Impl` in `cpp/world.cpp`, by [`crate::scenario::ContactPath`].
+//! What finds contacts and what solves them is chosen in one place: `make_world` of
+//! `BulletWorld::Impl` in `cpp/world.cpp`, by [`crate::scenario::ContactPath`].
 
 mod constants;
 #[cfg(test)]

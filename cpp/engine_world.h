@@ -1,0 +1,88 @@
+// What both kinds of world are to the bridge: Bullet's world, which has the bodies,
+// their shapes, boxes and pairs of boxes, and a clock.
+#pragma once
+
+#include "bodies.h"
+#include "settings.h"
+#include "shapes.h"
+
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
+
+#include <array>
+#include <chrono>
+
+namespace pluvia {
+
+struct ContactRead;
+struct DriveRead;
+
+// Wall time in s since the world was made.
+struct Phases {
+    double broadphase = 0; // boxes and candidate pairs
+    double collision = 0;  // contacts of the candidate pairs
+    double solver = 0;
+    double integration = 0; // everything else
+};
+
+// Adds the time from its making to its end to a sum, and takes it from another.
+class Stopwatch {
+  public:
+    Stopwatch(double &sum, double &of)
+        : sum_(sum), of_(of), begin_(std::chrono::steady_clock::now()) {}
+    ~Stopwatch();
+    Stopwatch(const Stopwatch &) = delete;
+    Stopwatch &operator=(const Stopwatch &) = delete;
+
+  private:
+    double &sum_;
+    double &of_;
+    std::chrono::steady_clock::time_point begin_;
+};
+
+// Either `StockWorld`, Bullet as it comes, or `NativeWorld`, whose steps are
+// Pluvia's own. What has a body here is what only one of them does.
+class EngineWorld : public btDiscreteDynamicsWorld {
+  public:
+    using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+
+    // The definition with the mass and the moments of inertia that a body gets.
+    virtual BodyDefinition applied(const BodyDefinition &definition, const TightHull &) {
+        return definition;
+    }
+    // Largest ratio of the moments of inertia given to a free body to the exact
+    // ones of the mass that it was given.
+    virtual double largest_inertia_ratio() const { return 1; }
+
+    virtual void add(btRigidBody &body, BodyKind kind);
+    virtual void remove(btRigidBody &body) { removeRigidBody(&body); }
+    // Where a driven body is at the end of the next step.
+    virtual void drive(btRigidBody &body, const btTransform &end) = 0;
+    virtual void step(btScalar length) = 0;
+    // Without a step.
+    virtual void find_contacts() = 0;
+    // As they were when the last step began, or at the last search.
+    virtual void read_contacts(rust::Vec<ContactRead> &out) const = 0;
+    // Of a pair that touches.
+    virtual PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const = 0;
+    // What one of them alone has been set.
+    virtual void read_settings(ReadBack &out) const = 0;
+
+    // How a body was driven before, by its poses at the ends of three steps.
+    virtual void recall_drive(btRigidBody &, const std::array<btTransform, 3> &, btScalar) {}
+    virtual void read_drives(rust::Vec<DriveRead> &) const {}
+    virtual void remember_contacts(rust::Vec<ContactRead> &) const {}
+    virtual void recall_contacts(rust::Slice<const ContactRead>) {}
+    // Of the last solution, see ContactSolver; -1 where there is none.
+    virtual double solver_residual() const { return -1; }
+    virtual void record_substeps(bool) {}
+    virtual void read_substep(rust::Vec<double> &, rust::Vec<double> &) const {}
+    // Whether corners are those of the hull data.
+    virtual bool has_hull_data() const { return false; }
+
+    const Phases &phases() const { return phases_; }
+
+  protected:
+    Phases phases_;
+};
+
+} // namespace pluvia

@@ -1,0 +1,56 @@
+// Finds the contacts of all pairs whose boxes meet.
+#pragma once
+
+#include "hull_algorithm.h"
+#include "pool.h"
+#include "workers.h"
+
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+
+#include <deque>
+#include <vector>
+
+namespace pluvia {
+
+// Room for what pairs carry from step to step, which Bullet gives back when their
+// boxes part.
+class HullPairs final : public btCollisionDispatcher {
+  public:
+    using btCollisionDispatcher::btCollisionDispatcher;
+
+    void *allocateCollisionAlgorithm(int size) override;
+    void freeCollisionAlgorithm(void *algorithm) override { room_.give_back(algorithm); }
+
+  private:
+    Pool room_{sizeof(HullAlgorithm)};
+};
+
+class HullSearch {
+  public:
+    // All must outlive the search. Every shape must be a TightHull.
+    HullSearch(HullCollision &collision, HullPairs &pairs, Workers &workers);
+
+    // Pairs are culled one after the other and computed by all threads, each
+    // writing only what belongs to its pair: the result does not depend on the
+    // number of threads.
+    void find(btOverlappingPairCache &pairs);
+
+  private:
+    struct Work {
+        HullAlgorithm *algorithm;
+        const HullBody *a, *b;
+        double travelled; // by both
+        int points;       // found, copied here since the next pass would read all pairs for them
+    };
+    HullCollision &collision_;
+    HullPairs &pairs_;
+    Workers &workers_;
+    std::vector<Work> work_;
+    std::deque<PairScratch> scratch_; // by thread
+
+    void take(btBroadphasePair &pair);
+    void ask_ahead(std::size_t i, std::size_t end) const;
+};
+
+} // namespace pluvia

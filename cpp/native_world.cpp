@@ -1,0 +1,209 @@
+#include "native_world.h"
+
+#include "contact_memory.h"
+#include "contact_setup.h"
+
+#include <algorithm>
+
+namespace pluvia {
+
+namespace {
+
+// None of Bullet's contacts are kept.
+btDefaultCollisionConstructionInfo pool_sizes() {
+    btDefaultCollisionConstructionInfo info;
+    info.m_defaultMaxPersistentManifoldPoolSize = 1;
+    info.m_defaultMaxCollisionAlgorithmPoolSize = 1;
+    return info;
+}
+
+bool holds(const btBroadphaseProxy &proxy, const HullRange &range) {
+    for (int i = 0; i < 3; ++i) {
+        if (static_cast<btScalar>(range.low[i]) < proxy.m_aabbMin[i] ||
+            static_cast<btScalar>(range.high[i]) > proxy.m_aabbMax[i]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+btVector3 vector(const float x[3]) {
+    return btVector3(static_cast<btScalar>(x[0]), static_cast<btScalar>(x[1]),
+                     static_cast<btScalar>(x[2]));
+}
+
+} // namespace
+
+NativeParts::NativeParts(const Units &units, const WorldDefinition &definition)
+    : globals(global_settings(units, definition)), configuration(pool_sizes()),
+      dispatcher(&configuration) {}
+
+NativeWorld::NativeWorld(const Units &units, const WorldDefinition &definition,
+                         const Materials &materials)
+    : NativeParts(units, definition), EngineWorld(&dispatcher, &boxes, nullptr, &configuration),
+      units_(units), slack_(units.length(definition.tolerances.box_slack)),
+      damped_(definition.linear_damping > 0 || definition.angular_damping > 0),
+      collision_(hull_collision(units, definition, materials)), workers_(definition.threads),
+      search_(collision_, dispatcher, workers_),
+      solver_(collision_.touching, contact_law(units, definition), sweep(definition),
+              definition.gyroscopic, workers_) {}
+
+void NativeWorld::add(btRigidBody &body, BodyKind kind) {
+    EngineWorld::add(body, kind);
+    solver_.bodies_changed();
+}
+
+void NativeWorld::remove(btRigidBody &body) {
+    EngineWorld::remove(body);
+    solver_.bodies_changed();
+    collision_.forget(body);
+    if (followed_ == &body) {
+        follow(nullptr);
+    }
+    driven_.erase(std::remove_if(driven_.begin(), driven_.end(),
+                                 [&body](const Driven &driven) { return driven.body == &body; }),
+                  driven_.end());
+}
+
+void NativeWorld::drive(btRigidBody &body, const btTransform &end) {
+    driven_.push_back({&body, end});
+}
+
+void NativeWorld::step(btScalar length) {
+    double outside = 0;
+    const Stopwatch watch(phases_.integration, outside);
+    if (followed_ == nullptr && !driven_.empty()) {
+        follow(driven_.front().body);
+    }
+    begin_drives(length);
+    damp(length);
+    find_contacts();
+    {
+        const Stopwatch solving(phases_.solver, phases_.integration);
+        solver_.solve(getCollisionObjectArray(), static_cast<double>(length));
+    }
+    solver_.move_bodies(static_cast<double>(length));
+    end_drives();
+    collision_.recalled.forget();
+}
+
+void NativeWorld::find_contacts() {
+    const Stopwatch watch(phases_.collision, phases_.integration);
+    {
+        const Stopwatch boxing(phases_.broadphase, phases_.collision);
+        renew_boxes();
+        computeOverlappingPairs();
+    }
+    search_.find(*getPairCache());
+}
+
+// Bodies that are not driven in the step stand still in it.
+void NativeWorld::begin_drives(btScalar step) {
+    for (btRigidBody *body : solver_.driven(getCollisionObjectArray())) {
+        body->setLinearVelocity(btVector3(0, 0, 0));
+        body->setAngularVelocity(btVector3(0, 0, 0));
+    }
+    for (const Driven &driven : driven_) {
+        const DrivenVelocity velocity =
+            driven_velocity(driven.body->getWorldTransform(), driven.end, step);
+        driven.body->setLinearVelocity(velocity.linear);
+        driven.body->setAngularVelocity(velocity.angular);
+    }
+}
+
+void NativeWorld::end_drives() {
+    for (const Driven &driven : driven_) {
+        driven.body->setWorldTransform(driven.end);
+    }
+    driven_.clear();
+}
+
+void NativeWorld::damp(btScalar step) {
+    if (!damped_) {
+        return;
+    }
+    for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i) {
+        if (!m_nonStaticRigidBodies[i]->isStaticOrKinematicObject()) {
+            m_nonStaticRigidBodies[i]->applyDamping(step);
+        }
+    }
+}
+
+btVector3 NativeWorld::place() const {
+    return followed_ == nullptr ? start_ : start_ + followed_->getWorldTransform().getOrigin();
+}
+
+void NativeWorld::follow(const btRigidBody *body) {
+    // The place does not jump: all boxes would have to be renewed.
+    const btVector3 now = place();
+    followed_ = body;
+    start_ += now - place();
+}
+
+void NativeWorld::renew_boxes() {
+    Frame frame;
+    const btVector3 origin = place();
+    for (int i = 0; i < 3; ++i) {
+        frame.origin[i] = static_cast<double>(origin[i]);
+        frame.velocity[i] =
+            followed_ == nullptr ? 0 : static_cast<double>(followed_->getLinearVelocity()[i]);
+    }
+    const btVector3 slack(slack_, slack_, slack_);
+    const btCollisionObjectArray &objects = getCollisionObjectArray();
+    collision_.bodies.begin(frame, objects, collision_.step, collision_.settings.reach);
+    // One after the other, each body would be paired with those that have not
+    // got their new boxes yet, though all fall alike.
+    boxes.m_deferedcollide = collision_.bodies.crowded();
+    for (int i = 0; i < objects.size(); ++i) {
+        const HullRange &range = collision_.bodies.take(objects, i, *collision_.kernels);
+        btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
+        if (!holds(*proxy, range)) {
+            boxes.setAabb(proxy, vector(range.low) - slack, vector(range.high) + slack,
+                          &dispatcher);
+        }
+    }
+}
+
+void NativeWorld::read_contacts(rust::Vec<ContactRead> &out) const {
+    for (const Touching &pair : collision_.touching) {
+        pluvia::read(units_, pair, out);
+    }
+}
+
+void NativeWorld::remember_contacts(rust::Vec<ContactRead> &out) const {
+    for (const Touching &pair : collision_.touching) {
+        remember(units_, pair, out);
+    }
+}
+
+void NativeWorld::recall_contacts(rust::Slice<const ContactRead> contacts) {
+    collision_.recalled.take(units_, contacts);
+}
+
+void NativeWorld::recall_drive(btRigidBody &body, const std::array<btTransform, 3> &ends,
+                               btScalar step) {
+    solver_.recall_drive(body.getUserIndex(), recalled_drive(ends, static_cast<double>(step)));
+}
+
+void NativeWorld::read_drives(rust::Vec<DriveRead> &out) const { solver_.read_drives(units_, out); }
+
+// As pairs get theirs.
+PairValue NativeWorld::pair_value(const btRigidBody &a, const btRigidBody &b) const {
+    return collision_.materials->of(a.getUserIndex(), b.getUserIndex());
+}
+
+void NativeWorld::read_settings(ReadBack &out) const {
+    const auto metres = [this](double length) { return length / units_.scale(); };
+    out.put("relative_contact_threshold", 0);
+    out.put("broadphase_margin_m", units_.metres(GlobalsHold::read_back().broadphase_margin));
+    out.put("manifold_reach_m", metres(collision_.settings.reach));
+    out.put("manifold_hysteresis_m", metres(collision_.settings.hysteresis));
+    out.put("manifold_face_preference_m", metres(collision_.settings.face_preference));
+    out.put("manifold_hold_m", metres(collision_.settings.hold));
+    out.put("manifold_match_m", metres(collision_.match));
+    out.put("box_slack_m", units_.metres(slack_));
+    out.put("threads", workers_.count());
+    read_solver(units_, solver_, out);
+}
+
+} // namespace pluvia

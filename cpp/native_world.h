@@ -1,0 +1,97 @@
+// The world whose contacts Pluvia finds and solves.
+#pragma once
+
+#include "contact_solver.h"
+#include "engine_world.h"
+#include "globals.h"
+#include "hull_search.h"
+
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
+
+#include <cstddef>
+#include <new>
+#include <vector>
+
+namespace pluvia {
+
+// What the world is made of; it must be there before it, and after.
+struct NativeParts {
+    NativeParts(const Units &units, const WorldDefinition &definition);
+
+    GlobalsHold globals;
+    btDefaultCollisionConfiguration configuration;
+    HullPairs dispatcher;
+    btDbvtBroadphase boxes;
+};
+
+// Bullet has the bodies, their shapes and the tree of their boxes, which finds the
+// pairs that may touch. The step is Pluvia's own and calls nothing else of Bullet's:
+// its contacts have no memory of what touched, its solver sees one point at a time
+// and one pass over all bodies follows the other.
+//
+// The boxes are larger than the bodies, so that a body takes a new one only when
+// it has left the old, and they are counted from a place that moves along with
+// the apparatus, so that shaking alone lets none leave. Contacts are found where
+// bodies are at the beginning of the step, driven ones as all others.
+class NativeWorld final : private NativeParts, public EngineWorld {
+  public:
+    // `materials` must outlive the world.
+    NativeWorld(const Units &units, const WorldDefinition &definition, const Materials &materials);
+
+    // Bullet's own align by 16 bytes: vectors of eight and the threads' counters need more.
+    static void *operator new(std::size_t size) {
+        return ::operator new(size, std::align_val_t(alignof(NativeWorld)));
+    }
+    static void operator delete(void *world) {
+        ::operator delete(world, std::align_val_t(alignof(NativeWorld)));
+    }
+
+    void add(btRigidBody &body, BodyKind kind) override;
+    void remove(btRigidBody &body) override;
+    void drive(btRigidBody &body, const btTransform &end) override;
+    void step(btScalar length) override;
+    void find_contacts() override;
+    void read_contacts(rust::Vec<ContactRead> &out) const override;
+    PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const override;
+    void read_settings(ReadBack &out) const override;
+
+    void recall_drive(btRigidBody &body, const std::array<btTransform, 3> &ends,
+                      btScalar step) override;
+    void read_drives(rust::Vec<DriveRead> &out) const override;
+    void remember_contacts(rust::Vec<ContactRead> &out) const override;
+    void recall_contacts(rust::Slice<const ContactRead> contacts) override;
+    double solver_residual() const override { return solver_.residual(); }
+    void record_substeps(bool on) override { solver_.record(on); }
+    void read_substep(rust::Vec<double> &bodies, rust::Vec<double> &contacts) const override {
+        solver_.recorded().read(bodies, contacts);
+    }
+    bool has_hull_data() const override { return true; }
+
+  private:
+    struct Driven {
+        btRigidBody *body;
+        btTransform end; // of the step
+    };
+
+    Units units_;
+    btScalar slack_; // by which boxes are larger
+    bool damped_;
+    HullCollision collision_;
+    Workers workers_;
+    HullSearch search_;
+    ContactSolver solver_;
+    std::vector<Driven> driven_; // in the next step
+    const btRigidBody *followed_ = nullptr;
+    btVector3 start_{0, 0, 0}; // where the place would be had the body not moved from the origin
+
+    btVector3 place() const;
+    // The body that boxes move along with from now on; null for none.
+    void follow(const btRigidBody *body);
+    void renew_boxes();
+    void begin_drives(btScalar step);
+    void end_drives();
+    void damp(btScalar step);
+};
+
+} // namespace pluvia

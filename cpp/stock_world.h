@@ -1,0 +1,66 @@
+// Bullet's world as it comes: its contacts, its solver, its rules.
+#pragma once
+
+#include "engine_world.h"
+#include "globals.h"
+
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+
+namespace pluvia {
+
+// What the world is made of; it must be there before it, and after.
+struct StockParts {
+    StockParts(const Units &units, const WorldDefinition &definition);
+
+    GlobalsHold globals;
+    btDefaultCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher;
+    btDbvtBroadphase boxes;
+    btSequentialImpulseConstraintSolver solver;
+};
+
+// Made for comparison with Bullet as others use it, so nothing of its step is
+// Pluvia's: it calls back for the coefficients of pairs, leaves out pairs that
+// cannot touch, and tells its time. What other programs leave to Bullet can be
+// asked for: sleep, moments of inertia of bounding boxes, a least mass.
+class StockWorld final : private StockParts, public EngineWorld {
+  public:
+    // `materials` must outlive the world.
+    StockWorld(const Units &units, const WorldDefinition &definition, Materials &materials);
+
+    BodyDefinition applied(const BodyDefinition &definition, const TightHull &shape) override;
+    double largest_inertia_ratio() const override { return largest_inertia_ratio_; }
+    // A driven body that stands still is asleep from the beginning, where bodies
+    // fall asleep: awake, it would keep all awake that touch it.
+    void add(btRigidBody &body, BodyKind kind) override;
+    // It wakes when it moves, and sleeps again when it is driven to where it is.
+    void drive(btRigidBody &body, const btTransform &end) override;
+    void step(btScalar length) override;
+    void find_contacts() override { performDiscreteCollisionDetection(); }
+    void read_contacts(rust::Vec<ContactRead> &out) const override;
+    // Through the hooks, as Bullet does when it makes a contact.
+    PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const override;
+    void read_settings(ReadBack &out) const override;
+
+    // Bullet's, timed.
+    void performDiscreteCollisionDetection() override;
+    void updateAabbs() override;
+    void computeOverlappingPairs() override;
+
+  protected:
+    void solveConstraints(btContactSolverInfo &info) override;
+
+  private:
+    Units units_;
+    Materials &materials_;
+    double least_mass_;
+    InertiaRule inertia_;
+    btScalar margin_;
+    bool deactivation_;
+    double largest_inertia_ratio_ = 1;
+};
+
+} // namespace pluvia
