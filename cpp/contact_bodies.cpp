@@ -51,14 +51,6 @@ btMatrix3x3 turned(const btMatrix3x3 &basis, const btVector3 &spin, btScalar tim
     return btMatrix3x3(btQuaternion(spin / rate, rate * time)) * basis;
 }
 
-// Where a body would have been a step ago that goes on to `end` as it came.
-btTransform a_step_ago(const btTransform &now, const btTransform &end) {
-    btTransform before;
-    before.setBasis(now.getBasis() * end.getBasis().transpose() * now.getBasis());
-    before.setOrigin(now.getOrigin() * 2 - end.getOrigin());
-    return before;
-}
-
 bool even(const btVector3 &m) { return m.x() == m.y() && m.y() == m.z(); }
 
 // How a velocity changes in a step, from its mean's change `a` since the step
@@ -110,8 +102,7 @@ SolverBody free_body(const btRigidBody &body) {
 // As btRigidBody.cpp, saveKinematicState, 3.24.
 DrivenVelocity driven_velocity(const btTransform &start, const btTransform &end, btScalar step) {
     DrivenVelocity out;
-    btTransformUtil::calculateVelocity(a_step_ago(start, end), start, step, out.linear,
-                                       out.angular);
+    btTransformUtil::calculateVelocity(start, end, step, out.linear, out.angular);
     return out;
 }
 

@@ -28,8 +28,7 @@ struct DrivenVelocity {
     btVector3 linear, angular;
 };
 
-// Those that Bullet gives a driven body for a step from one pose to another, to
-// the bit.
+// Those of a driven body in a step from one pose to another, as Bullet has them.
 DrivenVelocity driven_velocity(const btTransform &start, const btTransform &end, btScalar step);
 
 // A driven body's velocities: of the last step, and their change from the one

@@ -1,9 +1,9 @@
 // Bullet keeps some of its settings in variables of the process.
 //
-// They are set when the first world is made and must not differ between
-// worlds that live at the same time; a world that asks for other values is
-// refused. The same mutex guards the making and unmaking of shapes and bodies,
-// which count in unprotected process variables.
+// They are set when the first stock world is made and must not differ between
+// stock worlds that live at the same time; one that asks for other values is
+// refused. Native worlds read none of them. The same mutex guards the making and unmaking of shapes
+// and bodies, which count in unprotected process variables.
 #pragma once
 
 #include <LinearMath/btScalar.h>
@@ -15,9 +15,9 @@ namespace pluvia {
 std::mutex &construction_mutex();
 
 struct GlobalSettings {
-    // In engine length units; negative for worlds that do not read it.
+    // In engine length units.
     btScalar contact_breaking_threshold;
-    btScalar broadphase_margin; // engine length units
+    btScalar broadphase_margin;
 };
 
 // Holds the process's settings for the life of one world. Construct and
@@ -32,9 +32,6 @@ class GlobalsHold {
 
     // As Bullet has them now.
     static GlobalSettings read_back();
-
-  private:
-    bool reads_threshold_;
 };
 
 } // namespace pluvia

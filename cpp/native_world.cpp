@@ -34,14 +34,12 @@ btVector3 vector(const float x[3]) {
 
 } // namespace
 
-NativeParts::NativeParts(const Units &units, const WorldDefinition &definition)
-    : globals(global_settings(units, definition)), configuration(pool_sizes()),
-      dispatcher(&configuration) {}
+NativeParts::NativeParts() : configuration(pool_sizes()), dispatcher(&configuration) {}
 
 NativeWorld::NativeWorld(const Units &units, const WorldDefinition &definition,
                          const Materials &materials)
-    : NativeParts(units, definition), EngineWorld(&dispatcher, &boxes, nullptr, &configuration),
-      units_(units), slack_(units.length(definition.tolerances.box_slack)),
+    : EngineWorld(&dispatcher, &boxes, nullptr, &configuration), units_(units),
+      slack_(units.length(definition.tolerances.box_slack)),
       damped_(definition.linear_damping > 0 || definition.angular_damping > 0),
       collision_(hull_collision(units, definition, materials)), workers_(definition.threads),
       search_(collision_, dispatcher, workers_),
@@ -158,8 +156,9 @@ void NativeWorld::renew_boxes() {
         const HullRange &range = collision_.bodies.take(objects, i, *collision_.kernels);
         btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
         if (!holds(*proxy, range)) {
-            boxes.setAabb(proxy, vector(range.low) - slack, vector(range.high) + slack,
-                          &dispatcher);
+            // Without a margin of the leaves, which Bullet has once for the whole process.
+            boxes.setAabbForceUpdate(proxy, vector(range.low) - slack, vector(range.high) + slack,
+                                     &dispatcher);
         }
     }
 }
@@ -195,7 +194,6 @@ PairValue NativeWorld::pair_value(const btRigidBody &a, const btRigidBody &b) co
 void NativeWorld::read_settings(ReadBack &out) const {
     const auto metres = [this](double length) { return length / units_.scale(); };
     out.put("relative_contact_threshold", 0);
-    out.put("broadphase_margin_m", units_.metres(GlobalsHold::read_back().broadphase_margin));
     out.put("manifold_reach_m", metres(collision_.settings.reach));
     out.put("manifold_hysteresis_m", metres(collision_.settings.hysteresis));
     out.put("manifold_face_preference_m", metres(collision_.settings.face_preference));

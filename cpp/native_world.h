@@ -3,7 +3,6 @@
 
 #include "contact_solver.h"
 #include "engine_world.h"
-#include "globals.h"
 #include "hull_search.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
@@ -17,9 +16,8 @@ namespace pluvia {
 
 // What the world is made of; it must be there before it, and after.
 struct NativeParts {
-    NativeParts(const Units &units, const WorldDefinition &definition);
+    NativeParts();
 
-    GlobalsHold globals;
     btDefaultCollisionConfiguration configuration;
     HullPairs dispatcher;
     btDbvtBroadphase boxes;

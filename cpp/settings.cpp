@@ -19,15 +19,11 @@ btScalar shared_length(const Units &units, double metres) {
 } // namespace
 
 GlobalSettings global_settings(const Units &units, const WorldDefinition &d) {
-    const btScalar margin = shared_length(units, d.broadphase_margin);
-    if (d.own_collision) {
-        return {-1, margin}; // it has no manifolds of Bullet's
-    }
     // Bullet reads the same variable as a length or as a share of the radius.
     const bool relative = d.relative_contact_threshold > 0;
     return {relative ? static_cast<btScalar>(d.relative_contact_threshold)
                      : shared_length(units, d.contact_threshold),
-            margin};
+            shared_length(units, d.broadphase_margin)};
 }
 
 void set_world(btDiscreteDynamicsWorld &world, const Units &units,

@@ -24,7 +24,7 @@ class ReadBack {
     rust::Vec<EngineSetting> out_;
 };
 
-// What a world asks of Bullet's process-wide variables.
+// What a stock world asks of Bullet's process-wide variables.
 GlobalSettings global_settings(const Units &units, const WorldDefinition &definition);
 
 // Gravity, solver and dispatch settings. No default of Bullet's is left alone.

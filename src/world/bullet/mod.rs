@@ -129,13 +129,18 @@ impl BulletBackend {
             (false, true) => ("relative_contact_threshold", d.relative_contact_threshold),
             (false, false) => ("contact_breaking_threshold_m", d.contact_threshold),
         };
+        // Its boxes alone stand off, by a slack of our own.
+        let margin = match d.own_collision {
+            true => ("box_slack_m", d.tolerances.box_slack),
+            false => ("broadphase_margin_m", d.broadphase_margin),
+        };
         for (name, asked) in [
             ("time_step_s", d.time_step),
             ("gravity_x_m_per_s2", d.gravity[0]),
             ("gravity_y_m_per_s2", d.gravity[1]),
             ("gravity_z_m_per_s2", d.gravity[2]),
-            (threshold.0, threshold.1),
-            ("broadphase_margin_m", d.broadphase_margin),
+            threshold,
+            margin,
             ("iterations", f64::from(d.iterations)),
             ("solver_mode", f64::from(d.solver_mode)),
             ("erp2", d.error_reduction),

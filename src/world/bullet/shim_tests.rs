@@ -164,7 +164,11 @@ fn worlds_that_cannot_be_come_back_as_errors() {
         }
         let first = bare(path);
         let second = made(path, |d| d.broadphase_margin *= 2.0, 9);
-        assert_thrown(second, "whole process", "another margin");
+        if path == ContactPath::Bullet {
+            assert_thrown(second, "whole process", "another margin");
+        } else {
+            assert!(second.is_ok(), "law: a native world reads nothing of the process");
+        }
         drop(first);
         let third = made(path, |d| d.broadphase_margin *= 2.0, 9);
         assert!(third.is_ok(), "law: what failed holds nothing");

@@ -49,7 +49,8 @@ pub fn all() -> usize {
         failed(world.pair_value(0, 1).is_err());
         let mut other = definition((own, 1, false, 8));
         other.broadphase_margin *= 2.0;
-        failed(new_world(&other, &pairs()).is_err());
+        // A native world reads nothing that Bullet has once for the process.
+        failed(new_world(&other, &pairs()).is_err() != own);
         failed(new_world(&definition((own, 0, false, 8)), &pairs()).is_err());
         failed(new_world(&definition((own, 1, false, 8)), &pairs()[..8]).is_err());
     }
