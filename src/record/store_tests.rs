@@ -3,8 +3,8 @@
 
 use std::sync::{Barrier, mpsc};
 
-use super::super::{SeriesRow, StageEnd, StageIdentity, StageRecord, hash_json};
 use super::*;
+use crate::record::{SeriesRow, StageEnd, StageIdentity, StageRecord, hash_json};
 
 /// A stage of two grains that nothing comes before.
 fn named(stage: &str, seed: u64) -> StageIdentity {

@@ -7,17 +7,17 @@ use std::{
     sync::{Arc, Mutex, atomic::AtomicBool},
 };
 
-use super::super::{
-    execute::execute,
-    plan::Plan,
-    tests::{planned, scenario},
-};
 use crate::protocol::Progress;
 use crate::record::{
     StageRecord, StageStore, StoredStage, hash_bytes, hash_json, read_json, to_csv, write_file,
     write_json,
 };
 use crate::specimen::Fate;
+use crate::study::{
+    execute::execute,
+    plan::Plan,
+    tests::{planned, scenario},
+};
 
 /// Keeps what is told of stored stages.
 #[derive(Default)]
