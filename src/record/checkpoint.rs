@@ -372,8 +372,8 @@ mod tests {
     /// At how many steps a stage goes on, and what is wrong with its checkpoints.
     fn goes_on(checkpoints: &Checkpoints) -> (Option<u64>, String) {
         let (resumed, damaged) = checkpoints.last(false, &|_| Ok(()));
-        let told: Vec<String> = damaged.iter().map(ToString::to_string).collect();
-        (resumed.map(|r| r.midway.steps), told.join("; "))
+        let reported: Vec<String> = damaged.iter().map(ToString::to_string).collect();
+        (resumed.map(|r| r.midway.steps), reported.join("; "))
     }
 
     #[test]
@@ -388,13 +388,19 @@ mod tests {
         let copy = of_rest.folder.join(name(10));
         fs::copy(&file, &copy).expect("copied");
         check_checkpoint(&copy).expect("law: it is whole by itself");
-        let (at, told) = goes_on(&of_rest);
-        assert!(at.is_none() && told.contains("another stage"), "law: not another's, got {told}");
+        let (at, reported) = goes_on(&of_rest);
+        assert!(
+            at.is_none() && reported.contains("another stage"),
+            "law: not another's, got {reported}"
+        );
         assert!(!copy.exists(), "law: it is removed");
         drop(of_pour);
         let other = AskedStage { began_with: Some("s"), ..asked(&pour) };
-        let (at, told) = goes_on(&open(root.path(), &other));
-        assert!(at.is_none() && told.contains("another specimen"), "law: not of another specimen");
+        let (at, reported) = goes_on(&open(root.path(), &other));
+        assert!(
+            at.is_none() && reported.contains("another specimen"),
+            "law: not of another specimen"
+        );
     }
 
     #[test]
@@ -404,12 +410,15 @@ mod tests {
         let own = open(root.path(), &asked(&pour));
         keep(&own, &midway(10, 2));
         keep(&own, &midway(20, 1));
-        let (at, told) = goes_on(&own);
+        let (at, reported) = goes_on(&own);
         assert_eq!(at, Some(10), "law: the one before is used");
-        assert!(told.contains("1 bodies"), "law: too few bodies are told, got {told}");
+        assert!(reported.contains("1 bodies"), "law: too few bodies are reported, got {reported}");
         fs::rename(own.folder.join(name(10)), own.folder.join(name(30))).expect("renamed");
-        let (at, told) = goes_on(&own);
-        assert!(at.is_none() && told.contains("step 10"), "law: another step's, got {told}");
+        let (at, reported) = goes_on(&own);
+        assert!(
+            at.is_none() && reported.contains("step 10"),
+            "law: another step's, got {reported}"
+        );
         keep(&own, &midway(40, 2));
         let (resumed, damaged) = own.last(false, &|_| Err("grains fly".to_owned()));
         assert!(resumed.is_none() && damaged[0].to_string().contains("grains fly"));

@@ -37,7 +37,7 @@ fn damage(root: &Path) -> String {
     let report = check_store(root).expect("law: damage does not end a check");
     let damaged = report.stages.iter().filter(|i| i.state == StoredState::Damaged);
     let notes: Vec<String> = damaged.filter_map(|i| i.note.clone()).collect();
-    assert_eq!(notes.len(), report.damaged, "law: what is damaged is counted, and told why");
+    assert_eq!(notes.len(), report.damaged, "law: what is damaged is counted, and reported why");
     notes.join("; ")
 }
 

@@ -157,7 +157,7 @@ fn a_stage_that_does_not_say_which_it_is_is_shown_but_not_used() {
     write_json(&folder.join(RECORD_FILE), &old).expect("written");
     let (found, why) = load(&store);
     assert!(found.is_none(), "law: it is not used");
-    assert!(why.is_some_and(|why| why.contains("does not say which stage")), "law: and told");
+    assert!(why.is_some_and(|why| why.contains("does not say which stage")), "law: and reported");
     assert!(!store.holds(&key()), "law: it counts as missing");
     StageStore::state_in(root.path(), &key(), "").expect("law: runs of earlier versions are shown");
     let mut unsummed = saved.record;
@@ -174,7 +174,7 @@ fn a_stage_in_the_place_of_another_is_not_used() {
     fs::rename(&folder, store.folder(&other.key)).expect("moved");
     let (found, why) = store.load(&asked(&other));
     assert!(found.is_none(), "law: another's stage is not used");
-    assert!(why.is_some_and(|why| why.contains("another stage")), "law: and told");
+    assert!(why.is_some_and(|why| why.contains("another stage")), "law: and reported");
     assert!(!store.holds(&other.key), "law: it counts as missing");
     let said = StageStore::state_in(root.path(), &other.key, "").expect_err("law: nor shown");
     assert!(said.to_string().contains("another stage"), "{said}");
@@ -185,7 +185,7 @@ fn a_stage_in_the_place_of_another_is_not_used() {
     forge(&store.folder(&other.key), record);
     let (found, why) = store.load(&asked(&other));
     assert!(found.is_none(), "law: a key that is not that of what determined it is noticed");
-    assert!(why.is_some_and(|why| why.contains("determined")), "law: and told");
+    assert!(why.is_some_and(|why| why.contains("determined")), "law: and reported");
 }
 
 #[test]
@@ -317,11 +317,11 @@ fn a_stage_that_is_stored_already_is_never_taken_away() {
     let (kept, note) = store.save(&second, made.clone(), None).expect("law: that is no error");
     assert_eq!((kept, note), (first.clone(), None), "law: the first is kept and given");
     assert_eq!(inode(), before, "law: it was not replaced");
-    // Another result of the same stage: the first is kept, and that is told.
+    // Another result of the same stage: the first is kept, and that is reported.
     made.state.time = 1.0;
     let (kept, note) = store.save(&second, made, None).expect("law: that is no error");
     assert_eq!(kept, first, "law: the first is kept");
-    assert!(note.is_some_and(|note| note.contains("another result")), "law: and it is told");
+    assert!(note.is_some_and(|note| note.contains("another result")), "law: and it is reported");
     let left: Vec<PathBuf> = parts_in(root.path());
     assert!(left.is_empty(), "law: nothing half written is left, got {left:?}");
 }

@@ -1,4 +1,4 @@
-//! Stored stages that were crafted, with every hash as it should be, are told
+//! Stored stages that were crafted, with every hash as it should be, are reported
 //! and made anew; the run ends with the same bits.
 
 use std::{
@@ -19,11 +19,11 @@ use crate::study::{
     tests::{planned, scenario},
 };
 
-/// Keeps what is told of stored stages.
+/// Keeps what is reported of stored stages.
 #[derive(Default)]
-struct Told(Mutex<Vec<String>>);
+struct Reported(Mutex<Vec<String>>);
 
-impl Progress for Told {
+impl Progress for Reported {
     fn begin_stage(&self, _: u64, _: &str, _: f64) {}
     fn update(&self, _: u64, _: f64, _: &str) {}
     fn end_stage(&self, _: u64) {}
@@ -34,14 +34,14 @@ impl Progress for Told {
     }
 }
 
-/// Carries out a plan; gives its stages, and what was told.
+/// Runs a plan; gives its stages, and what was reported.
 fn run(plan: &Plan, folder: &Path) -> (Vec<Arc<StoredStage>>, Vec<String>) {
     let _turn = crate::world::shared_turn();
     let store = StageStore::open(folder).expect("a store");
-    let told = Told::default();
+    let reported = Reported::default();
     let make = &crate::world::create;
-    let done = execute(plan, &store, 2, make, &AtomicBool::new(false), &told).expect("done");
-    (done, told.0.into_inner().expect("nobody panicked"))
+    let done = execute(plan, &store, 2, make, &AtomicBool::new(false), &reported).expect("done");
+    (done, reported.0.into_inner().expect("nobody panicked"))
 }
 
 /// Puts a state and a series in the place of those of a stage, with their hashes.
@@ -66,10 +66,10 @@ fn crafted_states_with_their_hashes_are_made_anew() {
     other.contact.grain_grain_friction = 0.2;
     let [plan, slippery] = [own, other].map(|s| Plan::new(&[planned(s)]).expect("a plan"));
     let folder = tempfile::tempdir().expect("a folder");
-    let (done, told) = run(&plan, folder.path());
-    assert!(told.is_empty(), "law: nothing is wrong with what is new, got {told:?}");
-    let (again, told) = run(&plan, folder.path());
-    assert!(told.is_empty() && again == done, "law: sound stages are used, got {told:?}");
+    let (done, reported) = run(&plan, folder.path());
+    assert!(reported.is_empty(), "law: nothing is wrong with what is new, got {reported:?}");
+    let (again, reported) = run(&plan, folder.path());
+    assert!(reported.is_empty() && again == done, "law: sound stages are used, got {reported:?}");
     let (others, _) = run(&slippery, folder.path());
 
     let [fill, pour] = [plan.runs[0].stages[0], plan.runs[0].stages[1]];
@@ -109,13 +109,13 @@ fn crafted_states_with_their_hashes_are_made_anew() {
     for (what, stage) in crafts {
         let place = StageStore::folder_in(folder.path(), plan.nodes[pour].key());
         craft(&place, &stage);
-        let (again, told) = run(&plan, folder.path());
-        let made_anew = told.iter().filter(|t| t.contains("damaged and done again")).count();
-        assert_eq!(made_anew, 1, "law: {what} is told once, got {told:?}");
+        let (again, reported) = run(&plan, folder.path());
+        let made_anew = reported.iter().filter(|t| t.contains("damaged and done again")).count();
+        assert_eq!(made_anew, 1, "law: {what} is reported once, got {reported:?}");
         let same = again[pour].state == done[pour].state && again[pour].series == done[pour].series;
         assert!(same, "law: {what} is not used");
-        let (_, told) = run(&plan, folder.path());
-        assert!(told.is_empty(), "law: after {what} it is sound again, got {told:?}");
+        let (_, reported) = run(&plan, folder.path());
+        assert!(reported.is_empty(), "law: after {what} it is sound again, got {reported:?}");
     }
 }
 
@@ -132,9 +132,9 @@ fn stages_swapped_or_of_another_run_are_made_anew() {
     {
         fs::rename(from, to).expect("moved");
     }
-    let (again, told) = run(&plan, folder.path());
-    let another = told.iter().filter(|t| t.contains("another stage")).count();
-    assert_eq!(another, 2, "law: each is told once, got {told:?}");
+    let (again, reported) = run(&plan, folder.path());
+    let another = reported.iter().filter(|t| t.contains("another stage")).count();
+    assert_eq!(another, 2, "law: each is reported once, got {reported:?}");
     for node in 0..plan.nodes.len() {
         assert_eq!(again[node].state, done[node].state, "law: the same bits, stage {node}");
     }

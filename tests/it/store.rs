@@ -66,7 +66,7 @@ fn a_check_says_what_is_whole_and_what_is_damaged() {
 }
 
 #[test]
-fn a_stage_in_the_place_of_another_is_told_and_done_again() {
+fn a_stage_in_the_place_of_another_is_reported_and_done_again() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write_scenario(folder.path());
     let out = folder.path().join("out");
@@ -83,12 +83,12 @@ fn a_stage_in_the_place_of_another_is_told_and_done_again() {
     let refused = pluvia(&args);
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(4), "law: it is not exported, got {said}");
-    assert!(said.contains("another stage"), "law: and told, got {said}");
+    assert!(said.contains("another stage"), "law: and reported, got {said}");
     let output = pluvia(&["run", scenario, "--out", out_text]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "law: it does not end a run, got {said}");
-    assert_eq!(said.matches("damaged and done again").count(), 1, "law: told once, got {said}");
-    assert!(said.contains("another stage"), "law: and told what it is, got {said}");
+    assert_eq!(said.matches("damaged and done again").count(), 1, "law: reported once, got {said}");
+    assert!(said.contains("another stage"), "law: and reported what it is, got {said}");
     assert_same_files(finished(), &out, "a stage in the place of another");
     assert_eq!(check(&out).0, Some(0), "law: the store is whole again");
 }
