@@ -75,9 +75,13 @@ fn page(command: Command) -> io::Result<(String, Vec<u8>)> {
 
 /// The page of the program and those of its subcommands.
 fn pages() -> io::Result<Vec<(String, Vec<u8>)>> {
-    let program = program();
-    let subcommands: Vec<Command> = program.get_subcommands().cloned().collect();
-    std::iter::once(program).chain(subcommands).map(page).collect()
+    with_all_below(program()).into_iter().map(page).collect()
+}
+
+/// A command, its subcommands and theirs.
+fn with_all_below(command: Command) -> Vec<Command> {
+    let below: Vec<Command> = command.get_subcommands().cloned().flat_map(with_all_below).collect();
+    std::iter::once(command).chain(below).collect()
 }
 
 #[cfg(test)]
@@ -87,10 +91,10 @@ mod tests {
     #[test]
     fn every_subcommand_has_a_page_with_its_options_and_examples() {
         let pages = pages().expect("pages");
-        let commands: Vec<Command> = program().get_subcommands().cloned().collect();
-        assert_eq!(pages.len(), commands.len() + 1, "law: a page a subcommand, and the program's");
+        let commands = with_all_below(program());
+        assert_eq!(pages.len(), commands.len(), "law: a page a subcommand, and the program's");
         for command in &commands {
-            let name = format!("pluvia-{}.1", command.get_name());
+            let name = format!("{}.1", command.get_display_name().unwrap_or("pluvia"));
             let found = pages.iter().find(|(file, _)| *file == name);
             let (_, text) = found.unwrap_or_else(|| panic!("no page {name}"));
             let text = String::from_utf8(text.clone()).expect("text").replace('\\', "");

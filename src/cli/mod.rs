@@ -28,6 +28,7 @@ mod schema;
 mod sensitivity;
 mod stage;
 mod stop;
+mod store;
 mod sweep;
 mod table;
 mod verify;
@@ -42,7 +43,7 @@ use clap::{Args, Parser, Subcommand};
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 done, but verify, compare, calibrate or --strict found an expectation missed,
-or no run of a sweep has a result;
+no run of a sweep has a result, or store check found damage;
 2 wrong usage or a fault in the scenario; 3 the simulation failed, its last good state is kept;
 4 files could not be read or written; 130 stopped by Ctrl-C.
 
@@ -85,6 +86,7 @@ enum Command {
     Sensitivity(sensitivity::SensitivityArgs),
     Sweep(Box<sweep::SweepArgs>),
     Stage(stage::StageArgs),
+    Store(store::StoreArgs),
     Verify(verify::VerifyArgs),
     Export(export::ExportArgs),
     Picture(picture::PictureArgs),
@@ -120,6 +122,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
         Command::Sensitivity(args) => sensitivity::run(args, &context),
         Command::Sweep(args) => sweep::run(args, &context),
         Command::Stage(args) => stage::run(args, &context),
+        Command::Store(args) => store::run(args, &context),
         Command::Verify(args) => verify::run(args, &context),
         Command::Export(args) => export::run(args, &context),
         Command::Picture(args) => picture::run(args, &context),

@@ -2,19 +2,20 @@
 
 use std::path::Path;
 
-use crate::record::{FileError, create_folder};
+use crate::record::{FileError, begin_file, create_folder, remove_abandoned};
 
-/// Makes the folder and those above it, and tries whether a file can be
-/// written into it.
+/// Makes the folder and those above it, tries whether a file can be written
+/// into it, and removes what writers that were killed left there.
 ///
 /// # Errors
 /// [`FileError`] naming the folder.
 pub(super) fn prepare(folder: &Path) -> Result<(), FileError> {
     create_folder(folder)?;
-    let probe = tempfile::Builder::new().prefix(".pluvia-").tempfile_in(folder);
-    probe
+    begin_file(folder)
         .and_then(tempfile::NamedTempFile::close)
-        .map_err(|error| FileError::new("write into the folder", folder, error))
+        .map_err(|error| FileError::new("write into the folder", folder, error))?;
+    remove_abandoned(folder);
+    Ok(())
 }
 
 #[cfg(test)]

@@ -198,7 +198,7 @@ pub(super) fn of_claims(claims: &[Value]) -> String {
 }
 
 /// Rows of cells in columns of their widest cell.
-fn columns<R: AsRef<[String]>>(rows: &[R]) -> String {
+pub(super) fn columns<R: AsRef<[String]>>(rows: &[R]) -> String {
     let count = rows.iter().map(|row| row.as_ref().len()).max().unwrap_or(0);
     let cell = |row: &R, column: usize| row.as_ref().get(column).map_or(0, |c| paint::width(c));
     let widths: Vec<usize> = (0..count)

@@ -87,7 +87,7 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
     let grains = Arc::new(grains_of(folder, &manifest)?);
     let root = beside(folder, "stages");
     let state_of = |entry: &StageEntry| -> Result<SpecimenState, FileError> {
-        let (state, path) = StageStore::state_in(&root, &entry.key)?;
+        let (state, path) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
         fits(&path, state.bodies.len(), &grains)?;
         Ok(state)
     };

@@ -63,7 +63,7 @@ fn read(folder: &Path, frames_in: FrameReader) -> Result<Playback, ExportError> 
     let root = beside(folder, "stages");
     let mut stages = Vec::new();
     for entry in &manifest.stages {
-        let (end, end_file) = StageStore::state_in(&root, &entry.key)?;
+        let (end, end_file) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
         let end = Frame::of(&end);
         let found = frames_in(&root, &entry.key)?;
         let is_kept = found.is_some();

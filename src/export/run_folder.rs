@@ -62,6 +62,9 @@ pub(super) struct Manifest {
 pub(super) struct StageEntry {
     pub(super) stage: String,
     pub(super) key: String,
+    /// SHA-256 of its specimen; none for those of older versions.
+    #[serde(default)]
+    pub(super) specimen_sha256: String,
 }
 
 /// A run as read back.
@@ -155,7 +158,7 @@ fn locate(
     let root = beside(folder, "stages");
     let (number, entry) = manifest.find(path, asked)?;
     let name = if number.is_some() { entry.stage.clone() } else { CONTROL.to_owned() };
-    let (state, file) = StageStore::state_in(&root, &entry.key)?;
+    let (state, file) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
     Ok((number, name, state, file))
 }
 

@@ -11,6 +11,7 @@ mod feeder;
 mod legs;
 #[cfg(test)]
 mod pile_tests;
+mod plausible;
 mod progress;
 #[cfg(test)]
 mod segment_tests;
@@ -27,6 +28,7 @@ mod whereabouts;
 
 pub use base::base_pieces;
 pub use legs::{Midway, legs};
+pub use plausible::plausible;
 pub use progress::{Progress, Silent};
 pub use setup::SettleCriterion;
 pub use setup::Setup;

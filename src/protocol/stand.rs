@@ -14,17 +14,16 @@ use super::{
     bodies::{free_grain, remembered, wall_piece},
     feeder::Feeder,
     legs::{leg_steps, steps_a_check},
+    plausible::guard,
     watch::{Finding, Tally, steps_a_look},
     whereabouts::Whereabouts,
 };
 use crate::apparatus::{Funnel, TableMotion};
 use crate::geometry::{Pose, Vector};
 use crate::grains::{Grain, GrainSet};
-use crate::scale;
 use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen, SpecimenState};
 use crate::world::{
-    Body, BodyId, BodyState, Guard, GuardLimits, Material, Motion, PairTable, Snapshot, World,
-    WorldError,
+    Body, BodyId, BodyState, Guard, Material, Motion, PairTable, Snapshot, World, WorldError,
 };
 
 /// Makes the empty world of a stage.
@@ -36,12 +35,6 @@ pub type WorldMaker<'a> = &'a (
 ) -> Result<Box<dyn World + Send>, WorldError>
             + Sync
     );
-
-/// Nothing here is faster: a grain reaches 2.8 m/s in the paper's highest fall.
-const SPEED_LIMIT: f64 = 20.0;
-
-/// Everything happens within this distance of the cylinder's floor, in m.
-const DISTANCE_LIMIT: f64 = 20.0;
 
 /// A world with everything in it.
 pub(super) struct Stand<'a> {
@@ -191,11 +184,7 @@ impl<'a> Stand<'a> {
             parties,
             on_table,
             whereabouts,
-            guard: Guard::new(GuardLimits {
-                speed: SPEED_LIMIT,
-                angular_speed: scale::LARGEST_SPIN.at(&setup.scale),
-                distance: DISTANCE_LIMIT,
-            }),
+            guard: guard(setup),
             snapshot: Snapshot::new(),
             midway,
         })

@@ -80,6 +80,11 @@ impl Whereabouts {
         Fate::Present
     }
 
+    /// Whether a place is within or behind walls, where nothing can rest.
+    pub(super) fn is_outside(&self, position: &Vector, x: f64) -> bool {
+        self.zone(position, x) == Zone::Outside
+    }
+
     fn zone(&self, position: &Vector, x: f64) -> Zone {
         let radius = (position.x - x).hypot(position.y);
         if let Some((inner, height)) = self.cylinder

@@ -8,7 +8,7 @@ use std::{
 
 use serde::{Serialize, de::DeserializeOwned};
 
-use super::hash_bytes;
+use super::{hash_bytes, unfinished::begin_file};
 
 /// A file or folder that could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -50,8 +50,7 @@ pub fn create_folder(path: &Path) -> Result<(), FileError> {
 pub fn write_file(path: &Path, content: &[u8]) -> Result<(), FileError> {
     let fail = |e: io::Error| FileError::new("write", path, e);
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut temporary =
-        tempfile::Builder::new().prefix(".").suffix(".part").tempfile_in(folder).map_err(fail)?;
+    let mut temporary = begin_file(folder).map_err(fail)?;
     temporary.write_all(content).map_err(fail)?;
     temporary.as_file().sync_all().map_err(fail)?;
     make_readable(temporary.as_file()).map_err(fail)?;

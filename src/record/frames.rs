@@ -207,6 +207,8 @@ impl FrameWriter {
     /// place of what may be there.
     pub(super) fn staying(path: &Path, grains: usize) -> Result<Self, FileError> {
         let refused = |e| FileError::new("create", path, e);
+        // What is there may be a stored stage's by another name: it is not emptied.
+        let _ = fs::remove_file(path);
         let file = File::create(path).map_err(refused)?;
         Self::begin(file, Place::Staying(path.to_owned()), grains).map_err(refused)
     }

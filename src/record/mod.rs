@@ -5,11 +5,16 @@ mod checkpoint;
 mod frames;
 mod guards;
 mod hash;
+mod identity;
+mod lock;
 mod run;
 mod sieve;
+mod stage;
 mod store;
+mod store_check;
 mod summary;
 mod tables;
+mod unfinished;
 mod variations;
 
 pub use atomic::{
@@ -20,12 +25,16 @@ pub use checkpoint::{Checkpoints, Observed, Reference, Resumed};
 pub use frames::{FRAMES_FILE, Frame, FrameWriter};
 pub use guards::{GuardSummary, Guards, OverlapWatch, StageGuards};
 pub use hash::{hash_bytes, hash_json};
+pub use identity::{AskedStage, StageEnd, StageIdentity};
 pub use run::{RunKind, RunRecord};
 pub use sieve::{
     GradationSummary, NotSieved, SecondarySieve, ShapeSummary, SieveSummary, SievedFraction,
     Spread, UNCHANGED,
 };
-pub use store::{StageRecord, StageStore, StoredStage};
+pub use stage::{StageRecord, StoredStage};
+pub use store::StageStore;
+pub use store_check::{StoreReport, StoredItem, StoredState, check_store};
 pub use summary::*;
 pub use tables::{grains_csv, series_from_csv, to_csv};
+pub use unfinished::{begin_file, remove_abandoned};
 pub use variations::{RunRow, VariationRow, variation_runs_csv, variations_csv};

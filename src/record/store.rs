@@ -6,81 +6,32 @@ use std::{
     sync::Arc,
 };
 
-use serde::{Deserialize, Serialize};
-
 use super::{
-    Checkpoints, FRAMES_FILE, FileError, Frame, FrameWriter, SeriesRow, StageGuards,
+    AskedStage, Checkpoints, FRAMES_FILE, FileError, Frame, FrameWriter,
     atomic::sync_folder,
     create_folder,
     frames::{read_frame_ends, read_frames},
-    hash::hash_file,
-    hash_bytes, hash_json, read_json, read_unchanged, series_from_csv, to_csv, write_file,
-    write_json,
+    hash_bytes,
+    lock::{Asked, ask_alone, wait_alone, wait_shared},
+    read_json,
+    stage::{
+        RECORD_FILE, SERIES_FILE, STATE_FILE, StoredStage, read_record, read_record_of, read_stage,
+        read_state,
+    },
+    to_csv,
+    unfinished::remove_abandoned_in,
+    write_file, write_json,
 };
 use crate::specimen::SpecimenState;
-use crate::world::EffectiveSettings;
 
-/// `stage.json`: what a finished stage says of itself.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StageRecord {
-    /// Name of the stage as in the scenario.
-    pub stage: String,
-    /// Engine steps taken.
-    pub steps: u64,
-    /// Simulated time in s.
-    pub simulated_s: f64,
-    /// Wall time in s.
-    pub wall_s: f64,
-    /// The part of it spent inside the engine.
-    pub engine_s: f64,
-    /// Findings a reader must know.
-    pub warnings: Vec<String>,
-    /// What its guards found; none where the stage was stored before this was
-    /// recorded.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub guards: Option<StageGuards>,
-    /// Solver residuals, one a sample; empty of an engine that does not say.
-    #[serde(default)]
-    pub solver_residuals: Vec<f64>,
-    /// Engine settings as read back.
-    pub effective: EffectiveSettings,
-    /// Smallest square opening in mm that each grain passes with the shape that
-    /// the engine held at the end, in the order of the grain set; null for a
-    /// grain that was not there; empty where the engine cannot be asked, or
-    /// the stage was stored before this was recorded.
-    #[serde(default)]
-    pub sieved_mm: Vec<Option<f64>>,
-    /// SHA-256 of `specimen.json`.
-    pub specimen_sha256: String,
-    /// SHA-256 of `series.csv`.
-    pub series_sha256: String,
-    /// SHA-256 of `frames.bin`; empty where no frames were kept, or the stage
-    /// was stored before this was recorded.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub frames_sha256: String,
-    /// SHA-256 of this record as JSON in one line without this field; empty
-    /// where the stage was stored before this was recorded.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub record_sha256: String,
-}
+/// Held by everybody who works in a store, together with others.
+pub(super) const LOCK: &str = ".lock";
 
-impl StageRecord {
-    fn own_hash(&self) -> String {
-        hash_json(&Self { record_sha256: String::new(), ..self.clone() })
-    }
-}
+/// Held by whoever replaces a stage.
+const REPLACING: &str = ".replacing.lock";
 
-/// A finished stage read from the store.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StoredStage {
-    /// What it says of itself.
-    pub record: StageRecord,
-    /// The specimen's state at its end.
-    pub state: SpecimenState,
-    /// What was observed during it.
-    pub series: Vec<SeriesRow>,
-}
+/// How the names of what is half written begin.
+pub(super) const PART: &str = ".part-";
 
 /// A folder of finished stages.
 #[derive(Debug, Clone)]
@@ -94,29 +45,24 @@ pub struct StageStore {
 impl StageStore {
     /// A store in a folder, which is created when missing; leftovers of
     /// writers that were killed are removed, unless another program or store
-    /// is at work there.
+    /// is at work there. While somebody else removes them, this waits.
     ///
     /// # Errors
-    /// When the folder cannot be made or listed.
+    /// When the folder cannot be made.
     pub fn open(root: &Path) -> Result<Self, FileError> {
         create_folder(root)?;
-        let refused = |e| FileError::new("open", root, e);
-        let lock = root.join(".lock");
-        let lock = File::options().create(true).append(true).open(lock).map_err(refused)?;
-        if lock.try_lock().is_ok() {
-            // Nobody else works here, so that what is half written is of the dead.
-            let entries = fs::read_dir(root).map_err(|e| FileError::new("list", root, e))?;
-            for entry in entries.flatten() {
-                if entry.file_name().to_string_lossy().starts_with(".part-") {
-                    // A leftover that cannot be removed does no harm.
-                    let _ = fs::remove_dir_all(entry.path());
-                    let _ = fs::remove_file(entry.path());
-                }
+        let lock = open_lock(root, LOCK)?;
+        if ask_alone(&lock) == Asked::Given {
+            // Whoever works here holds the lock: what is half written is abandoned.
+            for part in parts_in(root) {
+                // A leftover that cannot be removed does no harm.
+                let _ = fs::remove_dir_all(&part);
+                let _ = fs::remove_file(&part);
             }
+            let _ = lock.unlock();
         }
-        // A file system without locks keeps leftovers of others from nobody.
-        let _ = lock.unlock();
-        let _ = lock.try_lock_shared();
+        wait_shared(&lock);
+        remove_abandoned_in(root);
         Ok(Self { root: root.to_owned(), frames: false, _lock: Arc::new(lock) })
     }
 
@@ -135,13 +81,13 @@ impl StageStore {
         self.frames.then(|| FrameWriter::new(&self.root, grains)).transpose()
     }
 
-    /// The checkpoints of a stage that is to be carried out; none where another
+    /// The checkpoints of a stage that is to be run; none where another
     /// program is at it just now.
     ///
     /// # Errors
     /// When their folder cannot be made.
-    pub fn checkpoints(&self, key: &str) -> Result<Option<Checkpoints>, FileError> {
-        Checkpoints::open(&self.root, key)
+    pub fn checkpoints(&self, asked: &AskedStage) -> Result<Option<Checkpoints>, FileError> {
+        Checkpoints::open(&self.root, asked)
     }
 
     /// Whether frames are kept of stages that are carried out.
@@ -159,48 +105,65 @@ impl StageStore {
         root.join(key.get(..24).unwrap_or(key))
     }
 
-    /// Reads a stage if it is there whole and unchanged. A damaged one counts
-    /// as missing: the second value says why, for a warning.
-    pub fn load(&self, key: &str) -> (Option<StoredStage>, Option<String>) {
-        let folder = self.folder(key);
-        // Engines of workflows make the folder of what they expect before it is there.
-        if fs::read_dir(&folder).map_or(true, |mut entries| entries.next().is_none()) {
-            return (None, None);
-        }
-        match self.read(&folder) {
-            Ok(stage) => {
-                Checkpoints::discard(&self.root, key);
-                (Some(stage), None)
+    /// Reads a stage if it is there whole, unchanged and the one that is asked
+    /// for. Another or a damaged one counts as missing: the second value says
+    /// why, for a warning.
+    pub fn load(&self, asked: &AskedStage) -> (Option<StoredStage>, Option<String>) {
+        let folder = self.folder(&asked.identity.key);
+        let mut fault = None;
+        // One that was replaced while it was read is read again.
+        for _ in 0..2 {
+            if is_vacant(&folder) {
+                return (None, None);
             }
-            Err(error) => (None, Some(format!("stored stage is damaged and done again: {error}"))),
+            match self.believed(&folder, asked) {
+                Ok(stage) => {
+                    Checkpoints::discard(&self.root, &asked.identity.key);
+                    return (Some(stage), None);
+                }
+                Err(error) => {
+                    fault = Some(format!("stored stage is damaged and done again: {error}"));
+                }
+            }
         }
+        (None, fault)
     }
 
-    fn read(&self, folder: &Path) -> Result<StoredStage, FileError> {
+    /// Reads a stage and compares it with what is asked for.
+    fn believed(&self, folder: &Path, asked: &AskedStage) -> Result<StoredStage, FileError> {
         let record = read_record(folder)?;
-        let path = folder.join("series.csv");
-        let content = read_unchanged(&path, &record.series_sha256)?;
-        let series = series_from_csv(&content).map_err(|e| FileError::new("read", &path, e))?;
-        let state = read_state(folder, &record)?;
-        if self.frames && !record.frames_sha256.is_empty() {
-            let path = folder.join(FRAMES_FILE);
-            let found = hash_file(&path).map_err(|e| FileError::new("read", &path, e))?;
-            if found != record.frames_sha256 {
-                return Err(FileError::changed(&path));
-            }
+        let unfit = |why: String| FileError::new("use", &folder.join(RECORD_FILE), why);
+        let Some(identity) = &record.identity else {
+            return Err(unfit("it does not say which stage it is".to_owned()));
+        };
+        identity.is(asked.identity).map_err(unfit)?;
+        if record.began_with_sha256.as_deref() != asked.began_with {
+            return Err(unfit("it began with another specimen than the stage before has".into()));
         }
-        Ok(StoredStage { record, state, series })
+        let stage = read_stage(folder, record, self.frames)?;
+        (asked.plausible)(&stage)
+            .map_err(|why| FileError::new("use", &folder.join(STATE_FILE), why))?;
+        Ok(stage)
     }
 
     /// The specimen's state at the end of a stage of a store that is only to be
-    /// read, and the file it stands in.
+    /// read, and the file it stands in. `sha256` is what a manifest noted of that
+    /// file; an empty one was not noted.
     ///
     /// # Errors
-    /// When it is not there, or not as it was written.
-    pub fn state_in(root: &Path, key: &str) -> Result<(SpecimenState, PathBuf), FileError> {
+    /// When it is not there, not as it was written, or another stage's.
+    pub fn state_in(
+        root: &Path,
+        key: &str,
+        sha256: &str,
+    ) -> Result<(SpecimenState, PathBuf), FileError> {
         let folder = Self::folder_in(root, key);
-        let state = read_state(&folder, &read_record(&folder)?)?;
-        Ok((state, folder.join("specimen.json")))
+        let file = folder.join(STATE_FILE);
+        let record = read_record_of(&folder, key)?;
+        if !sha256.is_empty() && sha256 != record.specimen_sha256 {
+            return Err(FileError::changed(&file));
+        }
+        Ok((read_state(&folder, &record)?, file))
     }
 
     /// The frames of a stage of a store that is only to be read, and the file
@@ -232,43 +195,47 @@ impl StageStore {
     ) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError> {
         let folder = Self::folder_in(root, key);
         let path = folder.join(FRAMES_FILE);
-        let noted = read_record(&folder)?.frames_sha256;
-        if !path.exists() {
+        let record = read_record_of(&folder, key)?;
+        let noted = record.frames_sha256;
+        // Frames that the stage knows nothing of are not its own.
+        let unknown = record.identity.is_some() && noted.is_empty();
+        if unknown || !path.exists() {
             return Ok(None);
         }
         Ok(Some((read(&path, &noted)?, path)))
     }
 
     /// Stores a stage: written into a folder of its own first, then renamed,
-    /// so that it is there whole or not at all. Fills in the hashes, and
-    /// gives back what a reader will find.
+    /// so that it is there whole or not at all. Fills in what stage it is and
+    /// the hashes, and gives back what a reader will find. Where another program
+    /// has stored it meanwhile, that one stays and is given; the second
+    /// value says so if its result is another.
     ///
     /// # Errors
     /// When a file cannot be written.
     pub fn save(
         &self,
-        key: &str,
+        asked: &AskedStage,
         mut stage: StoredStage,
         frames: Option<FrameWriter>,
-    ) -> Result<StoredStage, FileError> {
-        let target = self.folder(key);
+    ) -> Result<(StoredStage, Option<String>), FileError> {
+        let target = self.folder(&asked.identity.key);
         let refused = |e| FileError::new("create", &target, e);
-        let part = tempfile::Builder::new()
-            .prefix(".part-")
-            .tempdir_in(&self.root)
-            .map_err(|e| FileError::new("create a folder in", &self.root, e))?;
+        let part = self.part()?;
         let specimen =
             serde_json::to_vec(&stage.state).map_err(|e| FileError::new("write", &target, e))?;
         let series = to_csv(&stage.series).map_err(|e| FileError::new("write", &target, e))?;
+        stage.record.identity = Some(asked.identity.clone());
+        stage.record.began_with_sha256 = asked.began_with.map(str::to_owned);
         stage.record.specimen_sha256 = hash_bytes(&specimen);
         stage.record.series_sha256 = hash_bytes(&series);
-        write_file(&part.path().join("specimen.json"), &specimen)?;
-        write_file(&part.path().join("series.csv"), &series)?;
+        write_file(&part.path().join(STATE_FILE), &specimen)?;
+        write_file(&part.path().join(SERIES_FILE), &series)?;
         if let Some(frames) = frames {
             stage.record.frames_sha256 = frames.keep(&part.path().join(FRAMES_FILE))?;
         }
         stage.record.record_sha256 = stage.record.own_hash();
-        write_json(&part.path().join("stage.json"), &stage.record)?;
+        write_json(&part.path().join(RECORD_FILE), &stage.record)?;
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
@@ -276,18 +243,53 @@ impl StageStore {
             fs::set_permissions(part.path(), fs::Permissions::from_mode(0o755)).map_err(refused)?;
         }
         sync_folder(part.path()).map_err(refused)?;
-        if target.exists() {
-            fs::remove_dir_all(&target).map_err(|e| FileError::new("replace", &target, e))?;
-        }
-        // Whoever else works here may have stored the same just now, to the bit.
-        if let Err(error) = fs::rename(part.path(), &target)
-            && !target.exists()
-        {
-            return Err(refused(error));
+        if let Some(first) = self.publish(part.path(), &target, asked)? {
+            let differs = first.record.specimen_sha256 != stage.record.specimen_sha256;
+            let note = differs.then(|| {
+                format!(
+                    "another program has stored another result of this stage, which is kept: {}",
+                    target.display()
+                )
+            });
+            return Ok((first, note));
         }
         sync_folder(&self.root).map_err(refused)?;
         let state = read_state(&target, &stage.record)?;
-        Ok(StoredStage { state, ..stage })
+        Ok((StoredStage { state, ..stage }, None))
+    }
+
+    fn part(&self) -> Result<tempfile::TempDir, FileError> {
+        let part = tempfile::Builder::new().prefix(PART).tempdir_in(&self.root);
+        part.map_err(|e| FileError::new("create a folder in", &self.root, e))
+    }
+
+    /// Puts a written stage in its place, unless one is there that is to be
+    /// believed, which is given then: it is never taken away, so that no reader
+    /// misses it. What is not believed is replaced by one program at a time.
+    fn publish(
+        &self,
+        part: &Path,
+        target: &Path,
+        asked: &AskedStage,
+    ) -> Result<Option<StoredStage>, FileError> {
+        // In place of nothing or of an empty folder.
+        if fs::rename(part, target).is_ok() {
+            return Ok(None);
+        }
+        let turn = open_lock(&self.root, REPLACING)?;
+        wait_alone(&turn);
+        loop {
+            let Err(error) = fs::rename(part, target) else { return Ok(None) };
+            if is_vacant(target) {
+                return Err(FileError::new("create", target, error));
+            }
+            if let Ok(first) = self.believed(target, asked) {
+                return Ok(Some(first));
+            }
+            let aside = self.part()?;
+            fs::rename(target, aside.path().join("refused"))
+                .map_err(|e| FileError::new("replace", target, e))?;
+        }
     }
 
     /// An error with what is not lost by it.
@@ -295,7 +297,7 @@ impl StageStore {
     pub fn keeping(&self, error: FileError) -> FileError {
         let root = self.root.display();
         let finished = fs::read_dir(&self.root).map(|entries| {
-            let whole = |e: &fs::DirEntry| e.path().join("stage.json").is_file();
+            let whole = |e: &fs::DirEntry| e.path().join(RECORD_FILE).is_file();
             entries.flatten().filter(whole).count()
         });
         let kept = match finished {
@@ -311,15 +313,18 @@ impl StageStore {
         FileError { reason: format!("{} ({kept})", error.reason), ..error }
     }
 
-    /// Whether a stage is there; its hashes are checked when it is read.
+    /// Whether a stage is there that says it is this one; the rest is checked
+    /// when it is read.
     pub fn holds(&self, key: &str) -> bool {
-        self.folder(key).join("stage.json").is_file()
+        let record = read_record_of(&self.folder(key), key);
+        record.is_ok_and(|record| record.identity.is_some())
     }
 
     /// Why a stage failed when it was last carried out; none where it did not.
     pub fn failure(&self, key: &str) -> Option<String> {
         let kept: serde_json::Value = read_json(&self.failed_file(key)).ok()?;
-        kept.get("failure")?.as_str().map(str::to_owned)
+        let is_own = kept.get("key")?.as_str() == Some(key);
+        kept.get("failure").filter(|_| is_own)?.as_str().map(str::to_owned)
     }
 
     fn failed_file(&self, key: &str) -> PathBuf {
@@ -337,25 +342,29 @@ impl StageStore {
         why: &str,
     ) -> Result<PathBuf, FileError> {
         let path = self.failed_file(key);
-        write_json(&path, &serde_json::json!({ "failure": why, "last_good": state }))?;
+        let kept = serde_json::json!({ "key": key, "failure": why, "last_good": state });
+        write_json(&path, &kept)?;
         Ok(path)
     }
 }
 
-/// What a stage says of itself, if that is as it was written.
-fn read_record(folder: &Path) -> Result<StageRecord, FileError> {
-    let path = folder.join("stage.json");
-    let record: StageRecord = read_json(&path)?;
-    if !record.record_sha256.is_empty() && record.record_sha256 != record.own_hash() {
-        return Err(FileError::changed(&path));
-    }
-    Ok(record)
+/// Opens a file of a store that is there to be locked.
+fn open_lock(root: &Path, name: &str) -> Result<File, FileError> {
+    let lock = File::options().create(true).append(true).open(root.join(name));
+    lock.map_err(|e| FileError::new("open", root, e))
 }
 
-fn read_state(folder: &Path, record: &StageRecord) -> Result<SpecimenState, FileError> {
-    let path = folder.join("specimen.json");
-    let content = read_unchanged(&path, &record.specimen_sha256)?;
-    serde_json::from_slice(&content).map_err(|e| FileError::new("read", &path, e))
+/// What is half written in a store, or was when its writer was killed.
+pub(super) fn parts_in(root: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(root).into_iter().flatten().flatten();
+    let parts = entries.filter(|e| e.file_name().to_string_lossy().starts_with(PART));
+    parts.map(|e| e.path()).collect()
+}
+
+/// Whether there is nothing at a stage's place. Engines of workflows make the
+/// folder of what they expect before it is there.
+pub(super) fn is_vacant(folder: &Path) -> bool {
+    fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none())
 }
 
 #[cfg(test)]

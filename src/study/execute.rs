@@ -8,15 +8,16 @@ use std::sync::{
 use rayon::prelude::*;
 
 use super::{
-    StudyError, guards,
+    StudyError, believed, guards,
     plan::{Node, Plan, stage_name},
     recorder::{Recorder, note},
 };
 use crate::geometry::Vector;
 use crate::grains::sieve_size_of;
-use crate::protocol::{Progress, Setup, StageError, WorldMaker, run as run_stage};
+use crate::protocol::{Midway, Progress, Setup, StageError, WorldMaker, run as run_stage};
 use crate::record::{
-    Checkpoints, FileError, FrameWriter, StageGuards, StageRecord, StageStore, StoredStage,
+    AskedStage, Checkpoints, FileError, FrameWriter, StageGuards, StageRecord, StageStore,
+    StoredStage,
 };
 use crate::scenario::automatic_threads;
 use crate::specimen::{Specimen, SpecimenState};
@@ -167,7 +168,17 @@ impl Shop<'_> {
         cores: usize,
     ) -> Result<StoredStage, StudyError> {
         let Self { store, progress, .. } = self;
-        let (stored, damaged) = store.load(&node.key);
+        let before = match parent {
+            Some(parent) => parent.state.clone(),
+            None => SpecimenState::before_everything(node.grains.grains.len()),
+        };
+        let plausible = |stored: &StoredStage| believed::stage(node, &before, stored);
+        let asked = AskedStage {
+            identity: &node.identity,
+            began_with: parent.map(|parent| parent.record.specimen_sha256.as_str()),
+            plausible: &plausible,
+        };
+        let (stored, damaged) = store.load(&asked);
         if let Some(why) = damaged {
             progress.message(&format!("{}: {why}", node.label));
         }
@@ -175,19 +186,16 @@ impl Shop<'_> {
             progress.already_done(node.expected);
             return Ok(stored);
         }
-        let state = match parent {
-            Some(parent) => parent.state.clone(),
-            None => SpecimenState::before_everything(node.grains.grains.len()),
-        };
-        let specimen = Specimen { grains: node.grains.clone(), state };
+        let specimen = Specimen { grains: node.grains.clone(), state: before.clone() };
         let id = index as u64;
         progress.begin_stage(id, &node.label, node.expected);
         let began = specimen.state.time;
         let kept = |error| StudyError::File(store.keeping(error));
         let checkpoints =
-            if node.has_legs { store.checkpoints(&node.key).map_err(kept)? } else { None };
-        let (resumed, damaged) =
-            checkpoints.as_ref().map_or_else(Default::default, |c| c.last(store.keeps_frames()));
+            if node.has_legs { store.checkpoints(&asked).map_err(kept)? } else { None };
+        let sound = |midway: &Midway| believed::midway(node, &before, midway);
+        let last = |c: &Checkpoints| c.last(store.keeps_frames(), &sound);
+        let (resumed, damaged) = checkpoints.as_ref().map_or_else(Default::default, last);
         for why in damaged {
             progress.message(&format!("{}: a checkpoint is damaged: {why}", node.label));
         }
@@ -228,7 +236,7 @@ impl Shop<'_> {
             StageError::Cancelled => StudyError::Cancelled,
             StageError::World { source, last_good } => {
                 let what = source.to_string();
-                match store.keep_failed(&node.key, &last_good.state, &what) {
+                match store.keep_failed(node.key(), &last_good.state, &what) {
                     Ok(kept) => StudyError::Simulation { stage: node.label.clone(), what, kept },
                     Err(error) => {
                         let reason = format!("{}; what failed was {what}", error.reason);
@@ -255,11 +263,15 @@ impl Shop<'_> {
             solver_residuals: outcome.residuals,
             effective: outcome.effective,
             sieved_mm: sieved_mm(&outcome.corners),
+            end: Some(believed::end_of(&node.setup, &outcome.specimen)),
             ..StageRecord::default()
         };
         let series = observed.rows;
         let stage = StoredStage { record, state: outcome.specimen.state, series };
-        let stored = store.save(&node.key, stage, frames).map_err(kept)?;
+        let (stored, note) = store.save(&asked, stage, frames).map_err(kept)?;
+        if let Some(note) = note {
+            progress.message(&format!("{}: {note}", node.label));
+        }
         if let Some(checkpoints) = checkpoints {
             checkpoints.remove();
         }

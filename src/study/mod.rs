@@ -1,5 +1,6 @@
 //! Many runs, one answer.
 
+mod believed;
 mod beside;
 mod calibrate;
 mod compare;

@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::{StudyError, summarise::grains_hash};
 use crate::grains::GrainSet;
 use crate::protocol::{Setup, legs, table_motion};
-use crate::record::{RunKind, hash_json};
+use crate::record::{RunKind, StageIdentity};
 use crate::scale::{GrainSizes, Scale};
 use crate::scenario::{
     ApparatusSpec, ContactSpec, EngineSettings, Scenario, SettleSpec, StageSpec,
@@ -51,8 +51,8 @@ pub struct Prepared {
 /// One stage of a plan.
 #[derive(Debug, Clone)]
 pub struct Node {
-    /// Name in the store.
-    pub key: String,
+    /// What it is in the store.
+    pub identity: StageIdentity,
     /// Index of the stage before; `None` for the first of a run.
     pub parent: Option<usize>,
     /// What is done.
@@ -69,6 +69,13 @@ pub struct Node {
     pub expected: f64,
     /// Simulated time expected from here to the end of the longest chain, in s.
     pub remaining: f64,
+}
+
+impl Node {
+    /// Name in the store.
+    pub fn key(&self) -> &str {
+        &self.identity.key
+    }
 }
 
 /// Which stages make a run.
@@ -202,7 +209,8 @@ impl Plan {
     ) -> usize {
         let scenario = &laboratory.scenario;
         let leg_steps = legs(&laboratory.setup, run.grains.grains.len(), stage);
-        let key = hash_json(&Determinants {
+        let before = parent.map(|p| self.nodes[p].key().to_owned());
+        let determinants = Determinants {
             format: FORMAT,
             version: env!("CARGO_PKG_VERSION"),
             backend: &crate::world::info(scenario.engine.backend),
@@ -214,16 +222,20 @@ impl Plan {
             scale: (laboratory.setup.scale, run.grains.sizes()),
             seed: scenario.seed,
             configuration: scenario.configuration,
-            parent: parent.map_or(grains_hash, |p| &self.nodes[p].key),
+            parent: before.as_deref().unwrap_or(grains_hash),
             stage,
             leg_steps,
-        });
-        if let Some(&node) = known.get(&key) {
+        };
+        let grains = (run.grains.grains.len(), grains_hash);
+        let name = stage_name(stage);
+        let identity = StageIdentity::new(name, grains, before.as_deref(), &determinants);
+        if let Some(&node) = known.get(&identity.key) {
             return node;
         }
         let expected = expected_time(stage);
+        known.insert(identity.key.clone(), self.nodes.len());
         self.nodes.push(Node {
-            key: key.clone(),
+            identity,
             parent,
             stage: stage.clone(),
             setup: laboratory.setup.clone(),
@@ -233,7 +245,6 @@ impl Plan {
             expected,
             remaining: expected,
         });
-        known.insert(key, self.nodes.len() - 1);
         self.nodes.len() - 1
     }
 }

@@ -294,7 +294,7 @@ fn manifest(
         let record = &done[n].record;
         json!({
             "stage": record.stage,
-            "key": plan.nodes[n].key,
+            "key": plan.nodes[n].key(),
             "steps": record.steps,
             "simulated_s": record.simulated_s,
             "wall_s": record.wall_s,

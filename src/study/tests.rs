@@ -15,11 +15,11 @@ use super::{
 use crate::geometry::Vector;
 use crate::grains::generate;
 use crate::protocol::Silent;
-use crate::record::{RunKind, StageStore, StoredStage};
+use crate::record::{AskedStage, RunKind, StageStore, StoredStage};
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
 use crate::world::{BodyState, World, scripted::ScriptedWorld};
 
-fn scenario(falling_height_mm: f64) -> Scenario {
+pub(super) fn scenario(falling_height_mm: f64) -> Scenario {
     serde_json::from_value(serde_json::json!({
         "name": "test",
         "grains": {
@@ -36,7 +36,7 @@ fn scenario(falling_height_mm: f64) -> Scenario {
     .expect("a scenario")
 }
 
-fn planned(scenario: Scenario) -> PlannedRun {
+pub(super) fn planned(scenario: Scenario) -> PlannedRun {
     let GrainsSpec::Sieved(spec) = &scenario.grains else { panic!("sieved") };
     let grains = Arc::new(generate(spec, scenario.seed).expect("grains"));
     PlannedRun { name: "test".into(), kind: RunKind::Pluviation, scenario, grains, prepared: None }
@@ -72,14 +72,14 @@ fn runs_share_the_stages_they_have_in_common_and_no_others() {
     let first = |change: &dyn Fn(&mut Scenario)| {
         let mut other = scenario(0.0);
         change(&mut other);
-        self::plan(&[planned(other)]).nodes[0].key.clone()
+        self::plan(&[planned(other)]).nodes[0].key().to_owned()
     };
     let same = first(&|s| {
         s.name = "another".into();
         s.notes = vec!["note".into()];
         s.stages.pop();
     });
-    assert_eq!(same, plan.nodes[0].key, "names, notes and later stages do not act on a stage");
+    assert_eq!(same, plan.nodes[0].key(), "names, notes and later stages do not act on a stage");
     let changes: [&dyn Fn(&mut Scenario); 6] = [
         &|s| s.seed = 2,
         &|s| s.configuration = 2,
@@ -89,7 +89,7 @@ fn runs_share_the_stages_they_have_in_common_and_no_others() {
         &|s| s.stages[0] = StageSpec::FillFunnel { time_limit_s: 3.0 },
     ];
     for (index, change) in changes.into_iter().enumerate() {
-        assert_ne!(first(change), plan.nodes[0].key, "change {index} must give another key");
+        assert_ne!(first(change), plan.nodes[0].key(), "change {index} must give another key");
     }
 }
 
@@ -105,7 +105,7 @@ fn same_bits_on_one_thread_or_two_and_when_resumed_in_the_middle() {
     // As if killed in the middle: a later stage missing, leftovers lying about.
     let store = StageStore::open(two.path()).expect("a store");
     let last = plan.runs[1].stages[1];
-    fs::remove_dir_all(store.folder(&plan.nodes[last].key)).expect("removed");
+    fs::remove_dir_all(store.folder(plan.nodes[last].key())).expect("removed");
     fs::create_dir(two.path().join(".part-killed")).expect("a leftover");
     drop(store);
     let resumed = bits(&carry_out(&plan, two.path(), 2).expect("done"));
@@ -114,11 +114,17 @@ fn same_bits_on_one_thread_or_two_and_when_resumed_in_the_middle() {
 
     // A damaged file is noticed and its stage done again.
     let store = StageStore::open(two.path()).expect("a store");
-    let damaged = store.folder(&plan.nodes[last].key).join("specimen.json");
+    let damaged = store.folder(plan.nodes[last].key()).join("specimen.json");
     let mut content = fs::read_to_string(&damaged).expect("read");
     content = content.replacen('1', "2", 1);
     fs::write(&damaged, content).expect("written");
-    assert!(store.load(&plan.nodes[last].key).1.is_some_and(|why| why.contains("specimen.json")));
+    let before = plan.nodes[last].parent.expect("a pour goes on from a filling");
+    let asked = AskedStage {
+        identity: &plan.nodes[last].identity,
+        began_with: Some(&serial[before].0),
+        plausible: &|_| Ok(()),
+    };
+    assert!(store.load(&asked).1.is_some_and(|why| why.contains("specimen.json")));
     let mended = bits(&carry_out(&plan, two.path(), 1).expect("done"));
     assert_eq!(serial, mended);
 }

@@ -54,6 +54,7 @@ fn every_subcommand_shows_an_example() {
         "view",
         "picture",
         "schema",
+        "store",
         "info",
         "completions",
         "man",

@@ -17,7 +17,7 @@ use tempfile::TempDir;
 
 use super::{
     legs::in_legs_timed,
-    same::{assert_same_files, assert_whole_files},
+    same::{assert_same_files, assert_whole_files, half_written},
     small,
     soak::{self, Soak},
 };
@@ -175,6 +175,8 @@ impl<'a> Victim<'a> {
         let last = (self.command)(killed).status().expect("started");
         assert!(last.success(), "law: after {kills} kills it can be finished");
         assert_same_files(&self.whole, killed, &format!("{kills} kills"));
+        let left = half_written(killed);
+        assert!(left.is_empty(), "law: after {kills} kills nothing half written stays: {left:?}");
     }
 }
 

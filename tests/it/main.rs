@@ -25,6 +25,7 @@ mod scenario;
 mod small;
 mod soak;
 mod stones;
+mod store;
 mod studies;
 mod sweep;
 mod sweep_engines;

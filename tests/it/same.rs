@@ -62,6 +62,24 @@ fn files(folder: &Path) -> BTreeSet<PathBuf> {
     found
 }
 
+/// What is on its way under a folder, or was when its writer was killed: all
+/// whose name begins with a dot, but locks.
+pub fn half_written(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut below = vec![folder.to_owned()];
+    while let Some(at) = below.pop() {
+        for entry in fs::read_dir(at).into_iter().flatten().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.starts_with('.') && !name.ends_with(".lock") {
+                found.push(entry.path());
+            } else if entry.path().is_dir() {
+                below.push(entry.path());
+            }
+        }
+    }
+    found
+}
+
 /// What is in one folder and not, or not the same, in another.
 fn differences(part: &Path, whole: &Path) -> Vec<PathBuf> {
     let differs = |f: &PathBuf| !same_content(&part.join(f), &whole.join(f));

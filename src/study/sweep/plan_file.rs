@@ -126,7 +126,7 @@ pub(super) fn plan(
                 changes: point.changes.iter().map(|c| c.text().to_owned()).collect(),
                 seed: run.scenario.seed,
                 configuration: run.scenario.configuration,
-                key: last.map(|n| nodes.nodes[n].key.clone()).unwrap_or_default(),
+                key: last.map(|n| nodes.nodes[n].key().to_owned()).unwrap_or_default(),
             });
         }
     }

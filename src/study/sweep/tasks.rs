@@ -95,8 +95,8 @@ impl SweepTasks {
     pub fn stages(&self, level: usize) -> Vec<SweepStage<'_>> {
         let node = |n: usize| &self.plan.nodes[n];
         let stage = |n: &usize| SweepStage {
-            key: &node(*n).key,
-            parent: node(*n).parent.map(|parent| node(parent).key.as_str()),
+            key: node(*n).key(),
+            parent: node(*n).parent.map(|parent| node(parent).key()),
             label: &node(*n).label,
         };
         self.levels.get(level).map_or_else(Vec::new, |nodes| nodes.iter().map(stage).collect())
@@ -116,7 +116,7 @@ impl SweepTasks {
     pub fn find(&self, key: &str) -> Result<(usize, usize), StudyError> {
         let mut found = self.levels.iter().enumerate().flat_map(|(level, nodes)| {
             let of_level = nodes.iter().enumerate();
-            let fits = of_level.filter(|(_, n)| self.plan.nodes[**n].key.starts_with(key));
+            let fits = of_level.filter(|(_, n)| self.plan.nodes[**n].key().starts_with(key));
             fits.map(move |(task, _)| (level, task))
         });
         match (found.next(), found.next()) {
@@ -131,7 +131,7 @@ impl SweepTasks {
     /// Numbers, within their level, of the stages of a level that are not stored.
     pub fn missing(&self, level: usize) -> Vec<usize> {
         let Some(nodes) = self.levels.get(level) else { return Vec::new() };
-        let is_missing = |n: &usize| !self.store.holds(&self.plan.nodes[*n].key);
+        let is_missing = |n: &usize| !self.store.holds(self.plan.nodes[*n].key());
         nodes.iter().enumerate().filter(|(_, n)| is_missing(n)).map(|(task, _)| task).collect()
     }
 
@@ -149,7 +149,7 @@ impl SweepTasks {
             ))
         })?;
         let (chain, label) = (self.chain(node), self.plan.nodes[node].label.clone());
-        let needed = chain.nodes.iter().rev().skip(1).find(|n| !self.store.holds(&n.key));
+        let needed = chain.nodes.iter().rev().skip(1).find(|n| !self.store.holds(n.key()));
         if let Some(needed) = needed {
             return Err(StudyError::Scenario(format!(
                 "{label} goes on from {}, which is not stored",
@@ -180,17 +180,17 @@ impl SweepTasks {
 
     /// How far it is.
     pub fn status(&self) -> SweepStatus {
-        let held = |n: &usize| self.store.holds(&self.plan.nodes[*n].key);
+        let held = |n: &usize| self.store.holds(self.plan.nodes[*n].key());
         let complete =
             self.plan.runs.iter().filter(|run| run.stages.iter().chain(&run.control).all(held));
-        let failed = self.plan.nodes.iter().filter(|node| !self.store.holds(&node.key));
+        let failed = self.plan.nodes.iter().filter(|node| !self.store.holds(node.key()));
         SweepStatus {
             stages: self.plan.nodes.len(),
             stored: (0..self.plan.nodes.len()).filter(held).count(),
             runs: self.plan.runs.len(),
             complete: complete.count(),
             failed: failed
-                .filter_map(|node| Some((node.label.clone(), self.store.failure(&node.key)?)))
+                .filter_map(|node| Some((node.label.clone(), self.store.failure(node.key())?)))
                 .collect(),
         }
     }

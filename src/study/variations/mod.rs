@@ -190,10 +190,10 @@ pub(super) fn collect_stored(
         for planned in planned(varied, number, &mut grains)? {
             let (run, row) = planned;
             let plan = Plan::new(std::slice::from_ref(&run))?;
-            let missing = plan.nodes.iter().find(|node| !store.holds(&node.key));
+            let missing = plan.nodes.iter().find(|node| !store.holds(node.key()));
             rows.extend(match missing {
                 Some(node) => {
-                    let why = store.failure(&node.key);
+                    let why = store.failure(node.key());
                     let why = why.map_or_else(String::new, |why| format!(": {why}"));
                     let failure = format!("{} is not stored{why}", stage_label(&node.stage));
                     vec![RunRow { failure: Some(failure), ..row }]

@@ -1,0 +1,112 @@
+//! `pluvia store`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+
+use super::{CliError, Context, ExitStatus, paint, table};
+use crate::record::{StoreReport, StoredItem, StoredState, check_store};
+
+/// Look after the stages that an output folder has in store
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Example:
+  pluvia store check out/first")]
+pub(super) struct StoreArgs {
+    #[command(subcommand)]
+    action: StoreAction,
+}
+
+#[derive(Debug, Subcommand)]
+enum StoreAction {
+    Check(CheckArgs),
+}
+
+/// Check every stored stage and checkpoint
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Reads all of a store and changes nothing: whether every stage is complete, its files have the
+hashes that were noted, it is the stage that its folder names, it went on from the stage before as
+that is stored, and has as many bodies as grains; the same of checkpoints; and what is half written.
+A damaged stage is never used: the command that needs it says so and makes it anew.
+
+Exit codes: 0 nothing is damaged; 1 something is; 2 there is no store; 4 it could not be read.
+
+Examples:
+  pluvia store check out/first
+  pluvia store check out/reproduce/stages --json")]
+struct CheckArgs {
+    /// Output folder of a command, or its folder stages/
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+}
+
+pub(super) fn run(args: &StoreArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let StoreAction::Check(args) = &args.action;
+    let report = check_store(&store_in(&args.folder)?)?;
+    context.print(&text(&report), &report)?;
+    Ok(if report.damaged == 0 { ExitStatus::Done } else { ExitStatus::ExpectationMissed })
+}
+
+/// The store of an output folder, or the folder itself where that is one.
+fn store_in(folder: &Path) -> Result<PathBuf, CliError> {
+    let below = folder.join("stages");
+    if below.is_dir() {
+        return Ok(below);
+    }
+    if folder.is_dir() && !folder.join(".lock").exists() {
+        return Err(CliError::Usage(format!(
+            "{}: there is no store; give the output folder of a command, with its stages/",
+            folder.display()
+        )));
+    }
+    Ok(folder.to_owned())
+}
+
+fn text(report: &StoreReport) -> String {
+    let mut text = format!("store {}\n", report.store.display());
+    for (title, items) in [
+        ("stages", &report.stages),
+        ("checkpoints", &report.checkpoints),
+        ("half written", &report.unfinished),
+    ] {
+        if items.is_empty() {
+            continue;
+        }
+        text += &format!("\n{title}\n");
+        let head = ["name", "stage", "grains", "after", "state"].map(str::to_owned);
+        let rows: Vec<[String; 5]> = std::iter::once(head).chain(items.iter().map(row)).collect();
+        text += &table::columns(&rows);
+        for item in items {
+            if let Some(note) = &item.note {
+                text += &format!("  {}: {note}\n", item.name);
+            }
+        }
+    }
+    let whole = report.stages.iter().filter(|i| i.state == StoredState::Whole).count();
+    let verdict = match report.damaged {
+        0 => paint::good("nothing is damaged"),
+        n => paint::bad(format!("{n} damaged")),
+    };
+    text += &format!("\n{whole} of {} stages whole, {verdict}\n", report.stages.len());
+    text
+}
+
+fn row(item: &StoredItem) -> [String; 5] {
+    let nothing = || "-".to_owned();
+    let state = match item.state {
+        StoredState::Whole => paint::good("whole"),
+        StoredState::Damaged => paint::bad("DAMAGED"),
+        StoredState::Earlier => paint::notable("of an earlier version, not used any more"),
+        StoredState::Expected => paint::faint("not stored yet"),
+        StoredState::BeingWritten => paint::notable("being written"),
+        StoredState::Abandoned => paint::notable("abandoned, the next command removes it"),
+    };
+    [
+        item.name.clone(),
+        item.stage.clone().unwrap_or_else(nothing),
+        item.grains.map_or_else(nothing, |n| n.to_string()),
+        item.parent.as_ref().map_or_else(nothing, |key| key.chars().take(12).collect()),
+        state,
+    ]
+}

@@ -1,0 +1,199 @@
+//! Whether a state that was read from a file can be that of a specimen in this
+//! laboratory.
+
+use super::{Setup, whereabouts::Whereabouts};
+use crate::apparatus::Funnel;
+use crate::scale;
+use crate::specimen::{Fate, Party, SavedContact, Specimen, SpecimenState};
+use crate::units::from_mm;
+use crate::world::{BodyState, Guard, GuardLimits, Snapshot};
+
+/// Nothing here is faster: a grain reaches 2.8 m/s in the paper's highest fall.
+const SPEED_LIMIT: f64 = 20.0;
+
+/// Everything happens within this distance of the cylinder's floor, in m.
+const DISTANCE_LIMIT: f64 = 20.0;
+
+/// How far the length of a quaternion may be from 1: engines keep some in
+/// single precision.
+const UNIT: f64 = 1e-3;
+
+/// What every state of a world is checked against.
+pub(super) fn guard(setup: &Setup) -> Guard {
+    Guard::new(GuardLimits {
+        speed: SPEED_LIMIT,
+        angular_speed: scale::LARGEST_SPIN.at(&setup.scale),
+        distance: DISTANCE_LIMIT,
+    })
+}
+
+/// Whether a specimen can be one of this laboratory: a state for each grain, all
+/// numbers finite, nothing too fast or too far, nothing inside or behind walls.
+/// The funnel, where it stands, has a collar of a height in m.
+///
+/// # Errors
+/// What is wrong, in words.
+pub fn plausible(setup: &Setup, specimen: &Specimen, collar_m: f64) -> Result<(), String> {
+    let Specimen { grains, state } = specimen;
+    let (found, expected) = (state.bodies.len(), grains.grains.len());
+    if found != expected {
+        return Err(format!("it has {found} bodies, and there are {expected} grains"));
+    }
+    finite(state)?;
+    let of_grains = state.bodies.iter().map(|g| (g.fate == Fate::Present).then_some(g.body));
+    let snapshot: Snapshot = of_grains.chain([state.top_plate]).collect();
+    guard(setup).check(&snapshot, state.time).map_err(|e| e.to_string())?;
+    let funnel = |f: crate::specimen::FunnelState| {
+        Funnel::new(&setup.funnel, f.opening_height, collar_m).map_err(|e| e.to_string())
+    };
+    let funnel = state.funnel.map(funnel).transpose()?;
+    let walls = Whereabouts::new(
+        grains,
+        state.cylinder.then_some(&setup.cylinder),
+        funnel.as_ref(),
+        state.base.as_ref().map(|b| b.radius),
+        from_mm(setup.funnel.wall_thickness_mm),
+    );
+    for index in specimen.present() {
+        let body = &state.bodies[index].body;
+        let at = body.pose.translation.vector;
+        // What went over the rim falls beside the walls until it is taken away.
+        let falls = body.linear_velocity.z < 0.0;
+        if at.z < walls.lowest() || walls.is_outside(&at, state.table_x) && !falls {
+            let at = at * 1e3;
+            return Err(format!(
+                "grain {index} is outside of the apparatus, at ({:.1}, {:.1}, {:.1}) mm",
+                at.x, at.y, at.z
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Whether all numbers are, and grains that are spoken of are there.
+fn finite(state: &SpecimenState) -> Result<(), String> {
+    let body = |b: &BodyState| {
+        let pose = &b.pose;
+        let length = pose.rotation.quaternion().norm();
+        let vectors = [&pose.translation.vector, &b.linear_velocity, &b.angular_velocity];
+        (length - 1.0).abs() <= UNIT && vectors.iter().all(|v| v.iter().all(|x| x.is_finite()))
+    };
+    if let Some(index) = state.bodies.iter().position(|g| !body(&g.body)) {
+        return Err(format!("place, orientation or velocity of grain {index} is no number"));
+    }
+    if !state.top_plate.as_ref().is_none_or(body) {
+        return Err("place, orientation or velocity of the top plate is no number".to_owned());
+    }
+    if !(state.time >= 0.0 && state.time.is_finite() && state.table_x.is_finite()) {
+        return Err("its time, or where the table is, is no number".to_owned());
+    }
+    let count = state.bodies.len();
+    let is_there = |party: &Party| !matches!(party, Party::Grain(n) if *n >= count);
+    let contact = |c: &SavedContact| {
+        let vectors = [&c.point_m, &c.normal, &c.force_n];
+        vectors.iter().all(|v| v.iter().all(|x| x.is_finite())) && c.between.iter().all(is_there)
+    };
+    if let Some(index) = state.contacts.iter().position(|c| !contact(c)) {
+        return Err(format!("contact {index} is of a grain that is not there, or no number"));
+    }
+    let fixed = state.base.iter().flat_map(|base| &base.fixed_grains);
+    if fixed.into_iter().any(|f| f.grain >= count) {
+        return Err("a grain fixed to the base is not there".to_owned());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::geometry::{Pose, Vector};
+    use crate::grains::generate;
+    use crate::scenario::{GrainsSpec, Scenario};
+    use crate::specimen::FunnelState;
+
+    /// Some grains in the cylinder, on a grid, not touching its walls.
+    fn laboratory() -> (Setup, Specimen) {
+        let scenario: Scenario = serde_json::from_value(serde_json::json!({
+            "name": "test",
+            "grains": {
+                "total_mass_g": 20, "density_kg_per_m3": 2673.9,
+                "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+            },
+            "stages": []
+        }))
+        .expect("a scenario");
+        let GrainsSpec::Sieved(spec) = &scenario.grains else { panic!("sieved") };
+        let grains = Arc::new(generate(spec, 1).expect("grains"));
+        let mut state = SpecimenState::before_everything(grains.grains.len());
+        state.cylinder = true;
+        for (n, grain) in state.bodies.iter_mut().enumerate() {
+            let pose = Pose::translation(0.0, 0.0, 0.01 + 0.015 * n as f64);
+            grain.body = BodyState::at_rest(pose);
+        }
+        (Setup::new(&scenario).expect("a laboratory"), Specimen { grains, state })
+    }
+
+    #[test]
+    fn what_can_be_passes() {
+        let (setup, sound) = laboratory();
+        plausible(&setup, &sound, 0.0).expect("law: grains in the cylinder can be");
+        let mut falling = sound.clone();
+        let beside = &mut falling.state.bodies[0].body;
+        *beside = BodyState::at_rest(Pose::translation(0.2, 0.0, 0.02));
+        beside.linear_velocity.z = -1.0;
+        plausible(&setup, &falling, 0.0).expect("law: what went over the rim falls beside it");
+        let mut gone = sound;
+        gone.state.bodies[0].fate = Fate::Spilled;
+        gone.state.bodies[0].body.pose.translation.vector.z = -5.0;
+        plausible(&setup, &gone, 0.0).expect("law: a grain that was taken away is anywhere");
+    }
+
+    #[test]
+    fn what_cannot_be_is_named() {
+        type Craft = fn(&mut SpecimenState);
+        let crafted: [(&str, Craft); 11] = [
+            ("bodies", |s| s.bodies.truncate(1)),
+            ("bodies", |s| s.bodies.push(s.bodies[0])),
+            ("grain 1", |s| s.bodies[1].body.linear_velocity.x = f64::NAN),
+            ("orientation", |s| s.bodies[1].body.pose.rotation.as_mut_unchecked().coords *= 2.0),
+            ("speed", |s| s.bodies[1].body.linear_velocity.x = 100.0),
+            ("distance", |s| s.bodies[1].body.pose.translation.vector.x = 1e3),
+            ("outside", |s| s.bodies[1].body.pose.translation.vector.x = 0.2),
+            ("outside", |s| s.bodies[1].body.pose.translation.vector.z = -0.3),
+            ("outside", |s| s.table_x = 0.5),
+            ("time", |s| s.time = f64::INFINITY),
+            ("contact 0", |s| {
+                s.contacts.push(SavedContact {
+                    between: [Party::Grain(0), Party::Grain(99_999)],
+                    point_m: Vector::zeros(),
+                    normal: Vector::z(),
+                    force_n: Vector::z(),
+                    feature: [0; 2],
+                });
+            }),
+        ];
+        for (index, (word, craft)) in crafted.into_iter().enumerate() {
+            let (setup, mut specimen) = laboratory();
+            craft(&mut specimen.state);
+            let said = plausible(&setup, &specimen, 0.0).expect_err("law: it cannot be");
+            assert!(said.contains(word), "law: case {index} names {word}, got {said}");
+        }
+    }
+
+    #[test]
+    fn a_filled_funnel_can_be_and_grains_beside_it_cannot() {
+        let (setup, mut specimen) = laboratory();
+        let opening_height = setup.cylinder.height;
+        specimen.state.cylinder = false;
+        specimen.state.funnel = Some(FunnelState { opening_height, lid: true });
+        for grain in &mut specimen.state.bodies {
+            grain.body.pose.translation.vector.z += opening_height;
+        }
+        plausible(&setup, &specimen, 0.0).expect("law: grains in the funnel can be");
+        let at = &mut specimen.state.bodies[0].body.pose.translation.vector;
+        (at.x, at.z) = (1.0, opening_height + 0.05);
+        plausible(&setup, &specimen, 0.0).expect_err("law: nothing stands beside the funnel");
+    }
+}

@@ -1,0 +1,128 @@
+//! A check of a store finds whatever would not be used, and changes nothing.
+
+use super::*;
+use crate::record::{AskedStage, StageEnd, StageRecord, hash_bytes, write_json};
+use crate::specimen::SpecimenState;
+
+fn named(stage: &str, parent: Option<&str>) -> StageIdentity {
+    let determinants = serde_json::json!({ "stage": stage, "parent": parent.unwrap_or("g") });
+    StageIdentity::new(stage, (2, "g"), parent, &determinants)
+}
+
+/// A filling and a pour that goes on from it.
+fn store_two(root: &Path) -> [StageIdentity; 2] {
+    let store = StageStore::open(root).expect("a store");
+    let fill = named("fill_funnel", None);
+    let pour = named("pour", Some(&fill.key));
+    let save = |identity: &StageIdentity, began_with: Option<&str>, time: f64| {
+        let asked = AskedStage { identity, began_with, plausible: &|_| Ok(()) };
+        let end = Some(StageEnd::default());
+        let record = StageRecord { stage: identity.stage.clone(), end, ..StageRecord::default() };
+        let mut state = SpecimenState::before_everything(2);
+        state.time = time;
+        let stage = StoredStage { record, state, series: Vec::new() };
+        store.save(&asked, stage, None).expect("it is stored").0.record.specimen_sha256
+    };
+    let began_with = save(&fill, None, 1.0);
+    save(&pour, Some(&began_with), 2.0);
+    [fill, pour]
+}
+
+fn states(report: &StoreReport) -> Vec<StoredState> {
+    report.stages.iter().map(|item| item.state).collect()
+}
+
+/// Notes of the stages that are damaged.
+fn damage(root: &Path) -> String {
+    let report = check_store(root).expect("law: damage does not end a check");
+    let damaged = report.stages.iter().filter(|i| i.state == StoredState::Damaged);
+    let notes: Vec<String> = damaged.filter_map(|i| i.note.clone()).collect();
+    assert_eq!(notes.len(), report.damaged, "law: what is damaged is counted, and reported why");
+    notes.join("; ")
+}
+
+#[test]
+fn a_store_that_is_whole_is_found_to_be() {
+    let root = tempfile::tempdir().expect("a folder");
+    let [fill, pour] = store_two(root.path());
+    fs::create_dir(root.path().join("0".repeat(24))).expect("as an engine of workflows makes");
+    fs::create_dir(root.path().join(".part-left")).expect("a leftover");
+    let report = check_store(root.path()).expect("checked");
+    assert_eq!(report.damaged, 0, "{report:?}");
+    let whole = report.stages.iter().filter(|i| i.state == StoredState::Whole).count();
+    assert_eq!((whole, report.stages.len()), (2, 3), "law: what is expected is no damage");
+    assert_eq!(report.unfinished[0].state, StoredState::Abandoned, "law: nobody is here");
+    let found = report.stages.iter().find(|i| i.stage.as_deref() == Some("pour"));
+    let found = found.expect("it says its name");
+    assert_eq!((found.grains, found.parent.as_ref()), (Some(2), Some(&fill.key)));
+    let open = StageStore::open(root.path()).expect("somebody");
+    fs::create_dir(root.path().join(".part-now")).expect("written now");
+    let report = check_store(root.path()).expect("checked");
+    assert_eq!(report.unfinished[0].state, StoredState::BeingWritten, "law: somebody is here");
+    drop(open);
+    // Without the stage before, a stage is whole.
+    fs::remove_dir_all(StageStore::folder_in(root.path(), &fill.key)).expect("removed");
+    let report = check_store(root.path()).expect("checked");
+    assert_eq!(report.damaged, 0, "{report:?}");
+    let item = report.stages.iter().find(|i| pour.key.starts_with(&i.name)).expect("there");
+    assert!(item.note.as_ref().is_some_and(|n| n.contains("not there")), "{item:?}");
+}
+
+#[test]
+fn every_kind_of_damage_is_found() {
+    let found = |hurt: &dyn Fn(&Path, &Path)| {
+        let root = tempfile::tempdir().expect("a folder");
+        let folders = store_two(root.path()).map(|i| StageStore::folder_in(root.path(), &i.key));
+        hurt(&folders[0], &folders[1]);
+        damage(root.path())
+    };
+    let record = |folder: &Path| read_record(folder).expect("a record");
+    let forge = |folder: &Path, mut record: StageRecord| {
+        record.record_sha256 = record.own_hash();
+        write_json(&folder.join(RECORD_FILE), &record).expect("written");
+    };
+    let said = found(&|_, pour| fs::remove_file(pour.join("series.csv")).expect("removed"));
+    assert!(said.contains("series.csv"), "{said}");
+    let said = found(&|_, pour| fs::write(pour.join("specimen.json"), "{}").expect("written"));
+    assert!(said.contains("specimen.json"), "{said}");
+    let said = found(&|fill, pour| {
+        // Two stages of one run, swapped.
+        let aside = fill.with_file_name("aside");
+        for (from, to) in [(fill, aside.as_path()), (pour, fill), (aside.as_path(), pour)] {
+            fs::rename(from, to).expect("moved");
+        }
+    });
+    assert_eq!(said.matches("holds another stage").count(), 2, "{said}");
+    let said = found(&|_, pour| {
+        let mut other = record(pour);
+        other.identity.as_mut().expect("named").determined_by["stage"] = "rest".into();
+        forge(pour, other);
+    });
+    assert!(said.contains("not that of what determined it"), "{said}");
+    let said = found(&|fill, _| {
+        // Another filling with all its hashes, but not the one that was poured.
+        let mut state = SpecimenState::before_everything(2);
+        state.time = 1.5;
+        let content = serde_json::to_vec(&state).expect("JSON");
+        fs::write(fill.join("specimen.json"), &content).expect("written");
+        forge(fill, StageRecord { specimen_sha256: hash_bytes(&content), ..record(fill) });
+    });
+    assert!(said.contains("began with another specimen"), "{said}");
+}
+
+#[test]
+fn a_check_changes_nothing_and_earlier_stages_are_no_damage() {
+    let root = tempfile::tempdir().expect("a folder");
+    let [fill, _] = store_two(root.path());
+    let folder = StageStore::folder_in(root.path(), &fill.key);
+    let mut old = read_record(&folder).expect("a record");
+    (old.identity, old.record_sha256, old.end) = (None, String::new(), None);
+    write_json(&folder.join(RECORD_FILE), &old).expect("written");
+    let left = root.path().join(".pluvia-Abc123.part");
+    fs::write(&left, "half").expect("a leftover");
+    let report = check_store(root.path()).expect("checked");
+    assert_eq!(report.damaged, 0, "{report:?}");
+    assert!(states(&report).contains(&StoredState::Earlier), "{report:?}");
+    assert!(left.exists(), "law: a check removes nothing");
+    assert_eq!(report.unfinished[0].state, StoredState::Abandoned);
+}

@@ -1,0 +1,110 @@
+//! Whether a stored stage, or a checkpoint, can be what it says: compared with
+//! its laboratory, its grains and the stage before it.
+
+use super::plan::Node;
+use crate::geometry::Vector;
+use crate::measure::{grain_energy, overlap_statistics, pairs_within};
+use crate::protocol::{Midway, Setup, plausible};
+use crate::record::{StageEnd, StoredStage};
+use crate::scenario::StageSpec;
+use crate::specimen::{Specimen, SpecimenState};
+
+/// Times that differ by a smaller share are the same: engines keep the length of
+/// a step in single precision.
+const ROUNDING: f64 = 1e-6;
+
+/// What a specimen is at the end of a stage, to know it again.
+pub(super) fn end_of(setup: &Setup, specimen: &Specimen) -> StageEnd {
+    let present: Vec<usize> = specimen.present().collect();
+    let overlap = overlap_statistics(specimen, &pairs_within(specimen, &present, 0.0));
+    let energy = grain_energy(specimen, setup.gravity, &Vector::zeros());
+    StageEnd {
+        grains: present.len(),
+        kinetic_energy_j: energy.kinetic(),
+        potential_energy_j: energy.potential,
+        overlapping_pairs: overlap.overlapping,
+        overlap_mean_percent: 100.0 * overlap.mean,
+        overlap_max_percent: 100.0 * overlap.max,
+    }
+}
+
+/// Whether a stored stage can be that of a node, which went on from a state.
+///
+/// # Errors
+/// What is wrong, in words.
+pub(super) fn stage(
+    node: &Node,
+    before: &SpecimenState,
+    stored: &StoredStage,
+) -> Result<(), String> {
+    let specimen = Specimen { grains: node.grains.clone(), state: stored.state.clone() };
+    plausible(&node.setup, &specimen, 0.0)?;
+    stands(&node.stage, before, &stored.state)?;
+    times(&node.stage, before, stored)?;
+    let recorded = stored.record.end.ok_or("it does not say how it ended")?;
+    end_of(&node.setup, &specimen).is(&recorded)
+}
+
+/// Whether a checkpoint can be one of a node's stage, which went on from a state.
+///
+/// # Errors
+/// What is wrong, in words.
+pub(super) fn midway(node: &Node, before: &SpecimenState, midway: &Midway) -> Result<(), String> {
+    let specimen = Specimen { grains: node.grains.clone(), state: midway.state.clone() };
+    if !midway.collar_m.is_finite() {
+        return Err("its funnel's collar has no height".to_owned());
+    }
+    plausible(&node.setup, &specimen, midway.collar_m)?;
+    let began = began(&node.stage, before);
+    let now = began + midway.steps as f64 / node.setup.engine.rate_hz;
+    same_time("it began", midway.began_s, began)?;
+    same_time("it is", midway.state.time, now)
+}
+
+/// When a stage began, in s; slow pluviation begins everything.
+fn began(stage: &StageSpec, before: &SpecimenState) -> f64 {
+    if matches!(stage, StageSpec::SlowPluviation { .. }) { 0.0 } else { before.time }
+}
+
+fn same_time(what: &str, found: f64, expected: f64) -> Result<(), String> {
+    // Written so that what is no number differs.
+    if (found - expected).abs() <= ROUNDING * (1.0 + expected.abs()) {
+        return Ok(());
+    }
+    Err(format!("{what} at {found:.6} s, expected is {expected:.6} s"))
+}
+
+/// Whether the pieces of the apparatus stand that a stage leaves.
+fn stands(stage: &StageSpec, before: &SpecimenState, after: &SpecimenState) -> Result<(), String> {
+    let pieces = |s: &SpecimenState| {
+        let closed = s.funnel.map(|f| f.lid);
+        (closed, s.cylinder, s.top_plate.is_some(), s.base.is_some())
+    };
+    let (funnel, cylinder, plate, base) = pieces(before);
+    let expected = match stage {
+        StageSpec::FillFunnel { .. } => (Some(true), false, plate, base),
+        StageSpec::SlowPluviation { .. } => (None, false, false, true),
+        StageSpec::Pour { .. } => (None, true, plate, base),
+        StageSpec::PlaceTopPlate { .. } => (funnel, cylinder, true, base),
+        StageSpec::Vibrate { .. } | StageSpec::Rest { .. } => (funnel, cylinder, plate, base),
+    };
+    if pieces(after) == expected {
+        return Ok(());
+    }
+    Err("other pieces of the apparatus stand than its stage leaves".to_owned())
+}
+
+/// Whether it went on from the stage before, for as long as it says, and its
+/// series with it.
+fn times(stage: &StageSpec, before: &SpecimenState, stored: &StoredStage) -> Result<(), String> {
+    let end = began(stage, before) + stored.record.simulated_s;
+    same_time("it ended", stored.state.time, end)?;
+    let (first, last) = (stored.series.first(), stored.series.last());
+    let (first, last) = first.zip(last).ok_or("its series has no rows")?;
+    same_time("its series begins", first.time_s, before.time)?;
+    same_time("its series ends", last.time_s, before.time + stored.record.simulated_s)
+}
+
+#[cfg(test)]
+#[path = "believed_tests.rs"]
+mod tests;

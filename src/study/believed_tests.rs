@@ -1,0 +1,141 @@
+//! Stored stages that were crafted, with every hash as it should be, are reported
+//! and made anew; the run ends with the same bits.
+
+use std::{
+    fs,
+    path::Path,
+    sync::{Arc, Mutex, atomic::AtomicBool},
+};
+
+use crate::protocol::Progress;
+use crate::record::{
+    StageRecord, StageStore, StoredStage, hash_bytes, hash_json, read_json, to_csv, write_file,
+    write_json,
+};
+use crate::specimen::Fate;
+use crate::study::{
+    execute::execute,
+    plan::Plan,
+    tests::{planned, scenario},
+};
+
+/// Keeps what is reported of stored stages.
+#[derive(Default)]
+struct Reported(Mutex<Vec<String>>);
+
+impl Progress for Reported {
+    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
+    fn update(&self, _: u64, _: f64, _: &str) {}
+    fn end_stage(&self, _: u64) {}
+    fn message(&self, text: &str) {
+        if text.contains("stored") {
+            self.0.lock().expect("nobody panicked").push(text.to_owned());
+        }
+    }
+}
+
+/// Runs a plan; gives its stages, and what was reported.
+fn run(plan: &Plan, folder: &Path) -> (Vec<Arc<StoredStage>>, Vec<String>) {
+    let _turn = crate::world::shared_turn();
+    let store = StageStore::open(folder).expect("a store");
+    let reported = Reported::default();
+    let make = &crate::world::create;
+    let done = execute(plan, &store, 2, make, &AtomicBool::new(false), &reported).expect("done");
+    (done, reported.0.into_inner().expect("nobody panicked"))
+}
+
+/// Puts a state and a series in the place of those of a stage, with their hashes.
+fn craft(folder: &Path, stage: &StoredStage) {
+    let state = serde_json::to_vec(&stage.state).expect("JSON");
+    let series = to_csv(&stage.series).expect("CSV");
+    write_file(&folder.join("specimen.json"), &state).expect("written");
+    write_file(&folder.join("series.csv"), &series).expect("written");
+    let path = folder.join("stage.json");
+    let mut record: StageRecord = read_json(&path).expect("a record");
+    record.simulated_s = stage.record.simulated_s;
+    record.specimen_sha256 = hash_bytes(&state);
+    record.series_sha256 = hash_bytes(&series);
+    record.record_sha256 = String::new();
+    record.record_sha256 = hash_json(&record);
+    write_json(&path, &record).expect("written");
+}
+
+#[test]
+fn crafted_states_with_their_hashes_are_made_anew() {
+    let (own, mut other) = (scenario(50.0), scenario(50.0));
+    other.contact.grain_grain_friction = 0.2;
+    let [plan, slippery] = [own, other].map(|s| Plan::new(&[planned(s)]).expect("a plan"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let (done, reported) = run(&plan, folder.path());
+    assert!(reported.is_empty(), "law: nothing is wrong with what is new, got {reported:?}");
+    let (again, reported) = run(&plan, folder.path());
+    assert!(reported.is_empty() && again == done, "law: sound stages are used, got {reported:?}");
+    let (others, _) = run(&slippery, folder.path());
+
+    let [fill, pour] = [plan.runs[0].stages[0], plan.runs[0].stages[1]];
+    let changed = |change: &dyn Fn(&mut StoredStage)| {
+        let mut stage = StoredStage::clone(&done[pour]);
+        change(&mut stage);
+        stage
+    };
+    let crafts = [
+        ("another friction's pour", others[pour].as_ref().clone()),
+        ("the stage before", done[fill].as_ref().clone()),
+        ("too few bodies", changed(&|s| s.state.bodies.truncate(3))),
+        ("too many bodies", changed(&|s| s.state.bodies.push(s.state.bodies[0]))),
+        (
+            "a grain beside the cylinder",
+            changed(&|s| {
+                s.state.bodies[0].body.pose.translation.vector.x += 0.2;
+            }),
+        ),
+        ("grains in each other", changed(&|s| s.state.bodies[1].body = s.state.bodies[0].body)),
+        (
+            "all lifted",
+            changed(&|s| {
+                s.state.bodies.iter_mut().for_each(|g| g.body.pose.translation.vector.z += 1e-3);
+            }),
+        ),
+        ("a grain taken out", changed(&|s| s.state.bodies[0].fate = Fate::Spilled)),
+        (
+            "the funnel still there",
+            changed(&|s| {
+                s.state.funnel = done[fill].state.funnel;
+            }),
+        ),
+        ("a later time", changed(&|s| s.state.time += 1.0)),
+        ("no series", changed(&|s| s.series.clear())),
+    ];
+    for (what, stage) in crafts {
+        let place = StageStore::folder_in(folder.path(), plan.nodes[pour].key());
+        craft(&place, &stage);
+        let (again, reported) = run(&plan, folder.path());
+        let made_anew = reported.iter().filter(|t| t.contains("damaged and done again")).count();
+        assert_eq!(made_anew, 1, "law: {what} is reported once, got {reported:?}");
+        let same = again[pour].state == done[pour].state && again[pour].series == done[pour].series;
+        assert!(same, "law: {what} is not used");
+        let (_, reported) = run(&plan, folder.path());
+        assert!(reported.is_empty(), "law: after {what} it is sound again, got {reported:?}");
+    }
+}
+
+#[test]
+fn stages_swapped_or_of_another_run_are_made_anew() {
+    let runs = [planned(scenario(0.0)), planned(scenario(50.0))];
+    let plan = Plan::new(&runs).expect("a plan");
+    let folder = tempfile::tempdir().expect("a folder");
+    let (done, _) = run(&plan, folder.path());
+    let place = |node: usize| StageStore::folder_in(folder.path(), plan.nodes[node].key());
+    let [low, high] = [0, 1].map(|run| plan.runs[run].stages[1]);
+    let aside = folder.path().join(".aside");
+    for (from, to) in [(place(low), aside.clone()), (place(high), place(low)), (aside, place(high))]
+    {
+        fs::rename(from, to).expect("moved");
+    }
+    let (again, reported) = run(&plan, folder.path());
+    let another = reported.iter().filter(|t| t.contains("another stage")).count();
+    assert_eq!(another, 2, "law: each is reported once, got {reported:?}");
+    for node in 0..plan.nodes.len() {
+        assert_eq!(again[node].state, done[node].state, "law: the same bits, stage {node}");
+    }
+}

@@ -1,0 +1,127 @@
+//! The store of stages as a user meets it: what is in it is what it says, and
+//! nothing half written stays.
+
+use std::{
+    fs::{self, File},
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+use serde_json::Value;
+
+use super::{
+    interruption::{copy, finished, write_scenario},
+    same::assert_same_files,
+};
+
+fn pluvia(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pluvia")).args(args).output().expect("it starts")
+}
+
+fn check(folder: &Path) -> (Option<i32>, Value, String) {
+    let folder = folder.to_str().expect("UTF-8");
+    let output = pluvia(&["store", "check", folder, "--json"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code(), serde_json::from_slice(&output.stdout).unwrap_or_default(), said)
+}
+
+/// Folders of the stored stages, by the name of the stage.
+fn folder_of(out: &Path, stage: &str) -> PathBuf {
+    let entries = fs::read_dir(out.join("stages")).expect("stages").flatten();
+    let is_named = |path: &PathBuf| {
+        let record: Value = fs::read(path.join("stage.json"))
+            .map(|text| serde_json::from_slice(&text).expect("JSON"))
+            .unwrap_or_default();
+        record["stage"] == stage
+    };
+    entries.map(|e| e.path()).find(is_named).expect("law: it is stored and says its name")
+}
+
+#[test]
+fn a_check_says_what_is_whole_and_what_is_damaged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    copy(finished(), &out);
+    for place in [out.clone(), out.join("stages")] {
+        let (code, report, said) = check(&place);
+        assert_eq!((code, &report["damaged"]), (Some(0), &0.into()), "law: whole, got {said}");
+        assert_eq!(report["stages"].as_array().map(Vec::len), Some(5), "law: with the control");
+    }
+    let text = pluvia(&["store", "check", out.to_str().expect("UTF-8")]).stdout;
+    let text = String::from_utf8_lossy(&text).into_owned();
+    for word in ["fill_funnel", "vibrate", "whole", "5 of 5 stages whole, nothing is damaged"] {
+        assert!(text.contains(word), "law: `{word}` is printed, got {text}");
+    }
+    let pour = folder_of(&out, "pour");
+    fs::write(pour.join("specimen.json"), "{}").expect("damaged");
+    let (code, report, _) = check(&out);
+    assert_eq!((code, &report["damaged"]), (Some(1), &1.into()), "law: exit code 1 for damage");
+    let text = pluvia(&["store", "check", out.to_str().expect("UTF-8")]).stdout;
+    let text = String::from_utf8_lossy(&text).into_owned();
+    assert!(text.contains("DAMAGED") && text.contains("specimen.json"), "law: named, got {text}");
+    let (code, _, said) = check(folder.path());
+    assert_eq!(code, Some(2), "law: exit code 2 where there is no store, got {said}");
+    let (code, _, said) = check(&folder.path().join("nowhere"));
+    assert_eq!(code, Some(4), "law: exit code 4 for what cannot be read, got {said}");
+}
+
+#[test]
+fn a_stage_in_the_place_of_another_is_reported_and_done_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let out = folder.path().join("out");
+    copy(finished(), &out);
+    let (pour, shaken) = (folder_of(&out, "pour"), folder_of(&out, "vibrate"));
+    fs::remove_dir_all(&pour).expect("removed");
+    copy(&shaken, &pour);
+    let (code, report, _) = check(&out);
+    assert_eq!((code, &report["damaged"]), (Some(1), &1.into()), "law: a check finds it");
+    let [scenario, out_text] = [&scenario, &out].map(|path| path.to_str().expect("UTF-8"));
+    let exported = folder.path().join("exported");
+    let exported = exported.to_str().expect("UTF-8");
+    let args = ["export", out_text, "--stage", "pour", "--format", "csv", "--out", exported];
+    let refused = pluvia(&args);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(4), "law: it is not exported, got {said}");
+    assert!(said.contains("another stage"), "law: and reported, got {said}");
+    let output = pluvia(&["run", scenario, "--out", out_text]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "law: it does not end a run, got {said}");
+    assert_eq!(said.matches("damaged and done again").count(), 1, "law: reported once, got {said}");
+    assert!(said.contains("another stage"), "law: and reported what it is, got {said}");
+    assert_same_files(finished(), &out, "a stage in the place of another");
+    assert_eq!(check(&out).0, Some(0), "law: the store is whole again");
+}
+
+#[test]
+fn the_next_command_removes_what_a_killed_one_left_and_nothing_else() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let out = folder.path().join("out");
+    copy(finished(), &out);
+    let folders = ["", "figures", "runs/a", "runs/a/figures", "stages"];
+    let mut left = Vec::new();
+    for place in folders.map(|name| out.join(name)) {
+        fs::create_dir_all(&place).expect("a folder");
+        left.extend([".pluvia-Ab12cd.part", ".Ab12cd.part"].map(|name| place.join(name)));
+    }
+    left.push(out.join("stages/.part-Ab12cd/specimen.json"));
+    for path in &left {
+        fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        fs::write(path, "half").expect("a leftover");
+    }
+    // Somebody is writing this one.
+    let held = out.join("figures/.pluvia-living.part");
+    let writer = File::create(&held).expect("a file");
+    writer.lock().expect("held");
+    let [scenario, out_text] = [&scenario, &out].map(|path| path.to_str().expect("UTF-8"));
+    let output = pluvia(&["run", scenario, "--out", out_text, "--quiet"]);
+    assert!(output.status.success(), "law: it is not in the way");
+    let there: Vec<&PathBuf> = left.iter().filter(|path| path.exists()).collect();
+    assert!(there.is_empty(), "law: leftovers of the dead go, got {there:?}");
+    assert!(held.exists(), "law: what somebody is writing stays");
+    drop(writer);
+    let args = ["grains", scenario, "--out", out_text, "--quiet"];
+    assert!(pluvia(&args).status.success());
+    assert!(!held.exists(), "law: any command removes it when its writer is gone");
+}
