@@ -111,12 +111,12 @@ impl Checkpoints {
         FrameWriter::staying(&self.folder.join(FRAMES_FILE), grains)
     }
 
-    /// The last checkpoint that is sound, with its frames where they are
-    /// wanted; and what is wrong with later ones, which are removed.
-    pub fn last(&self, frames: bool) -> (Option<Resumed>, Vec<FileError>) {
+    /// The last checkpoint that is sound and of so many grains, with its frames
+    /// where they are wanted; and what is wrong with later ones, which are removed.
+    pub fn last(&self, grains: usize, frames: bool) -> (Option<Resumed>, Vec<FileError>) {
         let mut damaged = Vec::new();
         for path in self.files().into_iter().rev() {
-            match self.read(&path, frames) {
+            match self.read(&path, grains, frames) {
                 Ok(resumed) => return (resumed, damaged),
                 Err(error) => {
                     damaged.push(error);
@@ -128,7 +128,7 @@ impl Checkpoints {
     }
 
     /// None where it has no frames and they are wanted.
-    fn read(&self, path: &Path, frames: bool) -> Result<Option<Resumed>, FileError> {
+    fn read(&self, path: &Path, grains: usize, frames: bool) -> Result<Option<Resumed>, FileError> {
         let content = read_file(path)?;
         let line = content.iter().position(|b| *b == b'\n').unwrap_or(content.len());
         let (head, body) = content.split_at(line);
@@ -138,6 +138,7 @@ impl Checkpoints {
         }
         let unread = |e: String| FileError::new("read", path, e);
         let stored: Stored = serde_json::from_slice(body).map_err(|e| unread(e.to_string()))?;
+        stored.midway.check(grains).map_err(unread)?;
         let rows = series_from_csv(stored.series_csv.as_bytes());
         let frames = match (frames, &stored.frames) {
             (false, _) => None,
