@@ -91,6 +91,10 @@ pub struct Summary {
     pub control: Option<Control>,
     /// Whether overlap and creep meet the accuracy standard (docs/accuracy.md).
     pub meets_standard: bool,
+    /// Whether it meets the standard and no guard found anything: what is not valid is no
+    /// result. False also where the run is of before this was recorded.
+    #[serde(default)]
+    pub valid: bool,
     /// What was watched while it went on; none where the run is of before this
     /// was recorded.
     #[serde(default)]
@@ -113,6 +117,18 @@ pub struct Summary {
     pub peak_memory_mib: f64,
     /// Findings a reader must know.
     pub warnings: Vec<String>,
+}
+
+impl Summary {
+    /// Why the run is not valid, for a reader; none where it is.
+    pub fn why_not_valid(&self) -> Option<String> {
+        let standard =
+            (!self.meets_standard).then(|| "the accuracy standard is not met".to_owned());
+        let guards = self.guards.as_ref().filter(|g| g.passed == Some(false));
+        let guards = guards.map(|g| format!("guards {}", g.line()));
+        let why: Vec<String> = standard.into_iter().chain(guards).collect();
+        (!why.is_empty()).then(|| why.join("; "))
+    }
 }
 
 /// Residual of the contact solver: the natural map of the laws of contact and
