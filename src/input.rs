@@ -26,7 +26,12 @@ pub const LARGEST_OF_RUN: u64 = 16 << 30;
 /// largest that is allowed.
 pub fn open(path: &Path, largest: u64) -> io::Result<(File, u64)> {
     // Asked before it is opened: opening a pipe waits for somebody to write into it.
-    regular(&fs::metadata(path)?, largest)?;
+    let found = fs::metadata(path)?;
+    if found.is_dir() {
+        // In the words of the system.
+        return Err(fs::read(path).err().unwrap_or(io::ErrorKind::IsADirectory.into()));
+    }
+    regular(&found, largest)?;
     let file = File::open(path)?;
     let length = regular(&file.metadata()?, largest)?;
     Ok((file, length))
@@ -46,9 +51,6 @@ pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
 
 fn regular(found: &fs::Metadata, largest: u64) -> io::Result<u64> {
     let kind = found.file_type();
-    if kind.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
-    }
     if !kind.is_file() {
         let what = special(kind);
         return Err(io::Error::other(format!("it is {what}; only regular files are read")));

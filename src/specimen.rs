@@ -246,7 +246,8 @@ mod tests {
         };
         assert_eq!(of(&|s| s.base = Some(fixed(2))), Ok(()), "law: the last grain is one");
         assert_eq!(of(&|s| s.contacts.push(contact(2))), Ok(()), "law: the last grain is one");
-        let cases: [(&dyn Fn(&mut SpecimenState), &str); 6] = [
+        type Change<'a> = &'a dyn Fn(&mut SpecimenState);
+        let cases: [(Change, &str); 6] = [
             (&|s| s.bodies.push(s.bodies[0]), "`bodies` has 4 entries, and there are 3 grains"),
             (&|s| s.base = Some(fixed(3)), "`fixed_grains[0].grain` is 3"),
             (&|s| s.base = Some(fixed(usize::MAX)), "`fixed_grains[0].grain` is 1844"),

@@ -92,8 +92,10 @@ fn inputs_without_end_are_refused_whoever_names_them() {
     ] {
         let what = args.join(" ");
         let mut command = pluvia(&args, &out);
-        if args[0] == "sweep" {
-            command.args(["--over", "seed=1,2"]);
+        match args[0] {
+            "sweep" => drop(command.args(["--over", "seed=1,2"])),
+            "calibrate" => drop(command.args(["--angle-of-repose", "35"])),
+            _ => {}
         }
         refused(&ended(command, &what), &[2, 4], &[only], &what);
     }
@@ -127,7 +129,8 @@ fn files_of_a_run_without_end_are_refused() {
 #[test]
 fn a_specimen_of_other_grains_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
-    let changes: [(&str, fn(&mut Value)); 2] = [
+    type Change = fn(&mut Value);
+    let changes: [(&str, Change); 2] = [
         ("bodies", |state| {
             let bodies = state["bodies"].as_array_mut().expect("a list");
             bodies.extend(bodies.clone());
