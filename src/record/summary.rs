@@ -91,10 +91,6 @@ pub struct Summary {
     pub control: Option<Control>,
     /// Whether overlap and creep meet the accuracy standard (docs/accuracy.md).
     pub meets_standard: bool,
-    /// Whether it meets the standard and no guard found anything: what is not valid is no
-    /// result. False also where the run is of before this was recorded.
-    #[serde(default)]
-    pub valid: bool,
     /// What was watched while it went on; none where the run is of before this
     /// was recorded.
     #[serde(default)]

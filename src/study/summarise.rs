@@ -172,7 +172,6 @@ pub fn summarise(
         creep_um_per_s: creep,
         control: control_figures,
         meets_standard,
-        valid: meets_standard && guards.passed != Some(false),
         guards: Some(guards),
         solver_residual: SolverResidual::of(
             all.clone().flat_map(|s| s.record.solver_residuals.iter().copied()),
