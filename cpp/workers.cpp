@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
+#include <system_error>
 
 namespace pluvia {
 
@@ -58,8 +59,13 @@ std::size_t before(const Share &share, std::size_t i, std::size_t count) {
 } // namespace
 
 Workers::Workers(int count) : stretches_(new Stretch[static_cast<std::size_t>(count)]) {
-    for (int worker = 1; worker < count; ++worker) {
-        threads_.emplace_back([this, worker] { work(worker); });
+    threads_.reserve(static_cast<std::size_t>(count));
+    try {
+        for (int worker = 1; worker < count; ++worker) {
+            threads_.emplace_back([this, worker] { work(worker); });
+        }
+    } catch (const std::system_error &) {
+        // The system gives no more threads: those that there are share the work.
     }
 }
 

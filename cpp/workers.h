@@ -26,7 +26,7 @@ class Workers {
   public:
     static constexpr std::size_t MOST_SHARES = 224; // of a job
 
-    // `count`: threads in all, at least 1.
+    // `count`: threads in all, at least 1; fewer where the system gives no more.
     explicit Workers(int count);
     ~Workers();
     Workers(const Workers &) = delete;

@@ -22,10 +22,12 @@
 //! ```
 
 pub mod apparatus;
+pub mod caught;
 pub mod cli;
 pub mod export;
 pub mod geometry;
 pub mod grains;
+pub mod input;
 pub mod measure;
 pub mod paper;
 pub mod picture;

@@ -10,6 +10,10 @@ use crate::{
     world::BodyState,
 };
 
+/// Nothing is farther from the middle of the cylinder's floor than this, in m: far
+/// beyond any laboratory, and near enough to be computed with.
+const FARTHEST: f64 = 1e6;
+
 /// Grains, their poses and the state of the apparatus: everything that one
 /// stage hands to the next, and nothing of an engine.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,6 +160,50 @@ impl Specimen {
 }
 
 impl SpecimenState {
+    /// Whether it can be a state of so many grains. One that was read from a file may
+    /// speak of others, or of places and directions that are none.
+    ///
+    /// # Errors
+    /// What does not fit, for a reader.
+    pub fn check(&self, grains: usize) -> Result<(), String> {
+        let found = self.bodies.len();
+        if found != grains {
+            return Err(format!("`bodies` has {found} entries, and there are {grains} grains"));
+        }
+        let fixed = self.base.iter().flat_map(|base| &base.fixed_grains);
+        for (n, fixed) in fixed.clone().enumerate() {
+            if fixed.grain >= grains {
+                return Err(format!(
+                    "`fixed_grains[{n}].grain` is {}, and there are {grains} grains",
+                    fixed.grain
+                ));
+            }
+        }
+        let parties = self.contacts.iter().flat_map(|contact| contact.between);
+        for party in parties {
+            if let Party::Grain(n) = party
+                && n >= grains
+            {
+                return Err(format!("a contact is of grain {n}, and there are {grains} grains"));
+            }
+        }
+        let present = self.bodies.iter().filter(|g| g.fate == Fate::Present).map(|g| &g.body.pose);
+        let plate = self.top_plate.iter().map(|plate| &plate.pose);
+        let poses = present.chain(plate).chain(fixed.map(|fixed| &fixed.pose));
+        for pose in poses {
+            let place = pose.translation.vector;
+            if !(place.norm() <= FARTHEST) {
+                let [x, y, z] = place.into();
+                return Err(format!("a body is at ({x:e}, {y:e}, {z:e}) m"));
+            }
+            let length = pose.rotation.coords.norm();
+            if !((length - 1.0).abs() <= 1e-3) {
+                return Err(format!("a rotation is a quaternion of length {length:e}, not 1"));
+            }
+        }
+        Ok(())
+    }
+
     /// Before anything has been done: grains nowhere in particular, nothing standing.
     pub fn before_everything(grains: usize) -> Self {
         let nowhere = BodyState::at_rest(Pose::identity());
@@ -168,6 +216,54 @@ impl SpecimenState {
             contacts: Vec::new(),
             table_x: 0.0,
             time: 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Vector;
+
+    #[test]
+    fn a_state_of_other_grains_is_refused_with_the_field() {
+        let of = |change: &dyn Fn(&mut SpecimenState)| {
+            let mut state = SpecimenState::before_everything(3);
+            change(&mut state);
+            state.check(3)
+        };
+        let fixed = |grain| Base {
+            radius: 0.1,
+            friction: None,
+            fixed_grains: vec![FixedGrain { grain, pose: Pose::identity() }],
+        };
+        let contact = |grain| SavedContact {
+            between: [Party::Grain(grain), Party::Other(Other::TopPlate)],
+            point_m: Vector::zeros(),
+            normal: Vector::z(),
+            force_n: Vector::z(),
+            feature: [0, 0],
+        };
+        assert_eq!(of(&|s| s.base = Some(fixed(2))), Ok(()), "law: the last grain is one");
+        assert_eq!(of(&|s| s.contacts.push(contact(2))), Ok(()), "law: the last grain is one");
+        type Change<'a> = &'a dyn Fn(&mut SpecimenState);
+        let cases: [(Change, &str); 6] = [
+            (&|s| s.bodies.push(s.bodies[0]), "`bodies` has 4 entries, and there are 3 grains"),
+            (&|s| s.base = Some(fixed(3)), "`fixed_grains[0].grain` is 3"),
+            (&|s| s.base = Some(fixed(usize::MAX)), "`fixed_grains[0].grain` is 1844"),
+            (&|s| s.contacts.push(contact(3)), "a contact is of grain 3"),
+            (&|s| s.bodies[1].body.pose.translation.vector.x = f64::NAN, "a body is at (NaN"),
+            (
+                &|s| {
+                    let none = nalgebra::Quaternion::new(0.0, 0.0, 0.0, 0.0);
+                    s.bodies[1].body.pose.rotation = nalgebra::Unit::new_unchecked(none);
+                },
+                "a quaternion of length 0e0",
+            ),
+        ];
+        for (change, expected) in cases {
+            let got = of(change).expect_err(expected);
+            assert!(got.contains(expected), "law: expected `{expected}`, got `{got}`");
         }
     }
 }

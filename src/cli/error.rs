@@ -58,6 +58,12 @@ pub enum CliError {
     /// A file could not be read or written.
     #[error(transparent)]
     File(#[from] FileError),
+    /// The system starts no threads.
+    #[error("no thread could be started: {0}; is the number of processes limited (ulimit -u)?")]
+    Threads(String),
+    /// The program itself failed: a panic.
+    #[error("a fault of the program ended it, please report it: {0}")]
+    Fault(String),
     /// The results could not be printed.
     #[error("cannot write to the standard output: {0}")]
     Output(#[from] io::Error),
@@ -71,6 +77,7 @@ impl CliError {
             Self::Scenario(ScenarioErrors::Faults(_)) => 2,
             Self::Scenario(ScenarioErrors::Unreadable { .. }) => 4,
             Self::File(_) | Self::Output(_) => 4,
+            Self::Threads(_) | Self::Fault(_) => 3,
             Self::Export(ExportError::NoStage { .. } | ExportError::Apparatus { .. }) => 2,
             Self::Export(ExportError::File(_)) => 4,
             Self::Picture(error) => {
@@ -90,7 +97,9 @@ impl CliError {
                 StudyError::Faults(ScenarioErrors::Unreadable { .. }) => 4,
                 StudyError::Faults(ScenarioErrors::Faults(_)) => 2,
                 StudyError::Scenario(_) | StudyError::Stage { .. } => 2,
-                StudyError::Simulation { .. } | StudyError::Measure(_) => 3,
+                StudyError::Simulation { .. }
+                | StudyError::Fault { .. }
+                | StudyError::Measure(_) => 3,
                 StudyError::File(_) | StudyError::Report(_) => 4,
                 StudyError::Cancelled => 130,
             },

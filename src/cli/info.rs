@@ -3,7 +3,8 @@
 use clap::Args;
 use serde::Serialize;
 
-use super::{CliError, Context, ExitStatus, jobs};
+use super::{CliError, Context, ExitStatus};
+use crate::study::available_cores;
 use crate::world::{self, BackendInfo};
 
 /// Print versions, the engines with their precision, features, number of cores
@@ -40,7 +41,7 @@ pub(super) fn run(_: &InfoArgs, context: &Context) -> Result<ExitStatus, CliErro
         backends: world::built_in().iter().map(|&backend| world::info(backend)).collect(),
         features,
         target: format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
-        cores: jobs::cores(),
+        cores: available_cores(),
     };
     let mut text = format!("pluvia    {} for {}\n", info.pluvia, info.target);
     for backend in &info.backends {

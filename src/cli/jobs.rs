@@ -1,24 +1,69 @@
-//! How many cores a command may use.
+//! How many cores a command may use, and the threads on which it uses them.
 
-use std::thread::available_parallelism;
+use std::{env, sync::mpsc, thread};
 
 use clap::Args;
+
+use super::{CliError, context::say};
+use crate::study::available_cores;
 
 #[derive(Debug, Clone, Copy, Args)]
 pub(super) struct Jobs {
     /// Cores to use: so many stages run at the same time or, where fewer are left, on several
-    /// threads each; results do not depend on it [default: all cores]
+    /// threads each; no more than there are; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
 }
 
 impl Jobs {
+    /// The cores asked for, or as many as there are, with a warning.
     pub(super) fn cores(self) -> usize {
-        self.jobs.map_or_else(cores, usize::from)
+        cores_for(self.jobs)
     }
 }
 
-/// The processors that this process may use: by its affinity mask and its control group's quota.
-pub(super) fn cores() -> usize {
-    available_parallelism().map_or(1, usize::from)
+/// The same of the value of an option `--jobs`.
+pub(super) fn cores_for(jobs: Option<u16>) -> usize {
+    let there = available_cores();
+    let asked = jobs.map_or(there, usize::from);
+    if asked > there {
+        say(&format!(
+            "warning: --jobs {asked} is more than the {there} cores that there are; taking {there}"
+        ));
+    }
+    asked.min(there)
+}
+
+/// Starts the threads that share work within a command: as many as there are cores, or
+/// fewer where the system gives no more.
+///
+/// # Errors
+/// When the system gives none.
+pub(super) fn start_pool() -> Result<(), CliError> {
+    let asked = env::var("RAYON_NUM_THREADS").ok().and_then(|n| n.parse().ok());
+    let wanted = asked.filter(|n| *n > 0).unwrap_or_else(available_cores);
+    // The pool is started once or never: what it can have is found out before.
+    let given = can_be_started(wanted)?;
+    let built = rayon::ThreadPoolBuilder::new().num_threads(given).build_global();
+    built.map_err(|e| CliError::Threads(e.to_string()))
+}
+
+/// How many threads of those wanted can be there at the same time.
+fn can_be_started(wanted: usize) -> Result<usize, CliError> {
+    let mut waiting = Vec::new();
+    for n in 0..wanted {
+        let (go, gone) = mpsc::channel::<()>();
+        let begin = thread::Builder::new().spawn(move || gone.recv().is_ok());
+        match begin {
+            Ok(thread) => waiting.push((go, thread)),
+            Err(error) if n == 0 => return Err(CliError::Threads(error.to_string())),
+            Err(_) => break,
+        }
+    }
+    let given = waiting.len();
+    for (go, thread) in waiting {
+        drop(go);
+        drop(thread.join());
+    }
+    Ok(given)
 }

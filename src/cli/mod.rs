@@ -41,6 +41,8 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::caught::{caught, note_panics};
+
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 done, but verify, compare, calibrate or --strict found an expectation missed,
 no run of a sweep has a result, or store check found damage;
@@ -97,10 +99,19 @@ enum Command {
     Man(man::ManArgs),
 }
 
+impl Command {
+    /// Whether it may share work among threads.
+    fn computes(&self) -> bool {
+        let prints = matches!(self, Self::Schema(_) | Self::Info(_) | Self::Completions(_));
+        !prints && !matches!(self, Self::Man(_))
+    }
+}
+
 /// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
-    match command(&cli) {
+    note_panics();
+    match caught(|| command(&cli)).unwrap_or_else(|what| Err(CliError::Fault(what))) {
         Ok(status) => status.into(),
         Err(error) => {
             context::say(&format!("{}: {error}", paint::bad("error")));
@@ -111,6 +122,9 @@ pub fn main() -> ExitCode {
 
 fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
     let context = Context::new(cli.global.quiet, cli.global.json, cli.global.verbose);
+    if cli.command.computes() {
+        jobs::start_pool()?;
+    }
     match &cli.command {
         Command::Reproduce(args) => reproduce::run(args, &context),
         Command::Readings(args) => readings::run(args, &context),

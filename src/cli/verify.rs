@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, changes::backend, jobs::cores, output_folder, table};
+use super::{
+    CliError, Context, ExitStatus, changes::backend, jobs::cores_for, output_folder, table,
+};
 use crate::scenario::Backend;
 use crate::verify::{SuiteOptions, Verdict, builtin, run_suite, settings};
 use crate::world;
@@ -70,7 +72,7 @@ pub(super) fn run(args: &VerifyArgs, context: &Context) -> Result<ExitStatus, Cl
         cases,
         settings,
         out: Some(args.out.clone()),
-        jobs: args.jobs.map_or_else(cores, usize::from),
+        jobs: cores_for(args.jobs),
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),
     };

@@ -88,7 +88,8 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
     let root = beside(folder, "stages");
     let state_of = |entry: &StageEntry| -> Result<SpecimenState, FileError> {
         let (state, path) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
-        fits(&path, state.bodies.len(), &grains)?;
+        let sound = state.check(grains.grains.len());
+        sound.map_err(|reason| FileError::new("use", &path, reason))?;
         Ok(state)
     };
     let mut stages = Vec::new();

@@ -64,6 +64,8 @@ fn read(folder: &Path, frames_in: FrameReader) -> Result<Playback, ExportError> 
     let mut stages = Vec::new();
     for entry in &manifest.stages {
         let (end, end_file) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
+        let sound = end.check(grains.grains.len());
+        sound.map_err(|reason| FileError::new("use", &end_file, reason))?;
         let end = Frame::of(&end);
         let found = frames_in(&root, &entry.key)?;
         let is_kept = found.is_some();

@@ -102,11 +102,7 @@ pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportEr
     let setup = setup_of(&manifest, &path)?;
     let set = grains_of(folder, &manifest)?;
     let (index, name, state, file) = locate(folder, &path, &manifest, stage)?;
-    let (found, expected) = (state.bodies.len(), set.grains.len());
-    if found != expected {
-        let reason = format!("`bodies` has {found} entries, and grains.json {expected} grains");
-        return Err(FileError::new("use", &file, reason).into());
-    }
+    state.check(set.grains.len()).map_err(|reason| FileError::new("use", &file, reason))?;
     let next_motion =
         index.and_then(|i| manifest.scenario.stages.get(i + 1)).and_then(table_motion);
     let made_by = MadeBy {

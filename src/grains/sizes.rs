@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::{GrainSet, file, from_meshes};
+use crate::input;
 use crate::scale::{self, GrainSizes, Quantity, Scale, SieveMass};
 use crate::scenario::{self, Grading, GrainsSpec, Loaded, Override, ScenarioErrors};
 
@@ -78,8 +79,8 @@ fn grading_of(spec: &GrainsSpec) -> Option<Grading> {
     let set = match spec {
         GrainsSpec::Sieved(sieved) => return Grading::of_table(sieved),
         GrainsSpec::File(named) => {
-            let file = std::fs::File::open(&named.file).ok()?;
-            file::read_json(std::io::BufReader::new(file)).ok()?
+            let text = input::read(Path::new(&named.file), input::LARGEST_OF_RUN).ok()?;
+            file::read_json(&text[..]).ok()?
         }
         GrainsSpec::Meshes(meshes) => from_meshes(meshes, SEED).ok()?,
     };

@@ -55,6 +55,19 @@ pub struct Fed {
     rng: Pcg64,
 }
 
+impl Fed {
+    /// Whether it can be of so many grains.
+    ///
+    /// # Errors
+    /// What does not fit, for a reader.
+    pub(super) fn check(&self, grains: usize) -> Result<(), String> {
+        if self.count > grains {
+            return Err(format!("`fed.count` is {}, and there are {grains} grains", self.count));
+        }
+        Ok(())
+    }
+}
+
 impl Feeder {
     /// All grains of a specimen, mixed, of which some may have been let go.
     pub(super) fn new(

@@ -5,6 +5,8 @@
 //! next leg builds its world from it, whether the stage was interrupted there
 //! or not. So it makes no difference to the bits whether it was.
 
+use std::time::Duration;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Setup, Watch, feeder::Fed, stages::table_motion};
@@ -53,6 +55,23 @@ pub struct Midway {
 }
 
 impl Midway {
+    /// Whether a stage of so many grains can go on from here: what was read from a
+    /// file may be of other grains, or hold numbers that no stage comes to.
+    ///
+    /// # Errors
+    /// What does not fit, for a reader.
+    pub fn check(&self, grains: usize) -> Result<(), String> {
+        self.state.check(grains)?;
+        if Duration::try_from_secs_f64(self.engine_s).is_err() {
+            return Err(format!("`engine_s` is {:e}", self.engine_s));
+        }
+        // Far beyond what the longest stage takes, and far from where counting ends.
+        if self.steps > u64::from(u32::MAX) {
+            return Err(format!("`steps` is {}", self.steps));
+        }
+        self.fed.as_ref().map_or(Ok(()), |fed| fed.check(grains))
+    }
+
     /// A stage that is about to begin.
     pub(super) fn at_start(state: SpecimenState, collar_m: f64, setup: &Setup) -> Self {
         Self {
@@ -126,6 +145,24 @@ mod tests {
         .expect("a scenario");
         change(&mut scenario);
         Setup::new(&scenario).expect("a laboratory")
+    }
+
+    #[test]
+    fn a_checkpoint_that_no_stage_comes_to_is_refused() {
+        let sound = Midway::at_start(SpecimenState::before_everything(2), 0.0, &setup(|_| ()));
+        assert_eq!(sound.check(2), Ok(()));
+        assert!(sound.check(3).is_err_and(|why| why.contains("`bodies` has 2")), "law: its grains");
+        for engine_s in [-1.0, f64::NAN, f64::INFINITY, 1e300] {
+            let got = Midway { engine_s, ..sound.clone() }.check(2);
+            assert!(got.is_err_and(|why| why.contains("engine_s")), "law: a time, got {engine_s}");
+        }
+        let got = Midway { steps: u64::MAX, ..sound.clone() }.check(2);
+        assert!(got.is_err_and(|why| why.contains("steps")), "law: steps can be counted on");
+        let rng = serde_json::to_string(&crate::grains::streams::stream(1, "any")).expect("JSON");
+        let fed = format!("\"fed\":{{\"count\":3,\"falling\":[],\"rng\":{rng}}}");
+        let stored = serde_json::to_string(&sound).expect("JSON").replace("\"fed\":null", &fed);
+        let fed: Midway = serde_json::from_str(&stored).expect("a checkpoint");
+        assert!(fed.check(2).is_err_and(|why| why.contains("fed.count")), "law: no more than all");
     }
 
     #[test]

@@ -9,6 +9,7 @@ use std::{
 use serde::{Serialize, de::DeserializeOwned};
 
 use super::{hash_bytes, unfinished::begin_file};
+use crate::input;
 
 /// A file or folder that could not be read or written.
 #[derive(Debug, thiserror::Error)]
@@ -107,7 +108,7 @@ pub fn json_text(path: &Path, value: &impl Serialize) -> Result<Vec<u8>, FileErr
 /// # Errors
 /// [`FileError`] naming the file.
 pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
-    fs::read(path).map_err(|e| FileError::new("read", path, e))
+    input::read(path, input::LARGEST_OF_RUN).map_err(|e| FileError::new("read", path, e))
 }
 
 /// Reads a value from a JSON file.

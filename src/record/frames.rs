@@ -32,6 +32,7 @@ use super::{
     read_unchanged,
 };
 use crate::geometry::Pose;
+use crate::input;
 use crate::specimen::{Base, Fate, FunnelState, SpecimenState};
 
 /// Name of the file in a stage's folder.
@@ -318,8 +319,7 @@ pub(super) fn read_frame_ends(path: &Path, sha256: &str) -> Result<Vec<Frame>, F
     if !sha256.is_empty() && hash_file(path).map_err(unread)? != sha256 {
         return Err(FileError::changed(path));
     }
-    let mut file = File::open(path).map_err(unread)?;
-    let size = file.metadata().map_err(unread)?.len();
+    let (mut file, size) = input::open(path, input::LARGEST_OF_RUN).map_err(unread)?;
     let mut head = Vec::new();
     (&mut file).take(HEAD as u64).read_to_end(&mut head).map_err(unread)?;
     let unusable = |why| FileError::new("use", path, why);
@@ -331,9 +331,10 @@ pub(super) fn read_frame_ends(path: &Path, sha256: &str) -> Result<Vec<Frame>, F
     let count = body / length;
     let mut wanted = vec![0, count.saturating_sub(2), count.saturating_sub(1)];
     wanted.dedup();
-    let mut bytes = vec![0; length as usize];
     let mut frames = Vec::new();
     for n in wanted.into_iter().filter(|n| *n < count) {
+        // Only now is the length that the head gives known to be there.
+        let mut bytes = vec![0; length as usize];
         file.seek(SeekFrom::Start(HEAD as u64 + n * length)).map_err(unread)?;
         file.read_exact(&mut bytes).map_err(unread)?;
         frames.push(Frame::read(&bytes));

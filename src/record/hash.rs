@@ -1,13 +1,14 @@
 //! Content hashes: the names under which results are stored.
 
 use std::{
-    fs::File,
     io::{self, Read},
     path::Path,
 };
 
 use serde::Serialize;
 use sha2::{Digest, Sha256};
+
+use crate::input;
 
 /// SHA-256 of bytes, in lower-case hexadecimal.
 pub fn hash_bytes(bytes: &[u8]) -> String {
@@ -20,7 +21,7 @@ pub fn hash_bytes(bytes: &[u8]) -> String {
 /// When it cannot be read.
 pub(super) fn hash_file(path: &Path) -> io::Result<String> {
     let mut hash = Sha256::new();
-    hash_of(&mut File::open(path)?, &mut hash)?;
+    hash_of(&mut input::open(path, input::LARGEST_OF_RUN)?.0, &mut hash)?;
     Ok(hexadecimal(&hash.finalize()))
 }
 

@@ -115,6 +115,18 @@ pub struct Summary {
     pub warnings: Vec<String>,
 }
 
+impl Summary {
+    /// Why the run is not valid, for a reader; none where it is.
+    pub fn why_not_valid(&self) -> Option<String> {
+        let standard =
+            (!self.meets_standard).then(|| "the accuracy standard is not met".to_owned());
+        let guards = self.guards.as_ref().filter(|g| g.passed == Some(false));
+        let guards = guards.map(|g| format!("guards {}", g.line()));
+        let why: Vec<String> = standard.into_iter().chain(guards).collect();
+        (!why.is_empty()).then(|| why.join("; "))
+    }
+}
+
 /// Residual of the contact solver: the natural map of the laws of contact and
 /// friction over the impulses found, both in the kinetic norm. 0 is exact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 use std::{
     cell::RefCell,
     collections::HashMap,
-    fmt, fs,
+    fmt,
     path::{Path, PathBuf},
 };
 
@@ -11,6 +11,7 @@ use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
 
 use super::{Fault, ScenarioErrors};
+use crate::input;
 
 /// Longest chain of files that extend each other.
 const LONGEST_CHAIN: usize = 8;
@@ -115,7 +116,7 @@ pub(super) fn read_alone(file: &Path) -> Result<(Value, Vec<Fault>), ScenarioErr
         file: file.to_owned(),
         reason: e.to_string(),
     };
-    let text = fs::read(file).map_err(unreadable)?;
+    let text = input::read(file, input::LARGEST_SCENARIO).map_err(unreadable)?;
     let mut faults = Vec::new();
     let value = parse(file, &text, &mut faults)?;
     Ok((value, faults))
@@ -143,7 +144,8 @@ impl Chain {
                 None => reason,
             },
         };
-        let text = fs::read(file).map_err(|e| unreadable(e.to_string()))?;
+        let text = input::read(file, input::LARGEST_SCENARIO);
+        let text = text.map_err(|e| unreadable(e.to_string()))?;
         let canonical = file.canonicalize().map_err(|e| unreadable(e.to_string()))?;
         let mut content = match parse(file, &text, &mut self.faults)? {
             Value::Object(content) => content,

@@ -19,7 +19,8 @@ use super::{
 /// The outcome of a check; the faults lack their file.
 pub(super) struct Checked {
     pub faults: Vec<Fault>,
-    /// The value without the fields that no scenario has.
+    /// The value without the fields that no scenario has, and with no elements in
+    /// lists that are too long.
     pub cleaned: Value,
 }
 
@@ -193,6 +194,11 @@ impl Part {
                     add(field_path(&here, name), String::new(), describe(field), message);
                 }
                 kind => {
+                    if let ValidationErrorKind::MaxItems { .. } = kind {
+                        // What it means is not asked: that takes as long as the list is.
+                        let list = into.cleaned.pointer_mut(&format!("{pointer}{inner}"));
+                        list.and_then(Value::as_array_mut).into_iter().for_each(Vec::clear);
+                    }
                     let message = in_words(kind).map_or_else(|| error.to_string(), str::to_owned);
                     let near = match (kind, error.instance().as_str()) {
                         (ValidationErrorKind::Enum { options }, Some(word)) => {

@@ -38,6 +38,7 @@ pub(super) fn stage(
     stored: &StoredStage,
 ) -> Result<(), String> {
     let specimen = Specimen { grains: node.grains.clone(), state: stored.state.clone() };
+    stored.state.check(node.grains.grains.len())?;
     plausible(&node.setup, &specimen, 0.0)?;
     stands(&node.stage, before, &stored.state)?;
     times(&node.stage, before, stored)?;
@@ -51,6 +52,7 @@ pub(super) fn stage(
 /// What is wrong, in words.
 pub(super) fn midway(node: &Node, before: &SpecimenState, midway: &Midway) -> Result<(), String> {
     let specimen = Specimen { grains: node.grains.clone(), state: midway.state.clone() };
+    midway.check(node.grains.grains.len())?;
     if !midway.collar_m.is_finite() {
         return Err("its funnel's collar has no height".to_owned());
     }

@@ -7,12 +7,13 @@ use std::{
     sync::{Arc, Mutex, atomic::AtomicBool},
 };
 
+use crate::geometry::Pose;
 use crate::protocol::Progress;
 use crate::record::{
     StageRecord, StageStore, StoredStage, hash_bytes, hash_json, read_json, to_csv, write_file,
     write_json,
 };
-use crate::specimen::Fate;
+use crate::specimen::{Base, Fate, FixedGrain};
 use crate::study::{
     execute::execute,
     plan::Plan,
@@ -101,6 +102,13 @@ fn crafted_states_with_their_hashes_are_made_anew() {
             "the funnel still there",
             changed(&|s| {
                 s.state.funnel = done[fill].state.funnel;
+            }),
+        ),
+        (
+            "a fixed grain that there is not",
+            changed(&|s| {
+                let fixed_grains = vec![FixedGrain { grain: 1 << 40, pose: Pose::identity() }];
+                s.state.base = Some(Base { radius: 0.1, friction: None, fixed_grains });
             }),
         ),
         ("a later time", changed(&|s| s.state.time += 1.0)),

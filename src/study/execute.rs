@@ -1,8 +1,11 @@
 //! Carries out a plan on several threads, taking from the store what is there.
 
-use std::sync::{
-    Arc, Condvar, Mutex, MutexGuard, PoisonError,
-    atomic::{AtomicBool, Ordering},
+use std::{
+    sync::{
+        Arc, Condvar, Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+    thread,
 };
 
 use rayon::prelude::*;
@@ -12,6 +15,7 @@ use super::{
     plan::{Node, Plan, stage_name},
     recorder::{Recorder, note},
 };
+use crate::caught::caught;
 use crate::geometry::Vector;
 use crate::grains::sieve_size_of;
 use crate::protocol::{Midway, Progress, Setup, StageError, WorldMaker, run as run_stage};
@@ -87,14 +91,44 @@ pub fn execute_each(
     });
     let changed = Condvar::new();
     progress.begin_work(plan.nodes.iter().map(|node| node.expected).sum());
-    std::thread::scope(|scope| {
-        for _ in 0..shop.cores {
-            scope.spawn(|| shop.work(plan, &board, &changed));
+    tell_of_threads(plan, progress);
+    thread::scope(|scope| {
+        let work = || shop.work(plan, &board, &changed);
+        // This thread is one of them, so that work is done even where there is no other.
+        for at_once in 1..shop.cores.min(plan.nodes.len()) {
+            let begun = thread::Builder::new().name("stages".to_owned()).spawn_scoped(scope, work);
+            if let Err(error) = begun {
+                progress.message(&format!(
+                    "warning: {at_once} of {} stages at the same time: {error}",
+                    shop.cores
+                ));
+                break;
+            }
         }
+        work();
     });
     progress.end_work();
     let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
     Executed { done: board.done, failed: board.failed, cancelled: board.cancelled }
+}
+
+/// The processors that this process may use: by its affinity mask and its control group's quota.
+pub fn available_cores() -> usize {
+    thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Warns once of scenarios that ask for more threads than can run at the same time.
+fn tell_of_threads(plan: &Plan, progress: &dyn Progress) {
+    static TOLD: AtomicBool = AtomicBool::new(false);
+    let there = available_cores();
+    let asked = plan.nodes.iter().filter_map(|node| node.setup.engine.manifold.threads).max();
+    let asked = asked.filter(|asked| *asked as usize > there);
+    if let Some(asked) = asked.filter(|_| !TOLD.swap(true, Ordering::Relaxed)) {
+        progress.message(&format!(
+            "warning: engine.manifold.threads = {asked} is more than the {there} cores that there \
+             are; taking {there}"
+        ));
+    }
 }
 
 fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
@@ -140,8 +174,14 @@ impl Shop<'_> {
                     held = changed.wait(held).unwrap_or_else(PoisonError::into_inner);
                 }
             };
-            let result =
-                self.finish(node, &plan.nodes[node], parent.as_deref(), self.cores / at_once);
+            let of_plan = &plan.nodes[node];
+            let cores = self.cores / at_once;
+            // Whoever waits for this stage waits for ever if a panic keeps it from being counted.
+            let result = caught(|| self.finish(node, of_plan, parent.as_deref(), cores));
+            let result = result.unwrap_or_else(|what| {
+                let _ = caught(|| self.progress.end_stage(node as u64));
+                Err(StudyError::Fault { stage: of_plan.label.clone(), what })
+            });
             let mut held = lock(board);
             held.running -= 1;
             match result {
@@ -218,7 +258,9 @@ impl Shop<'_> {
         }
         let mut setup = Setup::clone(&node.setup);
         let automatic = automatic_threads(cores, node.grains.grains.len());
-        setup.engine.manifold.threads.get_or_insert(automatic);
+        let threads = setup.engine.manifold.threads.unwrap_or(automatic);
+        let most = u32::try_from(available_cores()).unwrap_or(u32::MAX);
+        setup.engine.manifold.threads = Some(threads.min(most));
         let outcome = run_stage(
             &setup,
             self.make_world,

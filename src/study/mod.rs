@@ -33,6 +33,7 @@ pub use converge::{
     ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign, StudyOptions,
 };
 pub use design::SpecimenDesign;
+pub use execute::available_cores;
 pub use presets::preset;
 pub use readings::Reading;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
@@ -82,6 +83,14 @@ pub enum StudyError {
         what: String,
         /// File with the last good state.
         kept: PathBuf,
+    },
+    /// The program itself failed in a stage: a panic.
+    #[error("{stage}: a fault of the program ended this stage, please report it: {what}")]
+    Fault {
+        /// Which stage.
+        stage: String,
+        /// What the panic said, and where.
+        what: String,
     },
     /// A file could not be read or written.
     #[error(transparent)]

@@ -151,9 +151,11 @@ pub(super) fn carry_out_each(
         // Every stage is in the store by now.
         each.push(match carry_out(std::slice::from_ref(run), options, &folder) {
             Ok(out) => Ok(out),
-            Err(error @ (StudyError::Measure(_) | StudyError::Simulation { .. })) => {
-                Err(error.to_string())
-            }
+            Err(
+                error @ (StudyError::Measure(_)
+                | StudyError::Simulation { .. }
+                | StudyError::Fault { .. }),
+            ) => Err(error.to_string()),
             Err(fatal) => return Err(fatal),
         });
     }

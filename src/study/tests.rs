@@ -270,3 +270,36 @@ fn what_fails_does_not_stop_the_rest() {
     assert_eq!(*node, plan.runs[1].stages[0], "law: the failure names its stage");
     assert!(what.contains("refused") && !executed.cancelled, "{what}");
 }
+
+/// Law: a panic in one stage is an error of that stage; what does not need it is
+/// finished, and whoever waits for it is not left waiting.
+#[test]
+fn a_panic_in_a_stage_ends_that_stage_alone() {
+    let [good, mut bad] = [planned(scenario(0.0)), planned(scenario(0.0))];
+    bad.scenario.engine.iterations = 11;
+    let plan = plan(&[good, bad]);
+    let (ended, end) = std::sync::mpsc::channel();
+    let of_thread = plan.clone();
+    std::thread::spawn(move || {
+        let plan = of_thread;
+        let folder = tempfile::tempdir().expect("folder");
+        let store = StageStore::open(folder.path()).expect("a store");
+        let failing = |settings: &crate::scenario::EngineSettings, _, _: &_| {
+            assert!(settings.iterations != 11, "a fault made on purpose");
+            let script = |_, state: &BodyState, _, _| *state;
+            Ok(Box::new(ScriptedWorld::new(1.0 / 240.0, Box::new(script))) as Box<dyn World + Send>)
+        };
+        let executed = execute_each(&plan, &store, 2, &failing, &AtomicBool::new(false), &Silent);
+        let _ = ended.send(executed);
+    });
+    let executed = end
+        .recv_timeout(std::time::Duration::from_secs(120))
+        .expect("law: it ends; expected within seconds, got nothing in 120 s");
+    let done = |run: usize| plan.runs[run].stages.iter().all(|n| executed.done[*n].is_some());
+    assert!(done(0) && !done(1), "law: the run without the fault is finished");
+    let [(node, StudyError::Fault { stage, what })] = executed.failed.as_slice() else {
+        panic!("expected one failure, got {:?}", executed.failed)
+    };
+    assert_eq!(*node, plan.runs[1].stages[0], "law: the failure names its stage");
+    assert!(what.contains("made on purpose") && stage.contains("funnel"), "{stage}: {what}");
+}

@@ -60,10 +60,7 @@ pub fn run_suite(options: &SuiteOptions, make: Maker) -> Result<Vec<Verdict>, Su
     let todo: Vec<(&Case, &Setting)> =
         options.cases.iter().flat_map(|c| options.settings.iter().map(move |s| (c, s))).collect();
     let done: Mutex<Vec<Option<Verdict>>> = Mutex::new(vec![None; todo.len()]);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.jobs.max(1))
-        .build()
-        .map_err(|e| SuiteError::Threads(e.to_string()))?;
+    let pool = pool(options.jobs.max(1))?;
     options.progress.begin_pieces(SUITE, "experiments", todo.len());
     pool.install(|| {
         // One at a time from the front: the order of the table is that of the work.
@@ -96,6 +93,15 @@ pub fn run_suite(options: &SuiteOptions, make: Maker) -> Result<Vec<Verdict>, Su
         write_laws(out, &pages(&options.cases, &verdicts))?;
     }
     Ok(verdicts)
+}
+
+/// So many threads, or as many as the system gives.
+fn pool(threads: usize) -> Result<rayon::ThreadPool, SuiteError> {
+    let made = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    match made {
+        Err(_) if threads > 1 => pool(threads - 1),
+        made => made.map_err(|e| SuiteError::Threads(e.to_string())),
+    }
 }
 
 fn in_words(verdict: &Verdict) -> String {

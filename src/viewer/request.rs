@@ -1,6 +1,10 @@
 //! What is answered to a request, as a function of its bytes.
 
+use std::io;
+
 use httparse::{EMPTY_HEADER, Request, Status};
+
+use rand::{TryRng, rngs::SysRng};
 
 use super::page::{Resource, Site};
 
@@ -52,11 +56,60 @@ impl Answer<'_> {
     }
 }
 
+/// What the address holds beside host and port, so that not every user of the machine
+/// can read the run: 128 bits that nobody can guess.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Token(String);
+
+impl Token {
+    /// A new one, of random numbers of the system.
+    ///
+    /// # Errors
+    /// When it gives none.
+    pub fn new() -> io::Result<Self> {
+        let mut bytes = [0_u8; 16];
+        SysRng.try_fill_bytes(&mut bytes).map_err(io::Error::other)?;
+        Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
+    }
+
+    /// How paths begin that may be asked for; a slash follows.
+    pub fn path(&self) -> String {
+        format!("/{}", self.0)
+    }
+
+    /// What follows it in a path; none where it does not stand there. How long that takes
+    /// does not tell how much of it was right.
+    fn after<'p>(&self, path: &'p str) -> Option<&'p str> {
+        let (given, rest) = path.strip_prefix('/')?.split_at_checked(self.0.len())?;
+        let differing = given.bytes().zip(self.0.bytes()).fold(0, |all, (a, b)| all | (a ^ b));
+        (differing == 0).then_some(rest)
+    }
+}
+
+/// What is served, and to whom.
+#[derive(Debug)]
+pub(super) struct Door {
+    /// The files.
+    pub site: Site,
+    /// The port that a request must name.
+    pub port: u16,
+    /// What its path must begin with.
+    pub token: Token,
+}
+
+impl Door {
+    /// As [`answer`].
+    pub fn answer(&self, received: &[u8]) -> Option<Answer<'_>> {
+        answer(self, received)
+    }
+}
+
 /// The answer to what has arrived of a request; none when more must be read.
 ///
 /// A request must name this machine as its host: a page of another site that
 /// had its own name resolved to the loopback address (DNS rebinding) names itself.
-pub(super) fn answer<'a>(site: &'a Site, port: u16, received: &[u8]) -> Option<Answer<'a>> {
+/// And it must know the token, which other users of this machine do not.
+fn answer<'a>(door: &'a Door, received: &[u8]) -> Option<Answer<'a>> {
     let mut fields = [EMPTY_HEADER; MOST_FIELDS];
     let mut request = Request::new(&mut fields);
     match request.parse(received) {
@@ -74,7 +127,7 @@ pub(super) fn answer<'a>(site: &'a Site, port: u16, received: &[u8]) -> Option<A
     let Some(host) = hosts.next().filter(|_| hosts.next().is_none()) else {
         return Some(Answer::refusal(400, "Bad Request"));
     };
-    if !is_this_machine(host.value, port) {
+    if !is_this_machine(host.value, door.port) {
         return Some(Answer::refusal(403, "Forbidden"));
     }
     let head_only = match request.method {
@@ -84,7 +137,10 @@ pub(super) fn answer<'a>(site: &'a Site, port: u16, received: &[u8]) -> Option<A
     };
     let target = request.path.unwrap_or_default();
     let path = target.split_once('?').map_or(target, |(path, _)| path);
-    let resource = site.get(path);
+    let Some(path) = door.token.after(path) else {
+        return Some(Answer::refusal(403, "Forbidden"));
+    };
+    let resource = door.site.get(path);
     let status = if resource.is_some() { (200, "OK") } else { (404, "Not Found") };
     Some(Answer { status, resource, head_only })
 }
@@ -104,18 +160,53 @@ mod tests {
 
     const PORT: u16 = 4321;
 
-    fn site() -> Site {
+    fn door() -> Door {
         let bytes = b"PLUVIEW1".to_vec();
         let scenario = "s".to_owned();
-        Site::new(RunData { scenario, grains: 0, stages: 0, frames: 0, kept: true, bytes })
+        let run = RunData { scenario, grains: 0, stages: 0, frames: 0, kept: true, bytes };
+        Door { site: Site::new(run), port: PORT, token: Token("0123".to_owned()) }
     }
 
     fn code(request: &[u8]) -> Option<u16> {
-        answer(&site(), PORT, request).map(|answer| answer.status.0)
+        door().answer(request).map(|answer| answer.status.0)
+    }
+
+    fn ask(path: &str) -> Vec<u8> {
+        format!("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{PORT}\r\n\r\n").into_bytes()
     }
 
     fn get(path: &str) -> Vec<u8> {
-        format!("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{PORT}\r\n\r\n").into_bytes()
+        ask(&format!("/0123{path}"))
+    }
+
+    #[test]
+    fn without_the_token_nothing_is_served() {
+        for path in [
+            "/",
+            "/run.bin",
+            "/viewer.js",
+            "/0122/",
+            "/01234/run.bin",
+            "/012/run.bin",
+            "0123/",
+            "//0123/",
+            "/0123\u{301}/",
+            "/run.bin?0123",
+            "/012",
+            "",
+            "*",
+            "/é123/",
+            "http://127.0.0.1:4321/0123/",
+        ] {
+            let got = code(&ask(path));
+            // What is no path at all is no request; one letter more than the token leads nowhere.
+            let longer = ["/01234", "/0123\u{301}"].iter().any(|begin| path.starts_with(begin));
+            let expected: &[u16] = if longer { &[404] } else { &[403, 400] };
+            assert!(got.is_some_and(|c| expected.contains(&c)), "law: `{path}` gets {got:?}");
+        }
+        assert_eq!(code(&ask("/0123/run.bin")), Some(200), "law: with it, it is");
+        let [a, b] = [(); 2].map(|()| Token::new().expect("random numbers"));
+        assert!(a != b && a.0.len() == 32, "law: 128 bits, another each time: {a:?}, {b:?}");
     }
 
     #[test]
@@ -133,8 +224,6 @@ mod tests {
             "/./run.bin",
             "/RUN.BIN",
             "/run.bin%00",
-            "http://127.0.0.1:4321/",
-            "*",
         ] {
             assert_eq!(code(&get(path)), Some(404), "law: {path} is not served");
         }
@@ -154,7 +243,7 @@ mod tests {
             ("localhost:4321@evil.example", 403),
             ("", 403),
         ] {
-            let request = format!("GET / HTTP/1.1\r\nHost: {host}\r\n\r\n");
+            let request = format!("GET /0123/ HTTP/1.1\r\nHost: {host}\r\n\r\n");
             assert_eq!(code(request.as_bytes()), Some(expected), "law: Host `{host}`");
         }
         for fields in ["", "Host: 127.0.0.1:4321\r\nHost: evil.example\r\n"] {
@@ -186,8 +275,9 @@ mod tests {
     #[test]
     fn head_has_the_length_alone_and_other_methods_are_refused() {
         let ask = |method: &str| {
-            let request = format!("{method} /run.bin HTTP/1.1\r\nHost: localhost:{PORT}\r\n\r\n");
-            let bytes = answer(&site(), PORT, request.as_bytes()).expect("an answer").bytes();
+            let request =
+                format!("{method} /0123/run.bin HTTP/1.1\r\nHost: localhost:{PORT}\r\n\r\n");
+            let bytes = door().answer(request.as_bytes()).expect("an answer").bytes();
             String::from_utf8(bytes).expect("text")
         };
         let (got, head) = (ask("GET"), ask("HEAD"));

@@ -3,8 +3,13 @@
 //! It reads a request's head and nothing more, answers from memory and closes
 //! the connection: no file is opened for anybody. `httparse` reads the heads;
 //! lengths, times and the number of connections are bounded here.
+//!
+//! Whoever does not name the token of the address gets a few words and no thread,
+//! and one who is slow to ask waits in a queue that the next ones shorten: other
+//! users of the machine can connect as often as they like, and keep nobody from being served.
 
 use std::{
+    collections::VecDeque,
     io::{self, ErrorKind, Read, Write},
     net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream},
     sync::{
@@ -16,7 +21,7 @@ use std::{
 };
 
 use super::page::Site;
-use super::request::{Answer, LONGEST_HEAD, answer};
+use super::request::{Answer, Door, LONGEST_HEAD, Token};
 
 /// How long a request's head may take to arrive.
 const HEAD_TIME: Duration = Duration::from_secs(5);
@@ -24,12 +29,23 @@ const HEAD_TIME: Duration = Duration::from_secs(5);
 /// How long a reader may take nothing of an answer.
 const WRITE_TIME: Duration = Duration::from_secs(30);
 
-/// Connections at one time; a browser opens about six.
-const MOST_CONNECTIONS: usize = 32;
+/// Answers with content at one time; a browser asks for about six.
+const MOST_ANSWERS: usize = 32;
+
+/// Connections whose requests are not there yet. A browser's arrives within
+/// milliseconds; of more than these the oldest are closed.
+const MOST_WAITING: usize = 256;
+
+/// Connections that are taken before those that wait are looked at.
+const MOST_AT_ONCE: usize = 64;
+
+/// Time between two looks at connections that wait.
+const LOOK: Duration = Duration::from_millis(2);
 
 /// What is read of a request's body before its connection is closed, so that
-/// the sender sees the answer and not a broken connection.
+/// the sender sees the answer and not a broken connection, and how long that may take.
 const LONGEST_REST: usize = 64 * 1024;
+const REST_TIME: Duration = Duration::from_millis(200);
 
 /// Why there is no server.
 #[derive(Debug, thiserror::Error)]
@@ -45,6 +61,7 @@ pub struct ServerError {
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
+    token: Token,
     ended: Arc<AtomicBool>,
     listening: Option<thread::JoinHandle<()>>,
 }
@@ -54,19 +71,25 @@ impl Server {
     /// port is 0.
     ///
     /// # Errors
-    /// When the port is taken or not allowed.
+    /// When the port is taken or not allowed, or the system gives no random numbers.
     pub fn start(site: Site, port: u16) -> Result<Self, ServerError> {
         let refused = |reason| ServerError { port, reason };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(refused)?;
         let address = listener.local_addr().map_err(refused)?;
+        let token = Token::new().map_err(refused)?;
         let ended = Arc::new(AtomicBool::new(false));
         let end = ended.clone();
-        let site = Arc::new(site);
+        let listener = Listener {
+            listener,
+            door: Arc::new(Door { site, port: address.port(), token: token.clone() }),
+            busy: Arc::default(),
+            waiting: VecDeque::new(),
+        };
         let listening = thread::Builder::new()
             .name("viewer".to_owned())
-            .spawn(move || listen(&listener, &site, address.port(), &end))
+            .spawn(move || listener.listen(&end))
             .map_err(refused)?;
-        Ok(Self { address, ended, listening: Some(listening) })
+        Ok(Self { address, token, ended, listening: Some(listening) })
     }
 
     /// Where it listens.
@@ -74,9 +97,9 @@ impl Server {
         self.address
     }
 
-    /// What to type into a browser.
+    /// What to type into a browser. Whoever knows it, on this machine, can read the run.
     pub fn url(&self) -> String {
-        format!("http://{}/", self.address)
+        format!("http://{}{}/", self.address, self.token.path())
     }
 }
 
@@ -91,29 +114,88 @@ impl Drop for Server {
     }
 }
 
-fn listen(listener: &TcpListener, site: &Arc<Site>, port: u16, end: &AtomicBool) {
-    let busy = Arc::new(AtomicUsize::new(0));
-    while !end.load(Ordering::SeqCst) {
-        let stream = match listener.accept() {
-            Ok((stream, _)) => stream,
-            Err(error) => {
-                tracing::debug!("a connection failed: {error}");
-                // Out of handles, for instance: others must close theirs first.
-                thread::sleep(Duration::from_millis(50));
-                continue;
+/// The listening thread, and what it keeps.
+struct Listener {
+    listener: TcpListener,
+    door: Arc<Door>,
+    /// Answers that are being sent.
+    busy: Arc<AtomicUsize>,
+    /// The oldest first.
+    waiting: VecDeque<Waiting>,
+}
+
+/// A connection whose request is not there yet.
+struct Waiting {
+    stream: TcpStream,
+    since: Instant,
+    received: Vec<u8>,
+}
+
+impl Listener {
+    fn listen(mut self, end: &AtomicBool) {
+        while !end.load(Ordering::SeqCst) {
+            // With nobody to look at, the next connection is waited for.
+            let idle = self.waiting.is_empty();
+            if let Err(error) = self.listener.set_nonblocking(!idle) {
+                tracing::debug!("the listener fails: {error}");
             }
-        };
-        if busy.fetch_add(1, Ordering::SeqCst) >= MOST_CONNECTIONS {
-            busy.fetch_sub(1, Ordering::SeqCst);
-            // Nothing is read: whoever sends much is cut off.
-            let refusal = Answer::refusal(503, "Service Unavailable").bytes();
-            let _ = stream.set_nonblocking(true).and_then(|()| (&stream).write_all(&refusal));
-            continue;
+            let more = if idle { 1 } else { MOST_AT_ONCE };
+            for _ in 0..more {
+                match self.listener.accept() {
+                    Ok((stream, _)) => self.take(stream),
+                    Err(error) if error.kind() == ErrorKind::WouldBlock => break,
+                    Err(error) => {
+                        // Out of handles, for instance: the oldest closes its own.
+                        tracing::debug!("a connection failed: {error}");
+                        self.waiting.pop_front();
+                        thread::sleep(LOOK);
+                        break;
+                    }
+                }
+            }
+            for mut waiting in std::mem::take(&mut self.waiting) {
+                match waiting.look(&self.door) {
+                    Look::Wait => self.waiting.push_back(waiting),
+                    Look::Answer => self.answer(waiting),
+                    Look::Close => {}
+                }
+            }
+            if !self.waiting.is_empty() {
+                thread::sleep(LOOK);
+            }
         }
-        let (site, counted) = (site.clone(), Busy(busy.clone()));
+    }
+
+    fn take(&mut self, stream: TcpStream) {
+        if stream.set_nonblocking(true).is_err() {
+            return;
+        }
+        if self.waiting.len() >= MOST_WAITING {
+            self.waiting.pop_front();
+        }
+        self.waiting.push_back(Waiting { stream, since: Instant::now(), received: Vec::new() });
+    }
+
+    /// Sends an answer: content by a thread of its own, a refusal at once.
+    fn answer(&self, waiting: Waiting) {
+        let Waiting { stream, received, .. } = waiting;
+        let has_content = self.door.answer(&received).is_some_and(|a| a.resource.is_some());
+        if !has_content {
+            let refusal = self.door.answer(&received);
+            refuse(&stream, &refusal.unwrap_or(Answer::refusal(408, "Request Timeout")));
+            return;
+        }
+        if self.busy.fetch_add(1, Ordering::SeqCst) >= MOST_ANSWERS {
+            self.busy.fetch_sub(1, Ordering::SeqCst);
+            refuse(&stream, &Answer::refusal(503, "Service Unavailable"));
+            return;
+        }
+        let (door, counted) = (self.door.clone(), Busy(self.busy.clone()));
         let spawned = thread::Builder::new().name("viewer-answer".to_owned()).spawn(move || {
             let _counted = counted;
-            if let Err(error) = serve(&stream, &site, port) {
+            if let Some(answer) = door.answer(&received)
+                && let Err(error) = send(&stream, &answer)
+            {
                 tracing::debug!("a connection ended early: {error}");
             }
         });
@@ -123,7 +205,35 @@ fn listen(listener: &TcpListener, site: &Arc<Site>, port: u16, end: &AtomicBool)
     }
 }
 
-/// One of the connections that are open, until it is dropped.
+/// What becomes of a connection.
+enum Look {
+    Wait,
+    Answer,
+    Close,
+}
+
+impl Waiting {
+    /// Reads what has arrived.
+    fn look(&mut self, door: &Door) -> Look {
+        let mut part = [0; 2048];
+        loop {
+            match self.stream.read(&mut part) {
+                Ok(0) => return Look::Close,
+                Ok(read) => self.received.extend_from_slice(&part[..read]),
+                Err(e) if e.kind() == ErrorKind::WouldBlock => break,
+                Err(e) if e.kind() == ErrorKind::Interrupted => continue,
+                Err(_) => return Look::Close,
+            }
+            self.received.truncate(LONGEST_HEAD);
+            if door.answer(&self.received).is_some() {
+                return Look::Answer;
+            }
+        }
+        if self.since.elapsed() > HEAD_TIME { Look::Answer } else { Look::Wait }
+    }
+}
+
+/// One of the answers that are being sent, until it is dropped.
 struct Busy(Arc<AtomicUsize>);
 
 impl Drop for Busy {
@@ -132,13 +242,12 @@ impl Drop for Busy {
     }
 }
 
-fn serve(stream: &TcpStream, site: &Site, port: u16) -> io::Result<()> {
-    stream.set_write_timeout(Some(WRITE_TIME))?;
-    let answer = read_and_answer(stream, site, port)?;
+/// Sends a few words without waiting: they fit into what the system keeps for a connection.
+fn refuse(stream: &TcpStream, refusal: &Answer) {
     let mut stream = stream;
-    stream.write_all(&answer.bytes())?;
-    stream.shutdown(Shutdown::Write)?;
-    stream.set_read_timeout(Some(Duration::from_millis(200)))?;
+    let _ = stream.write_all(&refusal.bytes());
+    let _ = stream.shutdown(Shutdown::Write);
+    // What has arrived and is not read would break the connection before the words are read.
     let mut rest = [0; 4096];
     let mut left = LONGEST_REST;
     while left > 0 {
@@ -147,34 +256,28 @@ fn serve(stream: &TcpStream, site: &Site, port: u16) -> io::Result<()> {
             Ok(read) => left = left.saturating_sub(read),
         }
     }
-    Ok(())
 }
 
-/// Reads until there is an answer: a whole head, or enough to refuse.
-fn read_and_answer<'a>(
-    mut stream: &TcpStream,
-    site: &'a Site,
-    port: u16,
-) -> io::Result<Answer<'a>> {
-    let latest = Instant::now() + HEAD_TIME;
-    let mut received = Vec::new();
-    let mut part = [0; 2048];
-    loop {
+/// Sends content, as fast as it is taken.
+fn send(stream: &TcpStream, answer: &Answer) -> io::Result<()> {
+    stream.set_nonblocking(false)?;
+    stream.set_write_timeout(Some(WRITE_TIME))?;
+    let mut stream = stream;
+    stream.write_all(&answer.bytes())?;
+    stream.shutdown(Shutdown::Write)?;
+    let latest = Instant::now() + REST_TIME;
+    let mut rest = [0; 4096];
+    let mut read = 0;
+    while read < LONGEST_REST {
         let left = latest.saturating_duration_since(Instant::now());
         if left.is_zero() {
-            return Ok(Answer::refusal(408, "Request Timeout"));
+            break;
         }
         stream.set_read_timeout(Some(left))?;
-        match stream.read(&mut part) {
-            Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
-            Ok(read) => received.extend_from_slice(&part[..read]),
-            Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => continue,
-            Err(e) if e.kind() == ErrorKind::Interrupted => continue,
-            Err(e) => return Err(e),
-        }
-        received.truncate(LONGEST_HEAD);
-        if let Some(answer) = answer(site, port, &received) {
-            return Ok(answer);
+        match stream.read(&mut rest) {
+            Ok(0) | Err(_) => break,
+            Ok(more) => read += more,
         }
     }
+    Ok(())
 }

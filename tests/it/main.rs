@@ -8,6 +8,7 @@ mod collision;
 mod compare;
 mod docs;
 mod export;
+mod faults;
 mod files;
 mod fuzz;
 mod guards;

@@ -3,11 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::{obj, ply, stl};
-use crate::{geometry::Point, scenario::Fault};
-
-/// Largest file that is read, in bytes: a mesh of some five million triangles.
-/// What a rigid body can use of it fits into a thousandth.
-const LARGEST_FILE: u64 = 512 << 20;
+use crate::{geometry::Point, input, scenario::Fault};
 
 /// One object of a file, as the file gives it: in the file's unit of length.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,15 +84,15 @@ pub(super) fn objects(path: &Path) -> Result<Vec<Object>, ReadError> {
     };
     let unreadable = |e: std::io::Error| ReadError::Unreadable(e.to_string());
     let size = std::fs::metadata(path).map_err(unreadable)?.len();
-    if size > LARGEST_FILE {
-        let allowed = format!("at most {} MiB", LARGEST_FILE >> 20);
+    if size > input::LARGEST_MESH {
+        let allowed = format!("at most {} MiB", input::LARGEST_MESH >> 20);
         return Err(ReadError::fault(
             "the file is too large: simplify the mesh first",
             format!("{} MiB", size >> 20),
             &allowed,
         ));
     }
-    let bytes = std::fs::read(path).map_err(unreadable)?;
+    let bytes = input::read(path, input::LARGEST_MESH).map_err(unreadable)?;
     if bytes.is_empty() {
         return Err(ReadError::fault("the file is empty", "0 bytes", "a mesh"));
     }

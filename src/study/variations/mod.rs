@@ -346,7 +346,10 @@ fn carry_out_batch(
 fn is_of_the_run(error: &StudyError) -> bool {
     matches!(
         error,
-        StudyError::Simulation { .. } | StudyError::Stage { .. } | StudyError::Measure(_)
+        StudyError::Simulation { .. }
+            | StudyError::Fault { .. }
+            | StudyError::Stage { .. }
+            | StudyError::Measure(_)
     )
 }
 

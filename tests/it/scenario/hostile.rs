@@ -144,7 +144,11 @@ fn bad_sizes(all: &mut Vec<Hostile>) {
         ("twenty thousand sieves", twice("grains.sieve_table", &many(row, 20_000))),
         ("no sieve", twice("grains.sieve_table", "[]")),
         ("no stage", twice("stages", "[]")),
-        ("ten thousand stages", twice("stages", &many("{\"stage\":\"fill_funnel\"},", 10_000))),
+        (
+            "a hundred thousand stages",
+            twice("stages", &many("{\"stage\":\"fill_funnel\"},", 100_000)),
+        ),
+        ("a million sieves", twice("grains.sieve_table", &many(row, 1_000_000))),
         ("a thousand bad stages", twice("stages", &many("7,", 1_000))),
         (
             "twenty thousand fields",

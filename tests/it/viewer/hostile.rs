@@ -4,7 +4,8 @@
 use std::{
     fs,
     io::{Read, Write},
-    net::{Shutdown, SocketAddr, TcpStream},
+    net::{Shutdown, TcpStream},
+    sync::atomic::{AtomicBool, Ordering},
     thread,
     time::{Duration, Instant},
 };
@@ -14,11 +15,13 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
 use super::super::export::small_run;
-use super::{assert_status, exchange, get, serve, status};
+use super::{assert_status, exchange, get, secret, serve, status};
 
-/// A request for a target, written as it is.
-fn request(address: SocketAddr, target: &[u8]) -> Vec<u8> {
-    [b"GET ", target, format!(" HTTP/1.1\r\nHost: {address}\r\n\r\n").as_bytes()].concat()
+/// A request for a target after the token, written as it is.
+fn request(server: &Server, target: &[u8]) -> Vec<u8> {
+    let (address, secret) = (server.address(), secret(server));
+    let end = format!(" HTTP/1.1\r\nHost: {address}\r\n\r\n");
+    [b"GET ", secret.as_bytes(), target, end.as_bytes()].concat()
 }
 
 /// Asserts that the page still comes; refusals for want of room pass.
@@ -60,8 +63,7 @@ fn no_spelling_leads_out_of_the_four_files() {
                 let up = format!("{dot}{slash}").repeat(deep);
                 for begin in ["/", "", "/run.bin/", "/viewer.js?"] {
                     let target = format!("{begin}{up}{file}");
-                    let answer =
-                        exchange(server.address(), &request(server.address(), target.as_bytes()));
+                    let answer = exchange(server.address(), &request(&server, target.as_bytes()));
                     tried += 1;
                     // What stands behind a question mark is no path.
                     if begin.ends_with('?') {
@@ -70,7 +72,9 @@ fn no_spelling_leads_out_of_the_four_files() {
                     }
                     let got = status(&answer);
                     assert!(
-                        got.starts_with("HTTP/1.1 404 ") || got.starts_with("HTTP/1.1 400 "),
+                        ["404", "403", "400"]
+                            .iter()
+                            .any(|c| got.starts_with(&format!("HTTP/1.1 {c} "))),
                         "law: `{target}` leads nowhere, got `{got}`"
                     );
                     let said = content(&answer);
@@ -108,7 +112,9 @@ fn broken_requests_are_refused_in_words() {
     let address = server.address();
     let host = format!("Host: {address}\r\n");
     let line = |line: &str| format!("{line}\r\n{host}\r\n").into_bytes();
-    let fields = |fields: &str| format!("GET / HTTP/1.1\r\n{host}{fields}\r\n").into_bytes();
+    let fields = |fields: &str| {
+        format!("GET {}/ HTTP/1.1\r\n{host}{fields}\r\n", secret(&server)).into_bytes()
+    };
     let long = "a".repeat(20_000);
     let cases: Vec<(&str, Vec<u8>, &[u16])> = vec![
         ("a long target", line(&format!("GET /{long} HTTP/1.1")), &[431]),
@@ -122,7 +128,7 @@ fn broken_requests_are_refused_in_words() {
         ("no target", line("GET  HTTP/1.1"), &[400]),
         ("a NUL in the target", line("GET /\0 HTTP/1.1"), &[400]),
         ("a control character", line("GET /\x07 HTTP/1.1"), &[400]),
-        ("no UTF-8", request(address, b"/\xff\xfe"), &[400, 404]),
+        ("no UTF-8", request(&server, b"/\xff\xfe"), &[400, 404]),
         ("a NUL in a field", fields("A: \0\r\n"), &[400]),
         ("a field without colon", fields("A\r\n"), &[400]),
         ("a field without name", fields(": b\r\n"), &[400]),
@@ -136,7 +142,8 @@ fn broken_requests_are_refused_in_words() {
         ("a range", fields("Range: bytes=0-18446744073709551615\r\n"), &[200]),
         ("an expectation", fields("Expect: 100-continue\r\n"), &[200]),
         ("a tunnel", line("CONNECT example.org:443 HTTP/1.1"), &[405]),
-        ("another site", line("GET http://example.org/ HTTP/1.1"), &[404]),
+        ("another site", line("GET http://example.org/ HTTP/1.1"), &[403]),
+        ("no token", line("GET /run.bin HTTP/1.1"), &[403]),
     ];
     for (what, request, expected) in cases {
         let answer = exchange(address, &request);
@@ -150,7 +157,7 @@ fn broken_requests_are_refused_in_words() {
         content(&answer);
     }
     // Two requests at once: one answer, and the end.
-    let twice = [request(address, b"/viewer.css"), request(address, b"/run.bin")].concat();
+    let twice = [request(&server, b"/viewer.css"), request(&server, b"/run.bin")].concat();
     let answer = exchange(address, &twice);
     assert_status(&answer, 200, "the first of two is answered");
     content(&answer);
@@ -163,7 +170,8 @@ fn random_requests_do_no_harm() {
     let server = serve(small_run());
     let address = server.address();
     let whole = format!(
-        "GET /viewer.css HTTP/1.1\r\nHost: {address}\r\nAccept: */*\r\nContent-Length: 3\r\n\r\nabc"
+        "GET {}/viewer.css HTTP/1.1\r\nHost: {address}\r\nAccept: */*\r\nContent-Length: 3\r\n\r\nabc",
+        secret(&server)
     );
     let mut rng = Pcg64::seed_from_u64(9);
     let (mut answered, mut taken) = (0, 0);
@@ -213,7 +221,7 @@ fn half_and_slow_requests_end() {
     half.write_all(b"GET / HTTP/1.1\r\nHost: ").expect("sent");
 
     let mut slow = TcpStream::connect(address).expect("the server listens");
-    for byte in request(address, b"/viewer.css") {
+    for byte in request(&server, b"/viewer.css") {
         slow.write_all(&[byte]).expect("sent");
         thread::sleep(Duration::from_millis(2));
     }
@@ -231,39 +239,63 @@ fn half_and_slow_requests_end() {
     // One who reads nothing of the answer and leaves.
     for _ in 0..50 {
         let mut gone = TcpStream::connect(address).expect("the server listens");
-        let _ = gone.write_all(&request(address, b"/run.bin"));
+        let _ = gone.write_all(&request(&server, b"/run.bin"));
         let _ = gone.shutdown(Shutdown::Both);
     }
     assert_serves(&server, "readers that left");
 }
 
 #[test]
-fn hundreds_of_connections_are_bounded() {
+fn hundreds_of_connections_take_no_threads() {
     let server = serve(small_run());
     let address = server.address();
     let threads = || fs::read_dir("/proc/self/task").map_or(0, Iterator::count);
     let before = threads();
     let mut held = Vec::new();
-    for _ in 0..300 {
+    for _ in 0..400 {
         let Ok(mut stream) = TcpStream::connect(address) else { continue };
         let _ = stream.write_all(b"GET / HTTP/1.1\r\nHo");
         held.push(stream);
     }
-    assert!(held.len() > 100, "the check opens many, got {}", held.len());
-    // Other tests have threads, too; 300 of them would be ours.
+    assert!(held.len() > 300, "the check opens many, got {}", held.len());
+    // Other tests have threads, too; 400 of them would be ours.
     let most = threads().saturating_sub(before);
-    assert!(most < 150, "law: connections beyond 32 get no thread, got {most} more threads");
-    let mut refused = 0;
-    for stream in held.iter_mut().rev().take(100) {
-        stream.set_read_timeout(Some(Duration::from_millis(200))).expect("a timeout");
+    assert!(most < 150, "law: who has not asked yet gets no thread, got {most} more threads");
+    assert_status(&get(&server, "/"), 200, "whoever asks is served while hundreds say half");
+    let mut closed = 0;
+    let oldest = held.len() - 260;
+    for stream in &mut held[..oldest] {
+        stream.set_read_timeout(Some(Duration::from_secs(20))).expect("a timeout");
         let mut answer = [0; 64];
-        let read = stream.read(&mut answer).unwrap_or(0);
-        refused += usize::from(answer[..read].starts_with(b"HTTP/1.1 503 "));
-        if refused > 10 {
-            break;
-        }
+        closed += usize::from(matches!(stream.read(&mut answer), Ok(0) | Err(_)));
     }
-    assert!(refused > 10, "law: those beyond the bound are told so, got {refused}");
-    drop(held);
-    assert_serves(&server, "three hundred connections");
+    assert!(closed > 10, "law: of those who wait the oldest are closed, got {closed}");
+}
+
+/// Law: clients that come back as soon as they are cut off, with half a request each
+/// or with a whole one that knows no token, keep nobody from being served.
+#[test]
+fn reconnecting_clients_keep_nobody_from_being_served() {
+    let server = serve(small_run());
+    let address = server.address();
+    let over = AtomicBool::new(false);
+    let refused = format!("GET /run.bin HTTP/1.1\r\nHost: {address}\r\n\r\n");
+    thread::scope(|scope| {
+        for n in 0..60 {
+            let whole = if n % 2 == 0 { &refused.as_bytes()[..20] } else { refused.as_bytes() };
+            let over = &over;
+            scope.spawn(move || {
+                while !over.load(Ordering::Relaxed) {
+                    let Ok(mut stream) = TcpStream::connect(address) else { continue };
+                    let _ = stream.set_read_timeout(Some(Duration::from_millis(500)));
+                    let _ = stream.write_all(whole);
+                    let _ = stream.read(&mut [0; 64]);
+                }
+            });
+        }
+        let served = (0..20).filter(|_| status(&get(&server, "/run.bin")).contains(" 200 "));
+        let served = served.count();
+        over.store(true, Ordering::Relaxed);
+        assert_eq!(served, 20, "law: who knows the token is served, every time");
+    });
 }

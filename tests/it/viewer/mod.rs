@@ -37,9 +37,16 @@ fn exchange(address: SocketAddr, request: &[u8]) -> Vec<u8> {
     answer
 }
 
+/// How the paths begin that the server answers: a slash and its token.
+fn secret(server: &Server) -> String {
+    let url = server.url();
+    let path = url.trim_end_matches('/').rsplit('/').next().expect("a token");
+    format!("/{path}")
+}
+
 fn get(server: &Server, path: &str) -> Vec<u8> {
-    let host = server.address();
-    exchange(host, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes())
+    let (host, secret) = (server.address(), secret(server));
+    exchange(host, format!("GET {secret}{path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes())
 }
 
 fn status(answer: &[u8]) -> String {
@@ -67,7 +74,11 @@ fn the_page_and_the_run_are_served_and_nothing_else() {
         assert_status(&get(&server, path), 404, path);
     }
     // Read as a whole first, or a pair of dots would be lost on the way.
-    let raw = format!("GET /run.bin/../../x HTTP/1.1\r\nHost: {}\r\n\r\n", server.address());
+    let raw = format!(
+        "GET {}/run.bin/../../x HTTP/1.1\r\nHost: {}\r\n\r\n",
+        secret(&server),
+        server.address()
+    );
     assert_status(&exchange(server.address(), raw.as_bytes()), 404, "dots lead nowhere");
 }
 
@@ -107,7 +118,8 @@ fn what_is_sent_does_no_harm() {
             assert_status(&answer, expected, law);
         }
     }
-    let head = exchange(host, format!("HEAD / HTTP/1.1\r\n{field}\r\n").as_bytes());
+    let head =
+        exchange(host, format!("HEAD {}/ HTTP/1.1\r\n{field}\r\n", secret(&server)).as_bytes());
     assert_status(&head, 200, "HEAD is answered");
     assert!(head.ends_with(b"\r\n\r\n"), "law: HEAD has no content");
     assert!(exchange(host, b"").is_empty(), "law: who says nothing is told nothing");
@@ -151,12 +163,19 @@ fn the_command_serves_until_ctrl_c() {
     let address = loop {
         let line = lines.next().expect("an address is printed").expect("text");
         if let Some(rest) = line.strip_prefix("http://") {
-            break rest.split('/').next().unwrap_or_default().to_owned();
+            break rest.split(' ').next().unwrap_or_default().to_owned();
         }
     };
+    let (address, path) = address.split_once('/').expect("a host and a path");
     let address: SocketAddr = address.parse().expect("an address and a port");
-    let request = format!("GET / HTTP/1.1\r\nHost: {address}\r\n\r\n");
-    assert_status(&exchange(address, request.as_bytes()), 200, "the page is there");
+    let ask = |path: &str| {
+        let request = format!("GET /{path} HTTP/1.1\r\nHost: {address}\r\n\r\n");
+        exchange(address, request.as_bytes())
+    };
+    assert_status(&ask(path), 200, "the page is there");
+    for path in ["", "run.bin", "viewer.js"] {
+        assert_status(&ask(path), 403, "without the token of the address nothing is read");
+    }
     // A port that is taken is told as such.
     let port = address.port().to_string();
     let second =

@@ -1,0 +1,130 @@
+//! The one way in which files that users name are read: regular files alone, and no
+//! larger than can be meant. A device, a pipe or a file of the system may go on for
+//! ever, and would be read until there is no memory left.
+
+use std::{
+    fs::{self, File},
+    io::{self, Read},
+    path::Path,
+};
+
+/// Largest scenario or design in bytes: some hundred times the longest that makes sense.
+pub const LARGEST_SCENARIO: u64 = 4 << 20;
+
+/// Largest mesh in bytes: one of some five million triangles. What a rigid body can
+/// use of it fits into a thousandth.
+pub const LARGEST_MESH: u64 = 512 << 20;
+
+/// Largest file in bytes of grains, of a run, or of its stages: the frames of a
+/// hundred thousand grains over ten minutes.
+pub const LARGEST_OF_RUN: u64 = 16 << 30;
+
+/// Opens a regular file; gives its length in bytes, too.
+///
+/// # Errors
+/// Whatever the system says; what the file is, where it is no regular one; its size and the
+/// largest that is allowed.
+pub fn open(path: &Path, largest: u64) -> io::Result<(File, u64)> {
+    // Asked before it is opened: opening a pipe waits for somebody to write into it.
+    let found = fs::metadata(path)?;
+    if found.is_dir() {
+        // In the words of the system.
+        return Err(fs::read(path).err().unwrap_or(io::ErrorKind::IsADirectory.into()));
+    }
+    regular(&found, largest)?;
+    let file = File::open(path)?;
+    let length = regular(&file.metadata()?, largest)?;
+    Ok((file, length))
+}
+
+/// Reads a regular file as long as the system says that it is: one of the system's own
+/// (`/proc/kmsg`) has no length, and no end.
+///
+/// # Errors
+/// As [`open`].
+pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
+    let (file, length) = open(path, largest)?;
+    let mut content = Vec::new();
+    file.take(length).read_to_end(&mut content)?;
+    Ok(content)
+}
+
+fn regular(found: &fs::Metadata, largest: u64) -> io::Result<u64> {
+    let kind = found.file_type();
+    if !kind.is_file() {
+        let what = special(kind);
+        return Err(io::Error::other(format!("it is {what}; only regular files are read")));
+    }
+    let length = found.len();
+    if length > largest {
+        let (found, most) = (size(length), size(largest));
+        return Err(io::Error::other(format!("it has {found}; at most {most} are read")));
+    }
+    Ok(length)
+}
+
+#[cfg(unix)]
+fn special(kind: fs::FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    match () {
+        () if kind.is_fifo() => "a pipe",
+        () if kind.is_char_device() || kind.is_block_device() => "a device",
+        () if kind.is_socket() => "a socket",
+        () => "something else",
+    }
+}
+
+#[cfg(not(unix))]
+fn special(_: fs::FileType) -> &'static str {
+    "something else"
+}
+
+/// A size for people.
+fn size(bytes: u64) -> String {
+    match bytes {
+        0..1024 => format!("{bytes} bytes"),
+        1024..0x10_0000 => format!("{:.1} KiB", bytes as f64 / 1024.0),
+        0x10_0000..0x4000_0000 => format!("{:.1} MiB", bytes as f64 / 1_048_576.0),
+        _ => format!("{:.1} GiB", bytes as f64 / 1_073_741_824.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn regular_files_are_read_up_to_the_limit() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a");
+        fs::write(&path, b"12345").expect("written");
+        assert_eq!(read(&path, 5).expect("it is small enough"), b"12345");
+        let said = read(&path, 4).expect_err("it is too large").to_string();
+        assert_eq!(said, "it has 5 bytes; at most 4 bytes are read", "law: size and limit");
+        let large = File::create(folder.path().join("large")).expect("made");
+        large.set_len(LARGEST_SCENARIO + 1).expect("a hole takes no room");
+        let said = read(&folder.path().join("large"), LARGEST_SCENARIO).expect_err("too large");
+        assert!(said.to_string().contains("at most 4.0 MiB"), "law: the limit is named: {said}");
+        let folder = read(folder.path(), 4).expect_err("a folder");
+        assert_eq!(folder.kind(), io::ErrorKind::IsADirectory);
+        let missing = read(Path::new("no/such/file"), 4).expect_err("missing");
+        assert_eq!(missing.kind(), io::ErrorKind::NotFound);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_has_no_end_is_not_read() {
+        for device in ["/dev/zero", "/dev/full", "/dev/null"] {
+            let said = read(Path::new(device), 1 << 20).expect_err("a device").to_string();
+            assert_eq!(said, "it is a device; only regular files are read", "{device}");
+        }
+        // Regular by name; a read of it waits for the kernel's next message.
+        if Path::new("/proc/kmsg").exists() && File::open("/proc/kmsg").is_ok() {
+            assert_eq!(read(Path::new("/proc/kmsg"), 1 << 20).expect("no bytes"), b"");
+        }
+        let (_, pipe) = io::pipe().expect("a pipe");
+        let name = format!("/dev/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&pipe));
+        let said = read(Path::new(&name), 1 << 20).expect_err("a pipe").to_string();
+        assert_eq!(said, "it is a pipe; only regular files are read", "law: no waiting for it");
+    }
+}

@@ -1,0 +1,287 @@
+//! Inputs without end, systems that give no threads, and requests to stop: each ends soon,
+//! with one message and the exit code that fits.
+
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Output, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
+
+use serde_json::{Value, json};
+
+use super::{
+    export::small_run,
+    interruption::{copy, write_scenario},
+};
+
+/// Longest that anything here may take; without an end it takes for ever.
+const SOON: Duration = Duration::from_secs(60);
+
+/// Waits for a program to end; kills one that does not.
+fn ended(mut command: Command, what: &str) -> Output {
+    let mut child =
+        command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let begun = Instant::now();
+    while child.try_wait().expect("its state").is_none() {
+        if begun.elapsed() > SOON {
+            child.kill().expect("killed");
+            panic!("law: {what} ends; expected within seconds, got nothing in {SOON:?}");
+        }
+        thread::sleep(Duration::from_millis(20));
+    }
+    child.wait_with_output().expect("its output")
+}
+
+fn pluvia(args: &[&str], out: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    command.args(args).arg("--out").arg(out).arg("--quiet");
+    command
+}
+
+/// One line with the words, and one of the exit codes.
+fn refused(output: &Output, codes: &[i32], words: &[&str], what: &str) {
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let code = output.status.code();
+    assert!(
+        code.is_some_and(|c| codes.contains(&c)),
+        "law: {what}: exit code of {codes:?}, got {code:?}: {said}"
+    );
+    assert!(!said.contains("panicked"), "law: {what}: no panic, got: {said}");
+    for word in words {
+        assert!(said.contains(word), "law: {what}: the message holds `{word}`, got: {said}");
+    }
+}
+
+fn scenario(grains: Value) -> Value {
+    json!({ "name": "endless", "grains": grains, "stages": [{ "stage": "fill_funnel" }] })
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn inputs_without_end_are_refused_whoever_names_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let write = |name: &str, content: &Value| {
+        fs::write(at(name), content.to_string()).expect("written");
+    };
+    let fifo = at("fifo.stl");
+    assert!(Command::new("mkfifo").arg(&fifo).status().is_ok_and(|s| s.success()), "mkfifo");
+    std::os::unix::fs::symlink("/dev/zero", at("zero.stl")).expect("a link");
+    write("extends.json", &json!({ "extends": "/dev/zero" }));
+    write("grains.json", &scenario(json!({ "file": "/dev/zero" })));
+    let mesh = |file: &str| {
+        scenario(json!({ "meshes": [file], "mesh_unit": "mm", "density_kg_per_m3": 2650 }))
+    };
+    write("mesh.json", &mesh("zero.stl"));
+    write("pipe.json", &mesh("fifo.stl"));
+    let out = folder.path().join("out");
+    let only = "only regular files are read";
+    for args in [
+        ["run", "/dev/zero"],
+        ["run", &fifo],
+        ["grains", "/dev/full"],
+        ["run", &at("extends.json")],
+        ["run", &at("grains.json")],
+        ["grains", &at("mesh.json")],
+        ["grains", &at("pipe.json")],
+        ["compare", &fifo],
+        ["sweep", "/dev/zero"],
+        ["calibrate", "/dev/zero"],
+    ] {
+        let what = args.join(" ");
+        let mut command = pluvia(&args, &out);
+        match args[0] {
+            "sweep" => drop(command.args(["--over", "seed=1,2"])),
+            "calibrate" => drop(command.args(["--angle-of-repose", "35"])),
+            _ => {}
+        }
+        refused(&ended(command, &what), &[2, 4], &[only], &what);
+    }
+    for command in ["converge", "sensitivity"] {
+        let output = ended(pluvia(&[command, "--design", "/dev/zero"], &out), command);
+        refused(&output, &[2, 4], &[only], command);
+    }
+    // A file of the kernel, regular by name: reading it waits for ever.
+    let output = ended(pluvia(&["run", "/proc/kmsg"], &out), "run /proc/kmsg");
+    refused(&output, &[2, 4], &[], "run /proc/kmsg");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn files_of_a_run_without_end_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["manifest.json", "grains.json", "specimen.json"] {
+        let run = folder.path().join(name);
+        copy(small_run(), &run);
+        fs::remove_file(run.join(name)).expect("removed");
+        std::os::unix::fs::symlink("/dev/zero", run.join(name)).expect("a link");
+        let run = run.to_str().expect("UTF-8").to_owned();
+        let command = pluvia(&["export", &run, "--format", "csv"], &folder.path().join("out"));
+        let output = ended(command, name);
+        refused(&output, &[4], &[name, "only regular files are read"], name);
+    }
+}
+
+/// Law: a specimen that speaks of grains that are not there is refused with the field,
+/// by whatever reads it.
+#[test]
+fn a_specimen_of_other_grains_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    type Change = fn(&mut Value);
+    let changes: [(&str, Change); 2] = [
+        ("bodies", |state| {
+            let bodies = state["bodies"].as_array_mut().expect("a list");
+            bodies.extend(bodies.clone());
+        }),
+        ("fixed_grains[0].grain", |state| {
+            let pose = state["bodies"][0]["pose"].clone();
+            state["base"] = json!({
+                "radius": 0.1, "friction": null,
+                "fixed_grains": [{ "grain": 1_000_000, "pose": pose }]
+            });
+        }),
+    ];
+    for (n, (field, change)) in changes.into_iter().enumerate() {
+        let run = folder.path().join(n.to_string());
+        copy(small_run(), &run);
+        let path = run.join("specimen.json");
+        let text = fs::read(&path).expect("a specimen");
+        let mut state: Value = serde_json::from_slice(&text).expect("JSON");
+        change(&mut state);
+        fs::write(&path, state.to_string()).expect("written");
+        // As if it had been written so.
+        let manifest = run.join("manifest.json");
+        let text = fs::read(&manifest).expect("a manifest");
+        let mut content: Value = serde_json::from_slice(&text).expect("JSON");
+        content["files_sha256"].as_object_mut().expect("hashes").remove("specimen.json");
+        fs::write(&manifest, content.to_string()).expect("written");
+        for format in ["vtk", "obj", "glb", "csv"] {
+            let run = run.to_str().expect("UTF-8");
+            let out = folder.path().join("out");
+            let output = ended(pluvia(&["export", run, "--format", format], &out), field);
+            // Formats of the whole run read the stages, which are as they were.
+            if output.status.code() != Some(0) {
+                refused(&output, &[4], &["specimen.json", field], field);
+            } else {
+                assert!(matches!(format, "vtk" | "glb"), "law: {format} refuses `{field}`");
+            }
+        }
+    }
+}
+
+/// Law: a system that gives no threads is told as such, at once.
+#[test]
+fn without_threads_one_message_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let run = ["run", scenario.to_str().expect("UTF-8")];
+    let mut command = pluvia(&run, &folder.path().join("out"));
+    // A stack for which there is no room: no thread of Rust's starts.
+    command.env("RUST_MIN_STACK", (1_u64 << 46).to_string());
+    let output = ended(command, "a run without threads");
+    refused(&output, &[3], &["no thread could be started"], "a run without threads");
+}
+
+/// Law: more threads or jobs than there are cores are as many as the cores, with one warning
+/// each; where the engine gets no threads of its own it computes on one. The bits are the same.
+#[test]
+fn threads_that_are_not_there_change_no_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let program = env!("CARGO_BIN_EXE_pluvia");
+    let run = |name: &str, limit: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let mut command = Command::new("bash");
+        command.arg("-c").arg(format!("{limit} exec \"$0\" \"$@\"")).arg(program);
+        command.arg("run").arg(&scenario).arg("--out").arg(&out).args(more);
+        let output = ended(command, name);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(0), "law: {name} is carried out: {said}");
+        (out, said)
+    };
+    let (plain, _) = run("plain", "", &["--jobs", "1"]);
+    let (many, said) =
+        run("many", "", &["--jobs", "1024", "--set", "engine.manifold.threads=1024"]);
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    if cores < 1024 {
+        for words in ["--jobs 1024 is more", "engine.manifold.threads = 1024 is more"] {
+            assert_eq!(said.matches(words).count(), 1, "law: one warning, got: {said}");
+        }
+    }
+    let assert_same = |other: &Path, what: &str| {
+        for name in ["specimen.json", "series.csv", "grains.csv"] {
+            let read = |out: &Path| fs::read(out.join(name)).expect("a file");
+            assert!(read(&plain) == read(other), "law: {what}: the same bytes of {name}");
+        }
+    };
+    assert_same(&many, "as many threads as there are cores");
+    // The engine's threads have stacks as large as the limit says, for which there is no room.
+    let stack = "ulimit -Ss 137438953472 &&";
+    let (alone, _) = run("alone", stack, &["--set", "engine.manifold.threads=2"]);
+    assert_same(&alone, "no threads of the engine's own");
+}
+
+/// Law: a request to stop ends a process within seconds, also where no stage is being computed
+/// that looks for it.
+#[test]
+fn a_request_to_stop_ends_what_does_not_look_for_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("many.json");
+    // Cutting and sieving so many grains takes minutes.
+    let many = json!({
+        "name": "many",
+        "grains": {
+            "total_mass_g": 500_000, "density_kg_per_m3": 2673.9,
+            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+        },
+        "apparatus": {
+            "cylinder": { "inner_diameter_mm": 1500, "height_mm": 1500 },
+            "funnel": { "opening_diameter_mm": 900, "top_diameter_mm": 1400 }
+        },
+        "stages": [{ "stage": "fill_funnel" }]
+    });
+    fs::write(&path, many.to_string()).expect("written");
+    let out = folder.path().join("out");
+    let mut command = pluvia(&["run", path.to_str().expect("UTF-8")], &out);
+    let mut child = command.stderr(Stdio::null()).spawn().expect("it starts");
+    let begun = Instant::now();
+    while !out.exists() {
+        assert!(begun.elapsed() < SOON, "law: the folder is there soon");
+        thread::sleep(Duration::from_millis(5));
+    }
+    let sent = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+    assert!(sent.is_ok_and(|s| s.success()), "the signal is sent");
+    let begun = Instant::now();
+    while child.try_wait().expect("its state").is_none() {
+        if begun.elapsed() > Duration::from_secs(40) {
+            child.kill().expect("killed");
+            panic!("law: it ends 7 s after a request to stop, got nothing in 40 s");
+        }
+        thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// Law: a run that misses the accuracy standard, or whose guards found something, cannot be
+/// read as valid: the last line says so, and so does the summary.
+#[test]
+fn the_last_line_of_a_run_that_is_not_valid_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut scenario: Value =
+        serde_json::from_slice(&fs::read(write_scenario(folder.path())).expect("a scenario"))
+            .expect("JSON");
+    // Creep is not measured then, which the standard asks for.
+    scenario["control_s"] = json!(0);
+    let path = folder.path().join("unmeasured.json");
+    fs::write(&path, scenario.to_string()).expect("written");
+    let out = folder.path().join("out");
+    let mut command = pluvia(&["run", path.to_str().expect("UTF-8")], &out);
+    let output = command.output().expect("it starts");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let last = said.lines().last().unwrap_or_default();
+    assert!(last.contains("NOT VALID") && last.contains("standard"), "law: got `{last}`");
+    let summary = fs::read(out.join("summary.json")).expect("a summary");
+    let summary: Value = serde_json::from_slice(&summary).expect("JSON");
+    assert_eq!(summary["meets_standard"], json!(false), "law: the summary says so, too");
+}
