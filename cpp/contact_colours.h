@@ -51,8 +51,10 @@ class Colours {
     // Whether a body that moves has pairs.
     bool touched(int body) const { return used_[static_cast<std::size_t>(body)] != 0; }
 
+    static constexpr std::size_t MOST = 64; // colours
+
   private:
-    static constexpr std::size_t LAST = 63;
+    static constexpr std::size_t LAST = MOST - 1;
 
     std::vector<std::uint64_t> used_;  // by body: colours that it has
     std::vector<std::uint8_t> colour_; // by pair

@@ -20,11 +20,11 @@ template <class L> class Sequence {
 
     // Over listed packs or bodies; over all of `size` where the list is null.
     void packs(Phase phase, const int *list, std::size_t size) {
-        add(phase, list, size, PACKS_AT_ONCE);
+        add(phase, list, size, size, PACKS_AT_ONCE);
     }
     void packs(Phase phase) { packs(phase, nullptr, p_.all.packs.size()); }
     void bodies(Phase phase, const int *list, std::size_t size) {
-        add(phase, list, size, BODIES_AT_ONCE);
+        add(phase, list, size, size, BODIES_AT_ONCE);
     }
     void bodies(Phase phase) { bodies(phase, nullptr, p_.bodies.motion.size()); }
 
@@ -34,7 +34,7 @@ template <class L> class Sequence {
         for (std::size_t k = 0; k < count; ++k) {
             const std::size_t c = back ? count - 1 - k : k;
             const auto size = static_cast<std::size_t>(turn.begin[c + 1] - turn.begin[c]);
-            add(phase, turn.packs.data() + turn.begin[c], size,
+            add(phase, turn.packs.data() + turn.begin[c], size, size,
                 colours.in_order(c) ? size : PACKS_AT_ONCE);
         }
     }
@@ -43,8 +43,7 @@ template <class L> class Sequence {
     void change(Phase phase, const std::vector<int> &bodies) {
         const std::size_t blocks = (bodies.size() + BODY_BLOCK - 1) / BODY_BLOCK;
         p_.changes.resize(blocks);
-        add(phase, bodies.data(), blocks, BODIES_AT_ONCE / BODY_BLOCK);
-        steps_.back().listed = bodies.size();
+        add(phase, bodies.data(), bodies.size(), blocks, BODIES_AT_ONCE / BODY_BLOCK);
     }
 
     // Does all of it; then there is nothing left to do.
@@ -74,11 +73,15 @@ template <class L> class Sequence {
     std::vector<Step> steps_;
     std::vector<Share> shares_;
 
-    // `least`: that a thread takes.
-    void add(Phase phase, const int *list, std::size_t size, std::size_t least) {
+    // There, back, and what comes before and after.
+    static_assert(3 * Colours::MOST + 3 <= Workers::MOST_SHARES);
+
+    // `listed` are in the list, `size` things are done; `least` of them a thread takes.
+    void add(Phase phase, const int *list, std::size_t listed, std::size_t size,
+             std::size_t least) {
         if (size > 0) {
             const auto threads = static_cast<std::size_t>(workers_.count());
-            steps_.push_back({phase, list, size});
+            steps_.push_back({phase, list, listed});
             shares_.push_back({size, std::max(least, (size + threads - 1) / threads)});
         }
     }

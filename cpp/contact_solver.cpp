@@ -50,8 +50,7 @@ ContactSolver::ContactSolver(const std::vector<Touching> &touching, const Contac
                              Sweep sweep, bool gyroscopic, Workers &workers)
     : touching_(touching), law_(law), sweep_(sweep), gyroscopic_(gyroscopic), workers_(workers) {}
 
-void ContactSolver::solve(const btCollisionObjectArray &bodies, double step) {
-    sort_bodies(bodies);
+void ContactSolver::solve(double step) {
     const int free = static_cast<int>(moving_.size());
     take_bodies(step);
     take_pairs(step);
@@ -114,11 +113,6 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
             static_cast<int>(moving_.size() + 1 + i);
     }
     sorted_ = true;
-}
-
-const std::vector<btRigidBody *> &ContactSolver::driven(const btCollisionObjectArray &bodies) {
-    sort_bodies(bodies);
-    return driving_;
 }
 
 // Free bodies in the order of places along the axis along which they are spread most.

@@ -26,17 +26,19 @@ class ContactSolver {
     ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law, Sweep sweep,
                   bool gyroscopic, Workers &workers);
 
-    // To be called once a step with all bodies of the world.
-    void solve(const btCollisionObjectArray &bodies, double step);
+    // To be called at the beginning of a step with all bodies of the world.
+    void sort_bodies(const btCollisionObjectArray &bodies);
+    // Those that are driven.
+    const std::vector<btRigidBody *> &driven() const { return driving_; }
+
+    // To be called once a step.
+    void solve(double step);
 
     // Moves the bodies by what was found.
     void move_bodies(double step);
 
     // To be called when a body came or went.
     void bodies_changed();
-
-    // The driven ones among all bodies of the world.
-    const std::vector<btRigidBody *> &driven(const btCollisionObjectArray &bodies);
 
     // How a body was driven before the first step of its world, by its number.
     void recall_drive(int number, const Drive &drive) { drives_[number] = drive; }
@@ -77,7 +79,6 @@ class ContactSolver {
     double residual_ = 0;
     SubstepRecord recorded_;
 
-    void sort_bodies(const btCollisionObjectArray &bodies);
     void sort_places();
     void take_bodies(double step);
     void take_pairs(double step);

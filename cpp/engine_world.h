@@ -40,7 +40,7 @@ class Stopwatch {
 };
 
 // Either `StockWorld`, Bullet as it comes, or `NativeWorld`, whose steps are
-// Pluvia's own. What has a body here is what only one of them does.
+// Pluvia's own. What does nothing here is what only one of them does.
 class EngineWorld : public btDiscreteDynamicsWorld {
   public:
     using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
@@ -64,7 +64,7 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     virtual void read_contacts(rust::Vec<ContactRead> &out) const = 0;
     // Of a pair that touches.
     virtual PairValue pair_value(const btRigidBody &a, const btRigidBody &b) const = 0;
-    // What one of them alone has been set.
+    // As it was set, beside what both have.
     virtual void read_settings(ReadBack &out) const = 0;
 
     // How a body was driven before, by its poses at the ends of three steps.

@@ -23,11 +23,8 @@ constexpr std::size_t PAIRS_AT_ONCE = 64;
 
 } // namespace
 
-void *HullPairs::allocateCollisionAlgorithm(int size) {
-    if (size < 0 || static_cast<std::size_t>(size) > room_.size()) {
-        throw std::logic_error("a pair that is not one of hulls");
-    }
-    return room_.take();
+void *HullPairs::allocateCollisionAlgorithm(int) {
+    throw std::logic_error("Bullet finds a contact where Pluvia does");
 }
 
 HullSearch::HullSearch(HullCollision &collision, HullPairs &pairs, Workers &workers)
@@ -56,10 +53,9 @@ void HullSearch::take(btBroadphasePair &pair) {
     const HullBody &body_a = bodies.body(a);
     const HullBody &body_b = bodies.body(b);
     if (algorithm == nullptr) {
-        void *room = pairs_.allocateCollisionAlgorithm(sizeof(HullAlgorithm));
         const PairValue &value =
             collision_.materials->of(body_a.object->getUserIndex(), body_b.object->getUserIndex());
-        algorithm = new (room) HullAlgorithm(collision_, value, a, b);
+        algorithm = new (pairs_.room()) HullAlgorithm(collision_, value, a, b);
         pair.m_algorithm = algorithm;
     }
     work_.push_back({algorithm, &body_a, &body_b, travelled, 0});
@@ -98,7 +94,6 @@ void HullSearch::find(btOverlappingPairCache &pairs) {
                            work.points = work.algorithm->points();
                        }
                    });
-    collision_.touching.clear();
     for (const Work &work : work_) {
         if (work.points > 0) {
             collision_.touching.push_back({&work.algorithm->state(), work.a, work.b, work.points});

@@ -19,6 +19,7 @@ class HullPairs final : public btCollisionDispatcher {
   public:
     using btCollisionDispatcher::btCollisionDispatcher;
 
+    void *room() { return room_.take(); }
     void *allocateCollisionAlgorithm(int size) override;
     void freeCollisionAlgorithm(void *algorithm) override { room_.give_back(algorithm); }
 

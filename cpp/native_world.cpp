@@ -58,27 +58,31 @@ void NativeWorld::remove(btRigidBody &body) {
     if (followed_ == &body) {
         follow(nullptr);
     }
-    driven_.erase(std::remove_if(driven_.begin(), driven_.end(),
+    drives_.erase(std::remove_if(drives_.begin(), drives_.end(),
                                  [&body](const Driven &driven) { return driven.body == &body; }),
-                  driven_.end());
+                  drives_.end());
 }
 
 void NativeWorld::drive(btRigidBody &body, const btTransform &end) {
-    driven_.push_back({&body, end});
+    drives_.push_back({&body, end});
 }
 
 void NativeWorld::step(btScalar length) {
     double outside = 0;
     const Stopwatch watch(phases_.integration, outside);
+    // A step that fails leaves none for the next.
+    driven_.swap(drives_);
+    drives_.clear();
     if (followed_ == nullptr && !driven_.empty()) {
         follow(driven_.front().body);
     }
+    solver_.sort_bodies(getCollisionObjectArray());
     begin_drives(length);
     damp(length);
-    find_contacts();
+    search();
     {
         const Stopwatch solving(phases_.solver, phases_.integration);
-        solver_.solve(getCollisionObjectArray(), static_cast<double>(length));
+        solver_.solve(static_cast<double>(length));
     }
     solver_.move_bodies(static_cast<double>(length));
     end_drives();
@@ -86,18 +90,27 @@ void NativeWorld::step(btScalar length) {
 }
 
 void NativeWorld::find_contacts() {
+    double outside = 0;
+    const Stopwatch watch(phases_.integration, outside);
+    search();
+}
+
+void NativeWorld::search() {
     const Stopwatch watch(phases_.collision, phases_.integration);
+    // Bodies and pairs move in memory: should the search fail, nobody may look there.
+    collision_.touching.clear();
     {
         const Stopwatch boxing(phases_.broadphase, phases_.collision);
         renew_boxes();
         computeOverlappingPairs();
+        boxes.m_deferedcollide = false; // boxes that are added meet others at once
     }
     search_.find(*getPairCache());
 }
 
 // Bodies that are not driven in the step stand still in it.
 void NativeWorld::begin_drives(btScalar step) {
-    for (btRigidBody *body : solver_.driven(getCollisionObjectArray())) {
+    for (btRigidBody *body : solver_.driven()) {
         body->setLinearVelocity(btVector3(0, 0, 0));
         body->setAngularVelocity(btVector3(0, 0, 0));
     }
@@ -193,7 +206,6 @@ PairValue NativeWorld::pair_value(const btRigidBody &a, const btRigidBody &b) co
 
 void NativeWorld::read_settings(ReadBack &out) const {
     const auto metres = [this](double length) { return length / units_.scale(); };
-    out.put("relative_contact_threshold", 0);
     out.put("manifold_reach_m", metres(collision_.settings.reach));
     out.put("manifold_hysteresis_m", metres(collision_.settings.hysteresis));
     out.put("manifold_face_preference_m", metres(collision_.settings.face_preference));

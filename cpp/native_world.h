@@ -24,9 +24,11 @@ struct NativeParts {
 };
 
 // Bullet has the bodies, their shapes and the tree of their boxes, which finds the
-// pairs that may touch. The step is Pluvia's own and calls nothing else of Bullet's:
-// its contacts have no memory of what touched, its solver sees one point at a time
-// and one pass over all bodies follows the other.
+// pairs that may touch. The step is Pluvia's own, and takes nothing of Bullet's but
+// how a body is damped and moved: Bullet's contacts have no memory of what touched,
+// its solver sees one point at a time, and its step goes over all bodies nine times.
+//
+// Bodies come and go by `add` and `remove` alone.
 //
 // The boxes are larger than the bodies, so that a body takes a new one only when
 // it has left the old, and they are counted from a place that moves along with
@@ -79,13 +81,14 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     Workers workers_;
     HullSearch search_;
     ContactSolver solver_;
-    std::vector<Driven> driven_; // in the next step
+    std::vector<Driven> driven_, drives_; // in this step; in the next
     const btRigidBody *followed_ = nullptr;
     btVector3 start_{0, 0, 0}; // where the place would be had the body not moved from the origin
 
     btVector3 place() const;
     // The body that boxes move along with from now on; null for none.
     void follow(const btRigidBody *body);
+    void search();
     void renew_boxes();
     void begin_drives(btScalar step);
     void end_drives();

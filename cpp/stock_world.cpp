@@ -117,6 +117,12 @@ void StockWorld::step(btScalar length) {
     stepSimulation(length, 0, length);
 }
 
+void StockWorld::find_contacts() {
+    double outside = 0;
+    const Stopwatch watch(phases_.integration, outside);
+    performDiscreteCollisionDetection();
+}
+
 void StockWorld::read_contacts(rust::Vec<ContactRead> &out) const {
     for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
         const btPersistentManifold *manifold =

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <stdexcept>
-#include <system_error>
+#include <utility>
 
 namespace pluvia {
 
@@ -64,9 +63,10 @@ Workers::Workers(int count) : stretches_(new Stretch[static_cast<std::size_t>(co
         for (int worker = 1; worker < count; ++worker) {
             threads_.emplace_back([this, worker] { work(worker); });
         }
-    } catch (const std::system_error &) {
+    } catch (...) {
         // The system gives no more threads: those that there are share the work.
     }
+    parts_.resize(threads_.size() + 1);
 }
 
 Workers::~Workers() {
@@ -114,26 +114,23 @@ bool Workers::take_part(int worker, std::uint64_t number, std::size_t of, std::s
 // A worker sees a job by the first ticket of its own stretch, which is therefore written last;
 // and its end by a ticket with another number.
 void Workers::publish(const Job &job) {
-    if (job.count > MOST_SHARES) {
-        throw std::logic_error("a job with too many shares");
-    }
     job_ = job;
     failed_ = false;
     number_ = (number_ + 1) & LEFT;
     const auto count = static_cast<std::size_t>(this->count());
     for (std::size_t k = job.count; k-- > 0;) {
         const Share &share = job.shares[k];
-        const auto parts = [&](std::size_t i) {
-            const std::size_t own = before(share, i + 1, count) - before(share, i, count);
-            return (own + share.length - 1) / share.length;
-        };
         std::uint64_t all = 0;
+        std::size_t begin = 0;
         for (std::size_t i = 0; i < count; ++i) {
-            all += parts(i);
+            const std::size_t end = before(share, i + 1, count);
+            parts_[i] = (end - begin + share.length - 1) / share.length;
+            all += parts_[i];
+            begin = end;
         }
         open_[k].store(number_ << 32 | all, std::memory_order_release);
         for (std::size_t i = 0; i < count; ++i) {
-            stretches_[i].tickets[k].store(number_ << 32 | parts(i),
+            stretches_[i].tickets[k].store(number_ << 32 | parts_[i],
                                            k > 0 ? std::memory_order_release
                                                  : std::memory_order_seq_cst);
         }
@@ -153,7 +150,7 @@ void Workers::run(const Job &job) {
         wait_until([&] { return (open_[k].load() & LEFT) == 0; });
     }
     if (failed_) {
-        std::rethrow_exception(error_);
+        std::rethrow_exception(std::exchange(error_, nullptr));
     }
 }
 

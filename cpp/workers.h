@@ -9,6 +9,7 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -41,6 +42,9 @@ class Workers {
     // that is late: where processors are shared, a worker may not run for milliseconds.
     // What a part throws is thrown here, once all that began are over; of several, one.
     template <class Part> void share(const Share *shares, std::size_t count, const Part &part) {
+        if (count > MOST_SHARES) {
+            throw std::logic_error("a job with too many shares");
+        }
         bool alone = true;
         for (std::size_t k = 0; k < count; ++k) {
             alone = alone && shares[k].size <= shares[k].length;
@@ -94,7 +98,8 @@ class Workers {
     std::atomic<int> asleep_{0};
     std::atomic<bool> closing_{false};
     std::atomic<bool> failed_{false};
-    std::exception_ptr error_; // of the first part that failed
+    std::exception_ptr error_;         // of the first part that failed
+    std::vector<std::uint64_t> parts_; // by stretch, while a job is published
     std::vector<std::thread> threads_;
 
     void run(const Job &job);

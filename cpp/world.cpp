@@ -109,9 +109,10 @@ std::uint32_t BulletWorld::add_body(const BodyDefinition &definition) {
     auto &shape = impl_->shapes[definition.shape];
     const int id = static_cast<int>(impl_->bodies.size());
     const BodyDefinition applied = impl_->world->applied(definition, *shape);
+    impl_->materials.bodies.resize(impl_->bodies.size() + 1);
+    impl_->materials.bodies.back() = definition.material;
     impl_->bodies.push_back(
         make_body(impl_->units, applied, id, shape.get(), impl_->body_settings, impl_->body_pool));
-    impl_->materials.bodies.push_back(definition.material);
     impl_->world->add(*impl_->bodies.back(), definition.kind);
     return static_cast<std::uint32_t>(id);
 }

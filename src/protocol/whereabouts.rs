@@ -65,6 +65,13 @@ impl Whereabouts {
         self.floor - self.fall_below
     }
 
+    /// Height in m from which what is outside at a height `z` has fallen at least.
+    pub(super) fn rim(&self, z: f64) -> f64 {
+        let cylinder = self.cylinder.map(|(_, height)| height - self.rim_zone);
+        let funnel = self.funnel.as_ref().map(|f| f.top_height);
+        cylinder.filter(|rim| z < *rim).or(funnel).unwrap_or(0.0)
+    }
+
     /// Notes where a grain is now; tells what became of it when it has left
     /// for good. `x` is the table's displacement in m.
     pub(super) fn note(&mut self, grain: usize, position: &Vector, x: f64) -> Fate {

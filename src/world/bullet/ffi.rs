@@ -52,7 +52,7 @@ mod bridge {
         solver_mode: i32,
         /// In m.
         contact_threshold: f64,
-        /// Growth of the broadphase's leaves in m.
+        /// Growth of the broadphase's leaves in m, of stock worlds.
         broadphase_margin: f64,
         tolerances: Tolerances,
         error_reduction: f64,

@@ -123,16 +123,14 @@ impl BulletBackend {
         let held = self.effective();
         let single = constants::PLUVIA_SCALAR_BYTES == 4;
         let tolerance = if single { 1e-6 } else { 1e-12 };
-        // One variable of Bullet's holds whichever of the two is used; our own contacts have none.
-        let threshold = match (d.own_collision, d.relative_contact_threshold > 0.0) {
-            (true, _) => ("relative_contact_threshold", 0.0),
-            (false, true) => ("relative_contact_threshold", d.relative_contact_threshold),
-            (false, false) => ("contact_breaking_threshold_m", d.contact_threshold),
-        };
-        // Its boxes alone stand off, by a slack of our own.
-        let margin = match d.own_collision {
-            true => ("box_slack_m", d.tolerances.box_slack),
-            false => ("broadphase_margin_m", d.broadphase_margin),
+        // One variable of Bullet's holds whichever of the two thresholds is used; a native
+        // world has none, and boxes that stand off in place of the tree's margin.
+        let margin = ("broadphase_margin_m", d.broadphase_margin);
+        let reach = d.contact_threshold.min(d.tolerances.contact_margin);
+        let (threshold, margin) = match (d.own_collision, d.relative_contact_threshold > 0.0) {
+            (true, _) => (("manifold_reach_m", reach), ("box_slack_m", d.tolerances.box_slack)),
+            (false, true) => (("relative_contact_threshold", d.relative_contact_threshold), margin),
+            (false, false) => (("contact_breaking_threshold_m", d.contact_threshold), margin),
         };
         for (name, asked) in [
             ("time_step_s", d.time_step),
@@ -153,7 +151,7 @@ impl BulletBackend {
             if !good {
                 return Err(WorldError::BadSetting {
                     setting: name.into(),
-                    reason: format!("asked for {asked}, Bullet holds {kept:?}"),
+                    reason: format!("asked for {asked}, the engine holds {kept:?}"),
                 });
             }
         }

@@ -176,6 +176,16 @@ fn worlds_that_cannot_be_come_back_as_errors() {
 }
 
 #[test]
+fn native_worlds_live_beside_any_stock_world() {
+    let _turn = exclusive_turn();
+    let other = |path| made(path, |d| d.broadphase_margin *= 2.0, 9);
+    for paths in [PATHS, [PATHS[1], PATHS[0]]] {
+        let _first = bare(paths[0]);
+        assert!(other(paths[1]).is_ok(), "law: beside {:?} one of {:?} lives", paths[0], paths[1]);
+    }
+}
+
+#[test]
 fn contacts_of_no_body_are_left_aside() {
     let _turn = shared_turn();
     let mut world = BulletBackend::new(
