@@ -310,6 +310,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
             plate_drop_mm: None,
         }),
         meets_standard: !bad,
+        valid: !bad,
         guards: None,
         solver_residual: None,
         kinetic_energy_j: 1e-7,

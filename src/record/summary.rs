@@ -91,6 +91,10 @@ pub struct Summary {
     pub control: Option<Control>,
     /// Whether overlap and creep meet the accuracy standard (docs/accuracy.md).
     pub meets_standard: bool,
+    /// Whether the standard is met and no run-time check found anything; false
+    /// where the summary is of before this was recorded.
+    #[serde(default)]
+    pub valid: bool,
     /// What was watched while it went on; none where the run is of before this
     /// was recorded.
     #[serde(default)]
@@ -116,7 +120,13 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Why the run is not valid, for a reader; none where it is.
+    /// The same with `valid` as the accuracy standard and the run-time checks have it.
+    #[must_use]
+    pub fn judged(self) -> Self {
+        Self { valid: self.why_not_valid().is_none(), ..self }
+    }
+
+    /// Why the run is not valid, for a reader; none where it is. `valid` says whether it is.
     pub fn why_not_valid(&self) -> Option<String> {
         let standard =
             (!self.meets_standard).then(|| "the accuracy standard is not met".to_owned());
@@ -266,7 +276,64 @@ pub struct Control {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::{Value, json};
+
     use super::*;
+
+    /// A summary by the two things that decide whether it is valid.
+    fn summary(meets_standard: bool, passed: Option<bool>) -> Summary {
+        let guard = |passed: Option<bool>| {
+            json!({ "watches": "w", "unit": "u", "looks": 1, "worst": 1.0, "limit": 1.0,
+                "worst_at_s": null, "first_beyond_s": null, "passed": passed })
+        };
+        let mut guards = json!({ "passed": passed });
+        for name in
+            ["finite", "lost", "through_walls", "speed", "overlap_mean", "overlap_p99", "creep"]
+        {
+            guards[name] = guard(Some(true));
+        }
+        guards["energy"] = guard(passed);
+        let value: Value = json!({
+            "scenario": "s", "backend": { "name": "b", "version": "1", "precision": "double" },
+            "contact_path": "p", "seed": 1, "configuration": 1, "falling_height_mm": null,
+            "grains": { "count": 1, "mass_g": 1.0, "solids_volume_cm3": 1.0, "in_cylinder": 1,
+                "mass_in_cylinder_g": 1.0, "escaped": 0, "spilled": 0, "left_in_funnel": 0 },
+            "standing_height_mm": { "mean_surface": 1.0, "p95": 1.0, "highest": 1.0 },
+            "poured_height_mm": null, "void_ratio": null, "poured_void_ratio": null,
+            "porosity": null, "settlement_mm": null, "surface_settlement_mm": null,
+            "overlap": { "pairs": 0, "mean_percent": 0.0, "p99_percent": 0.0,
+                "max_percent": 0.0, "max_mm": 0.0 },
+            "coordination_number": 0.0, "creep_um_per_s": null, "control": null,
+            "meets_standard": meets_standard, "guards": guards, "kinetic_energy_j": 0.0,
+            "simulated_s": 1.0, "steps": 1, "wall_s": 1.0, "engine_s": 1.0,
+            "peak_memory_mib": 1.0, "warnings": [],
+        });
+        serde_json::from_value(value).expect("a summary without `valid` is read")
+    }
+
+    /// Law: a run is valid exactly where the standard is met and no check found anything.
+    #[test]
+    fn a_run_is_valid_where_the_standard_is_met_and_no_check_found_anything() {
+        for (meets, passed, reasons) in [
+            (true, Some(true), &[][..]),
+            (true, None, &[]),
+            (false, Some(true), &["standard"]),
+            (true, Some(false), &["energy"]),
+            (false, Some(false), &["standard", "energy"]),
+        ] {
+            let read = summary(meets, passed);
+            assert!(!read.valid, "law: what does not say that it is valid is not");
+            let why = read.why_not_valid();
+            let got = read.judged();
+            let case = format!("standard met: {meets}, checks passed: {passed:?}");
+            assert_eq!(got.valid, reasons.is_empty(), "law: {case}, got {why:?}");
+            assert_eq!(why.is_none(), reasons.is_empty(), "law: {case}, got {why:?}");
+            let why = why.unwrap_or_default();
+            assert!(reasons.iter().all(|r| why.contains(r)), "law: {case}, got `{why}`");
+            let written = serde_json::to_value(&got).expect("JSON");
+            assert_eq!(written["valid"], json!(got.valid), "law: summary.json says so");
+        }
+    }
 
     #[test]
     fn residuals_are_ranked() {

@@ -62,6 +62,8 @@ pub struct RunRow {
     pub creep_um_per_s: Option<f64>,
     /// Whether overlap and creep meet the accuracy standard.
     pub meets_standard: Option<bool>,
+    /// Whether the standard is met and no run-time check found anything.
+    pub valid: Option<bool>,
     /// Wall time over simulated time.
     pub wall_s_per_simulated_s: Option<f64>,
     /// Simulated time in s, control included.
@@ -115,6 +117,7 @@ impl RunRow {
             overlap_p99_percent: None,
             creep_um_per_s: None,
             meets_standard: None,
+            valid: None,
             wall_s_per_simulated_s: None,
             simulated_s: None,
             steps: None,
@@ -139,6 +142,7 @@ impl RunRow {
             overlap_p99_percent: Some(s.overlap.p99_percent),
             creep_um_per_s: s.creep_um_per_s,
             meets_standard: Some(s.meets_standard),
+            valid: Some(s.valid),
             wall_s_per_simulated_s: (s.simulated_s > 0.0).then_some(s.wall_s / s.simulated_s),
             simulated_s: Some(s.simulated_s),
             steps: Some(s.steps),
@@ -207,6 +211,8 @@ pub struct VariationRow {
     pub failed: usize,
     /// How many of them meet the accuracy standard for overlap and creep.
     pub meeting_standard: usize,
+    /// How many of them are valid: they meet it, and no run-time check found anything.
+    pub valid: usize,
     /// Grains that are not in the cylinder at the end.
     pub grains_outside: Option<Estimate>,
     /// Height of the mean surface after pouring in mm.
@@ -271,6 +277,7 @@ impl VariationRow {
             runs: runs.len(),
             failed: runs.iter().filter(|r| r.failure.is_some()).count(),
             meeting_standard: runs.iter().filter(|r| r.meets_standard == Some(true)).count(),
+            valid: runs.iter().filter(|r| r.valid == Some(true)).count(),
             grains_outside: mean(&|r| r.grains_outside.map(|g| g as f64)),
             poured_height_mm: mean(&|r| r.poured_height_mm),
             void_ratio: mean(&|r| r.void_ratio),
@@ -311,7 +318,7 @@ fn cell(value: Option<f64>) -> String {
 /// # Errors
 /// The writer's; writing to memory does not fail.
 pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
-    const SETTINGS: [&str; 14] = [
+    const SETTINGS: [&str; 15] = [
         "variation",
         "group",
         "changes",
@@ -326,6 +333,7 @@ pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
         "runs",
         "failed",
         "meeting_standard",
+        "valid",
     ];
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (index, row) in rows.iter().enumerate() {
@@ -351,6 +359,7 @@ pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
             row.runs.to_string(),
             row.failed.to_string(),
             row.meeting_standard.to_string(),
+            row.valid.to_string(),
         ];
         let values = means.iter().flat_map(|(_, estimate)| {
             [cell(estimate.map(|e| e.mean)), cell(estimate.and_then(|e| e.standard_error))]
@@ -405,6 +414,32 @@ mod tests {
         assert_eq!(creep, 1.0, "law: -1 and 1 µm/s are a creep of 1, not of 0");
         let none = VariationRow::of(&[row("c", 1, None)]);
         assert_eq!(none[0].poured_height_mm, None, "nothing ran, nothing is made up");
+    }
+
+    #[test]
+    fn runs_that_are_not_valid_are_counted_apart_from_those_below_the_standard() {
+        let judged = |configuration, meets, valid| RunRow {
+            meets_standard: Some(meets),
+            valid: Some(valid),
+            ..row("a", configuration, Some(160.0))
+        };
+        let runs = [
+            judged(1, true, true),
+            judged(2, true, false),
+            judged(3, false, false),
+            row("a", 4, None),
+        ];
+        let rows = VariationRow::of(&runs);
+        assert_eq!((rows[0].meeting_standard, rows[0].valid), (2, 1), "law: each by itself");
+        let text = variation_runs_csv(&runs).expect("written");
+        let mut reader = csv::Reader::from_reader(&text[..]);
+        let back: Vec<RunRow> = reader.deserialize().map(|r| r.expect("a row")).collect();
+        let valid: Vec<Option<bool>> = back.iter().map(|r| r.valid).collect();
+        assert_eq!(valid, [Some(true), Some(false), Some(false), None], "law: a column `valid`");
+        let mut older = serde_json::to_value(&runs[0]).expect("JSON");
+        older.as_object_mut().expect("an object").remove("valid");
+        let older: RunRow = serde_json::from_value(older).expect("rows without it are read");
+        assert_eq!(older.valid, None, "law: nothing is made up of rows from before");
     }
 
     #[test]

@@ -76,6 +76,9 @@ pub struct SweepRun {
     pub outcomes: BTreeMap<String, f64>,
     /// Whether overlap and creep meet the accuracy standard; none without result.
     pub meets_standard: Option<bool>,
+    /// Whether the standard is met and no run-time check found anything; none
+    /// without result.
+    pub valid: Option<bool>,
     /// Why it has no result.
     pub failure: Option<String>,
 }
@@ -126,6 +129,8 @@ pub struct SweepPoint {
     pub values: Vec<Value>,
     /// Runs with a result.
     pub runs: usize,
+    /// How many of them are valid: all count in the means.
+    pub valid: usize,
     /// Runs without.
     pub failed: usize,
     /// Results by their path in `summary.json`.
@@ -198,14 +203,15 @@ fn table(of: &Sweep) -> Result<Vec<u8>, csv::Error> {
     let mut header = vec!["run", "point", "configuration"];
     header.extend(of.factors.iter().map(|f| f.path.as_str()));
     header.extend(results());
-    header.extend(["meets_standard", "failure"]);
+    header.extend(["meets_standard", "valid", "failure"]);
     writer.write_record(&header)?;
     for run in &of.runs {
         let mut row = vec![run.run.clone(), run.point.clone(), run.configuration.to_string()];
         row.extend(run.values.iter().map(shown));
         let number = |path: &str| run.outcomes.get(path).map_or(String::new(), f64::to_string);
         row.extend(results().map(number));
-        row.push(run.meets_standard.map_or(String::new(), |m| m.to_string()));
+        let stated = |answer: Option<bool>| answer.map_or(String::new(), |a| a.to_string());
+        row.extend([stated(run.meets_standard), stated(run.valid)]);
         row.push(run.failure.clone().unwrap_or_default());
         writer.write_record(&row)?;
     }
@@ -247,4 +253,91 @@ pub fn write_sweep(out: &Path, of: &Sweep) -> Result<(), ReportError> {
     write_file(&out.join("sweep.md"), page.markdown().as_bytes())?;
     write_file(&out.join("report.html"), page.html(&figures).as_bytes())?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sweep of one point in four configurations: valid, below the standard,
+    /// with a check that found something, and failed.
+    fn sweep() -> Sweep {
+        let states = [Some((true, true)), Some((false, false)), Some((true, false)), None];
+        let run = |(n, state): (u32, Option<(bool, bool)>)| SweepRun {
+            run: format!("point-0001-c{n}"),
+            point: "point-0001".into(),
+            configuration: n,
+            values: vec![1.into()],
+            outcomes: BTreeMap::new(),
+            meets_standard: state.map(|s| s.0),
+            valid: state.map(|s| s.1),
+            failure: state.is_none().then(|| "it blew up".to_owned()),
+        };
+        Sweep {
+            scenario: "s".into(),
+            design: "grid",
+            factors: vec![SweepFactor {
+                path: "seed".into(),
+                values: vec![1.into()],
+                sampled: false,
+                numeric: true,
+            }],
+            configurations: 4,
+            planned: 4,
+            runs: (1..).zip(states).map(run).collect(),
+            points: vec![SweepPoint {
+                point: "point-0001".into(),
+                values: vec![1.into()],
+                runs: 3,
+                valid: 1,
+                failed: 1,
+                outcomes: BTreeMap::new(),
+            }],
+            effects: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn the_table_says_of_every_run_whether_it_is_valid() {
+        let written = table(&sweep()).expect("written");
+        let mut reader = csv::Reader::from_reader(&written[..]);
+        let names = reader.headers().expect("names").clone();
+        let place = |name: &str| names.iter().position(|n| n == name).expect(name);
+        assert_eq!(place("valid"), place("meets_standard") + 1, "law: one beside the other");
+        let got: Vec<(String, String)> = reader
+            .records()
+            .map(|r| r.expect("a row"))
+            .map(|r| (r[place("meets_standard")].to_owned(), r[place("valid")].to_owned()))
+            .collect();
+        let expected = [("true", "true"), ("false", "false"), ("true", "false"), ("", "")];
+        let expected = expected.map(|(met, valid)| (met.to_owned(), valid.to_owned()));
+        assert_eq!(got, expected, "law: as each run has it; nothing of one without result");
+        let json = serde_json::to_value(sweep()).expect("JSON");
+        assert_eq!(json["runs"][2]["valid"], Value::Bool(false), "law: sweep.json says so, too");
+    }
+
+    #[test]
+    fn the_page_counts_runs_below_the_standard_and_those_whose_checks_found_something() {
+        let of = sweep();
+        let page = page(&of, &[]);
+        let text = page.markdown();
+        for said in [
+            "; 1 does not meet the accuracy standard for overlap and creep; in 1 that does a \
+             run-time check found something; not valid: 2 of 3.",
+            "| point | seed | runs | valid |",
+            "| point-0001 | 1 | 3, 1 failed | 1 |",
+        ] {
+            assert!(text.contains(said), "law: `{said}`, got:\n{text}");
+        }
+        let valid = Sweep {
+            runs: vec![of.runs[0].clone()],
+            points: vec![SweepPoint { runs: 1, failed: 0, ..of.points[0].clone() }],
+            planned: 1,
+            ..of
+        };
+        let page = super::page(&valid, &[]);
+        let lead = page.markdown().lines().nth(2).unwrap_or_default().to_owned();
+        assert!(lead.ends_with("1 of 1 runs have results."), "law: nothing to warn of, got {lead}");
+        assert!(page.html(&[]).contains("p class=\"lead\""), "law: no banner");
+    }
 }

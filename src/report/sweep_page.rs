@@ -33,6 +33,8 @@ const HOW_TO_READ: &str = "Every point is carried out in the same configurations
      as well. A change for one unit is the slope of a line through each configuration's own results, its mean and interval \
      over configurations; where values were drawn from ranges, it is the coefficient in a linear model of all of them. \
      The test by ranks (Page 1963) asks whether results rise or fall from value to value without asking for a line. \
+     A run is valid if it meets the accuracy standard and no run-time check found anything. What is not valid is no result to \
+     quote; means and effects include it all the same. \
      Configurations needed: so many would show a slope of this size among this scatter with a probability of 80 %.";
 
 /// Puts the page together.
@@ -50,7 +52,17 @@ pub(super) fn page(of: &Sweep, figures: &[Figure]) -> Page {
     }
     let below = of.runs.iter().filter(|r| r.meets_standard == Some(false)).count();
     if below > 0 {
-        let _ = write!(lead, "; {below} do not meet the accuracy standard for overlap and creep");
+        let do_not = if below == 1 { "does not" } else { "do not" };
+        let _ = write!(lead, "; {below} {do_not} meet the accuracy standard for overlap and creep");
+    }
+    let not_valid = of.runs.iter().filter(|r| r.valid == Some(false)).count();
+    let found = not_valid.saturating_sub(below);
+    if found > 0 {
+        let that_do = if found == 1 { "that does" } else { "that do" };
+        let _ = write!(lead, "; in {found} {that_do} a run-time check found something");
+    }
+    if not_valid > 0 {
+        let _ = write!(lead, "; not valid: {not_valid} of {done}");
     }
     lead.push('.');
     let mut tables = vec![effects(of), points(of)];
@@ -60,7 +72,7 @@ pub(super) fn page(of: &Sweep, figures: &[Figure]) -> Page {
     Page {
         title: format!("Sweep of {}", of.scenario),
         lead,
-        good: failed == 0,
+        good: failed == 0 && not_valid == 0,
         tables,
         figures: figures
             .iter()
@@ -126,13 +138,13 @@ fn points(of: &Sweep) -> Section {
         .collect();
     let mut header = texts(["point"]);
     header.extend(of.factors.iter().map(|f| f.path.clone()));
-    header.push("runs".to_owned());
+    header.extend(texts(["runs", "valid"]));
     header.extend(outcomes.iter().map(|(_, words)| (*words).to_owned()));
     let rows = of.points.iter().map(|p| {
         let mut row = vec![p.point.clone()];
         row.extend(p.values.iter().map(shown));
         let failed = if p.failed > 0 { format!(", {} failed", p.failed) } else { String::new() };
-        row.push(format!("{}{failed}", p.runs));
+        row.extend([format!("{}{failed}", p.runs), p.valid.to_string()]);
         row.extend(outcomes.iter().map(|(path, _)| estimate(p.outcomes.get(*path))));
         row
     });

@@ -172,6 +172,7 @@ pub fn summarise(
         creep_um_per_s: creep,
         control: control_figures,
         meets_standard,
+        valid: false,
         guards: Some(guards),
         solver_residual: SolverResidual::of(
             all.clone().flat_map(|s| s.record.solver_residuals.iter().copied()),
@@ -183,7 +184,8 @@ pub fn summarise(
         engine_s: all.map(|s| s.record.engine_s).sum(),
         peak_memory_mib: peak_memory_mib(),
         warnings,
-    };
+    }
+    .judged();
     let control = control.map_or_else(Vec::new, |c| c.series.clone());
     Ok(Summarised { summary, specimen, series, control })
 }

@@ -284,4 +284,5 @@ fn the_last_line_of_a_run_that_is_not_valid_says_so() {
     let summary = fs::read(out.join("summary.json")).expect("a summary");
     let summary: Value = serde_json::from_slice(&summary).expect("JSON");
     assert_eq!(summary["meets_standard"], json!(false), "law: the summary says so, too");
+    assert_eq!(summary["valid"], json!(false), "law: what misses the standard is not valid");
 }

@@ -49,8 +49,11 @@ fn a_sound_run_says_of_every_guard_that_it_looked_and_what_it_found() {
         for name in ["finite", "lost", "through_walls", "speed", "energy"] {
             assert_eq!(guards[name]["passed"], true, "law: {name}, got {}", guards[name]);
         }
+        let summary = summary(&out);
+        let valid = summary["meets_standard"] == true && passed;
+        assert_eq!(summary["valid"], Value::Bool(valid), "law: the standard met, nothing found");
         // Every 0.02 s of all that was simulated, control included.
-        let simulated = summary(&out)["simulated_s"].as_f64().expect("a time");
+        let simulated = summary["simulated_s"].as_f64().expect("a time");
         let checks = guards["finite"]["looks"].as_f64().expect("a count");
         let expected = simulated / 0.02;
         assert!(
@@ -70,6 +73,7 @@ fn contacts_that_sink_into_each_other_are_told_at_once_and_in_the_summary() {
     let (summary, told) = carried_out(folder.path(), &scenario);
     let guards = &summary["guards"];
     assert_eq!(guards["passed"], false, "law: Bullet's own contacts at 60 Hz fail, got {guards}");
+    assert_eq!(summary["valid"], false, "law: a run whose checks found something is not valid");
     let overlap = &guards["overlap_mean"];
     assert_eq!(overlap["passed"], false, "got {overlap}");
     assert!(overlap["worst"].as_f64() > overlap["limit"].as_f64(), "got {overlap}");

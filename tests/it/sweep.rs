@@ -59,6 +59,20 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
         .collect();
     assert!(heights[2] > heights[0], "law: more grains stand higher, got {heights:?}");
 
+    assert_eq!(column("valid"), column("meets_standard") + 1, "law: one beside the other");
+    for row in &first[1..] {
+        let path = out.join("runs").join(&row[column("run")]).join("summary.json");
+        let summary: Value =
+            serde_json::from_str(&fs::read_to_string(path).expect("a summary")).expect("JSON");
+        for name in ["meets_standard", "valid"] {
+            assert_eq!(
+                row[column(name)],
+                summary[name].to_string(),
+                "law: {name} as the run has it"
+            );
+        }
+    }
+
     // With two more configurations only what is new is carried out.
     let stages = || -> BTreeSet<_> {
         let found = fs::read_dir(out.join("stages")).expect("stages").flatten();

@@ -39,6 +39,7 @@ pub(super) fn point_rows(points: &[Point], runs: &[SweepRun]) -> Vec<SweepPoint>
             point: point.name.clone(),
             values: point.values.clone(),
             runs: of.len() - failed,
+            valid: of.iter().filter(|r| r.valid == Some(true)).count(),
             failed,
             outcomes,
         }
@@ -262,6 +263,7 @@ mod tests {
                 values: point.values.clone(),
                 outcomes: BTreeMap::from([(RESULT.to_owned(), rule(&numbers, configuration))]),
                 meets_standard: Some(true),
+                valid: Some(true),
                 failure: None,
             }
         };
@@ -318,10 +320,13 @@ mod tests {
         let mut runs = runs(&all, &factors, |x, c| x[0] * f64::from(c));
         runs[5].outcomes.clear();
         runs[5].failure = Some("it broke".into());
+        runs[5].valid = None;
+        runs[3].valid = Some(false);
         let found = effects(Design::Grid, &factors, &all, &runs);
         assert_eq!(found[0].means[0].1.count, 2, "law: two whole configurations are left");
         assert_slope(&found[0], 1.5);
-        assert_eq!(point_rows(&all, &runs)[1].failed, 1);
+        let row = &point_rows(&all, &runs)[1];
+        assert_eq!((row.runs, row.valid, row.failed), (2, 1, 1), "law: each is counted as it is");
     }
 
     /// Law: of a factor varied by itself the slope is that between its ends, and

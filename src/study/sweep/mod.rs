@@ -246,6 +246,7 @@ impl SweepStudy {
             values: point.map_or_else(Vec::new, |p| p.values.clone()),
             outcomes: std::collections::BTreeMap::new(),
             meets_standard: row.meets_standard,
+            valid: row.valid,
             failure: row.failure.clone(),
         };
         if run.failure.is_none() {
