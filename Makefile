@@ -4,9 +4,9 @@ OUT ?= out/reproduce
 ARGS ?=
 # How long `make soak` and `make fuzz` go on.
 MINUTES ?= 10
-# How many grains `make load` pours, 10000 or 50000, and how much memory they may take.
+# How many grains `make load` pours, 10000, 50000 or 100000, and how much memory they may take.
 GRAINS ?= 10000
-LIMIT_MIB ?= $(if $(filter 50000,$(GRAINS)),4096,1024)
+LIMIT_MIB ?= $(if $(filter 10000,$(GRAINS)),1024,3072)
 # Builds that `make convergence` compares: double, single or both.
 PRECISIONS ?= double
 

@@ -1,7 +1,8 @@
 //! How the cost of a step grows with the number of grains and falls with threads, and
 //! where it goes: one specimen of 364 and of 1456 settled grains, and 4, 16 and 64
 //! cylinders of 364 grains beside each other in one world, so that nothing differs but the
-//! number; on one thread and on two, at rest, shaken and poured. Writes `out/bench.json`.
+//! number; on one thread and on two, at rest, shaken and poured, and shaken while all cores are
+//! busy. Writes `out/bench.json`.
 
 #[allow(dead_code)] // each benchmark uses a part of it
 mod common;
@@ -10,7 +11,10 @@ use std::{
     collections::HashMap,
     fs,
     path::Path,
-    sync::Arc,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
     time::{Duration, Instant},
 };
 
@@ -270,6 +274,48 @@ fn pours(size: &Size, filled: &Specimen, rounds: usize) -> Vec<Value> {
         .collect()
 }
 
+/// Shaken while all cores have something else to do: threads of one world then share
+/// them, and may not wait for each other longer than one of them takes.
+fn busy(size: &Size, motion: &TableMotion) -> Vec<Value> {
+    let over = AtomicBool::new(false);
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut spent = THREADS.map(|_| Duration::ZERO);
+    std::thread::scope(|scope| {
+        for _ in 0..cores {
+            scope.spawn(|| {
+                while !over.load(Ordering::Relaxed) {
+                    std::hint::spin_loop();
+                }
+            });
+        }
+        let mut worlds =
+            THREADS.map(|threads| Cylinders::new(&size.on(threads), size.specimen, size.copies));
+        for _ in 0..MEASURED {
+            for (world, spent) in worlds.iter_mut().zip(&mut spent) {
+                *spent += world.steps(1, Some(motion));
+            }
+        }
+        over.store(true, Ordering::Relaxed);
+    });
+    let grains = size.grains();
+    let step = spent.map(|spent| spent.as_secs_f64() / MEASURED as f64);
+    println!(
+        "shaken, {grains} grains, all cores busy: {} threads take {:.2} times as long as {}",
+        THREADS[1],
+        step[1] / step[0],
+        THREADS[0],
+    );
+    let row = |(threads, step): (&u32, f64)| {
+        json!({
+            "grains": grains, "specimens": size.copies, "state": "shaken_busy",
+            "threads": threads, "ms_per_step": step * 1e3,
+            "us_per_grain_step": step * 1e6 / grains as f64,
+            "phases": {}, "memory_kib_per_grain": null,
+        })
+    };
+    THREADS.iter().zip(step).map(row).collect()
+}
+
 /// Measures everything and writes `out/bench.json`.
 fn table(quarter: (&Setup, &Specimen, &Specimen), motion: &TableMotion) {
     // Criterion's `--quick`: fewer rounds, without the largest sizes and pours.
@@ -288,6 +334,7 @@ fn table(quarter: (&Setup, &Specimen, &Specimen), motion: &TableMotion) {
     kib.push(None);
     let rounds = if quick { 2 } else { ROUNDS };
     let mut rows = phases(&sizes, &kib, motion, rounds);
+    rows.extend(busy(&sizes[sizes.len() - 1], motion));
     if !quick {
         rows.extend(pours(&Size { setup, specimen, copies: 1 }, full, 2));
         rows.extend(pours(&sizes[sizes.len() - 1], &whole_full, 2));
