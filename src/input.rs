@@ -41,7 +41,7 @@ pub fn open(path: &Path, largest: u64) -> io::Result<(File, u64)> {
 /// (`/proc/kmsg`) has no length, and no end.
 ///
 /// # Errors
-/// As [`open`].
+/// As [`open()`].
 pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
     let (file, length) = open(path, largest)?;
     let mut content = Vec::new();
