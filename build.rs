@@ -60,6 +60,7 @@ fn main() {
     println!("cargo::rerun-if-changed=cpp/constants.h");
     println!("cargo::rerun-if-changed=cpp/lanes.h");
     println!("cargo::rerun-if-changed=cpp/prefetch.h");
+    println!("cargo::rerun-if-changed=cpp/sharing.h");
     println!("cargo::rerun-if-changed=cpp/unset.h");
     println!("cargo::rerun-if-changed=cpp/contact_few.h");
     println!("cargo::rerun-if-changed=cpp/contact_impacts.h");

@@ -68,6 +68,17 @@ void NativeWorld::drive(btRigidBody &body, const btTransform &end) {
 }
 
 void NativeWorld::step(btScalar length) {
+    workers_.leave_alone(sharing_.alone());
+    double took = 0;
+    {
+        double outside = 0;
+        const Stopwatch all(took, outside);
+        timed_step(length);
+    }
+    sharing_.took(took);
+}
+
+void NativeWorld::timed_step(btScalar length) {
     double outside = 0;
     const Stopwatch watch(phases_.integration, outside);
     // A step that fails leaves none for the next.

@@ -4,6 +4,7 @@
 #include "contact_solver.h"
 #include "engine_world.h"
 #include "hull_search.h"
+#include "sharing.h"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
@@ -79,6 +80,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     bool damped_;
     HullCollision collision_;
     Workers workers_;
+    Sharing sharing_;
     HullSearch search_;
     ContactSolver solver_;
     std::vector<Driven> driven_, drives_; // in this step; in the next
@@ -88,6 +90,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     btVector3 place() const;
     // The body that boxes move along with from now on; null for none.
     void follow(const btRigidBody *body);
+    void timed_step(btScalar length);
     void search();
     void renew_boxes();
     void begin_drives(btScalar step);

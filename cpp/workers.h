@@ -35,6 +35,9 @@ class Workers {
 
     int count() const { return static_cast<int>(threads_.size()) + 1; }
 
+    // Whether the caller does everything by itself from now on.
+    void leave_alone(bool on) { alone_ = on; }
+
     // Calls `part(share, worker, begin, end)` for parts of each of `count` shares; all of one are
     // over before any of the next begins. `worker` is smaller than `count()` and no two calls
     // at a time have the same. Every worker has its own stretch, the same for the same size: what
@@ -49,7 +52,7 @@ class Workers {
         for (std::size_t k = 0; k < count; ++k) {
             alone = alone && shares[k].size <= shares[k].length;
         }
-        if (alone || threads_.empty()) {
+        if (alone || alone_ || threads_.empty()) {
             for (std::size_t k = 0; k < count; ++k) {
                 if (shares[k].size > 0) {
                     part(k, 0, std::size_t{0}, shares[k].size);
@@ -100,6 +103,7 @@ class Workers {
     std::atomic<bool> failed_{false};
     std::exception_ptr error_;         // of the first part that failed
     std::vector<std::uint64_t> parts_; // by stretch, while a job is published
+    bool alone_ = false;
     std::vector<std::thread> threads_;
 
     void run(const Job &job);
