@@ -5,9 +5,8 @@
 
 namespace pluvia {
 
-// Threads whose caches are far from each other, as on some virtual machines, take longer
-// together than one alone. So both are tried now and then, and the faster one goes on:
-// which it is changes no bit.
+// Threads can take longer together than one alone (docs/contacts.md, "What it costs"). So
+// both are tried now and then, and the faster one goes on: which it is changes no bit.
 class Sharing {
   public:
     // Whether the next step is one thread's.

@@ -171,7 +171,7 @@ fn a_specimen_of_other_grains_is_refused() {
     }
 }
 
-/// Law: a system that gives no threads is told as such, at once.
+/// Law: a system that gives no threads is reported as one, at once.
 #[test]
 fn without_threads_one_message_says_so() {
     let folder = tempfile::tempdir().expect("a folder");
