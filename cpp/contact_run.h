@@ -8,7 +8,7 @@
 namespace pluvia {
 
 // Most iterations in a sub-step, unless more are asked for; those of a part of
-// the pairs count by that part.
+// the pairs count by that part, choosing the part as one.
 constexpr int MOST_ITERATIONS = 256;
 
 // Among few pairs there are more iterations than asked for, until this number
@@ -25,7 +25,15 @@ constexpr int FEW = 32;
 constexpr int LOCAL_ITERATIONS = 16;
 
 // How often those beside them that were moved by it become the few, before all are looked at.
+// From the ninth time on iterations go on less far: with friction, few bodies may swing about
+// their solution otherwise.
 constexpr int MOST_SPREADS = 16;
+constexpr int CAREFUL_SPREADS = 9;
+constexpr double CAREFUL = 0.4;
+
+// Once no body changes by more than asked for, so many iterations at most see to approach
+// velocities: between bodies of very different masses they fall too slowly to wait for.
+constexpr int MOST_FOR_SPEED = 4;
 
 // Share of what a body may change when all is solved, that it may change in an
 // iteration over the pairs of few bodies.
@@ -41,19 +49,19 @@ constexpr double FARTHEST = 0.85;
 // How far iterations go on along the way, as a share of the last.
 class Pace {
   public:
+    explicit Pace(double farthest = FARTHEST) : farthest_(farthest) {}
+
     // `work`: what the last iteration changed, as an energy.
     double next(double work) {
         const bool worse = last_ > 0 && work > WORSE * last_;
         last_ = work;
         const double t = worse ? 1 : t_;
         t_ = worse ? 1 : (1 + std::sqrt(1 + 4 * t * t)) / 2;
-        return worse ? 0 : std::min((t - 1) / t_, FARTHEST);
+        return worse ? 0 : std::min((t - 1) / t_, farthest_);
     }
 
-    // What comes next is not compared with what was before.
-    void forget_work() { last_ = 0; }
-
   private:
+    double farthest_;
     double t_ = 1;    // Nesterov's sequence
     double last_ = 0; // work
 };
@@ -169,9 +177,10 @@ template <class L> class Run {
         // What a body may change.
         double allowed =
             IMPACTS ? 0.25 * static_cast<double>(limit) * static_cast<double>(limit) : 0;
-        Pace pace, whole; // of the iterations at hand; of those over all
-        int local = 0;    // iterations over the few at hand
-        int spread = 0;   // how often others became the few, since there were iterations over all
+        Pace pace;
+        int local = 0;     // iterations over the few at hand
+        int spread = 0;    // how often others became the few, since there were iterations over all
+        int for_speed = 0; // iterations that no body was changed by too much
         bool over_few = false;
         now_.packs(Phase::ClearSearch);
         now_.bodies(Phase::BeginSearch, touched_.data(), touched_.size());
@@ -195,14 +204,15 @@ template <class L> class Run {
                 few_.put_back();
                 if (++spread < MOST_SPREADS && few_.spread(IMPACTS, p_.limit)) {
                     choose_few();
+                    left -= packs;
                     local = 0;
-                    pace = Pace{};
+                    pace = Pace(spread < CAREFUL_SPREADS ? FARTHEST : CAREFUL);
                     continue;
                 }
                 over_few = false;
                 p_.pairs = &p_.all;
-                pace = whole;
-                pace.forget_work();
+                // Going far at once would undo what the few have got.
+                pace = Pace{};
                 begin_search(all_, touched_);
                 continue;
             }
@@ -211,8 +221,10 @@ template <class L> class Run {
                                                     changed.all / changed.touched
                                               : 0;
             }
-            const bool solved = n >= least && changed.most <= allowed &&
-                                (IMPACTS || !any_larger(unsolved.speed, limit));
+            const bool still = n >= least && changed.most <= allowed;
+            const bool met_slowly = IMPACTS || !any_larger(unsolved.speed, limit);
+            for_speed += still && !met_slowly;
+            const bool solved = still && (met_slowly || for_speed >= MOST_FOR_SPEED);
             if ((n == 1 || n % least == 0 || solved) && !wake(back, limit) && solved) {
                 break;
             }
@@ -220,10 +232,10 @@ template <class L> class Run {
                 changed.active * FEW < static_cast<int>(touched_.size()) &&
                 changed.most > allowed) {
                 choose_few();
+                left -= packs;
                 over_few = true;
                 local = 0;
                 spread = 0;
-                whole = pace;
                 pace = Pace{};
                 continue;
             }

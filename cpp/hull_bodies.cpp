@@ -20,11 +20,8 @@ constexpr int SHAPE_AHEAD = 8;
 constexpr int HULL_AHEAD = 5;
 constexpr int VERTICES_AHEAD = 2;
 
-// Speeds against the bodies around are looked for where there are so many
-// bodies, and one went so many times the reach of contacts in the last step:
-// else there is little to be had. With 1456 grains a filling took 7 % less of
-// the time by the speeds alone, a pour none (one run each).
-constexpr int CROWD_BODIES = 4096;
+// Speeds against the bodies around are looked for where a body went so many times
+// the reach of contacts in the last step: else there is little to be had.
 constexpr double CROWD_WAY = 2;
 
 } // namespace
@@ -77,7 +74,7 @@ void HullBodies::begin(const Frame &frame, const btCollisionObjectArray &objects
     frame_ = frame;
     step_ = step;
     reach_ = reach;
-    const bool fast = fastest_ * step > CROWD_WAY * reach && objects.size() >= CROWD_BODIES;
+    const bool fast = fastest_ * step > CROWD_WAY * reach;
     fastest_ = 0;
     crowded_ = fast && gather(objects);
 }

@@ -70,7 +70,7 @@ class HullBodies {
     // Reads object number `i` of those. The reference holds until the next call.
     const HullRange &take(const btCollisionObjectArray &objects, int i, const AxisKernels &kernels);
 
-    // Whether there are so many bodies, and so fast, that ranges in this step go by
+    // Whether bodies are so fast that ranges in this step go by
     // speeds against the bodies around (crowd.h).
     bool crowded() const { return crowded_; }
 

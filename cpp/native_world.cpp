@@ -42,6 +42,7 @@ NativeWorld::NativeWorld(const Units &units, const WorldDefinition &definition,
       slack_(units.length(definition.tolerances.box_slack)),
       damped_(definition.linear_damping > 0 || definition.angular_damping > 0),
       collision_(hull_collision(units, definition, materials)), workers_(definition.threads),
+      sharing_(definition.may_leave_threads),
       search_(collision_, dispatcher, workers_),
       solver_(collision_.touching, contact_law(units, definition), sweep(definition),
               definition.gyroscopic, workers_) {}

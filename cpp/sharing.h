@@ -6,14 +6,17 @@
 namespace pluvia {
 
 // Threads can take longer together than one alone (docs/contacts.md, "What it costs"). So
-// both are tried now and then, and the faster one goes on: which it is changes no bit.
+// where a world may leave them, both are tried now and then, and the faster one goes on:
+// which it is changes no bit.
 class Sharing {
   public:
+    explicit Sharing(bool may_leave) : may_leave_(may_leave) {}
+
     // Whether the next step is one thread's.
     bool alone() const {
         // Shared, alone, alone, shared: what grows or shrinks meanwhile counts alike.
         const int block = step_ / BLOCK;
-        return step_ < TRIAL ? block == 1 || block == 2 : alone_;
+        return may_leave_ && (step_ < TRIAL ? block == 1 || block == 2 : alone_);
     }
 
     // How long it took, in s.
@@ -31,6 +34,7 @@ class Sharing {
 
   private:
     static constexpr int BLOCK = 5, TRIAL = 4 * BLOCK, PERIOD = 400; // steps
+    bool may_leave_;
     int step_ = PERIOD - 24; // a new world has much to do that it does once
     bool alone_ = false;
     std::array<double, 2> spent_{}; // shared, alone

@@ -1,7 +1,9 @@
 #include "worker_probe.h"
 
+#include "sharing.h"
 #include "workers.h"
 
+#include <algorithm>
 #include <array>
 #include <numeric>
 #include <stdexcept>
@@ -51,6 +53,17 @@ std::uint64_t shared_sum(std::int32_t threads, std::size_t size, std::size_t rou
         throw std::logic_error("a share began before the one before was over");
     }
     return std::accumulate(here.begin(), here.end(), std::uint64_t{0});
+}
+
+rust::Vec<bool> steps_alone(bool may_leave, rust::Slice<const double> shared_s,
+                            rust::Slice<const double> alone_s) {
+    Sharing sharing(may_leave);
+    rust::Vec<bool> out;
+    for (std::size_t i = 0; i < std::min(shared_s.size(), alone_s.size()); ++i) {
+        out.push_back(sharing.alone());
+        sharing.took(sharing.alone() ? alone_s[i] : shared_s[i]);
+    }
+    return out;
 }
 
 } // namespace pluvia

@@ -2,6 +2,8 @@
 // without losing any of it, and that what fails in one of them comes back.
 #pragma once
 
+#include "rust/cxx.h"
+
 #include <cstddef>
 #include <cstdint>
 
@@ -12,5 +14,10 @@ namespace pluvia {
 // the number `fails_at`.
 std::uint64_t shared_sum(std::int32_t threads, std::size_t size, std::size_t rounds,
                          std::size_t fails_at);
+
+// Which of as many steps are one thread's, where a shared one takes so long, in s, and
+// one thread's so long.
+rust::Vec<bool> steps_alone(bool may_leave, rust::Slice<const double> shared_s,
+                            rust::Slice<const double> alone_s);
 
 } // namespace pluvia

@@ -47,6 +47,11 @@ pub struct ManifoldSettings {
     #[schemars(with = "u32", range(min = 1, max = 1024))]
     #[serde(skip_serializing)]
     pub threads: Option<u32>,
+    /// Whether steps may go without the threads where these make them no faster: of threads
+    /// that nobody typed.
+    #[schemars(skip)]
+    #[serde(skip)]
+    pub may_leave_threads: bool,
     /// Use the instructions that every processor has, not the fastest of this
     /// one: slower, and the same bits.
     #[serde(skip_serializing)]
@@ -93,6 +98,7 @@ impl Default for ManifoldSettings {
             contact_damping_ratio: 1.0,
             push_out_speed_m_per_s: 0.3,
             threads: None,
+            may_leave_threads: false,
             portable: false,
             contacts_at_once: 8,
             checkpoint_every_s: None,

@@ -258,9 +258,10 @@ impl Shop<'_> {
         }
         let mut setup = Setup::clone(&node.setup);
         let automatic = automatic_threads(cores, node.grains.grains.len());
-        let threads = setup.engine.manifold.threads.unwrap_or(automatic);
+        let settings = &mut setup.engine.manifold;
+        settings.may_leave_threads = settings.threads.is_none();
         let most = u32::try_from(available_cores()).unwrap_or(u32::MAX);
-        setup.engine.manifold.threads = Some(threads.min(most));
+        settings.threads = Some(settings.threads.unwrap_or(automatic).min(most));
         let outcome = run_stage(
             &setup,
             self.make_world,

@@ -121,6 +121,7 @@ pub(super) fn definition(
         sweeps: i32::try_from(s.manifold.sweeps.max(1)).unwrap_or(i32::MAX),
         solver_tolerance: zero_or_more("manifold.solver_tolerance", s.manifold.solver_tolerance)?,
         threads: i32::try_from(s.manifold.threads.unwrap_or(1).clamp(1, 1024)).unwrap_or(1),
+        may_leave_threads: s.manifold.may_leave_threads,
         portable: s.manifold.portable,
         contacts_at_once: s.manifold.contacts_at_once,
     })

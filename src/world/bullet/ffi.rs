@@ -91,8 +91,10 @@ mod bridge {
         /// Share of what contacts change of a body in a sub-step by which the last round
         /// may change a contact.
         solver_tolerance: f64,
-        /// That find contacts.
+        /// That share the work of a step.
         threads: i32,
+        /// Whether steps may go without the threads where these make them no faster.
+        may_leave_threads: bool,
         /// Whether to use the instructions that every processor has.
         portable: bool,
         /// 8 in single precision, or 1 in double.
@@ -323,6 +325,7 @@ mod bridge {
         include!("pluvia/cpp/worker_probe.h");
 
         fn shared_sum(threads: i32, size: usize, rounds: usize, fails_at: usize) -> Result<u64>;
+        fn steps_alone(may_leave: bool, shared_s: &[f64], alone_s: &[f64]) -> Vec<bool>;
 
         include!("pluvia/cpp/memory_probe.h");
 

@@ -161,6 +161,13 @@ pub fn shared_sum(
     ffi::shared_sum(i32::from(threads), size, rounds, fails_at).map_err(engine)
 }
 
+/// Which of as many steps of a world a single thread does, where a shared one takes
+/// `shared_s` seconds and one of a single thread `alone_s`. `may_leave`:
+/// [`ManifoldSettings::may_leave_threads`](crate::scenario::ManifoldSettings::may_leave_threads).
+pub fn steps_alone(may_leave: bool, shared_s: &[f64], alone_s: &[f64]) -> Vec<bool> {
+    ffi::steps_alone(may_leave, shared_s, alone_s)
+}
+
 /// Bytes that the allocator has handed out to this process and not got back, to
 /// C++ and Rust alike; `None` where it does not say.
 pub fn bytes_handed_out() -> Option<i64> {

@@ -2,7 +2,7 @@
 //! exception comes back as an error with its words, and ends nothing.
 
 use super::definition::tolerances;
-use super::probe::shared_sum;
+use super::probe::{shared_sum, steps_alone};
 use super::tests::{exclusive_turn, free_box, shared_turn, slab};
 use super::*;
 use crate::scale::Scale;
@@ -241,6 +241,38 @@ fn what_fails_in_a_thread_comes_back_from_all_of_them() {
     }
     assert!(shared_sum(0, 10, 1, None).is_err(), "law: no thread, no work");
     assert_eq!(shared_sum(4, 0, 3, None).expect("nothing to do"), 0);
+}
+
+#[test]
+fn threads_are_left_where_they_do_not_help_and_were_not_typed() {
+    let (slow, fast) = (vec![2.0; 1000], vec![1.0; 1000]);
+    // Both are tried for 20 of the first 44 steps and of every 400; the faster one does the others.
+    let tried = |i: usize| (24..44).contains(&i) || (424..444).contains(&i) || i >= 824;
+    let share = |alone: &[bool], at: &dyn Fn(usize) -> bool| {
+        let picked: Vec<bool> = (0..1000).filter(|i| at(*i)).map(|i| alone[i]).collect();
+        picked.iter().filter(|alone| **alone).count() as f64 / picked.len() as f64
+    };
+    let later = |i: usize| (44..824).contains(&i) && !tried(i);
+    for (may_leave, shared, alone, expected) in [
+        (true, &slow, &fast, 1.0),
+        (true, &fast, &slow, 0.0),
+        (false, &slow, &fast, 0.0),
+        (false, &fast, &slow, 0.0),
+    ] {
+        let got = steps_alone(may_leave, shared, alone);
+        let trial = if may_leave { 0.5 } else { 0.0 };
+        let case = format!("may leave {may_leave}, shared {} s, alone {} s", shared[0], alone[0]);
+        let first = share(&got, &|i| i < 24);
+        assert_eq!(first, 0.0, "law: {case}: the first 24 steps are shared, got {first} alone");
+        let trials = share(&got, &|i| (24..44).contains(&i) || (424..444).contains(&i));
+        assert_eq!(trials, trial, "law: {case}: share alone in trials {trial}, got {trials}");
+        let rest = share(&got, &later);
+        assert_eq!(rest, expected, "law: {case}: share alone otherwise {expected}, got {rest}");
+    }
+    // What changes is found out: threads help from the 500th step on.
+    let shared: Vec<f64> = (0..1300).map(|i| if i < 500 { 2.0 } else { 0.5 }).collect();
+    let got = steps_alone(true, &shared, &vec![1.0; 1300]);
+    assert!(got[600] && !got[900], "law: the next trial finds that threads help by now");
 }
 
 /// Functions of the bridge that return no `Result`, and why they need none:

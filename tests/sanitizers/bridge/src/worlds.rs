@@ -210,8 +210,8 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
     steps + 5
 }
 
-/// Thousands of boxes that fall together on a table that is driven up, so many
-/// that their boxes stand off by the speed against those around, and one of them
+/// Thousands of boxes that fall together on a table that is driven up, so fast
+/// that they stand off by the speed against those around, and one of them
 /// is taken out; how many steps.
 pub fn crowd(kind: Kind, steps: u32) -> u32 {
     let (mut world, _, floor) = with_table(kind);
