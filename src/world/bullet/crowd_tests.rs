@@ -157,8 +157,8 @@ fn pairs_on_a_course(world: &mut BulletBackend, wanted: &Range<u32>) {
     }
 }
 
-/// When each of these pairs, of the first two hundred, first had a contact with a force, and at
-/// what gap in m. All is free flight before; later the order comes in, in which a world
+/// When each of these pairs, of the first two hundred, first had a contact with a force, and the
+/// smallest gap of its points then, in m. All is free flight before; later the order comes in, in which a world
 /// solves its contacts. Without a force there may be some for bodies that do not
 /// meet in the step, of which the boxes need not overlap.
 fn met(pairs: Range<u32>) -> BTreeMap<u32, (usize, f64)> {
@@ -172,10 +172,12 @@ fn met(pairs: Range<u32>) -> BTreeMap<u32, (usize, f64)> {
         world.contacts(&mut contacts);
         for contact in contacts.iter().filter(|contact| contact.a.0 < 400) {
             assert_eq!(contact.a.0 / 2, contact.b.0 / 2, "law: pairs are far from each other");
-            if contact.impulse.norm() == 0.0 {
-                continue;
+            if contact.impulse.norm() > 0.0 {
+                // Which of a pair's points bear the force depends on when iterations end.
+                let of_pair = contacts.iter().filter(|other| other.a == contact.a);
+                let gap = of_pair.map(|other| other.gap).fold(f64::INFINITY, f64::min);
+                first.entry(pairs.start + contact.a.0 / 2).or_insert((step, gap));
             }
-            first.entry(pairs.start + contact.a.0 / 2).or_insert((step, contact.gap));
         }
     }
     first
