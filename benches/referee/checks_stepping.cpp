@@ -46,7 +46,7 @@ void check_flight(Checks &checks) {
     Grain grain = box({0.01, 0.012, 0.017}, {0, 0, 1});
     grain.spin = {20, 3, -7};
     Scene scene = on_a_floor({grain}, 0.5);
-    Pour pour(scene, settings(step, duration), inelastic);
+    Pour pour(scene, settings(step, duration), forces_only);
     pour.run();
     const Grain &end = pour.scene().grains[0];
     const double n = duration / step;
@@ -58,7 +58,7 @@ void check_flight(Checks &checks) {
     checks.below("change of angular momentum in flight",
                  (momentum(end) - momentum(grain)).norm() / momentum(grain).norm(), 1e-12);
     scene.gravity.setZero();
-    Pour turning(scene, settings(step, duration), inelastic);
+    Pour turning(scene, settings(step, duration), forces_only);
     const double before = turning.energy();
     turning.run();
     checks.below("change of energy in turning", std::abs(turning.energy() / before - 1), 2e-3);
@@ -71,7 +71,7 @@ void check_slide(Checks &checks) {
         Scene scene = on_a_floor({box({0.02, 0.02, 0.01}, {0, 0, 0.005})}, friction);
         scene.gravity = GRAVITY * Vec3(std::sin(angle), 0, -std::cos(angle));
         const double step = 2e-4;
-        Pour pour(scene, settings(step, duration), inelastic);
+        Pour pour(scene, settings(step, duration), forces_only);
         pour.run();
         const double acceleration =
             ratio > 1 ? 0 : GRAVITY * (std::sin(angle) - friction * std::cos(angle));
@@ -90,7 +90,7 @@ void check_column(Checks &checks) {
     }
     PourSettings s = settings(5e-4, 0.5);
     s.rest_speed = 1e-4;
-    Pour pour(on_a_floor(grains, 0.5), s, inelastic);
+    Pour pour(on_a_floor(grains, 0.5), s, forces_only);
     const PourRecord record = pour.run();
     checks.above("a column comes to rest", record.at_rest, 1);
     checks.below("before the time is over", record.simulated, 0.5 - 1e-9);
@@ -106,7 +106,7 @@ void check_tunnel(Checks &checks) {
     std::vector<Grain> grains = {box({0.03, 0.03, 0.001}, {0, 0, 0.0005}),
                                  box({0.01, 0.01, 0.01}, {0, 0, 0.05})};
     grains[1].velocity = {0, 0, -20};
-    Pour pour(on_a_floor(grains, 0.5), settings(1e-3, 0.02), inelastic);
+    Pour pour(on_a_floor(grains, 0.5), settings(1e-3, 0.02), forces_only);
     pour.run();
     checks.above("a fast block stays above a thin one", pour.scene().grains[1].position.z(),
                  0.0059);

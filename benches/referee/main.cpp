@@ -107,11 +107,8 @@ json measured(const Scene &scene) {
 
 json pour(const std::string &line, const PourSettings &settings) {
     const Scene scene = read_scene(line);
-    Law law = inelastic;
-    if (scene.restitution > 0) {
-        law = compression_and_restitution(scene.restitution, scene.restitution_threshold);
-    }
-    Pour pour(scene, settings, law);
+    Pour pour(scene, settings,
+              compression_and_restitution(scene.restitution, scene.restitution_threshold));
     const PourRecord record = pour.run();
     json out = measured(pour.scene());
     out.update({{"simulated_s", record.simulated},
@@ -120,6 +117,8 @@ json pour(const std::string &line, const PourSettings &settings) {
                 {"newton_steps", record.newton_steps},
                 {"worst_residual", record.worst_residual},
                 {"unsolved", record.unsolved},
+                {"looks", record.looks},
+                {"unforeseen_m", record.unforeseen},
                 {"energy_gain", record.energy_gain},
                 {"sliding", record.sliding},
                 {"at_rest", record.at_rest},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace referee {
 
@@ -18,11 +19,19 @@ Quat rotation_by(const Vec3 &turn) {
     return angle > 0 ? Quat(Eigen::AngleAxisd(angle, turn / angle)) : Quat::Identity();
 }
 
+// An overlap at the end of a step, beyond what the pair's contact points say, that
+// calls for another solution, in m; and how many there are at most.
+constexpr double UNFORESEEN = 5e-6;
+constexpr int MOST_LOOKS = 12;
+
+// A point of a grain where it was before the grain moved.
+Vec3 carried_back(const Vec3 &point, const Grain &now, const Grain &before) {
+    return before.position + before.rotation * (now.rotation.inverse() * (point - now.position));
+}
+
 } // namespace
 
-Solution inelastic(const Step &step, const Limits &limits) {
-    return solve(step.system, step.warm, limits);
-}
+Solution forces_only(const Step &, const Solution &first, const Limits &) { return first; }
 
 Pour::Pour(Scene scene, const PourSettings &settings, Law law)
     : scene_(std::move(scene)), settings_(settings), law_(std::move(law)) {}
@@ -44,28 +53,99 @@ Step Pour::pose_step() {
     }
     Step step;
     step.length = h;
-    touches_ = scene_touches(scene_, margins);
-    for (const SceneTouch &t : touches_) {
-        ProblemContact c;
-        c.a = t.a + 1;
-        c.b = std::max(t.b, -1) + 1;
-        const Vec3 arm_a = t.touch.point - scene_.grains[static_cast<std::size_t>(t.a)].position;
-        Vec3 arm_b = Vec3::Zero();
-        if (t.b >= 0) {
-            arm_b = t.touch.point - scene_.grains[static_cast<std::size_t>(t.b)].position;
-        }
-        c.set_geometry(t.touch.normal, arm_a, arm_b);
-        c.friction = friction_of(scene_, t);
-        set_law(c, t.touch.gap);
-        problem_.contacts.push_back(c);
-        step.gaps.push_back(t.touch.gap);
-        const auto known = memory_.find({t.a, t.b, t.touch.key});
-        const Vec3 world = known == memory_.end() ? Vec3::Zero() : known->second;
-        step.warm.emplace_back(c.axes * world);
+    touches_.clear();
+    for (const SceneTouch &t : scene_touches(scene_, margins)) {
+        add(step, t, t.touch.point, t.touch.gap);
     }
     step.system = scaled(problem_);
     step.before = scaled_motion(problem_, true);
     return step;
+}
+
+// `point` and `gap` are those of the beginning.
+void Pour::add(Step &step, const SceneTouch &t, const Vec3 &point, double gap) {
+    ProblemContact c;
+    c.a = t.a + 1;
+    c.b = std::max(t.b, -1) + 1;
+    const Vec3 arm_a = point - scene_.grains[static_cast<std::size_t>(t.a)].position;
+    Vec3 arm_b = Vec3::Zero();
+    if (t.b >= 0) {
+        arm_b = point - scene_.grains[static_cast<std::size_t>(t.b)].position;
+    }
+    c.set_geometry(t.touch.normal, arm_a, arm_b);
+    c.friction = friction_of(scene_, t);
+    set_law(c, gap);
+    problem_.contacts.push_back(c);
+    touches_.push_back(t);
+    step.gaps.push_back(gap);
+    const auto known = memory_.find({t.a, t.b, t.touch.key});
+    const Vec3 world = known == memory_.end() ? Vec3::Zero() : known->second;
+    step.warm.emplace_back(c.axes * world);
+}
+
+// Contact points of the beginning do not foresee every overlap of the end: a corner
+// beside the one that touched comes in, edges pass on to the next ones, a blow throws a
+// grain further than its speed let expect. The grains are where `solution` moves them,
+// and were at `before`. Overlaps that no contact point tells of become contact
+// points, with the gaps that they had at the beginning.
+std::vector<Pour::Unforeseen> Pour::unforeseen(const Step &step, const Solution &solution,
+                                               const std::vector<Grain> &before) const {
+    // The lowest gap at the end of each pair's contact points, and their features.
+    std::map<std::pair<int, int>, double> foreseen;
+    std::set<std::tuple<int, int, std::uint64_t>> known;
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+        const SceneTouch &t = touches_[i];
+        const double speed =
+            step.system.speed(i, solution.motion)[0] - step.system.rows[i].fixed[0];
+        double &lowest = foreseen.try_emplace({t.a, t.b}, 0).first->second;
+        lowest = std::min(lowest, step.gaps[i] + step.length * speed);
+        known.insert({t.a, t.b, t.touch.key});
+    }
+    std::vector<Unforeseen> found;
+    const std::vector<double> margins(scene_.grains.size(), 0);
+    for (const SceneTouch &t : scene_touches(scene_, margins)) {
+        const auto pair = foreseen.find({t.a, t.b});
+        const double more = (pair == foreseen.end() ? 0 : pair->second) - t.touch.gap;
+        if (more <= UNFORESEEN || known.count({t.a, t.b, t.touch.key}) > 0) {
+            continue;
+        }
+        const auto a = static_cast<std::size_t>(t.a), b = static_cast<std::size_t>(t.b);
+        const Vec3 half = 0.5 * t.touch.gap * t.touch.normal;
+        const Vec3 at_a = carried_back(t.touch.point + half, scene_.grains[a], before[a]);
+        Vec3 at_b = t.touch.point - half;
+        if (t.b >= 0) {
+            at_b = carried_back(at_b, scene_.grains[b], before[b]);
+        }
+        found.push_back({t, 0.5 * (at_a + at_b), t.touch.normal.dot(at_a - at_b), more});
+    }
+    return found;
+}
+
+// Solves the step and moves the grains by it.
+Solution Pour::moved_by_forces(Step &step) {
+    const std::vector<Grain> before = scene_.grains;
+    Solution all;
+    for (int look = 1;; ++look) {
+        Solution solution = solve(step.system, step.warm, settings_.limits);
+        move(solution.motion);
+        ++record_.looks;
+        solution.sweeps += all.sweeps;
+        solution.newton_steps += all.newton_steps;
+        all = solution;
+        const std::vector<Unforeseen> found = unforeseen(step, solution, before);
+        if (found.empty() || look == MOST_LOOKS) {
+            for (const Unforeseen &u : found) {
+                record_.unforeseen = std::max(record_.unforeseen, u.overlap);
+            }
+            return all;
+        }
+        scene_.grains = before;
+        step.warm = solution.impulses;
+        for (const Unforeseen &u : found) {
+            add(step, u.touch, u.point, u.gap);
+        }
+        step.system = scaled(problem_);
+    }
 }
 
 // A spring k and a damper c, implicit over a step h: u_n + γ λ_n ≥ −gap k/(c + h k)
@@ -87,37 +167,42 @@ void Pour::set_law(ProblemContact &c, double gap) const {
                        : std::min(-gap * settings_.stiffness / firm, settings_.depenetration_speed);
 }
 
-void Pour::move() {
+void Pour::move(const Motion &scaled_velocities) {
     const double h = settings_.step;
+    const Motion velocities = unscaled(problem_, scaled_velocities);
     for (std::size_t i = 0; i < scene_.grains.size(); ++i) {
         Grain &grain = scene_.grains[i];
-        const Vec6 &velocity = problem_.bodies[i + 1].found;
-        grain.velocity = velocity.head<3>();
-        grain.position += h * grain.velocity;
-        // The rotation goes on with the same angular momentum.
-        const Vec3 momentum = inertia(grain, false) * velocity.tail<3>();
+        const Vec6 &velocity = velocities[i + 1];
+        grain.position += h * velocity.head<3>();
         grain.rotation = (rotation_by(h * velocity.tail<3>()) * grain.rotation).normalized();
-        grain.spin = inertia(grain, true) * momentum;
     }
 }
 
 void Pour::step() {
-    const Step step = pose_step();
-    Solution solution = law_(step, settings_.limits);
+    Step step = pose_step();
+    const std::vector<Grain> before = scene_.grains;
+    const Solution first = moved_by_forces(step);
+    const Solution solution = law_(step, first, settings_.limits);
     const Motion velocities = unscaled(problem_, solution.motion);
     memory_.clear();
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         ProblemContact &c = problem_.contacts[i];
         c.found = solution.impulses[i];
-        if (c.found[0] > 0) {
+        if (first.impulses[i][0] > 0) {
             memory_[{touches_[i].a, touches_[i].b, touches_[i].touch.key}] =
-                c.axes.transpose() * c.found;
+                c.axes.transpose() * first.impulses[i];
         }
     }
     for (std::size_t i = 0; i < velocities.size(); ++i) {
         problem_.bodies[i].found = velocities[i];
     }
-    move();
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        Grain &grain = scene_.grains[i];
+        const Vec6 &velocity = velocities[i + 1];
+        grain.velocity = velocity.head<3>();
+        // The rotation goes on with the same angular momentum.
+        grain.spin = inertia(grain, true) * (inertia(before[i], false) * velocity.tail<3>());
+    }
     ++record_.steps;
     record_.simulated += settings_.step;
     record_.sweeps += solution.sweeps;
@@ -177,6 +262,7 @@ PourRecord Pour::run() {
     record_.sliding = loaded > 0 ? sliding / loaded : 0;
     record_.sweeps /= record_.steps;
     record_.newton_steps /= record_.steps;
+    record_.looks /= record_.steps;
     record_.unsolved /= record_.steps;
     record_.energy_gain /= std::max(start - before, 1e-300);
     return record_;

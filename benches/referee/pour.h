@@ -29,6 +29,9 @@ struct PourRecord {
     double sweeps = 0, newton_steps = 0; // mean per step
     double worst_residual = 0;
     double unsolved = 0;    // share of steps whose residual stays above the tolerance
+    double looks = 0;       // mean solutions of a step until no overlap was left that
+                            // its contact points do not know of
+    double unforeseen = 0;  // largest such overlap that was left all the same, m
     double energy_gain = 0; // largest of a step, over the energy that the fall set free
     double sliding = 0;     // share of the loaded contact points that slide at the end
     bool at_rest = false;
@@ -45,11 +48,12 @@ struct Step {
     double length;
 };
 
-// Velocities at the end of a step, and all impulses in it.
-using Law = std::function<Solution(const Step &, const Limits &)>;
+// Velocities at the end of a step, and all impulses in it. The solution that is given
+// is that of `system`; it has moved the bodies.
+using Law = std::function<Solution(const Step &, const Solution &, const Limits &)>;
 
-// Nothing rebounds.
-Solution inelastic(const Step &step, const Limits &limits);
+// Forces alone: impacts are not told from them.
+Solution forces_only(const Step &step, const Solution &first, const Limits &limits);
 
 class Pour {
   public:
@@ -73,8 +77,19 @@ class Pour {
     std::map<std::tuple<int, int, std::uint64_t>, Vec3> memory_;
 
     Step pose_step();
+    void add(Step &step, const SceneTouch &touch, const Vec3 &point, double gap);
+    // A contact point that only the end of a step shows, with its place and gap at the
+    // beginning, and what it overlaps at the end beyond what the others tell of.
+    struct Unforeseen {
+        SceneTouch touch;
+        Vec3 point;
+        double gap, overlap;
+    };
+    std::vector<Unforeseen> unforeseen(const Step &step, const Solution &solution,
+                                       const std::vector<Grain> &before) const;
+    Solution moved_by_forces(Step &step);
     void set_law(ProblemContact &contact, double gap) const;
-    void move();
+    void move(const Motion &scaled_velocities);
     double fastest() const;
 };
 

@@ -42,53 +42,75 @@ int solve_bounded(const System &system, const std::vector<double> &most, const L
     return limits.sweeps;
 }
 
+// A contact that does not yield and aims at a normal speed; walls stand still.
+void set_rigid(Row &row, double target) {
+    row.fixed[0] = -target;
+    row.delassus(0, 0) -= row.softness;
+    row.softness = 0;
+}
+
 } // namespace
 
-Law compression_and_restitution(double restitution, double threshold) {
-    return [=](const Step &step, const Limits &limits) {
-        Solution closing = inelastic(step, limits);
+Law compression_and_restitution(double restitution, double threshold, double closed_gap) {
+    return [=](const Step &step, const Solution &first, const Limits &limits) {
         const auto &rows = step.system.rows;
-        std::vector<double> approach(rows.size(), 0), most(rows.size(), FREE);
+        // Those that take part: what is open after the first solution does not.
+        System system = step.system;
+        system.rows.clear();
+        std::vector<std::size_t> taken;
+        std::vector<double> approach;
+        Impulses start;
         bool any = false;
         for (std::size_t i = 0; i < rows.size(); ++i) {
-            const double speed = rows[i].fixed[0] - step.system.speed(i, step.before)[0];
-            if (closing.impulses[i][0] > 0 && speed > threshold) {
-                approach[i] = speed;
-                any = true;
+            // Without the target, which is part of what is fixed.
+            const double before = step.system.speed(i, step.before)[0] - rows[i].fixed[0];
+            const double after = step.system.speed(i, first.motion)[0] - rows[i].fixed[0];
+            const bool bears = first.impulses[i][0] > 0;
+            if (!bears && step.gaps[i] + step.length * after > closed_gap) {
+                continue;
+            }
+            const bool impact = -before > threshold;
+            any = any || impact;
+            taken.push_back(i);
+            start.push_back(first.impulses[i]);
+            approach.push_back(impact ? -before : 0);
+            system.rows.push_back(rows[i]);
+            if (impact) {
+                set_rigid(system.rows.back(), 0);
             }
         }
-        if (!any || restitution <= 0) {
-            return closing;
+        if (!any) {
+            return first;
         }
-        System system = step.system;
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            if (approach[i] > 0) {
-                Row &row = system.rows[i];
-                row.fixed[0] = 0;
-                row.delassus(0, 0) -= row.softness;
-                row.softness = 0;
+        Solution s = solve(system, start, limits);
+        s.sweeps += first.sweeps;
+        s.newton_steps += first.newton_steps;
+        // Worst of both: a step is solved when all of it is.
+        s.residual = std::max(s.residual, first.residual);
+        if (restitution > 0) {
+            std::vector<double> most(taken.size(), FREE);
+            for (std::size_t k = 0; k < taken.size(); ++k) {
+                Row &row = system.rows[k];
+                if (approach[k] > 0) {
+                    set_rigid(row, restitution * approach[k]);
+                    most[k] = restitution * s.impulses[k][0];
+                } else {
+                    const double speed = system.speed(k, s.motion)[0] - row.fixed[0];
+                    set_rigid(row, std::min(0.0, speed));
+                }
+            }
+            system.free = s.motion;
+            Impulses more;
+            s.sweeps += solve_bounded(system, most, limits, more, s.motion);
+            for (std::size_t k = 0; k < taken.size(); ++k) {
+                s.impulses[k] += more[k];
             }
         }
-        Solution s = solve(system, closing.impulses, limits);
-        s.sweeps += closing.sweeps;
-        s.newton_steps += closing.newton_steps;
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            Row &row = system.rows[i];
-            if (approach[i] > 0) {
-                row.fixed[0] = -restitution * approach[i];
-                most[i] = restitution * s.impulses[i][0];
-            } else if (s.impulses[i][0] > 0) {
-                row.fixed[0] = std::max(0.0, row.fixed[0] - system.speed(i, s.motion)[0]);
-                row.delassus(0, 0) -= row.softness;
-                row.softness = 0;
-            }
+        Impulses all(rows.size(), Vec3::Zero());
+        for (std::size_t k = 0; k < taken.size(); ++k) {
+            all[taken[k]] = s.impulses[k];
         }
-        system.free = s.motion;
-        Impulses more;
-        s.sweeps += solve_bounded(system, most, limits, more, s.motion);
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            s.impulses[i] += more[i];
-        }
+        s.impulses = std::move(all);
         return s;
     };
 }
