@@ -129,18 +129,24 @@ void check_rebound(Checks &checks) {
     }
 }
 
+// Two boxes in flight, the one turning with some `spin` in rad/s; another pair for each n.
+Scene boxes_that_meet(int n, double spin, double friction, double restitution) {
+    std::vector<Grain> grains = {box({0.01, 0.012, 0.015}, {0, 0, 0}),
+                                 box({0.013, 0.011, 0.01}, {0.002, 0.001, 0.02})};
+    grains[1].rotation = Quat(Eigen::AngleAxisd(0.7 * n, Vec3(1, 0.3 * n, 2).normalized()));
+    grains[1].velocity = {0.3 * std::sin(n), 0.3 * std::cos(3.0 * n), -1};
+    grains[0].spin = spin * Vec3(std::sin(2.0 * n), 1, -0.6);
+    Scene scene = on_a_floor(grains, friction, restitution);
+    scene.walls.clear();
+    scene.gravity.setZero();
+    return scene;
+}
+
 // Momentum stays, energy falls, in oblique impacts with friction and turns.
 void check_oblique(Checks &checks) {
     double worst_momentum = 0, most_gain = -1, parted = 0;
     for (int n = 0; n < 40; ++n) {
-        std::vector<Grain> grains = {box({0.01, 0.012, 0.015}, {0, 0, 0}),
-                                     box({0.013, 0.011, 0.01}, {0.002, 0.001, 0.02})};
-        grains[1].rotation = Quat(Eigen::AngleAxisd(0.7 * n, Vec3(1, 0.3 * n, 2).normalized()));
-        grains[1].velocity = {0.3 * std::sin(n), 0.3 * std::cos(3.0 * n), -1};
-        grains[0].spin = {5.0 * std::sin(2.0 * n), 5, -3};
-        Scene scene = on_a_floor(grains, 0.6, 0.5);
-        scene.walls.clear();
-        scene.gravity.setZero();
+        const Scene scene = boxes_that_meet(n, 5, 0.6, 0.5);
         Pour pour(scene, settings(2e-4, 0.03), compression_and_restitution(0.5, 0.002));
         const auto momentum = [&] {
             Vec3 sum = Vec3::Zero();
@@ -161,9 +167,59 @@ void check_oblique(Checks &checks) {
     checks.above("oblique impacts that took place", parted, 20);
 }
 
+// Turning boxes that fly into each other, at rigid contacts: corners and edges that come
+// in during a step must not be missed. With one look at each step they are.
+void check_unforeseen(Checks &checks) {
+    for (const bool again : {true, false}) {
+        double deepest = 0;
+        for (int n = 0; n < 40; ++n) {
+            PourSettings s = settings(5e-4, 0.03);
+            s.stiffness = 1e8;
+            s.most_looks = again ? s.most_looks : 1;
+            Pour pour(boxes_that_meet(n, 50, 0, 0), s, forces_only);
+            for (int k = 0; k < 60; ++k) {
+                pour.step();
+                deepest = std::max(deepest, measure(pour.scene(), 0).deepest_overlap);
+            }
+        }
+        if (again) {
+            checks.below("overlap of boxes that fly into each other, m", deepest, 2e-5);
+        } else {
+            checks.above("overlap with one look at each step, m", deepest, 1e-4);
+        }
+    }
+}
+
+// Velocity after one step of a block that falls flat, corners `gap` above the floor.
+double fallen_flat(double speed, double gap, const Law &law) {
+    Scene scene = on_a_floor({box({0.01, 0.01, 0.01}, {0, 0, 0.005 + gap})}, 0.5);
+    scene.grains[0].velocity = {0, 0, -speed};
+    scene.gravity.setZero();
+    Pour pour(scene, settings(5e-4, 1), law);
+    pour.step();
+    return pour.scene().grains[0].velocity.z();
+}
+
+// What counts as an impact, and that nothing of the approach is left without restitution.
+void check_impacts(Checks &checks) {
+    const double speed = 0.02, way = speed * 5e-4;
+    for (const double e : {0.0, 0.4}) {
+        const Law law = compression_and_restitution(e, 0.002, 1e-5);
+        checks.equal("a block that meets the floor", fallen_flat(1, 1e-4, law), e, 1e-7);
+        checks.equal("one that comes within the closed gap and bears nothing",
+                     fallen_flat(speed, way + 2e-6, law), e * speed, 1e-9);
+        checks.equal("one that stays further off", fallen_flat(speed, way + 1.2e-5, law), -speed,
+                     1e-9);
+        checks.equal("one slower than the threshold", fallen_flat(0.0019, way, law), -0.0019, 1e-9);
+    }
+    checks.below("forces alone let the contact give way", fallen_flat(1, 1e-4, forces_only), -0.01);
+}
+
 } // namespace
 
 void check_stepping(Checks &checks) {
+    check_unforeseen(checks);
+    check_impacts(checks);
     check_flight(checks);
     check_slide(checks);
     check_column(checks);

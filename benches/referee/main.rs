@@ -8,6 +8,7 @@
 mod cells;
 mod certificate;
 mod crew;
+mod fields;
 mod heap;
 mod kept;
 mod nearness;
@@ -38,7 +39,7 @@ struct Options {
     /// Only these parts, with commas between; results of the others stay in the file
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = Part::ALL)]
     only: Vec<Part>,
-    /// Instants of each scene [default: 10, quick 2]
+    /// Instants of each scene [default: 10, quick 1]
     #[arg(long)]
     instants: Option<usize>,
     /// Solver tolerances of the native solver, one after the other, beside its default
@@ -50,7 +51,7 @@ struct Options {
     /// Keep the contact problems that are solved, some megabytes each
     #[arg(long)]
     keep: bool,
-    /// Realisations of each kind of pour [default: 400, quick 4]
+    /// Realisations of each kind of pour [default: 400, quick 2]
     #[arg(long, value_parser = clap::value_parser!(u64).range(2..))]
     pours: Option<u64>,
     /// Only specimens with these names: quick (364 grains), paper (1456)
@@ -149,6 +150,10 @@ impl Options {
         value: Value,
     ) -> Result<(), String> {
         results.insert(field.to_owned(), value);
+        let faults = fields::faults(&json!(results));
+        if !faults.is_empty() {
+            return Err(format!("{}: {}", self.out.display(), faults.join("; ")));
+        }
         write_json(&self.out, results).map_err(|e| e.to_string())
     }
 }
@@ -159,7 +164,7 @@ fn earlier(path: &Path) -> Result<Map<String, Value>, String> {
         Ok(text) => serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display())),
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
             let none = |field: &str| (field.to_owned(), json!([]));
-            Ok(["one_step", "pours", "static"].map(none).into_iter().collect())
+            Ok(fields::PARTS.iter().map(|p| none(p.name)).collect())
         }
         Err(e) => Err(format!("{}: {e}", path.display())),
     }
@@ -170,7 +175,7 @@ fn one_step(
     folder: &Path,
     results: &mut Map<String, Value>,
 ) -> Result<String, String> {
-    let instants = options.instants.unwrap_or(if options.quick { 2 } else { 10 });
+    let instants = options.instants.unwrap_or(if options.quick { 1 } else { 10 });
     let mut found = Vec::new();
     for (name, scenario) in steps::SCENARIOS.into_iter().filter(|(name, _)| options.takes(name)) {
         let others = options.tolerances.iter().copied().map(Some);
@@ -190,7 +195,7 @@ fn pours(
     folder: &Path,
     results: &mut Map<String, Value>,
 ) -> Result<String, String> {
-    let count = options.pours.unwrap_or(if options.quick { 4 } else { 400 });
+    let count = options.pours.unwrap_or(if options.quick { 2 } else { 400 });
     let wanted = |given: Option<f64>, value: f64| given.is_none_or(|g| g == value);
     let kinds: Vec<(f64, f64)> = pours::RESTITUTIONS
         .into_iter()

@@ -20,9 +20,8 @@ Quat rotation_by(const Vec3 &turn) {
 }
 
 // An overlap at the end of a step, beyond what the pair's contact points say, that
-// calls for another solution, in m; and how many there are at most.
+// calls for another solution, in m.
 constexpr double UNFORESEEN = 5e-6;
-constexpr int MOST_LOOKS = 12;
 
 // A point of a grain where it was before the grain moved.
 Vec3 carried_back(const Vec3 &point, const Grain &now, const Grain &before) {
@@ -133,7 +132,7 @@ Solution Pour::moved_by_forces(Step &step) {
         solution.newton_steps += all.newton_steps;
         all = solution;
         const std::vector<Unforeseen> found = unforeseen(step, solution, before);
-        if (found.empty() || look == MOST_LOOKS) {
+        if (found.empty() || look >= settings_.most_looks) {
             for (const Unforeseen &u : found) {
                 record_.unforeseen = std::max(record_.unforeseen, u.overlap);
             }

@@ -19,6 +19,9 @@ struct PourSettings {
     // the impulses of a face's four corners open, and the solver to grope for them.
     double stiffness = 1e4, damping_ratio = 1;
     double depenetration_speed = 0.05; // fastest that an overlap is pushed apart, m/s
+    // Solutions of a step until no overlap is left at its end that its contact points do
+    // not know of, at most.
+    int most_looks = 12;
     // A heap whose fastest grain stays slower, in m/s, for so long is at rest.
     double rest_speed = 1e-4, rest_time = 0.05;
 };

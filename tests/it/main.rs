@@ -18,6 +18,7 @@ mod legs;
 mod memory;
 mod picture;
 mod readings;
+mod referee;
 mod repose;
 mod reproduce;
 mod same;

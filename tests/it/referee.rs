@@ -1,0 +1,75 @@
+//! The fields of the referee's results (`benches/referee/fields.rs`).
+
+use serde_json::{Value, json};
+
+#[path = "../../benches/referee/fields.rs"]
+mod fields;
+
+/// A result with one entry of each kind, as `make referee` writes it.
+fn result() -> Value {
+    json!({
+        "one_step": [{
+            "scene": "quick pour", "grains": 364, "contacts": 2309.0, "engine": "native",
+            "instants": 1, "velocity_error_median_percent": 0.05,
+            "velocity_error_p99_percent": 1.8, "velocity_error_worst_percent": 10.0,
+            "instant_error_median_percent": 0.28, "instant_error_worst_percent": 0.4,
+            "reference_residual": 5e-9, "engine_residual": 1.6e-3,
+            "other_solution_p99_percent": null, "inconsistency": 1e-6,
+            "reference_wall_s_per_instant": 9.0
+        }],
+        "pours": [{
+            "engine": "referee", "friction": 0.4, "restitution": 0.0, "realisations": 2,
+            "height_mean_mm": 10.7, "height_standard_error_mm": 0.5, "difference_percent": null,
+            "difference_standard_error_percent": null, "difference_interval_percent": null,
+            "equivalent_within_0_5_percent": null, "correlation": null,
+            "coordination_mean": 3.8, "coordination_standard_error": 0.2, "sliding_share": 0.07,
+            "deepest_overlap_mm": 0.01, "outside": 0, "unsolved_share": 0.0,
+            "worst_residual": 1e-4, "energy_gain_worst": 0.0, "wall_s_per_pour": 9.0
+        }],
+        "static": [{
+            "specimen": "quick", "engine": "native", "grains": 364, "contacts": 2905,
+            "gap_mm": 0.05, "friction": 0.793, "least_friction": 0.756,
+            "least_friction_of_99_percent": 0.6, "fall": 0, "unbalanced": 0,
+            "worst_left_percent": 0.0, "left_percent": 0.0, "stands": true, "wall_s": 20.0
+        }]
+    })
+}
+
+/// The fields that other programs rely on, by the parts of the file.
+const AGREED: [(&str, &str); 3] = [
+    (
+        "one_step",
+        "scene grains contacts engine velocity_error_median_percent \
+         velocity_error_p99_percent reference_residual",
+    ),
+    (
+        "pours",
+        "engine friction restitution realisations height_mean_mm height_standard_error_mm \
+         difference_percent equivalent_within_0_5_percent",
+    ),
+    ("static", "specimen engine least_friction"),
+];
+
+#[test]
+fn results_of_the_referee_have_their_fields() {
+    let got = fields::faults(&result());
+    assert!(got.is_empty(), "a whole result: no faults expected, got {got:?}");
+    for (part, agreed) in AGREED {
+        for field in agreed.split_whitespace() {
+            let mut short = result();
+            short[part][0].as_object_mut().expect("an entry").remove(field);
+            let expected = vec![format!("`{part}[0]` has no `{field}`")];
+            assert_eq!(fields::faults(&short), expected, "without {field} of {part}");
+        }
+        let mut long = result();
+        long[part][0]["surplus"] = json!(1);
+        let expected = vec![format!("`{part}[0]` has `surplus`, which is unknown")];
+        assert_eq!(fields::faults(&long), expected, "with a field more in {part}");
+        let mut none = result();
+        none.as_object_mut().expect("a file").remove(part);
+        assert_eq!(fields::faults(&none), vec![format!("`{part}` is not a list")]);
+    }
+    let mut more = result();
+    more["surplus"] = json!([]);
+    assert_eq!(fields::faults(&more), vec!["`surplus` is no part of the file".to_owned()]);
+}
