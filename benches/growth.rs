@@ -99,6 +99,7 @@ impl Cylinders {
                     point: c.point_m + away,
                     normal: c.normal,
                     force: c.force_n,
+                    warm_start: c.warm_start,
                     feature: c.feature,
                 })
             }));

@@ -38,13 +38,14 @@ PLUVIA_INLINE L normal_speed(const Pack<L> &pack, const Point<L> &c, const Sides
 }
 
 // The approach velocity of the points that are impacts, else 0: those that bore an
-// impulse in the sub-step, or are closed at its end without one, as a corner of a block may
-// be that falls flat. `speed`: their normal speed now.
+// impulse in the sub-step, or are met at its end without one, as a corner of a block may
+// be that falls flat: at most half as far off as something at the threshold of restitution
+// goes in the sub-step. `speed`: their normal speed now.
 template <class L>
 PLUVIA_INLINE L impacts(const Point<L> &c, const PointMemory<L> &m, const L &speed,
                         const LaneLaw<typename Lane<L>::Number> &law) {
     const L zero{};
-    const auto met = (c.impulse > zero) | (m.gap_now + speed * law.step <= zero + law.closed_gap);
+    const auto met = (c.impulse > zero) | (m.gap_now + speed * law.step <= zero + law.met_gap);
     const auto impact = met & (m.approach > zero + law.restitution_speed);
     return impact ? m.approach : zero;
 }

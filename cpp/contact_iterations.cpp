@@ -31,6 +31,7 @@ template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double step) {
             static_cast<N>(law.push_out_speed),
             static_cast<N>(law.restitution_speed),
             static_cast<N>(law.closed_gap),
+            static_cast<N>(law.restitution_speed * substep / 2),
             static_cast<N>(law.unsolved_gap / substep),
             law.unsolved_share};
 }

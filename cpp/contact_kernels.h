@@ -17,6 +17,7 @@ template <class N> struct LaneLaw {
     N stiffness,
         damping; // damping per root of mass: twice the ratio times the root of the stiffness
     N push_out_speed, restitution_speed, closed_gap;
+    N met_gap;             // up to which a contact without impulse is an impact
     N unsolved_speed;      // approach that calls for another iteration
     double unsolved_share; // of what contacts change of a body, that calls for another iteration
 };
@@ -203,7 +204,10 @@ PLUVIA_INLINE void aim(const Pack<L> &pack, Point<L> *points, PointMemory<L> *me
         const L stiff = zero + law.step * law.stiffness;
         const L firm = root(m.mass) * law.damping + stiff;
         const L yield = one / (firm * law.step);
-        const auto closed = m.gap_now <= zero + law.closed_gap;
+        // What comes to an impact is met where the surfaces meet, however near it is: caught
+        // before, it would rebound above the surface.
+        const auto rests = (m.approach <= zero + law.restitution_speed) | (m.gap_now <= zero);
+        const auto closed = (m.gap_now <= zero + law.closed_gap) & rests;
         const L spring = smaller(L(zero - stiff / firm * m.gap_now * law.inverse_step),
                                  L(zero + law.push_out_speed));
         c.target = closed ? spring : L(zero - m.gap_now * law.inverse_step);

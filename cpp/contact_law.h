@@ -13,7 +13,7 @@ struct ContactLaw {
     double damping_ratio;     // of the spring with the bodies it stands between
     double push_out_speed;    // largest speed at which overlap is pushed apart
     double restitution_speed; // approach speed below which nothing rebounds
-    double closed_gap;        // gap up to which a contact counts as touching
+    double closed_gap;        // gap up to which what does not come fast counts as closed
     double unsolved_gap;      // overlap that a sub-step may add before it is iterated further
     // Of what contacts change of a body in a sub-step, the mean of all: what the last
     // iteration may change of any.

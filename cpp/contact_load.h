@@ -96,9 +96,9 @@ template <class L> void copy_lane(const Pack<L> &from, int from_lane, Pack<L> &t
     copy_lanes(&from.normal.x, from_lane, &to.normal.x, to_lane, COUNT);
 }
 
-// Puts the pairs of pack number `i` into its lanes. They begin with the last
-// step's impulses, whole: what is thrown away has to be found again in a few
-// iterations, and the packing creeps while it is not.
+// Puts the pairs of pack number `i` into its lanes. They begin with what the last sub-step
+// of the step before bore, less its impacts: what is thrown away has to be found again in a
+// few iterations, and the packing creeps while it is not.
 template <class L>
 void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &places,
           const Colours &colours, int free, int substeps, std::size_t i, Problem<L> &problem) {
@@ -144,7 +144,7 @@ void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &p
             set_three(m.arm_b, lane, arms.b);
             put(m.gap, static_cast<double>(contact.points[p].gap));
             const Three<double> borne = three(load.impulse);
-            const double kept = static_cast<double>(load.kept) / substeps;
+            const double kept = static_cast<double>(load.warm_start) / substeps;
             put(c.impulse, std::max(0.0, borne.dot(normal)) * kept);
             put(c.impulse_1, borne.dot(tangent_1) * kept);
             put(c.impulse_2, borne.dot(tangent_2) * kept);
@@ -176,7 +176,7 @@ void unload(const Problem<L> &problem, const std::vector<Touching> &touching,
             load.impulse[0] = static_cast<float>(borne.x);
             load.impulse[1] = static_cast<float>(borne.y);
             load.impulse[2] = static_cast<float>(borne.z);
-            load.kept = static_cast<float>(
+            load.warm_start = static_cast<float>(
                 impulse > 0 ? get(problem.all.points[at].impulse) * substeps / impulse : 1);
         }
     }

@@ -11,7 +11,7 @@ namespace pluvia {
 // What a contact point bears.
 struct Load {
     float impulse[3] = {0, 0, 0}; // of the last step on A, in the world
-    float kept = 1;               // share of it that the next step begins with: all but blows
+    float warm_start = 1;         // share of it that the next step begins with: impacts are not
     std::int32_t age = 0;         // steps since the point was made
 };
 

@@ -36,6 +36,7 @@ ContactRead described(const Units &units, const Touching &pair, int point) {
     read.normal = array(-vector(contact.normal));
     read.gap = static_cast<double>(contact.points[point].gap) / units.scale();
     read.impulse = units.metres(vector(pair.state->loads[point].impulse));
+    read.warm_start = static_cast<double>(pair.state->loads[point].warm_start);
     read.feature = contact.feature;
     read.id = contact.points[point].id;
     return read;
@@ -73,8 +74,12 @@ void remember(const Units &units, const Touching &pair, rust::Vec<ContactRead> &
 
 void RecalledContacts::take(const Units &units, rust::Slice<const ContactRead> contacts) {
     for (const ContactRead &c : contacts) {
-        Recalled recalled{units.length(c.point), vector(c.normal), units.length(c.impulse),
-                          c.feature, c.id};
+        Recalled recalled{units.length(c.point),
+                          vector(c.normal),
+                          units.length(c.impulse),
+                          static_cast<float>(c.warm_start),
+                          c.feature,
+                          c.id};
         if (c.a > c.b) { // added in another order to the world that remembered it
             recalled.normal = -recalled.normal;
             recalled.impulse = -recalled.impulse;
@@ -107,6 +112,7 @@ void RecalledContacts::give(const btCollisionObject &a, const btCollisionObject 
         const btVector3 on_b = b.getWorldTransform().invXform(r.point);
         KeptPoint &point = contact.points[i];
         point.id = r.id;
+        state.loads[i].warm_start = r.warm_start;
         for (int k = 0; k < 3; ++k) {
             contact.normal[k] = static_cast<float>(-r.normal[k]);
             point.on_a[k] = static_cast<float>(on_a[k]);

@@ -39,6 +39,7 @@ class RecalledContacts {
   private:
     struct Recalled {
         btVector3 point, normal, impulse; // in the world, on the first of the pair
+        float warm_start;                 // share of the impulse that the next step begins with
         std::uint32_t feature, id;
     };
     std::unordered_map<std::uint64_t, std::vector<Recalled>> by_pair_;

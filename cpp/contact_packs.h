@@ -41,8 +41,8 @@ template <class L> struct alignas(64) PointMemory {
     Three<L> arm_a, arm_b;     // from the centres of mass when the step began
     L gap;                     // then
     L gap_now, approach, mass; // when the sub-step began; `mass` along the normal
-    // Of a sub-step with impacts: 1 for an impact, the normal impulse without
-    // restitution, and all that compression has brought it to.
+    // Of a sub-step with impacts: the approach velocity of an impact (0 for what is none), the
+    // normal impulse without restitution, and all that compression has brought it to.
     L impact, solved, compression, compression_1, compression_2;
     L total, total_1, total_2; // impulses of the step
 };

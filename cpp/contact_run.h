@@ -157,9 +157,10 @@ template <class L> class Run {
         p_.beta = L{};
     }
 
-    // Goes over the contacts that are awake until they are solved: until less
-    // than `limit` of speed is unsolved, and no body changes by more than asked
-    // for.
+    // Goes over the contacts that are awake until they are solved: until no body changes by
+    // more than asked for, and, of forces, no contact is approached faster than it aims at by
+    // more than `limit`, for which there are MOST_FOR_SPEED iterations at most. Of impacts,
+    // `limit` is what decides how much a body may change.
     //
     // A contact that bears nothing and is not approached too fast is left as it
     // is. So those that are asleep are looked at in the first iteration, every so

@@ -17,7 +17,7 @@ namespace pluvia {
 struct DriveRead;
 
 // Solves all contacts of a step at once: projected Gauss–Seidel in sub-steps that
-// begins with the whole of the last step's impulses, friction within its cone,
+// begins with the last step's impulses less its impacts, friction within its cone,
 // normals as implicit springs, restitution as typed.
 class ContactSolver {
   public:

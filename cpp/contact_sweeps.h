@@ -18,7 +18,8 @@ namespace pluvia {
 // of what contacts change of a body in the sub-step. The worst body counts, not all together:
 // where one grain among thousands lags behind the forces on it, it swings, and is never at
 // rest. Bodies count, not impulses: where several points hold a body, impulses may wander
-// among them while nothing moves. `Impacts`: no speed changed by much.
+// among them while nothing moves. `Impacts`: the last iteration changed no body's velocity
+// by more than half of what is asked for.
 enum class Solved { Forces, Impacts };
 
 // Which half of an iteration.

@@ -199,7 +199,7 @@ quantities! {
         "Gap up to which contacts are prepared before they touch. With whole manifolds in every step a \
          point need not be foreseen long; twice as much finds contacts that bear nothing.";
     CLOSED_GAP = Fine 0.01e-3, "closed_gap_m",
-        "Gap below which a contact touches and can rebound.";
+        "Gap up to which a contact counts as closed where bodies do not come to an impact.";
     UNSOLVED_GAP = Fine 0.02e-3, "unsolved_gap_m",
         "Overlap that a sub-step may add at one contact before the solver goes on.";
     HYSTERESIS = Fine 0.02e-3, "hysteresis_m",

@@ -60,9 +60,18 @@ pub struct SavedContact {
     pub normal: Vector,
     /// Mean force of the last step on the first (opposite on the second), in N.
     pub force_n: Vector,
+    /// Share of that force with which the next step is warm-started; less than 1 after an
+    /// impact. 1 in files that are older than this field.
+    #[serde(default = "whole")]
+    pub warm_start: f64,
     /// Which faces or edges touch, and which of their points this is, in the
     /// engine's own numbers.
     pub feature: [u32; 2],
+}
+
+/// Before contacts had a share of their own, the whole force was begun with.
+fn whole() -> f64 {
+    1.0
 }
 
 /// Who takes part in a contact.
@@ -242,6 +251,7 @@ mod tests {
             point_m: Vector::zeros(),
             normal: Vector::z(),
             force_n: Vector::z(),
+            warm_start: 1.0,
             feature: [0, 0],
         };
         assert_eq!(of(&|s| s.base = Some(fixed(2))), Ok(()), "law: the last grain is one");

@@ -78,6 +78,7 @@ fn state(time: f64, stage: usize, grains: usize) -> SpecimenState {
         point_m: Vector::new(0.01, 0.0, 0.02),
         normal: Vector::z(),
         force_n: force.into(),
+        warm_start: 1.0,
         feature: [0, 0],
     };
     SpecimenState {

@@ -20,6 +20,7 @@ pub(super) fn remembered(
             point: c.point_m,
             normal: c.normal,
             force: c.force_n,
+            warm_start: c.warm_start,
             feature: c.feature,
         })
     });

@@ -97,10 +97,15 @@ fn finite(state: &SpecimenState) -> Result<(), String> {
     let is_there = |party: &Party| !matches!(party, Party::Grain(n) if *n >= count);
     let contact = |c: &SavedContact| {
         let vectors = [&c.point_m, &c.normal, &c.force_n];
-        vectors.iter().all(|v| v.iter().all(|x| x.is_finite())) && c.between.iter().all(is_there)
+        vectors.iter().all(|v| v.iter().all(|x| x.is_finite()))
+            && c.warm_start >= 0.0
+            && c.warm_start.is_finite()
+            && c.between.iter().all(is_there)
     };
     if let Some(index) = state.contacts.iter().position(|c| !contact(c)) {
-        return Err(format!("contact {index} is of a grain that is not there, or no number"));
+        return Err(format!(
+            "contact {index} is of a grain that is not there, or holds what is no number"
+        ));
     }
     let fixed = state.base.iter().flat_map(|base| &base.fixed_grains);
     if fixed.into_iter().any(|f| f.grain >= count) {
@@ -156,10 +161,22 @@ mod tests {
         plausible(&setup, &gone, 0.0).expect("law: a grain that was taken away is anywhere");
     }
 
+    /// A contact of grain 0 with another.
+    fn contact(other: usize, warm_start: f64) -> SavedContact {
+        SavedContact {
+            between: [Party::Grain(0), Party::Grain(other)],
+            point_m: Vector::zeros(),
+            normal: Vector::z(),
+            force_n: Vector::z(),
+            warm_start,
+            feature: [0; 2],
+        }
+    }
+
     #[test]
     fn what_cannot_be_is_named() {
         type Craft = fn(&mut SpecimenState);
-        let crafted: [(&str, Craft); 12] = [
+        let crafted: [(&str, Craft); 14] = [
             ("bodies", |s| s.bodies.truncate(1)),
             ("bodies", |s| s.bodies.push(s.bodies[0])),
             ("grain 1", |s| s.bodies[1].body.linear_velocity.x = f64::NAN),
@@ -174,15 +191,9 @@ mod tests {
             ("outside", |s| s.bodies[1].body.pose.translation.vector.z = -0.3),
             ("outside", |s| s.table_x = 0.5),
             ("time", |s| s.time = f64::INFINITY),
-            ("contact 0", |s| {
-                s.contacts.push(SavedContact {
-                    between: [Party::Grain(0), Party::Grain(99_999)],
-                    point_m: Vector::zeros(),
-                    normal: Vector::z(),
-                    force_n: Vector::z(),
-                    feature: [0; 2],
-                });
-            }),
+            ("contact 0", |s| s.contacts.push(contact(99_999, 1.0))),
+            ("contact 0", |s| s.contacts.push(contact(1, f64::NAN))),
+            ("contact 0", |s| s.contacts.push(contact(1, -0.1))),
         ];
         for (index, (word, craft)) in crafted.into_iter().enumerate() {
             let (setup, mut specimen) = laboratory();

@@ -328,6 +328,7 @@ impl<'a> Stand<'a> {
                 point_m: c.point,
                 normal: c.normal,
                 force_n: c.force,
+                warm_start: c.warm_start,
                 feature: c.feature,
             })
         });

@@ -189,6 +189,8 @@ pub fn builtin() -> Result<Vec<Case>, VerifyError> {
         "impact-tilted-boosted",
         "slide-length-scale",
         "slide-size",
+        "spin-slide-size",
+        "impact-tilted-size",
     ]
     .iter()
     .map(|(file, text)| Case::from_json(file, text))

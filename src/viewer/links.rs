@@ -67,6 +67,7 @@ mod tests {
             point_m: Vector::new(x, 0.0, 0.0),
             normal: Vector::z(),
             force_n: Vector::new(0.0, 0.0, force),
+            warm_start: 1.0,
             feature: [0, 0],
         }
     }

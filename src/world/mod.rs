@@ -182,6 +182,9 @@ pub struct RememberedContact {
     pub normal: Vector,
     /// Mean force of the last step on `a` (opposite on `b`), in N, world axes.
     pub force: Vector,
+    /// Share of that force with which the next step is warm-started; less than 1 after an
+    /// impact, which says nothing about the force that follows.
+    pub warm_start: f64,
     /// Which faces or edges touch, and which of their points this is, in the
     /// engine's own numbers.
     pub feature: [u32; 2],

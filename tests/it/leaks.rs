@@ -150,6 +150,7 @@ fn one(settings: &EngineSettings) -> Box<dyn World + Send> {
         point: Vector::zeros(),
         normal: Vector::new(0.0, 0.0, -1.0),
         force: Vector::new(0.0, 0.0, -0.01),
+        warm_start: 1.0,
         feature: [0, 0],
     };
     world.recall(&[told]).expect("told");

@@ -163,6 +163,8 @@ mod bridge {
         gap: f64,
         /// On `a`, in N s.
         impulse: [f64; 3],
+        /// Share of the impulse that the next step begins with.
+        warm_start: f64,
         /// What touches, and which of its points this is; 0 unless remembered.
         feature: u32,
         id: u32,

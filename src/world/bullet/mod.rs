@@ -31,6 +31,8 @@ mod stock_tests;
 mod substep;
 #[cfg(test)]
 pub(crate) mod tests;
+#[cfg(test)]
+mod warm_start_tests;
 
 pub use substep::SubstepRecord;
 
@@ -315,6 +317,7 @@ impl World for BulletBackend {
             point: c.point.into(),
             normal: c.normal.into(),
             force: Vector::from(c.impulse) / self.time_step,
+            warm_start: c.warm_start,
             feature: [c.feature, c.id],
         }));
     }
@@ -322,10 +325,16 @@ impl World for BulletBackend {
     fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError> {
         let finite = |c: &RememberedContact| {
             [c.point, c.normal, c.force].iter().all(|v| v.iter().all(|x| x.is_finite()))
+                && c.warm_start.is_finite()
         };
         if let Some(bad) = contacts.iter().find(|c| !finite(c)) {
             return Err(WorldError::BadBody {
                 reason: format!("a remembered contact is not finite: {bad:?}"),
+            });
+        }
+        if let Some(bad) = contacts.iter().find(|c| c.warm_start < 0.0) {
+            return Err(WorldError::BadBody {
+                reason: format!("a remembered contact would pull: warm start below 0: {bad:?}"),
             });
         }
         let contacts: Vec<ffi::ContactRead> = contacts
@@ -337,6 +346,7 @@ impl World for BulletBackend {
                 normal: c.normal.into(),
                 gap: 0.0,
                 impulse: (c.force * self.time_step).into(),
+                warm_start: c.warm_start,
                 feature: c.feature[0],
                 id: c.feature[1],
             })

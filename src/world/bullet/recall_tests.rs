@@ -128,6 +128,7 @@ fn turned(c: &RememberedContact) -> RememberedContact {
         point: c.point,
         normal: -c.normal,
         force: -c.force,
+        warm_start: c.warm_start,
         feature: [feature, id],
     }
 }
@@ -169,10 +170,14 @@ fn every_loaded_contact_is_recalled_whatever_the_order_of_the_bodies() {
                 force < 1e-5,
                 "law: with its force, order {name}, to 1e-5, got {force:.1e}: {c:?}, {got:?}"
             );
+            assert_eq!(
+                got.warm_start, c.warm_start,
+                "law: with the share that the next step begins with, order {name}"
+            );
             let normal = (got.normal - c.normal).norm();
             assert!(normal < 1e-5, "law: with its normal, order {name}, to 1e-5, got {normal:.1e}");
             // Points are found anew where the bodies are: up to 0.02 mm from where they
-            // were held (HOLD in cpp/hull_algorithm.cpp).
+            // were held (HOLD in src/scale.rs).
             let point = (got.point - c.point).norm();
             assert!(point < 5e-5, "law: at its place, order {name}, to 0.05 mm, got {point:.1e} m");
         }

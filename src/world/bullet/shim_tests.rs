@@ -203,6 +203,7 @@ fn contacts_of_no_body_are_left_aside() {
         point: Vector::zeros(),
         normal: Vector::z(),
         force: Vector::z() * 0.01,
+        warm_start: 1.0,
         feature,
     };
     let mut all =

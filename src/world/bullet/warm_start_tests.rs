@@ -1,0 +1,227 @@
+//! What a sub-step of the native contact solver begins with: the force that goes on, and
+//! nothing of an impact.
+
+use super::recall_tests::bodies;
+use super::tests::{free_box, precision, shared_turn, slab};
+use super::*;
+use crate::scenario::ManifoldSettings;
+
+const GRAVITY: f64 = 9.81;
+
+/// `at_once`: 1 for double precision. `tolerance`: 1 ends iterations early.
+fn world(rate_hz: f64, restitution: f64, at_once: u32, tolerance: f64) -> BulletBackend {
+    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution });
+    let manifold = ManifoldSettings {
+        contacts_at_once: at_once,
+        solver_tolerance: tolerance,
+        ..Default::default()
+    };
+    let settings = EngineSettings { manifold, rate_hz, ..Default::default() };
+    BulletBackend::new(&settings, Vector::new(0.0, 0.0, -GRAVITY), &pairs).expect("a world")
+}
+
+fn states(world: &BulletBackend) -> Vec<BodyState> {
+    let mut snapshot = Snapshot::new();
+    world.read(&mut snapshot);
+    snapshot.into_iter().map(|state| state.expect("none was removed")).collect()
+}
+
+fn contacts(world: &BulletBackend) -> Vec<RememberedContact> {
+    let mut contacts = Vec::new();
+    world.remember(&mut contacts);
+    contacts
+}
+
+/// Energy in J of the difference of two motions of free bodies.
+fn difference(bodies: &[Body], one: &[BodyState], other: &[BodyState]) -> f64 {
+    let of = |((body, one), other): ((&Body, &BodyState), &BodyState)| match body.motion {
+        Motion::Free { mass, inertia } => {
+            let apart = BodyState {
+                pose: one.pose,
+                linear_velocity: one.linear_velocity - other.linear_velocity,
+                angular_velocity: one.angular_velocity - other.angular_velocity,
+            };
+            0.5 * mass * apart.linear_velocity.norm_squared() + apart.rotational_energy(&inertia)
+        }
+        _ => 0.0,
+    };
+    bodies.iter().zip(one).zip(other).map(of).sum()
+}
+
+#[test]
+fn a_run_continued_after_an_impact_goes_on_as_in_line() {
+    let _turn = shared_turn();
+    let mut bodies = bodies(1);
+    let mut in_line = world(480.0, 0.3, 8, 1.0);
+    for body in &bodies {
+        in_line.add(body).expect("added");
+    }
+    // Grains fall on each other all the time.
+    for _ in 0..40 {
+        in_line.step().expect("a step");
+    }
+    let (mut told, mut whole, mut lessened) = (0.0, 0.0, 0);
+    for _ in 0..20 {
+        let remembered = contacts(&in_line);
+        lessened += remembered.iter().filter(|c| c.warm_start < 0.1).count();
+        for (body, state) in bodies.iter_mut().zip(states(&in_line)) {
+            body.state = state;
+        }
+        in_line.step().expect("a step");
+        let after = states(&in_line);
+        let mut continued = |contacts: &[RememberedContact]| {
+            let mut other = world(480.0, 0.3, 8, 1.0);
+            for body in &bodies {
+                other.add(body).expect("added");
+            }
+            other.recall(contacts).expect("recalled");
+            other.step().expect("a step");
+            difference(&bodies, &after, &states(&other))
+        };
+        told += continued(&remembered);
+        let with_impacts: Vec<_> =
+            remembered.iter().map(|c| RememberedContact { warm_start: 1.0, ..*c }).collect();
+        whole += continued(&with_impacts);
+    }
+    assert!(lessened > 20, "the check sees contacts just after an impact, got {lessened}");
+    assert!(
+        told < 0.2 * whole,
+        "law: a run that is continued goes on as one in line: the energy of the difference after \
+         a step, over 20 steps, is at most a fifth of {whole:.2e} J, what it is where whole \
+         forces begin the step; got {told:.2e} J"
+    );
+}
+
+#[test]
+fn an_impact_in_any_sub_step_does_not_warm_start_the_next_step() {
+    let _turn = shared_turn();
+    const SPEED: f64 = 0.5;
+    let (mut impacts, mut late) = (0, 0);
+    for number in 0..12 {
+        let mut world = world(480.0, 0.5, 8, 0.0025);
+        world.add(&slab(Motion::Static)).expect("added");
+        // Over 12 heights the impact comes at another place in the step: it goes 1.04 mm in one.
+        let height = 2e-3 + 1.04e-3 * f64::from(number) / 12.0;
+        let mut body = free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.005 + height));
+        body.state.linear_velocity.z = -SPEED;
+        let id = world.add(&body).expect("added");
+        let Motion::Free { mass, .. } = body.motion else { panic!("it is free") };
+        for _ in 0..8 {
+            world.step().expect("a step");
+            let touching = contacts(&world);
+            let of_step: f64 = touching.iter().map(|c| c.force.norm() / 480.0).sum();
+            if of_step < 0.5 * mass * SPEED {
+                continue;
+            }
+            impacts += 1;
+            // What has not risen by a third of a step's way was hit in the last sub-step.
+            let gap = states(&world)[id.0 as usize].pose.translation.z - 0.005;
+            late += u32::from(gap < 0.3 * 0.5 * SPEED / 480.0);
+            let begins: f64 = touching.iter().map(|c| c.warm_start * c.force.norm() / 480.0).sum();
+            let weight = mass * GRAVITY / 480.0;
+            assert!(
+                begins < weight,
+                "law: an impact of {of_step:.2e} N s says nothing of the force that follows; \
+                 height {height} m: the next step begins with at most the weight's {weight:.1e} N \
+                 s, got {begins:.1e} N s"
+            );
+        }
+    }
+    assert_eq!(impacts, 12, "the check sees one impact of each block");
+    assert!(late >= 2, "the check sees impacts in the last sub-step, got {late}");
+}
+
+/// Over a pile that collapses and is shaken: the largest share of a step's impulses on a body by
+/// which its momentum changed otherwise than its contacts report; and how many looks at bodies
+/// with contacts there were.
+fn unexplained(steps: u32) -> (f64, u32) {
+    let mut world = world(480.0, 0.3, 1, 0.0025);
+    let bodies = bodies(2);
+    for body in &bodies {
+        world.add(body).expect("added");
+    }
+    let (mut worst, mut looks) = (0.0_f64, 0);
+    let mut before = states(&world);
+    let mut contacts = Vec::new();
+    for step in 0..steps {
+        let x = 2e-3 * (0.3 * f64::from(step)).sin();
+        world.drive(BodyId(0), &Pose::translation(x, 0.0, -0.01)).expect("driven");
+        world.step().expect("a step");
+        let after = states(&world);
+        world.contacts(&mut contacts);
+        let mut impulses = vec![(Vector::zeros(), 0.0); bodies.len()];
+        for c in &contacts {
+            for (id, sign) in [(c.a, 1.0), (c.b, -1.0)] {
+                let (sum, size) = &mut impulses[id.0 as usize];
+                *sum += sign * c.impulse;
+                *size += c.impulse.norm();
+            }
+        }
+        for (n, body) in bodies.iter().enumerate() {
+            let Motion::Free { mass, .. } = body.motion else { continue };
+            let (sum, size) = impulses[n];
+            // What weighs less than a share of the weight is rounding of the weight.
+            if size < 0.1 * mass * GRAVITY / 480.0 {
+                continue;
+            }
+            let weight = Vector::new(0.0, 0.0, -GRAVITY) * (mass / 480.0);
+            let change = (after[n].linear_velocity - before[n].linear_velocity) * mass;
+            worst = worst.max((change - weight - sum).norm() / size);
+            looks += 1;
+        }
+        before = after;
+    }
+    (worst, looks)
+}
+
+/// A contact may end a sub-step with a friction impulse and no normal impulse. It is asleep in
+/// the next one; when it is looked at, it must remove no more than was applied.
+#[test]
+fn a_body_changes_by_exactly_the_impulses_that_its_contacts_report() {
+    let _turn = shared_turn();
+    let (worst, looks) = unexplained(480);
+    assert!(looks > 1000, "the check sees bodies with contacts, got {looks}");
+    // Impulses are kept in single precision.
+    let tolerance = precision(1e-5, 1e-3);
+    assert!(
+        worst < tolerance,
+        "law: m Δv is the sum of all impulses; expected 0 of their sizes, got {worst:.1e}, \
+         tolerance {tolerance}"
+    );
+}
+
+/// Lowest place in m that a block reaches which comes with 8 mm/s, without gravity, at the ends
+/// of its sub-steps.
+fn turns_at(height: f64) -> f64 {
+    let pairs = PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.5 });
+    // One sub-step a step, so that each is seen.
+    let settings = EngineSettings { rate_hz: 2000.0, ..Default::default() };
+    let mut world = BulletBackend::new(&settings, Vector::zeros(), &pairs).expect("a world");
+    world.add(&slab(Motion::Static)).expect("added");
+    let mut body = free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.005 + height));
+    body.state.linear_velocity.z = -8e-3;
+    let id = world.add(&body).expect("added");
+    let mut lowest = f64::INFINITY;
+    for _ in 0..60 {
+        world.step().expect("a step");
+        lowest = lowest.min(states(&world)[id.0 as usize].pose.translation.z - 0.005);
+    }
+    let up = states(&world)[id.0 as usize].linear_velocity.z;
+    assert!((up - 4e-3).abs() < 4e-5, "law: it leaves with e v, 4 mm/s, got {up} m/s");
+    lowest
+}
+
+#[test]
+fn a_slow_block_rebounds_from_the_surface_and_not_above_it() {
+    let _turn = shared_turn();
+    for number in 0..10 {
+        let height = 50e-6 + 0.4e-6 * f64::from(number);
+        let lowest = turns_at(height);
+        let tolerance = precision(0.1e-6, 0.5e-6);
+        assert!(
+            lowest.abs() < tolerance,
+            "law: surfaces meet before they part; from {height} m: expected 0 m, got {lowest:.1e} \
+             m, tolerance {tolerance}"
+        );
+    }
+}
