@@ -254,6 +254,23 @@ quantities! {
          whose settlement is 14 to 19.61 mm.";
     LARGEST_SPIN = Rate 4000.0, "largest_spin_rad_per_s",
         "Angular speed beyond which a state is unphysical: the rim of a small grain moves at 16 m/s.";
+    LARGEST_SPEED = Speed 20.0, "largest_speed_m_per_s",
+        "Speed beyond which a state is unphysical: a grain reaches 2.8 m/s in the paper's highest \
+         fall. No less than for the paper's gravel, because falling heights and tables are typed.";
+    LARGEST_DISTANCE = Coarse 20.0, "largest_distance_m",
+        "Distance from the middle of the cylinder's floor beyond which a state is unphysical. No less \
+         than for the paper's gravel, because the apparatus may be typed.";
+    HIGHEST_PILE = Coarse 100.0, "highest_pile_m",
+        "Nothing of a pile is higher: its height map is taken up to here.";
+    OVERLAP_INTERVAL = Time 2.0, "overlap_interval_s",
+        "Time between two looks at the overlap of grains that rest or are shaken. A look at the \
+         paper's specimen costs a hundredth of what a simulated second does.";
+    SHORTEST_REST = Time 1.0, "shortest_rest_s",
+        "Shortest rest between periods of vibration that tells of creep: in a shorter one what still \
+         moves comes to rest.";
+    FRAME_EARLY = Time 2e-3, "frame_early_s",
+        "How much earlier than due a frame is still handed on: frames come with a step of the engine, \
+         which is about as long, and not at round times.";
 }
 
 /// All quantities as a table in Markdown, for `docs/scale.md`.

@@ -3,16 +3,10 @@
 
 use super::{Setup, whereabouts::Whereabouts};
 use crate::apparatus::Funnel;
-use crate::scale;
+use crate::scale::{self, Quantity};
 use crate::specimen::{Fate, Party, SavedContact, Specimen, SpecimenState};
 use crate::units::from_mm;
 use crate::world::{BodyState, Guard, GuardLimits, Snapshot};
-
-/// Nothing here is faster: a grain reaches 2.8 m/s in the paper's highest fall.
-const SPEED_LIMIT: f64 = 20.0;
-
-/// Everything happens within this distance of the cylinder's floor, in m.
-const DISTANCE_LIMIT: f64 = 20.0;
 
 /// How far the length of a quaternion may be from 1: engines keep some in
 /// single precision.
@@ -24,10 +18,12 @@ const FALL_SHARE: f64 = 0.1;
 
 /// What every state of a world is checked against.
 pub(super) fn guard(setup: &Setup) -> Guard {
+    // Falling heights, tables and apparatus are typed, and may be large for small grains.
+    let no_less_than_paper = |of: &Quantity| of.at(&setup.scale).max(of.paper);
     Guard::new(GuardLimits {
-        speed: SPEED_LIMIT,
+        speed: no_less_than_paper(&scale::LARGEST_SPEED),
         angular_speed: scale::LARGEST_SPIN.at(&setup.scale),
-        distance: DISTANCE_LIMIT,
+        distance: no_less_than_paper(&scale::LARGEST_DISTANCE),
     })
 }
 
