@@ -163,11 +163,7 @@ pub fn pile_surface(specimen: &Specimen) -> Result<Option<PileSurface>, MeasureE
 
 /// The space over a base as a container of the grains that lie on it.
 pub fn over(base: &Base, grains: &GrainSet) -> Container {
-    Container {
-        centre_x: 0.0,
-        radius: base.radius,
-        height: grains.of_size(&scale::HIGHEST_PILE),
-    }
+    Container { centre_x: 0.0, radius: base.radius, height: grains.of_size(&scale::HIGHEST_PILE) }
 }
 
 /// Mean height in m of a specimen's base above z = 0; 0 without fixed grains.
@@ -180,8 +176,7 @@ pub fn base_level(specimen: &Specimen) -> Result<f64, MeasureError> {
     };
     let poses: Vec<_> = base.fixed_grains.iter().map(|f| (f.grain, f.pose)).collect();
     let grains = &specimen.grains;
-    let map =
-        HeightMap::of_poses(grains, &poses, &over(base, grains), height_cell(grains))?;
+    let map = HeightMap::of_poses(grains, &poses, &over(base, grains), height_cell(grains))?;
     Ok(map.standing_height().mean_surface)
 }
 

@@ -112,6 +112,7 @@ mod tests {
     use super::*;
     use crate::geometry::{Pose, Vector};
     use crate::grains::generate;
+    use crate::scale::Scale;
     use crate::scenario::{GrainsSpec, Scenario};
     use crate::specimen::FunnelState;
 
@@ -185,6 +186,28 @@ mod tests {
             craft(&mut specimen.state);
             let said = plausible(&setup, &specimen, 0.0).expect_err("law: it cannot be");
             assert!(said.contains(word), "law: case {index} names {word}, got {said}");
+        }
+    }
+
+    #[test]
+    fn limits_follow_the_size_and_are_no_less_than_the_papers() {
+        let (mut setup, sound) = laboratory();
+        // Speeds by √d, distances by d: for grains 25 times as large 100 m/s and 500 m.
+        for (larger, speed, distance, can) in [
+            (1.0, 19.0, 19.0, true),
+            (1.0, 21.0, 0.0, false),
+            (1.0, 0.0, 21.0, false),
+            (1.0 / 16.0, 19.0, 19.0, true),
+            (25.0, 99.0, 499.0, true),
+            (25.0, 101.0, 0.0, false),
+            (25.0, 0.0, 501.0, false),
+        ] {
+            setup.scale = Scale::of_smallest(0.008 * larger, Scale::PAPER.gravity);
+            let mut body = sound.state.bodies[0].body;
+            body.pose.translation.vector = Vector::new(distance, 0.0, 0.0);
+            body.linear_velocity = Vector::new(0.0, speed, 0.0);
+            let got = guard(&setup).check(&vec![Some(body)], 0.0).is_ok();
+            assert_eq!(got, can, "law: at {larger} times the size, {speed} m/s at {distance} m");
         }
     }
 

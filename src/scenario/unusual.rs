@@ -246,8 +246,7 @@ fn unusual_field(
 /// margin, Bullet's by a share of the radius where one is typed.
 fn is_unread(path: &str, typed: f64, automatic: f64, scenario: &Scenario) -> bool {
     let relative = scenario.engine.bullet.relative_contact_threshold > 0.0;
-    path == "engine.contact_threshold_mm"
-        && (relative || is_native(scenario) && typed > automatic)
+    path == "engine.contact_threshold_mm" && (relative || is_native(scenario) && typed > automatic)
 }
 
 /// Grains that would sink into each other by more than the accuracy standard allows.
@@ -261,7 +260,10 @@ fn unusual_load(
     let typed = scenario.engine.manifold.contact_stiffness_n_per_m;
     let stress = largest_stress(value, grading, scale.gravity);
     let overlap = OVERLAP_OF_STRESS * stress * scale.sizes.median / typed;
-    if is_native(scenario) && overlap > OVERLAP_ALLOWED && !found.iter().any(|f| f.path == STIFFNESS) {
+    if is_native(scenario)
+        && overlap > OVERLAP_ALLOWED
+        && !found.iter().any(|f| f.path == STIFFNESS)
+    {
         found.push(fault(
             STIFFNESS,
             short(typed),

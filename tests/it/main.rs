@@ -33,3 +33,4 @@ mod sweep_engines;
 mod terminal;
 mod verification;
 mod viewer;
+mod warned;
