@@ -82,9 +82,13 @@ impl Grading {
         Self::of_table(&sieved.or_else(of_meshes)?)
     }
 
-    /// The scale of these grains under a gravity in m/s².
-    pub(super) fn scale(&self, gravity: f64) -> Scale {
+    fn scale(&self, gravity: f64) -> Scale {
         Scale { sizes: self.sizes, density: self.density, gravity }
+    }
+
+    /// The scale that automatic values follow from, under a gravity in m/s².
+    pub(super) fn scale_for_filling(&self, gravity: f64) -> Scale {
+        self.scale(gravity.max(WEAKEST))
     }
 }
 
@@ -97,8 +101,7 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
     if !(gravity > 0.0 && gravity <= STRONGEST && value.is_object()) {
         return;
     }
-    let gravity = gravity.max(WEAKEST);
-    let scale = grading.scale(gravity);
+    let scale = grading.scale_for_filling(gravity);
     fill_apparatus(value, &scale);
     fill_stages(value, &scale);
     for (path, law, default) in fields() {

@@ -33,7 +33,7 @@ const JAMS_BELOW: f64 = 5.0;
 pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
     let grading = scenario.grading();
     let scale = match &grading {
-        Some(grading) => grading.scale(scenario.gravity_m_per_s2),
+        Some(grading) => grading.scale_for_filling(scenario.gravity_m_per_s2),
         None => scenario.scale(),
     };
     let mut found = Vec::new();

@@ -275,6 +275,20 @@ fn typed_values_are_warned_of_in_both_directions() {
 }
 
 #[test]
+fn automatic_values_are_usual_under_any_gravity() {
+    for gravity in [1e-6, 0.01, 1.62, 100.0] {
+        let mut scenario = small::layer(30.0);
+        scenario["engine"] = json!({});
+        scenario["gravity_m_per_s2"] = json!(gravity);
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = write(folder.path(), "s.json", &scenario);
+        let loaded = load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{gravity}: {e}"));
+        let said = warnings(&loaded.scenario);
+        assert!(said.is_empty(), "law: what nobody typed is usual, {gravity} m/s²: {said:?}");
+    }
+}
+
+#[test]
 fn fields_that_nothing_reads_are_not_warned_of() {
     for engine in [
         json!({ "rapier": { "prediction_mm": 100 } }),
