@@ -3,7 +3,7 @@
 
 use super::{Setup, whereabouts::Whereabouts};
 use crate::apparatus::Funnel;
-use crate::scale::{self, Quantity};
+use crate::scale;
 use crate::specimen::{Fate, Party, SavedContact, Specimen, SpecimenState};
 use crate::units::from_mm;
 use crate::world::{BodyState, Guard, GuardLimits, Snapshot};
@@ -19,11 +19,10 @@ const FALL_SHARE: f64 = 0.1;
 /// What every state of a world is checked against.
 pub(super) fn guard(setup: &Setup) -> Guard {
     // Falling heights, tables and apparatus are typed, and may be large for small grains.
-    let no_less_than_paper = |of: &Quantity| of.at(&setup.scale).max(of.paper);
     Guard::new(GuardLimits {
-        speed: no_less_than_paper(&scale::LARGEST_SPEED),
+        speed: scale::LARGEST_SPEED.no_less(&setup.scale),
         angular_speed: scale::LARGEST_SPIN.at(&setup.scale),
-        distance: no_less_than_paper(&scale::LARGEST_DISTANCE),
+        distance: scale::LARGEST_DISTANCE.no_less(&setup.scale),
     })
 }
 

@@ -204,8 +204,8 @@ fn every_quantity_is_used() {
     assert_eq!(names.len(), pluvia::scale::ALL.len(), "law: all are found: {names:?}");
     for name in names {
         let used = text.match_indices(&format!("scale::{name}")).any(|(at, found)| {
-            text[at + found.len()..].starts_with(".at(")
-                || text[at + found.len()..].starts_with(')')
+            let after = &text[at + found.len()..];
+            [".at(", ".no_less(", ")"].iter().any(|used| after.starts_with(used))
         });
         assert!(used, "law: {name} is used");
     }
