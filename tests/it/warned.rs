@@ -187,7 +187,7 @@ fn every_command_warns_once_before_it_runs() {
 fn the_program_prints_them_and_a_plan_has_them_too() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut layer = small::layer(30.0);
-    layer["settle"] = json!({ "hold_s": 0.01 });
+    layer["settle"] = json!({ "largest_speed_mm_per_s": 100 });
     let scenario = write(folder.path(), "small.json", &layer);
     let out = folder.path().join("out");
     let (run, over) = (vec!["run"], "contact.restitution=0.2,0.3");
@@ -201,7 +201,7 @@ fn the_program_prints_them_and_a_plan_has_them_too() {
             .expect("the program starts");
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{command:?}: {said}");
-        let count = said.matches("warning: settle.hold_s: ").count();
+        let count = said.matches("warning: settle.largest_speed_mm_per_s: ").count();
         assert_eq!(count, 1, "law: {command:?} says it once: {said}");
     }
 }
@@ -211,6 +211,9 @@ fn said_of(engine: &Value, settle: &Value) -> Vec<String> {
     let mut scenario = small::layer(30.0);
     scenario["engine"] = engine.clone();
     scenario["settle"] = settle.clone();
+    for stage in scenario["stages"].as_array_mut().expect("stages") {
+        stage["time_limit_s"] = json!(20);
+    }
     let folder = tempfile::tempdir().expect("a folder");
     let path = write(folder.path(), "s.json", &scenario);
     let loaded = load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{engine}: {e}"));
