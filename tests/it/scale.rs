@@ -391,3 +391,42 @@ fn the_twins_of_the_design_are_twins() {
         assert_eq!(found.len(), 1, "law: the comparison sees an opening off by 2 %: {found:?}");
     }
 }
+
+/// The script of `make twins` on the table of a sweep whose runs are made up.
+#[test]
+fn the_table_of_twins_has_a_row_for_each_run_with_a_result() {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/twins.sh");
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = folder.path().join("twins.csv");
+    let sweep = |rows: &str| {
+        std::fs::write(folder.path().join("sweep.csv"), rows).expect("written");
+        std::process::Command::new("bash")
+            .arg(script)
+            .args([folder.path(), &table])
+            .env("PLUVIA", "true")
+            .output()
+            .expect("bash starts")
+            .status
+            .success()
+    };
+    let rows = "run,point,configuration,size,poured_height_mm.mean_surface,void_ratio,\
+                standing_height_mm.mean_surface,coordination_number,overlap.mean_percent,\
+                overlap.p99_percent,creep_um_per_s,grains.left_in_funnel,meets_standard,valid,failure\n\
+                a,p,1,1,110,1.05,110,4.6,0.06,0.3,0.1,0,true,true,\n\
+                b,p,1,0.1,11,1.04,10.8,4.5,0.06,0.3,0.1,2,true,true,\n\
+                c,p,2,1,,,,,,,,,,,\"it failed, badly\"\n";
+    assert!(sweep(rows), "law: two runs make a table");
+    let got = std::fs::read_to_string(&table).expect("a table");
+    let header =
+        include_str!("../../docs/results/scale/twins.csv").lines().next().expect("a header");
+    let expected = format!(
+        "{header}\n0.1,1,1.04,10.8,4.5,0.06,0.3,0.1,2,true\n1,1,1.05,110,4.6,0.06,0.3,0.1,0,true\n"
+    );
+    assert_eq!(got, expected, "law: by size, in the columns of the table that is kept");
+    assert!(
+        !sweep(&rows.replace("void_ratio", "other")),
+        "law: a column that is missing is an error"
+    );
+    let kept = std::fs::read_to_string(&table).expect("the table");
+    assert_eq!(kept, got, "law: and the table stays as it was");
+}
