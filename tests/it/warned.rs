@@ -37,6 +37,7 @@ impl Progress for Heard {
 
 /// Stopped before the first step: what is heard was said before the run.
 fn stopped(out: &Path) -> (RunOptions, Arc<Heard>) {
+    fs::create_dir_all(out).expect("a folder");
     let heard = Arc::new(Heard::default());
     let options = RunOptions {
         out: out.to_owned(),
@@ -283,6 +284,9 @@ fn automatic_values_are_usual_under_any_gravity() {
         let mut scenario = small::layer(30.0);
         scenario["engine"] = json!({});
         scenario["gravity_m_per_s2"] = json!(gravity);
+        for stage in scenario["stages"].as_array_mut().expect("stages") {
+            stage["time_limit_s"] = json!(20);
+        }
         let folder = tempfile::tempdir().expect("a folder");
         let path = write(folder.path(), "s.json", &scenario);
         let loaded = load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{gravity}: {e}"));
