@@ -10,11 +10,14 @@ LIMIT_MIB ?= $(if $(filter 10000,$(GRAINS)),1024,3072)
 # Builds that `make convergence` compares: double, single or both.
 PRECISIONS ?= double
 
+# The table that `make twins` makes.
+TABLE ?= docs/results/scale/twins.csv
+
 # For shells that were open before Rust was installed.
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce convergence sensitivity test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep referee clean
+.PHONY: help setup setup-lint build reproduce convergence sensitivity twins test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep referee clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -44,6 +47,10 @@ convergence: setup ## how results change with the engine's settings, in $(OUT)/c
 	    cargo build --release --locked $$features --target-dir $$folder && \
 	    $$folder/release/pluvia converge --out "$(OUT)" $(ARGS) || exit $$?; \
 	done
+
+twins: OUT = out/twins
+twins: build ## scaled twins, 20 realisations each, into $(TABLE) (docs/scale.md)
+	bash scripts/twins.sh "$(OUT)" "$(TABLE)" $(ARGS)
 
 sensitivity: OUT = out/sensitivity
 sensitivity: build ## what each choice of ours moves, in $(OUT)/sensitivity.md

@@ -176,6 +176,11 @@ impl Quantity {
         self.paper * self.law.factor(scale)
     }
 
+    /// The same of a limit that must not fall below its value for the paper's gravel.
+    pub fn no_less(&self, scale: &Scale) -> f64 {
+        self.at(scale).max(self.paper)
+    }
+
     /// Its value over the unit of its law.
     pub fn number(&self) -> f64 {
         self.paper / self.law.unit(&Scale::PAPER)
@@ -254,7 +259,28 @@ quantities! {
          whose settlement is 14 to 19.61 mm.";
     LARGEST_SPIN = Rate 4000.0, "largest_spin_rad_per_s",
         "Angular speed beyond which a state is unphysical: the rim of a small grain moves at 16 m/s.";
+    LARGEST_SPEED = Speed 20.0, "largest_speed_m_per_s",
+        "Speed beyond which a state is unphysical: a grain reaches 2.8 m/s in the paper's highest \
+         fall. No less than for the paper's gravel, because falling heights and tables are typed.";
+    LARGEST_DISTANCE = Coarse 20.0, "largest_distance_m",
+        "Distance from the middle of the cylinder's floor beyond which a state is unphysical. No less \
+         than for the paper's gravel, because the apparatus may be typed.";
+    HIGHEST_PILE = Coarse 100.0, "highest_pile_m",
+        "Nothing of a pile is higher: its height map is taken up to here.";
+    OVERLAP_INTERVAL = Time 2.0, "overlap_interval_s",
+        "Time between two looks at the overlap of grains that rest or are shaken. A look at the \
+         paper's specimen costs a hundredth of what a simulated second does.";
+    SHORTEST_REST = Time 1.0, "shortest_rest_s",
+        "Shortest rest between periods of vibration that tells of creep: in a shorter one what still \
+         moves comes to rest.";
+    FRAME_EARLY = Time 2e-3, "frame_early_s",
+        "How much earlier than due a frame is still handed on: frames come with a step of the engine, \
+         which is about as long, and not at round times.";
 }
+
+/// Limits of what is typed beside the grains: they are [`Quantity::no_less`] than for the paper's
+/// gravel.
+const NO_LESS: [Quantity; 2] = [LARGEST_SPEED, LARGEST_DISTANCE];
 
 /// All quantities as a table in Markdown, for `docs/scale.md`.
 pub fn table() -> String {
@@ -273,8 +299,9 @@ pub fn table() -> String {
 /// Reads all quantities at a scale, with what they follow from; in SI units.
 pub fn read_back(scale: &Scale) -> std::collections::BTreeMap<String, f64> {
     let Scale { sizes, density, gravity } = *scale;
+    let used = |q: &Quantity| if NO_LESS.contains(q) { q.no_less(scale) } else { q.at(scale) };
     let mut all: std::collections::BTreeMap<String, f64> =
-        ALL.iter().map(|q| (q.name.to_owned(), q.at(scale))).collect();
+        ALL.iter().map(|q| (q.name.to_owned(), used(q))).collect();
     all.extend([
         ("smallest_grain_size_m".to_owned(), sizes.smallest),
         ("median_grain_size_m".to_owned(), sizes.median),
@@ -332,6 +359,25 @@ mod tests {
             let (expected, got) =
                 (stiffness.unit(&scale) / stiffness.unit(&Scale::PAPER), stiffness.factor(&scale));
             assert!((got / expected - 1.0).abs() < 1e-12, "law: ρ g d², {expected}, got {got}");
+        }
+    }
+
+    #[test]
+    fn limits_of_what_is_typed_are_read_back_as_they_are_used() {
+        for (larger, speed, distance) in [(1.0 / 16.0, 20.0, 20.0), (25.0, 100.0, 500.0)] {
+            let scale = Scale::of_smallest(0.008 * larger, Scale::PAPER.gravity);
+            let all = read_back(&scale);
+            for (name, expected) in
+                [("largest_speed_m_per_s", speed), ("largest_distance_m", distance)]
+            {
+                let got = all[name];
+                assert!(
+                    (got / expected - 1.0).abs() < 1e-12,
+                    "law: {name} at {larger} times the size: expected {expected}, got {got}"
+                );
+            }
+            let slow = SLOW.at(&scale);
+            assert_eq!(all[SLOW.name].to_bits(), slow.to_bits(), "law: others by their law");
         }
     }
 

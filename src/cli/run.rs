@@ -8,8 +8,7 @@ use super::{
     CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, paint, table,
 };
 use crate::grains::load_scenario;
-use crate::scenario;
-use crate::study::{RunOptions, run_scenario};
+use crate::study::{RunOptions, run_scenario, tell_warnings};
 
 /// Carry out one scenario
 #[derive(Debug, Args)]
@@ -37,9 +36,7 @@ pub(super) struct RunArgs {
 pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let loaded = load_scenario(&args.scenario, &args.changes.overrides())?;
     tracing::info!(files = ?loaded.files, "the scenario `{}` is sound", loaded.scenario.name);
-    for warning in scenario::warnings(&loaded.scenario) {
-        context.progress.message(&format!("warning: {warning}"));
-    }
+    tell_warnings([&loaded.scenario], context.progress.as_ref());
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
     let options = RunOptions {

@@ -9,16 +9,13 @@ use crate::geometry::{Pose, Vector};
 use crate::grains::GrainSet;
 use crate::protocol::Setup;
 use crate::record::{FileError, Frame, StageStore, read_json};
+use crate::scale;
 use crate::specimen::{Fate, GrainState, Specimen, SpecimenState};
 use crate::world::BodyState;
 
 /// Least time in s between two frames where nothing else is asked for: every
 /// fifth of those that are kept.
 pub const DEFAULT_EVERY: f64 = 0.4;
-
-/// Frames come with a step of the engine, not at round times: so much earlier
-/// than due, in s, one is still taken.
-const EARLY: f64 = 2e-3;
 
 /// Stages of a run, in their order, with all that was kept of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,17 +127,18 @@ impl Moments {
     /// before it ends, only that end is taken.
     pub fn thinned(&self, every: f64) -> Vec<Moment<'_>> {
         let mut taken: Vec<Moment> = Vec::new();
+        let early = scale::FRAME_EARLY.at(&self.setup.scale);
         for (stage, of) in self.stages.iter().enumerate() {
             let begin = of.begin.as_ref();
             let last = taken.last().map_or(f64::NEG_INFINITY, |m| m.frame.time);
             let mut due = f64::NEG_INFINITY;
             for (n, frame) in of.frames.iter().enumerate() {
-                if frame.time + EARLY < due {
+                if frame.time + early < due {
                     continue;
                 }
                 // From round times on, so that delays do not add up.
                 due = if n == 0 { frame.time + every } else { (due + every).max(frame.time) };
-                let at_an_end = frame.time <= last || frame.time >= of.end.time - EARLY;
+                let at_an_end = frame.time <= last || frame.time >= of.end.time - early;
                 if !at_an_end {
                     let neighbour = of.frames.get(if n == 0 { 1 } else { n - 1 });
                     let frame = frame.clone();

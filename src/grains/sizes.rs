@@ -61,7 +61,12 @@ impl GrainSet {
 
     /// What automatic values of a scenario with these grains follow from.
     pub fn grading(&self) -> Grading {
-        Grading { sizes: self.sizes(), density: self.density, solids: self.total_volume() }
+        Grading {
+            sizes: self.sizes(),
+            density: self.density,
+            solids: self.total_volume(),
+            count: self.grains.len() as f64,
+        }
     }
 }
 

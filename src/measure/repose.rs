@@ -30,6 +30,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::{Container, HeightMap, MeasureError, height_cell, inference::MeanTest, statistics};
+use crate::grains::GrainSet;
 use crate::scale;
 use crate::specimen::{Base, Specimen, SpecimenState};
 
@@ -48,8 +49,6 @@ const LEAST_SECTORS: f64 = 2.0 / 3.0;
 const LEAST_CELLS: usize = 12;
 /// Confidence of the interval.
 const CONFIDENCE: f64 = 0.95;
-/// Nothing of a pile is higher, in m: the pile's map is taken up to here.
-const HIGHEST: f64 = 100.0;
 
 /// Height of the surface over one cell of a square grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -145,7 +144,8 @@ pub enum NoPile {
 /// [`MeasureError`] of the height map.
 pub fn pile_surface(specimen: &Specimen) -> Result<Option<PileSurface>, MeasureError> {
     let Some(base) = &specimen.state.base else { return Ok(None) };
-    let map = HeightMap::of(specimen, &over(base), height_cell(&specimen.grains))?;
+    let over = over(base, &specimen.grains);
+    let map = HeightMap::of(specimen, &over, height_cell(&specimen.grains))?;
     let level = base_level(specimen)?;
     let middle = (map.across() - 1) as f64 / 2.0;
     let place = |n: usize| (n as f64 - middle) * map.cell();
@@ -161,9 +161,9 @@ pub fn pile_surface(specimen: &Specimen) -> Result<Option<PileSurface>, MeasureE
     Ok(Some(PileSurface { cells, cell: map.cell(), grain_size }))
 }
 
-/// The space over a base as a container of what lies on it.
-pub fn over(base: &Base) -> Container {
-    Container { centre_x: 0.0, radius: base.radius, height: HIGHEST }
+/// The space over a base as a container of the grains that lie on it.
+pub fn over(base: &Base, grains: &GrainSet) -> Container {
+    Container { centre_x: 0.0, radius: base.radius, height: grains.of_size(&scale::HIGHEST_PILE) }
 }
 
 /// Mean height in m of a specimen's base above z = 0; 0 without fixed grains.
@@ -175,8 +175,8 @@ pub fn base_level(specimen: &Specimen) -> Result<f64, MeasureError> {
         return Ok(0.0);
     };
     let poses: Vec<_> = base.fixed_grains.iter().map(|f| (f.grain, f.pose)).collect();
-    let map =
-        HeightMap::of_poses(&specimen.grains, &poses, &over(base), height_cell(&specimen.grains))?;
+    let grains = &specimen.grains;
+    let map = HeightMap::of_poses(grains, &poses, &over(base, grains), height_cell(grains))?;
     Ok(map.standing_height().mean_surface)
 }
 

@@ -131,15 +131,24 @@ impl Scenario {
     /// else the size that the engine is given.
     pub fn scale(&self) -> Scale {
         let gravity = self.gravity_m_per_s2;
-        let table = match &self.grains {
-            GrainsSpec::Sieved(sieved) => Grading::of_table(sieved),
-            GrainsSpec::Meshes(meshes) => meshes.as_sieved().and_then(|s| Grading::of_table(&s)),
-            GrainsSpec::File(_) => None,
-        };
-        match table {
+        match self.grading_by_sieves() {
             Some(Grading { sizes, density, .. }) => Scale { sizes, density, gravity },
             None => Scale::of_smallest(from_mm(self.engine.grain_size_mm), gravity),
         }
+    }
+
+    /// What the sieve table says of the grains; `None` where there is none.
+    pub(super) fn grading_by_sieves(&self) -> Option<Grading> {
+        match &self.grains {
+            GrainsSpec::Sieved(sieved) => Grading::of_table(sieved),
+            GrainsSpec::Meshes(meshes) => meshes.as_sieved().and_then(|s| Grading::of_table(&s)),
+            GrainsSpec::File(_) => None,
+        }
+    }
+
+    /// What is known of the grains: by the sieve table, or as found when they were read.
+    pub(super) fn grading(&self) -> Option<Grading> {
+        self.grading_by_sieves().or(self.found)
     }
 
     /// Falling height of the pour in mm, where grains are poured.

@@ -11,7 +11,7 @@ use serde_json::{Map, Number, Value};
 
 use super::{
     CylinderSpec, EngineSettings, FunnelSpec, ManifoldSettings, MeshGrains, RapierSettings,
-    SettleSpec, SievedGrains, TopPlateSpec,
+    SettleSpec, SieveFraction, SievedGrains, TopPlateSpec,
     accessors::field,
     stages::{
         drop_height, feed_rate, fill_limit, place_limit, pour_limit, slow_limit, spout_diameter,
@@ -30,6 +30,8 @@ pub struct Grading {
     pub density: f64,
     /// Volume of the solids in m³.
     pub solids: f64,
+    /// How many grains there are, or will be made.
+    pub count: f64,
 }
 
 /// The step rate in Hz is a multiple of this, so that a cycle of 1, 2, 3, 4, 6 or 12 Hz takes a
@@ -64,7 +66,10 @@ impl Grading {
         let solids = from_g(sieved.total_mass_g) / sieved.density_kg_per_m3;
         let sound = sieved.density_kg_per_m3 > 0.0 && solids > 0.0 && solids.is_finite();
         let sizes = GrainSizes::of(&fractions).filter(|_| sound)?;
-        Some(Self { sizes, density: sieved.density_kg_per_m3, solids })
+        let count_of =
+            |f: &SieveFraction| f.grain_count(sieved.total_mass_g, sieved.density_kg_per_m3);
+        let count = sieved.sieve_table.iter().map(count_of).sum();
+        Some(Self { sizes, density: sieved.density_kg_per_m3, solids, count })
     }
 
     /// Of the `grains` of a scenario's JSON that has a sieve table.
@@ -80,6 +85,11 @@ impl Grading {
     fn scale(&self, gravity: f64) -> Scale {
         Scale { sizes: self.sizes, density: self.density, gravity }
     }
+
+    /// The scale that automatic values follow from, under a gravity in m/s².
+    pub(super) fn scale_for_filling(&self, gravity: f64) -> Scale {
+        self.scale(gravity.max(WEAKEST))
+    }
 }
 
 /// Fills in what is left out of a scenario's JSON and follows from its grains.
@@ -91,8 +101,7 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
     if !(gravity > 0.0 && gravity <= STRONGEST && value.is_object()) {
         return;
     }
-    let gravity = gravity.max(WEAKEST);
-    let scale = grading.scale(gravity);
+    let scale = grading.scale_for_filling(gravity);
     fill_apparatus(value, &scale);
     fill_stages(value, &scale);
     for (path, law, default) in fields() {
@@ -101,10 +110,16 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
     let stiffness = stiffness(value, grading, &scale);
     let default = ManifoldSettings::default().contact_stiffness_n_per_m;
     put(value, STIFFNESS, default, stiffness / default);
+    let rate = rate(value, grading, &scale);
     let default = EngineSettings::default().rate_hz;
-    let rate = default * Law::Rate.factor(&scale);
-    let rate = least_rate_hz(value).map_or(rate, |least| rate.max(least.ceil()));
-    put(value, "engine.rate_hz", default, (rate / CYCLES - 1e-9).ceil() * CYCLES / default);
+    put(value, RATE, default, rate / default);
+}
+
+/// Step rate in Hz: that of the law, or more where something moves by more than a grain in a step.
+pub(super) fn rate(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
+    let rate = EngineSettings::default().rate_hz * Law::Rate.factor(scale);
+    let rate = least_rate_hz(value, Some(grading)).map_or(rate, |least| rate.max(least.ceil()));
+    (rate / CYCLES - 1e-9).ceil() * CYCLES
 }
 
 /// What is allowed of a field, by its unit: from, to.
@@ -126,6 +141,15 @@ fn allowed(path: &str) -> (f64, f64) {
         () => (f64::NEG_INFINITY, f64::INFINITY),
     }
 }
+
+/// The nearest value to one that is allowed of a field.
+pub(super) fn within(path: &str, value: f64) -> f64 {
+    let (low, high) = allowed(path);
+    value.clamp(low, high)
+}
+
+/// Path of the step rate.
+pub(super) const RATE: &str = "engine.rate_hz";
 
 /// Path of the stiffness.
 pub(super) const STIFFNESS: &str = "engine.manifold.contact_stiffness_n_per_m";
@@ -168,7 +192,7 @@ pub(super) const AUTOMATIC_OF_STAGES: [&str; 4] =
     ["time_limit_s", "feed_rate_grains_per_s", "drop_height_mm", "spout_diameter_mm"];
 
 /// Fields that are their default times the factor of a law.
-fn fields() -> [(&'static str, Law, f64); 15] {
+pub(super) fn fields() -> [(&'static str, Law, f64); 15] {
     let engine = EngineSettings::default();
     let (manifold, rapier) = (ManifoldSettings::default(), RapierSettings::default());
     let settle = SettleSpec::default();
@@ -287,8 +311,7 @@ pub(super) fn largest_stress(value: &Value, grading: &Grading, gravity: f64) -> 
 /// Sets a field that is left out to its default times a factor; nothing where that is the
 /// default, or where something else stands in the way.
 fn put(value: &mut Value, path: &str, default: f64, factor: f64) {
-    let (low, high) = allowed(path);
-    let number = (default * factor).clamp(low, high);
+    let number = within(path, default * factor);
     let Some(number) = Number::from_f64(number).filter(|_| factor != 1.0) else { return };
     let (parents, name) = path.rsplit_once('.').unwrap_or(("", path));
     let mut at = value;
@@ -314,41 +337,6 @@ fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
 }
 
-impl EngineSettings {
-    /// The settings for the same bodies so many times as large, under the same gravity.
-    pub fn enlarged(&self, larger: f64) -> Self {
-        let paper = Scale::PAPER;
-        let scale = Scale::of_smallest(paper.sizes.smallest * larger, paper.gravity);
-        let by = |law: Law| law.factor(&scale);
-        let (length, speed, rate) = (by(Law::Fine), by(Law::Speed), by(Law::Rate));
-        let (manifold, rapier) = (&self.manifold, &self.rapier);
-        Self {
-            grain_size_mm: self.grain_size_mm * length,
-            rate_hz: self.rate_hz * rate,
-            length_scale: self.length_scale * by(Law::PerLength),
-            contact_threshold_mm: self.contact_threshold_mm * length,
-            restitution_velocity_threshold_m_per_s: self.restitution_velocity_threshold_m_per_s
-                * speed,
-            manifold: ManifoldSettings {
-                substep_rate_hz: manifold.substep_rate_hz * rate,
-                contact_stiffness_n_per_m: manifold.contact_stiffness_n_per_m * by(Law::Stiffness),
-                push_out_speed_m_per_s: manifold.push_out_speed_m_per_s * speed,
-                ..manifold.clone()
-            },
-            rapier: RapierSettings {
-                contact_frequency_hz: rapier.contact_frequency_hz * rate,
-                wall_contact_frequency_hz: rapier.wall_contact_frequency_hz * rate,
-                engine_unit_mm: rapier.engine_unit_mm * length,
-                prediction_mm: rapier.prediction_mm * length,
-                corrective_speed_m_per_s: rapier.corrective_speed_m_per_s * speed,
-                recycling_distance_mm: rapier.recycling_distance_mm * length,
-                ..rapier.clone()
-            },
-            ..self.clone()
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use serde_json::json;
@@ -363,7 +351,7 @@ mod tests {
             median: 3.0 * paper.median,
             largest: 3.0 * paper.largest,
         };
-        Grading { sizes, density: 2000.0, solids: 0.035 }
+        Grading { sizes, density: 2000.0, solids: 0.035, count: 2000.0 }
     }
 
     fn stages() -> Value {
@@ -372,8 +360,12 @@ mod tests {
 
     #[test]
     fn nothing_is_filled_in_for_the_papers_gravel() {
-        let paper =
-            Grading { sizes: GrainSizes::PAPER, density: Scale::PAPER.density, solids: 0.000_876 };
+        let paper = Grading {
+            sizes: GrainSizes::PAPER,
+            density: Scale::PAPER.density,
+            solids: 0.000_876,
+            count: 1456.0,
+        };
         let before = json!({ "name": "a", "stages": stages() });
         let mut after = before.clone();
         fill(&mut after, &paper);
@@ -457,7 +449,8 @@ mod tests {
         for size in [1e-6, 1e-4, 1.0, 10.0] {
             for gravity in [1e-300, 0.01, 100.0] {
                 let sizes = GrainSizes { smallest: size, median: size, largest: 1.5 * size };
-                let grading = Grading { sizes, density: 3000.0, solids: 1000.0 * size.powi(3) };
+                let solids = 1000.0 * size.powi(3);
+                let grading = Grading { sizes, density: 3000.0, solids, count: 1000.0 };
                 let mut value = json!({
                     "name": "a", "gravity_m_per_s2": gravity, "grains": { "file": "g.json" },
                     "stages": [{ "stage": "slow_pluviation", "base_diameter_mm": 5000 }],

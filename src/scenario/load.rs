@@ -46,10 +46,11 @@ pub fn load_with(
             faults.push(fault);
         }
     }
-    if let Some(grading) = grading_of(&document, grading) {
-        automatic::fill(&mut document.value, &grading);
+    let grading = grading_of(&document, grading);
+    if let Some(grading) = &grading {
+        automatic::fill(&mut document.value, grading);
     }
-    let checked = check_value(&document.value);
+    let checked = check_value(&document.value, grading.as_ref());
     let (scenario, found) = match checked {
         Ok(scenario) => (Some(scenario), Vec::new()),
         Err(found) => (None, found),
@@ -62,6 +63,7 @@ pub fn load_with(
     match scenario {
         Some(mut scenario) if faults.is_empty() => {
             place_grains_files(&mut scenario.grains, &document);
+            scenario.found = grading.filter(|_| scenario.grading_by_sieves().is_none());
             Ok(Loaded { scenario, files: document.files })
         }
         _ => Err(ScenarioErrors::Faults(faults)),
@@ -112,18 +114,18 @@ pub fn check(scenario: &Scenario) -> Result<(), ScenarioErrors> {
             ..Fault::default()
         })])
     })?;
-    match check_value(&value) {
+    match check_value(&value, scenario.found.as_ref()) {
         Ok(_) => Ok(()),
         Err(faults) => Err(ScenarioErrors::Faults(faults.into_iter().map(named).collect())),
     }
 }
 
-/// The scenario of a JSON value, or all its faults.
-fn check_value(value: &Value) -> Result<Scenario, Vec<Fault>> {
+/// The scenario of a JSON value, or all its faults; `grading` is that of its grains.
+fn check_value(value: &Value, grading: Option<&Grading>) -> Result<Scenario, Vec<Fault>> {
     let structure::Checked { mut faults, cleaned } = structure::check(value);
     let sound = faults.is_empty();
     // A value that has a fault already needs no second one about its meaning.
-    let meaning = validate::faults(&cleaned)
+    let meaning = validate::faults(&cleaned, grading)
         .into_iter()
         .filter(|fault| !faults.iter().any(|known| known.path == fault.path))
         .collect::<Vec<_>>();

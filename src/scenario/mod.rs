@@ -10,6 +10,7 @@ mod automatic;
 mod cells;
 mod document;
 mod engine;
+mod enlarged;
 mod fault;
 mod load;
 mod manifold;
@@ -92,6 +93,11 @@ pub struct Scenario {
     #[serde(default = "default_control")]
     #[schemars(range(min = 0.0, max = 600.0))]
     pub control_s: f64,
+    /// Sizes, density and number of grains that have no sieve table, as they were found
+    /// when the scenario was loaded; it is no part of what is written.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub found: Option<Grading>,
 }
 
 fn default_gravity() -> f64 {

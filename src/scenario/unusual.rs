@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 use serde_json::Value;
 
 use super::{
-    Backend, ContactPath, EngineSettings, Fault, Grading, GrainsSpec, ManifoldSettings, Scenario,
-    automatic::{STIFFNESS, largest_stress, stiffness},
+    Backend, ContactPath, EngineSettings, Fault, Grading, ManifoldSettings, Scenario,
+    accessors::field as field_at,
+    automatic::{self, RATE, STIFFNESS, largest_stress, stiffness},
     validate::{fault, short},
 };
 use crate::scale::{Law, Scale};
@@ -30,14 +31,15 @@ const JAMS_BELOW: f64 = 5.0;
 
 /// What is typed in a scenario, of which `value` is the JSON, and does not suit its grains.
 pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
-    let grading = match &scenario.grains {
-        GrainsSpec::Sieved(sieved) => Grading::of_table(sieved),
-        GrainsSpec::Meshes(meshes) => meshes.as_sieved().and_then(|s| Grading::of_table(&s)),
-        GrainsSpec::File(_) => None,
+    let grading = scenario.grading();
+    let scale = match &grading {
+        Some(grading) => grading.scale_for_filling(scenario.gravity_m_per_s2),
+        None => scenario.scale(),
     };
-    let scale = scenario.scale();
     let mut found = Vec::new();
-    unusual_engine(scenario, &scale, &mut found);
+    for field in fields() {
+        unusual_field(&field, scenario, value, grading.as_ref(), &scale, &mut found);
+    }
     if let Some(grading) = grading {
         unusual_load(scenario, value, &grading, &scale, &mut found);
         unusual_apparatus(scenario, &grading, &mut found);
@@ -45,56 +47,206 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
     found
 }
 
-fn unusual_engine(scenario: &Scenario, scale: &Scale, found: &mut Vec<Fault>) {
-    let EngineSettings { manifold, .. } = &scenario.engine;
-    let default = (EngineSettings::default(), ManifoldSettings::default());
-    let native = scenario.engine.backend == Backend::Bullet
-        && scenario.engine.contact_path == ContactPath::Manifold;
-    let of_native = [
-        (
+/// Contacts of which a field is a setting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Of {
+    /// Every engine's.
+    All,
+    /// Bullet's own and the native ones.
+    Bullet,
+    /// The native contact solver's.
+    Native,
+    /// Rapier's.
+    Rapier,
+}
+
+/// A field whose value follows from the grains, and what goes wrong where it is far off.
+struct Field {
+    path: &'static str,
+    of: Of,
+    low: &'static str,
+    high: &'static str,
+}
+
+/// The fields in the order in which they are reported.
+fn fields() -> [Field; 17] {
+    let field = |path, of, low, high| Field { path, of, low, high };
+    let slower = "the run takes longer in proportion and is no more exact";
+    [
+        field(
+            "engine.grain_size_mm",
+            Of::All,
+            "contacts are found late, and many boxes are renewed in a step",
+            "gaps and clearances are so wide that grains notice them",
+        ),
+        field(RATE, Of::All, "grains sink into each other within a step", slower),
+        field(
             "engine.manifold.substep_rate_hz",
-            manifold.substep_rate_hz,
-            default.1.substep_rate_hz,
-            Law::Rate,
+            Of::Native,
+            "impacts and shaking are followed too coarsely",
+            slower,
         ),
-        (
+        field(
             STIFFNESS,
-            manifold.contact_stiffness_n_per_m,
-            default.1.contact_stiffness_n_per_m,
-            Law::Stiffness,
+            Of::Native,
+            "grains sink into each other",
+            "loads need more sub-steps and iterations to get through the packing, which costs time",
         ),
-        (
+        field(
             "engine.manifold.push_out_speed_m_per_s",
-            manifold.push_out_speed_m_per_s,
-            default.1.push_out_speed_m_per_s,
-            Law::Speed,
+            Of::Native,
+            "overlaps that impacts leave last",
+            "overlaps burst and throw grains apart",
         ),
-        (
+        field(
             "engine.restitution_velocity_threshold_m_per_s",
-            scenario.engine.restitution_velocity_threshold_m_per_s,
-            default.0.restitution_velocity_threshold_m_per_s,
-            Law::Speed,
+            Of::Bullet,
+            "contacts at rest go on rebounding, and the specimen settles late",
+            "impacts that should rebound do not",
         ),
-    ];
-    let of_both = [
-        ("engine.grain_size_mm", scenario.engine.grain_size_mm, default.0.grain_size_mm, Law::Fine),
-        ("engine.rate_hz", scenario.engine.rate_hz, default.0.rate_hz, Law::Rate),
-    ];
-    for (path, typed, default, law) in
-        of_both.into_iter().chain(native.then_some(of_native).into_iter().flatten())
-    {
-        let automatic = default * law.factor(scale);
-        // Faster and stiffer than needed costs time alone; the load may ask for it.
-        let costly = matches!(law, Law::Rate | Law::Stiffness);
-        if typed < automatic / UNUSUAL || (typed > automatic * UNUSUAL && !costly) {
-            found.push(fault(
-                path,
-                short(typed),
-                format!("{} for these grains, or the field left out", short(automatic)),
-                format!("the value differs by more than a factor of {UNUSUAL} from what the size of the grains asks for"),
-            ));
+        field(
+            "engine.length_scale",
+            Of::Bullet,
+            "a grain is much smaller than an engine unit, and Bullet's tolerances are gaps that it \
+             notices",
+            "a grain is much larger than an engine unit, and Bullet's tolerances are lost in rounding",
+        ),
+        field(
+            "engine.contact_threshold_mm",
+            Of::Bullet,
+            "contacts are found late and lost between steps",
+            "contacts that bear nothing are kept",
+        ),
+        field(
+            "settle.rms_speed_mm_per_s",
+            Of::All,
+            "a stage may not count as settled before its time limit",
+            "a stage ends while the specimen still moves",
+        ),
+        field(
+            "settle.largest_speed_mm_per_s",
+            Of::All,
+            "a stage may not count as settled before its time limit",
+            "a stage ends while grains still fall",
+        ),
+        field(
+            "settle.hold_s",
+            Of::All,
+            "a stage may end at the top of a bounce",
+            "every stage that settles is simulated for longer than it needs",
+        ),
+        field(
+            "engine.rapier.contact_frequency_hz",
+            Of::Rapier,
+            "grains sink into each other",
+            "the packing jitters and creeps unless engine.rapier.substeps is raised, which costs time",
+        ),
+        field(
+            "engine.rapier.wall_contact_frequency_hz",
+            Of::Rapier,
+            "grains sink into the funnel",
+            "grains jitter in the funnel unless engine.rapier.substeps is raised, which costs time",
+        ),
+        field(
+            "engine.rapier.engine_unit_mm",
+            Of::Rapier,
+            "contact points are found anew for nothing",
+            "contact points are kept that are no longer there",
+        ),
+        field(
+            "engine.rapier.prediction_mm",
+            Of::Rapier,
+            "grains sink in before they are met",
+            "contacts that bear nothing are prepared, which costs time",
+        ),
+        field(
+            "engine.rapier.corrective_speed_m_per_s",
+            Of::Rapier,
+            "overlaps that impacts leave last",
+            "overlaps burst and throw grains apart",
+        ),
+        field(
+            "engine.rapier.recycling_distance_mm",
+            Of::Rapier,
+            "contact points change for nothing, and the packing creeps",
+            "contact normals are out of date",
+        ),
+    ]
+}
+
+impl Of {
+    /// Whether a scenario's contacts are among them.
+    fn holds(self, scenario: &Scenario) -> bool {
+        let bullet = scenario.engine.backend == Backend::Bullet;
+        match self {
+            Self::All => true,
+            Self::Bullet => bullet,
+            Self::Native => is_native(scenario),
+            Self::Rapier => scenario.engine.backend == Backend::Rapier,
         }
     }
+}
+
+fn is_native(scenario: &Scenario) -> bool {
+    scenario.engine.backend == Backend::Bullet
+        && scenario.engine.contact_path == ContactPath::Manifold
+}
+
+/// What a field is where it is left out; of grains whose sizes are not known, by the law alone.
+fn automatic(path: &str, value: &Value, grading: Option<&Grading>, scale: &Scale) -> Option<f64> {
+    let of_law = |default: f64, law: Law| default * law.factor(scale);
+    let number = match (path, grading) {
+        (RATE, Some(grading)) => automatic::rate(value, grading, scale),
+        (RATE, None) => of_law(EngineSettings::default().rate_hz, Law::Rate),
+        (STIFFNESS, Some(grading)) => stiffness(value, grading, scale),
+        (STIFFNESS, None) => {
+            let default = ManifoldSettings::default().contact_stiffness_n_per_m;
+            of_law(default, Law::Stiffness)
+        }
+        _ => {
+            let (_, law, default) = automatic::fields().into_iter().find(|f| f.0 == path)?;
+            of_law(default, law)
+        }
+    };
+    Some(automatic::within(path, number))
+}
+
+/// A value that is off by more than the factor, in either direction.
+fn unusual_field(
+    field: &Field,
+    scenario: &Scenario,
+    value: &Value,
+    grading: Option<&Grading>,
+    scale: &Scale,
+    found: &mut Vec<Fault>,
+) {
+    let Field { path, of, low, high } = *field;
+    let typed = field_at(value, &format!("/{}", path.replace('.', "/"))).as_f64();
+    let (Some(typed), Some(automatic)) = (typed, automatic(path, value, grading, scale)) else {
+        return;
+    };
+    let goes_wrong = match () {
+        () if !of.holds(scenario) || is_unread(path, typed, automatic, scenario) => return,
+        () if typed < automatic / UNUSUAL => low,
+        () if typed > automatic * UNUSUAL => high,
+        () => return,
+    };
+    found.push(fault(
+        path,
+        short(typed),
+        format!("{} for these grains, or the field left out", short(automatic)),
+        format!(
+            "the value differs by more than a factor of {UNUSUAL} from what these grains ask for: \
+             {goes_wrong}"
+        ),
+    ));
+}
+
+/// Whether contacts do without the distance: native ones go by the shorter of it and their own
+/// margin, Bullet's by a share of the radius where one is typed.
+fn is_unread(path: &str, typed: f64, automatic: f64, scenario: &Scenario) -> bool {
+    let relative = scenario.engine.bullet.relative_contact_threshold > 0.0;
+    path == "engine.contact_threshold_mm" && (relative || is_native(scenario) && typed > automatic)
 }
 
 /// Grains that would sink into each other by more than the accuracy standard allows.
@@ -105,12 +257,13 @@ fn unusual_load(
     scale: &Scale,
     found: &mut Vec<Fault>,
 ) {
-    let native = scenario.engine.backend == Backend::Bullet
-        && scenario.engine.contact_path == ContactPath::Manifold;
     let typed = scenario.engine.manifold.contact_stiffness_n_per_m;
     let stress = largest_stress(value, grading, scale.gravity);
     let overlap = OVERLAP_OF_STRESS * stress * scale.sizes.median / typed;
-    if native && overlap > OVERLAP_ALLOWED && !found.iter().any(|f| f.path == STIFFNESS) {
+    if is_native(scenario)
+        && overlap > OVERLAP_ALLOWED
+        && !found.iter().any(|f| f.path == STIFFNESS)
+    {
         found.push(fault(
             STIFFNESS,
             short(typed),

@@ -15,6 +15,7 @@ use super::{
     plan::{PlannedRun, Prepared},
     run::{carry_out, kind_of, make_grains, write_grains},
     summarise::standard,
+    told::tell_warnings,
 };
 use crate::record::{RunRecord, Summary, create_folder, write_json};
 use crate::report::{self, ComparedQuantity, ComparedRun, Comparison};
@@ -82,6 +83,7 @@ pub fn compare(
         .position(|s| matches!(s, StageSpec::Vibrate { .. }))
         .unwrap_or(scenario.stages.len());
     let runs = planned(scenario, backends, &grains, handed_on);
+    tell_warnings(runs.iter().map(|run| &run.scenario), options.progress.as_ref());
     let folder = |run: &PlannedRun| options.out.join("runs").join(&run.name);
     let records = carry_out(&runs, options, folder)?.records;
     for record in &records {

@@ -7,17 +7,9 @@ use crate::protocol::{Watched, table_motion};
 use crate::record::{
     GuardSummary, Guards, OverlapWatch, SeriesRow, SolverResidual, StageGuards, StageRecord,
 };
-use crate::scale::Scale;
+use crate::scale::{self, Scale};
 use crate::scenario::StageSpec;
 use crate::specimen::Specimen;
-
-/// Interval of simulated time in s at which the overlap is looked at. A look at the
-/// paper's specimen costs a hundredth of what a simulated second does.
-const OVERLAP_INTERVAL: f64 = 2.0;
-
-/// Rests between periods of vibration tell of creep where they last so long, in s:
-/// in a shorter one what still moves comes to rest.
-const SHORTEST_REST: f64 = 1.0;
 
 /// Largest 99th percentile of the solver's residual, our choice: quick specimens have 0.002 to
 /// 0.015 at the default while they are poured and shaken, and 0.02 to 0.04 with eight
@@ -26,6 +18,9 @@ const RESIDUAL_LIMIT: f64 = 0.05;
 
 /// Times in s that differ by less are the same.
 const ROUNDING: f64 = 1e-9;
+
+/// Share by which a rest may miss the shortest that tells of creep: people type few digits.
+const TYPED: f64 = 1e-3;
 
 /// Whether grains are held to the standard of overlap all through a stage, being
 /// at rest or shaken; where they fall it is only at its end.
@@ -44,19 +39,20 @@ fn judged_throughout(stage: &StageSpec) -> bool {
 /// what a reader should know at once.
 pub(super) fn look_at_overlap(
     watch: &mut OverlapWatch,
-    stage: &StageSpec,
+    (stage, scale): (&StageSpec, &Scale),
     specimen: &Specimen,
     stage_time: f64,
     time: f64,
 ) -> Option<String> {
+    let interval = scale::OVERLAP_INTERVAL.at(scale);
     if watch.next_look_s == 0.0 {
-        watch.next_look_s = OVERLAP_INTERVAL;
+        watch.next_look_s = interval;
     }
     if stage_time < watch.next_look_s - ROUNDING || !judged_throughout(stage) {
         return None;
     }
     while watch.next_look_s <= stage_time + ROUNDING {
-        watch.next_look_s += OVERLAP_INTERVAL;
+        watch.next_look_s += interval;
     }
     watch.last_look_s = Some(stage_time);
     measure_overlap(watch, specimen, time)
@@ -96,12 +92,13 @@ fn measure_overlap(watch: &mut OverlapWatch, specimen: &Specimen, time: f64) -> 
 /// Creep wherever a stage rests, from its rows, against what the scale allows.
 pub(super) fn creep(stage: &StageSpec, rows: &[SeriesRow], scale: &Scale) -> Watched {
     let limit = standard(scale).creep_um_per_s;
+    let shortest = scale::SHORTEST_REST.at(scale);
     let mut watched = Watched::default();
     let Some(began) = rows.first().map(|r| r.time_s) else { return watched };
     let rests: Vec<(f64, f64)> = match stage {
         StageSpec::Rest { .. } => vec![(0.0, f64::INFINITY)],
         StageSpec::Vibrate { .. } => table_motion(stage)
-            .filter(|motion| motion.rest >= SHORTEST_REST)
+            .filter(|motion| motion.rest >= shortest * (1.0 - TYPED))
             .map(|motion| {
                 let ends = motion.period_ends();
                 let last = ends.len().saturating_sub(1);
@@ -263,7 +260,7 @@ mod tests {
     fn grains_in_each_other_are_found_and_grains_apart_are_not() {
         let mut watch = OverlapWatch::default();
         let mut at = |specimen: &Specimen, time: f64| {
-            look_at_overlap(&mut watch, &REST, specimen, time, 5.0 + time)
+            look_at_overlap(&mut watch, (&REST, &Scale::PAPER), specimen, time, 5.0 + time)
         };
         assert_eq!(at(&specimen(0.0), 1.96), None, "law: not before two seconds are over");
         assert_eq!(at(&specimen(0.0), 2.04), None, "law: grains apart are no fault");
@@ -281,21 +278,56 @@ mod tests {
         let mut watch = OverlapWatch::default();
         let pour = StageSpec::Pour { falling_height_mm: 0.0, time_limit_s: 4.0 };
         let deep = specimen(0.006);
-        assert_eq!(look_at_overlap(&mut watch, &pour, &deep, 2.0, 2.0), None);
+        let paper = Scale::PAPER;
+        assert_eq!(look_at_overlap(&mut watch, (&pour, &paper), &deep, 2.0, 2.0), None);
         assert!(last_look_at_overlap(&mut watch, &deep, 2.5, 2.5).is_some());
         assert_eq!(watch.mean.looks, 1);
         for (length, looks) in [(1.0, 1), (2.0, 1), (4.0, 2), (4.5, 3)] {
             let mut watch = OverlapWatch::default();
             for n in 0..=(length / 0.08_f64).round() as u32 {
                 let time = 0.08 * f64::from(n);
-                look_at_overlap(&mut watch, &REST, &deep, time, time);
+                look_at_overlap(&mut watch, (&REST, &paper), &deep, time, time);
             }
-            look_at_overlap(&mut watch, &REST, &deep, length, length);
+            look_at_overlap(&mut watch, (&REST, &paper), &deep, length, length);
             last_look_at_overlap(&mut watch, &deep, length, length);
             assert_eq!(
                 watch.mean.looks, looks,
                 "law: every two seconds and at the end, {length} s"
             );
+        }
+    }
+
+    #[test]
+    fn looks_and_rests_follow_the_size_of_the_grains() {
+        let deep = specimen(0.006);
+        for (size, looks) in [(0.008 / 16.0, 8), (0.008, 2), (0.008 * 4.0, 1)] {
+            let scale = Scale::of_smallest(size, Scale::PAPER.gravity);
+            let mut watch = OverlapWatch::default();
+            for n in 1..=50 {
+                let time = 0.08 * f64::from(n);
+                look_at_overlap(&mut watch, (&REST, &scale), &deep, time, time);
+            }
+            let got = watch.mean.looks;
+            assert_eq!(got, looks, "law: every 2 s times √(d/8 mm), in 4 s; grains of {size} m");
+        }
+        let shaken = |rest_s: f64| StageSpec::Vibrate {
+            frequency_hz: 1.0,
+            amplitude_mm: 1.0,
+            stroke: StrokeReading::HalfStroke,
+            duration_s: 2.0,
+            periods: 3,
+            rest_s,
+            ramp_s: 0.0,
+        };
+        let still = rows(14.0, |_| 80.0);
+        let of = |rest_s: f64, size: f64| {
+            creep(&shaken(rest_s), &still, &Scale::of_smallest(size, 9.81)).looks
+        };
+        for (rest_s, size, looks) in
+            [(1.0, 0.008, 2), (1.0, 0.04, 0), (2.236, 0.04, 2), (2.2, 0.04, 0), (0.5, 0.0008, 2)]
+        {
+            let got = of(rest_s, size);
+            assert_eq!(got, looks, "law: rests of √(d/8 mm) s, {rest_s} s with {size} m");
         }
     }
 

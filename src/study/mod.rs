@@ -23,6 +23,7 @@ mod summarise;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod told;
 mod variations;
 
 pub use calibrate::{
@@ -46,6 +47,7 @@ pub use sweep::{
     Design, Factor, PLAN_FILE, PlannedPoint, Point, SCENARIO_FILE, SNAKEFILE, SampledRange,
     SweepOptions, SweepPlan, SweepStage, SweepStatus, SweepStudy, SweepTasks, write_snakefile,
 };
+pub use told::tell_warnings;
 pub use variations::{Variation, Varied, carry_out_variations, write_variations};
 
 use std::path::PathBuf;

@@ -41,7 +41,7 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
 /// The cylinder where the specimen has it, or the space over a pile's base.
 pub fn container(setup: &Setup, specimen: &Specimen) -> Container {
     if let Some(base) = &specimen.state.base {
-        return measure::over(base);
+        return measure::over(base, &specimen.grains);
     }
     Container {
         centre_x: specimen.state.table_x,
@@ -194,7 +194,8 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         (self.on_row)(&row);
         self.rows.push(row);
         let at = moment.stage_time;
-        let found = look_at_overlap(&mut self.overlap, self.stage, specimen, at, row.time_s);
+        let of = (self.stage, &self.setup.scale);
+        let found = look_at_overlap(&mut self.overlap, of, specimen, at, row.time_s);
         if let Some(text) = found {
             (self.on_finding)(&text);
         }

@@ -15,6 +15,7 @@ use super::{
     readings::Reading,
     run::{CarriedOut, RunOptions, carry_out, make_grains, write_grains},
     summarise::standard,
+    told::tell_warnings,
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
@@ -81,6 +82,7 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     write_grains(&options.out, &scenarios.pluviation, &grains)?;
     let runs = programme(&scenarios, &grains, options.configurations);
+    tell_warnings(runs.iter().map(|run| &run.scenario), options.progress.as_ref());
     let how = RunOptions {
         out: options.out.clone(),
         jobs: options.jobs,
@@ -155,7 +157,8 @@ impl Scenarios {
         Ok(beside::programme_hash(&plain.all(), configurations))
     }
 
-    fn all(&self) -> Vec<&Scenario> {
+    /// All of them.
+    pub(super) fn all(&self) -> Vec<&Scenario> {
         let three = [&self.pluviation, &self.continuous, &self.intermittent];
         three.into_iter().chain(&self.repose).collect()
     }

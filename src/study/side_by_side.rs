@@ -13,6 +13,7 @@ use super::{
     reproduce::{Scenarios, programme, study_view},
     run::{CarriedOut, RunOptions, carry_out_each, make_grains},
     summarise::standard,
+    told::tell_warnings,
 };
 use crate::paper;
 use crate::protocol::Progress;
@@ -63,10 +64,10 @@ pub struct ReadingsOutcome {
 /// fit, or it was asked to stop.
 pub fn readings(options: &ReadingsOptions) -> Result<ReadingsOutcome, StudyError> {
     create_folder(&options.out)?;
-    // Faults of the changes are told before anything runs.
-    for reading in &options.readings {
-        Scenarios::load(options.quick, Some(reading), &options.changes)?;
-    }
+    // Faults of the changes are told before anything runs, and so are warnings.
+    let load = |reading| Scenarios::load(options.quick, Some(reading), &options.changes);
+    let all = options.readings.iter().map(load).collect::<Result<Vec<_>, _>>()?;
+    tell_warnings(all.iter().flat_map(Scenarios::all), options.progress.as_ref());
     let mut outcome = None;
     for reading in &options.readings {
         options.progress.message(&format!("reading {}: {}", reading.name, reading.title));

@@ -34,3 +34,4 @@ mod sweep_engines;
 mod terminal;
 mod verification;
 mod viewer;
+mod warned;

@@ -65,7 +65,7 @@ fn coarse_steps_are_refused_or_a_warning() {
         warnings(&scenario(let_pass.clone())).iter().map(ToString::to_string).collect();
     assert_eq!(found.len(), refused.len(), "law: each fault becomes a warning: {found:?}");
     assert!(found.iter().any(|w| w.contains("cannot resolve the motion")), "{found:?}");
-    let_pass["rate_hz"] = json!(5000);
+    let_pass["rate_hz"] = json!(1000);
     assert!(warnings(&scenario(let_pass)).is_empty(), "law: fine steps are not warned of");
 }
 

@@ -204,9 +204,229 @@ fn every_quantity_is_used() {
     assert_eq!(names.len(), pluvia::scale::ALL.len(), "law: all are found: {names:?}");
     for name in names {
         let used = text.match_indices(&format!("scale::{name}")).any(|(at, found)| {
-            text[at + found.len()..].starts_with(".at(")
-                || text[at + found.len()..].starts_with(')')
+            let after = &text[at + found.len()..];
+            [".at(", ".no_less(", ")"].iter().any(|used| after.starts_with(used))
         });
         assert!(used, "law: {name} is used");
     }
+}
+
+/// The words of the comment above a constant, and its name, of all constants of a file.
+fn constants(source: &str) -> Vec<(String, String)> {
+    let mut comment = String::new();
+    let mut found = Vec::new();
+    for line in source.lines() {
+        let line = line.trim();
+        // What comes after belongs to tests.
+        if line.starts_with("#[cfg(test)]") {
+            break;
+        }
+        if let Some(words) = line.strip_prefix("///") {
+            comment += words;
+            continue;
+        }
+        let shown = line.strip_prefix("pub ").or(line.strip_prefix("pub(super) ")).unwrap_or(line);
+        let constant = shown.strip_prefix("const ").and_then(|rest| rest.split_once(": "));
+        if let Some((name, _)) = constant.filter(|(_, of)| of.contains("f64")) {
+            found.push((name.to_owned(), std::mem::take(&mut comment)));
+        }
+        comment.clear();
+    }
+    found
+}
+
+/// Whether a comment says "in m", "in s" and the like.
+fn has_unit(comment: &str) -> bool {
+    let words: Vec<&str> = comment.split_whitespace().collect();
+    let units = ["m", "mm", "s", "m/s", "m/s²", "Hz", "rad/s", "N/m"];
+    words.windows(2).any(|w| {
+        let unit = w[1].trim_end_matches([',', '.', ':', ';', ')']);
+        w[0].eq_ignore_ascii_case("in") && units.contains(&unit)
+    })
+}
+
+/// Law: a number in m, s or what is made of them stands in `src/scale.rs`, or `docs/scale.md` says
+/// why it is the same for all grains.
+#[test]
+fn numbers_with_a_unit_are_of_the_scale_or_explained() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = std::fs::read_to_string(root.join("docs/scale.md")).expect("a page");
+    let (_, rest) = page.split_once("<!-- ABSOLUTE -->").expect("a mark");
+    let (table, _) = rest.split_once("<!-- END -->").expect("an end");
+    let mut explained: Vec<String> =
+        table.split('`').skip(1).step_by(2).map(str::to_owned).collect();
+    let mut found = Vec::new();
+    // What draws, what quotes the paper and what sets up experiments of its own is not the laboratory.
+    for folder in [
+        "apparatus",
+        "export",
+        "grains",
+        "measure",
+        "protocol",
+        "record",
+        "scenario",
+        "study",
+        "world",
+    ] {
+        let mut folders = vec![root.join("src").join(folder)];
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+                let path = entry.path();
+                if path.is_dir() {
+                    folders.push(path);
+                    continue;
+                }
+                let of_file =
+                    path.strip_prefix(root.join("src")).expect("below").display().to_string();
+                if of_file.contains("test") || !of_file.ends_with(".rs") {
+                    continue;
+                }
+                let source = std::fs::read_to_string(&path).expect("a source");
+                let with_unit = constants(&source).into_iter().filter(|(_, c)| has_unit(c));
+                found.extend(with_unit.map(|(name, _)| format!("{of_file} {name}")));
+            }
+        }
+    }
+    let specimen = include_str!("../../src/specimen.rs");
+    let with_unit = constants(specimen).into_iter().filter(|(_, c)| has_unit(c));
+    found.extend(with_unit.map(|(name, _)| format!("specimen.rs {name}")));
+    found.sort();
+    explained.sort();
+    assert!(found.len() >= 10, "law: constants are found: {found:?}");
+    assert_eq!(
+        found, explained,
+        "law: docs/scale.md explains each number that is not of the scale"
+    );
+}
+
+#[test]
+fn numbers_with_a_unit_are_found() {
+    let source = "/// How far, in m.\nconst FAR: f64 = 20.0;\n/// Any share.\nconst SHARE: f64 = 0.1;\n\
+                  /// Where, in\n/// mm, from to.\npub const ENDS: (f64, f64) = (1.0, 2.0);\n\
+                  #[cfg(test)]\n/// In s.\nconst LATER: f64 = 1.0;";
+    let found: Vec<String> =
+        constants(source).into_iter().filter(|(_, c)| has_unit(c)).map(|(name, _)| name).collect();
+    assert_eq!(found, ["FAR", "ENDS"], "law: those whose comment names a unit, tests left out");
+}
+
+/// By which power of the size a field grows, by the unit at the end of its name.
+fn power(field: &str) -> Option<f64> {
+    let ends = |unit: &str| field.ends_with(unit);
+    Some(match () {
+        () if ends("length_scale") => -1.0,
+        () if ends("_n_per_m") => 2.0,
+        () if ends("_m_per_s") || ends("_mm_per_s") => 0.5,
+        () if ends("_hz") => -0.5,
+        () if ends("_mm") => 1.0,
+        () if ends("_g") => 3.0,
+        () if ends("_s") && !ends("_rad_per_s") && !ends("_per_s") => 0.5,
+        () => return None,
+    })
+}
+
+/// Where two scenarios are no twins: fields that are not as many times as large as they should be.
+fn unlike(path: &str, a: &Value, b: &Value, larger: f64, found: &mut Vec<String>) {
+    match (a, b) {
+        (Value::Object(a), Value::Object(b)) => {
+            let fields: std::collections::BTreeSet<_> = a.keys().chain(b.keys()).collect();
+            for field in fields {
+                let of = |object: &serde_json::Map<String, Value>| {
+                    object.get(field).cloned().unwrap_or(Value::Null)
+                };
+                unlike(&format!("{path}.{field}"), &of(a), &of(b), larger, found);
+            }
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            for (n, (a, b)) in a.iter().zip(b).enumerate() {
+                unlike(&format!("{path}[{n}]"), a, b, larger, found);
+            }
+        }
+        (Value::Number(x), Value::Number(y)) => {
+            let (x, y) = (x.as_f64().expect("a number"), y.as_f64().expect("a number"));
+            let field = path.rsplit('.').next().unwrap_or(path);
+            let expected = x * larger.powf(power(field).unwrap_or(0.0));
+            // The automatic rate is a multiple of 12 Hz.
+            if (y - expected).abs() > 0.01 * expected.abs() {
+                found.push(format!("{path}: expected {expected}, got {y}"));
+            }
+        }
+        (a, b) if a == b => {}
+        _ => found.push(format!("{path}: {a} and {b}")),
+    }
+}
+
+#[test]
+fn the_twins_of_the_design_are_twins() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |name: &str| -> Value {
+        let text =
+            std::fs::read_to_string(root.join("scenarios/studies").join(name)).expect("a design");
+        serde_json::from_str(&text).expect("JSON")
+    };
+    let design = read("twins.json");
+    let specimen =
+        root.join("scenarios/studies").join(design["full"]["scenario"].as_str().expect("a path"));
+    let with = |changes: &Value| -> Value {
+        let texts = changes.as_array().into_iter().flatten();
+        let changes: Vec<_> =
+            texts.map(|c| c.as_str().expect("a text").parse().expect("a change")).collect();
+        let loaded = load_scenario(&specimen, &changes).unwrap_or_else(|e| panic!("{e}"));
+        assert!(warnings(&loaded.scenario).is_empty(), "law: twins suit their grains");
+        let mut value = serde_json::to_value(loaded.scenario).expect("JSON");
+        // Written only where they are not the defaults, and not read by Bullet.
+        value["engine"].as_object_mut().expect("settings").remove("rapier");
+        value
+    };
+    let size = &design["parameters"][0];
+    let plain = with(&json!([]));
+    for end in ["low", "high"] {
+        let larger = size[end].as_f64().expect("a size");
+        let twin = with(&size[format!("{end}_changes")]);
+        let mut found = Vec::new();
+        unlike("", &plain, &twin, larger, &mut found);
+        assert!(found.is_empty(), "law: all of a twin grows by its law, within 1 %: {found:?}");
+        let mut spoilt = twin;
+        spoilt["apparatus"]["funnel"]["opening_diameter_mm"] = json!(65.0 * larger * 1.02);
+        unlike("", &plain, &spoilt, larger, &mut found);
+        assert_eq!(found.len(), 1, "law: the comparison sees an opening off by 2 %: {found:?}");
+    }
+}
+
+/// The script of `make twins` on the table of a sweep whose runs are made up.
+#[test]
+fn the_table_of_twins_has_a_row_for_each_run_with_a_result() {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/twins.sh");
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = folder.path().join("twins.csv");
+    let sweep = |rows: &str| {
+        std::fs::write(folder.path().join("sweep.csv"), rows).expect("written");
+        std::process::Command::new("bash")
+            .arg(script)
+            .args([folder.path(), &table])
+            .env("PLUVIA", "true")
+            .output()
+            .expect("bash starts")
+            .status
+            .success()
+    };
+    let rows = "run,point,configuration,size,poured_height_mm.mean_surface,void_ratio,\
+                standing_height_mm.mean_surface,coordination_number,overlap.mean_percent,\
+                overlap.p99_percent,creep_um_per_s,grains.left_in_funnel,meets_standard,valid,failure\n\
+                a,p,1,1,110,1.05,110,4.6,0.06,0.3,0.1,0,true,true,\n\
+                b,p,1,0.1,11,1.04,10.8,4.5,0.06,0.3,0.1,2,true,true,\n\
+                c,p,2,1,,,,,,,,,,,\"it failed, badly\"\n";
+    assert!(sweep(rows), "law: two runs make a table");
+    let got = std::fs::read_to_string(&table).expect("a table");
+    let header =
+        include_str!("../../docs/results/scale/twins.csv").lines().next().expect("a header");
+    let expected = format!(
+        "{header}\n0.1,1,1.04,10.8,4.5,0.06,0.3,0.1,2,true\n1,1,1.05,110,4.6,0.06,0.3,0.1,0,true\n"
+    );
+    assert_eq!(got, expected, "law: by size, in the columns of the table that is kept");
+    assert!(
+        !sweep(&rows.replace("void_ratio", "other")),
+        "law: a column that is missing is an error"
+    );
+    let kept = std::fs::read_to_string(&table).expect("the table");
+    assert_eq!(kept, got, "law: and the table stays as it was");
 }

@@ -1,6 +1,7 @@
 //! Scenario files: those of the project load, and faulty ones are answered
 //! with every fault, its place and what is allowed there.
 
+mod from_file;
 mod hostile;
 mod random;
 mod sizes;
@@ -29,7 +30,7 @@ fn files() -> Vec<PathBuf> {
         }
     }
     let mut found = Vec::new();
-    for folder in ["load", "paper", "quick"] {
+    for folder in ["load", "paper", "quick", "scale"] {
         walk(&root().join("scenarios").join(folder), &mut found);
     }
     found.sort();
@@ -55,7 +56,7 @@ fn every_scenario_of_the_project_loads_and_says_its_choices() {
         assert!(!scenario.notes.is_empty(), "{} has no notes", file.display());
         let expected = match file.parent().and_then(Path::file_name) {
             Some(folder) if folder == "paper" => Some(1456),
-            Some(folder) if folder == "quick" => Some(364),
+            Some(folder) if folder == "quick" || folder == "scale" => Some(364),
             Some(folder) if folder == "load" => {
                 let name = file.file_stem().expect("a name").to_string_lossy();
                 Some(name.trim_end_matches("-grains").parse().expect("a number of grains"))

@@ -141,16 +141,87 @@ const SBATCH: &str = "#!/bin/sh
 cd \"$(dirname \"$0\")\" && echo x >> submitted && wc -l < submitted | tr -d ' '
 ";
 
+/// A folder with such an sbatch, as the first of the places where programs are sought.
+fn path_with_sbatch(folder: &Path) -> String {
+    let bin = folder.join("bin");
+    fs::create_dir(&bin).expect("a folder");
+    fs::write(bin.join("sbatch"), SBATCH).expect("written");
+    fs::set_permissions(bin.join("sbatch"), fs::Permissions::from_mode(0o755)).expect("set");
+    format!("{}:{}", bin.display(), std::env::var("PATH").unwrap_or_default())
+}
+
+/// Law: jobs ask for as many CPUs as a stage has threads, as its world is read back.
+#[test]
+fn clusters_are_asked_for_the_threads_that_are_used() {
+    let there = std::thread::available_parallelism().map_or(1, usize::from);
+    for (typed, asked) in [(None, 1), (Some(2), 2)] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut layer = small::layer(30.0);
+        if let Some(threads) = typed {
+            layer["engine"]["manifold"] = json!({ "threads": threads });
+        }
+        let scenario = write(folder.path(), &layer);
+        let out = folder.path().join("out");
+        let submitted = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+            .args(["sweep", "--quiet", "--slurm", "--over", "contact.restitution=0.2", "--out"])
+            .arg(&out)
+            .arg(&scenario)
+            .env("PATH", path_with_sbatch(folder.path()))
+            .output()
+            .expect("the program starts");
+        assert!(submitted.status.success(), "{}", String::from_utf8_lossy(&submitted.stderr));
+        for (script, asked) in [("level-0-0.sh", asked), ("level-1-0.sh", asked), ("collect.sh", 1)]
+        {
+            let script = out.join("slurm").join(script);
+            let text = fs::read_to_string(&script).expect("a script");
+            let line = format!("#SBATCH --cpus-per-task={asked}");
+            assert!(text.lines().any(|l| l == line), "law: {typed:?} has a line {line}:\n{text}");
+            let job = Command::new("sh")
+                .arg(&script)
+                .env("SLURM_ARRAY_TASK_ID", "0")
+                .output()
+                .expect("a shell");
+            assert!(job.status.success(), "{}", String::from_utf8_lossy(&job.stderr));
+        }
+        let stages = fs::read_dir(out.join("stages")).expect("stages").flatten();
+        let mut used = Vec::new();
+        for stage in stages.map(|e| e.path().join("stage.json")).filter(|path| path.exists()) {
+            let stage: Value =
+                serde_json::from_slice(&fs::read(stage).expect("a stage")).expect("JSON");
+            used.push(threads_of(&stage).expect("law: the threads of a world are read back"));
+        }
+        // A machine with fewer cores gives no more threads than it has.
+        let expected = asked.min(there) as f64;
+        assert_eq!(used, [expected; 2], "law: with {typed:?} typed a stage uses what is asked for");
+
+        let flow = folder.path().join("flow");
+        let arguments = ["--over", "contact.restitution=0.2", "--snakemake"];
+        let (code, _, said) = sweep(&scenario, &flow, &arguments);
+        assert_eq!(code, Some(0), "{said}");
+        let text = fs::read_to_string(flow.join("Snakefile")).expect("a Snakefile");
+        let lines = text.lines().filter(|l| *l == format!("    threads: {asked}")).count();
+        assert_eq!(lines, 2, "law: both levels ask for {asked}:\n{text}");
+    }
+}
+
+/// The number at `threads`, wherever it stands in a stage's record.
+fn threads_of(value: &Value) -> Option<f64> {
+    match value {
+        Value::Object(fields) => fields
+            .get("threads")
+            .and_then(Value::as_f64)
+            .or_else(|| fields.values().find_map(threads_of)),
+        Value::Array(items) => items.iter().find_map(threads_of),
+        _ => None,
+    }
+}
+
 #[test]
 fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write(folder.path(), &small::layer(30.0));
     let out = folder.path().join("it's a \"sweep\" of 100 %");
-    let bin = folder.path().join("bin");
-    fs::create_dir(&bin).expect("a folder");
-    fs::write(bin.join("sbatch"), SBATCH).expect("written");
-    fs::set_permissions(bin.join("sbatch"), fs::Permissions::from_mode(0o755)).expect("set");
-    let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap_or_default());
+    let path = path_with_sbatch(folder.path());
     let submitted = Command::new(env!("CARGO_BIN_EXE_pluvia"))
         .args(["sweep", "--quiet", "--slurm", "--over", "contact.restitution=0.2", "--out"])
         .arg(&out)

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::{Parts, fault, short};
 use crate::scenario::Fault;
-use crate::units::{from_g, from_mm};
+use crate::units::from_mm;
 
 /// Length of the longest grain over the opening of the coarsest sieve. Voronoi
 /// cells of a 16 mm sieve are up to 32 to 38 mm long: a sieve measures the
@@ -18,7 +18,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
 }
 
 fn check_cylinder(parts: &Parts, faults: &mut Vec<Fault>) {
-    let (Some(cylinder), Some(sieved)) = (&parts.cylinder, &parts.sieved) else { return };
+    let Some(cylinder) = &parts.cylinder else { return };
     let Some(coarsest) = parts.coarsest_mm() else { return };
     let longest = LONGEST_GRAIN * coarsest;
     if cylinder.inner_diameter_mm < longest {
@@ -33,9 +33,9 @@ fn check_cylinder(parts: &Parts, faults: &mut Vec<Fault>) {
         ));
     }
     // A mixture of sizes packs denser than this only by crushing.
-    let solids = from_g(sieved.total_mass_g) / sieved.density_kg_per_m3;
+    let Some(grading) = &parts.grading else { return };
     let area = PI / 4.0 * from_mm(cylinder.inner_diameter_mm).powi(2);
-    let height = solids / area;
+    let height = grading.solids / area;
     if height.is_finite() && height > from_mm(cylinder.height_mm) && parts.has_stage("pour") {
         faults.push(fault(
             "apparatus.cylinder.height_mm",

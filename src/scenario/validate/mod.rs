@@ -17,8 +17,10 @@ use std::{collections::BTreeSet, fmt};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
+use crate::units::to_mm;
+
 use super::{
-    CylinderSpec, EngineSettings, Fault, FunnelSpec, MeshGrains, Scenario, SettleSpec,
+    CylinderSpec, EngineSettings, Fault, FunnelSpec, Grading, MeshGrains, Scenario, SettleSpec,
     SievedGrains, StageSpec, TopPlateSpec, accessors::field, fault::misleads, source::shown,
     unusual,
 };
@@ -29,6 +31,8 @@ struct Parts {
     /// Also of meshes that are drawn by a sieve table; `None` where the grains
     /// come from a file, and where meshes keep their own size.
     sieved: Option<SievedGrains>,
+    /// Of all grains whose sizes are known.
+    grading: Option<Grading>,
     meshes: Option<MeshGrains>,
     cylinder: Option<CylinderSpec>,
     funnel: Option<FunnelSpec>,
@@ -47,7 +51,8 @@ struct Stage {
 }
 
 impl Parts {
-    fn of(value: &Value) -> Self {
+    /// `found` is what is known of grains that have no sieve table.
+    fn of(value: &Value, found: Option<&Grading>) -> Self {
         let stage = |value: &Value| Stage {
             name: value.get("stage").and_then(Value::as_str).map(str::to_owned),
             spec: read(value),
@@ -57,10 +62,15 @@ impl Parts {
             Some(value) => value.as_f64(),
         };
         let meshes: Option<MeshGrains> = read(field(value, "/grains"));
-        let sieved = read(field(value, "/grains"));
+        let sieved: Option<SievedGrains> = read(field(value, "/grains"));
+        let sieved = sieved.or_else(|| meshes.as_ref().and_then(MeshGrains::as_sieved));
         Self {
             name: field(value, "/name").as_str().map(str::to_owned),
-            sieved: sieved.or_else(|| meshes.as_ref().and_then(MeshGrains::as_sieved)),
+            grading: match &sieved {
+                Some(sieved) => Grading::of_table(sieved),
+                None => found.copied(),
+            },
+            sieved,
             meshes,
             cylinder: read_or_default(value, "/apparatus/cylinder"),
             funnel: read_or_default(value, "/apparatus/funnel"),
@@ -75,19 +85,31 @@ impl Parts {
 
     /// Largest opening a grain passes, in mm.
     fn coarsest_mm(&self) -> Option<f64> {
-        let table = &self.sieved.as_ref()?.sieve_table;
-        table.iter().map(|f| f.passing_mm).max_by(f64::total_cmp).filter(|mm| *mm > 0.0)
+        let mm = match &self.sieved {
+            Some(s) => s.sieve_table.iter().map(|f| f.passing_mm).max_by(f64::total_cmp)?,
+            None => shown_mm(self.grading?.sizes.largest),
+        };
+        Some(mm).filter(|mm| *mm > 0.0)
     }
 
     /// Smallest opening that retains a grain, in mm.
     fn finest_mm(&self) -> Option<f64> {
-        let table = &self.sieved.as_ref()?.sieve_table;
-        table.iter().map(|f| f.retained_mm).min_by(f64::total_cmp).filter(|mm| *mm > 0.0)
+        let mm = match &self.sieved {
+            Some(s) => s.sieve_table.iter().map(|f| f.retained_mm).min_by(f64::total_cmp)?,
+            None => shown_mm(self.grading?.sizes.smallest),
+        };
+        Some(mm).filter(|mm| *mm > 0.0)
     }
 
     fn has_stage(&self, name: &str) -> bool {
         self.stages.iter().any(|stage| stage.name.as_deref() == Some(name))
     }
+}
+
+/// A size in m as messages have it: in mm, to nine digits.
+fn shown_mm(size: f64) -> f64 {
+    let mm = to_mm(size);
+    format!("{mm:.8e}").parse().unwrap_or(mm)
 }
 
 fn read<T: DeserializeOwned>(value: &Value) -> Option<T> {
@@ -101,9 +123,10 @@ fn read_or_default<T: DeserializeOwned>(value: &Value, pointer: &str) -> Option<
     }
 }
 
-/// Every fault of meaning in the JSON of a scenario, without the file.
-pub(super) fn faults(value: &Value) -> Vec<Fault> {
-    let parts = Parts::of(value);
+/// Every fault of meaning in the JSON of a scenario, without the file; `found` is what is known
+/// of grains that have no sieve table.
+pub(super) fn faults(value: &Value, found: Option<&Grading>) -> Vec<Fault> {
+    let parts = Parts::of(value, found);
     let mut faults = Vec::new();
     check_name(&parts, &mut faults);
     grains::check(&parts, &mut faults);
@@ -137,7 +160,7 @@ impl fmt::Display for Warning {
 /// What a valid scenario's results must be read with.
 pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     let Ok(value) = serde_json::to_value(scenario) else { return Vec::new() };
-    let parts = Parts::of(&value);
+    let parts = Parts::of(&value, scenario.found.as_ref());
     let mut warnings: Vec<Warning> =
         unusual::unusual(scenario, &value).into_iter().map(Warning::Unusual).collect();
     if parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {

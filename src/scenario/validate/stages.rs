@@ -59,13 +59,8 @@ fn check_piles(parts: &Parts, faults: &mut Vec<Fault>) {
                 "grains would be let go beside the base",
             );
         }
-        let Some(sieved) = &parts.sieved else { continue };
-        let grains: f64 = sieved
-            .sieve_table
-            .iter()
-            .map(|f| f.grain_count(sieved.total_mass_g, sieved.density_kg_per_m3))
-            .sum();
-        let feeding = grains / feed_rate_grains_per_s;
+        let Some(grading) = &parts.grading else { continue };
+        let feeding = grading.count / feed_rate_grains_per_s;
         if feeding.is_finite() && *time_limit_s <= feeding {
             add(
                 "time_limit_s",

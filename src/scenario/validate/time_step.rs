@@ -11,7 +11,7 @@
 use serde_json::Value;
 
 use super::{Parts, fault, short};
-use crate::scenario::{Backend, ContactPath, Fault, StageSpec};
+use crate::scenario::{Backend, ContactPath, Fault, Grading, StageSpec};
 use crate::units::{from_deg, from_mm, to_mm};
 
 /// Fewest steps in a cycle of vibration; see the module's text.
@@ -28,8 +28,9 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
 
 /// Least step rate in Hz at which nothing whose speed is known beforehand moves by more than the
 /// size of the smallest grains in a step, and vibration is followed; `None` where nothing moves.
-pub(in crate::scenario) fn least_rate_hz(value: &Value) -> Option<f64> {
-    let parts = Parts::of(value);
+/// `found` is what is known of grains that have no sieve table.
+pub(in crate::scenario) fn least_rate_hz(value: &Value, found: Option<&Grading>) -> Option<f64> {
+    let parts = Parts::of(value, found);
     let vibrations = parts.stages.iter().filter_map(|s| s.spec.as_ref()?.vibration());
     let followed = vibrations.map(|v| STEPS_A_CYCLE * v.frequency);
     let size = from_mm(parts.finest_mm()?);

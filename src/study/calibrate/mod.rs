@@ -17,6 +17,7 @@ use serde_json::Value;
 
 use super::{
     RunOptions, StudyError,
+    told::tell_warnings,
     variations::{Variation, Varied, carry_out_in},
 };
 use crate::grains::load_scenario;
@@ -113,6 +114,9 @@ impl<'a> CalibrationStudy<'a> {
     /// # Errors
     /// [`StudyError`]. A result that cannot be had is none.
     pub fn carry_out(&self) -> Result<Calibration, StudyError> {
+        let (low, high) = self.question.between;
+        let ends = self.varied(&[low, high])?;
+        tell_warnings(ends.scenarios(), self.options.run.progress.as_ref());
         let mut known = Known::new();
         let mut all: Vec<CalibrationRun> = Vec::new();
         let mut carry_out = |values: &[f64], configurations: Range<u32>| {

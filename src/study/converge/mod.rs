@@ -14,6 +14,7 @@ use super::{
     RunOptions, StudyError,
     presets::DesignFile,
     summarise,
+    told::tell_warnings,
     variations::{Kept, Varied, carry_out_variations, keep_and_read, write_variations},
 };
 use crate::protocol::Progress;
@@ -65,6 +66,7 @@ impl ConvergenceStudy {
     /// [`StudyError`].
     pub fn carry_out(&self, options: &RunOptions) -> Result<Convergence, StudyError> {
         let varied = &self.design.varied;
+        tell_warnings(varied.scenarios(), options.progress.as_ref());
         let programme = varied.programme(self.configurations);
         let mut found = None;
         let mut so_far = |rows: &[RunRow]| {

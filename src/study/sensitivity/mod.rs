@@ -11,6 +11,7 @@ pub(super) use effects::rows as parameter_rows;
 use super::{
     RunOptions, StudyError, StudyOptions,
     presets::DesignFile,
+    told::tell_warnings,
     variations::{carry_out_variations, write_variations},
 };
 use crate::record::{RunRow, VariationRow};
@@ -55,6 +56,7 @@ impl SensitivityStudy {
             Ok(())
         };
         let design::Designed { varied, .. } = &self.design;
+        tell_warnings(varied.scenarios(), options.progress.as_ref());
         carry_out_variations(varied, self.configurations, options, &mut so_far)?;
         found.ok_or_else(|| StudyError::Scenario("the design has no variation".to_owned()))
     }

@@ -22,6 +22,7 @@ use serde_json::Value;
 use super::{
     RunOptions, StudyError,
     sensitivity::{Parameter, read_design},
+    told::tell_warnings,
     variations::{Variation, Varied, carry_out_variations, collect_stored},
 };
 use crate::grains::load_scenario;
@@ -150,6 +151,7 @@ impl SweepStudy {
     pub fn write_plan(&self) -> Result<SweepPlan, StudyError> {
         let plan = self.plan()?;
         edited::refuse(&self.options.run.out, &plan, &self.options, &self.scenario)?;
+        tell_warnings(self.varied.scenarios(), self.options.run.progress.as_ref());
         plan.write(&self.options.run.out, &self.gathered)?;
         Ok(plan)
     }

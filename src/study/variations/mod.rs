@@ -87,6 +87,11 @@ impl Varied {
         Ok(Self { base: scenario, all })
     }
 
+    /// The scenario of each variation.
+    pub fn scenarios(&self) -> impl Iterator<Item = &Scenario> {
+        self.all.iter().map(|(_, scenario)| scenario)
+    }
+
     /// A hash of everything that is to be done, the engine's build aside.
     pub fn programme(&self, configurations: u32) -> String {
         let named: Vec<(&str, Option<u32>, &Scenario)> =

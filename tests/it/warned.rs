@@ -1,0 +1,312 @@
+//! What is typed and does not suit the grains is reported before anything runs, by every command
+//! that runs scenarios, once however many runs share it.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+    sync::{Arc, Mutex, atomic::AtomicBool},
+};
+
+use pluvia::{
+    grains::load_scenario,
+    protocol::Progress,
+    scenario::{Backend, Override, warnings},
+    study::{
+        CalibrationOptions, CalibrationStudy, ConvergenceStudy, Design, Reading, ReadingsOptions,
+        ReproduceOptions, RunOptions, SensitivityStudy, StudyError, StudyOptions, SweepOptions,
+        SweepStudy, compare, readings, reproduce,
+    },
+};
+use serde_json::{Value, json};
+
+use super::small;
+
+/// What is said, in order.
+#[derive(Default)]
+struct Heard(Mutex<Vec<String>>);
+
+impl Progress for Heard {
+    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
+    fn update(&self, _: u64, _: f64, _: &str) {}
+    fn end_stage(&self, _: u64) {}
+    fn message(&self, text: &str) {
+        self.0.lock().expect("held by one").push(text.to_owned());
+    }
+}
+
+/// Stopped before the first step: what is heard was said before the run.
+fn stopped(out: &Path) -> (RunOptions, Arc<Heard>) {
+    fs::create_dir_all(out).expect("a folder");
+    let heard = Arc::new(Heard::default());
+    let options = RunOptions {
+        out: out.to_owned(),
+        jobs: 1,
+        frames: false,
+        cancel: Arc::new(AtomicBool::new(true)),
+        progress: heard.clone(),
+    };
+    (options, heard)
+}
+
+fn warned(heard: &Heard) -> Vec<String> {
+    let said = heard.0.lock().expect("held by none");
+    said.iter().filter(|line| line.starts_with("warning: ")).cloned().collect()
+}
+
+/// A tenth of the sub-steps that these grains ask for.
+const COARSE: &str = "engine.manifold.substep_rate_hz=100";
+
+fn write(folder: &Path, name: &str, value: &Value) -> PathBuf {
+    let path = folder.join(name);
+    fs::write(&path, value.to_string()).expect("written");
+    path
+}
+
+#[test]
+fn every_command_warns_once_before_it_runs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write(folder.path(), "small.json", &small::layer(30.0));
+    let specimen = json!({ "scenario": "small.json", "changes": [COARSE], "configurations": 2 });
+    let ranges = json!({
+        "full": specimen,
+        "parameters": [{
+            "name": "restitution", "title": "Restitution", "reason": "Any.",
+            "path": "contact.restitution", "low": 0.2, "high": 0.4
+        }]
+    });
+    let ladders = json!({
+        "full": specimen, "reference": "rate",
+        "limits": { "height_percent": 1, "settlement_percent": 1 },
+        "ladders": [{
+            "name": "rate", "title": "Rate", "rungs": [
+                { "name": "240", "title": "240 Hz", "changes": ["engine.rate_hz=240"] },
+                { "name": "480", "title": "480 Hz", "changes": ["engine.rate_hz=480"] }
+            ]
+        }]
+    });
+    let ranges = write(folder.path(), "ranges.json", &ranges);
+    let ladders = write(folder.path(), "ladders.json", &ladders);
+    let coarse = || vec![COARSE.parse::<Override>().expect("an override")];
+    let two = || Reading::all().expect("readings").into_iter().take(2).collect();
+    let of_design = |design: &Path, run: RunOptions| StudyOptions {
+        design: Some(design.to_owned()),
+        quick: false,
+        configurations: None,
+        run,
+    };
+    type Carry<'a> = &'a dyn Fn(RunOptions) -> Result<(), StudyError>;
+    let commands: [(&str, Carry); 7] = [
+        ("sweep", &|run| {
+            SweepStudy::new(SweepOptions {
+                scenario: scenario.clone(),
+                changes: coarse(),
+                over: vec!["contact.restitution=0.2,0.3".parse().expect("a factor")],
+                parameters: Vec::new(),
+                quick: false,
+                ranges: Vec::new(),
+                design: Design::Grid,
+                configurations: 2,
+                run,
+            })?
+            .carry_out()
+            .map(|_| ())
+        }),
+        ("calibrate", &|run| {
+            CalibrationStudy::new(&CalibrationOptions {
+                scenario: scenario.clone(),
+                changes: coarse(),
+                target: "void_ratio=0.9".parse().expect("a target"),
+                unknown: "contact.restitution".to_owned(),
+                between: "0.2..0.4".parse().expect("a range"),
+                replicates: 2,
+                tolerance: None,
+                most_runs: None,
+                run,
+            })?
+            .carry_out()
+            .map(|_| ())
+        }),
+        ("compare", &|run| {
+            let scenario = load_scenario(&scenario, &coarse())?.scenario;
+            compare(&scenario, &[Backend::Bullet, Backend::Bullet], &run).map(|_| ())
+        }),
+        ("converge", &|run| {
+            let options = of_design(&ladders, run);
+            ConvergenceStudy::read(&options)?.carry_out(&options.run).map(|_| ())
+        }),
+        ("sensitivity", &|run| {
+            let options = of_design(&ranges, run);
+            SensitivityStudy::read(&options)?.carry_out(&options.run).map(|_| ())
+        }),
+        ("reproduce", &|run| {
+            let RunOptions { out, jobs, cancel, progress, .. } = run;
+            let (changes, reading) = (coarse(), None);
+            let (quick, configurations) = (true, 2);
+            reproduce(&ReproduceOptions {
+                out,
+                jobs,
+                cancel,
+                progress,
+                changes,
+                reading,
+                quick,
+                configurations,
+            })
+            .map(|_| ())
+        }),
+        ("readings", &|run| {
+            let RunOptions { out, jobs, cancel, progress, .. } = run;
+            let (changes, quick, configurations) = (coarse(), true, 1);
+            readings(&ReadingsOptions {
+                out,
+                jobs,
+                cancel,
+                progress,
+                changes,
+                quick,
+                configurations,
+                readings: two(),
+            })
+            .map(|_| ())
+        }),
+    ];
+    for (name, command) in commands {
+        let (options, heard) = stopped(&folder.path().join(name));
+        let ended = command(options);
+        assert!(
+            matches!(ended, Err(StudyError::Cancelled)),
+            "law: `{name}` is stopped before its first step, got {ended:?}"
+        );
+        let told = warned(&heard);
+        let of_substeps = told.iter().filter(|w| w.contains("substep_rate_hz")).count();
+        assert_eq!(of_substeps, 1, "law: `{name}` warns once before it runs: {told:?}");
+    }
+}
+
+#[test]
+fn the_program_prints_them_and_a_plan_has_them_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut layer = small::layer(30.0);
+    layer["settle"] = json!({ "largest_speed_mm_per_s": 100 });
+    let scenario = write(folder.path(), "small.json", &layer);
+    let out = folder.path().join("out");
+    let (run, over) = (vec!["run"], "contact.restitution=0.2,0.3");
+    for command in [run, vec!["sweep", "--over", over, "--plan-only"]] {
+        let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+            .args(&command)
+            .arg(&scenario)
+            .arg("--out")
+            .arg(out.join(command[0]))
+            .output()
+            .expect("the program starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{command:?}: {said}");
+        let count = said.matches("warning: settle.largest_speed_mm_per_s: ").count();
+        assert_eq!(count, 1, "law: {command:?} says it once: {said}");
+    }
+}
+
+/// What is said of a field of 10 mm gravel that is typed.
+fn said_of(engine: &Value, settle: &Value) -> Vec<String> {
+    let mut scenario = small::layer(30.0);
+    scenario["engine"] = engine.clone();
+    scenario["settle"] = settle.clone();
+    for stage in scenario["stages"].as_array_mut().expect("stages") {
+        stage["time_limit_s"] = json!(20);
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = write(folder.path(), "s.json", &scenario);
+    let loaded = load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{engine}: {e}"));
+    warnings(&loaded.scenario).iter().map(ToString::to_string).collect()
+}
+
+/// Automatic values for grains of 10 to 12.5 mm, with what goes wrong below and above.
+#[test]
+fn typed_values_are_warned_of_in_both_directions() {
+    let native = |field: &str, value: f64| (json!({ field: value }), json!({}));
+    let solver = |field: &str, value: f64| (json!({ "manifold": { field: value } }), json!({}));
+    let settle = |field: &str, value: f64| (json!({}), json!({ field: value }));
+    let rapier = |field: &str, value: f64| {
+        (json!({ "backend": "rapier", "rapier": { field: value } }), json!({}))
+    };
+    let stock = |field: &str, value: f64| {
+        let leave = json!({ "contact_path": "bullet", field: value });
+        (leave, json!({}))
+    };
+    type Typed<'a> = &'a dyn Fn(&str, f64) -> (Value, Value);
+    let cases: [(Typed, &str, f64, &str, &str); 16] = [
+        (&native, "grain_size_mm", 10.0, "found late", "notice"),
+        (&native, "rate_hz", 432.0, "sink into each other", "takes longer"),
+        (
+            &native,
+            "length_scale",
+            80.0,
+            "smaller than an engine unit",
+            "larger than an engine unit",
+        ),
+        (&native, "restitution_velocity_threshold_m_per_s", 0.0022, "rebounding", "do not"),
+        (&stock, "contact_threshold_mm", 1.25, "found late", "bear nothing"),
+        (&solver, "substep_rate_hz", 1288.0, "too coarsely", "takes longer"),
+        (&solver, "contact_stiffness_n_per_m", 11_000.0, "sink into each other", "more sub-steps"),
+        (&solver, "push_out_speed_m_per_s", 0.335, "last", "burst"),
+        (&settle, "rms_speed_mm_per_s", 22.4, "time limit", "still moves"),
+        (&settle, "largest_speed_mm_per_s", 559.0, "time limit", "still fall"),
+        (&settle, "hold_s", 0.28, "bounce", "longer than it needs"),
+        (&rapier, "contact_frequency_hz", 447.0, "sink into each other", "substeps"),
+        (&rapier, "engine_unit_mm", 12.5, "for nothing", "no longer there"),
+        (&rapier, "prediction_mm", 0.375, "before they are met", "costs time"),
+        (&rapier, "corrective_speed_m_per_s", 3.35, "last", "burst"),
+        (&rapier, "recycling_distance_mm", 0.25, "creeps", "out of date"),
+    ];
+    for (typed, field, automatic, low, high) in cases {
+        for (factor, words) in [(0.2, Some(low)), (0.3, None), (3.3, None), (5.0, Some(high))] {
+            let (mut engine, settle) = typed(field, automatic * factor);
+            // Whether steps are too coarse to be run at all is another question.
+            engine["allow_coarse_steps"] = json!(true);
+            let of_coarse = |w: &String| w.contains("allow_coarse_steps");
+            let said: Vec<String> =
+                said_of(&engine, &settle).into_iter().filter(|w| !of_coarse(w)).collect();
+            match words {
+                None => assert!(said.is_empty(), "law: {factor} × {field} is usual: {said:?}"),
+                Some(words) => assert!(
+                    said.len() == 1 && said[0].contains(field) && said[0].contains(words),
+                    "law: {factor} × {field} is unusual, and `{words}` is said: {said:?}"
+                ),
+            }
+        }
+    }
+}
+
+#[test]
+fn automatic_values_are_usual_under_any_gravity() {
+    for gravity in [1e-6, 0.01, 1.62, 100.0] {
+        let mut scenario = small::layer(30.0);
+        scenario["engine"] = json!({});
+        scenario["gravity_m_per_s2"] = json!(gravity);
+        for stage in scenario["stages"].as_array_mut().expect("stages") {
+            stage["time_limit_s"] = json!(20);
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = write(folder.path(), "s.json", &scenario);
+        let loaded = load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{gravity}: {e}"));
+        let said = warnings(&loaded.scenario);
+        assert!(said.is_empty(), "law: what nobody typed is usual, {gravity} m/s²: {said:?}");
+    }
+}
+
+#[test]
+fn fields_that_nothing_reads_are_not_warned_of() {
+    for engine in [
+        json!({ "rapier": { "prediction_mm": 100 } }),
+        json!({ "contact_path": "bullet", "manifold": { "substep_rate_hz": 100 } }),
+        json!({ "backend": "rapier", "length_scale": 1 }),
+        // The native contacts' own margin is shorter.
+        json!({ "contact_threshold_mm": 9 }),
+        json!({ "contact_path": "bullet", "contact_threshold_mm": 0.01,
+                "bullet": { "relative_contact_threshold": 0.02 } }),
+    ] {
+        let said = said_of(&engine, &json!({}));
+        assert!(said.is_empty(), "law: {engine} changes nothing: {said:?}");
+    }
+}
