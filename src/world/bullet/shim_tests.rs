@@ -2,7 +2,7 @@
 //! exception comes back as an error with its words, and ends nothing.
 
 use super::definition::tolerances;
-use super::probe::{shared_sum, steps_alone};
+use super::probe::{shared_sum, shared_time, steps_alone};
 use super::tests::{exclusive_turn, free_box, shared_turn, slab};
 use super::*;
 use crate::scale::Scale;
@@ -288,7 +288,7 @@ fn what_more_threads_would_save_is_told() {
         (&[16, 0, 16], &[1, 8, 1], [1.0 / 2.0, 1.0 / 8.0, 1.0 / 16.0]),
     ];
     for (sizes, leasts, expected) in cases {
-        let [now, on @ ..] = ffi::shared_time(1, sizes, leasts).expect("shares");
+        let [now, on @ ..] = shared_time(1, sizes, leasts).expect("shares");
         assert!(now >= 0.9e-3, "law: one thread's time of what others can share, got {now} s");
         for (left, expected) in on.iter().zip(expected) {
             let got = left / now;
@@ -300,9 +300,9 @@ fn what_more_threads_would_save_is_told() {
         }
     }
     // Nothing that pays for another thread's coming: nothing to share.
-    let none = ffi::shared_time(2, &[8, 3], &[8, 8]).expect("shares");
+    let none = shared_time(2, &[8, 3], &[8, 8]).expect("shares");
     assert_eq!(none, [0.0; 4], "law: less than the least is one thread's");
-    assert!(ffi::shared_time(1, &[1], &[]).is_err(), "law: a least for every size");
+    assert!(shared_time(1, &[1], &[]).is_err(), "law: a least for every size");
 }
 
 /// Functions of the bridge that return no `Result`, and why they need none:
