@@ -103,7 +103,7 @@ box3d() { # name of the program: box3d or box3d-patched
         -DBOX3D_SAMPLES=OFF -DBOX3D_UNIT_TESTS=OFF &&
         cmake --build "$build/made" --target box3d; } >>"$log" 2>&1 ||
         fail "Box3D does not compile: see $log"
-    g++ -O3 -std=c++17 -I"$build/source/include" benches/peers/box3d.cpp -o "$program" \
+    g++ -O3 -DNDEBUG -std=c++17 -I"$build/source/include" benches/peers/box3d.cpp -o "$program" \
         "$(find "$build/made" -name 'libbox3d*.a' | head -1)" -lm -pthread >>"$log" 2>&1 ||
         fail "the peer of Box3D does not compile: see $log"
 }

@@ -3,7 +3,8 @@
 //! of copies (`specimens.rs`), at rest, shaken and, of the first two, poured; and shaken where
 //! threads have to share cores. Writes `out/bench.json`.
 //!
-//! `make bench` runs it; `--quick` leaves out 100 000 grains and measures less often.
+//! `make bench` runs it, within an hour with what it runs beside; `--quick` leaves out 100 000
+//! grains and measures less often.
 
 #[allow(dead_code)] // each benchmark uses a part of it
 #[path = "../common/mod.rs"]
@@ -30,8 +31,19 @@ const WORKSHOP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/growth");
 /// Threads of a world.
 const THREADS: [u32; 2] = [1, 2];
 
-/// A specimen of more grains is measured twice; others three times, with `--quick` twice.
-const MANY: usize = 50_000;
+/// Grains of the largest specimen with `--quick`.
+const MOST_QUICK: usize = 10_000;
+
+/// How often worlds of as many grains are measured: the larger, the longer a round takes, and
+/// the less a moment's work of another program counts in it.
+fn rounds(size: usize, quick: bool) -> usize {
+    let rounds = match size {
+        ..5_000 => 3,
+        ..50_000 => 2,
+        _ => 1,
+    };
+    if quick { rounds - 1 } else { rounds }
+}
 
 /// The growth of a step's cost with the number of grains.
 #[derive(Debug, Parser)]
@@ -40,6 +52,9 @@ struct Options {
     /// Without the largest specimen, and with fewer rounds
     #[arg(long)]
     quick: bool,
+    /// Only these states, with commas between
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = State::ALL)]
+    states: Vec<State>,
     /// No more grains than this
     #[arg(long, default_value_t = usize::MAX)]
     most_grains: usize,
@@ -71,9 +86,8 @@ fn main() {
     // Other programs on the machine make single times longer by tens of percent. A world that
     // begins alike does the same in every step: all are measured in turns, and of each step
     // and phase the shortest time counts.
-    let rounds = if options.quick { 2 } else { 3 };
-    for round in 0..rounds {
-        for case in cases.iter_mut().filter(|case| round < 2 || case.size < MANY) {
+    for round in 0..rounds(0, options.quick) {
+        for case in cases.iter_mut().filter(|case| round < rounds(case.size, options.quick)) {
             eprintln!("round {}, {} grains, {} ...", round + 1, case.size, case.state.name());
             measure(case);
         }
@@ -95,7 +109,8 @@ fn cases(options: &Options) -> Vec<Case> {
     create_folder(workshop).expect("a folder for specimens");
     let mut cases = Vec::new();
     let mut add = |size: usize, file: &Path, states: &[State]| {
-        let all = states.iter().flat_map(|&state| THREADS.map(|threads| (state, threads)));
+        let wanted = states.iter().filter(|state| options.states.contains(state));
+        let all = wanted.flat_map(|&state| THREADS.map(|threads| (state, threads)));
         cases.extend(all.map(|(state, threads)| Case {
             file: file.to_owned(),
             size,
@@ -105,7 +120,7 @@ fn cases(options: &Options) -> Vec<Case> {
         }));
     };
     let mut whole = None;
-    let most = if options.quick { MANY } else { usize::MAX }.min(options.most_grains);
+    let most = if options.quick { MOST_QUICK } else { usize::MAX }.min(options.most_grains);
     for size in SIZES.into_iter().filter(|size| *size <= most) {
         eprintln!("making {size} grains ...");
         let begun = Instant::now();

@@ -11,6 +11,7 @@ use std::{
     },
 };
 
+use clap::ValueEnum;
 use pluvia::{
     apparatus::{Funnel, Piece, TableMotion},
     geometry::{Pose, Vector},
@@ -37,8 +38,9 @@ const MEASURED: usize = 80;
 const POURED: usize = 192;
 
 /// What a specimen goes through.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
 pub enum State {
     /// It is left alone.
     Rest,
@@ -53,7 +55,7 @@ pub enum State {
 }
 
 impl State {
-    const ALL: [Self; 5] =
+    pub const ALL: [Self; 5] =
         [Self::Rest, Self::Shaken, Self::Pour, Self::ShakenBusy, Self::ShakenOneCore];
 
     pub fn name(self) -> &'static str {
@@ -88,21 +90,25 @@ impl State {
 pub struct Step {
     /// Broadphase, collision, solver, integration.
     pub phases: [f64; 4],
-    /// Of their sum, what threads can share.
+    /// All of it, where the next two were measured.
+    pub whole: f64,
+    /// Of that, what threads can share.
     pub shared: f64,
-    /// What that would take on 2, 8 and 16 threads.
+    /// What `shared` would take on 2, 8 and 16 threads.
     pub shared_on: [(u32, f64); 3],
 }
 
 impl Step {
     fn between(before: &PhaseTimes, after: &PhaseTimes) -> Self {
+        let phases = [
+            after.broadphase_s - before.broadphase_s,
+            after.collision_s - before.collision_s,
+            after.solver_s - before.solver_s,
+            after.integration_s - before.integration_s,
+        ];
         Self {
-            phases: [
-                after.broadphase_s - before.broadphase_s,
-                after.collision_s - before.collision_s,
-                after.solver_s - before.solver_s,
-                after.integration_s - before.integration_s,
-            ],
+            phases,
+            whole: phases.iter().sum(),
             shared: after.shared_s - before.shared_s,
             shared_on: std::array::from_fn(|n| {
                 let (threads, time) = after.shared_on_s[n];
@@ -116,16 +122,11 @@ impl Step {
         self.phases.iter().sum()
     }
 
-    /// Of the same step in two worlds that begin alike, the shorter time of each part.
+    /// Of the same step in two worlds that begin alike, the shorter time of each phase; and what
+    /// threads can share of the shorter one.
     pub fn shorter(&self, other: &Self) -> Self {
-        Self {
-            phases: std::array::from_fn(|n| self.phases[n].min(other.phases[n])),
-            shared: self.shared.min(other.shared),
-            shared_on: std::array::from_fn(|n| {
-                let (threads, time) = self.shared_on[n];
-                (threads, time.min(other.shared_on[n].1))
-            }),
-        }
+        let phases = std::array::from_fn(|n| self.phases[n].min(other.phases[n]));
+        Self { phases, ..if other.whole < self.whole { *other } else { *self } }
     }
 }
 

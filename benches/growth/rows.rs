@@ -57,7 +57,7 @@ impl Row {
         if self.threads != 1 {
             return None;
         }
-        let (all, shared) = (self.step(), self.mean(|s| s.shared));
+        let (all, shared) = (self.mean(|s| s.whole), self.mean(|s| s.shared));
         let on = std::array::from_fn(|n| {
             let left = self.mean(|s| s.shared_on[n].1);
             (self.measured.steps[0].shared_on[n].0, all / (all - shared + left))

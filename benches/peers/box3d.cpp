@@ -98,6 +98,23 @@ class Laboratory {
         return definition;
     }
 
+    static b3HullData *create_hull(const std::vector<b3Vec3> &points) {
+        return b3CreateHull(points.data(), static_cast<int>(points.size()), B3_MAX_HULL_VERTICES);
+    }
+
+    static std::vector<b3Vec3> corners(const b3AABB &box) {
+        std::vector<b3Vec3> out;
+        for (int i = 0; i < 8; ++i) {
+            const auto side = [i](int axis, float low, float high) {
+                return (i >> axis & 1) != 0 ? high : low;
+            };
+            out.push_back({side(0, box.lowerBound.x, box.upperBound.x),
+                           side(1, box.lowerBound.y, box.upperBound.y),
+                           side(2, box.lowerBound.z, box.upperBound.z)});
+        }
+        return out;
+    }
+
     b3BodyId add(const json::Value &what, b3BodyType type, const b3ShapeDef &surface) {
         b3BodyDef definition = b3DefaultBodyDef();
         definition.type = type;
@@ -112,10 +129,14 @@ class Laboratory {
         for (const json::Value &v : what["vertices_m"].list) {
             points.push_back(vector(v));
         }
-        const int count = static_cast<int>(points.size());
-        b3HullData *hull = b3CreateHull(points.data(), count, B3_MAX_HULL_VERTICES);
+        b3HullData *hull = create_hull(points);
+        if (hull == nullptr && type != b3_dynamicBody && what["name"].text == "floor") {
+            // More edges than Box3D takes. Only the walls stand on what its box has beyond it.
+            hull =
+                create_hull(corners(b3MakeAABB(points.data(), static_cast<int>(points.size()), 0)));
+        }
         if (hull == nullptr) {
-            throw std::runtime_error("Box3D makes no hull of " + std::to_string(count) +
+            throw std::runtime_error("Box3D makes no hull of " + std::to_string(points.size()) +
                                      " vertices");
         }
         b3CreateHullShape(body, &surface, hull);
