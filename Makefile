@@ -4,9 +4,11 @@ OUT ?= out/reproduce
 ARGS ?=
 # How long `make soak` and `make fuzz` go on.
 MINUTES ?= 10
-# How many grains `make load` pours, 10000, 50000 or 100000, and how much memory they may take.
+# How many grains `make load` pours, 10000, 50000 or 100000, and how much memory and how
+# many minutes they may take.
 GRAINS ?= 10000
 LIMIT_MIB ?= $(if $(filter 10000,$(GRAINS)),1024,3072)
+LIMIT_MINUTES ?= 90
 # Builds that `make convergence` compares: double, single or both.
 PRECISIONS ?= double
 
@@ -82,8 +84,8 @@ soak: setup ## kill runs and feed readers for $(MINUTES) minutes, with counts (d
 	PLUVIA_SOAK=$(MINUTES) cargo test --locked --release --test it -- soak_ --nocapture
 
 load: OUT = out/load-$(GRAINS)
-load: build ## pour $(GRAINS) grains within $(LIMIT_MIB) MiB (docs/robustness.md)
-	bash scripts/load.sh "$(GRAINS)" "$(LIMIT_MIB)" "$(OUT)" $(ARGS)
+load: build ## pour $(GRAINS) grains within LIMIT_MIB, LIMIT_MINUTES and the standard (docs/robustness.md)
+	bash scripts/load.sh "$(GRAINS)" "$(LIMIT_MIB)" "$(LIMIT_MINUTES)" "$(OUT)" $(ARGS)
 
 fuzz: setup ## feed readers by coverage for $(MINUTES) minutes, with counts (docs/robustness.md)
 	bash scripts/fuzz.sh $(MINUTES)
@@ -102,8 +104,8 @@ format: setup-lint ## format all source
 	cargo fmt
 	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
 
-bench: setup ## run the benchmarks
-	cargo bench --locked --bench pour --bench growth
+bench: setup ## what a step costs, by engine and by number of grains: out/bench.json (ARGS=--quick)
+	cargo bench --locked --bench pour --bench growth -- $(ARGS)
 
 bench-peers: setup ## other engines on the same specimens: a table, and out/peers.json
 	cargo bench --locked --bench peers -- $(ARGS)

@@ -82,7 +82,7 @@ template <class L> class Sequence {
         if (size > 0) {
             const auto threads = static_cast<std::size_t>(workers_.count());
             steps_.push_back({phase, list, listed});
-            shares_.push_back({size, std::max(least, (size + threads - 1) / threads)});
+            shares_.push_back({size, std::max(least, (size + threads - 1) / threads), least});
         }
     }
 };

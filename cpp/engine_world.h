@@ -5,6 +5,7 @@
 #include "bodies.h"
 #include "settings.h"
 #include "shapes.h"
+#include "workers.h"
 
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
@@ -78,6 +79,8 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     virtual void read_substep(rust::Vec<double> &, rust::Vec<double> &) const {}
     // Whether corners are those of the hull data.
     virtual bool has_hull_data() const { return false; }
+    // What threads can share of the time of all phases.
+    virtual SharedTime shared() const { return {}; }
 
     const Phases &phases() const { return phases_; }
 

@@ -20,9 +20,22 @@ constexpr int SHAPE_AHEAD = 8;
 constexpr int HULL_AHEAD = 5;
 constexpr int VERTICES_AHEAD = 2;
 
+// Bodies that a thread takes at once.
+constexpr std::size_t BODIES_AT_ONCE = 64;
+
 // Speeds against the bodies around are looked for where a body went so many times
 // the reach of contacts in the last step: else there is little to be had.
 constexpr double CROWD_WAY = 2;
+
+bool holds(const btBroadphaseProxy &proxy, const HullRange &range) {
+    for (int i = 0; i < 3; ++i) {
+        if (static_cast<btScalar>(range.low[i]) < proxy.m_aabbMin[i] ||
+            static_cast<btScalar>(range.high[i]) > proxy.m_aabbMax[i]) {
+            return false;
+        }
+    }
+    return true;
+}
 
 } // namespace
 
@@ -71,6 +84,8 @@ void HullBodies::begin(const Frame &frame, const btCollisionObjectArray &objects
     for (int i = 0; i < 3; ++i) {
         moved_[i] = frame.origin[i] - frame_.origin[i];
     }
+    bodies_.resize(std::max(most_, bodies_.size()));
+    ranges_.resize(bodies_.size());
     frame_ = frame;
     step_ = step;
     reach_ = reach;
@@ -120,10 +135,6 @@ void HullBodies::ask_ahead(const btCollisionObjectArray &objects, int i) {
 
 HullBody &HullBodies::read(const btCollisionObject &object) {
     const std::size_t at = index(*object.getBroadphaseHandle());
-    if (at >= bodies_.size()) {
-        bodies_.resize(at + 1);
-        ranges_.resize(at + 1);
-    }
     HullBody &body = bodies_[at];
     const HullBody before = body;
     body = hull_body(object);
@@ -133,8 +144,26 @@ HullBody &HullBodies::read(const btCollisionObject &object) {
     return body;
 }
 
+void HullBodies::take(const btCollisionObjectArray &objects, const AxisKernels &kernels,
+                      Workers &workers, std::vector<std::uint8_t> &left) {
+    const auto count = static_cast<std::size_t>(objects.size());
+    left.resize(count);
+    std::vector<double> fastest(static_cast<std::size_t>(workers.count()), 0);
+    workers.share(count, BODIES_AT_ONCE, [&](int worker, std::size_t begin, std::size_t end) {
+        double own = 0;
+        for (std::size_t n = begin; n < end; ++n) {
+            const int i = static_cast<int>(n);
+            const HullRange &range = take(objects, i, kernels, own);
+            left[n] = !holds(*objects[i]->getBroadphaseHandle(), range);
+        }
+        double &most = fastest[static_cast<std::size_t>(worker)];
+        most = std::max(most, own);
+    });
+    fastest_ = *std::max_element(fastest.begin(), fastest.end());
+}
+
 const HullRange &HullBodies::take(const btCollisionObjectArray &objects, int i,
-                                  const AxisKernels &kernels) {
+                                  const AxisKernels &kernels, double &fastest) {
     const btCollisionObject &object = *objects[i];
     ask_ahead(objects, i);
     const std::size_t at = index(*object.getBroadphaseHandle());
@@ -144,7 +173,7 @@ const HullRange &HullBodies::take(const btCollisionObjectArray &objects, int i,
     std::copy(body.pose.r, body.pose.r + 9, turned);
     kernels.box(*body.hull, turned, range.low, range.high);
     const double speed = length(body.motion.velocity, frame_.velocity);
-    fastest_ = std::max(fastest_, speed);
+    fastest = std::max(fastest, speed);
     const double against = crowded_ ? crowd_.speed(static_cast<std::size_t>(i)) : speed;
     range.around = static_cast<float>(reach_ / 2 + step_ * (against + body.turning));
     for (int k = 0; k < 3; ++k) {

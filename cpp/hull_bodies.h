@@ -5,11 +5,14 @@
 #include "crowd.h"
 #include "hull_axis.h"
 #include "hull_passing.h"
+#include "workers.h"
 
 #include <BulletCollision/BroadphaseCollision/btBroadphaseProxy.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace pluvia {
@@ -63,12 +66,16 @@ struct Frame {
 // All bodies of a world by the number of their broadphase proxy.
 class HullBodies {
   public:
+    // To be called with the proxy of every body that comes.
+    void expect(const btBroadphaseProxy &proxy) { most_ = std::max(most_, index(proxy) + 1); }
     // Begins a step with these objects; `reach` is the gap up to which contacts
     // are kept.
     void begin(const Frame &frame, const btCollisionObjectArray &objects, double step,
                double reach);
-    // Reads object number `i` of those. The reference holds until the next call.
-    const HullRange &take(const btCollisionObjectArray &objects, int i, const AxisKernels &kernels);
+    // Reads all of those, by all threads: each writes only what belongs to its bodies. In `left`
+    // whether an object's range has left the box of its proxy.
+    void take(const btCollisionObjectArray &objects, const AxisKernels &kernels, Workers &workers,
+              std::vector<std::uint8_t> &left);
 
     // Whether bodies are so fast that ranges in this step go by
     // speeds against the bodies around (crowd.h).
@@ -87,13 +94,17 @@ class HullBodies {
     Frame frame_;                 // of the step
     double moved_[3] = {0, 0, 0}; // by the frame since the last
     double step_ = 0, reach_ = 0;
-    double fastest_ = 0; // speed in the frame, of all read since the step began
+    double fastest_ = 0;   // speed in the frame, of all read since the step began
+    std::size_t most_ = 0; // numbers of bodies
     bool crowded_ = false;
     Crowd crowd_;
     std::vector<CrowdBody> members_; // of the crowd, in the order of the objects
 
     // Brings what is kept of a body up to date; its range's way, too.
     HullBody &read(const btCollisionObject &object);
+    // Reads object number `i`; `fastest` is raised to its speed in the frame.
+    const HullRange &take(const btCollisionObjectArray &objects, int i, const AxisKernels &kernels,
+                          double &fastest);
     // Asks the memory for what `read` will look at of the objects that come after
     // number `i`: one leads to the next, so that the farther ahead an object is
     // the less is asked for.

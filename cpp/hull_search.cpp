@@ -15,11 +15,11 @@ namespace {
 constexpr std::size_t AHEAD = 6;
 
 // And so many where little is done with each.
-constexpr int FAR_AHEAD = 32;
+constexpr std::size_t FAR_AHEAD = 32;
 
-// Pairs that a thread takes at once: enough to pay for taking them, few enough
-// for all threads to end together.
-constexpr std::size_t PAIRS_AT_ONCE = 64;
+// Pairs of a block, which a thread takes at once: enough to pay for taking them, few
+// enough for all threads to end together.
+constexpr std::size_t BLOCK = 256;
 
 } // namespace
 
@@ -32,8 +32,9 @@ HullSearch::HullSearch(HullCollision &collision, HullPairs &pairs, Workers &work
       scratch_(static_cast<std::size_t>(workers.count())) {}
 
 // As Bullet's near callback, for pairs of hulls only: leaves out what cannot
-// touch. Every body takes part in every step, so nothing else is asked.
-void HullSearch::take(btBroadphasePair &pair) {
+// touch, and writes nothing of the pair. Every body takes part in every step, so nothing else is
+// asked.
+void HullSearch::take(btBroadphasePair &pair, Block &block) {
     const HullBodies &bodies = collision_.bodies;
     auto *algorithm = static_cast<HullAlgorithm *>(pair.m_algorithm);
     const std::size_t a =
@@ -50,15 +51,64 @@ void HullSearch::take(btBroadphasePair &pair) {
     if (!range_a.meets(range_b) && (algorithm == nullptr || algorithm->points() == 0)) {
         return;
     }
-    const HullBody &body_a = bodies.body(a);
-    const HullBody &body_b = bodies.body(b);
     if (algorithm == nullptr) {
-        const PairValue &value =
-            collision_.materials->of(body_a.object->getUserIndex(), body_b.object->getUserIndex());
-        algorithm = new (pairs_.room()) HullAlgorithm(collision_, value, a, b);
-        pair.m_algorithm = algorithm;
+        block.fresh.push_back({&pair, block.end});
     }
-    work_.push_back({algorithm, &body_a, &body_b, travelled, 0});
+    work_[block.end++] = {algorithm, &bodies.body(a), &bodies.body(b), travelled, 0};
+}
+
+void HullSearch::cull(btBroadphasePair *first, std::size_t count, std::size_t number) {
+    Block &block = blocks_[number];
+    block.begin = block.end = number * BLOCK;
+    block.fresh.clear();
+    for (std::size_t i = block.begin; i < std::min(count, block.begin + BLOCK); ++i) {
+        __builtin_prefetch(first[std::min(i + FAR_AHEAD, count - 1)].m_algorithm);
+        take(first[i], block);
+    }
+}
+
+void HullSearch::make(const Fresh &fresh) {
+    Work &work = work_[fresh.at];
+    const PairValue &value =
+        collision_.materials->of(work.a->object->getUserIndex(), work.b->object->getUserIndex());
+    work.algorithm = new (pairs_.room())
+        HullAlgorithm(collision_, value, HullBodies::index(*fresh.pair->m_pProxy0),
+                      HullBodies::index(*fresh.pair->m_pProxy1));
+    fresh.pair->m_algorithm = work.algorithm;
+}
+
+void HullSearch::find(Block &block, PairScratch &scratch) {
+    block.touching = 0;
+    for (std::size_t i = block.begin; i < block.end; ++i) {
+        ask_ahead(i, block.end);
+        Work &work = work_[i];
+        work.algorithm->find(*work.a, *work.b, work.travelled, scratch);
+        work.points = work.algorithm->points();
+        block.touching += work.points > 0;
+    }
+}
+
+// In the order of the pairs.
+void HullSearch::list_touching() {
+    std::size_t all = 0;
+    for (Block &block : blocks_) {
+        const std::size_t own = block.touching;
+        block.touching = all;
+        all += own;
+    }
+    std::vector<Touching> &touching = collision_.touching;
+    touching.resize(all);
+    workers_.share(blocks_.size(), 1, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) {
+            std::size_t next = blocks_[b].touching;
+            for (std::size_t i = blocks_[b].begin; i < blocks_[b].end; ++i) {
+                const Work &work = work_[i];
+                if (work.points > 0) {
+                    touching[next++] = {&work.algorithm->state(), work.a, work.b, work.points};
+                }
+            }
+        }
+    });
 }
 
 // Asks the memory for what the pairs after number `i` carry, and then for what
@@ -77,28 +127,26 @@ void HullSearch::ask_ahead(std::size_t i, std::size_t end) const {
 }
 
 void HullSearch::find(btOverlappingPairCache &pairs) {
-    work_.clear();
     btBroadphasePair *const first = pairs.getOverlappingPairArrayPtr();
-    const int count = pairs.getNumOverlappingPairs();
-    for (int i = 0; i < count; ++i) {
-        __builtin_prefetch(first[std::min(i + FAR_AHEAD, count - 1)].m_algorithm);
-        take(first[i]);
-    }
-    workers_.share(work_.size(), PAIRS_AT_ONCE,
-                   [this](int worker, std::size_t begin, std::size_t end) {
-                       PairScratch &scratch = scratch_[static_cast<std::size_t>(worker)];
-                       for (std::size_t i = begin; i < end; ++i) {
-                           ask_ahead(i, end);
-                           Work &work = work_[i];
-                           work.algorithm->find(*work.a, *work.b, work.travelled, scratch);
-                           work.points = work.algorithm->points();
-                       }
-                   });
-    for (const Work &work : work_) {
-        if (work.points > 0) {
-            collision_.touching.push_back({&work.algorithm->state(), work.a, work.b, work.points});
+    const auto count = static_cast<std::size_t>(pairs.getNumOverlappingPairs());
+    work_.resize(count);
+    blocks_.resize((count + BLOCK - 1) / BLOCK);
+    workers_.share(blocks_.size(), 1, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) {
+            cull(first, count, b);
         }
+    });
+    // Room for what pairs carry is given out by one thread.
+    for (const Block &block : blocks_) {
+        std::for_each(block.fresh.begin(), block.fresh.end(),
+                      [this](const Fresh &fresh) { make(fresh); });
     }
+    workers_.share(blocks_.size(), 1, [&](int worker, std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) {
+            find(blocks_[b], scratch_[static_cast<std::size_t>(worker)]);
+        }
+    });
+    list_touching();
 }
 
 } // namespace pluvia

@@ -8,6 +8,7 @@
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
+#include <cstddef>
 #include <deque>
 #include <vector>
 
@@ -32,8 +33,8 @@ class HullSearch {
     // All must outlive the search. Every shape must be a TightHull.
     HullSearch(HullCollision &collision, HullPairs &pairs, Workers &workers);
 
-    // Pairs are culled one after the other and computed by all threads, each
-    // writing only what belongs to its pair: the result does not depend on the
+    // Pairs are culled and computed in fixed blocks by all threads, each writing
+    // only what belongs to its pair or block: the result does not depend on the
     // number of threads.
     void find(btOverlappingPairCache &pairs);
 
@@ -44,13 +45,29 @@ class HullSearch {
         double travelled; // by both
         int points;       // found, copied here since the next pass would read all pairs for them
     };
+    // A pair that is looked at for the first time, and its place in `work_`.
+    struct Fresh {
+        btBroadphasePair *pair;
+        std::size_t at;
+    };
+    // Pairs that follow each other in the broadphase.
+    struct Block {
+        std::size_t begin, end; // in `work_`
+        std::size_t touching;   // pairs that touch
+        std::vector<Fresh> fresh;
+    };
     HullCollision &collision_;
     HullPairs &pairs_;
     Workers &workers_;
-    std::vector<Work> work_;
+    std::vector<Work> work_; // a stretch for every block, as long as it has pairs
+    std::vector<Block> blocks_;
     std::deque<PairScratch> scratch_; // by thread
 
-    void take(btBroadphasePair &pair);
+    void cull(btBroadphasePair *first, std::size_t count, std::size_t block);
+    void take(btBroadphasePair &pair, Block &block);
+    void make(const Fresh &fresh);
+    void find(Block &block, PairScratch &scratch);
+    void list_touching();
     void ask_ahead(std::size_t i, std::size_t end) const;
 };
 

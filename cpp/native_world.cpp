@@ -9,22 +9,15 @@ namespace pluvia {
 
 namespace {
 
+// Bodies that a thread takes at once where little is done with each.
+constexpr std::size_t BODIES_AT_ONCE = 128;
+
 // None of Bullet's contacts are kept.
 btDefaultCollisionConstructionInfo pool_sizes() {
     btDefaultCollisionConstructionInfo info;
     info.m_defaultMaxPersistentManifoldPoolSize = 1;
     info.m_defaultMaxCollisionAlgorithmPoolSize = 1;
     return info;
-}
-
-bool holds(const btBroadphaseProxy &proxy, const HullRange &range) {
-    for (int i = 0; i < 3; ++i) {
-        if (static_cast<btScalar>(range.low[i]) < proxy.m_aabbMin[i] ||
-            static_cast<btScalar>(range.high[i]) > proxy.m_aabbMax[i]) {
-            return false;
-        }
-    }
-    return true;
 }
 
 btVector3 vector(const float x[3]) {
@@ -42,13 +35,13 @@ NativeWorld::NativeWorld(const Units &units, const WorldDefinition &definition,
       slack_(units.length(definition.tolerances.box_slack)),
       damped_(definition.linear_damping > 0 || definition.angular_damping > 0),
       collision_(hull_collision(units, definition, materials)), workers_(definition.threads),
-      sharing_(definition.may_leave_threads),
-      search_(collision_, dispatcher, workers_),
+      sharing_(definition.may_leave_threads), search_(collision_, dispatcher, workers_),
       solver_(collision_.touching, contact_law(units, definition), sweep(definition),
               definition.gyroscopic, workers_) {}
 
 void NativeWorld::add(btRigidBody &body, BodyKind kind) {
     EngineWorld::add(body, kind);
+    collision_.bodies.expect(*body.getBroadphaseHandle());
     solver_.bodies_changed();
 }
 
@@ -145,11 +138,15 @@ void NativeWorld::damp(btScalar step) {
     if (!damped_) {
         return;
     }
-    for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i) {
-        if (!m_nonStaticRigidBodies[i]->isStaticOrKinematicObject()) {
-            m_nonStaticRigidBodies[i]->applyDamping(step);
+    const auto count = static_cast<std::size_t>(m_nonStaticRigidBodies.size());
+    workers_.share(count, BODIES_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            btRigidBody &body = *m_nonStaticRigidBodies[static_cast<int>(i)];
+            if (!body.isStaticOrKinematicObject()) {
+                body.applyDamping(step);
+            }
         }
-    }
+    });
 }
 
 btVector3 NativeWorld::place() const {
@@ -177,16 +174,20 @@ void NativeWorld::renew_boxes() {
     // One after the other, each body would be paired with those that have not
     // got their new boxes yet, though all fall alike.
     boxes.m_deferedcollide = collision_.bodies.crowded();
+    collision_.bodies.take(objects, *collision_.kernels, workers_, left_);
+    // The tree of boxes is one thread's: where a box goes depends on those that went before.
     for (int i = 0; i < objects.size(); ++i) {
-        const HullRange &range = collision_.bodies.take(objects, i, *collision_.kernels);
-        btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
-        if (!holds(*proxy, range)) {
+        if (left_[static_cast<std::size_t>(i)] != 0) {
+            btBroadphaseProxy *proxy = objects[i]->getBroadphaseHandle();
+            const HullRange &range = collision_.bodies.range(HullBodies::index(*proxy));
             // Without a margin of the leaves, which Bullet has once for the whole process.
             boxes.setAabbForceUpdate(proxy, vector(range.low) - slack, vector(range.high) + slack,
                                      &dispatcher);
         }
     }
 }
+
+SharedTime NativeWorld::shared() const { return workers_.shared(); }
 
 void NativeWorld::read_contacts(rust::Vec<ContactRead> &out) const {
     for (const Touching &pair : collision_.touching) {

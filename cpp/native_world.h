@@ -10,6 +10,7 @@
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <new>
 #include <vector>
 
@@ -68,6 +69,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
         solver_.recorded().read(bodies, contacts);
     }
     bool has_hull_data() const override { return true; }
+    SharedTime shared() const override;
 
   private:
     struct Driven {
@@ -84,6 +86,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     HullSearch search_;
     ContactSolver solver_;
     std::vector<Driven> driven_, drives_; // in this step; in the next
+    std::vector<std::uint8_t> left_;      // by object: whether it has left its box
     const btRigidBody *followed_ = nullptr;
     btVector3 start_{0, 0, 0}; // where the place would be had the body not moved from the origin
 

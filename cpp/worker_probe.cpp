@@ -22,7 +22,7 @@ std::uint64_t shared_sum(std::int32_t threads, std::size_t size, std::size_t rou
     std::vector<std::uint64_t> parts(static_cast<std::size_t>(threads), 0);
     std::vector<std::uint64_t> here(size, 0), there(size, 0);
     std::uint64_t early = 0;
-    const std::array<Share, 3> shares{{{size, 3}, {size, 5}, {size > 0 ? 1U : 0U, 1}}};
+    const std::array<Share, 3> shares{{{size, 3, 3}, {size, 5, 5}, {size > 0 ? 1U : 0U, 1, 1}}};
     for (std::size_t round = 0; round < rounds; ++round) {
         const auto part = [&](std::size_t share, int worker, std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
@@ -53,6 +53,23 @@ std::uint64_t shared_sum(std::int32_t threads, std::size_t size, std::size_t rou
         throw std::logic_error("a share began before the one before was over");
     }
     return std::accumulate(here.begin(), here.end(), std::uint64_t{0});
+}
+
+std::array<double, 4> shared_time(std::int32_t threads, rust::Slice<const std::size_t> sizes,
+                                  rust::Slice<const std::size_t> leasts) {
+    if (threads < 1 || sizes.size() != leasts.size()) {
+        throw std::runtime_error("a least for every size, and one thread at least");
+    }
+    Workers workers(threads);
+    std::vector<Share> shares;
+    for (std::size_t k = 0; k < sizes.size(); ++k) {
+        shares.push_back({sizes[k], leasts[k], leasts[k]});
+    }
+    workers.share(shares.data(), shares.size(), [](std::size_t, int, std::size_t, std::size_t) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    });
+    const SharedTime &time = workers.shared();
+    return {time.now, time.on[0], time.on[1], time.on[2]};
 }
 
 rust::Vec<bool> steps_alone(bool may_leave, rust::Slice<const double> shared_s,

@@ -4,6 +4,7 @@
 
 #include "rust/cxx.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -14,6 +15,11 @@ namespace pluvia {
 // the number `fails_at`.
 std::uint64_t shared_sum(std::int32_t threads, std::size_t size, std::size_t rounds,
                          std::size_t fails_at);
+
+// How long one job of these shares takes of what threads can share, and would take on
+// 2, 8 and 16 of them, in s. `leasts`: of each share, as in `Share`.
+std::array<double, 4> shared_time(std::int32_t threads, rust::Slice<const std::size_t> sizes,
+                                  rust::Slice<const std::size_t> leasts);
 
 // Which of as many steps are one thread's, where a shared one takes so long, in s, and
 // one thread's so long.

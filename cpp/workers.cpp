@@ -1,7 +1,7 @@
 #include "workers.h"
 
 #include <algorithm>
-#include <chrono>
+#include <cmath>
 #include <utility>
 
 namespace pluvia {
@@ -151,6 +151,24 @@ void Workers::run(const Job &job) {
     }
     if (failed_) {
         std::rethrow_exception(std::exchange(error_, nullptr));
+    }
+}
+
+void Workers::account(const Share *shares, std::size_t count, double took) {
+    double all = 0;
+    std::array<double, SharedTime::THREADS.size()> left{};
+    for (std::size_t k = 0; k < count; ++k) {
+        const double parts =
+            static_cast<double>(shares[k].size) / static_cast<double>(shares[k].least);
+        all += parts;
+        for (std::size_t t = 0; t < left.size(); ++t) {
+            const double threads = std::min<double>(SharedTime::THREADS[t], std::ceil(parts));
+            left[t] += shares[k].size > 0 ? parts / threads : 0;
+        }
+    }
+    shared_.now += took;
+    for (std::size_t t = 0; t < left.size(); ++t) {
+        shared_.on[t] += took * left[t] / all;
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +20,16 @@ namespace pluvia {
 // takes `length` at a time, or the caller all of them where there are no more.
 struct Share {
     std::size_t size, length;
+    std::size_t least; // that it pays for a thread to take, however many threads there are
+};
+
+// How long jobs took that threads can share, in s; and how long they would take on other numbers
+// of threads, were they done in equal parts by as many as have at least the least to do, and
+// were there no waiting and no cache. That parts of all shares take alike is assumed.
+struct SharedTime {
+    static constexpr std::array<std::uint32_t, 3> THREADS{2, 8, 16};
+    double now = 0;
+    std::array<double, 3> on{};
 };
 
 // Runs one function on several threads, the caller's among them, and waits for
@@ -49,17 +60,40 @@ class Workers {
             throw std::logic_error("a job with too many shares");
         }
         bool alone = true;
+        bool small = true;
         for (std::size_t k = 0; k < count; ++k) {
             alone = alone && shares[k].size <= shares[k].length;
+            small = small && shares[k].size <= shares[k].least;
         }
+        const auto begun = small ? Clock::time_point{} : Clock::now();
         if (alone || alone_ || threads_.empty()) {
             for (std::size_t k = 0; k < count; ++k) {
                 if (shares[k].size > 0) {
                     part(k, 0, std::size_t{0}, shares[k].size);
                 }
             }
-            return;
+        } else {
+            share_out(shares, count, part);
         }
+        if (!small) {
+            account(shares, count, std::chrono::duration<double>(Clock::now() - begun).count());
+        }
+    }
+
+    // The same with one share.
+    template <class Part> void share(std::size_t size, std::size_t length, const Part &part) {
+        const Share one{size, length, length};
+        share(&one, 1, [&part](std::size_t, int worker, std::size_t begin, std::size_t end) {
+            part(worker, begin, end);
+        });
+    }
+
+    const SharedTime &shared() const { return shared_; }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+
+    template <class Part> void share_out(const Share *shares, std::size_t count, const Part &part) {
         const auto call = [](const void *what, std::size_t k, int worker, std::size_t begin,
                              std::size_t end) {
             (*static_cast<const Part *>(what))(k, worker, begin, end);
@@ -67,15 +101,6 @@ class Workers {
         run({call, &part, shares, count});
     }
 
-    // The same with one share.
-    template <class Part> void share(std::size_t size, std::size_t length, const Part &part) {
-        const Share one{size, length};
-        share(&one, 1, [&part](std::size_t, int worker, std::size_t begin, std::size_t end) {
-            part(worker, begin, end);
-        });
-    }
-
-  private:
     struct Job {
         void (*call)(const void *part, std::size_t share, int worker, std::size_t begin,
                      std::size_t end) = nullptr;
@@ -104,9 +129,11 @@ class Workers {
     std::exception_ptr error_;         // of the first part that failed
     std::vector<std::uint64_t> parts_; // by stretch, while a job is published
     bool alone_ = false;
+    SharedTime shared_;
     std::vector<std::thread> threads_;
 
     void run(const Job &job);
+    void account(const Share *shares, std::size_t count, double took);
     void publish(const Job &job);
     void help(std::size_t share);
     void work(int worker);

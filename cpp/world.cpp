@@ -192,7 +192,11 @@ void BulletWorld::recall_contacts(rust::Slice<const ContactRead> contacts) {
 
 PhaseTimes BulletWorld::phases() const {
     const Phases &p = impl_->world->phases();
-    return {p.broadphase, p.collision, p.solver, p.integration};
+    const SharedTime shared = impl_->world->shared();
+    PhaseTimes out{p.broadphase, p.collision, p.solver, p.integration, shared.now, {}, {}};
+    std::copy(SharedTime::THREADS.begin(), SharedTime::THREADS.end(), out.threads.begin());
+    std::copy(shared.on.begin(), shared.on.end(), out.shared_on.begin());
+    return out;
 }
 
 double BulletWorld::solver_residual() const { return impl_->world->solver_residual(); }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes one engine ready that `make bench-peers` compares with:
 #
-#   scripts/peers.sh bullet|bullet-single|mujoco|pybullet|yade|blender
+#   scripts/peers.sh bullet|bullet-single|box3d|box3d-patched|mujoco|pybullet|yade|blender
 #
 # Says nothing when all is there. What cannot be had ends with one line that
 # says why; nothing here is needed to build or use Pluvia itself.
@@ -13,6 +13,8 @@ python="$workshop/venv/bin/python"
 # Those that were tried; `docs/peers.md` tells of their settings.
 mujoco=4.0.0
 pybullet=3.2.7
+box3d=0.1.16 # the crate box3d-sys, which has Box3D 0.1.0
+box3d_patch=benches/peers/box3d-boxes.patch
 
 fail() {
     printf '%s\n' "$1" >&2
@@ -24,7 +26,7 @@ log="$workshop/$1.install.log"
 mkdir -p "$workshop"
 : >"$log"
 
-debian() {
+debian() { # package, which holds a program of the same name
     command -v "$1" >/dev/null 2>&1 && return 0
     command -v apt-get >/dev/null 2>&1 || fail "$1 is missing, and there is no apt-get to install it with"
     local root=()
@@ -54,7 +56,8 @@ python_package() { # name version
 
 bare_bullet() { # name of the library for pkg-config, and of the program
     local program="$workshop/$1" source=benches/peers/bullet.cpp
-    if [ "$program" -nt "$source" ] && [ "$program" -nt benches/peers/json.h ]; then
+    if [ "$program" -nt "$source" ] && [ "$program" -nt benches/peers/json.h ] &&
+        [ "$program" -nt benches/peers/peer.h ]; then
         return 0
     fi
     pkg-config --exists "$1" || fail "pkg-config does not know $1; Debian has it in libbullet-dev"
@@ -63,9 +66,53 @@ bare_bullet() { # name of the library for pkg-config, and of the program
         $(pkg-config --libs "$1") >>"$log" 2>&1 || fail "bare Bullet does not compile: see $log"
 }
 
+# The C source comes with a crate, which cargo checks; it is built as its makers build it.
+box3d() { # name of the program: box3d or box3d-patched
+    local program="$workshop/$1" build="$PWD/$workshop/$1-build" sources=(benches/peers/{box3d.cpp,peer.h,json.h})
+    [ "$1" = box3d ] || sources+=("$box3d_patch")
+    [ -n "$(find "${sources[@]}" "$0" -newer "$program" 2>&1)" ] || return 0
+    debian cmake
+    [ "$1" = box3d ] || debian patch
+    echo "Building $1" >&2
+    rm -rf "$build"
+    mkdir -p "$build"
+    cat >"$build/Cargo.toml" <<-END
+	[package]
+	name = "source"
+	version = "0.0.0"
+	edition = "2024"
+	[lib]
+	path = "none.rs"
+	[dependencies]
+	box3d-sys = "=$box3d"
+	[workspace]
+	END
+    touch "$build/none.rs"
+    local crate
+    crate=$(cargo metadata --format-version 1 --manifest-path "$build/Cargo.toml" 2>>"$log" |
+        grep -o "[^\"]*/box3d-sys-$box3d/Cargo.toml" | head -1)
+    [ -n "$crate" ] || fail "cargo could not fetch box3d-sys $box3d: $(tail -1 "$log")"
+    cp -r "${crate%/Cargo.toml}/vendor/box3d" "$build/source"
+    if [ "$1" != box3d ]; then
+        # Patches tell lines by their ends, and Box3D's have two characters.
+        sed -i 's/\r$//' "$build/source/src/hull.c"
+        patch -d "$build/source" -p1 <"$box3d_patch" >>"$log" 2>&1 ||
+            fail "$box3d_patch does not fit Box3D: see $log"
+    fi
+    { cmake -S "$build/source" -B "$build/made" -DCMAKE_BUILD_TYPE=Release \
+        -DBOX3D_SAMPLES=OFF -DBOX3D_UNIT_TESTS=OFF &&
+        cmake --build "$build/made" --target box3d; } >>"$log" 2>&1 ||
+        fail "Box3D does not compile: see $log"
+    g++ -O3 -DNDEBUG -std=c++17 -I"$build/source/include" benches/peers/box3d.cpp -o "$program" \
+        "$(find "$build/made" -name 'libbox3d*.a' | head -1)" -lm -pthread >>"$log" 2>&1 ||
+        fail "the peer of Box3D does not compile: see $log"
+}
+
 case "$1" in
 bullet) bare_bullet bullet-float64 ;;
 bullet-single) bare_bullet bullet ;;
+box3d | box3d-2-threads) box3d box3d ;;
+box3d-patched | box3d-patched-2-threads) box3d box3d-patched ;;
 mujoco) python_package mujoco "$mujoco" ;;
 pybullet) python_package pybullet "$pybullet" ;;
 yade) debian yade ;;

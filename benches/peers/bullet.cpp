@@ -2,16 +2,11 @@
 // that docs/peers.md gives reasons for.
 //
 //   bullet SCENE.json RESULT.json RATE_HZ ITERATIONS SECONDS LIMIT_S
-#include "json.h"
+#include "peer.h"
 
 #include <btBulletDynamicsCommon.h>
 
-#include <chrono>
-#include <cmath>
-#include <cstdio>
-#include <iostream>
 #include <memory>
-#include <sys/resource.h>
 
 extern btScalar gContactBreakingThreshold;
 
@@ -20,7 +15,6 @@ namespace {
 // Bullet's tolerances are absolute and made for bodies of about one unit.
 constexpr double SCALE = 100;
 constexpr double CONTACT_THRESHOLD = 1e-3; // m
-constexpr double SAMPLE = 0.08;            // s
 
 btVector3 length(const json::Value &v) {
     return {static_cast<btScalar>(SCALE * v.at(0)), static_cast<btScalar>(SCALE * v.at(1)),
@@ -42,29 +36,6 @@ std::unique_ptr<btConvexHullShape> hull(const json::Value &body) {
     }
     shape->recalcLocalAabb();
     return shape;
-}
-
-struct Law {
-    double amplitude = 0, frequency = 0, duration = 0, rest = 0, total = 0;
-    double x(double time) const {
-        if (time < 0 || time >= total) {
-            return 0;
-        }
-        const double t = std::fmod(time, duration + rest);
-        return t < duration ? amplitude * std::sin(2 * M_PI * frequency * t) : 0;
-    }
-};
-
-Law law(const json::Value &motion) {
-    Law l;
-    if (!motion.null()) {
-        l.amplitude = motion["amplitude_m"].number;
-        l.frequency = motion["frequency_hz"].number;
-        l.duration = motion["duration_s"].number;
-        l.rest = motion["rest_s"].number;
-        l.total = motion["periods"].number * (l.duration + l.rest) - l.rest;
-    }
-    return l;
 }
 
 struct Laboratory {
@@ -159,91 +130,42 @@ struct Laboratory {
         }
     }
 
-    void drive(double x) {
+    void drive(double x, double) {
         for (auto &[body, at_rest] : on_table) {
             btTransform end = body->getWorldTransform();
             end.setOrigin(at_rest + btVector3(static_cast<btScalar>(SCALE * x), 0, 0));
             body->setWorldTransform(end);
         }
     }
+
+    void step(double length) { world.stepSimulation(static_cast<btScalar>(length), 0); }
+
+    std::vector<peer::Pose> poses() const {
+        std::vector<peer::Pose> out;
+        for (const btRigidBody *grain : grains) {
+            const btVector3 p = grain->getWorldTransform().getOrigin();
+            const btQuaternion q = grain->getWorldTransform().getRotation();
+            out.push_back(
+                {{p.x() / SCALE, p.y() / SCALE, p.z() / SCALE}, {q.x(), q.y(), q.z(), q.w()}});
+        }
+        return out;
+    }
 };
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 void run(char **argv) {
-    const json::Value scene = json::read(argv[1]);
-    const double rate = std::atof(argv[3]), seconds = std::atof(argv[5]);
-    const double limit = std::atof(argv[6]);
-    const int iterations = std::atoi(argv[4]);
+    const peer::Job job(argv);
     Laboratory lab;
-    lab.settings(scene, iterations);
-    lab.build(scene);
-    const Law table = law(scene["table"]["motion"]);
-
-    std::ostringstream series;
-    series.precision(10);
-    const auto sample = [&](double time) {
-        series << (series.tellp() > 0 ? "," : "") << "{\"time_s\":" << time << ",\"z_m\":[";
-        for (std::size_t i = 0; i < lab.grains.size(); ++i) {
-            series << (i ? "," : "") << lab.grains[i]->getWorldTransform().getOrigin().z() / SCALE;
-        }
-        series << "]}";
-    };
-    sample(0);
-    const double dt = 1 / rate;
-    const long last = std::lround(seconds * rate);
-    double wall = 0, next = SAMPLE, x = scene["table"]["x_m"].number;
-    long step = 0;
-    while (step < last && wall < limit) {
-        const auto start = std::chrono::steady_clock::now();
-        ++step;
-        if (table.total > 0) {
-            x = table.x(step * dt);
-            lab.drive(x);
-        }
-        lab.world.stepSimulation(static_cast<btScalar>(dt), 0);
-        wall += seconds_since(start);
-        if (step * dt >= next - dt / 2 || step == last) {
-            next += SAMPLE;
-            sample(step * dt);
-        }
-    }
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    std::ofstream out(argv[2]);
-    out.precision(17);
-    out << "{\"version\":\"" << btGetVersion() / 100 << '.' << btGetVersion() % 100
-        << (sizeof(btScalar) == 8 ? " double" : " single") << "\",\"steps\":" << step
-        << ",\"simulated_s\":" << step * dt << ",\"wall_s\":" << wall
-        << ",\"peak_memory_mib\":" << static_cast<double>(usage.ru_maxrss) / 1024
-        << ",\"table_x_m\":" << x << ",\"poses\":[";
-    for (std::size_t i = 0; i < lab.grains.size(); ++i) {
-        const btTransform &t = lab.grains[i]->getWorldTransform();
-        const btVector3 p = t.getOrigin();
-        const btQuaternion q = t.getRotation();
-        out << (i ? "," : "") << '[' << p.x() / SCALE << ',' << p.y() / SCALE << ','
-            << p.z() / SCALE << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w() << ']';
-    }
-    out << "],\"series\":[" << series.str() << "]}\n";
-    if (!out.flush()) {
-        throw std::runtime_error(std::string("cannot write ") + argv[2]);
-    }
+    lab.settings(job.scene, job.iterations);
+    lab.build(job.scene);
+    const std::string version = std::to_string(btGetVersion() / 100) + '.' +
+                                std::to_string(btGetVersion() % 100) +
+                                (sizeof(btScalar) == 8 ? " double" : " single");
+    peer::carry(job, version, lab);
 }
 
 } // namespace
 
 int main(int argc, char **argv) {
-    if (argc != 7) {
-        std::cerr << "usage: bullet SCENE.json RESULT.json RATE_HZ ITERATIONS SECONDS LIMIT_S\n";
-        return 2;
-    }
-    try {
-        run(argv);
-    } catch (const std::exception &error) {
-        std::cerr << "error: " << error.what() << '\n';
-        return 1;
-    }
-    return 0;
+    return peer::main(argc, argv, 6,
+                      "bullet SCENE.json RESULT.json RATE_HZ ITERATIONS SECONDS LIMIT_S", run);
 }

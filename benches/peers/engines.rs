@@ -98,6 +98,8 @@ pub fn all() -> Vec<Engine> {
     let engine =
         |name, rate_hz, iterations, by| Engine { name, rate_hz, iterations, patience_s, by };
     let yade = program(&["yade", "-n", "-x", "-j1", "-f2"], script("yade_peer.py"));
+    // The last word is the number of threads.
+    let box3d = |name, threads: &str| program(&[&own(name)], threads.to_owned());
     let blender = ["blender", "-b", "--factory-startup", "-P"];
     let pluvia = EngineSettings::default();
     let threads = ManifoldSettings { threads: Some(2), ..pluvia.manifold.clone() };
@@ -113,6 +115,10 @@ pub fn all() -> Vec<Engine> {
         engine("pluvia", rate, iterations, us(pluvia)),
         engine("pluvia-2-threads", rate, iterations, us(two_threads)),
         engine("rapier", rate, substeps, us(rapier)),
+        engine("box3d", 480.0, Some(8), box3d("box3d", "1")),
+        engine("box3d-2-threads", 480.0, Some(8), box3d("box3d", "2")),
+        engine("box3d-patched", 480.0, Some(8), box3d("box3d-patched", "1")),
+        engine("box3d-patched-2-threads", 480.0, Some(8), box3d("box3d-patched", "2")),
         engine("mujoco", 2000.0, Some(30), program(&[&python], script("mujoco_peer.py"))),
         engine("pybullet", 960.0, Some(10), program(&[&python], script("pybullet_peer.py"))),
         // A second and more for each of a hundred thousand steps.

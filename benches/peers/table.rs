@@ -46,7 +46,7 @@ pub fn of(rows: &[Row]) -> String {
         let Some(first) = rows.first() else { continue };
         text += &format!("\n{scene}, {} grains\n", first.grains);
         text += &format!(
-            "  {:17} {:>8} {:>5} {:>11} {:>9} {:>9} {:>9} {:>10} {:>8} {:>7}\n",
+            "  {:23} {:>8} {:>5} {:>11} {:>9} {:>9} {:>9} {:>10} {:>8} {:>7}\n",
             "engine",
             "rate Hz",
             "iter.",
@@ -66,7 +66,7 @@ pub fn of(rows: &[Row]) -> String {
             let rate = row.rate_hz.map_or("-".to_owned(), |r| format!("{r:.0}"));
             let iterations = row.iterations.map_or("-".to_owned(), |i| i.to_string());
             text += &format!(
-                "  {:17} {rate:>8} {iterations:>5} {cost:>11} {:>9} {mean:>9} {p99:>9} {creep:>10} \
+                "  {:23} {rate:>8} {iterations:>5} {cost:>11} {:>9} {mean:>9} {p99:>9} {creep:>10} \
                  {standard:>8} {memory:>7}\n",
                 row.engine,
                 number(ratio)

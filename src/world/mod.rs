@@ -338,6 +338,12 @@ pub struct PhaseTimes {
     pub solver_s: f64,
     /// Forces before and motion after, and everything else.
     pub integration_s: f64,
+    /// Of all four, what threads can share; on one thread, too, which shares it with nobody.
+    /// 0 for an engine that does not say.
+    pub shared_s: f64,
+    /// Numbers of threads, and how long `shared_s` would take on each if waiting for each other
+    /// cost nothing; measured on one thread, shorter on several.
+    pub shared_on_s: [(u32, f64); 3],
 }
 
 /// Name, version and precision of an engine, as written into every result.

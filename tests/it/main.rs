@@ -15,6 +15,7 @@ mod guards;
 mod interruption;
 mod leaks;
 mod legs;
+mod load;
 mod memory;
 mod picture;
 mod readings;

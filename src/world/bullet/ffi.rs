@@ -227,6 +227,11 @@ mod bridge {
         collision: f64,
         solver: f64,
         integration: f64,
+        /// Of all these, in jobs that threads can share.
+        shared: f64,
+        /// Numbers of threads, and how long those jobs would take on each.
+        threads: [u32; 3],
+        shared_on: [f64; 3],
     }
 
     /// A setting as Bullet holds it.
@@ -327,6 +332,7 @@ mod bridge {
         include!("pluvia/cpp/worker_probe.h");
 
         fn shared_sum(threads: i32, size: usize, rounds: usize, fails_at: usize) -> Result<u64>;
+        fn shared_time(threads: i32, sizes: &[usize], leasts: &[usize]) -> Result<[f64; 4]>;
         fn steps_alone(may_leave: bool, shared_s: &[f64], alone_s: &[f64]) -> Vec<bool>;
 
         include!("pluvia/cpp/memory_probe.h");

@@ -370,6 +370,8 @@ impl World for BulletBackend {
             collision_s: p.collision,
             solver_s: p.solver,
             integration_s: p.integration,
+            shared_s: p.shared,
+            shared_on_s: std::array::from_fn(|n| (p.threads[n], p.shared_on[n])),
         })
     }
 

@@ -161,6 +161,20 @@ pub fn shared_sum(
     ffi::shared_sum(i32::from(threads), size, rounds, fails_at).map_err(engine)
 }
 
+/// How long one job of these shares takes of what threads can share, and would take on 2, 8
+/// and 16 of them, in s; every part of it takes a millisecond. `leasts`: the least of each
+/// share that pays for a thread to take.
+///
+/// # Errors
+/// [`WorldError::Engine`] without a thread, or with not as many leasts as sizes.
+pub fn shared_time(
+    threads: i32,
+    sizes: &[usize],
+    leasts: &[usize],
+) -> Result<[f64; 4], WorldError> {
+    ffi::shared_time(threads, sizes, leasts).map_err(engine)
+}
+
 /// Which of as many steps of a world a single thread does, where a shared one takes
 /// `shared_s` seconds and one of a single thread `alone_s`. `may_leave`:
 /// [`ManifoldSettings::may_leave_threads`](crate::scenario::ManifoldSettings::may_leave_threads).

@@ -2,7 +2,7 @@
 //! exception comes back as an error with its words, and ends nothing.
 
 use super::definition::tolerances;
-use super::probe::{shared_sum, steps_alone};
+use super::probe::{shared_sum, shared_time, steps_alone};
 use super::tests::{exclusive_turn, free_box, shared_turn, slab};
 use super::*;
 use crate::scale::Scale;
@@ -274,6 +274,36 @@ fn threads_are_left_where_they_do_not_help_and_were_not_typed() {
     let shared: Vec<f64> = (0..1300).map(|i| if i < 500 { 2.0 } else { 0.5 }).collect();
     let got = steps_alone(true, &shared, &vec![1.0; 1300]);
     assert!(got[600] && !got[900], "law: the next trial finds that threads help by now");
+}
+
+/// Law: what threads can share of a job would take 1/n of its time on n threads, but no less than
+/// the least that a thread takes; shares follow each other.
+#[test]
+fn what_more_threads_would_save_is_told() {
+    // Sizes and leasts of shares, and the part of the time that is left on 2, 8 and 16 threads.
+    let cases: [(&[usize], &[usize], [f64; 3]); 4] = [
+        (&[64], &[1], [1.0 / 2.0, 1.0 / 8.0, 1.0 / 16.0]),
+        (&[24], &[8], [1.0 / 2.0, 1.0 / 3.0, 1.0 / 3.0]),
+        // One part in seventeen is one thread's.
+        (&[16, 8], &[1, 8], [9.0 / 17.0, 3.0 / 17.0, 2.0 / 17.0]),
+        (&[16, 0, 16], &[1, 8, 1], [1.0 / 2.0, 1.0 / 8.0, 1.0 / 16.0]),
+    ];
+    for (sizes, leasts, expected) in cases {
+        let [now, on @ ..] = shared_time(1, sizes, leasts).expect("shares");
+        assert!(now >= 0.9e-3, "law: one thread's time of what others can share, got {now} s");
+        for (left, expected) in on.iter().zip(expected) {
+            let got = left / now;
+            assert!(
+                (got - expected).abs() < 1e-3,
+                "law: of {sizes:?} by {leasts:?} a part of {expected:.4} is left, got {got:.4}, \
+                 tolerance 0.001"
+            );
+        }
+    }
+    // Nothing that pays for another thread's coming: nothing to share.
+    let none = shared_time(2, &[8, 3], &[8, 8]).expect("shares");
+    assert_eq!(none, [0.0; 4], "law: less than the least is one thread's");
+    assert!(shared_time(1, &[1], &[]).is_err(), "law: a least for every size");
 }
 
 /// Functions of the bridge that return no `Result`, and why they need none:

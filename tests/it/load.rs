@@ -1,0 +1,72 @@
+//! `scripts/load.sh` fails where a run takes more than it may, or misses the standard.
+
+use std::{fs, os::unix::fs::PermissionsExt, path::Path, process::Command};
+
+/// A program in the place of `pluvia` that writes this summary after a moment.
+fn program(folder: &Path, meets_standard: &str, wall_s: f64) -> std::path::PathBuf {
+    let summary = format!(
+        "{{\n  \"void_ratio\": 0.9,\n  \"overlap\": {{\n    \"mean_percent\": 0.14,\n    \
+         \"p99_percent\": 0.73\n  }},\n  \"creep_um_per_s\": 0.5,\n  {meets_standard}\
+         \"wall_s\": {wall_s}\n}}\n"
+    );
+    fs::write(folder.join("summary.json"), summary).expect("a summary");
+    let program = folder.join("pluvia");
+    fs::write(&program, "#!/bin/sh\nsleep 1\n").expect("a program");
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).expect("a program");
+    program
+}
+
+/// What it says of such a run, and its exit code.
+fn load(meets_standard: &str, wall_s: f64, limits: [&str; 2]) -> (String, Option<i32>) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = Command::new("bash")
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(["scripts/load.sh", "10000"])
+        .args(limits)
+        .arg(folder.path())
+        .env("PLUVIA", program(folder.path(), meets_standard, wall_s))
+        .output()
+        .expect("bash");
+    let said = [output.stdout, output.stderr].map(|s| String::from_utf8_lossy(&s).into_owned());
+    (said.concat(), output.status.code())
+}
+
+const MET: &str = "\"meets_standard\": true,\n  ";
+
+#[test]
+fn a_load_within_its_limits_passes_and_says_all_in_one_line() {
+    let (said, code) = load(MET, 300.4, ["1024", "90"]);
+    assert_eq!(code, Some(0), "law: it is within all limits, got {said}");
+    assert_eq!(said.lines().count(), 1, "law: one line, got {said}");
+    let all = [
+        "10000 grains",
+        "300 s of 5400 s",
+        "of 1024 MiB",
+        "standard met",
+        "0.14 / 0.73 %",
+        "creep 0.5 µm/s",
+        "void ratio 0.9",
+    ];
+    for part in all {
+        assert!(said.contains(part), "law: the line says {part}, got {said}");
+    }
+}
+
+#[test]
+fn a_load_beyond_a_limit_fails_and_says_which() {
+    let cases = [
+        (MET, 5401.0, ["1024", "90"], "more than LIMIT_MINUTES=90"),
+        ("\"meets_standard\": false,\n  ", 300.0, ["1024", "90"], "meets_standard in"),
+        ("", 300.0, ["1024", "90"], "summary.json is missing"),
+    ];
+    for (meets_standard, wall_s, limits, expected) in cases {
+        let (said, code) = load(meets_standard, wall_s, limits);
+        assert_eq!(code, Some(1), "law: {expected} fails, got {said}");
+        assert!(said.contains(expected), "law: it says {expected}, got {said}");
+    }
+    // A shell that sleeps holds some MiB.
+    let (said, code) = load(MET, 300.0, ["1", "90"]);
+    assert!(code == Some(1) && said.contains("LIMIT_MIB=1"), "law: memory fails, got {said}");
+    let (said, code) = load(MET, 300.0, ["1024", "soon"]);
+    assert!(code == Some(2) && said.contains("LIMIT_MINUTES=soon"), "law: refused, got {said}");
+}
