@@ -102,6 +102,9 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
     let found = study.carry_out()?;
     let mut text = table::of_calibration(&found);
     text += &format!("report in {}\n", args.out.join("report.html").display());
+    let left_out = found.runs.iter().filter(|r| r.is_left_out()).count();
+    let with_result = found.runs.iter().filter(|r| r.result.is_some()).count();
+    text += &table::left_out(left_out, with_result);
     context.print(&text, &found)?;
     match found.ending {
         CalibrationEnding::Found => Ok(ExitStatus::Done),

@@ -59,6 +59,7 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
     let record = compare(&loaded.scenario, &distinct, &options)?;
     let mut text = table::of_comparison(&record);
     text += &format!("report in {}\n", args.out.join("report.html").display());
+    text += &table::whether_valid(record.runs.iter().map(|r| (r.name.as_str(), &r.summary)));
     context.print(&text, &record)?;
     if record.within_bands { Ok(ExitStatus::Done) } else { Ok(ExitStatus::ExpectationMissed) }
 }

@@ -60,6 +60,8 @@ pub(super) fn run(args: &ReadingsArgs, context: &Context) -> Result<ExitStatus, 
     })?;
     let mut text = table::of_readings(&outcome.columns);
     text += &format!("report in {}\n", outcome.report.display());
+    let runs = outcome.columns.iter().flat_map(|c| &c.runs);
+    text += &table::whether_valid(runs.map(|r| (r.name.as_str(), &r.summary)));
     let value: serde_json::Value = read_json(&args.out.join("readings.json"))?;
     context.print(&text, &value)?;
     Ok(ExitStatus::Done)

@@ -60,8 +60,11 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
     let claims: Vec<Value> = read_json(&args.out.join("claims.json"))?;
     let mut text = table::of_claims(&claims);
     text += &format!("report in {}\n", args.out.join("report.html").display());
+    let runs = outcome.runs.iter().map(|r| (r.name.as_str(), &r.summary));
+    text += &table::whether_valid(runs);
     context.print(&text, &claims)?;
-    if args.strict && outcome.claims_outside > 0 {
+    // What cannot be compared, no run being valid, is not met either.
+    if args.strict && outcome.claims_outside + outcome.claims_not_comparable > 0 {
         return Ok(ExitStatus::ExpectationMissed);
     }
     Ok(ExitStatus::Done)

@@ -137,6 +137,21 @@ pub struct Convergence {
     pub cheapest: Cheapest,
 }
 
+impl Convergence {
+    /// Runs that are left out of the means, and runs with a result; a setting that stands in
+    /// several ladders once.
+    pub fn left_out(&self) -> (usize, usize) {
+        let mut settings: Vec<&ConvergenceRow> = Vec::new();
+        for row in &self.rows {
+            if !settings.iter().any(|known| known.same_setting(row)) {
+                settings.push(row);
+            }
+        }
+        let results = settings.iter().map(|row| &row.result);
+        results.fold((0, 0), |(out, all), v| (out + v.left_out, all + v.runs - v.failed))
+    }
+}
+
 /// Writes `convergence.json`, `convergence.csv`, `convergence.md` and figures.
 ///
 /// # Errors

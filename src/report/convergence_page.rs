@@ -43,16 +43,10 @@ pub(super) fn page(of: &Convergence, figures: &[Figure]) -> String {
     text
 }
 
-/// How many runs are left out of the means; a run that stands in several ladders once.
+/// How many runs are left out of the means.
 fn left_out(text: &mut String, of: &Convergence) {
-    let mut settings: Vec<&ConvergenceRow> = Vec::new();
-    for row in &of.rows {
-        if !settings.iter().any(|known| known.same_setting(row)) {
-            settings.push(row);
-        }
-    }
-    let sum = |count: fn(&VariationRow) -> usize| settings.iter().map(|r| count(&r.result)).sum();
-    let said = left_out_in_words(sum(|v| v.left_out), sum(|v| v.runs - v.failed));
+    let (left_out, with_result) = of.left_out();
+    let said = left_out_in_words(left_out, with_result);
     if !said.is_empty() {
         let _ = write!(text, "**{said}**, being not valid or half empty.\n\n");
     }

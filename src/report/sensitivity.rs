@@ -88,6 +88,16 @@ pub struct Sensitivity {
     pub parameters: Vec<ParameterRow>,
 }
 
+impl Sensitivity {
+    /// Runs that are left out of the differences, and runs with a result.
+    pub fn left_out(&self) -> (usize, usize) {
+        let default = self.default.as_ref().map_or((0, 0), |d| (d.left_out, d.runs - d.failed));
+        self.parameters.iter().fold(default, |(out, all), p| {
+            (out + p.left_out, all + p.left_out + p.valid)
+        })
+    }
+}
+
 /// The parameters, that with the largest effect first; those without one last.
 pub(super) fn ranked(
     rows: &[ParameterRow],
