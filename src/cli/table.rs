@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::paint;
 use crate::paper::Verdict as ClaimVerdict;
-use crate::record::{AngleOfRepose, Settlement, StandingHeight, Summary, left_out_in_words};
+use crate::record::{AngleOfRepose, Settlement, StandingHeight, Summary};
 use crate::report::{Calibration, ReadingColumn, calibration_rows};
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
@@ -201,53 +201,6 @@ pub(super) fn of_claims(claims: &[Value]) -> String {
     out + "\n"
 }
 
-/// The last line of a run: why it is not valid or left out of means; nothing where it is neither.
-pub(super) fn against_run(summary: &Summary) -> String {
-    let why = summary.why_left_out();
-    let head = match (why.is_empty(), summary.valid) {
-        (true, _) => return String::new(),
-        (false, true) => "LEFT OUT OF MEANS",
-        (false, false) => "NOT VALID, no result to quote",
-    };
-    format!("{}: {}\n", paint::bad(head), why.join("; "))
-}
-
-/// The last line of several runs: whether they are valid, and why they are not.
-pub(super) fn whether_valid<'a>(runs: impl Iterator<Item = (&'a str, &'a Summary)>) -> String {
-    const MOST: usize = 6;
-    let all: Vec<(&str, Vec<String>)> = runs.map(|(n, s)| (n, s.why_left_out())).collect();
-    let against: Vec<String> = all
-        .iter()
-        .filter(|(_, why)| !why.is_empty())
-        .map(|(name, why)| format!("{name} ({})", why.join("; ")))
-        .collect();
-    if against.is_empty() {
-        return match all.len() {
-            0 => "no run has a result\n".to_owned(),
-            n => format!("runs that are valid: {n} of {n}\n"),
-        };
-    }
-    let more = against.len().saturating_sub(MOST);
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-    format!(
-        "{}: {}{more}\n",
-        paint::bad(format!(
-            "NOT VALID or half empty, left out of means: {} of {} runs",
-            against.len(),
-            all.len()
-        )),
-        against[..against.len().min(MOST)].join(", ")
-    )
-}
-
-/// The last line of a study: how many runs are left out of its means.
-pub(super) fn left_out(left_out: usize, with_result: usize) -> String {
-    match left_out_in_words(left_out, with_result) {
-        said if said.is_empty() => format!("runs that are valid: {with_result} of {with_result}\n"),
-        said => format!("{}: {said}\n", paint::bad("NOT VALID or half empty")),
-    }
-}
-
 /// Rows of cells in columns of their widest cell.
 pub(super) fn columns<R: AsRef<[String]>>(rows: &[R]) -> String {
     let count = rows.iter().map(|row| row.as_ref().len()).max().unwrap_or(0);
@@ -310,8 +263,15 @@ pub(super) fn of_calibration(of: &Calibration) -> String {
 
 /// What became of each reading, one a line.
 pub(super) fn of_readings(readings: &[ReadingColumn]) -> String {
-    let header =
-        ["reading", "runs", "failed", "within", "outside", "accuracy standard", "left out of means"];
+    let header = [
+        "reading",
+        "runs",
+        "failed",
+        "within",
+        "outside",
+        "accuracy standard",
+        "left out of means",
+    ];
     let mut rows = vec![header.map(str::to_owned)];
     for reading in readings {
         let count = |v| reading.claims.iter().filter(|c| c.verdict == v).count();
@@ -384,8 +344,6 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::paper::canned;
-    use crate::record::RunRecord;
 
     #[test]
     fn durations_are_for_people() {
@@ -419,36 +377,8 @@ mod tests {
         assert_eq!(lines[2], "outside     grains      1456         1457");
         assert_eq!(lines[3], "not_stated  heights     -            -      mm");
         assert_eq!(lines[4], "3 claims: 1 within, 1 outside, 1 not stated");
-    }
-
-    /// Law: the last line says of every command whether its runs are valid, and why not.
-    #[test]
-    fn last_lines_say_whether_runs_are_valid() {
-        let plain = |text: String| anstream::adapter::strip_str(&text).to_string();
-        let runs = canned::runs();
-        let valid = canned::valid_runs();
-        let all = |runs: &[RunRecord]| {
-            plain(whether_valid(runs.iter().map(|r| (r.name.as_str(), &r.summary))))
-        };
-        assert_eq!(all(&valid), "runs that are valid: 18 of 18\n");
-        assert_eq!(all(&[]), "no run has a result\n");
-        let said = all(&runs);
-        let start = "NOT VALID or half empty, left out of means: 6 of 18 runs: pluviation-fh00-c3 (";
-        assert!(said.starts_with(start) && said.contains("standard is not met"), "law: {said}");
-        let eighth = [runs.clone(), runs.clone()].concat();
-        assert!(all(&eighth).trim_end().ends_with("and 6 more"), "law: short: {}", all(&eighth));
-        let of = |summary: &Summary| plain(against_run(summary));
-        assert_eq!(of(&valid[0].summary), "", "law: nothing against it");
-        assert!(of(&runs[17].summary).starts_with("NOT VALID, no result to quote: the accuracy"));
-        let mut jammed = valid[0].summary.clone();
-        jammed.grains.missing = Some(100);
-        assert!(of(&jammed).starts_with("LEFT OUT OF MEANS: 100 of 1456 grains"), "{}", of(&jammed));
-        assert_eq!(plain(left_out(0, 4)), "runs that are valid: 4 of 4\n");
-        let said = plain(left_out(1, 4));
-        assert!(said.ends_with("1 of 4 runs with a result is left out of means\n"), "{said}");
-        let claims = [json!({ "verdict": "not_comparable" }), json!({ "verdict": "within" })];
-        let said = plain(of_claims(&claims));
-        assert!(said.contains("0 not stated, 1 not comparable"), "law: counted: {said}");
+        let none_valid = of_claims(&[json!({ "verdict": "not_comparable" })]);
+        assert!(none_valid.contains("0 not stated, 1 not comparable"), "law: {none_valid}");
     }
 
     #[test]

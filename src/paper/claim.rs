@@ -158,8 +158,7 @@ impl Claim {
             return self.explained();
         }
         self.left_out = runs.iter().map(|(name, _)| name.clone()).collect();
-        let each: Vec<String> =
-            runs.iter().map(|(name, why)| format!("{name} ({why})")).collect();
+        let each: Vec<String> = runs.iter().map(|(name, why)| format!("{name} ({why})")).collect();
         if self.ours.is_none() && (self.runs.is_empty() || they.ours.is_some()) {
             if self.paper.is_some() {
                 self.verdict = Verdict::NotComparable;

@@ -71,7 +71,8 @@ impl RunRow {
     /// Why its result is left out of means; none where it counts or there is none.
     pub fn why_left_out(&self) -> Option<String> {
         let why = || self.left_out_of_means.clone();
-        self.is_left_out().then(|| why().unwrap_or_else(|| "it is not known to be valid".to_owned()))
+        self.is_left_out()
+            .then(|| why().unwrap_or_else(|| "it is not known to be valid".to_owned()))
     }
 }
 
@@ -109,9 +110,13 @@ mod tests {
     /// Law: more than 5 % of the grains missing leave a run out, valid or not; 1456 · 0.05 = 72.8.
     #[test]
     fn a_jammed_run_is_valid_and_left_out() {
-        for (missing, expected) in
-            [(Some(0), true), (Some(72), true), (Some(73), false), (Some(1456), false), (None, true)]
-        {
+        for (missing, expected) in [
+            (Some(0), true),
+            (Some(72), true),
+            (Some(73), false),
+            (Some(1456), false),
+            (None, true),
+        ] {
             let summary = run(missing).judged();
             assert!(summary.valid, "law: `valid` knows the standard and the checks alone");
             let got = summary.counts_in_means();
@@ -134,7 +139,10 @@ mod tests {
         let both = Summary { meets_standard: false, ..run(Some(500)) }.judged();
         assert_eq!(both.left_out_of_means.len(), 2, "law: each reason is told: {both:?}");
         let silent = Summary { valid: false, ..run(Some(0)) };
-        assert!(!silent.counts_in_means(), "law: what does not say that it is valid does not count");
+        assert!(
+            !silent.counts_in_means(),
+            "law: what does not say that it is valid does not count"
+        );
     }
 
     /// Law: a mean is that of the runs that count, with the number left out beside it; overlap
@@ -145,18 +153,27 @@ mod tests {
             let overlap = super::super::Overlap { mean_percent: percent, ..of.overlap };
             Summary { overlap, ..of }
         };
-        let good = [row(1, 160.0, overlap(0.2, run(Some(0)))), row(2, 162.0, overlap(0.2, run(Some(1))))];
+        let good =
+            [row(1, 160.0, overlap(0.2, run(Some(0)))), row(2, 162.0, overlap(0.2, run(Some(1))))];
         let jammed = row(3, 100.0, overlap(0.2, run(Some(500))));
         let below = Summary { meets_standard: false, ..run(Some(0)) }.judged();
         let below = row(4, 10.0, overlap(9.8, below));
         let of = |rows: &[RunRow]| VariationRow::of(rows).remove(0);
-        let told = |v: &VariationRow| (v.poured_height_mm.map(|h| (h.mean, h.count)), v.left_out, v.valid);
+        let told =
+            |v: &VariationRow| (v.poured_height_mm.map(|h| (h.mean, h.count)), v.left_out, v.valid);
         assert_eq!(told(&of(&good)), (Some((161.0, 2)), 0, 2), "law: all count");
         let all = [good.to_vec(), vec![jammed.clone(), below.clone()]].concat();
         let v = of(&all);
-        assert_eq!(told(&v), (Some((161.0, 2)), 2, 3), "law: the mean of 160 and 162 mm; the jam is valid");
+        assert_eq!(
+            told(&v),
+            (Some((161.0, 2)), 2, 3),
+            "law: the mean of 160 and 162 mm; the jam is valid"
+        );
         let overlap = v.overlap_mean_percent.expect("measured");
-        assert!((overlap.mean - 2.6).abs() < 1e-12 && overlap.count == 4, "law: of all: {overlap:?}");
+        assert!(
+            (overlap.mean - 2.6).abs() < 1e-12 && overlap.count == 4,
+            "law: of all: {overlap:?}"
+        );
         let pairs: Vec<&RunRow> = all.iter().collect();
         let pairs = RunRow::paired(&pairs, |r| r.poured_height_mm);
         assert_eq!(pairs, [(1, 160.0), (2, 162.0)], "law: pairs are of those that count");
@@ -165,9 +182,16 @@ mod tests {
         assert!(none.has_no_valid_run() && !v.has_no_valid_run());
         let why = all[2].why_left_out().expect("a reason");
         assert!(why.contains("500 of 1456 grains are missing"), "law: the row says why: {why}");
-        assert_eq!((all[0].why_left_out(), all[0].is_left_out()), (None, false), "law: nothing against it");
+        assert_eq!(
+            (all[0].why_left_out(), all[0].is_left_out()),
+            (None, false),
+            "law: nothing against it"
+        );
         let failed = RunRow { failure: Some("it blew up".into()), ..all[3].clone() };
-        assert!(!failed.is_left_out() && !failed.counts_in_means(), "law: what failed is no result");
+        assert!(
+            !failed.is_left_out() && !failed.counts_in_means(),
+            "law: what failed is no result"
+        );
     }
 
     #[test]

@@ -271,8 +271,9 @@ impl VariationRow {
         let of_all = |of: &dyn Fn(&RunRow) -> Option<f64>| {
             Estimate::of(&runs.iter().filter_map(|r| of(r)).collect::<Vec<_>>())
         };
-        let mean =
-            |of: &dyn Fn(&RunRow) -> Option<f64>| of_all(&|r| of(r).filter(|_| r.counts_in_means()));
+        let mean = |of: &dyn Fn(&RunRow) -> Option<f64>| {
+            of_all(&|r| of(r).filter(|_| r.counts_in_means()))
+        };
         Some(Self {
             variation: first.variation.clone(),
             group: first.group.clone(),

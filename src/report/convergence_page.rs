@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use super::{Convergence, ConvergenceRow, Deviation, Deviations, figures::Figure};
 use crate::measure::Estimate;
-use crate::record::{NO_VALID_RUN, VariationRow, left_out_in_words};
 use crate::paper::text::{compact, number};
+use crate::record::{NO_VALID_RUN, VariationRow, left_out_in_words};
 
 /// The page.
 pub(super) fn page(of: &Convergence, figures: &[Figure]) -> String {
@@ -116,7 +116,8 @@ fn ladder_table(text: &mut String, ladder: &str, rows: &[&ConvergenceRow], preci
         if precisions {
             let _ = write!(name, ", {}", v.precision);
         }
-        let mut failed = if v.failed > 0 { format!(", {} failed", v.failed) } else { String::new() };
+        let mut failed =
+            if v.failed > 0 { format!(", {} failed", v.failed) } else { String::new() };
         if v.left_out > 0 {
             let _ = write!(failed, ", {} left out", v.left_out);
         }
@@ -236,12 +237,7 @@ fn length(of: &VariationRow, mean: Option<Estimate>) -> String {
 }
 
 /// The deviation of a mean `own` of a setting, or why there is none.
-fn deviation(
-    d: &Deviation,
-    of: &VariationRow,
-    own: Option<Estimate>,
-    reference: bool,
-) -> String {
+fn deviation(d: &Deviation, of: &VariationRow, own: Option<Estimate>, reference: bool) -> String {
     if own.is_none() && of.has_no_valid_run() {
         return NO_VALID_RUN.to_owned();
     }

@@ -258,12 +258,8 @@ fn valid_badge(run: &RunRecord) -> Markup {
 
 /// How many runs count in means, and which do not.
 fn counting(study: &StudyView) -> Markup {
-    let left_out: Vec<&str> = study
-        .runs
-        .iter()
-        .filter(|r| !r.counts_in_means())
-        .map(|r| r.name.as_str())
-        .collect();
+    let left_out: Vec<&str> =
+        study.runs.iter().filter(|r| !r.counts_in_means()).map(|r| r.name.as_str()).collect();
     let said = left_out_in_words(left_out.len(), study.runs.len());
     html! {
         @if said.is_empty() {

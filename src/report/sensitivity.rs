@@ -92,9 +92,9 @@ impl Sensitivity {
     /// Runs that are left out of the differences, and runs with a result.
     pub fn left_out(&self) -> (usize, usize) {
         let default = self.default.as_ref().map_or((0, 0), |d| (d.left_out, d.runs - d.failed));
-        self.parameters.iter().fold(default, |(out, all), p| {
-            (out + p.left_out, all + p.left_out + p.valid)
-        })
+        self.parameters
+            .iter()
+            .fold(default, |(out, all), p| (out + p.left_out, all + p.left_out + p.valid))
     }
 }
 
@@ -133,8 +133,7 @@ fn csv(of: &Sensitivity) -> Result<Vec<u8>, csv::Error> {
         "largest_mm",
     ];
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut header: Vec<String> =
-        [
+    let mut header: Vec<String> = [
         "parameter",
         "unit",
         "path",

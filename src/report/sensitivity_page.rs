@@ -7,8 +7,8 @@ use super::{
     sensitivity::ranked,
 };
 use crate::measure::Estimate;
-use crate::record::NO_VALID_RUN;
 use crate::paper::text::{compact, number};
+use crate::record::NO_VALID_RUN;
 
 /// The page.
 pub(super) fn page(of: &Sensitivity, figure: &Figure) -> String {
@@ -106,7 +106,8 @@ fn table(text: &mut String, title: &str, of: &Sensitivity, effect: fn(&Parameter
         let mm = |e| change(e, |e| estimate(e, 1));
         let outside = row.grains_outside.filter(|g| *g >= 0.5);
         let outside = outside.map(|g| format!("grains outside: {}", number(g, 1)));
-        let remarks: Vec<String> = [failed, left_out, mark, outside].into_iter().flatten().collect();
+        let remarks: Vec<String> =
+            [failed, left_out, mark, outside].into_iter().flatten().collect();
         let _ = writeln!(
             text,
             "| {} | {} to {}{} | {} | {} | {} | {} | {} |",

@@ -232,7 +232,9 @@ fn table(of: &Sweep) -> Result<Vec<u8>, csv::Error> {
         row.extend(results().map(number));
         let stated = |answer: Option<bool>| answer.map_or(String::new(), |a| a.to_string());
         row.extend([stated(run.meets_standard), stated(run.valid)]);
-        row.extend([&run.left_out_of_means, &run.failure].map(|why| why.clone().unwrap_or_default()));
+        row.extend(
+            [&run.left_out_of_means, &run.failure].map(|why| why.clone().unwrap_or_default()),
+        );
         writer.write_record(&row)?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())
@@ -400,6 +402,9 @@ mod tests {
             assert!(got.contains(said), "law: `{said}`, got `{got}`");
         }
         let got = line(&of, "| point-0001 |");
-        assert!(got.ends_with("| 3, 1 failed | 0 | 3 | no valid run |"), "law: no dash, got `{got}`");
+        assert!(
+            got.ends_with("| 3, 1 failed | 0 | 3 | no valid run |"),
+            "law: no dash, got `{got}`"
+        );
     }
 }

@@ -41,8 +41,7 @@ fn falls(study: &StudyView) -> Claim {
     let known: Vec<(u32, &RunRecord, &RunRecord)> =
         study.configurations().filter_map(|c| ends(c).map(|(a, b)| (c, a, b))).collect();
     // Of a configuration that is left out nothing is expected.
-    let left_out =
-        |c: u32| [lowest, highest].iter().any(|fh| study.leaves_out_pluviation(c, *fh));
+    let left_out = |c: u32| [lowest, highest].iter().any(|fh| study.leaves_out_pluviation(c, *fh));
     let expected = study.configurations().filter(|&c| ends(c).is_some() || !left_out(c));
     let missing: Vec<u32> = expected.clone().filter(|&c| ends(c).is_none()).collect();
     let drop = |a: &RunRecord, b: &RunRecord| height_mm(a) - height_mm(b);

@@ -319,7 +319,8 @@ pub fn trend(study: &StudyView) -> Trend {
     let mut verdict = in_words(&slopes, slope.as_ref(), page.as_ref(), configurations_needed);
     if !left_out.is_empty() {
         let numbers: Vec<String> = left_out.iter().map(u32::to_string).collect();
-        verdict += &format!(" Left out, being not valid in part: configuration {}.", numbers.join(", "));
+        verdict +=
+            &format!(" Left out, being not valid in part: configuration {}.", numbers.join(", "));
     }
     Trend {
         slopes_mm_per_cm: slopes,

@@ -21,8 +21,7 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
     let measured = of.runs.iter().filter_map(|r| Some((r.value, r.counted()?)));
     let points: Vec<(f64, f64)> = measured.collect();
     let left_out = of.runs.iter().filter(|r| r.is_left_out());
-    let left_out: Vec<(f64, f64)> =
-        left_out.filter_map(|r| Some((r.value, r.result?))).collect();
+    let left_out: Vec<(f64, f64)> = left_out.filter_map(|r| Some((r.value, r.result?))).collect();
     let x = Axis::linear(&capital(of.unknown_in_words()), [low, high]);
     let identity: Vec<(f64, f64)> = match of.identity {
         Some(_) => (0..=PIECES)

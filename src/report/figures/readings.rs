@@ -15,7 +15,8 @@ use crate::{
 
 const MM_IN_CM: f64 = 10.0;
 /// What every caption says of runs that do not count.
-const MIND: &str = "Means are of valid runs; “not valid” marks curves of which, in part or in whole, no run is.";
+const MIND: &str =
+    "Means are of valid runs; “not valid” marks curves of which, in part or in whole, no run is.";
 /// Distance between markers along a curve, in SVG units.
 const MARKER_SPACING: f64 = 230.0;
 /// Curves that colours and markers can tell apart; those after them are dashed.
@@ -59,8 +60,14 @@ fn missing(columns: &[ReadingColumn], shown: &[&str]) -> String {
 }
 
 fn heights(columns: &[ReadingColumn]) -> Result<Figure, ReportError> {
-    let mut table =
-        Table::new(&["reading", "configurations", "falling_height_mm", "mean_surface_mm", "valid", "left_out"]);
+    let mut table = Table::new(&[
+        "reading",
+        "configurations",
+        "falling_height_mm",
+        "mean_surface_mm",
+        "valid",
+        "left_out",
+    ]);
     let mut curves = Vec::new();
     for (n, column) in columns.iter().enumerate() {
         let mut points = Vec::new();

@@ -111,7 +111,8 @@ fn effect_figure(
                 Some([(at, e.t_low?), (at, e.t_high?)])
             })
             .collect();
-        let all = runs.iter().chain(&left_out).chain(&means).chain(bars.iter().flatten()).map(|p| p.1);
+        let all =
+            runs.iter().chain(&left_out).chain(&means).chain(bars.iter().flatten()).map(|p| p.1);
         let mut plot = Plot::new(
             axis(factor),
             Axis::linear(crate::report::sweep::in_words(&effect.outcome), all),

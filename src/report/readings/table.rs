@@ -56,8 +56,7 @@ impl ReadingCell {
         value: impl Fn(&ReadingRun) -> Option<f64>,
     ) -> Self {
         let finite = |r: &ReadingRun| value(r).filter(|v| v.is_finite());
-        let (shown, left_out) =
-            ReadingColumn::never_mixed(runs.filter(|r| finite(r).is_some()));
+        let (shown, left_out) = ReadingColumn::never_mixed(runs.filter(|r| finite(r).is_some()));
         let of = Self::of(shown.into_iter().filter_map(finite));
         Self { left_out: left_out.runs, not_valid: left_out.all, ..of }
     }

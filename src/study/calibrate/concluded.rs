@@ -8,11 +8,11 @@ use super::{
 };
 use crate::measure::inference::MeanTest;
 use crate::paper::{Interval, constants::FRICTION_RATIO, text::compact};
+use crate::record::left_out_in_words;
 use crate::report::{
     Calibration, CalibrationEnding as Ending, CalibrationRun, CalibrationSolution,
     CalibrationValue, FrictionIdentity, target_in_words, unknown_in_words, with_unit,
 };
-use crate::record::left_out_in_words;
 use crate::scenario::Scenario;
 
 /// Puts a calibration together.
@@ -151,8 +151,7 @@ fn statement(of: &Calibration) -> String {
             ends()
         ),
         (Ending::Failed, _) => {
-            let count =
-                |is: fn(&CalibrationRun) -> bool| of.runs.iter().filter(|r| is(r)).count();
+            let count = |is: fn(&CalibrationRun) -> bool| of.runs.iter().filter(|r| is(r)).count();
             format!(
                 "too few runs have a result that counts: {} of {} failed, {} are left out; the first: {}",
                 count(|r| r.result.is_none()),
@@ -397,7 +396,10 @@ mod tests {
         assert_eq!(spoilt.solution, good.solution, "law: the same line");
         assert_eq!(spoilt.identity, good.identity, "law: the same identity");
         for (value, known) in spoilt.values.iter().zip(&good.values) {
-            assert_eq!((value.mean, value.standard_deviation), (known.mean, known.standard_deviation));
+            assert_eq!(
+                (value.mean, value.standard_deviation),
+                (known.mean, known.standard_deviation)
+            );
             assert_eq!((value.runs, value.left_out, value.failed), (4, 1, 0), "law: counted");
             assert_eq!((known.runs, known.left_out), (3, 0), "law: nothing is left out");
         }
@@ -411,7 +413,11 @@ mod tests {
         };
         let none = concluded_of(target, Ending::Failed, &means, 0.5, &all);
         assert!(none.values.iter().all(|v| v.mean.is_none()), "law: nothing of nothing");
-        assert!(none.statement.contains("9 are left out; the first: not valid"), "{}", none.statement);
+        assert!(
+            none.statement.contains("9 are left out; the first: not valid"),
+            "{}",
+            none.statement
+        );
     }
 
     #[test]

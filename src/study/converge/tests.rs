@@ -210,7 +210,11 @@ fn a_setting_does_not_pass_by_leaving_its_bad_runs_out() {
     assert_eq!(rows[0].error_over_limit, Some(2.0), "law: by its overlap it misses twice");
     assert!(rows[0].result.has_no_valid_run());
     let found = cheapest(&rows, &standard());
-    assert_eq!((found.meeting, found.not_shown_to_miss), (Some(1), Some(1)), "law: the finest alone");
+    assert_eq!(
+        (found.meeting, found.not_shown_to_miss),
+        (Some(1), Some(1)),
+        "law: the finest alone"
+    );
 }
 
 #[test]
