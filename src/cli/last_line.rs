@@ -34,7 +34,7 @@ pub(super) fn of_runs<'a>(runs: impl Iterator<Item = (&'a str, &'a Summary)>) ->
     format!(
         "{}: {}{more}\n",
         paint::bad(format!(
-            "NOT VALID or half empty, left out of means: {} of {} runs",
+            "NOT VALID or short of grains, left out of means: {} of {} runs",
             against.len(),
             all.len()
         )),
@@ -46,7 +46,7 @@ pub(super) fn of_runs<'a>(runs: impl Iterator<Item = (&'a str, &'a Summary)>) ->
 pub(super) fn of_study(left_out: usize, with_result: usize) -> String {
     match left_out_in_words(left_out, with_result) {
         said if said.is_empty() => format!("runs that are valid: {with_result} of {with_result}\n"),
-        said => format!("{}: {said}\n", paint::bad("NOT VALID or half empty")),
+        said => format!("{}: {said}\n", paint::bad("NOT VALID or short of grains")),
     }
 }
 
@@ -68,7 +68,7 @@ mod tests {
         assert_eq!(all(&[]), "no run has a result\n");
         let said = all(&runs);
         let start =
-            "NOT VALID or half empty, left out of means: 6 of 18 runs: pluviation-fh00-c3 (";
+            "NOT VALID or short of grains, left out of means: 6 of 18 runs: pluviation-fh00-c3 (";
         assert!(said.starts_with(start) && said.contains("standard is not met"), "law: {said}");
         let twice = [runs.clone(), runs.clone()].concat();
         assert!(all(&twice).trim_end().ends_with("and 6 more"), "law: short: {}", all(&twice));

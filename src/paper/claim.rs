@@ -44,7 +44,7 @@ pub struct Claim {
     pub spread: Option<Interval>,
     /// How number and statement are read, what is missing, what to mind.
     pub note: String,
-    /// Names of the runs that are left out of it, being not valid or half empty.
+    /// Names of the runs that are left out of it, being not valid or short of grains.
     #[serde(default)]
     pub left_out: Vec<String>,
     /// What the runs that are left out show, where no other run does; for information only,
@@ -164,7 +164,7 @@ impl Claim {
                 self.verdict = Verdict::NotComparable;
             }
             self.not_valid = they.ours.map(|value| NotValid { value, spread: they.spread });
-            self.add_note(&format!("No valid run; left out: {}.", each.join("; ")));
+            self.add_note(&format!("No valid run shows it; left out: {}.", each.join("; ")));
             return self;
         }
         self.add_note(&format!("Left out: {}.", each.join("; ")));

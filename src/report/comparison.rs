@@ -143,7 +143,7 @@ fn lead(of: &Comparison) -> String {
     let against: Vec<String> = against.collect();
     if !against.is_empty() {
         sentences.push(format!(
-            "NOT valid or half empty, and no result to quote: {}.",
+            "NOT valid or short of grains, and no result to quote: {}.",
             against.join(", ")
         ));
     }

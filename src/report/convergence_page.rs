@@ -48,7 +48,7 @@ fn left_out(text: &mut String, of: &Convergence) {
     let (left_out, with_result) = of.left_out();
     let said = left_out_in_words(left_out, with_result);
     if !said.is_empty() {
-        let _ = write!(text, "**{said}**, being not valid or half empty.\n\n");
+        let _ = write!(text, "**{said}**, being not valid or short of grains.\n\n");
     }
 }
 
@@ -189,7 +189,7 @@ fn how_to_read(text: &mut String, of: &Convergence) {
          beyond the limit of {} % (height) or {} % (settlements); \"?\" says that scatter leaves \
          open whether it is. What has no ± stands on one run, which tells nothing of scatter. \"reference\" is the finest rung, \
          from which nothing can deviate: what its own ladder does not refine may still be wrong. \
-         Left out are runs with a result that are not valid, or half empty (docs/accuracy.md): heights, \
+         Left out are runs with a result that are not valid, or short of grains (docs/accuracy.md): heights, \
          settlements and deviations are without them; overlap, creep, grains outside and times are of all \
          runs, or a setting would pass by what it spoils. A setting with a run in which a run-time check \
          found something misses the standard, as one with a run that failed. Grains outside are those that do not lie in the cylinder at the end, in \

@@ -22,7 +22,7 @@ pub(super) fn page(of: &Sensitivity, figure: &Figure) -> String {
          pairs scatter; \"~\" marks an effect that lies inside that scatter: the 95 % confidence \
          interval (Student's t) of its largest difference holds zero. Grains outside are those that do \
          not lie in the cylinder at the end: a jam in the funnel lowers the specimen by what hangs \
-         there. Runs that are not valid, or half empty, are left out of every difference with their pair \
+         there. Runs that are not valid, or short of grains, are left out of every difference with their pair \
          (docs/accuracy.md), and counted.\n\n",
         of.scenario,
         if of.quick { ", the smaller specimen" } else { "" },

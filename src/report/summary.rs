@@ -21,7 +21,7 @@ pub(super) fn paragraph(input: &ReportInput) -> String {
     sentences.push(standard(study));
     let said = left_out_in_words(left_out.len(), study.runs.len());
     if !said.is_empty() {
-        sentences.push(format!("{said}, ranges and claims, being not valid or half empty."));
+        sentences.push(format!("{said}, ranges and claims, being not valid or short of grains."));
     }
     sentences.push(tally(input.claims));
     sentences.join(" ")

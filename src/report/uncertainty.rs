@@ -16,7 +16,7 @@ pub(super) fn section(of: &Uncertainty) -> Markup {
         p { (glue(&of.trend.verdict)) }
         p.soft {
             "Intervals are those of the mean over the configurations, by Student's t, 95 % confidence. "
-            "SD: standard deviation of a single configuration. Runs that are not valid, or half empty, are left "
+            "SD: standard deviation of a single configuration. Runs that are not valid, or short of grains, are left "
             "out (docs/accuracy.md). The same as numbers: "
             a href="uncertainty.json" { "uncertainty.json" } "."
         }

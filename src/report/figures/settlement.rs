@@ -166,7 +166,7 @@ fn finals(runs: &[&RunRecord]) -> String {
     let left_out = runs.iter().filter(|r| !r.counts_in_means()).count();
     let said = match left_out_in_words(left_out, runs.len()) {
         said if said.is_empty() => said,
-        said => format!(" {said} and from these numbers, not being valid or half empty."),
+        said => format!(" {said} and from these numbers, not being valid or short of grains."),
     };
     let of = |plate: bool| {
         let values = runs.iter().filter(|r| r.counts_in_means()).filter_map(|r| {

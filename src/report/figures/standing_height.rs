@@ -90,7 +90,7 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
     let left_out = runs.iter().filter(|r| !r.counts_in_means()).count();
     let said = match left_out_in_words(left_out, runs.len()) {
         said if said.is_empty() => said,
-        said => format!(" {said} and from this range, not being valid or half empty."),
+        said => format!(" {said} and from this range, not being valid or short of grains."),
     };
     let range = match Interval::of(counting.map(|r| mean(r))) {
         Some(i) => format!(

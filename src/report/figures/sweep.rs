@@ -149,11 +149,11 @@ fn effect_figure(
     }
     let caption = if factor.sampled {
         "Every run at the value that was drawn; all other ranges were drawn from as well. Crosses: runs \
-         left out of the effects, not being valid or half empty."
+         left out of the effects, not being valid or short of grains."
             .to_owned()
     } else {
         format!(
-            "Rings: every run; crosses: runs left out of the means, not being valid or half empty. Discs: means over {} configurations{}, with the 95 % confidence of the \
+            "Rings: every run; crosses: runs left out of the means, not being valid or short of grains. Discs: means over {} configurations{}, with the 95 % confidence of the \
              mean by Student's t.",
             of.configurations,
             if of.design == "grid" { " and over all values of the other factors" } else { "" }

@@ -104,6 +104,8 @@ const FIGURE_7: &str = "Figure 7: standing height, mean surface";
 const FIGURE_9: &str = "Figure 9: continuous vibration";
 const FIGURE_10: &str = "Figure 10: intermittent vibration";
 const TRUST: &str = "Whether it can be believed";
+/// The one result among what tells whether a reading can be believed.
+const VOID_RATIO: &str = "void ratio after pouring";
 const CLAIMS: &str = "The paper's statements";
 
 /// Every row of the table.
@@ -192,7 +194,7 @@ fn trust(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
         ("overlap of grains, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent)),
         ("largest overlap", "mm", |r| Some(r.summary.overlap.max_mm)),
         ("creep at rest, unshaken", "µm/s", |r| r.summary.creep_um_per_s),
-        ("void ratio after pouring", "", |r| {
+        (VOID_RATIO, "", |r| {
             r.summary.void_ratio.filter(|_| r.kind == RunKind::Pluviation)
         }),
         ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64)),
@@ -207,10 +209,13 @@ fn trust(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
             quantity: quantity.to_owned(),
             unit: unit.to_owned(),
             paper: String::new(),
-            // Of all runs, by which they are judged, also of those that lost every grain.
             cells: columns
                 .iter()
-                .map(|c| ReadingCell::of(c.runs.iter().filter_map(value)))
+                .map(|c| match quantity {
+                    VOID_RATIO => ReadingCell::of_runs(c.runs.iter(), value),
+                    // Of all runs, by which they are judged, also of those that lost every grain.
+                    _ => ReadingCell::of(c.runs.iter().filter_map(value)),
+                })
                 .collect(),
         })
         .collect();
@@ -229,7 +234,7 @@ fn trust(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
     });
     rows.push(ReadingRow {
         part: TRUST.to_owned(),
-        quantity: "runs left out of means, not being valid or half empty".to_owned(),
+        quantity: "runs left out of means, not being valid or short of grains".to_owned(),
         unit: String::new(),
         paper: String::new(),
         cells: columns
