@@ -194,9 +194,7 @@ fn trust(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
         ("overlap of grains, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent)),
         ("largest overlap", "mm", |r| Some(r.summary.overlap.max_mm)),
         ("creep at rest, unshaken", "µm/s", |r| r.summary.creep_um_per_s),
-        (VOID_RATIO, "", |r| {
-            r.summary.void_ratio.filter(|_| r.kind == RunKind::Pluviation)
-        }),
+        (VOID_RATIO, "", |r| r.summary.void_ratio.filter(|_| r.kind == RunKind::Pluviation)),
         ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64)),
         ("grains through walls or floor", "", |r| Some(r.summary.grains.escaped as f64)),
         ("grains over the rim", "", |r| Some(r.summary.grains.spilled as f64)),
