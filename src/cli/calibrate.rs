@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, table};
+use super::{
+    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
+};
 use crate::report::CalibrationEnding;
 use crate::study::{
     CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
@@ -102,6 +104,9 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
     let found = study.carry_out()?;
     let mut text = table::of_calibration(&found);
     text += &format!("report in {}\n", args.out.join("report.html").display());
+    let left_out = found.runs.iter().filter(|r| r.is_left_out()).count();
+    let with_result = found.runs.iter().filter(|r| r.result.is_some()).count();
+    text += &last_line::of_study(left_out, with_result);
     context.print(&text, &found)?;
     match found.ending {
         CalibrationEnding::Found => Ok(ExitStatus::Done),

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, changes::backend, jobs::Jobs, output_folder, table};
+use super::{
+    CliError, Context, ExitStatus, changes::backend, jobs::Jobs, last_line, output_folder, table,
+};
 use crate::grains::load_scenario;
 use crate::scenario::{Backend, Override};
 use crate::study::{RunOptions, compare};
@@ -59,6 +61,7 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
     let record = compare(&loaded.scenario, &distinct, &options)?;
     let mut text = table::of_comparison(&record);
     text += &format!("report in {}\n", args.out.join("report.html").display());
+    text += &last_line::of_runs(record.runs.iter().map(|r| (r.name.as_str(), &r.summary)));
     context.print(&text, &record)?;
     if record.within_bands { Ok(ExitStatus::Done) } else { Ok(ExitStatus::ExpectationMissed) }
 }

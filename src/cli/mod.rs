@@ -14,6 +14,7 @@ mod field_page;
 mod grains;
 mod info;
 mod jobs;
+mod last_line;
 mod lines;
 mod man;
 mod output_folder;

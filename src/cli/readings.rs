@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, table};
+use super::{
+    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
+};
 use crate::record::read_json;
 use crate::study::{Reading, ReadingsOptions, readings};
 
@@ -60,6 +62,8 @@ pub(super) fn run(args: &ReadingsArgs, context: &Context) -> Result<ExitStatus, 
     })?;
     let mut text = table::of_readings(&outcome.columns);
     text += &format!("report in {}\n", outcome.report.display());
+    let runs = outcome.columns.iter().flat_map(|c| &c.runs);
+    text += &last_line::of_runs(runs.map(|r| (r.name.as_str(), &r.summary)));
     let value: serde_json::Value = read_json(&args.out.join("readings.json"))?;
     context.print(&text, &value)?;
     Ok(ExitStatus::Done)

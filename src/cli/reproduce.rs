@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::Value;
 
-use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, table};
+use super::{
+    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
+};
 use crate::record::read_json;
 use crate::study::{Reading, ReproduceOptions, reproduce};
 
@@ -60,8 +62,11 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
     let claims: Vec<Value> = read_json(&args.out.join("claims.json"))?;
     let mut text = table::of_claims(&claims);
     text += &format!("report in {}\n", args.out.join("report.html").display());
+    let runs = outcome.runs.iter().map(|r| (r.name.as_str(), &r.summary));
+    text += &last_line::of_runs(runs);
     context.print(&text, &claims)?;
-    if args.strict && outcome.claims_outside > 0 {
+    // What cannot be compared, no run being valid, is not met either.
+    if args.strict && outcome.claims_outside + outcome.claims_not_comparable > 0 {
         return Ok(ExitStatus::ExpectationMissed);
     }
     Ok(ExitStatus::Done)

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{
-    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, paint, table,
+    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
 };
 use crate::grains::load_scenario;
 use crate::study::{RunOptions, run_scenario, tell_warnings};
@@ -49,9 +49,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     let record = run_scenario(&loaded.scenario, &options)?;
     let mut text = table::of_summary(&record.summary);
     text += &format!("results in {}\n", args.out.display());
-    if let Some(why) = record.summary.why_not_valid() {
-        text += &format!("{}: {why}\n", paint::bad("NOT VALID, no result to quote"));
-    }
+    text += &last_line::of_run(&record.summary);
     context.print(&text, &record.summary)?;
     Ok(ExitStatus::Done)
 }

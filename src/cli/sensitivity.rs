@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Context, ExitStatus, designed::DesignedArgs, output_folder};
+use super::{CliError, Context, ExitStatus, designed::DesignedArgs, last_line, output_folder};
 use crate::record::read_file;
 use crate::study::SensitivityStudy;
 
@@ -39,6 +39,8 @@ pub(super) fn run(args: &SensitivityArgs, context: &Context) -> Result<ExitStatu
     let tables = text.split("\n## Ranges").next().unwrap_or_default();
     let lines = tables.lines().filter(|l| !l.starts_with("!["));
     let tables: String = lines.map(|l| format!("{l}\n")).collect();
-    context.print(&format!("{tables}\nall of it in {}\n", page.display()), &found)?;
+    let text = format!("{tables}\nall of it in {}\n", page.display());
+    let (left_out, with_result) = found.left_out();
+    context.print(&(text + &last_line::of_study(left_out, with_result)), &found)?;
     Ok(ExitStatus::Done)
 }

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder};
+use super::{
+    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder,
+};
 use crate::record::read_file;
 use crate::report::Sweep;
 use crate::study::{
@@ -223,7 +225,10 @@ fn tell(args: &SweepArgs, found: &Sweep, context: &Context) -> Result<ExitStatus
     let page = args.out.join("sweep.md");
     let text = String::from_utf8_lossy(&read_file(&page)?).into_owned();
     let end = text.find("\n![").or_else(|| text.find("\n## How to read it")).unwrap_or(text.len());
-    context.print(&format!("{}\nall of it in {}\n", &text[..end], page.display()), found)?;
+    let mut text = format!("{}\nall of it in {}\n", &text[..end], page.display());
+    let with_result = found.runs.len() - found.failed().count();
+    text += &last_line::of_study(found.left_out().count(), with_result);
+    context.print(&text, found)?;
     if found.failed().count() == found.runs.len() {
         return Ok(ExitStatus::ExpectationMissed);
     }

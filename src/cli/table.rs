@@ -188,13 +188,17 @@ pub(super) fn of_claims(claims: &[Value]) -> String {
     let mut out = columns(&rows);
     let count = |verdict: &str| claims.iter().filter(|c| c["verdict"] == verdict).count();
     out += &format!(
-        "{} claims: {} within, {} outside, {} not stated\n",
+        "{} claims: {} within, {} outside, {} not stated",
         claims.len(),
         count("within"),
         count("outside"),
         count("not_stated")
     );
-    out
+    match count("not_comparable") {
+        0 => {}
+        n => out += &format!(", {n} not comparable (no run that would show them is valid)"),
+    }
+    out + "\n"
 }
 
 /// Rows of cells in columns of their widest cell.
@@ -240,6 +244,10 @@ pub(super) fn of_comparison(record: &CompareRecord) -> String {
     let mut row = vec!["accuracy standard".to_owned()];
     row.extend(record.runs.iter().map(|r| met(&r.summary)));
     rows.push(row);
+    let valid = |s: &Summary| if s.valid { paint::good("yes") } else { paint::bad("NOT valid") };
+    let mut row = vec!["valid".to_owned()];
+    row.extend(record.runs.iter().map(|r| valid(&r.summary)));
+    rows.push(row);
     columns(&rows)
 }
 
@@ -255,11 +263,20 @@ pub(super) fn of_calibration(of: &Calibration) -> String {
 
 /// What became of each reading, one a line.
 pub(super) fn of_readings(readings: &[ReadingColumn]) -> String {
-    let header = ["reading", "runs", "failed", "within", "outside", "accuracy standard"];
+    let header = [
+        "reading",
+        "runs",
+        "failed",
+        "within",
+        "outside",
+        "accuracy standard",
+        "left out of means",
+    ];
     let mut rows = vec![header.map(str::to_owned)];
     for reading in readings {
         let count = |v| reading.claims.iter().filter(|c| c.verdict == v).count();
         let met = reading.runs.iter().filter(|r| r.summary.meets_standard).count();
+        let left_out = reading.runs.iter().filter(|r| !r.counts_in_means()).count();
         rows.push([
             reading.name.clone(),
             format!("{} of {}", reading.runs.len(), reading.planned_runs),
@@ -267,6 +284,7 @@ pub(super) fn of_readings(readings: &[ReadingColumn]) -> String {
             count(ClaimVerdict::Within).to_string(),
             count(ClaimVerdict::Outside).to_string(),
             format!("met by {met} of {}", reading.runs.len()),
+            left_out.to_string(),
         ]);
     }
     columns(&rows)
@@ -359,6 +377,8 @@ mod tests {
         assert_eq!(lines[2], "outside     grains      1456         1457");
         assert_eq!(lines[3], "not_stated  heights     -            -      mm");
         assert_eq!(lines[4], "3 claims: 1 within, 1 outside, 1 not stated");
+        let none_valid = of_claims(&[json!({ "verdict": "not_comparable" })]);
+        assert!(none_valid.contains("0 not stated, 1 not comparable"), "law: {none_valid}");
     }
 
     #[test]

@@ -15,6 +15,8 @@ pub enum Verdict {
     Outside,
     /// The paper's text gives nothing to hold it against.
     NotStated,
+    /// Runs were done, and none of those that would show it counts in means.
+    NotComparable,
 }
 
 /// One entry of `claims.json`.
@@ -42,6 +44,22 @@ pub struct Claim {
     pub spread: Option<Interval>,
     /// How number and statement are read, what is missing, what to mind.
     pub note: String,
+    /// Names of the runs that are left out of it, being not valid or short of grains.
+    #[serde(default)]
+    pub left_out: Vec<String>,
+    /// What the runs that are left out show, where no other run does; for information only,
+    /// and never part of `ours`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_valid: Option<NotValid>,
+}
+
+/// What runs show that are left out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct NotValid {
+    /// Their value, in the claim's unit.
+    pub value: f64,
+    /// Smallest and largest, where several make it.
+    pub spread: Option<Interval>,
 }
 
 /// Said where runs are missing.
@@ -66,6 +84,8 @@ impl Draft {
             read_as: None,
             spread: None,
             note: String::new(),
+            left_out: Vec::new(),
+            not_valid: None,
         })
     }
 
@@ -97,10 +117,7 @@ impl Draft {
     pub(super) fn note(mut self, sentence: impl AsRef<str>) -> Self {
         let sentence = sentence.as_ref();
         if !sentence.is_empty() {
-            if !self.0.note.is_empty() {
-                self.0.note.push(' ');
-            }
-            self.0.note.push_str(sentence);
+            self.0.add_note(sentence);
         }
         self
     }
@@ -113,11 +130,45 @@ impl Draft {
             (Some(band), Some(ours)) if band.contains(ours) => Verdict::Within,
             (Some(_), Some(_)) => Verdict::Outside,
         };
-        if self.0.ours.is_none() {
-            let why = if self.0.runs.is_empty() { NOT_RUN } else { NOT_MEASURED };
-            self = self.note(why);
-        }
         self.0
+    }
+}
+
+impl Claim {
+    /// Adds a sentence to the note.
+    pub(super) fn add_note(&mut self, sentence: &str) {
+        if !self.note.is_empty() {
+            self.note.push(' ');
+        }
+        self.note.push_str(sentence);
+    }
+
+    /// Says what is missing where there is no value.
+    pub(super) fn explained(mut self) -> Self {
+        if self.ours.is_none() {
+            self.add_note(if self.runs.is_empty() { NOT_RUN } else { NOT_MEASURED });
+        }
+        self
+    }
+
+    /// With the runs that are left out of it, each with its name and what is against it, and
+    /// with what they show. Without any it is [`Claim::explained`].
+    pub(super) fn leaving_out(mut self, runs: &[(String, String)], they: &Self) -> Self {
+        if runs.is_empty() {
+            return self.explained();
+        }
+        self.left_out = runs.iter().map(|(name, _)| name.clone()).collect();
+        let each: Vec<String> = runs.iter().map(|(name, why)| format!("{name} ({why})")).collect();
+        if self.ours.is_none() && (self.runs.is_empty() || they.ours.is_some()) {
+            if self.paper.is_some() {
+                self.verdict = Verdict::NotComparable;
+            }
+            self.not_valid = they.ours.map(|value| NotValid { value, spread: they.spread });
+            self.add_note(&format!("No valid run shows it; left out: {}.", each.join("; ")));
+            return self;
+        }
+        self.add_note(&format!("Left out: {}.", each.join("; ")));
+        self.explained()
     }
 }
 
@@ -132,6 +183,7 @@ mod tests {
             None => draft,
         }
         .judge()
+        .explained()
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub mod uncertainty;
 mod view;
 
 pub use bands::{Band, Interval, PaperValue};
-pub use claim::{Claim, Verdict};
+pub use claim::{Claim, NotValid, Verdict};
 pub use claims::claims;
 pub use uncertainty::{Uncertainty, uncertainty};
 pub(crate) use view::settlement_curve;

@@ -10,6 +10,9 @@ use crate::units::to_mm;
 pub struct StudyView<'a> {
     /// The finished runs; runs that are missing are simply not among them.
     pub runs: &'a [RunRecord],
+    /// Runs that are finished and left out of means, in a view of those that count
+    /// ([`StudyView::of_runs`]); empty in a view of all.
+    pub left_out: &'a [RunRecord],
     /// Number of configurations asked for; they are counted from 1.
     pub configurations: u32,
     /// Grain size distribution the grains were made from: sieve opening in mm
@@ -108,6 +111,25 @@ impl Intermittent {
 }
 
 impl StudyView<'_> {
+    /// The runs that count in means, and those that are left out of them.
+    pub fn split(&self) -> (Vec<RunRecord>, Vec<RunRecord>) {
+        self.runs.iter().cloned().partition(RunRecord::counts_in_means)
+    }
+
+    /// The same study seen by some of its runs, beside those that are left out.
+    pub fn of_runs<'b>(
+        &'b self,
+        runs: &'b [RunRecord],
+        left_out: &'b [RunRecord],
+    ) -> StudyView<'b> {
+        StudyView { runs, left_out, ..self.clone() }
+    }
+
+    /// Whether a pluviation run of a configuration from a falling height is left out.
+    pub fn leaves_out_pluviation(&self, configuration: u32, falling_height_mm: f64) -> bool {
+        self.left_out.iter().any(|r| is_pluviation(r, configuration, falling_height_mm))
+    }
+
     /// The runs of a kind, in the order of the study.
     pub fn of_kind(&self, kind: RunKind) -> impl Iterator<Item = &RunRecord> {
         self.runs.iter().filter(move |r| r.kind == kind)
@@ -120,10 +142,7 @@ impl StudyView<'_> {
 
     /// The pluviation run of a configuration from a falling height, if it was done.
     pub fn pluviation(&self, configuration: u32, falling_height_mm: f64) -> Option<&RunRecord> {
-        self.of_kind(RunKind::Pluviation).find(|r| {
-            r.configuration == configuration
-                && (r.falling_height_mm - falling_height_mm).abs() < 0.5
-        })
+        self.runs.iter().find(|r| is_pluviation(r, configuration, falling_height_mm))
     }
 
     /// The configurations asked for.
@@ -131,10 +150,13 @@ impl StudyView<'_> {
         1..=self.configurations
     }
 
-    /// Falling heights in mm that occur in the pluviation runs, ascending.
+    /// Falling heights in mm that occur in the pluviation runs, left out or not, ascending.
     pub fn falling_heights_mm(&self) -> Vec<f64> {
         let mut heights: Vec<f64> = self
-            .of_kind(RunKind::Pluviation)
+            .runs
+            .iter()
+            .chain(self.left_out)
+            .filter(|r| r.kind == RunKind::Pluviation)
             .map(|r| r.falling_height_mm)
             .filter(|h| h.is_finite())
             .collect();
@@ -142,6 +164,12 @@ impl StudyView<'_> {
         heights.dedup_by(|a, b| (*a - *b).abs() < 0.5);
         heights
     }
+}
+
+fn is_pluviation(run: &RunRecord, configuration: u32, falling_height_mm: f64) -> bool {
+    run.kind == RunKind::Pluviation
+        && run.configuration == configuration
+        && (run.falling_height_mm - falling_height_mm).abs() < 0.5
 }
 
 /// Settlement of the plate (or of the surface) over the time since vibration

@@ -6,6 +6,7 @@ mod frames;
 mod guards;
 mod hash;
 mod identity;
+mod left_out;
 mod lock;
 mod run;
 mod sieve;
@@ -26,6 +27,7 @@ pub use frames::{FRAMES_FILE, Frame, FrameWriter};
 pub use guards::{GuardSummary, Guards, OverlapWatch, StageGuards};
 pub use hash::{hash_bytes, hash_json};
 pub use identity::{AskedStage, StageEnd, StageIdentity};
+pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words};
 pub use run::{RunKind, RunRecord};
 pub use sieve::{
     GradationSummary, NotSieved, SecondarySieve, ShapeSummary, SieveSummary, SievedFraction,

@@ -95,6 +95,9 @@ pub struct Summary {
     /// where the summary is of before this was recorded.
     #[serde(default)]
     pub valid: bool,
+    /// Why the run is left out of means, valid or not (`docs/accuracy.md`); empty where it counts.
+    #[serde(default)]
+    pub left_out_of_means: Vec<String>,
     /// What was watched while it went on; none where the run is of before this
     /// was recorded.
     #[serde(default)]
@@ -120,10 +123,12 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// The same with `valid` as the accuracy standard and the run-time checks have it.
+    /// The same with `valid` as the accuracy standard and the run-time checks have it, and
+    /// with why it is left out of means.
     #[must_use]
     pub fn judged(self) -> Self {
-        Self { valid: self.why_not_valid().is_none(), ..self }
+        let judged = Self { valid: self.why_not_valid().is_none(), ..self };
+        Self { left_out_of_means: judged.why_left_out(), ..judged }
     }
 
     /// Why the run is not valid, for a reader; none where it is. `valid` says whether it is.
@@ -179,6 +184,11 @@ pub struct GrainsSummary {
     pub spilled: usize,
     /// Grains left hanging in the funnel.
     pub left_in_funnel: usize,
+    /// Grains that were to lie in the specimen at the end and do not: left in the funnel or
+    /// the spout, spilled or escaped. What rolled off a pile's base is not missing. Null where
+    /// nothing was poured.
+    #[serde(default)]
+    pub missing: Option<usize>,
 }
 
 /// Height of the specimen above the floor, by three definitions, in mm.
@@ -275,13 +285,13 @@ pub struct Control {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use serde_json::{Value, json};
 
     use super::*;
 
     /// A summary by the two things that decide whether it is valid.
-    fn summary(meets_standard: bool, passed: Option<bool>) -> Summary {
+    pub(in crate::record) fn summary(meets_standard: bool, passed: Option<bool>) -> Summary {
         let guard = |passed: Option<bool>| {
             json!({ "watches": "w", "unit": "u", "looks": 1, "worst": 1.0, "limit": 1.0,
                 "worst_at_s": null, "first_beyond_s": null, "passed": passed })

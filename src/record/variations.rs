@@ -64,6 +64,8 @@ pub struct RunRow {
     pub meets_standard: Option<bool>,
     /// Whether the standard is met and no run-time check found anything.
     pub valid: Option<bool>,
+    /// Why the result is left out of means; none where it counts (`counts_in_means`).
+    pub left_out_of_means: Option<String>,
     /// Wall time over simulated time.
     pub wall_s_per_simulated_s: Option<f64>,
     /// Simulated time in s, control included.
@@ -118,6 +120,7 @@ impl RunRow {
             creep_um_per_s: None,
             meets_standard: None,
             valid: None,
+            left_out_of_means: None,
             wall_s_per_simulated_s: None,
             simulated_s: None,
             steps: None,
@@ -143,6 +146,7 @@ impl RunRow {
             creep_um_per_s: s.creep_um_per_s,
             meets_standard: Some(s.meets_standard),
             valid: Some(s.valid),
+            left_out_of_means: (!s.counts_in_means()).then(|| s.why_left_out().join("; ")),
             wall_s_per_simulated_s: (s.simulated_s > 0.0).then_some(s.wall_s / s.simulated_s),
             simulated_s: Some(s.simulated_s),
             steps: Some(s.steps),
@@ -161,9 +165,10 @@ impl RunRow {
         self.surface_settlement_after_5_s_mm.or(self.surface_settlement_mm)
     }
 
-    /// A value of a run by configuration, of those runs that have it.
+    /// A value of a run by configuration, of those runs that have it and count in means.
     pub fn paired(rows: &[&Self], of: impl Fn(&Self) -> Option<f64>) -> Vec<(u32, f64)> {
-        rows.iter().filter_map(|r| Some((r.configuration, of(r)?))).collect()
+        let counting = rows.iter().filter(|r| r.counts_in_means());
+        counting.filter_map(|r| Some((r.configuration, of(r)?))).collect()
     }
 }
 
@@ -180,7 +185,9 @@ fn experiment(scenario: &Scenario) -> String {
     hash_json(&bare).chars().take(16).collect()
 }
 
-/// One variation: means over its runs.
+/// One variation: means over its runs. Lengths and void ratios are over those that count in
+/// means; overlap, creep, grains outside and cost, by which runs are judged, over all that
+/// have them, or a setting would look good by what it spoils.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VariationRow {
     /// Its name.
@@ -213,6 +220,8 @@ pub struct VariationRow {
     pub meeting_standard: usize,
     /// How many of them are valid: they meet it, and no run-time check found anything.
     pub valid: usize,
+    /// How many of them have a result that is left out of the means.
+    pub left_out: usize,
     /// Grains that are not in the cylinder at the end.
     pub grains_outside: Option<Estimate>,
     /// Height of the mean surface after pouring in mm.
@@ -259,8 +268,11 @@ impl VariationRow {
 
     fn of_one(runs: &[&RunRow]) -> Option<Self> {
         let first = *runs.first()?;
-        let mean = |of: &dyn Fn(&RunRow) -> Option<f64>| {
+        let of_all = |of: &dyn Fn(&RunRow) -> Option<f64>| {
             Estimate::of(&runs.iter().filter_map(|r| of(r)).collect::<Vec<_>>())
+        };
+        let mean = |of: &dyn Fn(&RunRow) -> Option<f64>| {
+            of_all(&|r| of(r).filter(|_| r.counts_in_means()))
         };
         Some(Self {
             variation: first.variation.clone(),
@@ -278,17 +290,23 @@ impl VariationRow {
             failed: runs.iter().filter(|r| r.failure.is_some()).count(),
             meeting_standard: runs.iter().filter(|r| r.meets_standard == Some(true)).count(),
             valid: runs.iter().filter(|r| r.valid == Some(true)).count(),
-            grains_outside: mean(&|r| r.grains_outside.map(|g| g as f64)),
+            left_out: runs.iter().filter(|r| r.is_left_out()).count(),
+            grains_outside: of_all(&|r| r.grains_outside.map(|g| g as f64)),
             poured_height_mm: mean(&|r| r.poured_height_mm),
             void_ratio: mean(&|r| r.void_ratio),
             plate_settlement_mm: mean(&RunRow::early_plate_mm),
             surface_settlement_mm: mean(&RunRow::early_surface_mm),
-            overlap_mean_percent: mean(&|r| r.overlap_mean_percent),
-            overlap_p99_percent: mean(&|r| r.overlap_p99_percent),
-            creep_um_per_s: mean(&|r| r.creep_um_per_s.map(f64::abs)),
-            wall_s_per_simulated_s: mean(&|r| r.wall_s_per_simulated_s),
-            steps: mean(&|r| r.steps.map(|s| s as f64)),
+            overlap_mean_percent: of_all(&|r| r.overlap_mean_percent),
+            overlap_p99_percent: of_all(&|r| r.overlap_p99_percent),
+            creep_um_per_s: of_all(&|r| r.creep_um_per_s.map(f64::abs)),
+            wall_s_per_simulated_s: of_all(&|r| r.wall_s_per_simulated_s),
+            steps: of_all(&|r| r.steps.map(|s| s as f64)),
         })
+    }
+
+    /// Whether it has results and all of them are left out of the means.
+    pub fn has_no_valid_run(&self) -> bool {
+        self.left_out > 0 && self.left_out + self.failed == self.runs
     }
 
     /// Name and value of every mean.
@@ -318,7 +336,7 @@ fn cell(value: Option<f64>) -> String {
 /// # Errors
 /// The writer's; writing to memory does not fail.
 pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
-    const SETTINGS: [&str; 15] = [
+    const SETTINGS: [&str; 16] = [
         "variation",
         "group",
         "changes",
@@ -334,6 +352,7 @@ pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
         "failed",
         "meeting_standard",
         "valid",
+        "left_out",
     ];
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (index, row) in rows.iter().enumerate() {
@@ -360,6 +379,7 @@ pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
             row.failed.to_string(),
             row.meeting_standard.to_string(),
             row.valid.to_string(),
+            row.left_out.to_string(),
         ];
         let values = means.iter().flat_map(|(_, estimate)| {
             [cell(estimate.map(|e| e.mean)), cell(estimate.and_then(|e| e.standard_error))]
@@ -391,6 +411,8 @@ mod tests {
         RunRow {
             poured_height_mm: height,
             creep_um_per_s: height.map(|h| h - 161.0),
+            meets_standard: height.map(|_| true),
+            valid: height.map(|_| true),
             failure: height.is_none().then(|| "it blew up".to_owned()),
             ..RunRow::of_scenario(&name, variation, "group", &scenario)
         }
@@ -431,6 +453,7 @@ mod tests {
         ];
         let rows = VariationRow::of(&runs);
         assert_eq!((rows[0].meeting_standard, rows[0].valid), (2, 1), "law: each by itself");
+        assert_eq!((rows[0].left_out, rows[0].failed), (2, 1), "law: a failed run is not left out");
         let text = variation_runs_csv(&runs).expect("written");
         let mut reader = csv::Reader::from_reader(&text[..]);
         let back: Vec<RunRow> = reader.deserialize().map(|r| r.expect("a row")).collect();

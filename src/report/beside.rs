@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::paper::{Claim, Interval, Verdict};
+use crate::paper::{Claim, Interval, NotValid, Verdict};
 
 /// What one engine, or one choice of settings, made of the claims.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -27,12 +27,20 @@ pub struct Finding {
     pub spread: Option<Interval>,
     /// Whether the statement was met.
     pub verdict: Verdict,
+    /// What runs show that are left out, where no other does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_valid: Option<NotValid>,
 }
 
 impl Column {
     /// The column of judged claims.
     pub fn new(label: &str, programme: &str, claims: &[Claim]) -> Self {
-        let finding = |c: &Claim| Finding { ours: c.ours, spread: c.spread, verdict: c.verdict };
+        let finding = |c: &Claim| Finding {
+            ours: c.ours,
+            spread: c.spread,
+            verdict: c.verdict,
+            not_valid: c.not_valid,
+        };
         Self {
             label: label.to_owned(),
             programme: programme.to_owned(),

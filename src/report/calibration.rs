@@ -28,11 +28,25 @@ pub struct CalibrationRun {
     pub meets_standard: Option<bool>,
     /// Wall time in s of all its stages, whenever they were computed.
     pub wall_s: Option<f64>,
+    /// Whether the standard is met and no run-time check found anything.
+    pub valid: Option<bool>,
+    /// Why the result is left out, as that of a run that failed; none where it counts.
+    pub left_out_of_means: Option<String>,
     /// Why there is no result.
     pub failure: Option<String>,
 }
 
 impl CalibrationRun {
+    /// The result, where it counts.
+    pub fn counted(&self) -> Option<f64> {
+        self.result.filter(|_| self.left_out_of_means.is_none())
+    }
+
+    /// Whether there is a result that is left out.
+    pub fn is_left_out(&self) -> bool {
+        self.result.is_some() && self.left_out_of_means.is_some()
+    }
+
     /// A run that has nothing yet.
     pub fn new(value: f64, configuration: u32, run: &str) -> Self {
         Self {
@@ -44,6 +58,8 @@ impl CalibrationRun {
             escaped: None,
             meets_standard: None,
             wall_s: None,
+            valid: None,
+            left_out_of_means: None,
             failure: None,
         }
     }
@@ -58,6 +74,8 @@ pub struct CalibrationValue {
     pub runs: usize,
     /// How many have no result.
     pub failed: usize,
+    /// How many have a result that is left out.
+    pub left_out: usize,
     /// Mean result.
     pub mean: Option<f64>,
     /// Standard deviation of single results, with n − 1 in the denominator.

@@ -15,6 +15,7 @@ use crate::paper::{
     constants::ANGLE_OF_REPOSE_DEG,
     text::{compact, number},
 };
+use crate::record::NO_VALID_RUN;
 
 /// What the page says, without its form.
 pub(super) struct Page {
@@ -33,7 +34,8 @@ const HEADER: [&str; 6] = ["value", "runs", "mean", "± 95 %", "standard deviati
 const HOW_TO_READ: &str = "Every value is carried out in the same configurations, each the same grains mixed anew. A \
      line is fitted to each configuration's results near the solution; the configurations' lines \
      are a sample, and the interval holds all values at which Student's t-test does not refuse \
-     that their mean is the wanted result (Fieller 1954). It says what chance in mixing does, not \
+     that their mean is the wanted result (Fieller 1954). Runs that are not valid, or of which too many \
+     grains are missing, are left out as runs that failed are (docs/accuracy.md). It says what chance in mixing does, not \
      what a time step, an engine or a model does.";
 
 /// Puts the page together.
@@ -92,7 +94,12 @@ pub fn found(of: &Calibration) -> Vec<(String, String)> {
         let whence = if of.tolerance_given { "given" } else { "that of a single run" };
         row("tolerance", format!("{} ({whence})", unit(tolerance)));
     }
-    row("runs", format!("{} of at most {}", of.runs.len(), of.most_runs));
+    let mut runs = format!("{} of at most {}", of.runs.len(), of.most_runs);
+    let left_out = of.runs.iter().filter(|r| r.is_left_out()).count();
+    if left_out > 0 {
+        let _ = write!(runs, ", {left_out} left out");
+    }
+    row("runs", runs);
     if let Some(identity) = &of.identity {
         identity_rows(of, identity, &mut row);
     }
@@ -141,12 +148,16 @@ fn value_row(v: &CalibrationValue, of: &Calibration) -> [String; 6] {
     let shown = |value: Option<f64>| {
         value.map_or_else(|| "–".to_owned(), |v| with_unit(&compact(v), &of.unit))
     };
-    let failed =
+    let mut failed =
         if v.failed > 0 { format!(", {} without result", v.failed) } else { String::new() };
+    if v.left_out > 0 {
+        let _ = write!(failed, ", {} left out", v.left_out);
+    }
+    let none = v.left_out > 0 && v.left_out + v.failed == v.runs;
     [
         v.value.to_string(),
         format!("{}{failed}", v.runs),
-        shown(v.mean),
+        if none { NO_VALID_RUN.to_owned() } else { shown(v.mean) },
         shown(v.half_width_95),
         shown(v.standard_deviation),
         if v.in_fit { "yes" } else { "" }.to_owned(),

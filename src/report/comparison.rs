@@ -136,6 +136,17 @@ fn lead(of: &Comparison) -> String {
             number(q.band.unwrap_or(0.0), 2)
         ));
     }
+    let against = of.runs.iter().filter_map(|r| {
+        let why = r.record.summary.why_left_out();
+        (!why.is_empty()).then(|| format!("{} ({})", r.record.name, why.join("; ")))
+    });
+    let against: Vec<String> = against.collect();
+    if !against.is_empty() {
+        sentences.push(format!(
+            "NOT valid or short of grains, and no result to quote: {}.",
+            against.join(", ")
+        ));
+    }
     sentences.join(" ")
 }
 
@@ -170,6 +181,13 @@ fn table(of: &Comparison) -> Markup {
                     th { "accuracy standard" } td {}
                     @for run in &of.runs {
                         td.n { (if run.record.summary.meets_standard { "met" } else { "not met" }) }
+                    }
+                    td {} td {}
+                }
+                tr {
+                    th { "valid" } td {}
+                    @for run in &of.runs {
+                        td.n { (if run.record.summary.valid { "yes" } else { "NOT valid" }) }
                     }
                     td {} td {}
                 }

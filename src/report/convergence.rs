@@ -84,7 +84,8 @@ pub struct ConvergenceRow {
     /// From the finest rung of the study.
     pub from_study: Deviations,
     /// The largest of overlap, creep and deviations, each over what is
-    /// allowed: 1 at the limit. `None` where one is not known. This and what
+    /// allowed: 1 at the limit. Where one is not known, that of the others if they
+    /// miss by themselves (it is at least as large), else `None`. This and what
     /// follows holds in every ladder that has the setting.
     pub error_over_limit: Option<f64>,
     /// Whether it meets the whole standard by its means.
@@ -136,6 +137,21 @@ pub struct Convergence {
     pub cheapest: Cheapest,
 }
 
+impl Convergence {
+    /// Runs that are left out of the means, and runs with a result; a setting that stands in
+    /// several ladders once.
+    pub fn left_out(&self) -> (usize, usize) {
+        let mut settings: Vec<&ConvergenceRow> = Vec::new();
+        for row in &self.rows {
+            if !settings.iter().any(|known| known.same_setting(row)) {
+                settings.push(row);
+            }
+        }
+        let results = settings.iter().map(|row| &row.result);
+        results.fold((0, 0), |(out, all), v| (out + v.left_out, all + v.runs - v.failed))
+    }
+}
+
 /// Writes `convergence.json`, `convergence.csv`, `convergence.md` and figures.
 ///
 /// # Errors
@@ -166,6 +182,7 @@ fn csv(of: &Convergence) -> Result<Vec<u8>, csv::Error> {
         "contact_stiffness_n_per_m",
         "runs",
         "failed",
+        "left_out",
     ]
     .map(str::to_owned)
     .into();
@@ -207,6 +224,7 @@ fn csv(of: &Convergence) -> Result<Vec<u8>, csv::Error> {
             number(v.contact_stiffness_n_per_m),
             v.runs.to_string(),
             v.failed.to_string(),
+            v.left_out.to_string(),
         ];
         for (_, estimate) in estimates(row) {
             cells.push(number(estimate.map(|e| e.mean)));

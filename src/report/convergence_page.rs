@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::{Convergence, ConvergenceRow, Deviation, Deviations, figures::Figure};
 use crate::measure::Estimate;
 use crate::paper::text::{compact, number};
+use crate::record::{NO_VALID_RUN, VariationRow, left_out_in_words};
 
 /// The page.
 pub(super) fn page(of: &Convergence, figures: &[Figure]) -> String {
@@ -18,6 +19,7 @@ pub(super) fn page(of: &Convergence, figures: &[Figure]) -> String {
         of.scenario,
         if of.quick { ", the smaller specimen" } else { "" }
     );
+    left_out(&mut text, of);
     cheapest(&mut text, of);
     let mut ladders: Vec<&str> = Vec::new();
     for row in &of.rows {
@@ -39,6 +41,15 @@ pub(super) fn page(of: &Convergence, figures: &[Figure]) -> String {
         );
     }
     text
+}
+
+/// How many runs are left out of the means.
+fn left_out(text: &mut String, of: &Convergence) {
+    let (left_out, with_result) = of.left_out();
+    let said = left_out_in_words(left_out, with_result);
+    if !said.is_empty() {
+        let _ = write!(text, "**{said}**, being not valid or short of grains.\n\n");
+    }
 }
 
 fn several_precisions(of: &Convergence) -> bool {
@@ -105,7 +116,11 @@ fn ladder_table(text: &mut String, ladder: &str, rows: &[&ConvergenceRow], preci
         if precisions {
             let _ = write!(name, ", {}", v.precision);
         }
-        let failed = if v.failed > 0 { format!(", {} failed", v.failed) } else { String::new() };
+        let mut failed =
+            if v.failed > 0 { format!(", {} failed", v.failed) } else { String::new() };
+        if v.left_out > 0 {
+            let _ = write!(failed, ", {} left out", v.left_out);
+        }
         let outside = v.grains_outside.filter(|g| g.mean > 0.0);
         let outside = outside.map_or_else(String::new, |g| format!("; {}", number(g.mean, 1)));
         let d = &row.from_ladder;
@@ -113,12 +128,12 @@ fn ladder_table(text: &mut String, ladder: &str, rows: &[&ConvergenceRow], preci
             text,
             "| {name} | {}{failed}{outside} | {} | {} | {} | {} | {} | {} | {} / {} | {} | {} | {} |",
             v.runs,
-            estimate(v.poured_height_mm, 1),
-            deviation(&d.height, row.finest_of_ladder),
-            estimate(v.plate_settlement_mm, 1),
-            deviation(&d.plate, row.finest_of_ladder),
-            estimate(v.surface_settlement_mm, 1),
-            deviation(&d.surface, row.finest_of_ladder),
+            length(v, v.poured_height_mm),
+            deviation(&d.height, v, v.poured_height_mm, row.finest_of_ladder),
+            length(v, v.plate_settlement_mm),
+            deviation(&d.plate, v, v.plate_settlement_mm, row.finest_of_ladder),
+            length(v, v.surface_settlement_mm),
+            deviation(&d.surface, v, v.surface_settlement_mm, row.finest_of_ladder),
             hundredths(v.overlap_mean_percent),
             hundredths(v.overlap_p99_percent),
             hundredths(v.creep_um_per_s),
@@ -149,14 +164,15 @@ fn against_the_study(text: &mut String, of: &Convergence) {
     );
     for row in rows {
         let Deviations { height, plate, surface } = &row.from_study;
+        let v = &row.result;
         let _ = writeln!(
             text,
             "| {} | {} | {} | {} | {} | {} | {} |",
             setting(row, several_precisions(of)),
             mean(row.result.wall_s_per_simulated_s),
-            deviation(height, row.finest_of_study),
-            deviation(plate, row.finest_of_study),
-            deviation(surface, row.finest_of_study),
+            deviation(height, v, v.poured_height_mm, row.finest_of_study),
+            deviation(plate, v, v.plate_settlement_mm, row.finest_of_study),
+            deviation(surface, v, v.surface_settlement_mm, row.finest_of_study),
             row.error_over_limit.map_or_else(|| "–".to_owned(), compact),
             verdict(row),
         );
@@ -173,7 +189,10 @@ fn how_to_read(text: &mut String, of: &Convergence) {
          beyond the limit of {} % (height) or {} % (settlements); \"?\" says that scatter leaves \
          open whether it is. What has no ± stands on one run, which tells nothing of scatter. \"reference\" is the finest rung, \
          from which nothing can deviate: what its own ladder does not refine may still be wrong. \
-         Grains outside are those that do not lie in the cylinder at the end, in \
+         Left out are runs with a result that are not valid, or short of grains (docs/accuracy.md): heights, \
+         settlements and deviations are without them; overlap, creep, grains outside and times are of all \
+         runs, or a setting would pass by what it spoils. A setting with a run in which a run-time check \
+         found something misses the standard, as one with a run that failed. Grains outside are those that do not lie in the cylinder at the end, in \
          the mean over runs: a jam in the funnel lowers the specimen by what hangs there. \
          Creep is without its sign. \"standard\" takes everything together, with the \
          deviations from both references.\n",
@@ -209,11 +228,26 @@ pub(super) fn estimate(estimate: Option<Estimate>, decimals: usize) -> String {
     }
 }
 
-fn deviation(d: &Deviation, reference: bool) -> String {
+/// A mean length of a setting, or why there is none.
+fn length(of: &VariationRow, mean: Option<Estimate>) -> String {
+    if mean.is_none() && of.has_no_valid_run() {
+        return NO_VALID_RUN.to_owned();
+    }
+    estimate(mean, 1)
+}
+
+/// The deviation of a mean `own` of a setting, or why there is none.
+fn deviation(d: &Deviation, of: &VariationRow, own: Option<Estimate>, reference: bool) -> String {
+    if own.is_none() && of.has_no_valid_run() {
+        return NO_VALID_RUN.to_owned();
+    }
     if reference {
         return "reference".to_owned();
     }
-    let Some(percent) = d.percent else { return "–".to_owned() };
+    let Some(percent) = d.percent else {
+        // Its own runs count, and none of the reference's of the same configurations.
+        return if own.is_some() { "no valid pair" } else { "–" }.to_owned();
+    };
     let mut text = estimate(Some(percent), 1);
     if d.within == Some(false) {
         text = format!("**{text}**");

@@ -5,10 +5,10 @@ use maud::{Markup, html};
 use super::{Choice, Column, ReportInput, html::glue};
 use crate::{
     paper::{
-        Claim, Interval, PaperValue, StudyView, Verdict,
+        Claim, Interval, NotValid, PaperValue, StudyView, Verdict,
         text::{compact, number},
     },
-    record::{AngleOfRepose, RunKind, RunRecord, Settlement},
+    record::{AngleOfRepose, NO_VALID_RUN, RunKind, RunRecord, Settlement, left_out_in_words},
 };
 
 /// Class and name of a verdict.
@@ -17,6 +17,7 @@ fn verdict(verdict: Verdict) -> (&'static str, &'static str) {
         Verdict::Within => ("within", "✓ within"),
         Verdict::Outside => ("outside", "✗ outside"),
         Verdict::NotStated => ("not_stated", "– not stated"),
+        Verdict::NotComparable => ("not_stated", "– not comparable"),
     }
 }
 
@@ -35,14 +36,16 @@ pub(super) fn claims(claims: &[Claim], beside: &[Column]) -> Markup {
     let count = |v| claims.iter().filter(|c| c.verdict == v).count();
     html! {
         ul.tally {
-            @for v in [Verdict::Within, Verdict::Outside, Verdict::NotStated] {
+            @for v in [Verdict::Within, Verdict::Outside, Verdict::NotStated, Verdict::NotComparable] {
                 @let (class, name) = verdict(v);
                 li { span.verdict.(class) { (name) ": " (count(v)) } }
             }
         }
         p.soft {
             "“Within”: our number lies where the paper's is read to lie. “Outside”: it does not, or "
-            "the run is missing. “Not stated”: the text gives no number; ours is for information."
+            "the run is missing. “Not stated”: the text gives no number; ours is for information. “Not "
+            "comparable”: no run that would show it is valid; what such runs show stands in brackets. Ours "
+            "is of the runs that count (docs/accuracy.md)."
             @if !beside.is_empty() {
                 " The last columns are the same programme by other engines or settings."
             }
@@ -89,7 +92,10 @@ fn claim_row(claim: &Claim, beside: &[Column]) -> Markup {
                 }
             }
             td.n data-label="Ours" {
-                (value(claim.ours, &claim.unit, claim.spread))
+                (value_or_not_valid(claim.ours, claim.spread, claim.not_valid, &claim.unit))
+                @if !claim.left_out.is_empty() {
+                    " " span.unit { "(left out: " (claim.left_out.len()) ")" }
+                }
             }
             td { (badge(claim)) }
             @for column in beside {
@@ -97,9 +103,10 @@ fn claim_row(claim: &Claim, beside: &[Column]) -> Markup {
                     @match column.claims.get(&claim.id) {
                         None => { "–" }
                         Some(found) => {
-                            (value(found.ours, &claim.unit, found.spread)) " "
+                            (value_or_not_valid(found.ours, found.spread, found.not_valid, &claim.unit)) " "
                             @let (class, name) = verdict(found.verdict);
-                            @if found.ours.is_some() && found.verdict != Verdict::NotStated {
+                            @if found.ours.is_some()
+                                && matches!(found.verdict, Verdict::Within | Verdict::Outside) {
                                 span.verdict.(class) title=(name) {
                                     (name.chars().take(1).collect::<String>())
                                 }
@@ -109,6 +116,22 @@ fn claim_row(claim: &Claim, beside: &[Column]) -> Markup {
                 }
             }
         }
+    }
+}
+
+/// A value, or in brackets what runs show that are not valid.
+fn value_or_not_valid(
+    ours: Option<f64>,
+    spread: Option<Interval>,
+    not_valid: Option<NotValid>,
+    unit: &str,
+) -> Markup {
+    match (ours, not_valid) {
+        (None, Some(of)) => html! {
+            (NO_VALID_RUN) " "
+            span.soft { "(not valid: " (value(Some(of.value), unit, of.spread)) ")" }
+        },
+        _ => value(ours, unit, spread),
     }
 }
 
@@ -136,6 +159,7 @@ pub(super) fn runs(study: &StudyView) -> Markup {
         @if study.runs.is_empty() {
             p { "No run is finished." }
         } @else {
+            (counting(study))
             p.soft {
                 "Heights in mm above the floor: mean of the surface, its 95th percentile, highest "
                 "point of any grain. e: void ratio to the mean surface. Settlement in mm at the end, "
@@ -151,7 +175,7 @@ pub(super) fn runs(study: &StudyView) -> Markup {
                     th.n { "Plate" } th.n { "Surface" } th.n { "In 5 s" }
                     th.n { "Overlap mean / p99 / max" }
                     th.n { "Creep" } th.n { "Control" } th.n { "Z" }
-                    th.n { "Lost" } th { "Standard" } th.n { "Wall time" }
+                    th.n { "Lost" } th { "Standard" } th { "Valid" } th.n { "Wall time" }
                 } }
                 tbody { @for run in study.runs.iter().filter(|r| r.kind != RunKind::Repose) {
                     (run_row(run))
@@ -179,7 +203,7 @@ fn piles(study: &StudyView) -> Markup {
             thead { tr {
                 th { "Run" } th.n { "Angle" } th.n { "95 %" } th.n { "Sectors" } th.n { "By volume" }
                 th.n { "Height" } th.n { "Radius" } th.n { "Fallen off" }
-                th.n { "Overlap mean / p99 / max" } th.n { "Creep" } th { "Standard" }
+                th.n { "Overlap mean / p99 / max" } th.n { "Creep" } th { "Standard" } th { "Valid" }
                 th.n { "Wall time" }
             } }
             tbody { @for run in piles { (pile_row(run)) } }
@@ -207,6 +231,7 @@ fn pile_row(run: &RunRecord) -> Markup {
             td.n { (overlaps.join(" / ")) }
             td.n { (s.creep_um_per_s.map_or("–".to_owned(), |c| number(c, 1))) }
             td { (standard_badge(s.meets_standard)) }
+            td { (valid_badge(run)) }
             td.n { (wall_time(s.wall_s)) }
         }
     }
@@ -215,6 +240,34 @@ fn pile_row(run: &RunRecord) -> Markup {
 fn standard_badge(met: bool) -> Markup {
     let (class, name) = if met { ("within", "✓ met") } else { ("outside", "✗ not met") };
     html! { span.verdict.(class) { (name) } }
+}
+
+/// Whether a run is valid and counts in means, with what is against it.
+fn valid_badge(run: &RunRecord) -> Markup {
+    let against = run.summary.why_left_out();
+    let (class, name) = match (run.summary.valid, against.is_empty()) {
+        (true, true) => ("within", "✓ valid"),
+        (true, false) => ("outside", "✗ left out of means"),
+        (false, _) => ("outside", "✗ not valid"),
+    };
+    html! {
+        span.verdict.(class) { (name) }
+        @if !against.is_empty() { br; span.soft { (glue(&against.join("; "))) } }
+    }
+}
+
+/// How many runs count in means, and which do not.
+fn counting(study: &StudyView) -> Markup {
+    let left_out: Vec<&str> =
+        study.runs.iter().filter(|r| !r.counts_in_means()).map(|r| r.name.as_str()).collect();
+    let said = left_out_in_words(left_out.len(), study.runs.len());
+    html! {
+        @if said.is_empty() {
+            p { "All " (study.runs.len()) " runs are valid and count in means." }
+        } @else {
+            p.banner { (said) ", ranges and claims: " (left_out.join(", ")) "." }
+        }
+    }
 }
 
 fn run_row(run: &RunRecord) -> Markup {
@@ -245,6 +298,7 @@ fn run_row(run: &RunRecord) -> Markup {
             td.n { (number(s.coordination_number, 2)) }
             td.n { (s.grains.escaped) " / " (s.grains.spilled) " / " (s.grains.left_in_funnel) }
             td { (standard_badge(s.meets_standard)) }
+            td { (valid_badge(run)) }
             td.n { (wall_time(s.wall_s)) }
         }
     }

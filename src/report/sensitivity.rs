@@ -56,6 +56,10 @@ pub struct ParameterRow {
     pub high: f64,
     /// Runs at its ends that failed.
     pub failed: usize,
+    /// Runs at its ends whose results are left out of the differences.
+    pub left_out: usize,
+    /// Runs at its ends that count.
+    pub valid: usize,
     /// Grains of a run that are not in the cylinder at the end, in the mean
     /// over the runs of the end that has more of them.
     pub grains_outside: Option<f64>,
@@ -82,6 +86,16 @@ pub struct Sensitivity {
     pub default: Option<VariationRow>,
     /// The parameters, in the order of the design.
     pub parameters: Vec<ParameterRow>,
+}
+
+impl Sensitivity {
+    /// Runs that are left out of the differences, and runs with a result.
+    pub fn left_out(&self) -> (usize, usize) {
+        let default = self.default.as_ref().map_or((0, 0), |d| (d.left_out, d.runs - d.failed));
+        self.parameters
+            .iter()
+            .fold(default, |(out, all), p| (out + p.left_out, all + p.left_out + p.valid))
+    }
 }
 
 /// The parameters, that with the largest effect first; those without one last.
@@ -119,10 +133,19 @@ fn csv(of: &Sensitivity) -> Result<Vec<u8>, csv::Error> {
         "largest_mm",
     ];
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut header: Vec<String> =
-        ["parameter", "unit", "path", "low", "default", "high", "failed", "grains_outside"]
-            .map(str::to_owned)
-            .into();
+    let mut header: Vec<String> = [
+        "parameter",
+        "unit",
+        "path",
+        "low",
+        "default",
+        "high",
+        "failed",
+        "left_out",
+        "grains_outside",
+    ]
+    .map(str::to_owned)
+    .into();
     for outcome in OUTCOMES {
         for difference in DIFFERENCES {
             header.push(format!("{outcome}_{difference}"));
@@ -137,6 +160,7 @@ fn csv(of: &Sensitivity) -> Result<Vec<u8>, csv::Error> {
         let mut cells = vec![row.parameter.clone(), row.unit.clone(), row.path.clone()];
         cells.extend([row.low, row.default, row.high].map(|v| v.to_string()));
         cells.push(row.failed.to_string());
+        cells.push(row.left_out.to_string());
         cells.push(number(row.grains_outside));
         for e in [&row.height, &row.plate, &row.surface] {
             for d in [e.low_mm, e.high_mm, e.range_mm, e.per_unit_mm, e.largest_mm] {
@@ -182,6 +206,8 @@ pub(super) mod tests {
             default: 2.0,
             high: 3.0,
             failed: 0,
+            left_out: 0,
+            valid: 6,
             grains_outside: Some(0.0),
             height: effect,
             plate: effect,
@@ -231,6 +257,23 @@ pub(super) mod tests {
             page.find("Title of rises") < page.find("Title of small"),
             "law: the largest first: {page}"
         );
+    }
+
+    #[test]
+    fn what_is_left_out_is_told_and_no_effect_is_no_dash() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let some = ParameterRow { left_out: 1, valid: 5, ..row("some", Some(-0.5), Some(0.5)) };
+        let all = ParameterRow { left_out: 6, valid: 0, ..row("all", None, None) };
+        write_sensitivity(folder.path(), &study(vec![some, all])).expect("written");
+        let page = std::fs::read_to_string(folder.path().join("sensitivity.md")).expect("a page");
+        let line = |name: &str| {
+            page.lines().find(|l| l.starts_with(&format!("| Title of {name}"))).expect("a row")
+        };
+        assert!(line("some").contains("1 left out"), "law: counted: {page}");
+        assert!(!line("some").contains("no valid run"), "law: five count: {page}");
+        let all = line("all");
+        assert!(all.contains("6 left out") && all.contains("| no valid run |"), "law: {page}");
+        assert!(!all.contains('–'), "law: no dash: {page}");
     }
 
     #[test]

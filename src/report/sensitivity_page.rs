@@ -8,6 +8,7 @@ use super::{
 };
 use crate::measure::Estimate;
 use crate::paper::text::{compact, number};
+use crate::record::NO_VALID_RUN;
 
 /// The page.
 pub(super) fn page(of: &Sensitivity, figure: &Figure) -> String {
@@ -21,7 +22,8 @@ pub(super) fn page(of: &Sensitivity, figure: &Figure) -> String {
          pairs scatter; \"~\" marks an effect that lies inside that scatter: the 95 % confidence \
          interval (Student's t) of its largest difference holds zero. Grains outside are those that do \
          not lie in the cylinder at the end: a jam in the funnel lowers the specimen by what hangs \
-         there.\n\n",
+         there. Runs that are not valid, or short of grains, are left out of every difference with their pair \
+         (docs/accuracy.md), and counted.\n\n",
         of.scenario,
         if of.quick { ", the smaller specimen" } else { "" },
         of.configurations,
@@ -29,6 +31,9 @@ pub(super) fn page(of: &Sensitivity, figure: &Figure) -> String {
     );
     if let Some(default) = &of.default {
         let spread = |e: Option<Estimate>| {
+            if e.is_none() && default.has_no_valid_run() {
+                return NO_VALID_RUN.to_owned();
+            }
             let deviation =
                 e.and_then(|e| Some((e.mean, e.standard_error? * (e.count as f64).sqrt())));
             deviation.map_or_else(
@@ -39,10 +44,15 @@ pub(super) fn page(of: &Sensitivity, figure: &Figure) -> String {
         let _ = write!(
             text,
             "Without a change, over configurations, in mm: height {}, settlement of the plate {}, \
-             of the surface {}.\n\n",
+             of the surface {}{}.\n\n",
             spread(default.poured_height_mm),
             spread(default.plate_settlement_mm),
             spread(default.surface_settlement_mm),
+            if default.left_out > 0 {
+                format!("; left out of these means: {} of {} runs", default.left_out, default.runs)
+            } else {
+                String::new()
+            },
         );
     }
     let _ =
@@ -78,6 +88,7 @@ fn table(text: &mut String, title: &str, of: &Sensitivity, effect: fn(&Parameter
          for one unit | |\n|{}\n",
         " --- |".repeat(7)
     );
+    let default_left_out = of.default.as_ref().is_some_and(|d| d.left_out > 0);
     for row in ranked(&of.parameters, effect) {
         let e = effect(row);
         let mark = match e.inside_scatter {
@@ -86,9 +97,17 @@ fn table(text: &mut String, title: &str, of: &Sensitivity, effect: fn(&Parameter
             None => Some("scatter unknown".to_owned()),
         };
         let failed = (row.failed > 0).then(|| format!("{} failed", row.failed));
+        let left_out = (row.left_out > 0).then(|| format!("{} left out", row.left_out));
+        let change = |e: Option<Estimate>, shown: fn(Option<Estimate>) -> String| match e {
+            None if row.left_out > 0 && row.valid == 0 => NO_VALID_RUN.to_owned(),
+            None if row.left_out > 0 || default_left_out => "no valid pair".to_owned(),
+            e => shown(e),
+        };
+        let mm = |e| change(e, |e| estimate(e, 1));
         let outside = row.grains_outside.filter(|g| *g >= 0.5);
         let outside = outside.map(|g| format!("grains outside: {}", number(g, 1)));
-        let remarks: Vec<String> = [failed, mark, outside].into_iter().flatten().collect();
+        let remarks: Vec<String> =
+            [failed, left_out, mark, outside].into_iter().flatten().collect();
         let _ = writeln!(
             text,
             "| {} | {} to {}{} | {} | {} | {} | {} | {} |",
@@ -96,10 +115,10 @@ fn table(text: &mut String, title: &str, of: &Sensitivity, effect: fn(&Parameter
             compact(row.low),
             compact(row.high),
             unit(row),
-            estimate(e.low_mm, 1),
-            estimate(e.high_mm, 1),
-            estimate(e.range_mm, 1),
-            per_unit(e.per_unit_mm),
+            mm(e.low_mm),
+            mm(e.high_mm),
+            mm(e.range_mm),
+            change(e.per_unit_mm, per_unit),
             remarks.join(", "),
         );
     }

@@ -3,20 +3,26 @@
 use super::ReportInput;
 use crate::{
     paper::{Claim, Interval, StudyView, Verdict, bands, text::number},
-    record::{RunKind, RunRecord, Settlement},
+    record::{RunKind, RunRecord, Settlement, left_out_in_words},
 };
 
 /// The first paragraph of the report.
 pub(super) fn paragraph(input: &ReportInput) -> String {
     let study = &input.study;
+    let (runs, left_out) = study.split();
+    let counting = &study.of_runs(&runs, &left_out);
     if study.runs.is_empty() {
         return "No run is finished yet; only what needs no run is shown.".to_owned();
     }
     let mut sentences: Vec<String> = Vec::new();
-    sentences.extend(falling(input.claims, study));
-    sentences.extend(settling(study));
-    sentences.extend(shares(study));
+    sentences.extend(falling(input.claims));
+    sentences.extend(settling(counting));
+    sentences.extend(shares(counting));
     sentences.push(standard(study));
+    let said = left_out_in_words(left_out.len(), study.runs.len());
+    if !said.is_empty() {
+        sentences.push(format!("{said}, ranges and claims, being not valid or short of grains."));
+    }
     sentences.push(tally(input.claims));
     sentences.join(" ")
 }
@@ -25,8 +31,9 @@ fn find<'a>(claims: &'a [Claim], id: &str) -> Option<&'a Claim> {
     claims.iter().find(|c| c.id == id)
 }
 
-fn falling(claims: &[Claim], study: &StudyView) -> Option<String> {
-    let count = find(claims, "standing-height-falls")?.ours?;
+fn falling(claims: &[Claim]) -> Option<String> {
+    let claim = find(claims, "standing-height-falls")?;
+    let (count, expected) = (claim.ours?, claim.read_as?.high);
     let slope = find(claims, "standing-height-slope")
         .and_then(|c| c.ours)
         .map(|s| format!(", by {} mm per cm of falling height on average", number(-s, 2)))
@@ -35,7 +42,7 @@ fn falling(claims: &[Claim], study: &StudyView) -> Option<String> {
         "In {} of {} configurations the gravel stands lower when it falls from 20 cm than from 0\
          {slope}.",
         number(count, 0),
-        study.configurations
+        number(expected, 0)
     ))
 }
 
@@ -125,11 +132,12 @@ fn standard(study: &StudyView) -> String {
 fn tally(claims: &[Claim]) -> String {
     let count = |v| claims.iter().filter(|c| c.verdict == v).count();
     format!(
-        "Of the {} statements checked, {} are met, {} are not (or were not run), and {} have no \
-         number in the text to be held against.",
+        "Of the {} statements checked, {} are met, {} are not (or were not run), {} cannot be compared, no \
+         run that would show them being valid, and {} have no number in the text to be held against.",
         claims.len(),
         count(Verdict::Within),
         count(Verdict::Outside),
+        count(Verdict::NotComparable),
         count(Verdict::NotStated)
     )
 }

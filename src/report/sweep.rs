@@ -79,8 +79,17 @@ pub struct SweepRun {
     /// Whether the standard is met and no run-time check found anything; none
     /// without result.
     pub valid: Option<bool>,
+    /// Why its result is left out of means and effects; none where it counts, or has none.
+    pub left_out_of_means: Option<String>,
     /// Why it has no result.
     pub failure: Option<String>,
+}
+
+impl SweepRun {
+    /// Whether it counts in means and effects.
+    pub fn counts_in_means(&self) -> bool {
+        self.failure.is_none() && self.left_out_of_means.is_none()
+    }
 }
 
 /// A mean over the configurations of a point.
@@ -120,7 +129,7 @@ impl SweepEstimate {
     }
 }
 
-/// One point: means over its configurations.
+/// One point: means over its configurations, of the runs that count in means.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SweepPoint {
     /// Its name.
@@ -129,8 +138,10 @@ pub struct SweepPoint {
     pub values: Vec<Value>,
     /// Runs with a result.
     pub runs: usize,
-    /// How many of them are valid: all count in the means.
+    /// How many of them are valid.
     pub valid: usize,
+    /// How many of them are left out of the means.
+    pub left_out: usize,
     /// Runs without.
     pub failed: usize,
     /// Results by their path in `summary.json`.
@@ -144,6 +155,10 @@ pub struct SweepEffect {
     pub factor: String,
     /// The result, by its path in `summary.json`.
     pub outcome: String,
+    /// Runs that have the result and count.
+    pub runs: usize,
+    /// Runs that have the result and are left out.
+    pub left_out: usize,
     /// The mean at each value; empty where values were drawn.
     pub means: Vec<(Value, SweepEstimate)>,
     /// Change of the result for one unit of the factor: the mean over
@@ -184,6 +199,11 @@ pub struct Sweep {
 }
 
 impl Sweep {
+    /// Runs whose results are left out of means and effects.
+    pub fn left_out(&self) -> impl Iterator<Item = &SweepRun> {
+        self.runs.iter().filter(|r| r.failure.is_none() && !r.counts_in_means())
+    }
+
     /// Runs that have no result.
     pub fn failed(&self) -> impl Iterator<Item = &SweepRun> {
         self.runs.iter().filter(|r| r.failure.is_some())
@@ -203,7 +223,7 @@ fn table(of: &Sweep) -> Result<Vec<u8>, csv::Error> {
     let mut header = vec!["run", "point", "configuration"];
     header.extend(of.factors.iter().map(|f| f.path.as_str()));
     header.extend(results());
-    header.extend(["meets_standard", "valid", "failure"]);
+    header.extend(["meets_standard", "valid", "left_out_of_means", "failure"]);
     writer.write_record(&header)?;
     for run in &of.runs {
         let mut row = vec![run.run.clone(), run.point.clone(), run.configuration.to_string()];
@@ -212,7 +232,9 @@ fn table(of: &Sweep) -> Result<Vec<u8>, csv::Error> {
         row.extend(results().map(number));
         let stated = |answer: Option<bool>| answer.map_or(String::new(), |a| a.to_string());
         row.extend([stated(run.meets_standard), stated(run.valid)]);
-        row.push(run.failure.clone().unwrap_or_default());
+        row.extend(
+            [&run.left_out_of_means, &run.failure].map(|why| why.clone().unwrap_or_default()),
+        );
         writer.write_record(&row)?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())
@@ -271,6 +293,7 @@ mod tests {
             outcomes: BTreeMap::new(),
             meets_standard: state.map(|s| s.0),
             valid: state.map(|s| s.1),
+            left_out_of_means: state.filter(|s| !s.1).map(|_| "not valid".to_owned()),
             failure: state.is_none().then(|| "it blew up".to_owned()),
         };
         Sweep {
@@ -290,6 +313,7 @@ mod tests {
                 values: vec![1.into()],
                 runs: 3,
                 valid: 1,
+                left_out: 2,
                 failed: 1,
                 outcomes: BTreeMap::new(),
             }],
@@ -323,15 +347,16 @@ mod tests {
         let text = page.markdown();
         for said in [
             "; 1 does not meet the accuracy standard for overlap and creep; in 1 that does a \
-             run-time check found something; not valid: 2 of 3.",
-            "| point | seed | runs | valid |",
-            "| point-0001 | 1 | 3, 1 failed | 1 |",
+             run-time check found something; not valid: 2 of 3; 2 of 3 runs with a result are left out of means.",
+            "| point | seed | runs | valid | left out |",
+            "| point-0001 | 1 | 3, 1 failed | 1 | 2 |",
+            "| point-0001-c2 | seed=1 | not valid |",
         ] {
             assert!(text.contains(said), "law: `{said}`, got:\n{text}");
         }
         let valid = Sweep {
             runs: vec![of.runs[0].clone()],
-            points: vec![SweepPoint { runs: 1, failed: 0, ..of.points[0].clone() }],
+            points: vec![SweepPoint { runs: 1, left_out: 0, failed: 0, ..of.points[0].clone() }],
             planned: 1,
             ..of
         };
@@ -339,5 +364,47 @@ mod tests {
         let lead = page.markdown().lines().nth(2).unwrap_or_default().to_owned();
         assert!(lead.ends_with("1 of 1 runs have results."), "law: nothing to warn of, got {lead}");
         assert!(page.html(&[]).contains("p class=\"lead\""), "law: no banner");
+    }
+
+    /// Law: a mean or slope of which every run is left out is no dash, and no number.
+    #[test]
+    fn where_no_run_is_valid_the_page_says_so() {
+        let mut of = sweep();
+        for run in &mut of.runs {
+            run.outcomes.insert("void_ratio".into(), 0.9);
+        }
+        let effect = |slope: Option<f64>, runs, left_out| SweepEffect {
+            factor: "seed".into(),
+            outcome: "void_ratio".into(),
+            runs,
+            left_out,
+            means: Vec::new(),
+            slope,
+            slope_half_width: None,
+            slope_p: None,
+            page_p: None,
+            configurations_needed: None,
+        };
+        let line = |of: &Sweep, start: &str| {
+            let page = page(of, &[]).markdown();
+            page.lines().find(|l| l.starts_with(start)).unwrap_or_default().to_owned()
+        };
+        of.points[0].valid = 0;
+        of.points[0].left_out = 3;
+        for (slope, runs, left_out, said) in [
+            (Some(2.0), 3, 0, "| 2 |"),
+            (None, 0, 3, "| no valid run |"),
+            (None, 1, 2, "| too few valid runs |"),
+            (None, 1, 0, "| – |"),
+        ] {
+            of.effects = vec![effect(slope, runs, left_out)];
+            let got = line(&of, "| seed |");
+            assert!(got.contains(said), "law: `{said}`, got `{got}`");
+        }
+        let got = line(&of, "| point-0001 |");
+        assert!(
+            got.ends_with("| 3, 1 failed | 0 | 3 | no valid run |"),
+            "law: no dash, got `{got}`"
+        );
     }
 }

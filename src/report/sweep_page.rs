@@ -5,12 +5,13 @@ use std::fmt::Write;
 use maud::{DOCTYPE, html};
 
 use super::{
-    Figure, MAIN_OUTCOMES, OUTCOMES, Sweep, SweepEstimate,
+    Figure, MAIN_OUTCOMES, OUTCOMES, Sweep, SweepEstimate, SweepPoint, SweepRun,
     html::{figure_block, glue, head},
     sweep::{in_words, shown},
     text_table::TextTable,
 };
 use crate::paper::text::{compact, number};
+use crate::record::{NO_VALID_RUN, left_out_in_words};
 
 /// A table of the page.
 struct Section {
@@ -33,8 +34,8 @@ const HOW_TO_READ: &str = "Every point is carried out in the same configurations
      as well. A change for one unit is the slope of a line through each configuration's own results, its mean and interval \
      over configurations; where values were drawn from ranges, it is the coefficient in a linear model of all of them. \
      The test by ranks (Page 1963) asks whether results rise or fall from value to value without asking for a line. \
-     A run is valid if it meets the accuracy standard and no run-time check found anything. What is not valid is no result to \
-     quote; means and effects include it all the same. \
+     A run is valid if it meets the accuracy standard and no run-time check found anything. Means and effects leave out runs that \
+     are not valid, and runs of which too many grains are missing (docs/accuracy.md); each point says how many. \
      Configurations needed: so many would show a slope of this size among this scatter with a probability of 80 %.";
 
 /// Puts the page together.
@@ -64,15 +65,22 @@ pub(super) fn page(of: &Sweep, figures: &[Figure]) -> Page {
     if not_valid > 0 {
         let _ = write!(lead, "; not valid: {not_valid} of {done}");
     }
+    let left_out = of.left_out().count();
+    if left_out > 0 {
+        let _ = write!(lead, "; {}", left_out_in_words(left_out, done));
+    }
     lead.push('.');
     let mut tables = vec![effects(of), points(of)];
+    if left_out > 0 {
+        tables.push(runs_left_out(of));
+    }
     if failed > 0 {
         tables.push(failures(of));
     }
     Page {
         title: format!("Sweep of {}", of.scenario),
         lead,
-        good: failed == 0 && not_valid == 0,
+        good: failed == 0 && not_valid == 0 && left_out == 0,
         tables,
         figures: figures
             .iter()
@@ -99,6 +107,8 @@ fn effects(of: &Sweep) -> Section {
         let slope = match (e.slope, e.slope_half_width) {
             (Some(slope), Some(half)) => format!("{} ± {}", compact(slope), compact(half)),
             (Some(slope), None) => compact(slope),
+            (None, _) if e.left_out > 0 && e.runs == 0 => NO_VALID_RUN.to_owned(),
+            (None, _) if e.left_out > 0 => "too few valid runs".to_owned(),
             (None, _) => "–".to_owned(),
         };
         vec![
@@ -122,9 +132,12 @@ fn effects(of: &Sweep) -> Section {
     Section { id: "effects", title: "What each factor moves", table }
 }
 
-/// Mean and half of the interval.
-fn estimate(e: Option<&SweepEstimate>) -> String {
-    let Some(e) = e else { return "–".to_owned() };
+/// Mean of a point and half of its interval.
+fn estimate(of: &SweepPoint, e: Option<&SweepEstimate>) -> String {
+    let Some(e) = e else {
+        let none = of.left_out > 0 && of.left_out == of.runs;
+        return if none { NO_VALID_RUN } else { "–" }.to_owned();
+    };
     match e.t_high {
         Some(high) => format!("{} ± {}", compact(e.mean), compact(high - e.mean)),
         None => compact(e.mean),
@@ -134,18 +147,19 @@ fn estimate(e: Option<&SweepEstimate>) -> String {
 fn points(of: &Sweep) -> Section {
     let outcomes: Vec<&(&str, &str)> = OUTCOMES[..MAIN_OUTCOMES]
         .iter()
-        .filter(|(path, _)| of.points.iter().any(|p| p.outcomes.contains_key(*path)))
+        .filter(|(path, _)| of.runs.iter().any(|r| r.outcomes.contains_key(*path)))
         .collect();
     let mut header = texts(["point"]);
     header.extend(of.factors.iter().map(|f| f.path.clone()));
-    header.extend(texts(["runs", "valid"]));
+    header.extend(texts(["runs", "valid", "left out"]));
     header.extend(outcomes.iter().map(|(_, words)| (*words).to_owned()));
     let rows = of.points.iter().map(|p| {
         let mut row = vec![p.point.clone()];
         row.extend(p.values.iter().map(shown));
         let failed = if p.failed > 0 { format!(", {} failed", p.failed) } else { String::new() };
-        row.extend([format!("{}{failed}", p.runs), p.valid.to_string()]);
-        row.extend(outcomes.iter().map(|(path, _)| estimate(p.outcomes.get(*path))));
+        row.push(format!("{}{failed}", p.runs));
+        row.extend([p.valid.to_string(), p.left_out.to_string()]);
+        row.extend(outcomes.iter().map(|(path, _)| estimate(p, p.outcomes.get(*path))));
         row
     });
     let table = TextTable { header, rows: rows.collect() };
@@ -153,18 +167,31 @@ fn points(of: &Sweep) -> Section {
 }
 
 fn failures(of: &Sweep) -> Section {
-    let row = |r: &super::SweepRun| {
+    let table = reasons(of, of.failed(), |r| r.failure.as_ref());
+    Section { id: "failures", title: "Runs without result", table }
+}
+
+fn runs_left_out(of: &Sweep) -> Section {
+    let table = reasons(of, of.left_out(), |r| r.left_out_of_means.as_ref());
+    Section { id: "left-out", title: "Runs left out of means", table }
+}
+
+/// Runs with their values and what is against them.
+fn reasons<'a>(
+    of: &Sweep,
+    runs: impl Iterator<Item = &'a SweepRun>,
+    why: impl Fn(&SweepRun) -> Option<&String>,
+) -> TextTable {
+    let row = |r: &SweepRun| {
         let values: Vec<String> = of
             .factors
             .iter()
             .zip(&r.values)
             .map(|(f, v)| format!("{}={}", f.path, shown(v)))
             .collect();
-        vec![r.run.clone(), values.join(" "), r.failure.clone().unwrap_or_default()]
+        vec![r.run.clone(), values.join(" "), why(r).cloned().unwrap_or_default()]
     };
-    let table =
-        TextTable { header: texts(["run", "values", "why"]), rows: of.failed().map(row).collect() };
-    Section { id: "failures", title: "Runs without result", table }
+    TextTable { header: texts(["run", "values", "why"]), rows: runs.map(row).collect() }
 }
 
 impl Page {

@@ -99,6 +99,42 @@ fn a_whole_study_is_shown_whole() {
     }
 }
 
+/// Law: the page says of each run whether it is valid, and its numbers are of those that are.
+#[test]
+fn the_page_says_which_runs_do_not_count() {
+    let plain = |page: String| page.replace('\u{a0}', " ");
+    let runs = canned::runs();
+    let (page, _) = make_report(canned::study(&runs), &[]);
+    let page = plain(page);
+    for said in [
+        "6 of 18 runs with a result are left out of means",
+        "✗ not valid",
+        "✓ valid",
+        "– not comparable: 3",
+        "no valid run",
+        "the accuracy standard is not met",
+        "top plate settles by 16.0 to 18.0 mm",
+        "In 2 of 2 configurations",
+        "Left out: vibration-continuous-c3.",
+    ] {
+        assert!(page.contains(said), "law: the page says `{said}`");
+    }
+    let valid = canned::valid_runs();
+    let (page, _) = make_report(canned::study(&valid), &[]);
+    let page = plain(page);
+    for said in [
+        "All 18 runs are valid and count in means",
+        "top plate settles by 16.0 to 20.0 mm",
+        "In 3 of 3 configurations",
+        "– not comparable: 0",
+    ] {
+        assert!(page.contains(said), "law: the page says `{said}`");
+    }
+    for unsaid in ["✗ not valid", "left out of means", "no valid run", "Left out"] {
+        assert!(!page.contains(unsaid), "law: nothing is left out, but there is `{unsaid}`");
+    }
+}
+
 #[test]
 fn the_page_needs_no_network_and_escapes_what_it_shows() {
     let runs = canned::runs();

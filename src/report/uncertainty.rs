@@ -8,6 +8,7 @@ use crate::paper::{
     text::number,
     uncertainty::{LaboratoryScatter, Quantity, SettledRun, Trend, p_value},
 };
+use crate::record::NO_VALID_RUN;
 
 /// Interval, tests, creep and the laboratory's scatter.
 pub(super) fn section(of: &Uncertainty) -> Markup {
@@ -15,7 +16,8 @@ pub(super) fn section(of: &Uncertainty) -> Markup {
         p { (glue(&of.trend.verdict)) }
         p.soft {
             "Intervals are those of the mean over the configurations, by Student's t, 95 % confidence. "
-            "SD: standard deviation of a single configuration. The same as numbers: "
+            "SD: standard deviation of a single configuration. Runs that are not valid, or short of grains, are left "
+            "out (docs/accuracy.md). The same as numbers: "
             a href="uncertainty.json" { "uncertainty.json" } "."
         }
         div.scroll { table {
@@ -53,7 +55,10 @@ fn quantity_row(q: &Quantity) -> Markup {
     html! { tr {
         th scope="row" { (q.name) ", " (q.unit) }
         td.n { (q.values.len()) }
-        td.n { (optional(q.mean, 1)) }
+        td.n {
+            @if q.mean.is_none() && !q.left_out.is_empty() { (NO_VALID_RUN) }
+            @else { (optional(q.mean, 1)) }
+        }
         td.n { (range(q.range, 1)) }
         td.n { (optional(q.standard_deviation, 1)) }
         td.n { (range(q.interval, 1)) }
@@ -126,7 +131,10 @@ fn settlements(runs: &[SettledRun]) -> Markup {
                     th.n { "Plate in the control, mm" } th.n { "Control, s" }
                 } }
                 tbody { @for run in runs { tr {
-                    th scope="row" { (run.run) }
+                    th scope="row" {
+                        (run.run)
+                        @if !run.left_out_of_means.is_empty() { " " span.soft { "(left out)" } }
+                    }
                     td.n { (optional(run.plate_mm, 2)) }
                     td.n { (optional(run.surface_mm, 2)) }
                     td.n { (optional(run.creep_um_per_s, 1)) }

@@ -64,6 +64,8 @@ pub struct ReproduceOutcome {
     pub claims_outside: usize,
     /// Statements without a number to compare with.
     pub claims_not_stated: usize,
+    /// Claims of which no run that would show them is valid.
+    pub claims_not_comparable: usize,
     /// The report.
     pub report: PathBuf,
     /// All runs.
@@ -260,6 +262,7 @@ fn finish(
         claims_within: count(Verdict::Within),
         claims_outside: count(Verdict::Outside),
         claims_not_stated: count(Verdict::NotStated),
+        claims_not_comparable: count(Verdict::NotComparable),
         report: options.out.join("report.html"),
         runs: records,
     })
@@ -339,6 +342,7 @@ pub(super) fn study_view<'a>(
         });
     Ok(StudyView {
         runs,
+        left_out: &[],
         configurations,
         sieve: distribution.passing_curve(),
         sieved_grains: known.sieved.points().iter().map(|p| (to_mm(p.0), p.1)).collect(),

@@ -21,7 +21,7 @@ use crate::record::{
 };
 use crate::report::Standard;
 use crate::scale::{self, Scale};
-use crate::scenario::{self, Backend, EngineSettings, StageSpec};
+use crate::scenario::{self, Backend, EngineSettings, Scenario, StageSpec};
 use crate::specimen::{Fate, Specimen, SpecimenState};
 use crate::units::{from_mm, to_cm3, to_g, to_mm};
 
@@ -145,7 +145,7 @@ pub fn summarise(
             s.changed, s.grains, s.largest_change_percent, s.lost
         ));
     }
-    let grains = grains_summary(&run.grains, &specimen, &container);
+    let grains = grains_summary(scenario, &run.grains, &specimen, &container);
     let summary = Summary {
         scenario: scenario.name.clone(),
         backend: crate::world::info(scenario.engine.backend),
@@ -173,6 +173,7 @@ pub fn summarise(
         control: control_figures,
         meets_standard,
         valid: false,
+        left_out_of_means: Vec::new(),
         guards: Some(guards),
         solver_residual: SolverResidual::of(
             all.clone().flat_map(|s| s.record.solver_residuals.iter().copied()),
@@ -311,9 +312,20 @@ pub(super) fn creep_um_per_s(series: &[SeriesRow]) -> Option<f64> {
     (duration > 0.0).then(|| 1e3 * drop / duration)
 }
 
-fn grains_summary(grains: &GrainSet, specimen: &Specimen, container: &Container) -> GrainsSummary {
+fn grains_summary(
+    scenario: &Scenario,
+    grains: &GrainSet,
+    specimen: &Specimen,
+    container: &Container,
+) -> GrainsSummary {
     let content = measure::content(specimen, container);
     let fates = |fate| specimen.state.bodies.iter().filter(|g| g.fate == fate).count();
+    let poured = scenario.stages.iter().find_map(|stage| match stage {
+        StageSpec::Pour { .. } => Some(content.grains),
+        // What rolls off the base was part of the pile.
+        StageSpec::SlowPluviation { .. } => Some(content.grains + fates(Fate::Spilled)),
+        _ => None,
+    });
     GrainsSummary {
         count: grains.grains.len(),
         mass_g: to_g(grains.grains.iter().map(|g| g.mass).sum()),
@@ -323,6 +335,7 @@ fn grains_summary(grains: &GrainSet, specimen: &Specimen, container: &Container)
         escaped: fates(Fate::ThroughWall),
         spilled: fates(Fate::Spilled),
         left_in_funnel: fates(Fate::LeftInFunnel),
+        missing: poured.map(|there| grains.grains.len().saturating_sub(there)),
     }
 }
 

@@ -168,7 +168,7 @@ fn wrong_usage_is_told_before_anything_runs() {
     let height = ["--target", "standing_height_mm.mean_surface=40"];
     let friction = ["--unknown", "contact.grain_grain_friction"];
     let between = ["--between", "0.2..1.2"];
-    let cases: [(Vec<&str>, &str); 14] = [
+    let cases: [(Vec<&str>, &str); 15] = [
         (vec![], "--angle-of-repose"),
         ([&height[..], &["--angle-of-repose", "38"]].concat(), "cannot be used with"),
         (vec!["--angle-of-repose", "95"], "between 0 and 90"),
@@ -186,6 +186,8 @@ fn wrong_usage_is_told_before_anything_runs() {
         ([&height[..], &["--unknown", "seed"], &between].concat(), "samples"),
         ([&height[..], &friction, &between, &["--replicates", "1"]].concat(), "--replicates"),
         ([&height[..], &friction, &between, &["--most-runs", "7"]].concat(), "at least 30 runs"),
+        // Without a rest test no run is valid.
+        ([&height[..], &friction, &between, &["--set", "control_s=0"]].concat(), "control_s is 0"),
     ];
     for (more, words) in cases {
         let (code, printed, said) = calibrate(&scenario, &out, &more);

@@ -285,4 +285,6 @@ fn the_last_line_of_a_run_that_is_not_valid_says_so() {
     let summary: Value = serde_json::from_slice(&summary).expect("JSON");
     assert_eq!(summary["meets_standard"], json!(false), "law: the summary says so, too");
     assert_eq!(summary["valid"], json!(false), "law: what misses the standard is not valid");
+    let why = summary["left_out_of_means"][0].as_str().unwrap_or_default();
+    assert!(why.contains("standard"), "law: and is left out of means, got {summary}");
 }

@@ -91,6 +91,7 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
     let of_mass = effects.iter().find(|e| e["factor"] == "grains.total_mass_g").expect("mass");
     assert!(of_mass["slope"].as_f64().is_some_and(|s| s > 0.0), "law: height grows, {of_mass}");
     assert!(of_mass["slope_half_width"].is_number(), "law: three configurations, an interval");
+    assert_eq!((&of_mass["runs"], &of_mass["left_out"]), (&12.into(), &0.into()), "law: all count");
     for file in ["plan.json", "sweep.json", "sweep.md", "report.html"] {
         assert!(out.join(file).exists(), "{file} is missing");
     }
@@ -113,6 +114,44 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
     assert_eq!(code, Some(2), "law: the folder of another sweep is refused");
     assert!(said.contains("another sweep"), "{said}");
     assert_eq!(rows(&out), second, "law: nothing was written over");
+}
+
+/// Law: without a rest test no run is valid; the sweep says so in every file and as its last
+/// line, and makes no mean of such runs.
+#[test]
+fn where_no_run_is_valid_there_is_no_mean() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (scenario, out) = (write(folder.path()), folder.path().join("out"));
+    let over = ["--over", "grains.total_mass_g=30,60", "--set", "control_s=0"];
+    let (code, printed, said) = sweep(&scenario, &out, &over);
+    assert_eq!(code, Some(0), "{said}");
+    let found: Value = serde_json::from_str(&printed).expect("JSON");
+    for point in found["points"].as_array().expect("points") {
+        assert_eq!(point["left_out"], 1, "law: counted: {point}");
+        assert_eq!(point["outcomes"], serde_json::json!({}), "law: no mean: {point}");
+    }
+    for effect in found["effects"].as_array().expect("effects") {
+        assert_eq!((&effect["slope"], &effect["left_out"]), (&Value::Null, &2.into()), "{effect}");
+    }
+    let table = rows(&out);
+    let column = table[0].iter().position(|n| n == "left_out_of_means").expect("a column");
+    for row in &table[1..] {
+        assert!(row[column].contains("accuracy standard"), "law: the row says why: {row:?}");
+    }
+    for file in ["sweep.md", "report.html"] {
+        let page = fs::read_to_string(out.join(file)).expect(file);
+        for said in ["no valid run", "2 of 2 runs with a result are left out of means"] {
+            assert!(page.contains(said), "law: {file} says `{said}`");
+        }
+    }
+    let output = Command::new(env!("CARGO_BIN_EXE_pluvia"))
+        .args(["sweep", "--collect", "--quiet", "--out"])
+        .arg(&out)
+        .output()
+        .expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let last = text.lines().last().unwrap_or_default();
+    assert!(last.contains("NOT VALID") && last.contains("2 of 2"), "law: got `{last}`");
 }
 
 #[test]

@@ -9,13 +9,29 @@ mod vibration;
 mod tests;
 
 use super::{Claim, StudyView};
+use crate::record::RunRecord;
 
-/// Computes every claim, in the paper's order. Runs that are missing leave
-/// `ours` null; such a claim never reads as within.
+/// Computes every claim, in the paper's order, of the runs that count in means. Runs that are
+/// missing leave `ours` null; such a claim never reads as within. Where runs were done and none
+/// that would show it counts, it is not comparable.
 pub fn claims(study: &StudyView) -> Vec<Claim> {
-    let mut claims = material::claims(study);
-    claims.extend(pluviation::claims(study));
-    claims.extend(vibration::claims(study));
+    let (counting, others) = study.split();
+    let ours = drafted(&study.of_runs(&counting, &others));
+    let they = drafted(&study.of_runs(&others, &counting));
+    let all = drafted(study);
+    let against = |name: &String| -> Option<(String, String)> {
+        let run: &RunRecord = others.iter().find(|r| r.name == *name)?;
+        Some((name.clone(), run.summary.why_left_out().join("; ")))
+    };
+    let mut claims: Vec<Claim> = ours
+        .into_iter()
+        .zip(they)
+        .zip(all)
+        .map(|((ours, they), all)| {
+            let left_out: Vec<_> = all.runs.iter().filter_map(against).collect();
+            ours.leaving_out(&left_out, &they)
+        })
+        .collect();
     if study.quick {
         for claim in claims.iter_mut().filter(|c| c.paper.is_some()) {
             if !claim.note.is_empty() {
@@ -24,6 +40,15 @@ pub fn claims(study: &StudyView) -> Vec<Claim> {
             claim.note.push_str("Quick study: its specimen is not the paper's.");
         }
     }
+    claims
+}
+
+/// Every claim of a view's runs, in the paper's order: the same ones, whichever of the runs
+/// the view leaves out.
+fn drafted(study: &StudyView) -> Vec<Claim> {
+    let mut claims = material::claims(study);
+    claims.extend(pluviation::claims(study));
+    claims.extend(vibration::claims(study));
     claims
 }
 

@@ -16,7 +16,8 @@ const CONFIDENCE: f64 = 0.95;
 /// Only where piles were simulated: the paper's simulations have none.
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
     let runs: Vec<&RunRecord> = study.of_kind(RunKind::Repose).collect();
-    if runs.is_empty() {
+    let left_out = study.left_out.iter().any(|r| r.kind == RunKind::Repose);
+    if runs.is_empty() && !left_out {
         return Vec::new();
     }
     vec![laboratory(&runs), atan_friction(study, &runs)]
@@ -107,7 +108,7 @@ mod tests {
 
     /// A canned run as a pile of so many degrees.
     fn pile(configuration: u32, degrees: Option<f64>) -> RunRecord {
-        let mut run = canned::runs().remove(0);
+        let mut run = canned::valid_runs().remove(0);
         run.kind = RunKind::Repose;
         run.name = format!("repose-c{configuration}");
         run.configuration = configuration;
@@ -152,6 +153,30 @@ mod tests {
         }
         let stated = claim(&near, "angle-of-repose").and_then(|c| c.paper);
         assert_eq!(stated, Some(PaperValue::Value { value: 38.40 }));
+    }
+
+    /// Law: a pile that is not valid is left out of mean, interval and verdict.
+    #[test]
+    fn piles_that_are_not_valid_are_left_out() {
+        let of = |spoilt: &[u32]| {
+            let degrees = [37.0, 38.0, 39.0, 90.0];
+            let mut runs: Vec<RunRecord> =
+                (1..).zip(degrees).map(|(c, degrees)| pile(c, Some(degrees))).collect();
+            for run in runs.iter_mut().filter(|r| spoilt.contains(&r.configuration)) {
+                (run.summary.meets_standard, run.summary.valid) = (false, false);
+            }
+            let found = all(&canned::study(&runs)).into_iter().find(|c| c.id == "angle-of-repose");
+            found.expect("a claim")
+        };
+        let every = of(&[]);
+        assert_eq!((every.ours, every.left_out.len()), (Some(51.0), 0), "law: all four: {every:?}");
+        let three = of(&[4]);
+        assert_eq!((three.verdict, three.ours), (Verdict::Within, Some(38.0)), "law: {three:?}");
+        assert_eq!(three.left_out, ["repose-c4"], "law: it is named");
+        let none = of(&[1, 2, 3, 4]);
+        assert_eq!((none.verdict, none.ours), (Verdict::NotComparable, None), "law: {none:?}");
+        assert!(none.note.contains("No valid run"), "{}", none.note);
+        assert_eq!(none.not_valid.map(|n| n.value), Some(51.0), "law: shown apart: {none:?}");
     }
 
     #[test]

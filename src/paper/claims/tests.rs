@@ -25,7 +25,7 @@ fn the_comparison_can_fail_both_ways() {
 
 #[test]
 fn identifiers_are_unique_and_every_claim_has_a_source() {
-    let runs = canned::runs();
+    let runs = canned::valid_runs();
     let claims = claims(&canned::study(&runs));
     let mut ids: Vec<&str> = claims.iter().map(|c| c.id.as_str()).collect();
     ids.sort_unstable();
@@ -38,7 +38,7 @@ fn identifiers_are_unique_and_every_claim_has_a_source() {
 
 #[test]
 fn the_paper_itself_is_within() {
-    let runs = canned::runs();
+    let runs = canned::valid_runs();
     let study = canned::study(&runs);
     for id in
         ["grain-count", "total-mass", "grains-in-100-g", "solid-density", "poorly-graded-gravel"]
@@ -51,7 +51,7 @@ fn the_paper_itself_is_within() {
 
 #[test]
 fn grains_that_are_not_the_papers_are_outside() {
-    let runs = canned::runs();
+    let runs = canned::valid_runs();
     let mut study = canned::study(&runs);
     study.grain_count = 1000;
     study.gradation.uscs = "GW".into();
@@ -66,7 +66,7 @@ fn grains_that_are_not_the_papers_are_outside() {
 #[test]
 fn grains_that_changed_or_are_lost_are_no_proof_that_none_was_crushed() {
     let claim_of = |change: &dyn Fn(&mut SecondarySieve)| {
-        let mut runs = canned::runs();
+        let mut runs = canned::valid_runs();
         let analysis = runs[3].summary.sieve_analysis.as_mut().expect("sieved");
         change(analysis.secondary.as_mut().expect("sieved anew"));
         claim(&canned::study(&runs), "no-crushing")
@@ -79,7 +79,7 @@ fn grains_that_changed_or_are_lost_are_no_proof_that_none_was_crushed() {
     assert_eq!((c.verdict, c.ours), (Verdict::Outside, Some(1.0)), "one is lost: {c:?}");
     let c = claim_of(&|s| s.spilled = 1);
     assert_eq!(c.verdict, Verdict::Within, "what spilled is accounted for: {c:?}");
-    let mut runs = canned::runs();
+    let mut runs = canned::valid_runs();
     runs[3].summary.sieve_analysis.as_mut().expect("sieved").secondary = None;
     let c = claim(&canned::study(&runs), "no-crushing");
     assert_eq!((c.verdict, c.ours), (Verdict::Outside, None), "one was not sieved anew: {c:?}");
@@ -88,7 +88,7 @@ fn grains_that_changed_or_are_lost_are_no_proof_that_none_was_crushed() {
 
 #[test]
 fn both_curves_must_be_poorly_graded() {
-    let runs = canned::runs();
+    let runs = canned::valid_runs();
     let mut study = canned::study(&runs);
     study.generated.as_mut().expect("generated").uscs = "GW".into();
     let c = claim(&study, "poorly-graded-gravel");
@@ -97,7 +97,7 @@ fn both_curves_must_be_poorly_graded() {
 
 #[test]
 fn standing_heights_fall_by_what_they_were_made_to() {
-    let runs = canned::runs();
+    let runs = canned::valid_runs();
     let study = canned::study(&runs);
     let c = claim(&study, "standing-height-falls");
     assert_eq!((c.verdict, c.ours), (Verdict::Within, Some(3.0)), "{c:?}");
@@ -114,7 +114,7 @@ fn standing_heights_fall_by_what_they_were_made_to() {
 
 #[test]
 fn a_height_that_rises_is_not_hidden() {
-    let mut runs = canned::runs();
+    let mut runs = canned::valid_runs();
     let run = runs
         .iter_mut()
         .find(|r| r.configuration == 2 && r.falling_height_mm == 200.0)
@@ -126,7 +126,7 @@ fn a_height_that_rises_is_not_hidden() {
 
 #[test]
 fn settlements_are_judged_run_by_run() {
-    let runs = canned::runs();
+    let runs = canned::valid_runs();
     let study = canned::study(&runs);
     // Configurations settle by 16, 18 and 20 mm.
     for (configuration, expected) in
@@ -142,7 +142,7 @@ fn settlements_are_judged_run_by_run() {
 
 #[test]
 fn shares_are_percent_with_a_stated_reading() {
-    let runs = canned::runs();
+    let runs = canned::valid_runs();
     let study = canned::study(&runs);
     let c = claim(&study, "continuous-share-after-5-s-1");
     near("share in percent", 100.0 * canned::SHARE_AFTER_5_S, c.ours, 1e-9);
@@ -167,7 +167,7 @@ fn missing_runs_never_read_as_within() {
         }
     }
     // One configuration of three done: the count stays below the three expected.
-    let one: Vec<_> = canned::runs().into_iter().filter(|r| r.configuration == 1).collect();
+    let one: Vec<_> = canned::valid_runs().into_iter().filter(|r| r.configuration == 1).collect();
     study = canned::study(&one);
     for id in ["standing-height-falls", "denser-after-vibration", "plate-moves-down"] {
         let c = claim(&study, id);
@@ -178,7 +178,7 @@ fn missing_runs_never_read_as_within() {
 
 #[test]
 fn looser_after_vibration_is_outside() {
-    let mut runs = canned::runs();
+    let mut runs = canned::valid_runs();
     let run = runs.iter_mut().find(|r| r.summary.poured_void_ratio.is_some()).expect("a run");
     run.summary.void_ratio = Some(1.2);
     let c = claim(&canned::study(&runs), "denser-after-vibration");
@@ -187,7 +187,7 @@ fn looser_after_vibration_is_outside() {
 
 #[test]
 fn the_lost_band_of_figure_10_is_not_replaced() {
-    let mut runs = canned::runs();
+    let mut runs = canned::valid_runs();
     for run in &mut runs {
         if run.kind == crate::record::RunKind::VibrationIntermittent && run.configuration == 1 {
             run.summary.settlement_mm.as_mut().expect("vibrated").final_mm = 12.46;
@@ -200,7 +200,7 @@ fn the_lost_band_of_figure_10_is_not_replaced() {
 
 #[test]
 fn sampling_is_the_papers() {
-    let runs = canned::runs();
+    let runs = canned::valid_runs();
     let c = claim(&canned::study(&runs), "plate-monitored-every-0.08-s");
     near("interval in s", 0.08, c.ours, 1e-9);
     assert_eq!(c.verdict, Verdict::Within);
@@ -208,7 +208,7 @@ fn sampling_is_the_papers() {
 
 #[test]
 fn values_that_are_no_numbers_do_not_panic_or_pass() {
-    let mut runs = canned::runs();
+    let mut runs = canned::valid_runs();
     for run in &mut runs {
         run.summary.standing_height_mm.mean_surface = f64::NAN;
         run.summary.void_ratio = Some(f64::NAN);
@@ -225,4 +225,69 @@ fn values_that_are_no_numbers_do_not_panic_or_pass() {
     {
         assert_ne!(c.verdict, Verdict::Within, "{c:?}");
     }
+}
+
+/// Law: a claim's value is of the runs that count; what is left out is named, and where nothing
+/// counts the claim is not comparable, whatever the runs show.
+#[test]
+fn what_is_not_valid_makes_no_claim() {
+    // The third configuration is not valid, the others are.
+    let spoilt = canned::runs();
+    let study = canned::study(&spoilt);
+    let third = claim(&study, "continuous-final-settlement-3");
+    assert_eq!((third.verdict, third.ours), (Verdict::NotComparable, None), "{third:?}");
+    assert_eq!(third.not_valid.map(|n| n.value), Some(20.0), "law: shown apart: {third:?}");
+    assert!(third.note.contains("the accuracy standard is not met"), "law: why: {}", third.note);
+    assert!(!third.note.contains("Not run"), "law: it was run: {}", third.note);
+    let first = claim(&study, "continuous-final-settlement-1");
+    assert_eq!((first.verdict, first.left_out.len()), (Verdict::Within, 0), "{first:?}");
+    assert_eq!(first.not_valid, None, "law: a valid run stands alone");
+
+    // Counts: the two that count both fall, and two are expected.
+    let falls = claim(&study, "standing-height-falls");
+    assert_eq!((falls.verdict, falls.ours), (Verdict::Within, Some(2.0)), "{falls:?}");
+    assert!(!falls.note.contains("Not run"), "law: left out is not missing: {}", falls.note);
+    let names = ["pluviation-fh00-c3", "pluviation-fh20-c3"];
+    assert_eq!(falls.left_out, names, "law: named");
+    for id in ["denser-after-vibration", "plate-moves-down"] {
+        let c = claim(&study, id);
+        assert_eq!((c.verdict, c.ours), (Verdict::Within, Some(4.0)), "of four: {c:?}");
+        assert_eq!(c.left_out.len(), 2, "law: both modes of the third: {c:?}");
+    }
+
+    // Means and spreads: configurations 1 and 2 stand 0.9 mm apart, 1 and 3 twice that.
+    let range = claim(&study, "standing-height-reproducible");
+    near("the range of those that count", canned::CONFIGURATION_STEP_MM, range.ours, 1e-9);
+    let every = canned::valid_runs();
+    let range = claim(&canned::study(&every), "standing-height-reproducible");
+    near("the range of all", 2.0 * canned::CONFIGURATION_STEP_MM, range.ours, 1e-9);
+
+    // A jam is left out as well, though the run is valid.
+    let mut jammed = canned::valid_runs();
+    for run in jammed.iter_mut().filter(|r| r.configuration == 3) {
+        run.summary.grains.missing = Some(300);
+    }
+    let third = claim(&canned::study(&jammed), "continuous-final-settlement-3");
+    assert_eq!(third.verdict, Verdict::NotComparable, "{third:?}");
+    assert!(third.note.contains("300 of 1456 grains are missing"), "{}", third.note);
+
+    // Where nothing counts nothing reads as within or outside.
+    let mut none = canned::valid_runs();
+    for run in &mut none {
+        (run.summary.meets_standard, run.summary.valid) = (false, false);
+    }
+    let of_none = claims(&canned::study(&none));
+    let valid = claims(&canned::study(&every));
+    assert_eq!(of_none.len(), valid.len(), "law: the same claims");
+    for (c, valid) in of_none.iter().zip(&valid).filter(|(_, valid)| !valid.runs.is_empty()) {
+        assert_eq!((c.ours, c.left_out.len()), (None, valid.runs.len()), "{c:?}");
+        let expected = match valid.paper {
+            Some(_) => Verdict::NotComparable,
+            None => Verdict::NotStated,
+        };
+        assert_eq!(c.verdict, expected, "law: {c:?}");
+        assert_eq!(c.not_valid.map(|n| n.value), valid.ours, "law: the same number, apart: {c:?}");
+    }
+    // Where all count nothing is left out.
+    assert!(valid.iter().all(|c| c.left_out.is_empty() && !c.note.contains("eft out")));
 }

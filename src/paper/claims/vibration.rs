@@ -64,7 +64,10 @@ fn every_run(study: &StudyView, draft: Draft, shows: impl Fn(&RunRecord) -> Opti
     let told: Vec<(&RunRecord, bool)> =
         vibrated(study).filter_map(|r| shows(r).map(|s| (r, s))).collect();
     let yes = told.iter().filter(|t| t.1).count();
-    let expected = 2 * study.configurations as usize;
+    // Of a run that is left out nothing is expected.
+    let left_out =
+        study.left_out.iter().filter(|r| r.kind.is_vibration() && shows(r).is_some()).count();
+    let expected = (2 * study.configurations as usize).saturating_sub(left_out);
     let mut draft = draft
         .paper(Band::count(expected))
         .ours((!told.is_empty()).then_some(yes as f64), "vibration runs")
@@ -317,6 +320,13 @@ fn edges(study: &StudyView) -> Claim {
         .of_kind(RunKind::VibrationIntermittent)
         .filter_map(|r| edge_ratio(study, r).map(|x| (r, x)))
         .collect();
+    // Of a run that is left out nothing is expected.
+    let left_out = study
+        .left_out
+        .iter()
+        .filter(|r| r.kind == RunKind::VibrationIntermittent && edge_ratio(study, r).is_some())
+        .count();
+    let expected = (study.configurations as usize).saturating_sub(left_out);
     let more: Vec<u32> = ratios.iter().filter(|r| r.1 > 1.0).map(|r| r.0.configuration).collect();
     let mut draft = Draft::new(
         "intermittent-fluctuation-at-ends",
@@ -324,7 +334,7 @@ fn edges(study: &StudyView) -> Claim {
         "Major fluctuations of the plate occur right at the end and at the beginning of each \
          vibration period.",
     )
-    .paper(Band::count(study.configurations as usize))
+    .paper(Band::count(expected))
     .ours((!ratios.is_empty()).then_some(more.len() as f64), "configurations")
     .runs(ratios.iter().map(|r| r.0))
     .note(format!(

@@ -53,6 +53,8 @@ pub struct Quantity {
     pub values: Vec<f64>,
     /// The runs they are from.
     pub runs: Vec<String>,
+    /// Runs that have it and are left out, being not valid or short of grains.
+    pub left_out: Vec<String>,
     /// Their mean; null without any.
     pub mean: Option<f64>,
     /// Smallest and largest.
@@ -72,6 +74,8 @@ pub struct Trend {
     pub slopes_mm_per_cm: Vec<f64>,
     /// The configurations they are of: those poured from every height.
     pub configurations: Vec<u32>,
+    /// Configurations that are left out, not every run of theirs counting.
+    pub left_out: Vec<u32>,
     /// Mean slope and its interval, in mm per cm.
     pub slope: Option<SlopeTest>,
     /// Page's trend test by ranks.
@@ -117,6 +121,8 @@ pub struct RankTest {
 pub struct SettledRun {
     /// Name of the run.
     pub run: String,
+    /// Why it is left out of the intervals; empty where it counts.
+    pub left_out_of_means: Vec<String>,
     /// Settlement of the plate at the end, in mm.
     pub plate_mm: Option<f64>,
     /// Of the mean surface.
@@ -147,24 +153,33 @@ pub struct LaboratoryScatter {
 }
 
 impl Quantity {
-    fn of<'a>(
+    /// Of the runs of a view that have it; those that it leaves out are counted.
+    fn of(
         name: String,
         unit: &str,
         falling_height_mm: Option<f64>,
-        values: impl IntoIterator<Item = (&'a RunRecord, f64)>,
+        study: &StudyView,
+        value: &dyn Fn(&RunRecord) -> Option<f64>,
     ) -> Self {
-        let (runs, values): (Vec<String>, Vec<f64>) = values
-            .into_iter()
-            .filter(|(_, v)| v.is_finite())
-            .map(|(run, v)| (run.name.clone(), v))
-            .unzip();
+        let measured = |runs: &[RunRecord]| -> Vec<(String, f64)> {
+            let of = |r: &RunRecord| Some((r.name.clone(), value(r).filter(|v| v.is_finite())?));
+            runs.iter().filter_map(of).collect()
+        };
+        let (runs, values): (Vec<String>, Vec<f64>) = measured(study.runs).into_iter().unzip();
+        let left_out: Vec<String> = measured(study.left_out).into_iter().map(|m| m.0).collect();
         let test = MeanTest::of(&values, CONFIDENCE);
-        let note = match values.len() {
+        let mut note = match values.len() {
+            0 if !left_out.is_empty() => "No valid run.",
             0 => "Not measured.",
             1 => "One configuration: no interval can be given.",
             2 => "Two configurations: the interval is t = 12.7 standard errors to either side.",
             _ => "",
-        };
+        }
+        .to_owned();
+        if !left_out.is_empty() {
+            let space = if note.is_empty() { "" } else { " " };
+            note += &format!("{space}Left out: {}.", left_out.join(", "));
+        }
         Self {
             name,
             unit: unit.to_owned(),
@@ -175,20 +190,25 @@ impl Quantity {
             interval: test.map(|t| Interval::new(t.mean - t.half_width, t.mean + t.half_width)),
             values,
             runs,
-            note: note.to_owned(),
+            left_out,
+            note,
         }
     }
 }
 
-/// The uncertainty of a study.
-pub fn uncertainty(study: &StudyView) -> Uncertainty {
+/// The uncertainty of a study, of the runs that count in means.
+pub fn uncertainty(all: &StudyView) -> Uncertainty {
+    let (counting, others) = all.split();
+    let study = &all.of_runs(&counting, &others);
     let mut quantities: Vec<Quantity> = study
         .falling_heights_mm()
         .into_iter()
         .map(|fh| {
             let name = format!("standing height from {} cm", number(fh / MM_IN_CM, 0));
-            let runs = study.configurations().filter_map(|c| study.pluviation(c, fh));
-            Quantity::of(name, "mm", Some(fh), runs.map(|r| (r, height_mm(r))))
+            let from = |r: &RunRecord| {
+                r.kind == RunKind::Pluviation && (r.falling_height_mm - fh).abs() < 0.5
+            };
+            Quantity::of(name, "mm", Some(fh), study, &|r| from(r).then(|| height_mm(r)))
         })
         .collect();
     type Of = fn(&RunRecord) -> Option<&Settlement>;
@@ -204,22 +224,20 @@ pub fn uncertainty(study: &StudyView) -> Uncertainty {
             };
             let first = if continuous { "after 5 s" } else { "after the first period" };
             let name = |what_of_it: &str| format!("{mode} vibration, {what}, {what_of_it}");
-            let values = |value: &dyn Fn(&Settlement) -> Option<f64>| {
-                let each = study.of_kind(kind).filter_map(|r| Some((r, value(settlement(r)?)?)));
-                each.collect::<Vec<_>>()
+            let mut add = |name: String, unit, value: &dyn Fn(&Settlement) -> Option<f64>| {
+                let of = |r: &RunRecord| value(settlement(r).filter(|_| r.kind == kind)?);
+                quantities.push(Quantity::of(name, unit, None, study, &of));
             };
-            quantities.push(Quantity::of(name(first), "mm", None, values(&early)));
-            let end = values(&|s| Some(s.final_mm));
-            quantities.push(Quantity::of(name("final"), "mm", None, end));
-            let share = values(&|s| Some(100.0 * early(s)? / s.final_mm));
-            quantities.push(Quantity::of(name(&format!("share {first}")), "%", None, share));
+            add(name(first), "mm", &early);
+            add(name("final"), "mm", &|s| Some(s.final_mm));
+            add(name(&format!("share {first}")), "%", &|s| Some(100.0 * early(s)? / s.final_mm));
         }
     }
     let laboratory = laboratory(&quantities);
     Uncertainty {
         confidence: CONFIDENCE,
         trend: trend(study),
-        settlements: MODES.iter().flat_map(|(kind, _)| study.of_kind(*kind)).map(settled).collect(),
+        settlements: MODES.iter().flat_map(|(kind, _)| all.of_kind(*kind)).map(settled).collect(),
         laboratory,
         quantities,
     }
@@ -244,6 +262,7 @@ fn settled(run: &RunRecord) -> SettledRun {
     let duration = shaken.next().zip(shaken.next_back()).map(|(first, last)| last - first);
     SettledRun {
         run: run.name.clone(),
+        left_out_of_means: s.why_left_out(),
         plate_mm: s.settlement_mm.as_ref().map(|s| s.final_mm),
         surface_mm: s.surface_settlement_mm.as_ref().map(|s| s.final_mm),
         creep_um_per_s: s.creep_um_per_s,
@@ -260,6 +279,7 @@ fn settled(run: &RunRecord) -> SettledRun {
 pub fn trend(study: &StudyView) -> Trend {
     let heights = study.falling_heights_mm();
     let mut configurations = Vec::new();
+    let mut left_out = Vec::new();
     let mut curves: Vec<Vec<(f64, f64)>> = Vec::new();
     for c in study.configurations() {
         let curve: Vec<(f64, f64)> = heights
@@ -271,6 +291,8 @@ pub fn trend(study: &StudyView) -> Trend {
         if curve.len() == heights.len() && curve.len() >= 2 {
             configurations.push(c);
             curves.push(curve);
+        } else if heights.iter().any(|fh| study.leaves_out_pluviation(c, *fh)) {
+            left_out.push(c);
         }
     }
     let slopes: Vec<f64> = curves.iter().filter_map(|c| least_squares_slope(c)).collect();
@@ -294,8 +316,21 @@ pub fn trend(study: &StudyView) -> Trend {
     let needed = test.filter(|t| t.count >= 3 && t.standard_deviation > 0.0);
     let configurations_needed =
         needed.and_then(|t| values_needed(t.mean / t.standard_deviation, CONFIDENCE, POWER));
-    let verdict = in_words(&slopes, slope.as_ref(), page.as_ref(), configurations_needed);
-    Trend { slopes_mm_per_cm: slopes, configurations, slope, page, configurations_needed, verdict }
+    let mut verdict = in_words(&slopes, slope.as_ref(), page.as_ref(), configurations_needed);
+    if !left_out.is_empty() {
+        let numbers: Vec<String> = left_out.iter().map(u32::to_string).collect();
+        verdict +=
+            &format!(" Left out, being not valid in part: configuration {}.", numbers.join(", "));
+    }
+    Trend {
+        slopes_mm_per_cm: slopes,
+        configurations,
+        left_out,
+        slope,
+        page,
+        configurations_needed,
+        verdict,
+    }
 }
 
 /// A p-value for readers.

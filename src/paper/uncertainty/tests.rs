@@ -12,7 +12,7 @@ fn near(what: &str, expected: f64, got: f64, tolerance: f64) {
 
 #[test]
 fn intervals_are_students_of_the_configurations() {
-    let runs = canned::runs();
+    let runs = canned::valid_runs();
     let found = uncertainty(&canned::study(&runs));
     // 16, 18, 20 mm: mean 18, s = 2, half width 4.30265 · 2/√3.
     let plate = found
@@ -36,7 +36,7 @@ fn intervals_are_students_of_the_configurations() {
 
 /// Canned heights with scatter on top; (configuration, height in cm) to mm.
 fn scattered(slope: f64, noise: impl Fn(u32, f64) -> f64) -> Vec<RunRecord> {
-    let mut runs = canned::runs();
+    let mut runs = canned::valid_runs();
     for run in &mut runs {
         let fh = run.falling_height_mm / MM_IN_CM;
         run.summary.standing_height_mm.mean_surface =
@@ -90,10 +90,44 @@ fn too_few_configurations_are_said_to_be_too_few() {
 
 #[test]
 fn what_the_laboratory_did_not_state_is_not_made_up() {
-    let runs = canned::runs();
+    let runs = canned::valid_runs();
     let found = uncertainty(&canned::study(&runs)).laboratory;
     let stated: Vec<bool> = found.iter().map(|l| l.stated_range.is_some()).collect();
     assert_eq!(stated, [false, true, false], "law: the text states one range only");
     assert_eq!(found[1].stated_range, Some(Interval::new(14.0, 19.61)));
     assert_eq!(found[1].ours, Some(Interval::new(16.0, 20.0)));
+}
+
+/// Law: intervals and slopes are of the runs that count; what is left out is named.
+#[test]
+fn what_is_not_valid_is_left_out_of_intervals_and_slopes() {
+    let of = |spoil: &dyn Fn(&mut RunRecord)| {
+        let mut runs = canned::valid_runs();
+        runs.iter_mut().for_each(spoil);
+        uncertainty(&canned::study(&runs))
+    };
+    let plate = |found: &Uncertainty| {
+        let of = |q: &&Quantity| q.name == "continuous vibration, plate, final";
+        found.quantities.iter().find(of).expect("the plate").clone()
+    };
+    let good = of(&|_| {});
+    assert_eq!(plate(&good).left_out, Vec::<String>::new(), "law: nothing is left out");
+    assert_eq!((plate(&good).mean, good.trend.left_out.len()), (Some(18.0), 0));
+    let spoil = |run: &mut RunRecord| {
+        if run.configuration == 3 {
+            run.summary.grains.missing = Some(500);
+        }
+    };
+    let found = of(&spoil);
+    assert_eq!(plate(&found).mean, Some(17.0), "law: 16 and 18 mm, not 20");
+    assert_eq!(plate(&found).left_out, ["vibration-continuous-c3"], "law: named");
+    assert_eq!((found.trend.configurations, found.trend.left_out), (vec![1, 2], vec![3]));
+    assert!(found.trend.verdict.contains("Left out"), "{}", found.trend.verdict);
+    let counting: Vec<bool> =
+        found.settlements.iter().map(|s| s.left_out_of_means.is_empty()).collect();
+    assert_eq!(counting.iter().filter(|c| **c).count(), 4, "law: six runs are shown, four count");
+    assert_eq!(found.laboratory[1].ours, Some(Interval::new(16.0, 18.0)), "law: the range, too");
+    let none = of(&|run| run.summary.valid = false);
+    assert_eq!((plate(&none).mean, plate(&none).left_out.len()), (None, 3), "nothing of nothing");
+    assert!(plate(&none).note.starts_with("No valid run."), "{}", plate(&none).note);
 }

@@ -18,8 +18,10 @@ const PIECES: usize = 60;
 /// [`ReportError::Figure`].
 pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, ReportError> {
     let (low, high) = (of.between.low, of.between.high);
-    let measured = of.runs.iter().filter_map(|r| Some((r.value, r.result?)));
+    let measured = of.runs.iter().filter_map(|r| Some((r.value, r.counted()?)));
     let points: Vec<(f64, f64)> = measured.collect();
+    let left_out = of.runs.iter().filter(|r| r.is_left_out());
+    let left_out: Vec<(f64, f64)> = left_out.filter_map(|r| Some((r.value, r.result?))).collect();
     let x = Axis::linear(&capital(of.unknown_in_words()), [low, high]);
     let identity: Vec<(f64, f64)> = match of.identity {
         Some(_) => (0..=PIECES)
@@ -28,7 +30,7 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
             .collect(),
         None => Vec::new(),
     };
-    let results = points.iter().chain(&identity).map(|p| p.1).chain([of.wanted]);
+    let results = points.iter().chain(&left_out).chain(&identity).map(|p| p.1).chain([of.wanted]);
     let y = Axis::linear(&name_of_result(of), results);
     let mut plot = Plot::new(x, y);
     let wanted = crate::paper::text::compact(of.wanted);
@@ -50,17 +52,15 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
         }
     };
     add("Angle of friction, atan μ", curve(2, Some(style::DASHED), None), identity);
-    add(
-        "Single runs",
-        Look {
-            colour: style::LIMIT,
-            line: None,
-            width: style::THIN,
-            marker: Some(Marker::Ring),
-            marker_spacing: None,
-        },
-        points,
-    );
+    let ring = Look {
+        colour: style::LIMIT,
+        line: None,
+        width: style::THIN,
+        marker: Some(Marker::Ring),
+        marker_spacing: None,
+    };
+    add("Single runs", ring, points);
+    add("Left out", Look { marker: Some(Marker::Cross), ..ring }, left_out);
     let means: Vec<(f64, f64)> =
         of.values.iter().filter_map(|v| Some((v.value, v.mean?))).collect();
     add("Means", curve(0, None, Some(Marker::Disc)), means);
@@ -87,7 +87,8 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
             add(label, look, vec![(solution.value, of.wanted)]);
         }
     }
-    let mut table = Table::new(&["value", "configuration", "result", "mean", "in_fit"]);
+    let mut table =
+        Table::new(&["value", "configuration", "result", "mean", "in_fit", "left_out_of_means"]);
     for run in &of.runs {
         let value = of.values.iter().find(|v| v.value == run.value);
         table.row([
@@ -96,6 +97,7 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
             cell(run.result),
             cell(value.and_then(|v| v.mean)),
             value.is_some_and(|v| v.in_fit).to_string(),
+            run.left_out_of_means.clone().unwrap_or_default(),
         ]);
     }
     let title =
@@ -106,7 +108,7 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
         ""
     };
     let caption = format!(
-        "Every run as a ring, means as discs, the line through the values nearest to the solution. \
+        "Every run as a ring, a cross where it is left out, means as discs, the line through the values nearest to the solution. \
          The same configurations stand at every value.{identity} {}.",
         capital(&of.statement)
     );

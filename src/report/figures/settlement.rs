@@ -3,7 +3,7 @@
 use super::{Figure, Table, cell};
 use crate::{
     paper::{Interval, StudyView, bands, settlement_curve, text::number},
-    record::{RunKind, RunRecord},
+    record::{NO_VALID_RUN, RunKind, RunRecord, left_out_in_words},
     report::{
         ReportError,
         axis::Axis,
@@ -125,7 +125,8 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
             ..look
         };
         plot.series.push(Series { label: String::new(), look: thin, points: surface.clone() });
-        let label = format!("Configuration {}, plate", run.configuration);
+        let mark = if run.counts_in_means() { "" } else { " (not valid)" };
+        let label = format!("Configuration {}, plate{mark}", run.configuration);
         plot.series.push(Series { label, look, points: plate.clone() });
         let start = run
             .series
@@ -162,8 +163,13 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
 
 /// The final settlements in a sentence.
 fn finals(runs: &[&RunRecord]) -> String {
+    let left_out = runs.iter().filter(|r| !r.counts_in_means()).count();
+    let said = match left_out_in_words(left_out, runs.len()) {
+        said if said.is_empty() => said,
+        said => format!(" {said} and from these numbers, not being valid or short of grains."),
+    };
     let of = |plate: bool| {
-        let values = runs.iter().filter_map(|r| {
+        let values = runs.iter().filter(|r| r.counts_in_means()).filter_map(|r| {
             let s = &r.summary;
             let s = if plate { &s.settlement_mm } else { &s.surface_settlement_mm };
             s.as_ref().map(|s| s.final_mm)
@@ -175,10 +181,11 @@ fn finals(runs: &[&RunRecord]) -> String {
     };
     match (of(true), of(false)) {
         (Some(plate), Some(surface)) => {
-            format!("Final settlement of the plate: {plate}; of the mean surface: {surface}.")
+            format!("Final settlement of the plate: {plate}; of the mean surface: {surface}.{said}")
         }
-        (Some(plate), None) => format!("Final settlement of the plate: {plate}."),
-        (None, Some(surface)) => format!("Final settlement of the mean surface: {surface}."),
+        (Some(plate), None) => format!("Final settlement of the plate: {plate}.{said}"),
+        (None, Some(surface)) => format!("Final settlement of the mean surface: {surface}.{said}"),
+        (None, None) if left_out > 0 => format!("There is {NO_VALID_RUN}."),
         (None, None) => "No such run was done.".to_owned(),
     }
 }

@@ -3,7 +3,7 @@
 use super::{Figure, Table, cell};
 use crate::{
     paper::{Interval, StudyView, text::number},
-    record::{RunKind, RunRecord},
+    record::{NO_VALID_RUN, RunKind, RunRecord, left_out_in_words},
     report::{
         ReportError,
         axis::Axis,
@@ -34,6 +34,7 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
         "p95_mm",
         "highest_mm",
         "void_ratio",
+        "left_out_of_means",
     ]);
     let mut configurations: Vec<u32> = runs.iter().map(|r| r.configuration).collect();
     configurations.sort_unstable();
@@ -54,7 +55,9 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
         };
         let thin = Look { line: Some(style::DASHED), width: style::THIN, ..look };
         plot.series.push(Series { label: String::new(), look: thin, points: points(&p95) });
-        let label = format!("Configuration {configuration}");
+        let some_left_out = of.iter().any(|r| !r.counts_in_means());
+        let mark = if some_left_out { ", not valid in part" } else { "" };
+        let label = format!("Configuration {configuration}{mark}");
         plot.series.push(Series { label, look, points: points(&mean) });
         for r in of {
             let h = &r.summary.standing_height_mm;
@@ -66,6 +69,7 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
                 cell(h.p95),
                 cell(h.highest),
                 cell(r.summary.void_ratio),
+                r.summary.why_left_out().join("; "),
             ]);
         }
     }
@@ -82,12 +86,19 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
             points: Vec::new(),
         });
     }
-    let range = match Interval::of(runs.iter().map(|r| mean(r))) {
+    let counting = runs.iter().filter(|r| r.counts_in_means());
+    let left_out = runs.iter().filter(|r| !r.counts_in_means()).count();
+    let said = match left_out_in_words(left_out, runs.len()) {
+        said if said.is_empty() => said,
+        said => format!(" {said} and from this range, not being valid or short of grains."),
+    };
+    let range = match Interval::of(counting.map(|r| mean(r))) {
         Some(i) => format!(
-            "The simulated mean surfaces lie between {} and {} mm.",
+            "The simulated mean surfaces lie between {} and {} mm.{said}",
             number(i.low, 1),
             number(i.high, 1)
         ),
+        None if left_out > 0 => format!("There is {NO_VALID_RUN}."),
         None => "No pluviation run was done.".to_owned(),
     };
     let caption = format!(

@@ -4,7 +4,7 @@ use super::{Figure, Table, cell};
 use crate::{
     measure::statistics::mean,
     report::{
-        MAIN_OUTCOMES, OUTCOMES, ReportError, Sweep, SweepEffect, SweepFactor,
+        MAIN_OUTCOMES, OUTCOMES, ReportError, Sweep, SweepEffect, SweepFactor, SweepRun,
         axis::Axis,
         plot::{Look, Plot, Series, stacked},
         style::{self, Dash, Marker},
@@ -92,12 +92,15 @@ fn effect_figure(
                     p.values.iter().zip(base).enumerate().all(|(k, (v, b))| k == n || v == b)
                 })
         };
-        let runs: Vec<(f64, f64)> = of
-            .runs
-            .iter()
-            .filter(|r| shown_here(&r.point))
-            .filter_map(|r| Some((factor.number(&r.values[n]), *r.outcomes.get(&effect.outcome)?)))
-            .collect();
+        let shown_runs = |counting: bool| -> Vec<(f64, f64)> {
+            let here = of.runs.iter().filter(|r| shown_here(&r.point));
+            let these = here.filter(|r| r.counts_in_means() == counting);
+            let at = |r: &SweepRun| {
+                Some((factor.number(&r.values[n]), *r.outcomes.get(&effect.outcome)?))
+            };
+            these.filter_map(at).collect()
+        };
+        let (runs, left_out) = (shown_runs(true), shown_runs(false));
         let means: Vec<(f64, f64)> =
             effect.means.iter().map(|(v, e)| (factor.number(v), e.mean)).collect();
         let bars: Vec<[(f64, f64); 2]> = effect
@@ -108,7 +111,8 @@ fn effect_figure(
                 Some([(at, e.t_low?), (at, e.t_high?)])
             })
             .collect();
-        let all = runs.iter().chain(&means).chain(bars.iter().flatten()).map(|p| p.1);
+        let all =
+            runs.iter().chain(&left_out).chain(&means).chain(bars.iter().flatten()).map(|p| p.1);
         let mut plot = Plot::new(
             axis(factor),
             Axis::linear(crate::report::sweep::in_words(&effect.outcome), all),
@@ -124,6 +128,8 @@ fn effect_figure(
         let ring =
             Look { colour: style::LIMIT, width: style::THIN, ..look(0, None, Some(Marker::Ring)) };
         add(label("Single runs"), ring, runs);
+        let cross = Look { marker: Some(Marker::Cross), ..ring };
+        add(label("Left out of the means"), cross, left_out);
         for bar in bars {
             add(String::new(), look(0, Some(style::SOLID), None), bar.to_vec());
         }
@@ -142,11 +148,12 @@ fn effect_figure(
         panels.push(plot.svg().map_err(&fail)?);
     }
     let caption = if factor.sampled {
-        "Every run at the value that was drawn; all other ranges were drawn from as well."
+        "Every run at the value that was drawn; all other ranges were drawn from as well. Crosses: runs \
+         left out of the effects, not being valid or short of grains."
             .to_owned()
     } else {
         format!(
-            "Rings: every run. Discs: means over {} configurations{}, with the 95 % confidence of the \
+            "Rings: every run; crosses: runs left out of the means, not being valid or short of grains. Discs: means over {} configurations{}, with the 95 % confidence of the \
              mean by Student's t.",
             of.configurations,
             if of.design == "grid" { " and over all values of the other factors" } else { "" }

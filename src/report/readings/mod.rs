@@ -90,6 +90,11 @@ impl ReadingRun {
         }
     }
 
+    /// Whether the run counts in means.
+    pub fn counts_in_means(&self) -> bool {
+        self.summary.counts_in_means()
+    }
+
     /// Whether any grain is left in the cylinder.
     pub fn has_grains(&self) -> bool {
         self.summary.grains.in_cylinder > 0
@@ -102,10 +107,35 @@ impl ReadingColumn {
         self.runs.iter().filter(move |r| r.kind == kind && r.has_grains())
     }
 
+    /// Of runs those that count in means; where none does, all of them, which are then to be
+    /// marked: valid runs and others never stand in one mean.
+    pub(super) fn never_mixed<'a>(
+        runs: impl Iterator<Item = &'a ReadingRun>,
+    ) -> (Vec<&'a ReadingRun>, LeftOut) {
+        let all: Vec<&ReadingRun> = runs.collect();
+        let counting: Vec<&ReadingRun> =
+            all.iter().copied().filter(|r| r.counts_in_means()).collect();
+        let left_out = all.len() - counting.len();
+        if counting.is_empty() {
+            (all, LeftOut { runs: left_out, all: left_out > 0 })
+        } else {
+            (counting, LeftOut { runs: left_out, all: false })
+        }
+    }
+
     /// The runs that lost every grain.
     pub(super) fn emptied(&self) -> impl Iterator<Item = &ReadingRun> {
         self.runs.iter().filter(|r| !r.has_grains())
     }
+}
+
+/// What does not count of the runs behind a number.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct LeftOut {
+    /// How many runs do not count.
+    pub(super) runs: usize,
+    /// Whether none counts, so that the number is theirs.
+    pub(super) all: bool,
 }
 
 /// `readings.json`.
@@ -128,6 +158,7 @@ struct About<'a> {
     runs_planned: usize,
     runs_done: usize,
     runs_meeting_standard: usize,
+    runs_left_out_of_means: usize,
     failures: &'a [ReadingFailure],
     warnings: &'a [String],
 }
@@ -162,6 +193,7 @@ pub fn write_readings(
             runs_planned: c.planned_runs,
             runs_done: c.runs.len(),
             runs_meeting_standard: about(c),
+            runs_left_out_of_means: c.runs.iter().filter(|r| !r.counts_in_means()).count(),
             failures: &c.failures,
             warnings: &c.warnings,
         })

@@ -7,6 +7,7 @@ use maud::{DOCTYPE, Markup, html};
 use super::{ReadingCell, ReadingColumn, ReadingRow, table::decimals};
 use crate::{
     paper::{Verdict, text::number},
+    record::left_out_in_words,
     report::{
         Figure, Standard,
         html::{figure_block, glue, head},
@@ -20,7 +21,12 @@ fn belief(c: &ReadingColumn, standard: Standard) -> String {
         return "No run could be carried out.".to_owned();
     }
     if met == c.runs.len() {
-        return format!("All {met} runs meet the accuracy standard.");
+        let left_out = c.runs.iter().filter(|r| !r.counts_in_means()).count();
+        let said = match left_out_in_words(left_out, c.runs.len()) {
+            said if said.is_empty() => said,
+            said => format!(" {said}."),
+        };
+        return format!("All {met} runs meet the accuracy standard.{said}");
     }
     let worst = |value: &dyn Fn(&super::ReadingRun) -> f64| {
         c.runs.iter().map(value).filter(|v| v.is_finite()).fold(0.0, f64::max)
@@ -44,7 +50,7 @@ fn mark(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Within => "✓",
         Verdict::Outside => "✗",
-        Verdict::NotStated => "",
+        Verdict::NotStated | Verdict::NotComparable => "",
     }
 }
 
@@ -53,7 +59,8 @@ fn how_read(columns: &[ReadingColumn]) -> String {
     format!(
         "Every column is the same programme with the same grains under another reading of the paper, \
          in {configurations} {}. A cell is the mean over the runs that have it, with the smallest \
-         and the largest in brackets. ✓ and ✗: the paper's statement is met, or it is not.",
+         and the largest in brackets. Runs that are not valid, or short of grains, are left out of it, and counted; where \
+         no run is valid, the mean is of those that are not, and marked “not valid”: the two never stand in one mean. ✓ and ✗: the paper's statement is met, or it is not.",
         if configurations == 1 { "configuration" } else { "configurations" }
     )
 }
@@ -94,8 +101,10 @@ pub(super) fn markdown(
             .cells
             .iter()
             .map(|cell| {
-                let mark = cell.verdict.filter(|_| cell.value.is_some()).map_or("", mark);
-                safe(format!("{} {mark}", cell.text(decimals(&row.unit))).trim_end())
+                let verdict = cell.verdict.filter(|_| cell.value.is_some()).map_or("", mark);
+                let mind = cell.mark();
+                let mind = if mind.is_empty() { mind } else { format!("({mind}) ") };
+                safe(format!("{} {mind}{verdict}", cell.text(decimals(&row.unit))).trim_end())
             })
             .collect();
         let _ = writeln!(
@@ -206,7 +215,8 @@ fn cell_of(row: &ReadingRow, cell: &ReadingCell) -> Markup {
     html! {
         td.n {
             (alone.text(decimals))
-            @if let Some(verdict) = cell.verdict.filter(|v| *v != Verdict::NotStated) {
+            @if let Some(verdict) =
+                cell.verdict.filter(|v| matches!(v, Verdict::Within | Verdict::Outside)) {
                 @let class = if verdict == Verdict::Within { "within" } else { "outside" };
                 @if cell.value.is_some() { " " span.verdict.(class) { (mark(verdict)) } }
             }
@@ -214,6 +224,9 @@ fn cell_of(row: &ReadingRow, cell: &ReadingCell) -> Markup {
                 @let shown = |v: f64| ReadingCell { value: Some(v), ..ReadingCell::default() }.text(decimals);
                 br; span.soft { "[" (shown(s.low)) " … " (shown(s.high)) "]" }
             }
+            @let mind = cell.mark();
+            @if cell.not_valid { br; span.verdict.outside { (mind) } }
+            @else if !mind.is_empty() { br; span.soft { (mind) } }
         }
     }
 }

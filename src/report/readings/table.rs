@@ -9,7 +9,7 @@ use crate::{
         Interval, PaperValue, Verdict, constants,
         text::{compact, number},
     },
-    record::{RunKind, Settlement},
+    record::{NO_VALID_RUN, RunKind, Settlement},
 };
 
 /// A row of the table.
@@ -30,7 +30,8 @@ pub struct ReadingRow {
 /// A cell of the table.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ReadingCell {
-    /// Mean over the runs, where it is a number.
+    /// Mean over the runs that count in means, where it is a number; where none counts, over
+    /// those that do not, and `not_valid` says so.
     pub value: Option<f64>,
     /// Smallest and largest, where several make it.
     pub spread: Option<Interval>,
@@ -38,11 +39,26 @@ pub struct ReadingCell {
     pub words: String,
     /// Whether a claim is met.
     pub verdict: Option<Verdict>,
+    /// Runs that have it and do not count in means.
+    pub left_out: usize,
+    /// Whether the number is of runs that do not count, there being no other.
+    pub not_valid: bool,
 }
 
 impl ReadingCell {
     fn words(words: impl Into<String>) -> Self {
         Self { words: words.into(), ..Self::default() }
+    }
+
+    /// Mean and range of a value over runs, valid ones and others never in one.
+    fn of_runs<'a>(
+        runs: impl Iterator<Item = &'a ReadingRun>,
+        value: impl Fn(&ReadingRun) -> Option<f64>,
+    ) -> Self {
+        let finite = |r: &ReadingRun| value(r).filter(|v| v.is_finite());
+        let (shown, left_out) = ReadingColumn::never_mixed(runs.filter(|r| finite(r).is_some()));
+        let of = Self::of(shown.into_iter().filter_map(finite));
+        Self { left_out: left_out.runs, not_valid: left_out.all, ..of }
     }
 
     /// Mean and range of numbers.
@@ -62,6 +78,15 @@ impl ReadingCell {
             (Some(v), Some(s)) => format!("{} [{} … {}]", shown(v), shown(s.low), shown(s.high)),
         }
     }
+
+    /// What is to be minded of the runs behind the number; empty where nothing is.
+    pub(super) fn mark(&self) -> String {
+        match (self.value, self.not_valid, self.left_out) {
+            (Some(_), true, _) => "not valid".to_owned(),
+            (Some(_), false, n) if n > 0 => format!("{n} left out"),
+            _ => String::new(),
+        }
+    }
 }
 
 /// Decimals in which a unit's numbers are shown; four digits that count elsewhere.
@@ -79,6 +104,8 @@ const FIGURE_7: &str = "Figure 7: standing height, mean surface";
 const FIGURE_9: &str = "Figure 9: continuous vibration";
 const FIGURE_10: &str = "Figure 10: intermittent vibration";
 const TRUST: &str = "Whether it can be believed";
+/// The one result among what tells whether a reading can be believed.
+const VOID_RATIO: &str = "void ratio after pouring";
 const CLAIMS: &str = "The paper's statements";
 
 /// Every row of the table.
@@ -112,11 +139,8 @@ pub(super) fn rows(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
         let quantity = format!("from {} cm", number(fh / 10.0, 0));
         rows.push(row(FIGURE_7, &quantity, "mm", "", &|c| {
             let poured = c.of_kind(RunKind::Pluviation);
-            ReadingCell::of(
-                poured
-                    .filter(|r| (r.falling_height_mm - fh).abs() < 0.5)
-                    .map(|r| r.summary.standing_height_mm.mean_surface),
-            )
+            let from = poured.filter(|r| (r.falling_height_mm - fh).abs() < 0.5);
+            ReadingCell::of_runs(from, |r| Some(r.summary.standing_height_mm.mean_surface))
         }));
     }
     type Of = fn(&ReadingRun) -> Option<&Settlement>;
@@ -136,7 +160,7 @@ pub(super) fn rows(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
             let plate = what == "plate";
             let stated = |text: &str| if plate { text.to_owned() } else { String::new() };
             let cell = |c: &ReadingColumn, value: &dyn Fn(&Settlement) -> Option<f64>| {
-                ReadingCell::of(c.of_kind(kind).filter_map(|r| value(settlement(r)?)))
+                ReadingCell::of_runs(c.of_kind(kind), |r| value(settlement(r)?))
             };
             rows.push(row(part, &format!("{what}, {first}"), "mm", "", &|c| cell(c, &early)));
             let lab = if continuous { stated("14 to 19.61") } else { String::new() };
@@ -170,9 +194,7 @@ fn trust(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
         ("overlap of grains, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent)),
         ("largest overlap", "mm", |r| Some(r.summary.overlap.max_mm)),
         ("creep at rest, unshaken", "µm/s", |r| r.summary.creep_um_per_s),
-        ("void ratio after pouring", "", |r| {
-            r.summary.void_ratio.filter(|_| r.kind == RunKind::Pluviation)
-        }),
+        (VOID_RATIO, "", |r| r.summary.void_ratio.filter(|_| r.kind == RunKind::Pluviation)),
         ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64)),
         ("grains through walls or floor", "", |r| Some(r.summary.grains.escaped as f64)),
         ("grains over the rim", "", |r| Some(r.summary.grains.spilled as f64)),
@@ -185,10 +207,13 @@ fn trust(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
             quantity: quantity.to_owned(),
             unit: unit.to_owned(),
             paper: String::new(),
-            // Also of runs that lost every grain: that is what is to be seen.
             cells: columns
                 .iter()
-                .map(|c| ReadingCell::of(c.runs.iter().filter_map(value)))
+                .map(|c| match quantity {
+                    VOID_RATIO => ReadingCell::of_runs(c.runs.iter(), value),
+                    // Of all runs, by which they are judged, also of those that lost every grain.
+                    _ => ReadingCell::of(c.runs.iter().filter_map(value)),
+                })
                 .collect(),
         })
         .collect();
@@ -202,6 +227,19 @@ fn trust(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
             .map(|c| {
                 let met = c.runs.iter().filter(|r| r.summary.meets_standard).count();
                 ReadingCell::words(format!("{met} of {}", c.runs.len()))
+            })
+            .collect(),
+    });
+    rows.push(ReadingRow {
+        part: TRUST.to_owned(),
+        quantity: "runs left out of means, not being valid or short of grains".to_owned(),
+        unit: String::new(),
+        paper: String::new(),
+        cells: columns
+            .iter()
+            .map(|c| {
+                let left_out = c.runs.iter().filter(|r| !r.counts_in_means()).count();
+                ReadingCell::words(format!("{left_out} of {}", c.runs.len()))
             })
             .collect(),
     });
@@ -221,11 +259,14 @@ fn claims(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
             let Some(own) = c.claims.iter().find(|other| other.id == claim.id) else {
                 return ReadingCell::default();
             };
+            let spread = own.not_valid.map_or(own.spread, |n| n.spread);
             ReadingCell {
-                value: own.ours,
-                spread: own.spread.filter(|s| s.high > s.low),
-                words: "not run".to_owned(),
+                value: own.ours.or(own.not_valid.map(|n| n.value)),
+                spread: spread.filter(|s| s.high > s.low),
+                words: if own.left_out.is_empty() { "not run" } else { NO_VALID_RUN }.to_owned(),
                 verdict: Some(own.verdict),
+                left_out: own.left_out.len(),
+                not_valid: own.not_valid.is_some(),
             }
         };
         rows.push(ReadingRow {
@@ -243,15 +284,16 @@ fn claims(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
     let tally = |c: &ReadingColumn| {
         let count = |v| c.claims.iter().filter(|claim| claim.verdict == v).count();
         ReadingCell::words(format!(
-            "{} / {} / {}",
+            "{} / {} / {} / {}",
             count(Verdict::Within),
             count(Verdict::Outside),
-            count(Verdict::NotStated)
+            count(Verdict::NotStated),
+            count(Verdict::NotComparable)
         ))
     };
     rows.push(ReadingRow {
         part: CLAIMS.to_owned(),
-        quantity: "statements within / outside or not run / not stated".to_owned(),
+        quantity: "statements within / outside or not run / not stated / not comparable".to_owned(),
         unit: String::new(),
         paper: String::new(),
         cells: columns.iter().map(tally).collect(),

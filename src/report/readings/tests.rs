@@ -8,7 +8,7 @@ const STANDARD: Standard =
 
 /// A reading of canned runs, changed.
 pub(super) fn column(name: &str, change: impl Fn(&mut Vec<RunRecord>)) -> ReadingColumn {
-    let mut runs = canned::runs();
+    let mut runs = canned::valid_runs();
     change(&mut runs);
     let claims = claims(&canned::study(&runs));
     ReadingColumn {
@@ -43,6 +43,7 @@ fn columns() -> Vec<ReadingColumn> {
         for run in runs {
             run.summary.standing_height_mm.mean_surface += 10.0;
             run.summary.overlap.mean_percent = 7.0;
+            (run.summary.meets_standard, run.summary.valid) = (false, false);
         }
     });
     vec![column("plain", |_| {}), higher, failed, emptied]
@@ -120,4 +121,73 @@ fn a_column_comes_back_from_its_file() {
         let back: ReadingColumn = serde_json::from_str(&text).expect("it can be read");
         assert_eq!(back, column, "law: a column comes back as it was written");
     }
+}
+
+/// Law: valid runs and others never stand in one mean; where no run is valid the number is
+/// shown and marked, in the table, on both pages and in the figures.
+#[test]
+fn what_is_not_valid_is_marked_and_never_mixed() {
+    let spoilt = |name: &str, which: &[u32]| {
+        column(name, |runs| {
+            for run in runs.iter_mut().filter(|r| which.contains(&r.configuration)) {
+                let s = &mut run.summary;
+                (s.meets_standard, s.valid) = (false, false);
+                s.standing_height_mm.mean_surface += 50.0;
+                for point in &mut run.series {
+                    point.settlement_mm = point.settlement_mm.map(|mm| mm + 50.0);
+                }
+            }
+        })
+    };
+    let columns = [spoilt("good", &[]), spoilt("mixed", &[3]), spoilt("stock", &[1, 2, 3])];
+    let rows = table::rows(&columns);
+    let row = |quantity: &str| {
+        rows.iter().find(|r| r.quantity == quantity).unwrap_or_else(|| panic!("{quantity}"))
+    };
+    // 163 + 0.9 c mm from 0 cm, c from 1 to 3; 50 mm more where it is not valid.
+    let heights = row("from 0 cm");
+    for (cell, expected, left_out, not_valid) in [
+        (&heights.cells[0], 164.8, 0, false),
+        (&heights.cells[1], 164.35, 1, false),
+        (&heights.cells[2], 214.8, 3, true),
+    ] {
+        let got = cell.value.expect("a height");
+        assert!((got - expected).abs() < 1e-9, "law: the mean is {expected} mm, got {got} mm");
+        assert_eq!((cell.left_out, cell.not_valid), (left_out, not_valid), "law: {cell:?}");
+    }
+    let last = "After 20 s of continuous vibration the top plate has settled by 14 to 19.61 mm \
+                (configuration 1)";
+    let claim = &row(last).cells;
+    assert_eq!((claim[1].value, claim[1].not_valid), (Some(16.0), false), "law: it is valid");
+    assert_eq!((claim[2].value, claim[2].not_valid), (Some(16.0), true), "law: shown, marked");
+    assert_eq!(claim[2].verdict, Some(crate::paper::Verdict::NotComparable));
+    let left_out = row("runs left out of means, not being valid or short of grains");
+    let words: Vec<&str> = left_out.cells.iter().map(|c| c.words.as_str()).collect();
+    assert_eq!(words, ["0 of 18", "6 of 18", "18 of 18"]);
+    // Overlap and creep, by which runs are judged, are of all.
+    assert_eq!(row("creep at rest, unshaken").cells[1].left_out, 0);
+
+    let out = tempfile::tempdir().expect("a folder");
+    write_readings(out.path(), &columns, STANDARD).expect("written");
+    let read = |name: &str| std::fs::read_to_string(out.path().join(name)).expect(name);
+    let line = read("readings.md");
+    let line = line.lines().find(|l| l.starts_with("| from 0 cm")).expect("a row").to_owned();
+    let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+    assert!(!cells[3].contains('('), "law: nothing to mind: {line}");
+    assert!(cells[4].ends_with("(1 left out)"), "law: counted: {line}");
+    assert!(cells[5].ends_with("(not valid)"), "law: marked: {line}");
+    assert!(read("readings.html").contains("not valid"), "law: the page, too");
+    let figure = read("figures/readings-standing-height.csv");
+    let of = |name: &str| {
+        let row = figure.lines().find(|l| l.starts_with(name)).expect("a row");
+        row.split(',').map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(of("mixed,")[1], "2", "law: two runs make the point: {figure}");
+    assert_eq!((of("mixed,")[4].as_str(), of("stock,")[4].as_str()), ("true", "false"), "{figure}");
+    assert!(read("figures/readings-standing-height.svg").contains("stock (not valid)"));
+    // Curves end where the valid runs end: 16 and 18 mm, not 70.
+    let curve = read("figures/readings-continuous-plate.csv");
+    let end = curve.lines().filter(|l| l.starts_with("mixed,")).next_back().expect("rows");
+    let depth: f64 = end.split(',').nth(2).and_then(|v| v.parse().ok()).expect("a number");
+    assert!((depth - 17.0).abs() < 1.0, "law: the mean of 16 and 18 mm, got {end}");
 }

@@ -41,11 +41,11 @@ impl Kept {
         of.map(|r| r.configuration).max().unwrap_or(0)
     }
 
-    /// Results of a value, by configuration.
+    /// Results of a value that count, by configuration: everything that follows rests on these.
     pub fn at(&self, value: f64) -> Vec<(u32, f64)> {
         let of = self.runs.iter().filter(|r| r.value == value);
         let mut found: Vec<(u32, f64)> =
-            of.filter_map(|r| Some((r.configuration, r.result?))).collect();
+            of.filter_map(|r| Some((r.configuration, r.counted()?))).collect();
         found.sort_by_key(|(configuration, _)| *configuration);
         found
     }
@@ -60,7 +60,7 @@ impl Kept {
         mean(&self.results(value))
     }
 
-    /// Values of which at least two runs, and no less than half, have results:
+    /// Values of which at least two runs, and no less than half, have results that count:
     /// what is known of the others is too little to build on.
     pub fn usable(&self) -> Vec<f64> {
         let usable = |value: &f64| {
@@ -184,12 +184,13 @@ impl Kept {
     pub fn table(&self, in_fit: &[f64]) -> Vec<CalibrationValue> {
         let row = |value: f64| {
             let results = self.results(value);
-            let runs = self.runs.iter().filter(|r| r.value == value).count();
+            let of: Vec<&CalibrationRun> = self.runs.iter().filter(|r| r.value == value).collect();
             let test = MeanTest::of(&results, CONFIDENCE);
             CalibrationValue {
                 value,
-                runs,
-                failed: runs - results.len(),
+                runs: of.len(),
+                failed: of.iter().filter(|r| r.result.is_none()).count(),
+                left_out: of.iter().filter(|r| r.is_left_out()).count(),
                 mean: mean(&results),
                 standard_deviation: test.map(|t| t.standard_deviation),
                 half_width_95: test.map(|t| t.half_width),

@@ -90,6 +90,14 @@ impl<'a> CalibrationStudy<'a> {
                 LEAST_RUNS_A_REPLICATE * replicates
             )));
         }
+        if scenario.control_s <= 0.0 {
+            return Err(StudyError::Scenario(format!(
+                "{}: control_s is {}: without a rest test no run is valid, and only valid runs count in \
+                 a calibration; it must be above 0",
+                options.scenario.display(),
+                scenario.control_s
+            )));
+        }
         let identity =
             options.target.field() == ANGLE_OF_REPOSE && options.unknown == GRAIN_FRICTION;
         let question = Question {
@@ -206,7 +214,9 @@ impl<'a> CalibrationStudy<'a> {
         let run = CalibrationRun {
             left_in_funnel: summary.pointer("/grains/left_in_funnel").and_then(Value::as_u64),
             escaped: summary.pointer("/grains/escaped").and_then(Value::as_u64),
-            meets_standard: summary.get("meets_standard").and_then(Value::as_bool),
+            meets_standard: row.meets_standard,
+            valid: row.valid,
+            left_out_of_means: row.why_left_out(),
             wall_s: summary.get("wall_s").and_then(Value::as_f64),
             ..run
         };
@@ -224,7 +234,11 @@ impl<'a> CalibrationStudy<'a> {
     fn tell(&self, run: &CalibrationRun) {
         let unit = self.options.target.unit();
         let result = match (&run.result, &run.failure) {
-            (Some(result), _) => report::with_unit(&crate::paper::text::compact(*result), unit),
+            (Some(result), _) => {
+                let number = report::with_unit(&crate::paper::text::compact(*result), unit);
+                let left_out = run.left_out_of_means.as_ref();
+                left_out.map_or(number.clone(), |why| format!("{number}, left out: {why}"))
+            }
             (None, why) => format!("no result: {}", why.as_deref().unwrap_or("unknown")),
         };
         let name = report::unknown_in_words(&self.options.unknown);

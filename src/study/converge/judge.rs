@@ -130,15 +130,25 @@ fn judged(row: ConvergenceRow, standard: &Standard) -> ConvergenceRow {
         (v.overlap_p99_percent, standard.overlap_p99_percent),
         (v.creep_um_per_s, standard.creep_um_per_s),
     ];
-    let shares: Option<Vec<f64>> = quality
+    let shares: Vec<Option<f64>> = quality
         .iter()
         .map(|(value, limit)| value.map(|e| e.mean / limit))
         .chain(deviations.iter().map(|d| d.percent.map(|p| p.mean.abs() / d.limit_percent)))
         .collect();
-    let error_over_limit = shares.map(|s| s.into_iter().fold(0.0, f64::max));
+    // Of what misses by one of them the others need not be known.
+    let largest = shares.iter().flatten().copied().fold(0.0, f64::max);
+    let known = shares.iter().all(Option::is_some) || largest > 1.0;
+    let error_over_limit = known.then_some(largest);
     let good = quality.iter().map(|(value, limit)| value.map(|e| e.mean < *limit));
-    let passed: Option<Vec<bool>> = good.chain(deviations.iter().map(|d| d.within)).collect();
-    let meets = if v.failed > 0 { Some(false) } else { passed.map(|p| p.into_iter().all(|p| p)) };
+    let passed: Vec<Option<bool>> = good.chain(deviations.iter().map(|d| d.within)).collect();
+    // A setting does not pass by what is left out of its means: overlap and creep are of all
+    // its runs, and one in which a run-time check found something counts as one that failed.
+    let spoilt = v.failed > 0 || v.meeting_standard > v.valid;
+    let meets = if spoilt || passed.contains(&Some(false)) {
+        Some(false)
+    } else {
+        passed.into_iter().collect::<Option<Vec<bool>>>().map(|_| true)
+    };
     let open: Option<Vec<bool>> = deviations.iter().map(|d| d.open).collect();
     let open = open.map(|o| o.into_iter().any(|o| o));
     ConvergenceRow { error_over_limit, meets, open, ..row }
@@ -161,6 +171,7 @@ pub(super) fn cheapest(rows: &[ConvergenceRow], standard: &Standard) -> Cheapest
         not_shown_to_miss: pick(&|r| {
             let v = &r.result;
             v.failed == 0
+                && v.meeting_standard == v.valid
                 && below(v.overlap_mean_percent, standard.overlap_mean_percent)
                 && below(v.overlap_p99_percent, standard.overlap_p99_percent)
                 && below(v.creep_um_per_s, standard.creep_um_per_s)

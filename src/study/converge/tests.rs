@@ -29,6 +29,8 @@ fn run(variation: &str, configuration: u32, height: f64, cost: f64) -> RunRow {
         overlap_mean_percent: Some(0.2),
         overlap_p99_percent: Some(1.0),
         creep_um_per_s: Some(-1.0),
+        meets_standard: Some(true),
+        valid: Some(true),
         wall_s_per_simulated_s: Some(cost),
         // Variations are different scenarios.
         experiment: variation.to_owned(),
@@ -152,7 +154,9 @@ fn overlap_creep_and_failure_each_spoil_a_setting() {
 #[test]
 fn what_is_not_known_is_no_pass() {
     let mut coarse = three("coarse", 160.0, 1.0);
-    coarse.iter_mut().for_each(|r| r.creep_um_per_s = None);
+    for row in &mut coarse {
+        (row.creep_um_per_s, row.meets_standard, row.valid) = (None, Some(false), Some(false));
+    }
     let runs = [coarse, three("fine", 160.0, 4.0)].concat();
     let rows = judged(&runs, &[ladder("rate", &["coarse", "fine"])]);
     assert_eq!((rows[0].meets, rows[0].error_over_limit), (None, None));
@@ -162,6 +166,55 @@ fn what_is_not_known_is_no_pass() {
     assert_eq!((d.within, d.inside_scatter, d.open), (Some(true), None, None), "{d:?}");
     let found = cheapest(&rows, &standard());
     assert_eq!((found.meeting, found.surely_meeting), (Some(0), None), "law: one run proves none");
+}
+
+/// Law: what is not valid is left out of heights and deviations, and a setting does not pass by it.
+#[test]
+fn a_setting_does_not_pass_by_leaving_its_bad_runs_out() {
+    let of = |change: &dyn Fn(&mut RunRow)| {
+        let mut coarse = three("coarse", 160.0, 1.0);
+        change(&mut coarse[2]);
+        let runs = [coarse, three("fine", 160.0, 4.0)].concat();
+        judged(&runs, &[ladder("rate", &["coarse", "fine"])]).remove(0)
+    };
+    let told = |row: &ConvergenceRow| {
+        (row.meets, row.result.left_out, row.from_ladder.height.percent.map(|p| (p.mean, p.count)))
+    };
+    let good = of(&|_| {});
+    assert_eq!(told(&good), (Some(true), 0, Some((0.0, 3))), "law: nothing is left out");
+    // Its height is far off, which nobody sees any more.
+    let not_valid = |r: &mut RunRow| {
+        (r.valid, r.poured_height_mm) = (Some(false), Some(100.0));
+    };
+    let check = of(&|r| not_valid(r));
+    assert_eq!(told(&check), (Some(false), 1, Some((0.0, 2))), "law: a run-time check spoils it");
+    let overlap = of(&|r| {
+        not_valid(r);
+        (r.meets_standard, r.overlap_mean_percent) = (Some(false), Some(9.0));
+    });
+    assert_eq!(told(&overlap), (Some(false), 1, Some((0.0, 2))), "law: overlap is of all runs");
+    assert!(overlap.error_over_limit.is_some_and(|e| e > 6.0), "law: 3.1 % of 0.5: {overlap:?}");
+    let jammed = of(&|r| {
+        (r.left_out_of_means, r.poured_height_mm) = (Some("a jam".into()), Some(100.0));
+    });
+    assert_eq!(told(&jammed), (Some(true), 1, Some((0.0, 2))), "law: a jam is chance");
+    // All of a rung's runs left out: no deviation, and a miss where one is known.
+    let mut coarse = three("coarse", 160.0, 1.0);
+    for row in &mut coarse {
+        not_valid(row);
+        (row.meets_standard, row.overlap_mean_percent) = (Some(false), Some(1.0));
+    }
+    let runs = [coarse, three("fine", 160.0, 4.0)].concat();
+    let rows = judged(&runs, &[ladder("rate", &["coarse", "fine"])]);
+    assert_eq!(told(&rows[0]), (Some(false), 3, None), "law: nothing is made of nothing");
+    assert_eq!(rows[0].error_over_limit, Some(2.0), "law: by its overlap it misses twice");
+    assert!(rows[0].result.has_no_valid_run());
+    let found = cheapest(&rows, &standard());
+    assert_eq!(
+        (found.meeting, found.not_shown_to_miss),
+        (Some(1), Some(1)),
+        "law: the finest alone"
+    );
 }
 
 #[test]

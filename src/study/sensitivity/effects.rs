@@ -40,6 +40,8 @@ pub(in crate::study) fn rows(
                 default: p.default,
                 high: p.high,
                 failed: all.iter().filter(|r| r.failure.is_some()).count(),
+                left_out: all.iter().filter(|r| r.is_left_out()).count(),
+                valid: all.iter().filter(|r| r.counts_in_means()).count(),
                 grains_outside: outside(&low).into_iter().chain(outside(&high)).reduce(f64::max),
                 height: effect(|r| r.poured_height_mm),
                 plate: effect(RunRow::early_plate_mm),
@@ -108,6 +110,55 @@ mod tests {
         let e = effect(&both, &default, &both, 1.0);
         assert_eq!(e.range_mm.expect("pairs").mean, 0.0, "nothing over the range");
         assert_eq!(e.largest_mm.expect("pairs").mean, 5.0, "law: the largest of the three");
+    }
+
+    /// Law: a run that does not count takes its pair with it, and is counted; else nothing changes.
+    #[test]
+    fn what_is_left_out_moves_no_effect() {
+        let scenario = serde_json::from_value(serde_json::json!({
+            "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
+        }))
+        .expect("a scenario");
+        let row = |variation: &str, configuration, height| RunRow {
+            configuration,
+            poured_height_mm: Some(height),
+            meets_standard: Some(true),
+            valid: Some(true),
+            ..RunRow::of_scenario("r", variation, "g", &scenario)
+        };
+        let mut runs: Vec<RunRow> = (1..=3)
+            .flat_map(|c| [row("low", c, 100.0), row("default", c, 101.0), row("high", c, 102.0)])
+            .collect();
+        let parameter = Parameter {
+            name: "p".into(),
+            title: "P".into(),
+            unit: String::new(),
+            reason: String::new(),
+            path: String::new(),
+            low: 0.0,
+            default: 0.5,
+            high: 1.0,
+            low_changes: Vec::new(),
+            high_changes: Vec::new(),
+        };
+        let of = |runs: &[RunRow]| {
+            let name = |_: &Parameter, end: End| {
+                match end {
+                    End::Low => "low",
+                    End::Default => "default",
+                    End::High => "high",
+                }
+                .to_owned()
+            };
+            let row = rows(std::slice::from_ref(&parameter), name, runs).remove(0);
+            (row.height.range_mm.map(|e| (e.mean, e.count)), row.left_out, row.valid)
+        };
+        assert_eq!(of(&runs), (Some((2.0, 3)), 0, 6), "law: all count");
+        // The high end of the second configuration, and far off.
+        (runs[5].valid, runs[5].poured_height_mm) = (Some(false), Some(500.0));
+        assert_eq!(of(&runs), (Some((2.0, 2)), 1, 5), "law: its pair is left out");
+        runs.iter_mut().for_each(|r| r.left_out_of_means = Some("a jam".into()));
+        assert_eq!(of(&runs), (None, 6, 0), "law: nothing is made of nothing");
     }
 
     #[test]

@@ -22,29 +22,36 @@ const CONFIDENCE: f64 = 0.95;
 /// With what probability that many show the slope.
 const POWER: f64 = 0.8;
 
-/// Means of each point over its configurations.
+/// Means of each point over its configurations, of the runs that count.
 pub(super) fn point_rows(points: &[Point], runs: &[SweepRun]) -> Vec<SweepPoint> {
     let row = |point: &Point| {
         let of: Vec<&SweepRun> = runs.iter().filter(|r| r.point == point.name).collect();
         let mut outcomes = BTreeMap::new();
         for (path, _) in OUTCOMES {
             let values: Vec<f64> =
-                of.iter().filter_map(|r| r.outcomes.get(path).copied()).collect();
+                counting(&of).filter_map(|r| r.outcomes.get(path).copied()).collect();
             if let Some(estimate) = SweepEstimate::of(&values) {
                 outcomes.insert(path.to_owned(), estimate);
             }
         }
         let failed = of.iter().filter(|r| r.failure.is_some()).count();
+        let counted = counting(&of).count();
         SweepPoint {
             point: point.name.clone(),
             values: point.values.clone(),
             runs: of.len() - failed,
             valid: of.iter().filter(|r| r.valid == Some(true)).count(),
+            left_out: of.len() - failed - counted,
             failed,
             outcomes,
         }
     };
     points.iter().map(row).collect()
+}
+
+/// The runs that count in means.
+fn counting<'a>(runs: &[&'a SweepRun]) -> impl Iterator<Item = &'a SweepRun> {
+    runs.iter().copied().filter(|r| r.counts_in_means())
 }
 
 /// The effect of every factor on every main result that was measured.
@@ -66,25 +73,28 @@ pub(super) fn effects(
                 .iter()
                 .filter(|p| design != Design::OneAtATime || p.varies.is_none_or(|v| v == n))
                 .collect();
-            let runs: Vec<&SweepRun> = runs
+            let all: Vec<&SweepRun> = runs
                 .iter()
                 .filter(|r| r.outcomes.contains_key(*outcome))
                 .filter(|r| own.iter().any(|p| p.name == r.point))
                 .collect();
-            found.push(match design {
+            let runs: Vec<&SweepRun> = counting(&all).collect();
+            let found_here = match design {
                 Design::LatinHypercube(_) => drawn(factors, n, outcome, &runs),
                 Design::Grid => listed(factor, n, outcome, &own, &runs),
                 Design::OneAtATime => {
                     let listed = listed(factor, n, outcome, &own, &runs);
                     between_the_ends(factor, n, outcome, &runs, listed)
                 }
-            });
+            };
+            let left_out = all.len() - runs.len();
+            found.push(SweepEffect { runs: runs.len(), left_out, ..found_here });
         }
     }
     found
 }
 
-/// Configurations that have results, ascending.
+/// Configurations that have results that count, ascending.
 fn configurations(runs: &[&SweepRun]) -> Vec<u32> {
     let mut all: Vec<u32> = runs.iter().map(|r| r.configuration).collect();
     all.sort_unstable();
@@ -109,7 +119,7 @@ fn listed(
     }
     values.sort_by(|a, b| factor.number(a).total_cmp(&factor.number(b)));
     let at = |configuration: u32, value: &Value| {
-        // A point that failed must not shift the mean of its value.
+        // A point that failed or is left out must not shift the mean of its value.
         let wanted = points.iter().filter(|p| p.values[n] == *value).count();
         let of: Vec<f64> = runs
             .iter()
@@ -223,6 +233,8 @@ fn effect(
     SweepEffect {
         factor: factor.path.clone(),
         outcome: outcome.to_owned(),
+        runs: 0,
+        left_out: 0,
         means,
         slope: mean(slopes),
         slope_half_width: test.map(|t| t.half_width),
@@ -264,6 +276,7 @@ mod tests {
                 outcomes: BTreeMap::from([(RESULT.to_owned(), rule(&numbers, configuration))]),
                 meets_standard: Some(true),
                 valid: Some(true),
+                left_out_of_means: None,
                 failure: None,
             }
         };
@@ -321,12 +334,66 @@ mod tests {
         runs[5].outcomes.clear();
         runs[5].failure = Some("it broke".into());
         runs[5].valid = None;
-        runs[3].valid = Some(false);
         let found = effects(Design::Grid, &factors, &all, &runs);
         assert_eq!(found[0].means[0].1.count, 2, "law: two whole configurations are left");
         assert_slope(&found[0], 1.5);
         let row = &point_rows(&all, &runs)[1];
-        assert_eq!((row.runs, row.valid, row.failed), (2, 1, 1), "law: each is counted as it is");
+        assert_eq!((row.runs, row.valid, row.failed), (2, 2, 1), "law: each is counted as it is");
+    }
+
+    /// Law: what is left out moves neither means nor effects, of no design, and is counted;
+    /// where nothing is left out nothing changes, and where everything is there is no number.
+    #[test]
+    fn a_run_left_out_moves_nothing_and_is_counted() {
+        let over = ["a=1,2".parse().expect("a factor")];
+        let all = points(Design::Grid, &over, &[], &[], &base()).expect("points");
+        let factors = [factor("a", &[json!(1), json!(2)], false)];
+        let good = runs(&all, &factors, |x, c| x[0] * f64::from(c));
+        let spoil = |runs: &mut [SweepRun], which: &[usize]| {
+            for n in which {
+                let run = &mut runs[*n];
+                run.left_out_of_means = Some("grains are missing".into());
+                run.outcomes.insert(RESULT.to_owned(), 1e6);
+            }
+        };
+        for design in [Design::Grid, Design::OneAtATime] {
+            let told = |runs: &[SweepRun]| {
+                let e = effects(design, &factors, &all, runs).remove(0);
+                (e.slope, e.runs, e.left_out)
+            };
+            assert_eq!(told(&good), (Some(2.0), 6, 0), "law: {design:?}, nothing left out");
+            // The last configuration's second point; its slope was 3.
+            let mut one = good.clone();
+            spoil(&mut one, &[5]);
+            assert_eq!(told(&one), (Some(1.5), 5, 1), "law: {design:?}, its pair is left out");
+            let mut none = good.clone();
+            spoil(&mut none, &[0, 1, 2, 3, 4, 5]);
+            assert_eq!(told(&none), (None, 0, 6), "law: {design:?}, nothing of nothing");
+        }
+        let mut one = good.clone();
+        spoil(&mut one, &[5]);
+        let told = |runs: &[SweepRun]| {
+            let row = point_rows(&all, runs).remove(1);
+            (row.outcomes.get(RESULT).map(|e| (e.mean, e.count)), row.runs, row.left_out)
+        };
+        assert_eq!(told(&good), (Some((4.0, 3)), 3, 0), "law: 2, 4 and 6");
+        assert_eq!(told(&one), (Some((3.0, 2)), 3, 1), "law: 2 and 4");
+        spoil(&mut one, &[1, 3]);
+        assert_eq!(told(&one), (None, 3, 3), "law: nothing is made of nothing");
+        let drawn = points(
+            Design::LatinHypercube(5),
+            &[],
+            &[],
+            &["contact.restitution=0..1".parse().expect("a range")],
+            &base(),
+        )
+        .expect("points");
+        let factors = [factor("contact.restitution", &[json!(0.0), json!(1.0)], true)];
+        let mut runs = runs(&drawn, &factors, |x, _| 3.0 * x[0]);
+        spoil(&mut runs, &[2]);
+        let found = effects(Design::LatinHypercube(5), &factors, &drawn, &runs).remove(0);
+        assert_slope(&found, 3.0);
+        assert_eq!((found.runs, found.left_out), (14, 1), "law: drawn values, too");
     }
 
     /// Law: of a factor varied by itself the slope is that between its ends, and

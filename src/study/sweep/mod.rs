@@ -249,6 +249,7 @@ impl SweepStudy {
             outcomes: std::collections::BTreeMap::new(),
             meets_standard: row.meets_standard,
             valid: row.valid,
+            left_out_of_means: row.why_left_out(),
             failure: row.failure.clone(),
         };
         if run.failure.is_none() {

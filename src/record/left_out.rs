@@ -1,0 +1,203 @@
+//! Which runs count in means: the one rule that every study, table, figure and claim asks.
+//!
+//! A run is left out of means where it is not valid (`docs/accuracy.md`), or where too many
+//! of its grains are not where they were poured. What is left out is counted, and said.
+
+use super::{RunRecord, RunRow, Summary};
+
+/// Largest share of the grains that may be missing at the end of a run that counts in means:
+/// left in the funnel or the spout, spilled or escaped; of a pile what rolled off its base
+/// is not missing.
+///
+/// Ours. A specimen stands lower by the share of its grains that it lacks. Pours of a few
+/// hundred grains differ by up to 4 % of their height from one realisation to the next
+/// (`HEIGHT_BAND`, `study/compare.rs`): a run that lacks more than 5 % shows its jam, not its
+/// packing. Losses are a few grains or a jam, hardly anything between.
+pub const MOST_MISSING: f64 = 0.05;
+
+/// What stands in the place of a mean where every run is left out of it.
+pub const NO_VALID_RUN: &str = "no valid run";
+
+impl Summary {
+    /// Why the run is left out of means, each reason for a reader; empty where it counts.
+    pub fn why_left_out(&self) -> Vec<String> {
+        let not_valid = match self.why_not_valid() {
+            None if !self.valid => Some("it does not say that it is valid".to_owned()),
+            why => why,
+        };
+        not_valid.into_iter().chain(self.too_few_in_place()).collect()
+    }
+
+    /// Whether the run counts in means.
+    pub fn counts_in_means(&self) -> bool {
+        self.why_left_out().is_empty()
+    }
+
+    fn too_few_in_place(&self) -> Option<String> {
+        let grains = &self.grains;
+        let missing = grains.missing?;
+        (missing as f64 > MOST_MISSING * grains.count as f64).then(|| {
+            format!(
+                "{missing} of {} grains are missing in the specimen, of which {:.0} % may be: {} left \
+                 in the funnel, {} spilled, {} escaped",
+                grains.count,
+                100.0 * MOST_MISSING,
+                grains.left_in_funnel,
+                grains.spilled,
+                grains.escaped
+            )
+        })
+    }
+}
+
+impl RunRecord {
+    /// Whether the run counts in means.
+    pub fn counts_in_means(&self) -> bool {
+        self.summary.counts_in_means()
+    }
+}
+
+impl RunRow {
+    /// Whether the run counts in means: it has a result, is valid, and nothing else is against it.
+    pub fn counts_in_means(&self) -> bool {
+        self.failure.is_none() && self.valid == Some(true) && self.left_out_of_means.is_none()
+    }
+
+    /// Whether the run has a result that is left out of means.
+    pub fn is_left_out(&self) -> bool {
+        self.failure.is_none() && !self.counts_in_means()
+    }
+
+    /// Why its result is left out of means; none where it counts or there is none.
+    pub fn why_left_out(&self) -> Option<String> {
+        let why = || self.left_out_of_means.clone();
+        self.is_left_out()
+            .then(|| why().unwrap_or_else(|| "it is not known to be valid".to_owned()))
+    }
+}
+
+/// How many runs with a result are left out of means, in a sentence; empty where none is.
+pub fn left_out_in_words(left_out: usize, with_result: usize) -> String {
+    match left_out {
+        0 => String::new(),
+        1 => format!("1 of {with_result} runs with a result is left out of means"),
+        n => format!("{n} of {with_result} runs with a result are left out of means"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{GrainsSummary, VariationRow, summary::tests::summary};
+    use super::*;
+
+    /// A run that meets everything, of which so many of its 1456 grains are missing.
+    fn run(missing: Option<usize>) -> Summary {
+        let of = summary(true, Some(true));
+        let grains = GrainsSummary { count: 1456, missing, ..of.grains };
+        Summary { grains, ..of }.judged()
+    }
+
+    /// A row of that run, which stood so high.
+    fn row(configuration: u32, height: f64, of: Summary) -> RunRow {
+        let scenario = serde_json::from_value(serde_json::json!({
+            "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
+        }))
+        .expect("a scenario");
+        let row = RunRow::of_scenario("r", "v", "group", &scenario).with_results(&of);
+        RunRow { configuration, poured_height_mm: Some(height), ..row }
+    }
+
+    /// Law: more than 5 % of the grains missing leave a run out, valid or not; 1456 · 0.05 = 72.8.
+    #[test]
+    fn a_jammed_run_is_valid_and_left_out() {
+        for (missing, expected) in [
+            (Some(0), true),
+            (Some(72), true),
+            (Some(73), false),
+            (Some(1456), false),
+            (None, true),
+        ] {
+            let summary = run(missing).judged();
+            assert!(summary.valid, "law: `valid` knows the standard and the checks alone");
+            let got = summary.counts_in_means();
+            assert_eq!(got, expected, "law: at most 72 grains missing, {missing:?}");
+            assert_eq!(summary.left_out_of_means.is_empty(), expected, "law: the file says so");
+            let said = summary.left_out_of_means.join("; ");
+            let told = said.contains("grains are missing");
+            assert_eq!(told, !expected, "law: the reason is told, got `{said}`");
+        }
+        let grains = GrainsSummary { count: 0, missing: Some(0), ..run(None).grains };
+        let few = Summary { grains, ..run(None) };
+        assert!(few.counts_in_means(), "law: nothing poured, nothing missing");
+    }
+
+    /// Law: what is not valid is left out, with its reason, whatever its grains do.
+    #[test]
+    fn what_is_not_valid_is_left_out() {
+        let below = Summary { meets_standard: false, ..run(Some(0)) }.judged();
+        assert!(!below.counts_in_means() && !below.valid, "law: below the standard");
+        let both = Summary { meets_standard: false, ..run(Some(500)) }.judged();
+        assert_eq!(both.left_out_of_means.len(), 2, "law: each reason is told: {both:?}");
+        let silent = Summary { valid: false, ..run(Some(0)) };
+        assert!(
+            !silent.counts_in_means(),
+            "law: what does not say that it is valid does not count"
+        );
+    }
+
+    /// Law: a mean is that of the runs that count, with the number left out beside it; overlap
+    /// and grains outside, by which runs are judged, are of all. Where all count nothing changes.
+    #[test]
+    fn means_leave_out_what_does_not_count_and_say_how_many() {
+        let overlap = |percent: f64, of: Summary| {
+            let overlap = super::super::Overlap { mean_percent: percent, ..of.overlap };
+            Summary { overlap, ..of }
+        };
+        let good =
+            [row(1, 160.0, overlap(0.2, run(Some(0)))), row(2, 162.0, overlap(0.2, run(Some(1))))];
+        let jammed = row(3, 100.0, overlap(0.2, run(Some(500))));
+        let below = Summary { meets_standard: false, ..run(Some(0)) }.judged();
+        let below = row(4, 10.0, overlap(9.8, below));
+        let of = |rows: &[RunRow]| VariationRow::of(rows).remove(0);
+        let told =
+            |v: &VariationRow| (v.poured_height_mm.map(|h| (h.mean, h.count)), v.left_out, v.valid);
+        assert_eq!(told(&of(&good)), (Some((161.0, 2)), 0, 2), "law: all count");
+        let all = [good.to_vec(), vec![jammed.clone(), below.clone()]].concat();
+        let v = of(&all);
+        assert_eq!(
+            told(&v),
+            (Some((161.0, 2)), 2, 3),
+            "law: the mean of 160 and 162 mm; the jam is valid"
+        );
+        let overlap = v.overlap_mean_percent.expect("measured");
+        assert!(
+            (overlap.mean - 2.6).abs() < 1e-12 && overlap.count == 4,
+            "law: of all: {overlap:?}"
+        );
+        let pairs: Vec<&RunRow> = all.iter().collect();
+        let pairs = RunRow::paired(&pairs, |r| r.poured_height_mm);
+        assert_eq!(pairs, [(1, 160.0), (2, 162.0)], "law: pairs are of those that count");
+        let none = of(&[jammed, below]);
+        assert_eq!(told(&none), (None, 2, 1), "law: nothing is made of nothing");
+        assert!(none.has_no_valid_run() && !v.has_no_valid_run());
+        let why = all[2].why_left_out().expect("a reason");
+        assert!(why.contains("500 of 1456 grains are missing"), "law: the row says why: {why}");
+        assert_eq!(
+            (all[0].why_left_out(), all[0].is_left_out()),
+            (None, false),
+            "law: nothing against it"
+        );
+        let failed = RunRow { failure: Some("it blew up".into()), ..all[3].clone() };
+        assert!(
+            !failed.is_left_out() && !failed.counts_in_means(),
+            "law: what failed is no result"
+        );
+    }
+
+    #[test]
+    fn what_is_left_out_is_counted_in_words() {
+        assert_eq!(left_out_in_words(0, 3), "");
+        assert_eq!(left_out_in_words(1, 3), "1 of 3 runs with a result is left out of means");
+        assert_eq!(left_out_in_words(2, 3), "2 of 3 runs with a result are left out of means");
+    }
+}
