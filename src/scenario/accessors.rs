@@ -6,13 +6,52 @@ use serde_json::Value;
 
 use super::{
     Grading, GrainsSpec, InterpolationKind, Scenario, SieveFraction, StageSpec, StartPoint,
-    StrokeReading, WaveformKind,
+    StrokeReading, WaveformKind, stages::half_turn,
 };
 use crate::motion::{Interpolation, RecordedMotion, Start, TableMotion, Vertical, Waveform};
 use crate::scale::Scale;
 use crate::units::{from_g, from_mm};
 
 impl StageSpec {
+    /// A vibration of one period, a sine from the middle with a half stroke in mm, a frequency in Hz
+    /// and a length in s, and the longest time in s to come to rest: all else at its default.
+    pub fn sine(
+        frequency_hz: f64,
+        amplitude_mm: f64,
+        duration_s: f64,
+        settle_limit_s: f64,
+    ) -> Self {
+        Self::Vibrate {
+            waveform: WaveformKind::Sine,
+            start: StartPoint::Middle,
+            frequency_hz: Some(frequency_hz),
+            amplitude_mm: Some(amplitude_mm),
+            stroke: StrokeReading::HalfStroke,
+            duration_s: Some(duration_s),
+            periods: 1,
+            rest_s: 0.0,
+            ramp_s: 0.0,
+            crank_to_rod: None,
+            motion_file: None,
+            motion_rows: None,
+            interpolation: None,
+            vertical: None,
+            video_frames: None,
+            settle_limit_s,
+        }
+    }
+
+    /// The plate laid on the axis, with a limit in s: all else at its default.
+    pub fn top_plate(time_limit_s: f64) -> Self {
+        Self::PlaceTopPlate {
+            time_limit_s,
+            placement: 0,
+            offset_mm: None,
+            rotation_deg: half_turn(),
+            seating_load_n: 0.0,
+        }
+    }
+
     /// Name of the stage as in the file.
     pub fn name(&self) -> &'static str {
         match self {

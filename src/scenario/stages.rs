@@ -240,7 +240,7 @@ pub enum StageSpec {
         motion_file: Option<String>,
         /// Rows of a recorded motion, in place of a file: time in s, x, y and z in mm.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "Vec<[f64; 4]>")]
+        #[schemars(with = "Vec<[f64; 4]>", length(min = 2, max = 100_000))]
         motion_rows: Option<Vec<[f64; 4]>>,
         /// How a recorded displacement goes between two rows; left out, `cubic`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -292,7 +292,7 @@ pub(super) fn place_limit() -> f64 {
 pub(super) fn settle_limit() -> f64 {
     2.0
 }
-fn half_turn() -> f64 {
+pub(super) fn half_turn() -> f64 {
     180.0
 }
 fn half_stroke() -> StrokeReading {

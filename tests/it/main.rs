@@ -16,6 +16,7 @@ mod interruption;
 mod leaks;
 mod legs;
 mod memory;
+mod motions;
 mod picture;
 mod readings;
 mod repose;

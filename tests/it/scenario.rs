@@ -2,6 +2,7 @@
 //! with every fault, its place and what is allowed there.
 
 mod hostile;
+mod motion;
 mod random;
 mod sizes;
 mod stages;

@@ -111,8 +111,8 @@ fn check_fields(spec: &StageSpec, stage: &str, faults: &mut Vec<Fault>) {
         if let Some(rows) = motion_rows {
             idle("motion_rows", format!("{} rows", rows.len()), none);
         }
-        if interpolation.is_some() {
-            idle("interpolation", format!("{:?}", interpolation).to_lowercase(), none);
+        if let Some(how) = interpolation {
+            idle("interpolation", format!("{how:?}").to_lowercase(), none);
         }
     }
     if let (false, Some(ratio)) = (crank, crank_to_rod) {
