@@ -12,9 +12,7 @@ use pluvia::{
     grains::generate,
     measure::{Container, HeightMap, grain_energy, height_cell, pairs_within, touching_gap},
     protocol::Setup,
-    scenario::{
-        Backend, ContactPath, EngineSettings, ManifoldSettings, Scenario, StageSpec, StrokeReading,
-    },
+    scenario::{Backend, ContactPath, EngineSettings, ManifoldSettings, Scenario, StageSpec},
     specimen::Specimen,
     world,
 };
@@ -59,15 +57,7 @@ fn steps(c: &mut Criterion, size: (f64, f64)) -> (Scenario, Setup, Specimen) {
     let mut group = c.benchmark_group(format!("a sixth of a second of {count} grains"));
     group.sample_size(10).measurement_time(Duration::from_secs(15));
     let rest = StageSpec::Rest { duration_s: MEASURED };
-    let vibrate = StageSpec::Vibrate {
-        frequency_hz: 3.0,
-        amplitude_mm: 25.0,
-        stroke: StrokeReading::HalfStroke,
-        duration_s: MEASURED,
-        periods: 1,
-        rest_s: 0.0,
-        ramp_s: 0.0,
-    };
+    let vibrate = StageSpec::sine(3.0, 25.0, MEASURED, 0.0);
     let pour = StageSpec::Pour { falling_height_mm: FALLING_HEIGHT_MM, time_limit_s: MEASURED };
     // Bullet's own contacts take half an hour for the whole specimen, which `make bench-peers` has.
     let left_out =
@@ -97,7 +87,7 @@ fn driver(setup: &Setup, specimen: &Specimen, spec: &StageSpec) {
     let StageSpec::Vibrate { duration_s, .. } = spec else { return };
     let mut longer = spec.clone();
     if let StageSpec::Vibrate { duration_s: longer, .. } = &mut longer {
-        *longer = 6.0 * duration_s;
+        *longer = duration_s.map(|d| 6.0 * d);
     }
     let begun = std::time::Instant::now();
     let outcome = stage(setup, specimen.clone(), &longer);

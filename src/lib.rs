@@ -29,6 +29,7 @@ pub mod geometry;
 pub mod grains;
 pub mod input;
 pub mod measure;
+pub mod motion;
 pub mod paper;
 pub mod picture;
 pub mod protocol;

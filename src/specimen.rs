@@ -1,6 +1,6 @@
 //! The state of the experiment between stages, as a plain value.
 
-use std::sync::Arc;
+use std::{borrow::Cow, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +45,12 @@ pub struct SpecimenState {
     pub contacts: Vec<SavedContact>,
     /// Displacement of the shaking table along x in m.
     pub table_x: f64,
+    /// The same along y.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub table_y: f64,
+    /// The same along z.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub table_z: f64,
     /// Simulated time since the first stage began, in s.
     pub time: f64,
 }
@@ -168,7 +174,50 @@ impl Specimen {
     }
 }
 
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+impl Specimen {
+    /// The same with the table brought back along y and z, where it is off there: what is
+    /// measured about an axis that moves along x alone, above a floor at z = 0.
+    pub fn on_level_table(&self) -> Cow<'_, Self> {
+        match self.state.on_level_table() {
+            Cow::Borrowed(_) => Cow::Borrowed(self),
+            Cow::Owned(state) => Cow::Owned(Self { grains: self.grains.clone(), state }),
+        }
+    }
+}
+
 impl SpecimenState {
+    /// Displacement of the shaking table in m.
+    pub fn table(&self) -> Vector {
+        Vector::new(self.table_x, self.table_y, self.table_z)
+    }
+
+    /// Sets the displacement of the shaking table in m; bodies stay where they are.
+    pub fn set_table(&mut self, at: Vector) {
+        (self.table_x, self.table_y, self.table_z) = (at.x, at.y, at.z);
+    }
+
+    /// As [`Specimen::on_level_table`].
+    pub fn on_level_table(&self) -> Cow<'_, Self> {
+        let off = Vector::new(0.0, self.table_y, self.table_z);
+        if off == Vector::zeros() {
+            return Cow::Borrowed(self);
+        }
+        let mut state = self.clone();
+        let bodies = state.bodies.iter_mut().map(|g| &mut g.body);
+        for body in bodies.chain(&mut state.top_plate) {
+            body.pose.translation.vector -= off;
+        }
+        for contact in &mut state.contacts {
+            contact.point_m -= off;
+        }
+        (state.table_y, state.table_z) = (0.0, 0.0);
+        Cow::Owned(state)
+    }
+
     /// Whether it can be a state of so many grains. One that was read from a file may
     /// speak of others, or of places and directions that are none.
     ///
@@ -224,6 +273,8 @@ impl SpecimenState {
             top_plate: None,
             contacts: Vec::new(),
             table_x: 0.0,
+            table_y: 0.0,
+            table_z: 0.0,
             time: 0.0,
         }
     }

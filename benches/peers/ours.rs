@@ -3,9 +3,9 @@
 use std::{sync::Arc, time::Instant};
 
 use pluvia::{
-    apparatus::TableMotion,
     export::{Carrier, Scene},
     geometry::Pose,
+    motion::TableMotion,
     record::{read_json, write_json},
     scenario::{Backend, EngineSettings},
     world::{
@@ -63,7 +63,7 @@ pub fn carry(args: &[String]) -> Result<(), String> {
         steps += 1;
         let time = steps as f64 * dt;
         if let Some(motion) = &motion {
-            x = motion.displacement(time);
+            x = motion.displacement(time).x;
             stage.drive(x).map_err(|e| e.to_string())?;
         }
         stage.world.step().map_err(|e| e.to_string())?;

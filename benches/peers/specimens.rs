@@ -2,8 +2,8 @@
 
 use clap::ValueEnum;
 use pluvia::{
-    apparatus::TableMotion,
     export::{MadeBy, Scene},
+    motion::TableMotion,
     protocol::Setup,
     scenario::{Scenario, StageSpec},
     specimen::{FunnelState, Specimen},
@@ -68,7 +68,7 @@ pub fn make(size: Size) -> Result<Scenes, String> {
     let pouring = Setup::new(&poured_by).map_err(|e| e.to_string())?;
     let scenario = uniform(poured_by.clone());
     let setup = Setup::new(&scenario).map_err(|e| e.to_string())?;
-    let scene = |specimen: &Specimen, stage: &str, motion: Option<TableMotion>| {
+    let scene = |specimen: &Specimen, stage: &str, motion: Option<&TableMotion>| {
         let made_by = MadeBy {
             program: concat!("pluvia ", env!("CARGO_PKG_VERSION")).to_owned(),
             scenario: scenario.name.clone(),
@@ -85,17 +85,10 @@ pub fn make(size: Size) -> Result<Scenes, String> {
     let settled = settled(&pouring, filled);
     let settled = stage(&setup, settled, &StageSpec::Rest { duration_s: SETTLING }).specimen;
     // It goes on shaking for as long as an engine is let run.
-    let motion = TableMotion {
-        amplitude: 0.025,
-        frequency: 3.0,
-        duration: 600.0,
-        periods: 1,
-        rest: 0.0,
-        ramp: 0.0,
-    };
+    let motion = TableMotion::sine(0.025, 3.0, 600.0);
     Ok(Scenes {
         rest: scene(&settled, "rest", None)?,
-        shaken: scene(&settled, "rest", Some(motion))?,
+        shaken: scene(&settled, "rest", Some(&motion))?,
         pour,
     })
 }

@@ -12,7 +12,7 @@ use pluvia::{
     grains::load_scenario,
     grains::{generate, streams},
     protocol::{Moment, Observer, Setup, run},
-    scenario::{EngineSettings, GrainsSpec, Scenario, StageSpec, StrokeReading},
+    scenario::{EngineSettings, GrainsSpec, Scenario, StageSpec},
     specimen::{Specimen, SpecimenState},
     world::{PairTable, bullet::SubstepRecord},
 };
@@ -129,20 +129,12 @@ pub fn look(how: &Looking, name: &str, scenario: &str) -> Result<Vec<Nearness>, 
 
 /// The stages, with random steps of those that are looked at.
 fn parts(instants: usize, name: &str, seed: u64, rate_hz: f64) -> Vec<Part> {
-    let shake = StageSpec::Vibrate {
-        frequency_hz: 3.0,
-        amplitude_mm: 25.0,
-        stroke: StrokeReading::HalfStroke,
-        duration_s: SHAKING,
-        periods: 1,
-        rest_s: 0.0,
-        ramp_s: 0.0,
-    };
+    let shake = StageSpec::sine(3.0, 25.0, SHAKING, 0.0);
     let pour = StageSpec::Pour { falling_height_mm: 50.0, time_limit_s: 5.0 };
     [
         (StageSpec::FillFunnel { time_limit_s: 4.0 }, "funnel", 0.0),
         (pour, "pour", POURING),
-        (StageSpec::PlaceTopPlate { time_limit_s: 2.0 }, "plate", 0.0),
+        (StageSpec::top_plate(2.0), "plate", 0.0),
         (shake, "shaken", SHAKING),
         (StageSpec::Rest { duration_s: RESTING }, "rest", RESTING),
     ]

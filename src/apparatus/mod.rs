@@ -1,12 +1,10 @@
-//! Cylinder, funnel, lid, top plate and shaking table as pure geometry and motion.
+//! Cylinder, funnel, lid and top plate as pure geometry.
 //!
 //! Coordinates: the cylinder's axis is z, its floor lies at z = 0, gravity
 //! acts along -z, the table shakes along x.
 
-mod motion;
 mod walls;
 
-pub use motion::TableMotion;
 pub use walls::{Cylinder, Funnel, TopPlate, round_floor};
 
 use std::sync::Arc;

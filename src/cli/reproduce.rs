@@ -23,7 +23,8 @@ Examples:
   pluvia reproduce --configurations 3 --jobs 4 --strict --out out/reproduce
   pluvia reproduce --backend rapier --out out/reproduce
   pluvia reproduce --set engine.contact_path=bullet --out out/reproduce
-  pluvia reproduce --reading full_stroke --out out/reproduce")]
+  pluvia reproduce --reading full_stroke --out out/reproduce
+  pluvia reproduce --placements 10 --out out/reproduce")]
 pub(super) struct ReproduceArgs {
     /// A few hundred grains instead of 1456, and shorter vibration
     #[arg(long)]
@@ -31,6 +32,10 @@ pub(super) struct ReproduceArgs {
     /// Number of initial configurations, each the same grains mixed anew [default: 3, with --quick 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     configurations: Option<u32>,
+    /// How often the plate is laid on each specimen: more than 1 draws so many offsets and rotations, shakes
+    /// each, and tells the scatter of placements from that of specimens
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    placements: u32,
     #[command(flatten)]
     jobs: Jobs,
     /// A reading of the paper, in place of the default `converged` (pluvia readings --help)
@@ -53,6 +58,7 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
         out: args.out.clone(),
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
+        placements: args.placements,
         jobs: args.jobs.cores(),
         changes: args.changes.overrides(),
         reading: args.reading.clone(),

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::paint;
 use crate::paper::Verdict as ClaimVerdict;
-use crate::record::{AngleOfRepose, Settlement, StandingHeight, Summary};
+use crate::record::{AngleOfRepose, Settlement, StandingHeight, Summary, VibrationSummary};
 use crate::report::{Calibration, ReadingColumn, calibration_rows};
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
@@ -42,12 +42,24 @@ fn height(of: &StandingHeight) -> String {
 }
 
 fn settlement(of: &Settlement) -> String {
-    match (of.after_5_s, of.share_after_5_s) {
-        (Some(after), Some(share)) => {
-            format!("{:.2} mm; {after:.2} mm after 5 s ({:.0} %)", of.final_mm, share * 100.0)
-        }
-        _ => format!("{:.2} mm", of.final_mm),
+    let mut text = format!("{:.2} mm at rest", of.final_mm);
+    if let Some(moving) = of.end_of_shaking {
+        text += &format!(", {moving:.2} mm at the end of shaking");
     }
+    if let (Some(after), Some(share)) = (of.after_5_s, of.share_after_5_s) {
+        text += &format!("; {after:.2} mm after 5 s ({:.0} %)", share * 100.0);
+    }
+    text
+}
+
+/// How a vibration moved the table and came to rest.
+fn vibration(of: &VibrationSummary) -> String {
+    let mut text = of.motion.line();
+    if let Some(settling) = &of.settling {
+        let how = if settling.settled { "settled" } else { "NOT settled" };
+        text += &format!("; {how} {:.2} s after it", settling.time_s);
+    }
+    text
 }
 
 fn angle_of_repose(of: &AngleOfRepose) -> String {
@@ -97,6 +109,9 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     }
     if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {
         rows.add("void ratio", format!("{void_ratio:.3} (porosity {porosity:.3})"));
+    }
+    for of in &summary.vibrations {
+        rows.add("vibration", vibration(of));
     }
     if let Some(of) = &summary.settlement_mm {
         rows.add("settlement, plate", settlement(of));

@@ -54,7 +54,7 @@ pub fn standing(
         for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
             let name = if n == walls { "floor".to_owned() } else { format!("cylinder_{n:02}") };
             let mut piece = piece.clone();
-            piece.pose.translation.vector.x += state.table_x;
+            piece.pose.translation.vector += state.table();
             let (carrier, material) = (Carrier::Table, Material::Wall);
             found.push(StandingPiece { name, carrier, material, piece });
         }

@@ -4,8 +4,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::apparatus::{Carrier, standing};
-use crate::apparatus::{ApparatusError, TableMotion};
+use crate::apparatus::ApparatusError;
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::motion::{Start, TableMotion, Waveform};
 use crate::protocol::Setup;
 use crate::specimen::{Other, Party, Specimen, SpecimenState};
 use crate::world::{BodyState, Material};
@@ -16,13 +17,17 @@ pub const FORMAT: &str = "pluvia-exchange";
 /// Raised whenever a reader of the format before would misread the file.
 pub const VERSION: u32 = 1;
 
+/// The version of a file whose table moves by samples: readers of [`VERSION`] would take it for
+/// one that stands still.
+pub const VERSION_OF_SAMPLES: u32 = 2;
+
 /// A specimen with everything around it. SI units; z is up; the cylinder's
 /// floor lies at z = 0 and its axis at x = y = 0 when the table is in its middle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
     /// [`FORMAT`].
     pub format: String,
-    /// [`VERSION`].
+    /// [`VERSION`], or [`VERSION_OF_SAMPLES`].
     pub version: u32,
     /// Where the scene comes from.
     pub made_by: MadeBy,
@@ -78,12 +83,25 @@ pub struct Damping {
 }
 
 /// Where the shaking table is and what it does next.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// Displacement along x from its middle.
     pub x_m: f64,
-    /// What it does from this state on; none where it stands still.
+    /// What it does from this state on, where that is a sine from the middle; else none.
     pub motion: Option<TableLaw>,
+    /// What it does where that is no sine from the middle: left out where it is, or where the
+    /// table stands still.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub samples: Option<TableSamples>,
+}
+
+/// Displacement of the table at the end of each step of the engine it is for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TableSamples {
+    /// Length of a step; the first sample is at its end.
+    pub step_s: f64,
+    /// Displacement along x, y and z.
+    pub displacement_m: Vec<[f64; 3]>,
 }
 
 /// x(t) = A sin(2πft) along x in each period, x = 0 between periods; t begins
@@ -110,28 +128,39 @@ fn is_none(ramp_s: &f64) -> bool {
     *ramp_s == 0.0
 }
 
-impl From<TableMotion> for TableLaw {
-    fn from(m: TableMotion) -> Self {
-        Self {
+impl TableLaw {
+    /// Of a motion that is a sine from the middle, moved all the time along x alone.
+    fn of(m: &TableMotion) -> Option<Self> {
+        let plain = m.waveform == Waveform::Sine(Start::Middle)
+            && m.vertical.is_none()
+            && m.frames_per_s.is_none();
+        plain.then(|| Self {
             amplitude_m: m.amplitude,
             frequency_hz: m.frequency,
             duration_s: m.duration,
             periods: m.periods,
             rest_s: m.rest,
             ramp_s: m.ramp,
-        }
+        })
+    }
+}
+
+impl TableSamples {
+    /// Of a motion in steps of a length in s.
+    fn of(motion: &TableMotion, step_s: f64) -> Self {
+        let steps = (motion.total() / step_s).round().max(1.0) as u64;
+        let place = |n: u64| motion.displacement(n as f64 * step_s).into();
+        Self { step_s, displacement_m: (1..=steps).map(place).collect() }
     }
 }
 
 impl From<TableLaw> for TableMotion {
     fn from(law: TableLaw) -> Self {
         Self {
-            amplitude: law.amplitude_m,
-            frequency: law.frequency_hz,
-            duration: law.duration_s,
             periods: law.periods,
             rest: law.rest_s,
             ramp: law.ramp_s,
+            ..Self::sine(law.amplitude_m, law.frequency_hz, law.duration_s)
         }
     }
 }
@@ -267,7 +296,7 @@ impl Scene {
     pub fn of(
         setup: &Setup,
         specimen: &Specimen,
-        motion: Option<TableMotion>,
+        motion: Option<&TableMotion>,
         made_by: MadeBy,
     ) -> Result<Self, ApparatusError> {
         let state = &specimen.state;
@@ -299,9 +328,12 @@ impl Scene {
             inertia_kg_m2: setup.plate.inertia,
             at: body.into(),
         });
+        let law = motion.and_then(TableLaw::of);
+        let other = motion.filter(|_| law.is_none());
+        let samples = other.map(|m| TableSamples::of(m, 1.0 / setup.engine.rate_hz));
         Ok(Self {
             format: FORMAT.to_owned(),
-            version: VERSION,
+            version: if samples.is_some() { VERSION_OF_SAMPLES } else { VERSION },
             made_by,
             gravity_m_per_s2: Vector::new(0.0, 0.0, -setup.gravity),
             pairs: pairs(setup),
@@ -309,7 +341,7 @@ impl Scene {
                 linear_per_s: setup.engine.linear_damping,
                 angular_per_s: setup.engine.angular_damping,
             },
-            table: Table { x_m: state.table_x, motion: motion.map(TableLaw::from) },
+            table: Table { x_m: state.table_x, motion: law, samples },
             grains: grains.collect(),
             apparatus,
             top_plate,
@@ -326,8 +358,9 @@ impl Scene {
             let (found, expected) = (format!("`{}`", self.format), format!("`{FORMAT}`"));
             return Err(SceneError { field: "format", found, expected });
         }
-        if self.version != VERSION {
-            let (found, expected) = (self.version.to_string(), VERSION.to_string());
+        let known = if self.table.samples.is_some() { VERSION_OF_SAMPLES } else { VERSION };
+        if self.version != known {
+            let (found, expected) = (self.version.to_string(), known.to_string());
             return Err(SceneError { field: "version", found, expected });
         }
         Ok(())

@@ -19,7 +19,7 @@ mod vtk;
 pub use apparatus::{Carrier, StandingPiece, standing};
 pub use exchange::{
     ApparatusPiece, Damping, ExchangeContact, ExchangeGrain, FORMAT, MadeBy, PairValue, Place,
-    PlateBody, Scene, SceneError, Table, TableLaw, VERSION,
+    PlateBody, Scene, SceneError, Table, TableLaw, TableSamples, VERSION, VERSION_OF_SAMPLES,
 };
 pub use glb::{Glb, GlbTooLarge, glb};
 pub use moments::{DEFAULT_EVERY, Moment, Moments, StageMoments, read_moments};

@@ -10,11 +10,12 @@ use std::{
 use serde::{Deserialize, de::DeserializeOwned};
 
 use super::exchange::{MadeBy, Scene};
-use crate::apparatus::{ApparatusError, TableMotion};
+use crate::apparatus::ApparatusError;
 use crate::grains::{self, GrainSet};
-use crate::protocol::{Setup, table_motion};
+use crate::motion::TableMotion;
+use crate::protocol::Setup;
 use crate::record::{FileError, StageStore, read_json, read_unchanged};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, StageSpec};
 use crate::specimen::{Specimen, SpecimenState};
 
 /// Why a run cannot be exported.
@@ -86,7 +87,7 @@ impl Exported {
     /// # Errors
     /// When the apparatus cannot be built.
     pub fn scene(&self) -> Result<Scene, ApparatusError> {
-        Scene::of(&self.setup, &self.specimen, self.next_motion, self.made_by.clone())
+        Scene::of(&self.setup, &self.specimen, self.next_motion.as_ref(), self.made_by.clone())
     }
 }
 
@@ -104,7 +105,7 @@ pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportEr
     let (index, name, state, file) = locate(folder, &path, &manifest, stage)?;
     state.check(set.grains.len()).map_err(|reason| FileError::new("use", &file, reason))?;
     let next_motion =
-        index.and_then(|i| manifest.scenario.stages.get(i + 1)).and_then(table_motion);
+        index.and_then(|i| manifest.scenario.stages.get(i + 1)).and_then(StageSpec::motion);
     let made_by = MadeBy {
         program: format!("pluvia {}", manifest.pluvia),
         scenario: manifest.scenario.name,

@@ -16,6 +16,7 @@ mod heights;
 mod hull;
 pub mod inference;
 mod inverse;
+pub mod nested;
 mod overlap;
 mod pairs;
 mod plate;

@@ -3,7 +3,9 @@
 //! Settlement is the height at the beginning of the first period of vibration
 //! minus the height at the time of reading: positive downwards, never clipped,
 //! smoothed or made monotone, so that a bouncing plate shows as it is
-//! (the paper's Figures 9 and 10 show such fluctuations).
+//! (the paper's Figures 9 and 10 show such fluctuations). The laboratory read the plate "before
+//! and after vibration" and between periods (paper, section 2): at rest. So are read the value at
+//! the end and those after each period; what is read while the table moves says so.
 
 use super::MeasureError;
 
@@ -40,10 +42,13 @@ pub struct Period {
 /// Settlement by vibration, positive downwards.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settlement {
-    /// At the last sample of the series, in m.
+    /// At the last sample of the series, in m: at rest, where the series goes on until then.
     pub at_end: f64,
+    /// At the end of the last period, in m, while what the table has thrown up still moves.
+    pub end_of_shaking: f64,
     /// After the first 5 s of vibration, in m, rests between periods not
-    /// counted; `None` when the vibration is shorter.
+    /// counted; at the end of a period it is read in the rest that follows. `None` when the
+    /// vibration is shorter.
     pub after_5_s: Option<f64>,
     /// `after_5_s` over `at_end`; `None` where there is no settlement to
     /// share out (`at_end` zero or negative).
@@ -67,11 +72,14 @@ pub fn settlement(series: &[HeightSample], periods: &[Period]) -> Result<Settlem
     let start = height_clamped(series, periods[0].start);
     let after = |time| start - height_clamped(series, time);
     let at_end = start - series[series.len() - 1].height;
-    let after_5_s = shaking_clock(periods, EARLY).map(after);
+    let end = series[series.len() - 1].time;
+    let after_5_s = shaking_clock(periods, EARLY, end).map(after);
+    let end_of_shaking = after(periods[periods.len() - 1].end);
     let mut after_each_period: Vec<f64> = periods[1..].iter().map(|p| after(p.start)).collect();
     after_each_period.push(at_end);
     Ok(Settlement {
         at_end,
+        end_of_shaking,
         after_5_s,
         share_after_5_s: after_5_s.and_then(|part| share(part, at_end)),
         after_each_period,
@@ -92,8 +100,9 @@ pub fn share_after(
 ) -> Result<Option<f64>, MeasureError> {
     check(series, periods)?;
     let start = height_clamped(series, periods[0].start);
-    let at_end = start - series[series.len() - 1].height;
-    Ok(shaking_clock(periods, seconds)
+    let last = series[series.len() - 1];
+    let at_end = start - last.height;
+    Ok(shaking_clock(periods, seconds, last.time)
         .and_then(|time| share(start - height_clamped(series, time), at_end)))
 }
 
@@ -128,16 +137,20 @@ fn share(part: f64, whole: f64) -> Option<f64> {
     (whole > 0.0).then(|| part / whole)
 }
 
-/// The moment at which the table has shaken for `seconds` in all.
-fn shaking_clock(periods: &[Period], seconds: f64) -> Option<f64> {
+/// The moment at which the table has shaken for `seconds` in all; the end of a period is read
+/// in the rest that follows it, of the last one at the end of the series.
+fn shaking_clock(periods: &[Period], seconds: f64, end: f64) -> Option<f64> {
     if seconds < 0.0 || seconds.is_nan() {
         return None;
     }
     let mut left = seconds;
-    for p in periods {
+    for (n, p) in periods.iter().enumerate() {
         let length = p.end - p.start;
+        if left < length - ROUNDING {
+            return Some(p.start + left);
+        }
         if left <= length + ROUNDING {
-            return Some(p.start + left.min(length));
+            return Some(periods.get(n + 1).map_or(end, |next| next.start));
         }
         left -= length;
     }
@@ -279,14 +292,29 @@ mod tests {
         assert_eq!(got.after_each_period.len(), 3);
         // 2 s + 2 s + 1 s: the clock says 7 s.
         assert_near("after 5 s", 0.018, got.after_5_s.unwrap(), 1e-15);
-        // Exactly one period is read at its end, not after the rest.
+        assert_near("at the end of shaking", 0.020, got.end_of_shaking, 1e-15);
+        // The end of a period is read in the rest, as the laboratory did.
         let share = share_after(&s, &shaken, 2.0).unwrap().unwrap();
-        assert_near("share at the end of the first period", 10.0 / 18.0, share, 1e-12);
-        // The settlement overshoots: a share above one is kept.
+        assert_near("share after the first period", 11.0 / 18.0, share, 1e-12);
         let share = share_after(&s, &shaken, 6.0).unwrap().unwrap();
-        assert_near("share above one", 20.0 / 18.0, share, 1e-12);
+        assert_near("all of it", 1.0, share, 1e-12);
+        // The settlement overshoots: a share above one is kept.
+        let share = share_after(&s, &shaken, 5.9).unwrap().unwrap();
+        assert_near("share above one", 19.75 / 18.0, share, 1e-12);
         assert_eq!(share_after(&s, &shaken, 6.1), Ok(None), "longer than the vibration");
         assert_eq!(share_after(&s, &shaken, -1.0), Ok(None));
+    }
+
+    /// Law: shaking of 2 s and a rest, in which what was thrown up comes down, give the value at rest as
+    /// final and that of the moving table beside it, and shares are of the value at rest.
+    #[test]
+    fn what_comes_down_after_shaking_counts() {
+        let s = series(&[(0.0, 0.160), (5.0, 0.150), (6.0, 0.1545), (6.5, 0.153), (9.0, 0.153)]);
+        let got = settlement(&s, &periods(&[(0.0, 6.0)])).unwrap();
+        assert_near("at rest", 0.007, got.at_end, 1e-15);
+        assert_near("at the end of shaking", 0.0055, got.end_of_shaking, 1e-15);
+        assert_near("share of the value at rest", 10.0 / 7.0, got.share_after_5_s.unwrap(), 1e-12);
+        assert_eq!(got.after_each_period, [got.at_end], "the last period is read at rest");
     }
 
     #[test]

@@ -6,9 +6,11 @@ use std::f64::consts::PI;
 use super::{Gradation, Intermittent, StudyView, constants};
 use crate::{
     grains::GrainShape,
+    motion::{MotionFacts, TableMotion},
+    protocol::Settling,
     record::{
         Control, GradationSummary, GrainsSummary, Overlap, RunKind, RunRecord, SecondarySieve,
-        SeriesRow, Settlement, SieveSummary, StandingHeight, Summary,
+        SeriesRow, Settlement, SieveSummary, StandingHeight, Summary, VibrationSummary,
     },
     world::BackendInfo,
 };
@@ -24,6 +26,8 @@ const AFTER_PERIODS: [f64; 4] = [0.85, 0.93, 0.97, 1.0];
 const SOLIDS_MM: f64 = 84.36;
 const PLAN: Intermittent = Intermittent { period_s: 5.0, periods: 4, rest_s: 1.0 };
 const ROW_S: f64 = 0.08;
+/// Rows of rest after the vibration.
+const ROWS_OF_REST: u32 = 5;
 
 /// Final settlement of the plate in mm: 16, 18, 20 for configurations 1 to 3.
 pub fn final_settlement_mm(configuration: u32) -> f64 {
@@ -137,6 +141,8 @@ fn pluviation(configuration: u32, fh: f64) -> RunRecord {
             plate_tilt_deg: None,
             largest_speed_m_per_s: 2.0 * (-t / 0.8).exp(),
             pile_height_mm: None,
+            table_y_mm: None,
+            table_z_mm: None,
         }
     };
     let mut summary = summary(configuration, fh, height);
@@ -184,10 +190,10 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
     };
     let shaken = |t: f64| match kind {
         RunKind::VibrationIntermittent => PLAN.bounds().iter().any(|b| t >= b.0 && t <= b.1),
-        _ => true,
+        _ => t <= 20.0 + 1e-9,
     };
     let before = 30;
-    let rows = before + (duration / ROW_S).round() as u32;
+    let rows = before + (duration / ROW_S).round() as u32 + ROWS_OF_REST;
     let row = |i: u32| {
         let run = pluviation(configuration, fh).series[(i.min(before) as usize).min(59)];
         if i < before {
@@ -199,25 +205,29 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
         } else {
             0.0
         };
-        let s = settles * share(kind, t) + swing;
+        let reached = share(kind, t.min(duration));
+        let s = settles * reached + swing;
         SeriesRow {
             time_s: f64::from(i) * ROW_S,
             stage: 2,
             plate_height_mm: Some(poured + 9.0 - s),
             settlement_mm: Some(s),
-            surface_settlement_mm: Some(0.8 * settles * share(kind, t)),
+            surface_settlement_mm: Some(0.8 * settles * reached),
             kinetic_energy_j: if shaken(t) { 0.02 * (1.2 + swing) } else { 1e-6 },
             table_x_mm: if shaken(t) { 25.0 * (2.0 * PI * 3.0 * t).sin() } else { 0.0 },
-            mean_surface_mm: poured - 0.8 * settles * share(kind, t),
+            mean_surface_mm: poured - 0.8 * settles * reached,
             mean_grain_height_mm: 0.49 * poured - 0.4 * s,
             grains_in_cylinder: 1454,
             plate_tilt_deg: Some(4.0),
             largest_speed_m_per_s: 0.9,
             pile_height_mm: None,
+            table_y_mm: None,
+            table_z_mm: None,
         }
     };
     let settlement = |factor: f64| Settlement {
         final_mm: factor * settles,
+        end_of_shaking: Some(factor * (settles - 0.5)),
         after_5_s: Some(factor * settles * SHARE_AFTER_5_S),
         share_after_5_s: Some(SHARE_AFTER_5_S),
         after_each_period: after_each_period.iter().map(|s| s * factor).collect(),
@@ -228,6 +238,21 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
     summary.poured_void_ratio = Some(poured / SOLIDS_MM - 1.0);
     summary.settlement_mm = Some(settlement(1.0));
     summary.surface_settlement_mm = Some(settlement(0.8));
+    let start = f64::from(before) * ROW_S;
+    let periods_s = match kind {
+        RunKind::VibrationIntermittent => {
+            PLAN.bounds().iter().map(|b| [start + b.0, start + b.1]).collect()
+        }
+        _ => vec![[start, start + duration]],
+    };
+    let motion = TableMotion::sine(0.025, constants::FREQUENCY_HZ, duration);
+    let time_s = f64::from(ROWS_OF_REST) * ROW_S;
+    summary.vibrations = vec![VibrationSummary {
+        stage: 2,
+        periods_s,
+        motion: MotionFacts::of(&motion, 1.0 / 480.0),
+        settling: Some(Settling { time_s, limit_s: 2.0, settled: true }),
+    }];
     if let Some(control) = &mut summary.control {
         control.plate_drop_mm = Some(0.006);
     }
@@ -308,6 +333,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         porosity: Some(1.0 - SOLIDS_MM / height),
         settlement_mm: None,
         surface_settlement_mm: None,
+        vibrations: Vec::new(),
         angle_of_repose: None,
         overlap: Overlap {
             pairs: 4000,

@@ -173,7 +173,7 @@ fn is_pluviation(run: &RunRecord, configuration: u32, falling_height_mm: f64) ->
 }
 
 /// Settlement of the plate (or of the surface) over the time since vibration
-/// began: (s, mm), of the rows that have it.
+/// began: (s, mm), of the rows that have it, through all later stages.
 pub(crate) fn settlement_curve(
     run: &RunRecord,
     settlement_mm: impl Fn(&crate::record::SeriesRow) -> Option<f64>,
@@ -190,4 +190,24 @@ pub(crate) fn settlement_curve(
         .filter_map(|r| Some((r.time_s - start, settlement_mm(r)?)))
         .filter(|(t, s)| t.is_finite() && s.is_finite())
         .collect()
+}
+
+/// The same up to the end of the last period: while the table shakes, and rests between periods.
+pub(crate) fn shaken_curve(
+    run: &RunRecord,
+    settlement_mm: impl Fn(&crate::record::SeriesRow) -> Option<f64>,
+) -> Vec<(f64, f64)> {
+    /// Times in s that differ by less are the same.
+    const ROUNDING: f64 = 1e-6;
+    let end = shaken_periods(run).last().map_or(0.0, |p| p.1);
+    let mut curve = settlement_curve(run, settlement_mm);
+    curve.retain(|(time, _)| *time <= end + ROUNDING);
+    curve
+}
+
+/// Beginning and end of each period in s since vibration began.
+pub(crate) fn shaken_periods(run: &RunRecord) -> Vec<(f64, f64)> {
+    let periods = || run.summary.vibrations.iter().flat_map(|v| &v.periods_s);
+    let start = periods().next().map_or(0.0, |p| p[0]);
+    periods().map(|p| (p[0] - start, p[1] - start)).collect()
 }

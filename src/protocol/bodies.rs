@@ -3,8 +3,9 @@
 use std::collections::HashMap;
 
 use crate::apparatus::Piece;
+use crate::geometry::{Pose, Vector};
 use crate::grains::Grain;
-use crate::specimen::{Party, SavedContact};
+use crate::specimen::{Party, SavedContact, SpecimenState};
 use crate::world::{Body, BodyId, BodyState, Material, Motion, RememberedContact};
 
 /// Saved contacts in terms of a new world's bodies, without those of what is
@@ -45,4 +46,16 @@ pub(super) fn wall_piece(piece: &Piece, motion: Motion) -> Body {
         material: Material::Wall,
         state: BodyState::at_rest(piece.pose),
     }
+}
+
+/// Where a piece is that stands on the table, at a displacement in m.
+pub(super) fn moved(at_rest: &Pose, by: &Vector) -> Pose {
+    let mut pose = *at_rest;
+    pose.translation.vector += by;
+    pose
+}
+
+/// A place as it is above a table that is off along x alone.
+pub(super) fn level(place: Vector, state: &SpecimenState) -> Vector {
+    place - Vector::new(0.0, state.table_y, state.table_z)
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Setup, Watch, feeder::Fed, stages::table_motion};
+use super::{Setup, Watch, feeder::Fed};
 use crate::scale;
 use crate::scenario::{Backend, ContactPath, StageSpec};
 use crate::specimen::SpecimenState;
@@ -52,6 +52,12 @@ pub struct Midway {
     pub residuals: Vec<f64>,
     /// The grains still in the spout of slow pluviation.
     pub fed: Option<Fed>,
+    /// Which part of a stage of several it is in, from 0.
+    #[serde(default)]
+    pub part: u32,
+    /// Steps that had been taken when that part began.
+    #[serde(default)]
+    pub part_began: u64,
 }
 
 impl Midway {
@@ -68,6 +74,9 @@ impl Midway {
         // Far beyond what the longest stage takes, and far from where counting ends.
         if self.steps > u64::from(u32::MAX) {
             return Err(format!("`steps` is {}", self.steps));
+        }
+        if self.part_began > self.steps {
+            return Err(format!("`part_began` is {}, after `steps`", self.part_began));
         }
         self.fed.as_ref().map_or(Ok(()), |fed| fed.check(grains))
     }
@@ -86,7 +95,17 @@ impl Midway {
             watch: Watch::default(),
             residuals: Vec::new(),
             fed: None,
+            part: 0,
+            part_began: 0,
         }
+    }
+
+    /// Begins the next part of the stage here.
+    pub(super) fn next_part(&mut self) {
+        self.part += 1;
+        self.part_began = self.steps;
+        self.calm_since_s = None;
+        self.watch.begin_anew();
     }
 }
 
@@ -115,17 +134,7 @@ pub(super) fn leg_steps(setup: &Setup, grains: usize) -> Option<u64> {
 /// Engine steps of the legs of a stage; none where it is over within one at the
 /// latest.
 pub fn legs(setup: &Setup, grains: usize, stage: &StageSpec) -> Option<u64> {
-    let limit = match *stage {
-        StageSpec::FillFunnel { time_limit_s }
-        | StageSpec::SlowPluviation { time_limit_s, .. }
-        | StageSpec::Pour { time_limit_s, .. }
-        | StageSpec::PlaceTopPlate { time_limit_s } => time_limit_s,
-        StageSpec::Rest { duration_s } => duration_s,
-        StageSpec::Vibrate { duration_s, .. } => {
-            table_motion(stage).map_or(duration_s, |motion| motion.total())
-        }
-    };
-    leg_steps(setup, grains).filter(|leg| limit * setup.engine.rate_hz > *leg as f64)
+    leg_steps(setup, grains).filter(|leg| stage.longest() * setup.engine.rate_hz > *leg as f64)
 }
 
 #[cfg(test)]

@@ -11,10 +11,12 @@ mod feeder;
 mod legs;
 #[cfg(test)]
 mod pile_tests;
+mod placing;
 mod plausible;
 mod progress;
 #[cfg(test)]
 mod segment_tests;
+mod settling;
 mod setup;
 mod stages;
 mod stand;
@@ -30,9 +32,10 @@ pub use base::base_pieces;
 pub use legs::{Midway, legs};
 pub use plausible::plausible;
 pub use progress::{Progress, Silent};
+pub use settling::Settling;
 pub use setup::SettleCriterion;
 pub use setup::Setup;
-pub use stages::{run, table_motion};
+pub use stages::run;
 pub use stand::WorldMaker;
 pub use watch::Watch;
 pub use watched::Watched;
@@ -65,8 +68,8 @@ pub trait Observer {
 pub struct Moment {
     /// Time since the stage began, in s.
     pub stage_time: f64,
-    /// Velocity of the table along x in m/s.
-    pub table_velocity: f64,
+    /// Velocity of the table in m/s.
+    pub table_velocity: Vector,
 }
 
 /// What a stage leaves beside its specimen.
@@ -84,6 +87,8 @@ pub struct StageOutcome {
     pub simulated: f64,
     /// Wall time inside the engine.
     pub engine_time: Duration,
+    /// How a vibration came to rest; none of another stage.
+    pub settling: Option<Settling>,
     /// Findings a reader must know.
     pub warnings: Vec<String>,
     /// What was watched about its motion.

@@ -1,7 +1,7 @@
 //! Whether a state that was read from a file can be that of a specimen in this
 //! laboratory.
 
-use super::{Setup, whereabouts::Whereabouts};
+use super::{Setup, bodies::level, whereabouts::Whereabouts};
 use crate::apparatus::Funnel;
 use crate::scale;
 use crate::specimen::{Fate, Party, SavedContact, Specimen, SpecimenState};
@@ -16,11 +16,12 @@ const UNIT: f64 = 1e-3;
 /// least: it may have rubbed along the wall.
 const FALL_SHARE: f64 = 0.1;
 
-/// What every state of a world is checked against.
-pub(super) fn guard(setup: &Setup) -> Guard {
+/// What every state of a world is checked against, on a table whose peak speed is given in m/s:
+/// what it meets may leave with twice that.
+pub(super) fn guard(setup: &Setup, table_peak: f64) -> Guard {
     // Falling heights, tables and apparatus are typed, and may be large for small grains.
     Guard::new(GuardLimits {
-        speed: scale::LARGEST_SPEED.no_less(&setup.scale),
+        speed: scale::LARGEST_SPEED.no_less(&setup.scale) + 2.0 * table_peak,
         angular_speed: scale::LARGEST_SPIN.at(&setup.scale),
         distance: scale::LARGEST_DISTANCE.no_less(&setup.scale),
     })
@@ -28,11 +29,16 @@ pub(super) fn guard(setup: &Setup) -> Guard {
 
 /// Whether a specimen can be one of this laboratory: a state for each grain, all
 /// numbers finite, nothing too fast or too far, nothing inside or behind walls.
-/// The funnel, where it stands, has a collar of a height in m.
+/// The funnel, where it stands, has a collar of a height in m; the table's peak speed is in m/s.
 ///
 /// # Errors
 /// What is wrong, in words.
-pub fn plausible(setup: &Setup, specimen: &Specimen, collar_m: f64) -> Result<(), String> {
+pub fn plausible(
+    setup: &Setup,
+    specimen: &Specimen,
+    collar_m: f64,
+    table_peak: f64,
+) -> Result<(), String> {
     let Specimen { grains, state } = specimen;
     let (found, expected) = (state.bodies.len(), grains.grains.len());
     if found != expected {
@@ -41,7 +47,7 @@ pub fn plausible(setup: &Setup, specimen: &Specimen, collar_m: f64) -> Result<()
     finite(state)?;
     let of_grains = state.bodies.iter().map(|g| (g.fate == Fate::Present).then_some(g.body));
     let snapshot: Snapshot = of_grains.chain([state.top_plate]).collect();
-    guard(setup).check(&snapshot, state.time).map_err(|e| e.to_string())?;
+    guard(setup, table_peak).check(&snapshot, state.time).map_err(|e| e.to_string())?;
     let funnel = |f: crate::specimen::FunnelState| {
         Funnel::new(&setup.funnel, f.opening_height, collar_m).map_err(|e| e.to_string())
     };
@@ -55,7 +61,7 @@ pub fn plausible(setup: &Setup, specimen: &Specimen, collar_m: f64) -> Result<()
     );
     for index in specimen.present() {
         let body = &state.bodies[index].body;
-        let at = body.pose.translation.vector;
+        let at = level(body.pose.translation.vector, state);
         // What went over the rim falls beside the walls until it is taken away.
         let fallen = (walls.rim(at.z) - at.z).max(0.0) * setup.gravity;
         let down = -body.linear_velocity.z;
@@ -85,7 +91,7 @@ fn finite(state: &SpecimenState) -> Result<(), String> {
     if !state.top_plate.as_ref().is_none_or(body) {
         return Err("place, orientation or velocity of the top plate is no number".to_owned());
     }
-    if !(state.time >= 0.0 && state.time.is_finite() && state.table_x.is_finite()) {
+    if !(state.time >= 0.0 && state.time.is_finite() && state.table().norm().is_finite()) {
         return Err("its time, or where the table is, is no number".to_owned());
     }
     let count = state.bodies.len();
@@ -145,16 +151,16 @@ mod tests {
     #[test]
     fn what_can_be_passes() {
         let (setup, sound) = laboratory();
-        plausible(&setup, &sound, 0.0).expect("law: grains in the cylinder can be");
+        plausible(&setup, &sound, 0.0, 0.0).expect("law: grains in the cylinder can be");
         let mut falling = sound.clone();
         let beside = &mut falling.state.bodies[0].body;
         *beside = BodyState::at_rest(Pose::translation(0.2, 0.0, 0.02));
         beside.linear_velocity.z = -1.0;
-        plausible(&setup, &falling, 0.0).expect("law: what went over the rim falls beside it");
+        plausible(&setup, &falling, 0.0, 0.0).expect("law: what went over the rim falls beside it");
         let mut gone = sound;
         gone.state.bodies[0].fate = Fate::Spilled;
         gone.state.bodies[0].body.pose.translation.vector.z = -5.0;
-        plausible(&setup, &gone, 0.0).expect("law: a grain that was taken away is anywhere");
+        plausible(&setup, &gone, 0.0, 0.0).expect("law: a grain that was taken away is anywhere");
     }
 
     /// A contact of grain 0 with another.
@@ -194,7 +200,7 @@ mod tests {
         for (index, (word, craft)) in crafted.into_iter().enumerate() {
             let (setup, mut specimen) = laboratory();
             craft(&mut specimen.state);
-            let said = plausible(&setup, &specimen, 0.0).expect_err("law: it cannot be");
+            let said = plausible(&setup, &specimen, 0.0, 0.0).expect_err("law: it cannot be");
             assert!(said.contains(word), "law: case {index} names {word}, got {said}");
         }
     }
@@ -230,9 +236,9 @@ mod tests {
         for grain in &mut specimen.state.bodies {
             grain.body.pose.translation.vector.z += opening_height;
         }
-        plausible(&setup, &specimen, 0.0).expect("law: grains in the funnel can be");
+        plausible(&setup, &specimen, 0.0, 0.0).expect("law: grains in the funnel can be");
         let at = &mut specimen.state.bodies[0].body.pose.translation.vector;
         (at.x, at.z) = (1.0, opening_height + 0.05);
-        plausible(&setup, &specimen, 0.0).expect_err("law: nothing stands beside the funnel");
+        plausible(&setup, &specimen, 0.0, 0.0).expect_err("law: nothing stands beside the funnel");
     }
 }

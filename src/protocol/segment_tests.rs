@@ -6,7 +6,7 @@ use super::*;
 use crate::geometry::{ConvexPolyhedron, MassProperties, Pose, Vector};
 use crate::grains::{Grain, GrainSet, generate};
 use crate::scale::Scale;
-use crate::scenario::{BaseKind, BaseSpec, GrainsSpec, Scenario, StageSpec, StrokeReading};
+use crate::scenario::{BaseKind, BaseSpec, GrainsSpec, Scenario, StageSpec};
 use crate::specimen::SpecimenState;
 use crate::world::{
     self, Body, BodyId, Contact, PairCoefficients, RememberedContact, Snapshot, World,
@@ -181,15 +181,8 @@ fn carry_out(
 }
 
 fn shaken(duration_s: f64) -> StageSpec {
-    StageSpec::Vibrate {
-        frequency_hz: 4.0,
-        amplitude_mm: 3.0,
-        stroke: StrokeReading::HalfStroke,
-        duration_s,
-        periods: 1,
-        rest_s: 0.0,
-        ramp_s: 0.0,
-    }
+    // Without the rest after it.
+    StageSpec::sine(4.0, 3.0, duration_s, 0.0)
 }
 
 #[test]

@@ -3,15 +3,16 @@
 use std::{ops::ControlFlow, sync::atomic::AtomicBool};
 
 use super::{
-    Midway, Observer, Setup, StageError, StageOutcome, base,
+    Midway, Observer, Settling, Setup, StageError, StageOutcome, base,
     feeder::{Feed, Feeder},
+    placing::Placing,
     stand::{LegEnd, Stand, Until, WorldMaker},
 };
-use crate::apparatus::{Funnel, TableMotion};
-use crate::geometry::Pose;
+use crate::apparatus::Funnel;
 use crate::grains;
+use crate::motion::TableMotion;
 use crate::scale;
-use crate::scenario::{StageSpec, StrokeReading};
+use crate::scenario::StageSpec;
 use crate::specimen::{Fate, FunnelState, Specimen, SpecimenState};
 use crate::units::from_mm;
 use crate::world::BodyState;
@@ -37,40 +38,9 @@ pub fn run(
         StageSpec::Pour { falling_height_mm, time_limit_s } => {
             lab.pour(specimen, from_mm(falling_height_mm), time_limit_s, observer)
         }
-        StageSpec::PlaceTopPlate { time_limit_s } => {
-            lab.place_top_plate(specimen, time_limit_s, observer)
-        }
+        StageSpec::PlaceTopPlate { .. } => lab.place_top_plate(specimen, stage, observer),
         StageSpec::Vibrate { .. } => lab.vibrate(specimen, stage, observer),
         StageSpec::Rest { duration_s } => lab.rest(specimen, duration_s, observer),
-    }
-}
-
-/// The table's motion of a vibration stage; `None` for every other stage.
-pub fn table_motion(stage: &StageSpec) -> Option<TableMotion> {
-    match *stage {
-        StageSpec::Vibrate {
-            frequency_hz,
-            amplitude_mm,
-            stroke,
-            duration_s,
-            periods,
-            rest_s,
-            ramp_s,
-        } => {
-            let half = match stroke {
-                StrokeReading::HalfStroke => 1.0,
-                StrokeReading::FullStroke => 0.5,
-            };
-            Some(TableMotion {
-                amplitude: from_mm(amplitude_mm) * half,
-                frequency: frequency_hz,
-                duration: duration_s,
-                periods,
-                rest: rest_s,
-                ramp: ramp_s,
-            })
-        }
-        _ => None,
     }
 }
 
@@ -87,11 +57,25 @@ struct Course {
     until: Until,
     motion: Option<TableMotion>,
     feed: Option<Feed>,
+    placing: Option<Placing>,
 }
 
 impl Course {
+    fn until(until: Until) -> Self {
+        Self { until, motion: None, feed: None, placing: None }
+    }
+
     fn until_settled(limit: f64) -> Self {
-        Self { until: Until { limit, settled: true }, motion: None, feed: None }
+        Self::until(Until { limit, calm_from: Some(0.0) })
+    }
+
+    fn of_length(limit: f64) -> Self {
+        Self::until(Until { limit, calm_from: None })
+    }
+
+    /// The number of its last part.
+    fn last_part(&self) -> u32 {
+        self.placing.map_or(1, |p| p.parts()) - 1
     }
 }
 
@@ -120,12 +104,25 @@ impl<'a> Laboratory<'a> {
         };
         loop {
             let fed = midway.fed.take();
-            let mut stand = Stand::new(self.setup, self.make_world, grains.clone(), midway)?;
+            let part = midway.part;
+            let plate = match course.placing {
+                Some(placing) => placing.plate(&self.setup.plate, part),
+                None => self.setup.plate.clone(),
+            };
+            let mut stand = Stand::new(self.setup, self.make_world, grains.clone(), plate, midway)?;
             let begin = |feed| Feeder::new(stand.specimen(), feed, seed, configuration, fed);
             let mut feeder = course.feed.map(begin);
             let motion = course.motion.as_ref();
             match stand.leg(&course.until, motion, feeder.as_mut(), observer, self.cancel)? {
-                LegEnd::OfStage { settled } => return Ok(Ended { stand, settled, feeder }),
+                LegEnd::OfPart { settled } if part < course.last_part() => {
+                    if !settled {
+                        stand.warn(not_settled("seating the top plate", course.until.limit));
+                    }
+                    midway = stand.pause(feeder);
+                    midway.next_part();
+                    continue;
+                }
+                LegEnd::OfPart { settled } => return Ok(Ended { stand, settled, feeder }),
                 LegEnd::Seam => midway = stand.pause(feeder),
             }
             if let ControlFlow::Break(()) = observer.seam(&midway) {
@@ -274,15 +271,16 @@ impl<'a> Laboratory<'a> {
     fn place_top_plate(
         &self,
         mut specimen: Specimen,
-        limit: f64,
+        stage: &StageSpec,
         observer: &mut dyn Observer,
     ) -> Result<StageOutcome, StageError> {
-        if !specimen.state.cylinder || specimen.state.funnel.is_some() {
+        let poured = specimen.state.cylinder && specimen.state.funnel.is_none();
+        let Some(placing) = Placing::of(stage, self.setup).filter(|_| poured) else {
             return Err(StageError::OutOfOrder {
                 stage: "place_top_plate",
                 reason: "it needs grains poured into the cylinder",
             });
-        }
+        };
         let highest = specimen
             .present()
             .flat_map(|i| {
@@ -292,12 +290,12 @@ impl<'a> Laboratory<'a> {
             .fold(0.0, f64::max);
         let release = scale::PLATE_RELEASE.at(&self.setup.scale);
         let height = highest + release + self.setup.plate.thickness / 2.0;
-        specimen.state.top_plate =
-            Some(BodyState::at_rest(Pose::translation(specimen.state.table_x, 0.0, height)));
-        let course = Course::until_settled(limit);
+        let pose = placing.pose(specimen.state.table(), height);
+        specimen.state.top_plate = Some(BodyState::at_rest(pose));
+        let course = Course { placing: Some(placing), ..Course::until_settled(placing.limit) };
         let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
         if !settled {
-            stand.warn(not_settled("placing the top plate", limit));
+            stand.warn(not_settled("placing the top plate", placing.limit));
         }
         Ok(stand.finish())
     }
@@ -308,15 +306,23 @@ impl<'a> Laboratory<'a> {
         stage: &StageSpec,
         observer: &mut dyn Observer,
     ) -> Result<StageOutcome, StageError> {
-        let Some(motion) = table_motion(stage).filter(|_| specimen.state.cylinder) else {
+        let Some(motion) = stage.motion().filter(|_| specimen.state.cylinder) else {
             return Err(StageError::OutOfOrder {
                 stage: "vibrate",
                 reason: "it needs grains poured into the cylinder",
             });
         };
-        let until = Until { limit: motion.total(), settled: false };
-        let course = Course { until, motion: Some(motion), feed: None };
-        Ok(self.carry_out(specimen, 0.0, &course, observer)?.stand.finish())
+        let (shaken, limit) = (motion.total(), stage.settle_limit());
+        let until = Until { limit: shaken + limit, calm_from: Some(shaken) };
+        let course = Course { motion: Some(motion), ..Course::until(until) };
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
+        if !settled {
+            stand.warn(not_settled("rest after the vibration", limit));
+        }
+        let mut outcome = stand.finish();
+        let time_s = outcome.simulated - shaken;
+        outcome.settling = Some(Settling { time_s, limit_s: limit, settled });
+        Ok(outcome)
     }
 
     fn rest(
@@ -325,8 +331,7 @@ impl<'a> Laboratory<'a> {
         duration: f64,
         observer: &mut dyn Observer,
     ) -> Result<StageOutcome, StageError> {
-        let until = Until { limit: duration, settled: false };
-        let course = Course { until, motion: None, feed: None };
+        let course = Course::of_length(duration);
         Ok(self.carry_out(specimen, 0.0, &course, observer)?.stand.finish())
     }
 }

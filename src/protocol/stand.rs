@@ -11,16 +11,17 @@ use std::{
 
 use super::{
     Midway, Moment, Observer, Setup, StageError, StageOutcome, base,
-    bodies::{free_grain, remembered, wall_piece},
+    bodies::{free_grain, level, moved, remembered, wall_piece},
     feeder::Feeder,
     legs::{leg_steps, steps_a_check},
     plausible::guard,
     watch::{Finding, Tally, steps_a_look},
     whereabouts::Whereabouts,
 };
-use crate::apparatus::{Funnel, TableMotion};
+use crate::apparatus::{Funnel, TopPlate};
 use crate::geometry::{Pose, Vector};
 use crate::grains::{Grain, GrainSet};
+use crate::motion::TableMotion;
 use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen, SpecimenState};
 use crate::world::{
     Body, BodyId, BodyState, Guard, Material, Motion, PairTable, Snapshot, World, WorldError,
@@ -44,6 +45,8 @@ pub(super) struct Stand<'a> {
     /// Bodies of the grains; `None` for those no longer present.
     grains: Vec<Option<BodyId>>,
     plate: Option<BodyId>,
+    /// What the plate is, with what lies on it.
+    of_plate: TopPlate,
     /// Every body that is there, by what it is.
     parties: HashMap<Party, BodyId>,
     /// Bodies standing on the table, with their poses at rest.
@@ -58,8 +61,8 @@ pub(super) struct Stand<'a> {
 
 /// How a leg ended.
 pub(super) enum LegEnd {
-    /// With the stage, and whether everything had settled.
-    OfStage {
+    /// With the stage or a part of it, and whether everything had settled.
+    OfPart {
         /// Whether it had.
         settled: bool,
     },
@@ -69,10 +72,10 @@ pub(super) enum LegEnd {
 
 /// How long to go on.
 pub(super) struct Until {
-    /// At most so long, in s.
+    /// At most so long, in s since the stage, or the part of it, began.
     pub limit: f64,
-    /// Whether to end as soon as everything has settled.
-    pub settled: bool,
+    /// From when on, in s, to end as soon as everything has settled; none where it does not count.
+    pub calm_from: Option<f64>,
 }
 
 impl<'a> Stand<'a> {
@@ -82,6 +85,7 @@ impl<'a> Stand<'a> {
         setup: &'a Setup,
         make_world: WorldMaker,
         grains: Arc<GrainSet>,
+        of_plate: TopPlate,
         mut midway: Midway,
     ) -> Result<Self, StageError> {
         let nothing = SpecimenState::before_everything(0);
@@ -113,7 +117,7 @@ impl<'a> Stand<'a> {
                 for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
                     let mut body = wall_piece(piece, Motion::Driven);
                     if under_way {
-                        body.state.pose = moved(&piece.pose, state.table_x);
+                        body.state.pose = moved(&piece.pose, &state.table());
                     }
                     let id = world.add(&body)?;
                     parties.insert(Party::Other(Other::Cylinder(n)), id);
@@ -135,11 +139,8 @@ impl<'a> Stand<'a> {
                 .top_plate
                 .map(|state| {
                     world.add(&Body {
-                        shape: setup.plate.shape.clone(),
-                        motion: Motion::Free {
-                            mass: setup.plate.mass,
-                            inertia: setup.plate.inertia,
-                        },
+                        shape: of_plate.shape.clone(),
+                        motion: Motion::Free { mass: of_plate.mass, inertia: of_plate.inertia },
                         material: Material::Plate,
                         state,
                     })
@@ -171,8 +172,8 @@ impl<'a> Stand<'a> {
         if under_way {
             // Whoever leaves must have been seen inside.
             for index in specimen.present() {
-                let position = &state.bodies[index].body.pose.translation.vector;
-                whereabouts.note(index, position, state.table_x);
+                let position = state.bodies[index].body.pose.translation.vector;
+                whereabouts.note(index, &level(position, state), state.table_x);
             }
         }
         Ok(Self {
@@ -181,10 +182,11 @@ impl<'a> Stand<'a> {
             specimen,
             grains,
             plate,
+            of_plate,
             parties,
             on_table,
             whereabouts,
-            guard: guard(setup),
+            guard: guard(setup, 0.0),
             snapshot: Snapshot::new(),
             midway,
         })
@@ -201,14 +203,22 @@ impl<'a> Stand<'a> {
         cancel: &AtomicBool,
     ) -> Result<LegEnd, StageError> {
         let dt = self.world.time_step();
-        let last_step = (until.limit / dt).round().max(1.0) as u64;
+        let steps_in = |time: f64| (time / dt).round() as u64;
+        let part_began = self.midway.part_began;
+        let last_step = part_began + steps_in(until.limit).max(1);
+        // The end of shaking is observed, as that of the stage is.
+        let calm_from = until.calm_from.map(|time| part_began + steps_in(time));
+        let shaken = calm_from.filter(|step| *step > part_began);
         let check_every = steps_a_check(self.setup, dt);
         let leg = leg_steps(self.setup, self.specimen.grains.grains.len());
         let seam = leg.map(|leg| (self.midway.steps / leg + 1).saturating_mul(leg));
-        let look_every = motion.map(|m| steps_a_look(m.frequency, dt)).filter(|n| *n < check_every);
+        let look_every = motion
+            .map(|m| m.fastest_component().map_or(1, |f| steps_a_look(f, dt)))
+            .filter(|n| *n < check_every);
         let mut settled = false;
-        let table_velocity = |time: f64| motion.map_or(0.0, |m| m.velocity(time));
-        let peak = motion.map_or(0.0, TableMotion::peak_speed);
+        let table_velocity = |time: f64| motion.map_or(Vector::zeros(), |m| m.velocity(time, dt));
+        let peak = motion.map_or(0.0, |m| m.peak_speed_in_steps(dt));
+        self.guard = guard(self.setup, peak);
         self.begin_watch((peak, table_velocity(self.midway.steps as f64 * dt)));
         if self.midway.steps == 0 {
             let moment = Moment { stage_time: 0.0, table_velocity: table_velocity(0.0) };
@@ -228,13 +238,15 @@ impl<'a> Stand<'a> {
             self.midway.steps = step;
             stepped.map_err(|source| self.failed(source))?;
 
-            let sample = time >= self.midway.next_sample_s - dt / 2.0 || step == last_step;
+            let due = time >= self.midway.next_sample_s - dt / 2.0;
+            let sample = due || step == last_step || Some(step) == shaken;
             let check = sample || step % check_every == 0;
             if !check {
                 if look_every.is_some_and(|n| step % n == 0) {
                     self.world.read(&mut self.snapshot);
                     let now = self.tally();
-                    self.midway.watch.follow(&now, table_velocity(time));
+                    let time = self.midway.began_s + time;
+                    self.midway.watch.follow(&now, table_velocity(step as f64 * dt), time);
                 }
                 continue;
             }
@@ -246,7 +258,7 @@ impl<'a> Stand<'a> {
             for text in self.midway.warnings[told..].iter().chain(&finding) {
                 observer.warn(text);
             }
-            if until.settled {
+            if calm_from.is_some_and(|from| step > from) {
                 let fed = feeder.as_ref().is_none_or(|f| f.is_empty());
                 let calm = fed && self.calm();
                 let since = self.midway.calm_since_s.unwrap_or(time);
@@ -254,7 +266,9 @@ impl<'a> Stand<'a> {
                 settled = calm && time - since >= self.setup.settle.hold;
             }
             if sample || settled {
-                self.midway.next_sample_s += self.setup.sample_interval;
+                if due {
+                    self.midway.next_sample_s += self.setup.sample_interval;
+                }
                 self.midway.residuals.extend(self.world.solver_residual());
                 let moment = Moment { stage_time: time, table_velocity: table_velocity(time) };
                 observer.observe(&self.specimen, moment);
@@ -271,7 +285,7 @@ impl<'a> Stand<'a> {
                 return Ok(LegEnd::Seam);
             }
         }
-        Ok(LegEnd::OfStage { settled })
+        Ok(LegEnd::OfPart { settled })
     }
 
     /// Takes the stage out of the world, to go on in another.
@@ -305,6 +319,7 @@ impl<'a> Stand<'a> {
         let of_grain = |id: &Option<BodyId>| corners.get(id.as_ref()?.0 as usize)?.clone();
         StageOutcome {
             corners: self.grains.iter().map(of_grain).collect(),
+            settling: None,
             simulated: self.midway.steps as f64 * self.world.time_step(),
             effective: self.world.effective(),
             specimen: self.specimen,
@@ -354,13 +369,13 @@ impl<'a> Stand<'a> {
         StageError::World { source, last_good: Box::new(self.specimen.clone()) }
     }
 
-    fn move_table(&mut self, x: f64) -> Result<(), StageError> {
+    fn move_table(&mut self, to: Vector) -> Result<(), StageError> {
         for (id, at_rest) in &self.on_table {
-            if let Err(source) = self.world.drive(*id, &moved(at_rest, x)) {
+            if let Err(source) = self.world.drive(*id, &moved(at_rest, &to)) {
                 return Err(self.failed(source));
             }
         }
-        self.specimen.state.table_x = x;
+        self.specimen.state.set_table(to);
         Ok(())
     }
 
@@ -369,9 +384,9 @@ impl<'a> Stand<'a> {
         let dt = self.world.time_step();
         let steps = self.midway.steps;
         let place = |step: u64| motion.displacement(step as f64 * dt);
-        let ends = [2, 1, 0].map(|ago| steps.checked_sub(ago).map_or(0.0, place));
+        let ends = [2, 1, 0].map(|ago| steps.checked_sub(ago).map_or(Vector::zeros(), place));
         for (id, at_rest) in &self.on_table {
-            let ends = ends.map(|x| moved(at_rest, x));
+            let ends = ends.map(|at| moved(at_rest, &at));
             if let Err(source) = self.world.recall_drive(*id, &ends) {
                 return Err(self.failed(source));
             }
@@ -381,15 +396,16 @@ impl<'a> Stand<'a> {
 
     /// Begins to watch the bodies as the specimen has them; the table's peak
     /// speed and its velocity now in m/s.
-    fn begin_watch(&mut self, table: (f64, f64)) {
+    fn begin_watch(&mut self, table: (f64, Vector)) {
         let Specimen { grains, state } = &self.specimen;
         let present = |(_, s): &(&Grain, &GrainState)| s.fate == Fate::Present;
         let bodies = grains.grains.iter().zip(&state.bodies).filter(present);
         let bodies = bodies.map(|(grain, s)| (grain.mass, &grain.inertia, &s.body));
-        let plate = &self.setup.plate;
+        let plate = &self.of_plate;
         let plate = state.top_plate.iter().map(|s| (plate.mass, &plate.inertia, s));
         let lowest = self.whereabouts.lowest();
-        self.midway.watch.begin(bodies.chain(plate), lowest, self.setup.gravity, table);
+        let began = self.midway.began_s + self.midway.steps as f64 * self.world.time_step();
+        self.midway.watch.begin(bodies.chain(plate), lowest, self.setup.gravity, table, began);
     }
 
     /// Sums over the bodies of the last snapshot that are still followed.
@@ -397,14 +413,14 @@ impl<'a> Stand<'a> {
         let body = |id: &Option<BodyId>| self.snapshot.get((*id)?.0 as usize)?.as_ref();
         let grains = self.specimen.grains.grains.iter().zip(&self.grains);
         let grains = grains.filter_map(|(g, id)| Some((g.mass, &g.inertia, body(id)?)));
-        let plate = &self.setup.plate;
+        let plate = &self.of_plate;
         let plate = body(&self.plate).map(|s| (plate.mass, &plate.inertia, s));
         Tally::of(grains.chain(plate), self.setup.gravity)
     }
 
     /// Reads the world, checks it, and only then takes it over into the specimen.
     /// Gives what a guard has to tell.
-    fn read_back(&mut self, time: f64, table: f64) -> Result<Option<String>, StageError> {
+    fn read_back(&mut self, time: f64, table: Vector) -> Result<Option<String>, StageError> {
         self.world.read(&mut self.snapshot);
         self.guard.check(&self.snapshot, time).map_err(|source| self.failed(source))?;
         let held = |id: &BodyId| self.snapshot.get(id.0 as usize).is_some_and(Option::is_some);
@@ -427,9 +443,10 @@ impl<'a> Stand<'a> {
         for (index, slot) in self.grains.iter_mut().enumerate() {
             let Some(id) = *slot else { continue };
             let Some(body) = self.snapshot[id.0 as usize] else { continue };
+            let place = level(body.pose.translation.vector, &self.specimen.state);
             let state = &mut self.specimen.state.bodies[index];
             state.body = body;
-            let fate = self.whereabouts.note(index, &body.pose.translation.vector, table_x);
+            let fate = self.whereabouts.note(index, &place, table_x);
             if fate != Fate::Present {
                 state.fate = fate;
                 *slot = None;
@@ -478,11 +495,4 @@ impl<'a> Stand<'a> {
             && (squares / f64::from(count)).sqrt() <= limits.rms_speed
             && largest.sqrt() <= limits.largest_speed
     }
-}
-
-/// Where a piece is that stands on the table, at a displacement along x in m.
-fn moved(at_rest: &Pose, x: f64) -> Pose {
-    let mut pose = *at_rest;
-    pose.translation.vector.x += x;
-    pose
 }

@@ -81,15 +81,15 @@ fn rest(duration_s: f64) -> StageSpec {
 }
 
 fn vibrate(periods: u32, rest_s: f64) -> StageSpec {
-    StageSpec::Vibrate {
-        frequency_hz: 3.0,
-        amplitude_mm: 25.0,
-        stroke: crate::scenario::StrokeReading::HalfStroke,
-        duration_s: 1.0,
-        periods,
-        rest_s,
-        ramp_s: 0.0,
-    }
+    serde_json::from_value(serde_json::json!({
+        "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 25, "duration_s": 1,
+        "periods": periods, "rest_s": rest_s
+    }))
+    .expect("a vibration")
+}
+
+fn place() -> StageSpec {
+    serde_json::from_str(r#"{"stage": "place_top_plate", "time_limit_s": 1}"#).expect("a stage")
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn a_rest_lasts_as_long_as_it_says_and_is_observed_every_0_08_s() {
 
 #[test]
 fn a_settled_specimen_ends_its_stage_early_and_a_restless_one_does_not() {
-    let stage = StageSpec::PlaceTopPlate { time_limit_s: 1.0 };
+    let stage = place();
     let (outcome, _) = carry_out(still(), poured(&[]), &stage);
     let outcome = outcome.expect("settles");
     // Held for 0.25 s from the first look at 0.02 s on.
@@ -137,7 +137,7 @@ fn a_settled_specimen_ends_its_stage_early_and_a_restless_one_does_not() {
 fn the_table_is_driven_to_the_exact_sinusoid_at_the_end_of_each_step() {
     let setup = Setup::new(&scenario()).expect("a laboratory");
     let stage = vibrate(2, 0.5);
-    let motion = table_motion(&stage).expect("it vibrates");
+    let motion = stage.motion().expect("it vibrates");
     let seen = std::sync::Mutex::new(Vec::new());
     struct X<'a>(&'a std::sync::Mutex<Vec<(f64, f64)>>);
     impl Observer for X<'_> {
@@ -155,10 +155,22 @@ fn the_table_is_driven_to_the_exact_sinusoid_at_the_end_of_each_step() {
         &AtomicBool::new(false),
     )
     .expect("vibrates");
-    assert!((outcome.simulated - 2.5).abs() < 1e-9, "two periods of 1 s and a rest of 0.5 s");
+    let settling = outcome.settling.expect("it settles");
+    assert!(
+        settling.settled && settling.limit_s == 2.0,
+        "law: a still world settles: {settling:?}"
+    );
+    assert!((0.25..0.32).contains(&settling.time_s), "law: held for 0.25 s, {settling:?}");
+    let shaken = outcome.simulated - settling.time_s;
+    assert!((shaken - 2.5).abs() < 1e-9, "two periods of 1 s and a rest of 0.5 s");
     assert!(outcome.specimen.state.table_x.abs() < 1e-12, "ends where it began");
-    for (time, x) in seen.into_inner().expect("alone") {
-        let expected = motion.displacement(time);
+    let seen = seen.into_inner().expect("alone");
+    assert!(
+        seen.iter().any(|(time, _)| (time - 2.5).abs() < 1e-9),
+        "law: the end of shaking is seen"
+    );
+    for (time, x) in seen {
+        let expected = motion.displacement(time).x;
         assert!(
             (x - expected).abs() < 1e-15,
             "law x(t) = A sin 2πft at {time} s: expected {expected}, got {x}"
@@ -170,8 +182,7 @@ fn the_table_is_driven_to_the_exact_sinusoid_at_the_end_of_each_step() {
 fn the_plate_is_let_go_just_above_the_highest_grain() {
     let specimen = poured(&[0.12]);
     let highest = specimen.grains.grains[0].shape.bounding_box().1.z + 0.12;
-    let (outcome, _) =
-        carry_out(still(), specimen, &StageSpec::PlaceTopPlate { time_limit_s: 1.0 });
+    let (outcome, _) = carry_out(still(), specimen, &place());
     let plate = outcome.expect("placed").specimen.state.top_plate.expect("a plate");
     let gap = plate.pose.translation.z - 0.005 - highest;
     let expected = 1e-4 * 10.0 / 8.0;
@@ -257,7 +268,7 @@ fn a_request_to_stop_is_heard() {
 fn stages_out_of_order_are_refused() {
     let mut in_funnel = poured(&[]);
     in_funnel.state.cylinder = false;
-    for stage in [vibrate(1, 0.0), StageSpec::PlaceTopPlate { time_limit_s: 1.0 }] {
+    for stage in [vibrate(1, 0.0), place()] {
         let (outcome, _) = carry_out(still(), in_funnel.clone(), &stage);
         assert!(matches!(outcome, Err(StageError::OutOfOrder { .. })), "{stage:?}");
     }

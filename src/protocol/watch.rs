@@ -2,10 +2,10 @@
 //! have given them.
 //!
 //! Between two looks the mechanical energy of what moves (kinetic, and m g z)
-//! can rise only by the work of the table: contacts and friction take. The
-//! table pushes along x alone, so that its work is the integral of its velocity
-//! over the momentum along x that it gives, and at most the larger of its
-//! velocities at the two looks times that momentum. What rises beyond comes
+//! can rise only by the work of the table: contacts and friction take. Its work is
+//! the integral of its velocity over the momentum that it gives, and along each
+//! direction at most the larger of its velocities at the two looks times that
+//! momentum; along z what gravity has taken is given, too. What rises beyond comes
 //! from nowhere. It is summed up, and the sum falls, to zero at the least,
 //! where more is lost than given: it is the largest rise without a cause from
 //! any earlier moment to now.
@@ -62,10 +62,12 @@ struct Budget {
     speed: f64,
     /// Energy that gravity and the table can give at once, with what there was.
     available: f64,
-    /// Energy and momentum along x at the last look, and the table's velocity.
+    /// Energy, momentum and mass at the last look, the table's velocity, and when that was.
     energy: f64,
-    momentum: f64,
-    table: f64,
+    momentum: Vector,
+    mass: f64,
+    table: Vector,
+    time: f64,
     /// Energy from nowhere.
     gained: f64,
 }
@@ -77,8 +79,8 @@ pub(super) type Moving<'a> = (f64, &'a Vector, &'a BodyState);
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Tally {
     energy: f64,
-    /// Along x.
-    momentum: f64,
+    momentum: Vector,
+    mass: f64,
     fastest: f64,
 }
 
@@ -90,7 +92,8 @@ impl Tally {
             let kinetic = 0.5 * mass * square + state.rotational_energy(inertia);
             Self {
                 energy: sum.energy + kinetic + mass * gravity * state.pose.translation.z,
-                momentum: sum.momentum + mass * state.linear_velocity.x,
+                momentum: sum.momentum + mass * state.linear_velocity,
+                mass: sum.mass + mass,
                 fastest: sum.fastest.max(square.sqrt()),
             }
         })
@@ -110,14 +113,15 @@ pub(super) enum Finding {
 
 impl Watch {
     /// Begins, where that has not been done, with the bodies of a stage, a table
-    /// whose peak speed is given in m/s, and the height in m below which
-    /// nothing is seen.
+    /// whose peak speed and velocity are given in m/s, the height in m below which
+    /// nothing is seen, and the time in s since the first stage began.
     pub(super) fn begin<'a>(
         &mut self,
         bodies: impl Iterator<Item = Moving<'a>> + Clone,
         lowest: f64,
         gravity: f64,
-        table: (f64, f64),
+        table: (f64, Vector),
+        time: f64,
     ) {
         if self.budget.is_some() {
             return;
@@ -132,7 +136,9 @@ impl Watch {
             available: 0.0,
             energy: now.energy,
             momentum: now.momentum,
+            mass: now.mass,
             table,
+            time,
             gained: 0.0,
         };
         for body in bodies {
@@ -148,28 +154,34 @@ impl Watch {
             let own = Tally::of(std::iter::once(body), budget.gravity);
             budget.energy += own.energy;
             budget.momentum += own.momentum;
+            budget.mass += own.mass;
         }
     }
 
     /// Goes on from what there is after bodies were taken away.
     pub(super) fn taken_away(&mut self, left: Tally) {
         if let Some(budget) = &mut self.budget {
-            (budget.energy, budget.momentum) = (left.energy, left.momentum);
+            (budget.energy, budget.momentum, budget.mass) = (left.energy, left.momentum, left.mass);
         }
     }
 
-    /// Notes energy and momentum between two looks, where the table is fast.
-    pub(super) fn follow(&mut self, now: &Tally, table: f64) {
+    /// Begins anew with what there will be: something was added or taken off by hand.
+    pub(super) fn begin_anew(&mut self) {
+        self.budget = None;
+    }
+
+    /// Notes energy and momentum between two looks, where the table is fast, at a time as in `look`.
+    pub(super) fn follow(&mut self, now: &Tally, table: Vector, time: f64) {
         if let Some(budget) = &mut self.budget {
-            budget.follow(now, table);
+            budget.follow(now, table, time);
         }
     }
 
-    /// Looks: at sums, with the table's velocity along x in m/s, at a time in s
+    /// Looks: at sums, with the table's velocity in m/s, at a time in s
     /// since the first stage began.
-    pub(super) fn look(&mut self, now: &Tally, table: f64, time: f64) -> Finding {
+    pub(super) fn look(&mut self, now: &Tally, table: Vector, time: f64) -> Finding {
         let Some(budget) = &mut self.budget else { return Finding::Nothing };
-        budget.follow(now, table);
+        budget.follow(now, table, time);
         let (gained, available, natural) = (budget.gained, budget.available, budget.speed);
         let fast = self.speed.note(now.fastest, SPEED_FACTOR * natural, time);
         let energetic = self.energy.note(gained, ENERGY_SHARE * available, time);
@@ -215,11 +227,13 @@ impl Budget {
             + mass * self.gravity * height;
     }
 
-    fn follow(&mut self, now: &Tally, table: f64) {
-        let given = now.momentum - self.momentum;
-        let work = (self.table * given).max(table * given);
+    fn follow(&mut self, now: &Tally, table: Vector, time: f64) {
+        let mut given = now.momentum - self.momentum;
+        given.z += self.mass * self.gravity * (time - self.time);
+        let work = self.table.component_mul(&given).sup(&table.component_mul(&given)).sum();
         self.gained = (self.gained + now.energy - self.energy - work).max(0.0);
-        (self.energy, self.momentum, self.table) = (now.energy, now.momentum, table);
+        (self.energy, self.momentum, self.mass) = (now.energy, now.momentum, now.mass);
+        (self.table, self.time) = (table, time);
     }
 }
 

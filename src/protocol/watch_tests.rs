@@ -37,10 +37,12 @@ fn body(state: &BodyState) -> Moving<'_> {
 fn watched(states: &[(BodyState, f64)], table_peak: f64) -> (Watch, Vec<Finding>) {
     let mut watch = Watch::default();
     let (first, table) = &states[0];
-    watch.begin(std::iter::once(body(first)), -0.05, GRAVITY, (table_peak, *table));
+    let along = |x: f64| Vector::new(x, 0.0, 0.0);
+    let first_body = std::iter::once(body(first));
+    watch.begin(first_body, -0.05, GRAVITY, (table_peak, along(*table)), -1.0);
     let findings = states[1..].iter().enumerate().map(|(n, (state, table))| {
         let now = Tally::of(std::iter::once(body(state)), GRAVITY);
-        watch.look(&now, *table, n as f64)
+        watch.look(&now, along(*table), n as f64)
     });
     let findings = findings.collect();
     (watch, findings)
@@ -103,10 +105,10 @@ fn impossible_speeds_are_told_and_then_end_it() {
     let mut watch = Watch::default();
     let bodies = [moving(0.0, 0.0)];
     let heavy = bodies.iter().map(|state| (1e6, &INERTIA, state));
-    watch.begin(heavy, -0.05, GRAVITY, (0.0, 0.0));
+    watch.begin(heavy, -0.05, GRAVITY, (0.0, Vector::zeros()), 0.0);
     let mut look = |factor: f64| {
         let state = moving(0.0, factor * natural);
-        watch.look(&Tally::of(std::iter::once(body(&state)), GRAVITY), 0.0, factor)
+        watch.look(&Tally::of(std::iter::once(body(&state)), GRAVITY), Vector::zeros(), factor)
     };
     assert_eq!(look(1.49), Finding::Nothing);
     assert!(matches!(look(1.51), Finding::Warning(t) if t.contains("speed")));

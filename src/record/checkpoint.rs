@@ -356,6 +356,8 @@ mod tests {
             watch: Watch::default(),
             residuals: Vec::new(),
             fed: None,
+            part: 0,
+            part_began: 0,
         }
     }
 

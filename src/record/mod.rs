@@ -37,6 +37,6 @@ pub use stage::{StageRecord, StoredStage};
 pub use store::StageStore;
 pub use store_check::{StoreReport, StoredItem, StoredState, check_store};
 pub use summary::*;
-pub use tables::{grains_csv, series_from_csv, to_csv};
+pub use tables::{grains_csv, series_csv, series_from_csv, to_csv};
 pub use unfinished::{begin_file, remove_abandoned};
 pub use variations::{RunRow, VariationRow, variation_runs_csv, variations_csv};

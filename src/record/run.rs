@@ -14,12 +14,14 @@ pub enum RunKind {
     VibrationContinuous,
     /// Several periods of vibration with rests (paper, Figure 10).
     VibrationIntermittent,
+    /// One period of vibration of a specimen under a plate that was laid on it anew.
+    VibrationPlacement,
     /// A pile of grains on a rough base (paper, section 2, Figure 2).
     Repose,
 }
 
 impl RunKind {
-    /// Whether the specimen was shaken.
+    /// Whether it is one of the programme's own vibrations, not one more placement of the plate.
     pub fn is_vibration(self) -> bool {
         matches!(self, Self::VibrationContinuous | Self::VibrationIntermittent)
     }

@@ -8,6 +8,7 @@ use super::{
     FRAMES_FILE, FileError, SeriesRow, StageEnd, StageGuards, StageIdentity, hash::hash_file,
     hash_json, identity::short, read_json, read_unchanged, series_from_csv,
 };
+use crate::protocol::Settling;
 use crate::specimen::SpecimenState;
 use crate::world::EffectiveSettings;
 
@@ -54,6 +55,13 @@ pub struct StageRecord {
     /// the stage was stored before this was recorded.
     #[serde(default)]
     pub sieved_mm: Vec<Option<f64>>,
+    /// How a vibration came to rest; none of another stage.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settling: Option<Settling>,
+    /// Heights of the plate, where there is one, and of the mean surface in mm when the first
+    /// vibration of the run began; none before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub before_vibration_mm: Option<(Option<f64>, f64)>,
     /// What the specimen was at the end; none where it was stored before this
     /// was recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]

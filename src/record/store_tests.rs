@@ -32,6 +32,8 @@ fn made() -> StoredStage {
         plate_tilt_deg: None,
         largest_speed_m_per_s: 0.5,
         pile_height_mm: None,
+        table_y_mm: None,
+        table_z_mm: None,
     };
     let record = StageRecord {
         stage: "rest".into(),

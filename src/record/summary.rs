@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Guards, ShapeSummary, SieveSummary};
+use crate::motion::MotionFacts;
+use crate::protocol::Settling;
 use crate::world::BackendInfo;
 
 /// One row of `series.csv`: the state of the experiment at one moment.
@@ -14,10 +16,10 @@ pub struct SeriesRow {
     pub stage: u32,
     /// Height of the centre of the top plate's lower face above the floor in mm; empty without a plate.
     pub plate_height_mm: Option<f64>,
-    /// Drop of the plate's centre since the beginning of vibration (positive
-    /// downwards) in mm; empty before.
+    /// Drop of the plate's centre since the first vibration began (positive
+    /// downwards) in mm, through all later stages; empty before.
     pub settlement_mm: Option<f64>,
-    /// Drop of the mean surface since the beginning of vibration in mm; empty before.
+    /// Drop of the mean surface since then in mm; empty before.
     pub surface_settlement_mm: Option<f64>,
     /// Kinetic energy of grains and plate relative to the table, in J.
     pub kinetic_energy_j: f64,
@@ -37,6 +39,12 @@ pub struct SeriesRow {
     /// not move just then; empty without a base.
     #[serde(default)]
     pub pile_height_mm: Option<f64>,
+    /// Displacement of the table along y in mm; no column where it never has any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table_y_mm: Option<f64>,
+    /// The same along z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table_z_mm: Option<f64>,
 }
 
 /// `summary.json`: the figures of one run.
@@ -73,10 +81,14 @@ pub struct Summary {
     pub poured_void_ratio: Option<f64>,
     /// Volume of voids over total volume, to the mean surface; none as above.
     pub porosity: Option<f64>,
-    /// Settlement of the top plate, where vibrated.
+    /// Settlement of the top plate since the first vibration began, where vibrated.
     pub settlement_mm: Option<Settlement>,
-    /// Settlement of the mean surface, where vibrated.
+    /// Settlement of the mean surface, likewise.
     pub surface_settlement_mm: Option<Settlement>,
+    /// The stages that vibrate: when, how, and how everything came to rest; empty where nothing
+    /// was vibrated, or the summary is of before this was recorded.
+    #[serde(default)]
+    pub vibrations: Vec<VibrationSummary>,
     /// Angle of repose, where a pile was built; null also where what came of it
     /// has no flanks, and `warnings` say why.
     #[serde(default)]
@@ -123,6 +135,15 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// From the beginning of the first to the end of the last period of vibration, in s of the
+    /// run's time; none where nothing was vibrated.
+    pub fn shaken_s(&self) -> Option<(f64, f64)> {
+        let mut periods = self.vibrations.iter().flat_map(|v| &v.periods_s);
+        let first = periods.next()?;
+        let last = periods.next_back().unwrap_or(first);
+        Some((first[0], last[1]))
+    }
+
     /// The same with `valid` as the accuracy standard and the run-time checks have it, and
     /// with why it is left out of means.
     #[must_use]
@@ -165,6 +186,19 @@ impl SolverResidual {
     }
 }
 
+/// One stage that vibrates.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VibrationSummary {
+    /// Which stage of the run, counted from 0.
+    pub stage: u32,
+    /// Beginning and end of each period in s, in the run's time.
+    pub periods_s: Vec<[f64; 2]>,
+    /// Peaks and jumps of the table's motion.
+    pub motion: MotionFacts,
+    /// How everything came to rest afterwards; null where that was not recorded.
+    pub settling: Option<Settling>,
+}
+
 /// Number, mass and whereabouts of the grains.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GrainsSummary {
@@ -205,14 +239,18 @@ pub struct StandingHeight {
 /// Settlement by vibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Settlement {
-    /// At the end, in mm.
+    /// At the end of the run's last stage, with the table at rest, in mm.
     #[serde(rename = "final")]
     pub final_mm: f64,
+    /// At the end of the last period, while everything still moves, in mm; null where the
+    /// summary is of before this was recorded.
+    #[serde(default)]
+    pub end_of_shaking: Option<f64>,
     /// After the first 5 s of vibration, in mm.
     pub after_5_s: Option<f64>,
     /// `after_5_s / final`.
     pub share_after_5_s: Option<f64>,
-    /// At the end of each period of vibration, in mm.
+    /// After each period of vibration, read in the rest that follows, in mm.
     pub after_each_period: Vec<f64>,
 }
 

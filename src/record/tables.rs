@@ -19,6 +19,22 @@ pub fn to_csv<T: Serialize>(rows: impl IntoIterator<Item = T>) -> Result<Vec<u8>
     writer.into_inner().map_err(|e| e.into_error().into())
 }
 
+/// Rows of a series, which may be of several stages: the table's displacement along y and z has a
+/// column where any stage moves it there.
+///
+/// # Errors
+/// As [`to_csv`].
+pub fn series_csv(rows: &[SeriesRow]) -> Result<Vec<u8>, csv::Error> {
+    let has = |of: fn(&SeriesRow) -> Option<f64>| rows.iter().any(|r| of(r).is_some());
+    let (y, z) = (has(|r| r.table_y_mm), has(|r| r.table_z_mm));
+    let still = |column: bool, value: Option<f64>| column.then(|| value.unwrap_or(0.0));
+    to_csv(rows.iter().map(|row| SeriesRow {
+        table_y_mm: still(y, row.table_y_mm),
+        table_z_mm: still(z, row.table_z_mm),
+        ..*row
+    }))
+}
+
 /// Reads `series.csv`.
 ///
 /// # Errors

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::{
+    motion::MotionFacts,
     paper::text::compact,
     scenario::{
         Backend, ContactPath, EngineSettings, GrainsSpec, Scenario, StageSpec, StockSettings,
@@ -144,32 +145,27 @@ fn stages(scenario: &Scenario) -> Vec<Choice> {
              The settlement of the surface is shown beside it.",
         ));
     }
-    if let Some(StageSpec::Vibrate { amplitude_mm, stroke, periods, rest_s, ramp_s, .. }) =
-        stage(|s| matches!(s, StageSpec::Vibrate { .. }))
-    {
+    let shaken = stage(|s| matches!(s, StageSpec::Vibrate { .. }));
+    if let Some(StageSpec::Vibrate { amplitude_mm, stroke, periods, rest_s, .. }) = shaken {
         let reading = match stroke {
             StrokeReading::HalfStroke => "half stroke: the table moves by as much to either side",
             StrokeReading::FullStroke => "full stroke: the table moves by as much from end to end",
         };
         choices.push(choice(
             "Reading of the amplitude",
-            format!("{} mm, {reading}", compact(*amplitude_mm)),
+            amplitude_mm.map_or_else(
+                || "as recorded".to_owned(),
+                |amplitude| format!("{} mm, {reading}", compact(amplitude)),
+            ),
             "\"Amplitude\" in its usual sense; the text does not say which.",
             "The other reading halves or doubles speed and acceleration.",
         ));
         choices.push(choice(
-            "Start of the sinusoid",
-            if *ramp_s == 0.0 {
-                "x = A sin 2πft: from the middle, at full speed; the table stops within a step at \
-                 the end of a period"
-                    .to_owned()
-            } else {
-                format!(
-                    "the amplitude grows and dies away within {} s of each period",
-                    compact(*ramp_s)
-                )
-            },
-            "Not given; every period starts and ends in the middle.",
+            "Motion of the table",
+            shaken.and_then(StageSpec::motion).map_or_else(String::new, |motion| {
+                MotionFacts::of(&motion, 1.0 / scenario.engine.rate_hz).line()
+            }),
+            "Not given but for \"sinusoidal\"; every period starts and ends at the table's place.",
             "The jerk at either end of each period loosens the grains: with a ramp of 1 s in its \
              place the intermittent settlement of configuration 1 was 11.6 mm, without 19.6 mm.",
         ));

@@ -42,15 +42,10 @@ impl CreepShare {
     }
 }
 
-/// Time in s from the beginning to the end of vibration, from a run's series.
+/// Time in s from the beginning to the end of a run's vibration, without what it took to come
+/// to rest.
 pub fn vibration_s(run: &RunRecord) -> Option<f64> {
-    let mut vibrated = run
-        .series
-        .iter()
-        .filter(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some())
-        .map(|r| r.time_s);
-    let first = vibrated.next()?;
-    Some(vibrated.next_back()? - first).filter(|t| *t > 0.0)
+    run.summary.shaken_s().map(|(first, last)| last - first).filter(|t| *t > 0.0)
 }
 
 #[cfg(test)]
@@ -68,7 +63,10 @@ mod tests {
             .find(|r| r.kind == RunKind::VibrationContinuous && r.configuration == 3)
             .expect("a run");
         let seconds = vibration_s(run).expect("vibrated");
-        assert!((seconds - 20.0).abs() < 1e-9, "20 s of rows: got {seconds}");
+        assert!(
+            (seconds - 20.0).abs() < 1e-9,
+            "law: 20 s of shaking without the rest, got {seconds}"
+        );
         let share = CreepShare::of(run, seconds).expect("a control");
         assert!((share.creep_mm - 0.9).abs() < 1e-9, "45 µm/s × 20 s: got {}", share.creep_mm);
         assert!((share.percent() - 4.5).abs() < 1e-9, "0.9 of 20 mm: got {} %", share.percent());

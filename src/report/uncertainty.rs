@@ -6,7 +6,7 @@ use super::html::glue;
 use crate::paper::{
     Interval, Uncertainty,
     text::number,
-    uncertainty::{LaboratoryScatter, Quantity, SettledRun, Trend, p_value},
+    uncertainty::{LaboratoryScatter, PlacementScatter, Quantity, SettledRun, Trend, p_value},
 };
 use crate::record::NO_VALID_RUN;
 
@@ -29,6 +29,15 @@ pub(super) fn section(of: &Uncertainty) -> Markup {
         } }
         h3 { "Does the standing height fall with the falling height?" }
         (trend(&of.trend))
+        @if !of.placements.is_empty() {
+            h3 { "Scatter of specimens and of placements of the plate" }
+            p.soft {
+                "The same poured specimens, each under plates laid anew with a drawn offset and rotation, "
+                "shaken continuously. Standard deviations with their 95 % intervals, by a one-way analysis "
+                "of variance with random specimens; the interval of the mean holds both."
+            }
+            (placements(&of.placements))
+        }
         h3 { "Settlement beside what the specimen creeps by itself" }
         p.soft {
             "Creep is that of the second half of the no-shake control, and what it would make over as "
@@ -64,6 +73,30 @@ fn quantity_row(q: &Quantity) -> Markup {
         td.n { (range(q.interval, 1)) }
         td { (glue(&q.note)) }
     } }
+}
+
+fn placements(of: &[PlacementScatter]) -> Markup {
+    let with = |value: Option<f64>, ends: Option<Interval>| {
+        value.map_or("–".to_owned(), |v| format!("{} ({})", number(v, 2), range(ends, 2)))
+    };
+    html! {
+        div.scroll { table {
+            thead { tr {
+                th { "Quantity" } th.n { "Specimens" } th.n { "Placements" } th.n { "Mean" }
+                th.n { "Between specimens" } th.n { "Between placements" } th.n { "p" } th { "Mind" }
+            } }
+            tbody { @for q in of { tr {
+                th scope="row" { (q.name) ", " (q.unit) }
+                td.n { (q.specimens.iter().filter(|s| !s.values.is_empty()).count()) }
+                td.n { (q.specimens.iter().map(|s| s.values.len()).sum::<usize>()) }
+                td.n { (with(q.mean, q.interval)) }
+                td.n { (with(q.standard_deviation_of_specimens, q.interval_of_specimens)) }
+                td.n { (with(q.standard_deviation_of_placements, q.interval_of_placements)) }
+                td.n { (q.p_of_equal_specimens.map_or("–".to_owned(), p_value)) }
+                td { (glue(&q.note)) }
+            } } }
+        } }
+    }
 }
 
 fn trend(of: &Trend) -> Markup {

@@ -1,42 +1,57 @@
 //! What others ask a scenario.
 
+use std::sync::Arc;
+
 use serde_json::Value;
 
-use super::{Grading, GrainsSpec, Scenario, SieveFraction, StageSpec, StrokeReading};
+use super::{
+    Grading, GrainsSpec, InterpolationKind, Scenario, SieveFraction, StageSpec, StartPoint,
+    StrokeReading, WaveformKind, stages::half_turn,
+};
+use crate::motion::{Interpolation, RecordedMotion, Start, TableMotion, Vertical, Waveform};
 use crate::scale::Scale;
 use crate::units::{from_g, from_mm};
 
-/// A vibration in SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Vibration {
-    /// Frequency in Hz.
-    pub frequency: f64,
-    /// Half of the stroke in m: the table moves ± this.
-    pub half_stroke: f64,
-    /// Length of one period of vibration in s.
-    pub duration: f64,
-    /// Number of periods of vibration.
-    pub periods: u32,
-    /// Rest between periods in s.
-    pub rest: f64,
-    /// Time in s in which the amplitude grows and dies away in each period.
-    pub ramp: f64,
-}
-
-impl Vibration {
-    /// Largest speed of the table in m/s: 2πfA for x = A sin(2πft).
-    pub fn peak_speed(&self) -> f64 {
-        std::f64::consts::TAU * self.frequency * self.half_stroke
-    }
-
-    /// Time from the start of the first to the end of the last period, in s.
-    pub fn total(&self) -> f64 {
-        f64::from(self.periods) * self.duration
-            + f64::from(self.periods.saturating_sub(1)) * self.rest
-    }
-}
-
 impl StageSpec {
+    /// A vibration of one period, a sine from the middle with a half stroke in mm, a frequency in Hz
+    /// and a length in s, and the longest time in s to come to rest: all else at its default.
+    pub fn sine(
+        frequency_hz: f64,
+        amplitude_mm: f64,
+        duration_s: f64,
+        settle_limit_s: f64,
+    ) -> Self {
+        Self::Vibrate {
+            waveform: WaveformKind::Sine,
+            start: StartPoint::Middle,
+            frequency_hz: Some(frequency_hz),
+            amplitude_mm: Some(amplitude_mm),
+            stroke: StrokeReading::HalfStroke,
+            duration_s: Some(duration_s),
+            periods: 1,
+            rest_s: 0.0,
+            ramp_s: 0.0,
+            crank_to_rod: None,
+            motion_file: None,
+            motion_rows: None,
+            interpolation: None,
+            vertical: None,
+            video_frames: None,
+            settle_limit_s,
+        }
+    }
+
+    /// The plate laid on the axis, with a limit in s: all else at its default.
+    pub fn top_plate(time_limit_s: f64) -> Self {
+        Self::PlaceTopPlate {
+            time_limit_s,
+            placement: 0,
+            offset_mm: None,
+            rotation_deg: half_turn(),
+            seating_load_n: 0.0,
+        }
+    }
+
     /// Name of the stage as in the file.
     pub fn name(&self) -> &'static str {
         match self {
@@ -49,9 +64,12 @@ impl StageSpec {
         }
     }
 
-    /// The vibration of a stage that vibrates.
-    pub fn vibration(&self) -> Option<Vibration> {
+    /// The table's motion of a stage that vibrates; `None` of every other stage, and where
+    /// the fields make no motion, which the checks of a scenario refuse.
+    pub fn motion(&self) -> Option<TableMotion> {
         let Self::Vibrate {
+            waveform,
+            start,
             frequency_hz,
             amplitude_mm,
             stroke,
@@ -59,22 +77,74 @@ impl StageSpec {
             periods,
             rest_s,
             ramp_s,
+            crank_to_rod,
+            ref motion_rows,
+            interpolation,
+            vertical,
+            video_frames,
+            ..
         } = *self
         else {
             return None;
+        };
+        let frames_per_s = video_frames.map(|v| v.frames_per_s);
+        if waveform == WaveformKind::File {
+            let how = match interpolation {
+                Some(InterpolationKind::Linear) => Interpolation::Linear,
+                Some(InterpolationKind::Cubic) | None => Interpolation::Cubic,
+            };
+            let recorded = RecordedMotion::new(motion_rows.as_ref()?, how).ok()?;
+            return Some(TableMotion {
+                periods,
+                rest: rest_s,
+                frames_per_s,
+                duration: recorded.duration(),
+                waveform: Waveform::Recorded(Arc::new(recorded)),
+                ..TableMotion::sine(0.0, 0.0, 0.0)
+            });
+        }
+        let start = match start {
+            StartPoint::Middle => Start::Middle,
+            StartPoint::TurningPoint => Start::TurningPoint,
         };
         let half = match stroke {
             StrokeReading::HalfStroke => 1.0,
             StrokeReading::FullStroke => 0.5,
         };
-        Some(Vibration {
-            frequency: frequency_hz,
-            half_stroke: half * from_mm(amplitude_mm),
-            duration: duration_s,
+        let (frequency, amplitude) = (frequency_hz?, from_mm(amplitude_mm?) * half);
+        Some(TableMotion {
+            waveform: match waveform {
+                WaveformKind::SliderCrank => Waveform::SliderCrank { ratio: crank_to_rod?, start },
+                WaveformKind::Sine | WaveformKind::File => Waveform::Sine(start),
+            },
             periods,
             rest: rest_s,
             ramp: ramp_s,
+            vertical: vertical.map(|v| Vertical {
+                amplitude: from_mm(v.amplitude_mm),
+                frequency: v.frequency_hz.unwrap_or(frequency),
+                phase: v.phase_deg.to_radians(),
+            }),
+            frames_per_s,
+            ..TableMotion::sine(amplitude, frequency, duration_s?)
         })
+    }
+
+    /// Longest time in s that a vibration may take to come to rest after its last period; 0 of
+    /// every other stage.
+    pub fn settle_limit(&self) -> f64 {
+        match self {
+            Self::Vibrate { settle_limit_s, .. } => *settle_limit_s,
+            _ => 0.0,
+        }
+    }
+
+    /// How often the stage settles, each time within its limit.
+    fn settlings(&self) -> f64 {
+        match self {
+            Self::PlaceTopPlate { seating_load_n, .. } if *seating_load_n > 0.0 => 3.0,
+            _ => 1.0,
+        }
     }
 
     /// Longest simulated time the stage can take, in s.
@@ -83,9 +153,11 @@ impl StageSpec {
             Self::FillFunnel { time_limit_s }
             | Self::SlowPluviation { time_limit_s, .. }
             | Self::Pour { time_limit_s, .. }
-            | Self::PlaceTopPlate { time_limit_s } => time_limit_s,
+            | Self::PlaceTopPlate { time_limit_s, .. } => self.settlings() * time_limit_s,
             Self::Rest { duration_s } => duration_s,
-            Self::Vibrate { .. } => self.vibration().map_or(0.0, |v| v.total()),
+            Self::Vibrate { settle_limit_s, .. } => {
+                self.motion().map_or(0.0, |m| m.total()) + settle_limit_s
+            }
         }
     }
 }
@@ -159,9 +231,9 @@ impl Scenario {
         })
     }
 
-    /// The first vibration, where the specimen is shaken.
-    pub fn vibration(&self) -> Option<Vibration> {
-        self.stages.iter().find_map(StageSpec::vibration)
+    /// The table's motion in the first stage that vibrates.
+    pub fn motion(&self) -> Option<TableMotion> {
+        self.stages.iter().find_map(StageSpec::motion)
     }
 
     /// Longest simulated time that stages and control can take, in s.
@@ -196,7 +268,7 @@ mod tests {
                 r#"[{{ "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 25,
                    "stroke": "{stroke}", "duration_s": 5, "periods": 4, "rest_s": 1 }}]"#
             ))
-            .vibration()
+            .motion()
             .expect("it vibrates")
         };
         let (half, full) = (vibrate("half_stroke"), vibrate("full_stroke"));

@@ -14,7 +14,8 @@ use super::{
     SettleSpec, SieveFraction, SievedGrains, TopPlateSpec,
     accessors::field,
     stages::{
-        drop_height, feed_rate, fill_limit, place_limit, pour_limit, slow_limit, spout_diameter,
+        drop_height, feed_rate, fill_limit, place_limit, pour_limit, settle_limit, slow_limit,
+        spout_diameter,
     },
     validate::least_rate_hz,
 };
@@ -137,7 +138,7 @@ fn allowed(path: &str) -> (f64, f64) {
         () if ends("_hz") => (30.0, 1e5),
         () if ends("_g") => (1e-3, 1e9),
         () if ends("hold_s") => (0.0, 60.0),
-        () if ends("time_limit_s") => (0.0, 600.0),
+        () if ends("time_limit_s") || ends("settle_limit_s") => (0.0, 600.0),
         () => (f64::NEG_INFINITY, f64::INFINITY),
     }
 }
@@ -188,8 +189,13 @@ pub(super) const AUTOMATIC: [(&str, &[&str]); 7] = [
 ];
 
 /// Those of stages.
-pub(super) const AUTOMATIC_OF_STAGES: [&str; 4] =
-    ["time_limit_s", "feed_rate_grains_per_s", "drop_height_mm", "spout_diameter_mm"];
+pub(super) const AUTOMATIC_OF_STAGES: [&str; 5] = [
+    "time_limit_s",
+    "settle_limit_s",
+    "feed_rate_grains_per_s",
+    "drop_height_mm",
+    "spout_diameter_mm",
+];
 
 /// Fields that are their default times the factor of a law.
 pub(super) fn fields() -> [(&'static str, Law, f64); 15] {
@@ -257,15 +263,16 @@ fn fill_apparatus(value: &mut Value, scale: &Scale) {
 fn fill_stages(value: &mut Value, scale: &Scale) {
     let stages = value.get_mut("stages").and_then(Value::as_array_mut);
     for stage in stages.into_iter().flatten() {
-        let limit = match stage["stage"].as_str() {
-            Some("fill_funnel") => fill_limit(),
-            Some("pour") => pour_limit(),
-            Some("place_top_plate") => place_limit(),
-            Some("slow_pluviation") => slow_limit(),
+        let (field, limit) = match stage["stage"].as_str() {
+            Some("fill_funnel") => ("time_limit_s", fill_limit()),
+            Some("pour") => ("time_limit_s", pour_limit()),
+            Some("place_top_plate") => ("time_limit_s", place_limit()),
+            Some("slow_pluviation") => ("time_limit_s", slow_limit()),
+            Some("vibrate") => ("settle_limit_s", settle_limit()),
             _ => continue,
         };
         // Small grains fall sooner; but it is a limit, and there may be many.
-        put(stage, "time_limit_s", limit, Law::Time.factor(scale).max(1.0));
+        put(stage, field, limit, Law::Time.factor(scale).max(1.0));
         if stage["stage"] != "slow_pluviation" {
             continue;
         }

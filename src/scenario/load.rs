@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::{
-    Fault, Grading, GrainsSpec, Override, Scenario, ScenarioErrors, automatic,
+    Fault, Grading, GrainsSpec, Override, Scenario, ScenarioErrors, automatic, motion_file,
     source::{self, Document, Origin},
     structure, validate,
 };
@@ -28,7 +28,7 @@ pub type GradingOf = fn(&GrainsSpec) -> Option<Grading>;
 /// spelling to whether the time step can resolve the motion. `grading` is asked about
 /// grains without a sieve table.
 ///
-/// Relative paths in `extends`, `grains.file` and `grains.meshes` begin at the file that gives
+/// Relative paths in `extends`, `grains.file`, `grains.meshes` and `motion_file` begin at the file that gives
 /// them, those of overrides at the working directory.
 ///
 /// # Errors
@@ -46,6 +46,7 @@ pub fn load_with(
             faults.push(fault);
         }
     }
+    let unread = motion_file::read(&mut document);
     let grading = grading_of(&document, grading);
     if let Some(grading) = &grading {
         automatic::fill(&mut document.value, grading);
@@ -60,6 +61,7 @@ pub fn load_with(
             .into_iter()
             .map(|fault| Fault { file: document.origin(&fault.path).to_string(), ..fault }),
     );
+    faults.extend(unread);
     match scenario {
         Some(mut scenario) if faults.is_empty() => {
             place_grains_files(&mut scenario.grains, &document);
@@ -98,6 +100,7 @@ pub fn gathered(path: &Path) -> Result<Value, ScenarioErrors> {
             }
         }
     }
+    motion_file::place(&mut value, folder);
     Ok(value)
 }
 

@@ -15,6 +15,7 @@ mod fault;
 mod load;
 mod manifold;
 mod meshes;
+mod motion_file;
 mod overrides;
 mod rapier;
 mod schema;
@@ -25,7 +26,6 @@ mod structure;
 mod unusual;
 mod validate;
 
-pub use accessors::Vibration;
 pub use automatic::Grading;
 pub use cells::CellShape;
 pub use document::{document_schema, load_document};
@@ -37,7 +37,10 @@ pub use meshes::{MeshGrains, MeshUnit};
 pub use overrides::{NotAnOverride, Override};
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
-pub use stages::{BaseKind, BaseSpec, StageSpec, StrokeReading};
+pub use stages::{
+    BaseKind, BaseSpec, InterpolationKind, StageSpec, StartPoint, StrokeReading, VerticalSpec,
+    VideoFramesSpec, WaveformKind,
+};
 pub use stock::{InertiaRule, StockSettings};
 pub use validate::{Warning, warnings};
 

@@ -13,6 +13,69 @@ pub enum StrokeReading {
     FullStroke,
 }
 
+/// How the table moves along x within a period of vibration.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WaveformKind {
+    /// x(t) = A sin(2πft), or from the turning point A (1 − cos(2πft)).
+    #[default]
+    Sine,
+    /// A crank of radius A drives the table by a rod: `crank_to_rod` says how long that is.
+    SliderCrank,
+    /// As recorded: `motion_file`, or its rows in `motion_rows`.
+    File,
+}
+
+/// Where a waveform begins and the table rests.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StartPoint {
+    /// In the middle of the stroke: at full speed, unless there is a ramp.
+    #[default]
+    Middle,
+    /// At a turning point, from which the whole stroke lies on one side: at rest.
+    TurningPoint,
+}
+
+/// How a recorded displacement goes between two rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum InterpolationKind {
+    /// Natural cubic splines: no jump of position, velocity or acceleration.
+    Cubic,
+    /// Straight lines: the velocity jumps at every row.
+    Linear,
+}
+
+/// A vertical component of the table's motion, z(t) = A (sin(2πft + φ) − sin φ).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VerticalSpec {
+    /// Amplitude A in mm, half of the stroke.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub amplitude_mm: f64,
+    /// Frequency f in Hz; that of the horizontal motion where it is left out. A period holds a
+    /// whole number of its cycles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1000.0))]
+    pub frequency_hz: Option<f64>,
+    /// Phase φ in degrees.
+    #[serde(default)]
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub phase_deg: f64,
+}
+
+/// A table that is set from pose to pose, each in one engine step, in which it has the speed
+/// of the whole way, and stands still in the others: as an animation program moves a body once
+/// a video frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VideoFramesSpec {
+    /// Poses in a second.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+    pub frames_per_s: f64,
+}
+
 /// What a pile stands on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -100,25 +163,56 @@ pub enum StageSpec {
     },
     /// Lay the top plate on the grains without dynamic effects.
     PlaceTopPlate {
-        /// Ends when plate and grains have settled, at the latest after this time.
+        /// Ends when plate and grains have settled, at the latest after this time; a plate that
+        /// is seated settles three times, each at the latest after it.
         #[serde(default = "place_limit")]
         #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 600.0))]
         time_limit_s: f64,
+        /// Which placement of the plate: 0 lays it on the axis, unturned; every other number
+        /// draws a horizontal offset and a rotation about the vertical of its own, from a random
+        /// stream of the seed, the configuration and this number.
+        #[serde(default)]
+        #[schemars(range(max = 1_000_000))]
+        placement: u32,
+        /// Largest offset in mm that is drawn, uniformly on a disc; left out, 0.8 of the
+        /// clearance between plate and cylinder.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", range(min = 0.0, max = 10000.0))]
+        offset_mm: Option<f64>,
+        /// Largest rotation in degrees that is drawn, uniformly to either side.
+        #[serde(default = "half_turn")]
+        #[schemars(range(min = 0.0, max = 180.0))]
+        rotation_deg: f64,
+        /// Load in N with which the plate is seated: once it has settled, a weight of so much is
+        /// laid on it, everything settles, the weight is taken off, and everything settles
+        /// again. 0: the plate is only laid.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 10000.0))]
+        seating_load_n: f64,
     },
-    /// Shake the table horizontally along x with x(t) = A sin(2πft).
+    /// Shake the table, then let everything come to rest.
     Vibrate {
-        /// Frequency in Hz.
-        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1000.0))]
-        frequency_hz: f64,
-        /// Amplitude in mm.
-        #[schemars(range(min = 0.0, max = 1000.0))]
-        amplitude_mm: f64,
+        /// How the table moves along x within a period.
+        #[serde(default)]
+        waveform: WaveformKind,
+        /// Where a sine or a slider-crank begins.
+        #[serde(default)]
+        start: StartPoint,
+        /// Frequency in Hz; must be given but for a recorded motion.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1000.0))]
+        frequency_hz: Option<f64>,
+        /// Amplitude in mm; must be given but for a recorded motion.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", range(min = 0.0, max = 1000.0))]
+        amplitude_mm: Option<f64>,
         /// Whether the amplitude is half or the full stroke.
         #[serde(default = "half_stroke")]
         stroke: StrokeReading,
-        /// Length of one period of vibration in s.
-        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
-        duration_s: f64,
+        /// Length of one period of vibration in s; must be given but for a recorded motion.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
+        duration_s: Option<f64>,
         /// Number of periods of vibration.
         #[serde(default = "one")]
         #[schemars(range(min = 1, max = 1000))]
@@ -128,11 +222,43 @@ pub enum StageSpec {
         #[schemars(range(min = 0.0, max = 3600.0))]
         rest_s: f64,
         /// Time in which the amplitude grows from nothing at the beginning of each period, along
-        /// half a cosine, and dies away at its end, in s; 0: the table starts and stops at full
-        /// speed.
+        /// half a cosine, and dies away at its end, in s; 0: the table starts and stops as the
+        /// waveform does.
         #[serde(default)]
         #[schemars(range(min = 0.0, max = 1800.0))]
         ramp_s: f64,
+        /// Radius of the crank over the length of the rod, of a `slider_crank`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 0.5))]
+        crank_to_rod: Option<f64>,
+        /// Path of a recorded motion, relative to the scenario file that names it: a CSV with the
+        /// columns `time_s`, `x_mm` and optionally `y_mm` and `z_mm`, of at most 100 000 rows.
+        /// Displacement and time are counted from the first row; the last must be where the
+        /// first is. Once loaded, its rows stand in `motion_rows`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "String", length(min = 1))]
+        motion_file: Option<String>,
+        /// Rows of a recorded motion, in place of a file: time in s, x, y and z in mm.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "Vec<[f64; 4]>", length(min = 2, max = 100_000))]
+        motion_rows: Option<Vec<[f64; 4]>>,
+        /// How a recorded displacement goes between two rows; left out, `cubic`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "InterpolationKind")]
+        interpolation: Option<InterpolationKind>,
+        /// What the table does along z beside that; of a recorded motion, a column does.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "VerticalSpec")]
+        vertical: Option<VerticalSpec>,
+        /// Sets the table from video frame to video frame instead of moving it all the time.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "VideoFramesSpec")]
+        video_frames: Option<VideoFramesSpec>,
+        /// Longest time in s in which, after the last period, everything comes to rest with
+        /// the table at its place; the stage ends when it has settled, at the latest after this.
+        #[serde(default = "settle_limit")]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 600.0))]
+        settle_limit_s: f64,
     },
     /// Wait with nothing moving.
     Rest {
@@ -162,6 +288,12 @@ pub(super) fn pour_limit() -> f64 {
 }
 pub(super) fn place_limit() -> f64 {
     1.5
+}
+pub(super) fn settle_limit() -> f64 {
+    2.0
+}
+pub(super) fn half_turn() -> f64 {
+    180.0
 }
 fn half_stroke() -> StrokeReading {
     StrokeReading::HalfStroke

@@ -39,7 +39,7 @@ pub(super) fn stage(
 ) -> Result<(), String> {
     let specimen = Specimen { grains: node.grains.clone(), state: stored.state.clone() };
     stored.state.check(node.grains.grains.len())?;
-    plausible(&node.setup, &specimen, 0.0)?;
+    plausible(&node.setup, &specimen, 0.0, table_peak(node))?;
     stands(&node.stage, before, &stored.state)?;
     times(&node.stage, before, stored)?;
     let recorded = stored.record.end.ok_or("it does not say how it ended")?;
@@ -56,11 +56,17 @@ pub(super) fn midway(node: &Node, before: &SpecimenState, midway: &Midway) -> Re
     if !midway.collar_m.is_finite() {
         return Err("its funnel's collar has no height".to_owned());
     }
-    plausible(&node.setup, &specimen, midway.collar_m)?;
+    plausible(&node.setup, &specimen, midway.collar_m, table_peak(node))?;
     let began = began(&node.stage, before);
     let now = began + midway.steps as f64 / node.setup.engine.rate_hz;
     same_time("it began", midway.began_s, began)?;
     same_time("it is", midway.state.time, now)
+}
+
+/// Peak speed of the table in a node's stage, in m/s.
+fn table_peak(node: &Node) -> f64 {
+    let step = 1.0 / node.setup.engine.rate_hz;
+    node.stage.motion().map_or(0.0, |motion| motion.peak_speed_in_steps(step))
 }
 
 /// When a stage began, in s; slow pluviation begins everything.

@@ -249,6 +249,7 @@ impl Shop<'_> {
             progress.update(id, time, &note(row));
         });
         recorder.begin_at(began);
+        recorder.count_from(parent.and_then(|parent| parent.record.before_vibration_mm));
         recorder.tell(&tell);
         recorder.keep_in(checkpoints.as_ref());
         if let (Some(midway), Some(observed)) = (&midway, observed) {
@@ -305,6 +306,8 @@ impl Shop<'_> {
             guards: Some(guards),
             solver_residuals: outcome.residuals,
             effective: outcome.effective,
+            settling: outcome.settling,
+            before_vibration_mm: observed.reference.before_vibration_mm,
             sieved_mm: sieved_mm(&outcome.corners),
             end: Some(believed::end_of(&node.setup, &outcome.specimen)),
             ..StageRecord::default()

@@ -3,7 +3,7 @@
 
 use super::summarise::{creep_um_per_s, standard};
 use crate::measure::{overlap_statistics, pairs_within};
-use crate::protocol::{Watched, table_motion};
+use crate::protocol::Watched;
 use crate::record::{
     GuardSummary, Guards, OverlapWatch, SeriesRow, SolverResidual, StageGuards, StageRecord,
 };
@@ -97,7 +97,8 @@ pub(super) fn creep(stage: &StageSpec, rows: &[SeriesRow], scale: &Scale) -> Wat
     let Some(began) = rows.first().map(|r| r.time_s) else { return watched };
     let rests: Vec<(f64, f64)> = match stage {
         StageSpec::Rest { .. } => vec![(0.0, f64::INFINITY)],
-        StageSpec::Vibrate { .. } => table_motion(stage)
+        StageSpec::Vibrate { .. } => stage
+            .motion()
             .filter(|motion| motion.rest >= shortest * (1.0 - TYPED))
             .map(|motion| {
                 let ends = motion.period_ends();
@@ -224,7 +225,7 @@ mod tests {
     use super::*;
     use crate::geometry::Pose;
     use crate::grains::generate;
-    use crate::scenario::{GrainsSpec, Scenario, StrokeReading};
+    use crate::scenario::{GrainsSpec, Scenario};
     use crate::specimen::SpecimenState;
 
     /// Grains in a row 30 mm apart, but the second so far into the first, in m.
@@ -346,6 +347,8 @@ mod tests {
             plate_tilt_deg: None,
             largest_speed_m_per_s: 0.0,
             pile_height_mm: None,
+            table_y_mm: None,
+            table_z_mm: None,
         }
     }
 
@@ -358,14 +361,12 @@ mod tests {
 
     #[test]
     fn creep_is_found_in_every_rest_and_nowhere_else() {
-        let shaken = |rest_s: f64| StageSpec::Vibrate {
-            frequency_hz: 1.0,
-            amplitude_mm: 1.0,
-            stroke: StrokeReading::HalfStroke,
-            duration_s: 2.0,
-            periods: 3,
-            rest_s,
-            ramp_s: 0.0,
+        let shaken = |rest_s: f64| -> StageSpec {
+            serde_json::from_value(serde_json::json!({
+                "stage": "vibrate", "frequency_hz": 1, "amplitude_mm": 1, "duration_s": 2,
+                "periods": 3, "rest_s": rest_s
+            }))
+            .expect("a vibration")
         };
         // Sinks by 1 mm/s when shaken, and when at rest by 20 µm/s in the second rest alone.
         let sinking = rows(8.0, |t| match t {

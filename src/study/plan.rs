@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::{StudyError, summarise::grains_hash};
 use crate::grains::GrainSet;
-use crate::protocol::{Setup, legs, table_motion};
+use crate::protocol::{Setup, legs};
 use crate::record::{RunKind, StageIdentity};
 use crate::scale::{GrainSizes, Scale};
 use crate::scenario::{
@@ -251,14 +251,7 @@ impl Plan {
 
 /// Name of a stage as in the scenario file.
 pub fn stage_name(stage: &StageSpec) -> &'static str {
-    match stage {
-        StageSpec::FillFunnel { .. } => "fill_funnel",
-        StageSpec::SlowPluviation { .. } => "slow_pluviation",
-        StageSpec::Pour { .. } => "pour",
-        StageSpec::PlaceTopPlate { .. } => "place_top_plate",
-        StageSpec::Vibrate { .. } => "vibrate",
-        StageSpec::Rest { .. } => "rest",
-    }
+    stage.name()
 }
 
 /// A stage in words: `pour from 50 mm`.
@@ -269,9 +262,13 @@ pub fn stage_label(stage: &StageSpec) -> String {
             format!("slow pluviation of {feed_rate_grains_per_s} grains a second")
         }
         StageSpec::Pour { falling_height_mm, .. } => format!("pour from {falling_height_mm} mm"),
-        StageSpec::PlaceTopPlate { .. } => "place the top plate".into(),
-        StageSpec::Vibrate { duration_s, periods, .. } => {
-            format!("vibrate {periods} × {} s", (duration_s * 100.0).round() / 100.0)
+        StageSpec::PlaceTopPlate { placement: 0, .. } => "place the top plate".into(),
+        StageSpec::PlaceTopPlate { placement, .. } => {
+            format!("place the top plate, placement {placement}")
+        }
+        StageSpec::Vibrate { periods, .. } => {
+            let duration = stage.motion().map_or(0.0, |motion| motion.duration);
+            format!("vibrate {periods} × {} s", (duration * 100.0).round() / 100.0)
         }
         StageSpec::Rest { duration_s } => format!("no-shake control, {duration_s} s"),
     }
@@ -283,11 +280,9 @@ fn expected_time(stage: &StageSpec) -> f64 {
     match *stage {
         StageSpec::FillFunnel { time_limit_s }
         | StageSpec::SlowPluviation { time_limit_s, .. }
-        | StageSpec::Pour { time_limit_s, .. }
-        | StageSpec::PlaceTopPlate { time_limit_s } => time_limit_s / 2.0,
+        | StageSpec::Pour { time_limit_s, .. } => time_limit_s / 2.0,
+        StageSpec::PlaceTopPlate { .. } => stage.longest() / 2.0,
         StageSpec::Rest { duration_s } => duration_s,
-        StageSpec::Vibrate { duration_s, .. } => {
-            table_motion(stage).map_or(duration_s, |m| m.total())
-        }
+        StageSpec::Vibrate { .. } => stage.longest() - stage.settle_limit() / 2.0,
     }
 }

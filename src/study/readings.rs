@@ -18,8 +18,9 @@ pub struct Reading {
     pub meaning: String,
     /// Where it comes from.
     pub source: String,
-    changes: Map<String, Value>,
-    vibration: Map<String, Value>,
+    /// What is laid over every scenario and over every stage that vibrates, by this reading and,
+    /// before it, by the one that it is like.
+    layers: Vec<(Map<String, Value>, Map<String, Value>)>,
 }
 
 /// A file under `scenarios/readings/`.
@@ -29,6 +30,9 @@ struct File {
     title: String,
     meaning: String,
     source: String,
+    /// Another reading, over which what this one changes is laid.
+    #[serde(default)]
+    like: Option<String>,
     /// What is laid over every scenario of the programme.
     #[serde(default)]
     changes: Map<String, Value>,
@@ -44,7 +48,7 @@ macro_rules! files {
 }
 
 /// In the order in which they are shown.
-const FILES: [(&str, &str); 10] = files![
+const FILES: [(&str, &str); 15] = files![
     "converged",
     "half_stroke",
     "full_stroke",
@@ -55,14 +59,25 @@ const FILES: [(&str, &str); 10] = files![
     "blender_2014_cm",
     "blender_2014_mm",
     "blender_2014_cm_awake",
+    "blender_2014_m_frames",
+    "blender_2014_dm_frames",
+    "blender_2014_cm_frames",
+    "blender_2014_mm_frames",
+    "blender_2014_cm_awake_frames",
 ];
 
 impl Reading {
     fn parse(name: &'static str, text: &str) -> Result<Self, StudyError> {
         let file: File = serde_json::from_str(text)
             .map_err(|e| StudyError::Scenario(format!("the reading `{name}`: {e}")))?;
-        let File { title, meaning, source, changes, vibration } = file;
-        Ok(Self { name, title, meaning, source, changes, vibration })
+        let File { title, meaning, source, like, changes, vibration } = file;
+        let mut layers = match like {
+            // Files are built in: one that is like itself would be seen by the tests.
+            Some(like) => Self::named(&like)?.layers,
+            None => Vec::new(),
+        };
+        layers.push((changes, vibration));
+        Ok(Self { name, title, meaning, source, layers })
     }
 
     /// Every reading, in the order in which they are shown.
@@ -100,16 +115,20 @@ impl Reading {
     /// When the scenario cannot be loaded.
     pub(super) fn changes_of(&self, scenario: &str) -> Result<Vec<Override>, StudyError> {
         let mut changes = Vec::new();
-        leaves(&mut Vec::new(), &self.changes, &mut changes);
-        if self.vibration.is_empty() {
-            return Ok(changes);
-        }
-        for (index, stage) in preset(scenario, &[])?.stages.iter().enumerate() {
-            if matches!(stage, StageSpec::Vibrate { .. }) {
-                let index = index.to_string();
-                let fields = self.vibration.iter();
-                changes
-                    .extend(fields.map(|(f, v)| Override::new(&["stages", &index, f], v.clone())));
+        for (of_all, of_vibration) in &self.layers {
+            leaves(&mut Vec::new(), of_all, &mut changes);
+            if of_vibration.is_empty() {
+                continue;
+            }
+            for (index, stage) in preset(scenario, &[])?.stages.iter().enumerate() {
+                if matches!(stage, StageSpec::Vibrate { .. }) {
+                    let index = index.to_string();
+                    let fields = of_vibration.iter();
+                    let change = |(f, v): (&String, &Value)| {
+                        Override::new(&["stages", &index, f], v.clone())
+                    };
+                    changes.extend(fields.map(change));
+                }
             }
         }
         Ok(changes)
@@ -172,8 +191,8 @@ mod tests {
         for (name, half_stroke_mm) in
             [("converged", 25.0), ("half_stroke", 25.0), ("full_stroke", 12.5)]
         {
-            let vibration = scenario(name, "paper/vibration-continuous.json").vibration();
-            let got = 1e3 * vibration.expect("it vibrates").half_stroke;
+            let vibration = scenario(name, "paper/vibration-continuous.json").motion();
+            let got = 1e3 * vibration.expect("it vibrates").amplitude;
             assert!(
                 (got - half_stroke_mm).abs() < 1e-9,
                 "law: {name} moves by {half_stroke_mm} mm to either side, got {got} mm"
@@ -182,6 +201,23 @@ mod tests {
         let [converged, half] = ["converged", "half_stroke"]
             .map(|name| scenario(name, "paper/vibration-continuous.json").canonical_json());
         assert_eq!(converged, half, "law: two names of one reading share every stored stage");
+    }
+
+    #[test]
+    fn frames_are_those_of_their_reading_and_a_video() {
+        for name in Reading::names().filter(|name| name.ends_with("_frames")) {
+            let of = "paper/vibration-continuous.json";
+            let mut framed = scenario(name, of);
+            let motion = framed.motion().expect("it vibrates");
+            assert_eq!(motion.frames_per_s, Some(25.0), "law: 0.08 s are two frames, {name}");
+            for stage in &mut framed.stages {
+                if let StageSpec::Vibrate { video_frames, .. } = stage {
+                    *video_frames = None;
+                }
+            }
+            let plain = scenario(name.trim_end_matches("_frames"), of);
+            assert_eq!(framed, plain, "law: nothing else differs, {name}");
+        }
     }
 
     /// A world of the reading with one grain of 0.5 g: what it holds.

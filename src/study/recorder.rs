@@ -3,7 +3,6 @@
 use std::{ops::ControlFlow, time::Instant};
 
 use super::guards::{last_look_at_overlap, look_at_overlap};
-use crate::geometry::Vector;
 use crate::measure::{
     self, Container, HeightMap, body_energy, content, grain_energy, height_cell, largest_speed,
     mean_grain_height, plate_position,
@@ -20,6 +19,8 @@ use crate::units::to_mm;
 pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     setup: &'a Setup,
     stage: &'a StageSpec,
+    /// Whether the table moves along y, and along z.
+    table_moves: [bool; 2],
     start: f64,
     reference: Reference,
     overlap: OverlapWatch,
@@ -61,6 +62,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         Self {
             setup,
             stage,
+            table_moves: stage.motion().map_or([false; 2], |m| m.moves_along_y_z()),
             start: 0.0,
             reference: Reference::default(),
             overlap: OverlapWatch::default(),
@@ -78,6 +80,11 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     /// Says at what time of the run, in s, the stage begins.
     pub fn begin_at(&mut self, time: f64) {
         self.start = time;
+    }
+
+    /// Says what settlement is counted from, where the run was vibrated before.
+    pub fn count_from(&mut self, before_vibration_mm: Option<(Option<f64>, f64)>) {
+        self.reference.before_vibration_mm = before_vibration_mm;
     }
 
     /// Height of a pile above its base in m; none without a base.
@@ -147,7 +154,9 @@ pub fn note(row: &SeriesRow) -> String {
 
 impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
     fn observe(&mut self, specimen: &Specimen, moment: Moment) {
-        let table = Vector::new(moment.table_velocity, 0.0, 0.0);
+        let table = moment.table_velocity;
+        let at = specimen.state.table();
+        let specimen = &*specimen.on_level_table();
         let state = &specimen.state;
         let (surface, inside, grain_height) = if state.cylinder || state.base.is_some() {
             let container = container(self.setup, specimen);
@@ -173,6 +182,7 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
             *before = Some((plate_height_mm, mean_surface_mm));
         }
         let before = *before;
+        let [moves_y, moves_z] = self.table_moves;
         let row = SeriesRow {
             time_s: self.start + moment.stage_time,
             stage: 0,
@@ -187,6 +197,8 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
             plate_tilt_deg: position.map(|p| p.tilt.to_degrees()),
             largest_speed_m_per_s: largest_speed(specimen, &table),
             pile_height_mm: self.pile_height(specimen).map(to_mm),
+            table_y_mm: moves_y.then(|| to_mm(at.y)),
+            table_z_mm: moves_z.then(|| to_mm(at.z)),
         };
         if let Some(frames) = &mut self.frames {
             frames.add(state, row.time_s);

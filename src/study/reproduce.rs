@@ -20,7 +20,7 @@ use super::{
 use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::paper::{self, Intermittent, StudyView, Verdict};
 use crate::picture;
-use crate::protocol::{Progress, table_motion};
+use crate::protocol::Progress;
 use crate::record::{RunKind, RunRecord, create_folder, read_json, write_json};
 use crate::report::{self, Column, Figure, Picture, ReportInput};
 use crate::scale::Scale;
@@ -43,6 +43,9 @@ pub struct ReproduceOptions {
     pub quick: bool,
     /// Number of configurations (paper, section 3: three).
     pub configurations: u32,
+    /// How often the plate is laid on each specimen: 1 is the programme's own placement alone; more
+    /// are drawn in addition to it, and shaken continuously.
+    pub placements: u32,
     /// Threads for stages that do not need each other.
     pub jobs: usize,
     /// What is changed in every scenario of the programme, the engine for one.
@@ -83,7 +86,7 @@ pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyEr
     let scenarios = Scenarios::load(options.quick, reading, &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     write_grains(&options.out, &scenarios.pluviation, &grains)?;
-    let runs = programme(&scenarios, &grains, options.configurations);
+    let runs = programme(&scenarios, &grains, options.configurations, options.placements);
     tell_warnings(runs.iter().map(|run| &run.scenario), options.progress.as_ref());
     let how = RunOptions {
         out: options.out.clone(),
@@ -176,11 +179,30 @@ fn intermittent_of(continuous: &Scenario) -> Scenario {
     let mut scenario = continuous.clone();
     scenario.name = format!("{}-intermittent", scenario.name);
     for stage in &mut scenario.stages {
-        if let StageSpec::Vibrate { frequency_hz, duration_s, periods, rest_s, .. } = stage {
-            let cycles = (*duration_s / 4.0 * *frequency_hz).round().max(1.0);
-            *duration_s = cycles / *frequency_hz;
+        // A recorded motion has one period, which cannot be cut.
+        if let StageSpec::Vibrate {
+            frequency_hz: Some(frequency),
+            duration_s: Some(duration),
+            periods,
+            rest_s,
+            ..
+        } = stage
+        {
+            let cycles = (*duration / 4.0 * *frequency).round().max(1.0);
+            *duration = cycles / *frequency;
             *periods = 4;
-            *rest_s = *duration_s / 5.0;
+            *rest_s = *duration / 5.0;
+        }
+    }
+    scenario
+}
+
+/// A scenario in which the plate is laid as a placement of a number has it.
+fn placed(scenario: &Scenario, number: u32) -> Scenario {
+    let mut scenario = scenario.clone();
+    for stage in &mut scenario.stages {
+        if let StageSpec::PlaceTopPlate { placement, .. } = stage {
+            *placement = number;
         }
     }
     scenario
@@ -191,6 +213,7 @@ pub(super) fn programme(
     scenarios: &Scenarios,
     grains: &Arc<GrainSet>,
     configurations: u32,
+    placements: u32,
 ) -> Vec<PlannedRun> {
     let mut runs = Vec::new();
     for configuration in 1..=configurations {
@@ -214,6 +237,12 @@ pub(super) fn programme(
             ("intermittent", RunKind::VibrationIntermittent, &scenarios.intermittent),
         ] {
             add(format!("vibration-{mode}-c{configuration}"), kind, scenario, SHAKEN_FROM_MM);
+        }
+        // The placements of a design are all drawn: the programme's own, on the axis, is none of them.
+        for number in (1..=placements).filter(|_| placements > 1) {
+            let name = format!("vibration-continuous-c{configuration}-placement{number:02}");
+            let scenario = placed(&scenarios.continuous, number);
+            add(name, RunKind::VibrationPlacement, &scenario, SHAKEN_FROM_MM);
         }
         if let Some(scenario) = &scenarios.repose {
             // Nothing is poured: the falling height is that of no stage.
@@ -300,6 +329,9 @@ fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<Str
     if let Some(reading) = &options.reading {
         mode += &format!(" --reading {}", reading.name);
     }
+    if options.placements > 1 {
+        mode += &format!(" --placements {}", options.placements);
+    }
     [
         ("Pluvia", env!("CARGO_PKG_VERSION").to_owned()),
         ("Engine", format!("{} {}, {} precision", engine.name, engine.version, engine.precision)),
@@ -333,7 +365,7 @@ pub(super) fn study_view<'a>(
     };
     let distribution = ParticleSizeDistribution::new(sieved).map_err(StudyError::grains)?;
     let known = described(grains);
-    let motion = scenarios.intermittent.stages.iter().find_map(table_motion);
+    let motion = scenarios.intermittent.motion();
     let intermittent =
         motion.map_or(Intermittent { period_s: 0.0, periods: 0, rest_s: 0.0 }, |m| Intermittent {
             period_s: m.duration,

@@ -16,10 +16,11 @@ use super::{
     summarise::{Summarised, summarise},
 };
 use crate::grains::{self, GrainSet, ParticleSizeDistribution};
+use crate::motion::MotionFacts;
 use crate::protocol::Progress;
 use crate::record::{
     FileError, RunKind, RunRecord, StageStore, StoredStage, create_folder, grains_csv, hash_bytes,
-    json_text, read_json, to_csv, write_file, write_json,
+    json_text, read_json, series_csv, write_file, write_json,
 };
 use crate::scale;
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
@@ -61,6 +62,13 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
         grains: grains.clone(),
         prepared: None,
     };
+    let step = 1.0 / scenario.engine.rate_hz;
+    for (n, stage) in scenario.stages.iter().enumerate() {
+        if let Some(motion) = stage.motion() {
+            let facts = MotionFacts::of(&motion, step).line();
+            options.progress.message(&format!("stage {n}, vibrate: {facts}"));
+        }
+    }
     let record =
         carry_out(std::slice::from_ref(&run), options, |_| options.out.clone())?.records.remove(0);
     let (figures, known) = (options.out.join("figures"), described(&grains));
@@ -254,13 +262,13 @@ pub(super) fn write_run(
     let table = |name: &str, content: Result<Vec<u8>, csv::Error>| {
         content.map_err(|e| FileError::new("write", &out.join(name), e))
     };
-    write("series.csv", table("series.csv", to_csv(&series))?)?;
+    write("series.csv", table("series.csv", series_csv(&series))?)?;
     let known = described(&run.grains);
     let at_end = &done[last].record.sieved_mm;
     let grains = grains_csv(&specimen, known.sieved.grains(), &known.shapes, at_end);
     write("grains.csv", table("grains.csv", grains)?)?;
     if !control.is_empty() {
-        write("control.csv", table("control.csv", to_csv(&control))?)?;
+        write("control.csv", table("control.csv", series_csv(&control))?)?;
     }
     let path = out.join("specimen.json");
     write("specimen.json", json_text(&path, &specimen.state)?)?;
@@ -281,6 +289,17 @@ pub(super) fn write_run(
         summary,
         series,
     })
+}
+
+/// Peaks and jumps of each vibration of a scenario, with the number of its stage.
+fn vibrations(scenario: &Scenario) -> Vec<serde_json::Value> {
+    let step = 1.0 / scenario.engine.rate_hz;
+    let stages = scenario.stages.iter().enumerate();
+    stages
+        .filter_map(|(n, stage)| {
+            Some(json!({ "stage": n, "motion": MotionFacts::of(&stage.motion()?, step) }))
+        })
+        .collect()
 }
 
 /// What made a run: scenario, versions, settings as the engine held them,
@@ -314,6 +333,7 @@ fn manifest(
         "scenario": run.scenario,
         "scale": scale::read_back(&run.grains.scale(run.scenario.gravity_m_per_s2)),
         "engine_settings_read_back": effective,
+        "vibrations": vibrations(&run.scenario),
         "stages": nodes.stages.iter().map(stage).collect::<Vec<_>>(),
         "control": nodes.control.as_ref().map(stage),
         "files_sha256": written,

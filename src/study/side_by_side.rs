@@ -86,7 +86,7 @@ fn carry_out_reading(
 ) -> Result<ReadingColumn, StudyError> {
     let scenarios = Scenarios::load(options.quick, Some(reading), &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
-    let runs = programme(&scenarios, &grains, options.configurations);
+    let runs = programme(&scenarios, &grains, options.configurations, 1);
     let how = RunOptions {
         out: options.out.clone(),
         jobs: options.jobs,

@@ -14,10 +14,11 @@ use crate::measure::{
     self, Container, HeightMap, HeightSample, Period, coordination, height_cell,
     overlap_statistics, pairs_within, touching_gap, void_ratio,
 };
-use crate::protocol::{Setup, table_motion};
+use crate::motion::MotionFacts;
+use crate::protocol::Setup;
 use crate::record::{
     Control, GrainsSummary, Overlap, SeriesRow, Settlement, ShapeSummary, SieveSummary,
-    SolverResidual, StandingHeight, StoredStage, Summary, hash_json,
+    SolverResidual, StandingHeight, StoredStage, Summary, VibrationSummary, hash_json,
 };
 use crate::report::Standard;
 use crate::scale::{self, Scale};
@@ -92,7 +93,8 @@ pub fn summarise(
         max_percent: 100.0 * overlaps.max,
         max_mm: to_mm(overlaps.max_depth),
     };
-    let periods = periods(&scenario.stages, &stages);
+    let specs = scenario.stages.iter().zip(&stages);
+    let periods: Vec<Period> = specs.flat_map(|(spec, stage)| periods(spec, stage)).collect();
     let plate = settlement(&series, &periods, |r| r.plate_height_mm)?;
     let surface = settlement(&series, &periods, |r| Some(r.mean_surface_mm))?;
     let control_figures = control.and_then(|c| self::control(&c.series));
@@ -166,6 +168,7 @@ pub fn summarise(
         porosity: end.porosity,
         settlement_mm: plate,
         surface_settlement_mm: surface,
+        vibrations: vibrations(&scenario.stages, &stages, setup),
         angle_of_repose,
         overlap,
         coordination_number: coordination(&members, &pairs).mean.unwrap_or(0.0),
@@ -238,21 +241,35 @@ fn series(stages: &[&StoredStage]) -> Vec<SeriesRow> {
     stages.iter().enumerate().flat_map(numbered).collect()
 }
 
-/// Periods of vibration in the run's time.
-fn periods(specs: &[StageSpec], stages: &[&StoredStage]) -> Vec<Period> {
-    let mut periods = Vec::new();
-    for (spec, stage) in specs.iter().zip(stages) {
-        let (Some(motion), Some(first)) = (table_motion(spec), stage.series.first()) else {
-            continue;
-        };
-        // The last sample may lie half a step before the stated end.
-        let last = stage.series.last().map_or(first.time_s, |r| r.time_s);
-        periods.extend(motion.period_ends().iter().map(|end| Period {
-            start: first.time_s + end - motion.duration,
-            end: (first.time_s + end).min(last),
-        }));
-    }
-    periods
+/// Periods of a stage's vibration in the run's time.
+fn periods(spec: &StageSpec, stage: &StoredStage) -> Vec<Period> {
+    let (Some(motion), Some(first)) = (spec.motion(), stage.series.first()) else {
+        return Vec::new();
+    };
+    // The last sample may lie half a step before the stated end.
+    let last = stage.series.last().map_or(first.time_s, |r| r.time_s);
+    let period = |end: &f64| Period {
+        start: first.time_s + end - motion.duration,
+        end: (first.time_s + end).min(last),
+    };
+    motion.period_ends().iter().map(period).collect()
+}
+
+/// What was vibrated, when, how, and how it came to rest.
+fn vibrations(
+    specs: &[StageSpec],
+    stages: &[&StoredStage],
+    setup: &Setup,
+) -> Vec<VibrationSummary> {
+    let vibrated = specs.iter().zip(stages).enumerate().filter_map(|(n, (spec, stage))| {
+        Some(VibrationSummary {
+            stage: n as u32,
+            periods_s: periods(spec, stage).iter().map(|p| [p.start, p.end]).collect(),
+            motion: MotionFacts::of(&spec.motion()?, 1.0 / setup.engine.rate_hz),
+            settling: stage.record.settling,
+        })
+    });
+    vibrated.collect()
 }
 
 fn settlement(
@@ -274,6 +291,7 @@ fn settlement(
     let s = measure::settlement(&heights, periods).map_err(StudyError::measure)?;
     Ok(Some(Settlement {
         final_mm: to_mm(s.at_end),
+        end_of_shaking: Some(to_mm(s.end_of_shaking)),
         after_5_s: s.after_5_s.map(to_mm),
         share_after_5_s: s.share_after_5_s,
         after_each_period: s.after_each_period.into_iter().map(to_mm).collect(),
@@ -385,6 +403,8 @@ mod tests {
             plate_tilt_deg: None,
             largest_speed_m_per_s: 0.0,
             pile_height_mm: None,
+            table_y_mm: None,
+            table_z_mm: None,
         }
     }
 

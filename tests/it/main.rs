@@ -17,6 +17,7 @@ mod leaks;
 mod legs;
 mod load;
 mod memory;
+mod motions;
 mod picture;
 mod readings;
 mod referee;

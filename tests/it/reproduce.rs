@@ -18,6 +18,7 @@ fn programme() -> &'static Path {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
         command.args(["reproduce", "--quick", "--configurations", "1", "--quiet", "--out", out]);
         command.args(["--set", "grains.total_mass_g=30", "--set", "control_s=0.2"]);
+        command.args(["--placements", "2"]);
         let done = command.output().expect("the program starts");
         let said = String::from_utf8_lossy(&done.stderr);
         assert_eq!(done.status.code(), Some(0), "law: the programme is carried out, got {said}");
@@ -46,7 +47,21 @@ fn every_file_of_the_contract_is_there() {
             assert!(run.path().join(file).exists(), "{file} is missing in {:?}", run.path());
         }
     }
-    assert_eq!(count, 7, "law: four pours, two vibrations and a pile");
+    assert_eq!(
+        count, 9,
+        "law: four pours, two vibrations, a pile, and two placements of the plate"
+    );
+    let text = fs::read_to_string(folder.join("uncertainty.json")).expect("uncertainty.json");
+    let uncertainty: Value = serde_json::from_str(&text).expect("JSON");
+    let plate = &uncertainty["placements"][0];
+    let values = plate["specimens"][0]["values"].as_array().expect("values");
+    assert_eq!(values.len(), 2, "law: one value a placement, got {plate}");
+    assert_ne!(values[0], values[1], "law: placements differ");
+    let report = fs::read_to_string(folder.join("report.html")).expect("report.html");
+    assert!(
+        report.contains("Scatter of specimens and of placements"),
+        "law: the report shows them"
+    );
 }
 
 /// The report's address for a browser.

@@ -3,6 +3,7 @@
 
 mod from_file;
 mod hostile;
+mod motion;
 mod random;
 mod sizes;
 mod stages;

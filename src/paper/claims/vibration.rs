@@ -8,7 +8,7 @@ use crate::paper::{
     claims::list,
     constants::{FREQUENCY_HZ, MONITORING_INTERVAL_S, ONE_CASE_BELOW_MINIMUM_PERCENT},
     fluctuation::rms_about_running_mean,
-    view::settlement_curve,
+    view::{shaken_curve, shaken_periods},
 };
 use crate::record::{RunKind, RunRecord, Settlement};
 
@@ -40,9 +40,9 @@ fn plate(run: &RunRecord) -> Option<&Settlement> {
     run.summary.settlement_mm.as_ref()
 }
 
-/// The plate's settlement curve.
+/// The plate's settlement curve until the shaking ends.
 fn curve(run: &RunRecord) -> Vec<(f64, f64)> {
-    settlement_curve(run, |r| r.settlement_mm)
+    shaken_curve(run, |r| r.settlement_mm)
 }
 
 /// "It changes by 1 to 2 mm." in the reader's numbers; empty without values.
@@ -139,7 +139,10 @@ fn final_settlement(study: &StudyView, configuration: u32) -> Claim {
     .paper(bands::final_settlement_mm())
     .ours(run.and_then(plate).map(|s| s.final_mm), "mm")
     .runs(run)
-    .note("The range is that of the laboratory tests.");
+    .note("The range is that of the laboratory tests. Ours is read at rest after the vibration.");
+    if let Some(moving) = run.and_then(plate).and_then(|s| s.end_of_shaking) {
+        draft = draft.note(format!("At the end of shaking it was {} mm.", number(moving, 1)));
+    }
     if let Some(surface) = run.and_then(|r| r.summary.surface_settlement_mm.as_ref()) {
         draft = draft.note(format!(
             "The mean surface of the grains settled by {} mm.",
@@ -190,16 +193,15 @@ fn share_in_first_period(study: &StudyView, configuration: u32) -> Claim {
 }
 
 /// Fluctuation in mm of a run's plate while it is shaken.
-fn run_fluctuation(study: &StudyView, run: &RunRecord) -> Option<f64> {
-    let bounds = study.intermittent.bounds();
-    rms_about_running_mean(&curve(run), 1.0 / FREQUENCY_HZ, |t| match run.kind {
-        RunKind::VibrationIntermittent => bounds.iter().any(|&(a, b)| (a..=b).contains(&t)),
-        _ => true,
+fn run_fluctuation(run: &RunRecord) -> Option<f64> {
+    let periods = shaken_periods(run);
+    rms_about_running_mean(&curve(run), 1.0 / FREQUENCY_HZ, |t| {
+        periods.iter().any(|&(a, b)| (a..=b).contains(&t))
     })
 }
 
 fn fluctuation(study: &StudyView) -> Claim {
-    let all: Vec<f64> = vibrated(study).filter_map(|r| run_fluctuation(study, r)).collect();
+    let all: Vec<f64> = vibrated(study).filter_map(run_fluctuation).collect();
     let mean = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
     Draft::new(
         "plate-fluctuates",

@@ -2,8 +2,11 @@
 //! the standing height falls with the falling height, and what the laboratory's
 //! scatter is known to be.
 
+mod placements;
 #[cfg(test)]
 mod tests;
+
+pub use placements::{PlacementScatter, SpecimenPlacements};
 
 use serde::Serialize;
 
@@ -36,6 +39,9 @@ pub struct Uncertainty {
     /// The settlements, each with its own creep beside it. The creep is never
     /// subtracted.
     pub settlements: Vec<SettledRun>,
+    /// Scatter of specimens and of placements of the plate, told apart; empty where the plate
+    /// was laid once.
+    pub placements: Vec<PlacementScatter>,
     /// What is known of the laboratory's scatter.
     pub laboratory: Vec<LaboratoryScatter>,
 }
@@ -238,6 +244,7 @@ pub fn uncertainty(all: &StudyView) -> Uncertainty {
         confidence: CONFIDENCE,
         trend: trend(study),
         settlements: MODES.iter().flat_map(|(kind, _)| all.of_kind(*kind)).map(settled).collect(),
+        placements: placements::scatter(study, CONFIDENCE),
         laboratory,
         quantities,
     }
@@ -254,12 +261,7 @@ fn height_mm(run: &RunRecord) -> f64 {
 
 fn settled(run: &RunRecord) -> SettledRun {
     let s = &run.summary;
-    let mut shaken = run
-        .series
-        .iter()
-        .filter(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some())
-        .map(|r| r.time_s);
-    let duration = shaken.next().zip(shaken.next_back()).map(|(first, last)| last - first);
+    let duration = s.shaken_s().map(|(first, last)| last - first);
     SettledRun {
         run: run.name.clone(),
         left_out_of_means: s.why_left_out(),

@@ -7,6 +7,7 @@
 mod apparatus;
 mod engine;
 mod grains;
+mod motion;
 mod stages;
 mod time_step;
 
@@ -132,6 +133,7 @@ pub(super) fn faults(value: &Value, found: Option<&Grading>) -> Vec<Fault> {
     grains::check(&parts, &mut faults);
     apparatus::check(&parts, &mut faults);
     stages::check(&parts, &mut faults);
+    motion::check(&parts, &mut faults);
     engine::check(&parts, &mut faults);
     time_step::check(&parts, &mut faults);
     faults

@@ -12,9 +12,30 @@ const LONGEST: f64 = 3600.0;
 pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
     check_order(parts, faults);
     check_time(parts, faults);
-    check_cycles(parts, faults);
-    check_ramps(parts, faults);
     check_piles(parts, faults);
+    check_placements(parts, faults);
+}
+
+/// A plate that would be laid into the wall.
+fn check_placements(parts: &Parts, faults: &mut Vec<Fault>) {
+    let (Some(cylinder), Some(plate)) = (&parts.cylinder, &parts.top_plate) else { return };
+    let clearance = (cylinder.inner_diameter_mm - plate.diameter_mm) / 2.0;
+    for (i, stage) in parts.stages.iter().enumerate() {
+        let Some(StageSpec::PlaceTopPlate { offset_mm: Some(offset), .. }) = stage.spec else {
+            continue;
+        };
+        if offset > clearance && clearance > 0.0 {
+            faults.push(fault(
+                &format!("stages[{i}].offset_mm"),
+                offset,
+                format!(
+                    "at most the clearance between plate and cylinder, {} mm",
+                    short(clearance)
+                ),
+                "the plate would be laid into the wall".into(),
+            ));
+        }
+    }
 }
 
 /// Base and time of a pile.
@@ -130,14 +151,18 @@ fn check_time(parts: &Parts, faults: &mut Vec<Fault>) {
     let specs = || parts.stages.iter().enumerate().filter_map(|(i, s)| Some((i, s.spec.as_ref()?)));
     if let Some(settle) = &parts.settle {
         for (i, spec) in specs() {
-            let settles = matches!(
-                spec.name(),
-                "fill_funnel" | "slow_pluviation" | "pour" | "place_top_plate"
-            );
-            if settles && spec.longest() <= settle.hold_s {
+            let (field, limit) = match *spec {
+                StageSpec::FillFunnel { time_limit_s }
+                | StageSpec::SlowPluviation { time_limit_s, .. }
+                | StageSpec::Pour { time_limit_s, .. }
+                | StageSpec::PlaceTopPlate { time_limit_s, .. } => ("time_limit_s", time_limit_s),
+                StageSpec::Vibrate { settle_limit_s, .. } => ("settle_limit_s", settle_limit_s),
+                StageSpec::Rest { .. } => continue,
+            };
+            if limit <= settle.hold_s {
                 faults.push(fault(
-                    &format!("stages[{i}].time_limit_s"),
-                    spec.longest(),
+                    &format!("stages[{i}].{field}"),
+                    limit,
                     format!("more than settle.hold_s, {} s", settle.hold_s),
                     "the stage ends before anything can count as settled".into(),
                 ));
@@ -153,60 +178,5 @@ fn check_time(parts: &Parts, faults: &mut Vec<Fault>) {
             format!("at most {LONGEST} s"),
             "stages and control together take too long".into(),
         ));
-    }
-}
-
-/// How far a period may be from a whole number of cycles, in cycles: decimals
-/// of a fraction such as 0.6667 s at 3 Hz must do.
-const CYCLE_TOLERANCE: f64 = 1e-3;
-
-/// A table stopped away from its middle position would jump there in one step.
-fn check_cycles(parts: &Parts, faults: &mut Vec<Fault>) {
-    let specs = parts.stages.iter().enumerate().filter_map(|(i, s)| Some((i, s.spec.as_ref()?)));
-    for (i, spec) in specs {
-        let Some(motion) = spec.vibration() else { continue };
-        let cycles = motion.duration * motion.frequency;
-        if (cycles - cycles.round()).abs() > CYCLE_TOLERANCE || cycles.round() < 1.0 {
-            faults.push(fault(
-                &format!("stages[{i}].duration_s"),
-                motion.duration,
-                format!(
-                    "a whole number of cycles of {} s, as {}",
-                    short(1.0 / motion.frequency),
-                    short(cycles.round().max(1.0) / motion.frequency)
-                ),
-                "a period of vibration must end where it began, in the middle of the stroke".into(),
-            ));
-        }
-    }
-}
-
-/// A shorter ramp would move the table faster than the sinusoid does; longer
-/// ones would meet.
-fn check_ramps(parts: &Parts, faults: &mut Vec<Fault>) {
-    let specs = parts.stages.iter().enumerate().filter_map(|(i, s)| Some((i, s.spec.as_ref()?)));
-    for (i, spec) in specs {
-        let Some(motion) = spec.vibration() else { continue };
-        let cycle = 1.0 / motion.frequency;
-        let longest = motion.duration / 2.0;
-        if motion.ramp > 0.0 && !(cycle..=longest).contains(&motion.ramp) {
-            let allowed = if cycle <= longest {
-                format!(
-                    "0, or from one cycle, {} s, to half of duration_s, {} s",
-                    short(cycle),
-                    short(longest)
-                )
-            } else {
-                "0: the period is too short for a ramp of one cycle at either end".to_owned()
-            };
-            faults.push(fault(
-                &format!("stages[{i}].ramp_s"),
-                motion.ramp,
-                allowed,
-                "the amplitude can neither grow within a part of a cycle, nor still grow when it begins to die \
-                 away"
-                    .into(),
-            ));
-        }
     }
 }

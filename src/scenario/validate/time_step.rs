@@ -11,6 +11,7 @@
 use serde_json::Value;
 
 use super::{Parts, fault, short};
+use crate::motion::TableMotion;
 use crate::scenario::{Backend, ContactPath, Fault, Grading, StageSpec};
 use crate::units::{from_deg, from_mm, to_mm};
 
@@ -31,8 +32,8 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
 /// `found` is what is known of grains that have no sieve table.
 pub(in crate::scenario) fn least_rate_hz(value: &Value, found: Option<&Grading>) -> Option<f64> {
     let parts = Parts::of(value, found);
-    let vibrations = parts.stages.iter().filter_map(|s| s.spec.as_ref()?.vibration());
-    let followed = vibrations.map(|v| STEPS_A_CYCLE * v.frequency);
+    let vibrations = parts.stages.iter().filter_map(|s| s.spec.as_ref()?.motion());
+    let followed = vibrations.map(|v| STEPS_A_CYCLE * cycles_a_second(&v));
     let size = from_mm(parts.finest_mm()?);
     let passed = motions(&parts).into_iter().map(|m| m.speed / size);
     followed.chain(passed).filter(|rate| rate.is_finite()).max_by(f64::total_cmp)
@@ -52,6 +53,7 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Vec<Fault>) {
         return;
     }
     let rate = engine.rate_hz;
+    find_coarse_frames(parts, faults);
     let mut too_slow = |at_least: f64, what: String| {
         faults.push(fault(
             RATE,
@@ -61,15 +63,13 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Vec<Fault>) {
         ));
     };
     for stage in parts.stages.iter().filter_map(|s| s.spec.as_ref()) {
-        if let Some(vibration) = stage.vibration()
-            && rate < STEPS_A_CYCLE * vibration.frequency
-        {
+        let frequency = stage.motion().map_or(0.0, |motion| cycles_a_second(&motion));
+        if rate < STEPS_A_CYCLE * frequency {
             too_slow(
-                STEPS_A_CYCLE * vibration.frequency,
+                STEPS_A_CYCLE * frequency,
                 format!(
-                    "a vibration of {} Hz has {} steps a cycle, it needs {STEPS_A_CYCLE}",
-                    vibration.frequency,
-                    short(rate / vibration.frequency)
+                    "a vibration of {frequency} Hz has {} steps a cycle, it needs {STEPS_A_CYCLE}",
+                    short(rate / frequency)
                 ),
             );
         }
@@ -121,6 +121,34 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Vec<Fault>) {
     }
 }
 
+/// Cycles a second of a vibration's fastest sinusoid; 0 of a recorded one, of which only the
+/// speed is judged.
+fn cycles_a_second(motion: &TableMotion) -> f64 {
+    motion.frequency.max(motion.vertical.map_or(0.0, |v| v.frequency))
+}
+
+/// Tables that are set from frame to frame by more than a grain, in one step of any length.
+fn find_coarse_frames(parts: &Parts, faults: &mut Vec<Fault>) {
+    let Some(size) = parts.finest_mm() else { return };
+    for (i, stage) in parts.stages.iter().enumerate() {
+        let Some(motion) = stage.spec.as_ref().and_then(StageSpec::motion) else { continue };
+        let Some(rate) = motion.frames_per_s else { continue };
+        let way = motion.peak_speed() / rate;
+        if way > from_mm(size) {
+            faults.push(fault(
+                &format!("stages[{i}].video_frames.frames_per_s"),
+                rate,
+                format!("at least {} frames a second", (motion.peak_speed() / from_mm(size)).ceil()),
+                format!(
+                    "frames that cannot resolve the motion: the shaking table is set by up to {} mm \
+                     in one step, more than the smallest grain's size, {size} mm",
+                    short(to_mm(way))
+                ),
+            ));
+        }
+    }
+}
+
 fn walls(parts: &Parts) -> Vec<(&'static str, f64)> {
     let cylinder = parts.cylinder.as_ref().map(|c| c.wall_thickness_mm);
     let funnel = parts.funnel.as_ref().map(|f| f.wall_thickness_mm);
@@ -164,9 +192,12 @@ fn motions(parts: &Parts) -> Vec<Fast> {
             fall(height, "from the funnel to the cylinder's floor")
         }
         StageSpec::Vibrate { .. } => {
-            let speed = stage.vibration()?.peak_speed();
+            let motion = stage.motion()?;
+            let speed = motion.peak_speed();
             let what = "the shaking table at its fastest".to_owned();
-            speed.is_finite().then_some(Fast { speed, what })
+            // What is set from frame to frame covers that way in a step of whatever length.
+            let moves = speed.is_finite() && motion.frames_per_s.is_none();
+            moves.then_some(Fast { speed, what })
         }
         _ => None,
     };

@@ -43,7 +43,7 @@ fn with_raw(path: &str, raw: &str) -> Vec<u8> {
 
 /// Every number that a person types, with every kind of bad one.
 fn bad_numbers(all: &mut Vec<Hostile>) {
-    const FIELDS: [&str; 22] = [
+    const FIELDS: [&str; 28] = [
         "gravity_m_per_s2",
         "seed",
         "configuration",
@@ -66,6 +66,12 @@ fn bad_numbers(all: &mut Vec<Hostile>) {
         "stages.1.falling_height_mm",
         "stages.3.frequency_hz",
         "stages.3.duration_s",
+        "stages.3.settle_limit_s",
+        "stages.3.crank_to_rod",
+        "stages.3.vertical.amplitude_mm",
+        "stages.3.video_frames.frames_per_s",
+        "stages.2.placement",
+        "stages.2.seating_load_n",
     ];
     const VALUES: [&str; 12] = [
         "1e300",

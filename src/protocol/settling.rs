@@ -1,0 +1,15 @@
+//! How everything comes to rest after a vibration.
+
+use serde::{Deserialize, Serialize};
+
+/// What became of a specimen after the last period of a vibration, with the table at its place.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Settling {
+    /// Time in s from the end of shaking to the end of the stage: with what was held to count
+    /// as settled, or the limit.
+    pub time_s: f64,
+    /// The limit in s.
+    pub limit_s: f64,
+    /// Whether it settled by the scenario's criterion.
+    pub settled: bool,
+}

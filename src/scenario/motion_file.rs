@@ -1,0 +1,91 @@
+//! Recorded motions: what a scenario names as a file is put into it as rows, so that the rows
+//! determine a stage, and a run folder holds what was done.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::{Fault, source::Document, source::Origin};
+use crate::input;
+use crate::motion::{Interpolation, RecordedMotion, rows_from_csv};
+
+/// Largest file of a recorded motion in bytes: more than its rows can have.
+const LARGEST: u64 = 16 << 20;
+
+/// Reads the motion files that a document names, each relative to the file that names it, into
+/// rows beside which nothing is left of the name; the faults of those that cannot be read.
+pub(super) fn read(document: &mut Document) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    let count = document.value["stages"].as_array().map_or(0, Vec::len);
+    for i in 0..count {
+        let path = format!("stages[{i}].motion_file");
+        let stage = &document.value["stages"][i];
+        let is_recorded = stage["stage"] == "vibrate" && stage["waveform"] == "file";
+        let Some(name) = stage["motion_file"].as_str().filter(|n| is_recorded && !n.is_empty())
+        else {
+            continue;
+        };
+        // Both together are refused by the checks.
+        if stage.get("motion_rows").is_some() {
+            continue;
+        }
+        let file = match document.origin(&path) {
+            Origin::File(given_in) => given_in.parent().unwrap_or(Path::new("")).join(name),
+            Origin::Set(_) => name.into(),
+        };
+        let mut fault = |found: String, allowed: &str, message: String| {
+            faults.push(Fault {
+                file: document.origin(&path).to_string(),
+                path: path.clone(),
+                found,
+                allowed: allowed.to_owned(),
+                message,
+            });
+        };
+        let content = match input::read(&file, LARGEST) {
+            Ok(content) => content,
+            Err(error) => {
+                let message = format!("the recorded motion cannot be read: {error}");
+                fault(file.display().to_string(), "a CSV file", message);
+                continue;
+            }
+        };
+        match rows_from_csv(&content) {
+            Ok(rows) => {
+                // Here the faults can name the file.
+                if let Err(found) = RecordedMotion::new(&rows, Interpolation::Cubic) {
+                    for of_row in found {
+                        let message = format!("{}: {}", file.display(), of_row.what);
+                        fault(of_row.found, of_row.allowed, message);
+                    }
+                    continue;
+                }
+                let rows = json!(rows);
+                if let Some(stage) = document.value["stages"][i].as_object_mut() {
+                    stage.shift_remove("motion_file");
+                    stage.insert("motion_rows".to_owned(), rows);
+                }
+            }
+            Err(found) => {
+                for message in found {
+                    fault(
+                        file.display().to_string(),
+                        "the columns time_s and x_mm, optionally y_mm and z_mm",
+                        message,
+                    );
+                }
+            }
+        }
+    }
+    faults
+}
+
+/// Makes the motion files of a scenario's JSON absolute, by the folders of the files that give them.
+pub(super) fn place(value: &mut Value, folder: impl Fn(&str) -> std::path::PathBuf) {
+    for (i, stage) in value["stages"].as_array_mut().into_iter().flatten().enumerate() {
+        if let Some(Value::String(file)) = stage.get_mut("motion_file") {
+            let folder = folder(&format!("stages[{i}].motion_file"));
+            *file = folder.join(&*file).to_string_lossy().into_owned();
+        }
+    }
+}

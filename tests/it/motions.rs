@@ -1,0 +1,230 @@
+//! A vibration ends at rest, whatever moves the table; plates are laid as they are told.
+
+use std::{fs, path::Path};
+
+use serde_json::{Value, json};
+
+use super::{interruption::pluvia, small};
+
+/// Runs the small scenario with a change of it; its summary.
+fn carried_out(folder: &Path, name: &str, change: impl Fn(&mut Value)) -> Value {
+    let mut scenario = small::scenario(90.0, 0.5, 0.2);
+    change(&mut scenario);
+    let file = folder.join(format!("{name}.json"));
+    fs::write(&file, scenario.to_string()).expect("a scenario");
+    // One folder: what runs share is carried out once.
+    let out = folder.join("out");
+    let done = pluvia(&file, &out).output().expect("started");
+    assert!(done.status.success(), "{name}: {}", String::from_utf8_lossy(&done.stderr));
+    for table in ["series.csv", "control.csv", "manifest.json"] {
+        fs::copy(out.join(table), folder.join(format!("{name}-{table}"))).expect("kept");
+    }
+    let summary = fs::read(out.join("summary.json")).expect("a summary");
+    serde_json::from_slice(&summary).expect("JSON")
+}
+
+/// Rows of a table by column.
+fn rows(folder: &Path, table: &str) -> Vec<Value> {
+    let mut reader = csv::Reader::from_path(folder.join(table)).expect("a table");
+    let head = reader.headers().expect("a head").clone();
+    let row = |record: csv::StringRecord| {
+        let cells = head.iter().zip(record.iter());
+        let cell = |text: &str| text.parse::<f64>().map_or(Value::Null, |v| json!(v));
+        Value::Object(cells.map(|(name, text)| (name.to_owned(), cell(text))).collect())
+    };
+    reader.records().map(|r| row(r.expect("a row"))).collect()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("law: a number, got {value}"))
+}
+
+#[test]
+fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rest = json!({ "stage": "rest", "duration_s": 0.4 });
+    let then_rest = |s: &mut Value| s["stages"].as_array_mut().expect("stages").push(rest.clone());
+    let plain = carried_out(folder.path(), "plain", |_| ());
+    let rested = carried_out(folder.path(), "rested", then_rest);
+    let short =
+        carried_out(folder.path(), "short", |s| s["stages"][3]["settle_limit_s"] = json!(0.26));
+
+    let settling = &plain["vibrations"][0]["settling"];
+    let (time, limit) = (number(&settling["time_s"]), number(&settling["limit_s"]));
+    assert!(
+        time > 0.25 && time <= limit + 1e-9,
+        "law: held for 0.25 s, at most the limit: {settling}"
+    );
+    let [start, end] = [0, 1].map(|n| number(&plain["vibrations"][0]["periods_s"][0][n]));
+    assert!((end - start - 0.5).abs() < 1e-9, "law: half a second of shaking, {start} to {end} s");
+
+    let series = rows(folder.path(), "rested-series.csv");
+    let later = series.iter().filter(|r| number(&r["stage"]) >= 3.0);
+    assert!(later.clone().any(|r| number(&r["stage"]) == 4.0), "the rest has rows");
+    let control = rows(folder.path(), "rested-control.csv");
+    let begin = number(
+        &series.iter().find(|r| number(&r["stage"]) == 3.0).expect("shaken")["plate_height_mm"],
+    );
+    for row in later.chain(&control) {
+        let (settled, height) = (number(&row["settlement_mm"]), number(&row["plate_height_mm"]));
+        assert!(
+            (settled - (begin - height)).abs() < 1e-9,
+            "law: the drop since the vibration began, expected {}, got {settled}",
+            begin - height
+        );
+    }
+    assert!(
+        series.iter().filter(|r| number(&r["stage"]) < 3.0).all(|r| r["settlement_mm"].is_null())
+    );
+
+    let of = |name: &str, at: f64| {
+        let rows = rows(folder.path(), name);
+        let row = rows.iter().rfind(|r| (number(&r["time_s"]) - at).abs() < 1e-6).expect("a row");
+        number(&row["settlement_mm"])
+    };
+    let settlement = &plain["settlement_mm"];
+    let last = series.iter().rfind(|r| number(&r["stage"]) == 3.0).expect("shaken");
+    let at_rest = number(&last["settlement_mm"]);
+    assert!(
+        (number(&settlement["final"]) - at_rest).abs() < 1e-6,
+        "law: at rest, {at_rest}, {settlement}"
+    );
+    let moving = of("plain-series.csv", end);
+    let got = number(&settlement["end_of_shaking"]);
+    assert!((got - moving).abs() < 1e-6, "law: the row at the end of shaking, {moving}, got {got}");
+    let with_rest = number(&rested["settlement_mm"]["final"]);
+    assert!(
+        (with_rest - at_rest).abs() < 0.05,
+        "law: a rest changes nothing, {at_rest}, {with_rest}"
+    );
+    assert_eq!(rested["settlement_mm"]["end_of_shaking"], settlement["end_of_shaking"]);
+
+    // What comes after the shaking does not act on what was before.
+    let shaken = |name: &str| {
+        let rows = rows(folder.path(), name).into_iter();
+        rows.filter(|r| number(&r["time_s"]) <= end + 1e-6).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        shaken("plain-series.csv"),
+        shaken("short-series.csv"),
+        "law: the same to the last digit"
+    );
+    let limit = number(&short["vibrations"][0]["settling"]["time_s"]);
+    assert!(limit <= 0.26 + 1.0 / 480.0, "law: settling is bounded, got {limit} s");
+}
+
+#[test]
+fn every_motion_drives_a_stage_and_says_what_it_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let with = |fields: Value| {
+        move |s: &mut Value| {
+            let stage = s["stages"][3].as_object_mut().expect("a stage");
+            for (name, field) in fields.as_object().expect("fields") {
+                match field {
+                    Value::Null => {
+                        stage.remove(name);
+                    }
+                    field => {
+                        stage.insert(name.clone(), field.clone());
+                    }
+                }
+            }
+        }
+    };
+    let table: String = std::iter::once("time_s,x_mm,y_mm\n".to_owned())
+        .chain((0..=100).map(|n| {
+            let t = f64::from(n) / 200.0;
+            let x = 5.0 * (1.0 - (8.0 * std::f64::consts::PI * t).cos());
+            format!("{t},{x},{}\n", x / 2.0)
+        }))
+        .collect();
+    fs::write(folder.path().join("table.csv"), table).expect("written");
+    let a = 0.010 * (8.0 * std::f64::consts::PI).powi(2);
+    for (name, fields, acceleration, words) in [
+        ("sine", json!({}), a, "sine from the middle"),
+        ("turning", json!({ "start": "turning_point" }), a, "from the turning point"),
+        ("crank", json!({ "waveform": "slider_crank", "crank_to_rod": 0.3 }), 1.3 * a, "r/l 0.3"),
+        ("vertical", json!({ "vertical": { "amplitude_mm": 1 } }), 1.01_f64.sqrt() * a, "vertical"),
+        ("frames", json!({ "video_frames": { "frames_per_s": 50 } }), a, "one pose a video frame"),
+        (
+            "file",
+            json!({
+                "waveform": "file", "motion_file": "table.csv", "frequency_hz": null,
+                "amplitude_mm": null, "duration_s": null
+            }),
+            1.25_f64.sqrt() * a / 2.0,
+            "recorded, 101 rows",
+        ),
+    ] {
+        let summary = carried_out(folder.path(), name, with(fields));
+        let motion = &summary["vibrations"][0]["motion"];
+        let got = number(&motion["peak_acceleration_m_per_s2"]);
+        assert!(
+            (got / acceleration - 1.0).abs() < 0.01,
+            "law: peak acceleration of {name}, expected {acceleration}, got {got}, tolerance 1 %"
+        );
+        assert!(motion["waveform"].as_str().is_some_and(|w| w.contains(words)), "{name}: {motion}");
+        let manifest = fs::read(folder.path().join(format!("{name}-manifest.json"))).expect("kept");
+        let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
+        assert_eq!(&manifest["vibrations"][0]["motion"], motion, "law: both say the same");
+        assert_eq!(summary["grains"]["escaped"], 0, "law: nothing passes a wall, {name}");
+        let series = rows(folder.path(), &format!("{name}-series.csv"));
+        let last = series.last().expect("rows");
+        assert_eq!(number(&last["table_x_mm"]), 0.0, "law: it ends at rest at its place, {name}");
+        let off = |column: &str| {
+            series.iter().filter_map(|r| r[column].as_f64()).map(f64::abs).fold(0.0, f64::max)
+        };
+        match name {
+            "vertical" => {
+                assert!(off("table_z_mm") > 0.5, "law: it moves along z");
+                // Heights are above the floor that moves along.
+                let plate = series.iter().filter(|r| number(&r["stage"]) == 3.0);
+                let heights: Vec<f64> = plate.map(|r| number(&r["mean_grain_height_mm"])).collect();
+                let (least, most) =
+                    heights.iter().fold((f64::MAX, 0.0_f64), |(l, h), z| (l.min(*z), h.max(*z)));
+                assert!(
+                    most - least < 8.0,
+                    "law: grains stay about where they are, {least} to {most} mm"
+                );
+            }
+            "file" => {
+                assert!(off("table_y_mm") > 2.0, "law: it moves along y, got {}", off("table_y_mm"))
+            }
+            _ => assert!(series[0].get("table_z_mm").is_none(), "law: no column without motion"),
+        }
+    }
+}
+
+#[test]
+fn plates_are_laid_anew_on_the_same_specimen_and_seated_on_demand() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let placed = |name: &str, fields: Value| {
+        let summary = carried_out(folder.path(), name, |s| {
+            let stage = s["stages"][2].as_object_mut().expect("a stage");
+            stage.extend(fields.as_object().expect("fields").clone());
+        });
+        let series = rows(folder.path(), &format!("{name}-series.csv"));
+        let plate = series.into_iter().rfind(|r| number(&r["stage"]) == 2.0).expect("a plate");
+        let manifest = fs::read(folder.path().join(format!("{name}-manifest.json"))).expect("kept");
+        let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
+        (summary, number(&plate["plate_height_mm"]), manifest["stages"].clone())
+    };
+    let (_, axis, first) = placed("axis", json!({}));
+    let (_, drawn, second) = placed("drawn", json!({ "placement": 1 }));
+    let (_, other, third) = placed("other", json!({ "placement": 2 }));
+    let (seated_run, seated, _) = placed("seated", json!({ "seating_load_n": 20 }));
+    for stages in [&second, &third] {
+        assert_eq!(stages[1]["key"], first[1]["key"], "law: the poured stage is shared");
+        assert_ne!(
+            stages[2]["specimen_sha256"], first[2]["specimen_sha256"],
+            "law: the plate is not"
+        );
+    }
+    assert!(axis != drawn && drawn != other, "law: placements differ: {axis}, {drawn}, {other} mm");
+    assert!(
+        seated < axis,
+        "law: a weight of 20 N presses the plate down, from {axis} to {seated} mm"
+    );
+    let warnings = seated_run["warnings"].to_string();
+    assert!(!warnings.contains("energy"), "law: the weight is no energy from nowhere, {warnings}");
+}
