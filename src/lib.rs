@@ -31,6 +31,7 @@ pub mod input;
 pub mod measure;
 pub mod paper;
 pub mod picture;
+pub mod plain;
 pub mod protocol;
 pub mod record;
 pub mod report;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, table};
+use crate::plain::plain_path;
 use crate::report::CalibrationEnding;
 use crate::study::{
     CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
@@ -101,7 +102,7 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
     context.stop_on_ctrl_c();
     let found = study.carry_out()?;
     let mut text = table::of_calibration(&found);
-    text += &format!("report in {}\n", args.out.join("report.html").display());
+    text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
     context.print(&text, &found)?;
     match found.ending {
         CalibrationEnding::Found => Ok(ExitStatus::Done),

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::{CliError, Context, ExitStatus, changes::backend, jobs::Jobs, output_folder, table};
 use crate::grains::load_scenario;
+use crate::plain::plain_path;
 use crate::scenario::{Backend, Override};
 use crate::study::{RunOptions, compare};
 
@@ -58,7 +59,7 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
     };
     let record = compare(&loaded.scenario, &distinct, &options)?;
     let mut text = table::of_comparison(&record);
-    text += &format!("report in {}\n", args.out.join("report.html").display());
+    text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
     context.print(&text, &record)?;
     if record.within_bands { Ok(ExitStatus::Done) } else { Ok(ExitStatus::ExpectationMissed) }
 }

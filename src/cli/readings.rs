@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, table};
+use crate::plain::plain_path;
 use crate::record::read_json;
 use crate::study::{Reading, ReadingsOptions, readings};
 
@@ -59,7 +60,7 @@ pub(super) fn run(args: &ReadingsArgs, context: &Context) -> Result<ExitStatus, 
         progress: context.progress.clone(),
     })?;
     let mut text = table::of_readings(&outcome.columns);
-    text += &format!("report in {}\n", outcome.report.display());
+    text += &format!("report in {}\n", plain_path(&outcome.report));
     let value: serde_json::Value = read_json(&args.out.join("readings.json"))?;
     context.print(&text, &value)?;
     Ok(ExitStatus::Done)

@@ -6,6 +6,7 @@ use clap::Args;
 use serde_json::Value;
 
 use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, table};
+use crate::plain::plain_path;
 use crate::record::read_json;
 use crate::study::{Reading, ReproduceOptions, reproduce};
 
@@ -59,7 +60,7 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
     })?;
     let claims: Vec<Value> = read_json(&args.out.join("claims.json"))?;
     let mut text = table::of_claims(&claims);
-    text += &format!("report in {}\n", args.out.join("report.html").display());
+    text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
     context.print(&text, &claims)?;
     if args.strict && outcome.claims_outside > 0 {
         return Ok(ExitStatus::ExpectationMissed);

@@ -8,6 +8,7 @@ use super::{
     CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder, paint, table,
 };
 use crate::grains::load_scenario;
+use crate::plain::plain_path;
 use crate::scenario;
 use crate::study::{RunOptions, run_scenario};
 
@@ -51,7 +52,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     };
     let record = run_scenario(&loaded.scenario, &options)?;
     let mut text = table::of_summary(&record.summary);
-    text += &format!("results in {}\n", args.out.display());
+    text += &format!("results in {}\n", plain_path(&args.out));
     if let Some(why) = record.summary.why_not_valid() {
         text += &format!("{}: {why}\n", paint::bad("NOT VALID, no result to quote"));
     }

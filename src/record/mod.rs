@@ -8,6 +8,7 @@ mod hash;
 mod identity;
 mod lock;
 mod run;
+mod sealed;
 mod sieve;
 mod stage;
 mod store;
@@ -27,6 +28,7 @@ pub use guards::{GuardSummary, Guards, OverlapWatch, StageGuards};
 pub use hash::{hash_bytes, hash_json};
 pub use identity::{AskedStage, StageEnd, StageIdentity};
 pub use run::{RunKind, RunRecord};
+pub use sealed::{Beside, keep_beside};
 pub use sieve::{
     GradationSummary, NotSieved, SecondarySieve, ShapeSummary, SieveSummary, SievedFraction,
     Spread, UNCHANGED,
@@ -36,5 +38,5 @@ pub use store::StageStore;
 pub use store_check::{StoreReport, StoredItem, StoredState, check_store};
 pub use summary::*;
 pub use tables::{grains_csv, series_from_csv, to_csv};
-pub use unfinished::{begin_file, remove_abandoned};
+pub use unfinished::{begin_file, remove_abandoned, remove_abandoned_beside};
 pub use variations::{RunRow, VariationRow, variation_runs_csv, variations_csv};

@@ -8,9 +8,10 @@ use super::{
     Figure, MAIN_OUTCOMES, OUTCOMES, Sweep, SweepEstimate,
     html::{figure_block, glue, head},
     sweep::{in_words, shown},
-    text_table::TextTable,
+    text_table::{TextTable, in_markdown},
 };
 use crate::paper::text::{compact, number};
+use crate::plain::plain;
 
 /// A table of the page.
 struct Section {
@@ -70,7 +71,7 @@ pub(super) fn page(of: &Sweep, figures: &[Figure]) -> Page {
         tables.push(failures(of));
     }
     Page {
-        title: format!("Sweep of {}", of.scenario),
+        title: format!("Sweep of {}", plain(&of.scenario)),
         lead,
         good: failed == 0 && not_valid == 0,
         tables,
@@ -170,12 +171,17 @@ fn failures(of: &Sweep) -> Section {
 impl Page {
     /// As Markdown.
     pub(super) fn markdown(&self) -> String {
-        let mut text = format!("# {}\n\n{}\n", self.title, self.lead);
+        let mut text = format!("# {}\n\n{}\n", in_markdown(&self.title), self.lead);
         for section in &self.tables {
             let _ = write!(text, "\n## {}\n\n{}", section.title, section.table.markdown());
         }
         for (title, stem, caption) in &self.figures {
-            let _ = write!(text, "\n![{title}](figures/{stem}.png)\n\n{caption}\n");
+            let _ = write!(
+                text,
+                "\n![{}](figures/{stem}.png)\n\n{}\n",
+                in_markdown(title),
+                in_markdown(caption)
+            );
         }
         let _ = write!(text, "\n## How to read it\n\n{HOW_TO_READ}\n");
         text
@@ -189,7 +195,7 @@ impl Page {
                 (head(&self.title))
                 body {
                     header {
-                        h1 { (self.title) }
+                        h1 { bdi { (self.title) } }
                         @if self.good { p.lead { (glue(&self.lead)) } }
                         @else { p.banner { (glue(&self.lead)) } }
                     }

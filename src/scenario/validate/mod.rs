@@ -19,9 +19,9 @@ use serde_json::{Map, Value};
 
 use super::{
     CylinderSpec, EngineSettings, Fault, FunnelSpec, MeshGrains, Scenario, SettleSpec,
-    SievedGrains, StageSpec, TopPlateSpec, accessors::field, fault::misleads, source::shown,
-    unusual,
+    SievedGrains, StageSpec, TopPlateSpec, accessors::field, source::shown, unusual,
 };
+use crate::plain::misleads;
 
 /// The parts of a scenario that could be read.
 struct Parts {
