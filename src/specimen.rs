@@ -200,12 +200,11 @@ impl SpecimenState {
             }
         }
         let moving = self.bodies.iter().map(|g| &g.body).chain(&self.top_plate);
-        let speeds = moving.flat_map(|b| [b.linear_velocity.amax(), b.angular_velocity.amax()]);
-        let touching = self.contacts.iter();
-        let touching = touching.flat_map(|c| [c.point_m.amax(), c.normal.amax(), c.force_n.amax()]);
+        let moving = moving.flat_map(|b| [&b.linear_velocity, &b.angular_velocity]);
+        let touching = self.contacts.iter().flat_map(|c| [&c.point_m, &c.normal, &c.force_n]);
+        let vectors = moving.chain(touching).flat_map(|vector| vector.iter().copied());
         let others = [self.table_x, self.time, self.funnel.map_or(0.0, |f| f.opening_height)];
-        let numbers = speeds.chain(touching).chain(others);
-        if let Some(number) = numbers.into_iter().find(|number| !(number.abs() <= LARGEST)) {
+        if let Some(number) = vectors.chain(others).find(|number| !(number.abs() <= LARGEST)) {
             return Err(format!("a velocity, contact, height or time is {number:e}"));
         }
         let present = self.bodies.iter().filter(|g| g.fate == Fate::Present).map(|g| &g.body.pose);

@@ -429,18 +429,21 @@ fn a_damaged_stage_is_exchanged_at_once() {
     let can = exchange(&one, &other);
     if can {
         assert!(one.join("other").exists() && other.join("one").exists(), "law: exchanged");
+        static ASKED: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+        let over = std::sync::atomic::Ordering::SeqCst;
         let (stage, left) = replaced_by(|part, target| {
+            ASKED.store(true, std::sync::atomic::Ordering::SeqCst);
             let done = exchange(part, target);
             let [new, old] = [target, part].map(|folder| folder.join(RECORD_FILE).exists());
             assert!(done && new && old, "law: the new one is there, and the old one, too");
             done
         });
         assert!(stage.is_some() && left == 0, "law: it is sound, and nothing is left, {left}");
+        assert!(ASKED.load(over), "law: an exchange is tried before anything is taken away");
         // Who reads meanwhile never misses it.
         let (store, _, folder) = store_one(&folder.path().join("store"));
         let (identity, record) = (named("rest", 1), folder.join(RECORD_FILE));
         let is_over = std::sync::atomic::AtomicBool::new(false);
-        let over = std::sync::atomic::Ordering::SeqCst;
         std::thread::scope(|scope| {
             let reader = scope.spawn(|| {
                 let mut missed = 0;
