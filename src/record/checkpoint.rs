@@ -325,7 +325,7 @@ pub(super) fn check_checkpoint(path: &Path) -> Result<StageIdentity, FileError> 
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::protocol::Watch;
     use crate::specimen::SpecimenState;
@@ -357,6 +357,12 @@ mod tests {
             residuals: Vec::new(),
             fed: None,
         }
+    }
+
+    /// Keeps a checkpoint of a stage of two grains.
+    pub(in crate::record) fn keep_one(root: &Path, identity: &StageIdentity) {
+        let asked = AskedStage { began_with: Some("s"), ..asked(identity) };
+        keep(&open(root, &asked), &midway(10, 2));
     }
 
     fn keep(checkpoints: &Checkpoints, midway: &Midway) {
