@@ -3,6 +3,7 @@
 //! ever, and would be read until there is no memory left.
 
 use std::{
+    fmt,
     fs::{self, File},
     io::{self, Read},
     path::Path,
@@ -19,18 +20,45 @@ pub const LARGEST_MESH: u64 = 512 << 20;
 /// hundred thousand grains over ten minutes.
 pub const LARGEST_OF_RUN: u64 = 16 << 30;
 
+/// Why a file is not read that could be: because of what it is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal {
+    /// What it is.
+    pub found: String,
+    /// What is read.
+    pub allowed: String,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "it {}; {}", self.found, self.allowed)
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+impl Refusal {
+    fn of(found: &str, allowed: &str) -> io::Error {
+        io::Error::other(Self { found: found.to_owned(), allowed: allowed.to_owned() })
+    }
+
+    /// The refusal in an error of this module; none where the system is the reason.
+    pub fn within(error: &io::Error) -> Option<&Self> {
+        error.get_ref()?.downcast_ref()
+    }
+}
+
+/// What is allowed where something else is found.
+const REGULAR: &str = "only regular files are read";
+
 /// Opens a regular file; gives its length in bytes, too.
 ///
 /// # Errors
-/// Whatever the system says; what the file is, where it is no regular one; its size and the
-/// largest that is allowed.
+/// Whatever the system says; a [`Refusal`] with what the file is, where it is no regular one, or its
+/// size, and what is allowed.
 pub fn open(path: &Path, largest: u64) -> io::Result<(File, u64)> {
     // Asked before it is opened: opening a pipe waits for somebody to write into it.
     let found = fs::metadata(path)?;
-    if found.is_dir() {
-        // In the words of the system.
-        return Err(fs::read(path).err().unwrap_or(io::ErrorKind::IsADirectory.into()));
-    }
     regular(&found, largest)?;
     let file = File::open(path)?;
     let length = regular(&file.metadata()?, largest)?;
@@ -49,16 +77,28 @@ pub fn read(path: &Path, largest: u64) -> io::Result<Vec<u8>> {
     Ok(content)
 }
 
+/// Whether a folder is there.
+///
+/// # Errors
+/// What the system says; a [`Refusal`] for what is no folder.
+pub fn is_folder(path: &Path) -> io::Result<()> {
+    let kind = fs::metadata(path)?.file_type();
+    if kind.is_dir() {
+        return Ok(());
+    }
+    let found = if kind.is_file() { "a file" } else { special(kind) };
+    Err(Refusal::of(&format!("is {found}"), "a folder is read here"))
+}
+
 fn regular(found: &fs::Metadata, largest: u64) -> io::Result<u64> {
     let kind = found.file_type();
     if !kind.is_file() {
-        let what = special(kind);
-        return Err(io::Error::other(format!("it is {what}; only regular files are read")));
+        return Err(Refusal::of(&format!("is {}", special(kind)), REGULAR));
     }
     let length = found.len();
     if length > largest {
         let (found, most) = (size(length), size(largest));
-        return Err(io::Error::other(format!("it has {found}; at most {most} are read")));
+        return Err(Refusal::of(&format!("has {found}"), &format!("at most {most} are read")));
     }
     Ok(length)
 }
@@ -67,6 +107,7 @@ fn regular(found: &fs::Metadata, largest: u64) -> io::Result<u64> {
 fn special(kind: fs::FileType) -> &'static str {
     use std::os::unix::fs::FileTypeExt;
     match () {
+        () if kind.is_dir() => "a folder",
         () if kind.is_fifo() => "a pipe",
         () if kind.is_char_device() || kind.is_block_device() => "a device",
         () if kind.is_socket() => "a socket",
@@ -75,8 +116,8 @@ fn special(kind: fs::FileType) -> &'static str {
 }
 
 #[cfg(not(unix))]
-fn special(_: fs::FileType) -> &'static str {
-    "something else"
+fn special(kind: fs::FileType) -> &'static str {
+    if kind.is_dir() { "a folder" } else { "something else" }
 }
 
 /// A size for people.
@@ -106,9 +147,11 @@ mod tests {
         let said = read(&folder.path().join("large"), LARGEST_SCENARIO).expect_err("too large");
         assert!(said.to_string().contains("at most 4.0 MiB"), "law: the limit is named: {said}");
         let folder = read(folder.path(), 4).expect_err("a folder");
-        assert_eq!(folder.kind(), io::ErrorKind::IsADirectory);
+        let refusal = Refusal::within(&folder).expect("law: refused because of what it is");
+        assert_eq!((&*refusal.found, &*refusal.allowed), ("is a folder", REGULAR));
         let missing = read(Path::new("no/such/file"), 4).expect_err("missing");
         assert_eq!(missing.kind(), io::ErrorKind::NotFound);
+        assert_eq!(Refusal::within(&missing), None, "law: the system's reason is none of ours");
     }
 
     #[cfg(target_os = "linux")]

@@ -32,6 +32,7 @@ pub mod measure;
 pub mod motion;
 pub mod paper;
 pub mod picture;
+pub mod plain;
 pub mod protocol;
 pub mod record;
 pub mod report;

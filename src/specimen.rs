@@ -14,6 +14,9 @@ use crate::{
 /// beyond any laboratory, and near enough to be computed with.
 const FARTHEST: f64 = 1e6;
 
+/// No other number of a state is larger, in the units of [`SpecimenState`].
+const LARGEST: f64 = 1e12;
+
 /// Grains, their poses and the state of the apparatus: everything that one
 /// stage hands to the next, and nothing of an engine.
 #[derive(Debug, Clone, PartialEq)]
@@ -245,6 +248,23 @@ impl SpecimenState {
                 return Err(format!("a contact is of grain {n}, and there are {grains} grains"));
             }
         }
+        if let Some(base) = &self.base {
+            let named = |party: &Party| matches!(party, Party::Other(Other::Base(n)) if *n > base.fixed_grains.len());
+            if self.contacts.iter().flat_map(|contact| &contact.between).any(named) {
+                return Err("a contact is of a piece of the base that is not there".to_owned());
+            }
+            if !(base.radius > 0.0 && base.radius <= FARTHEST) {
+                return Err(format!("`base.radius` is {:e} m", base.radius));
+            }
+        }
+        let moving = self.bodies.iter().map(|g| &g.body).chain(&self.top_plate);
+        let moving = moving.flat_map(|b| [&b.linear_velocity, &b.angular_velocity]);
+        let touching = self.contacts.iter().flat_map(|c| [&c.point_m, &c.normal, &c.force_n]);
+        let vectors = moving.chain(touching).flat_map(|vector| vector.iter().copied());
+        let others = [self.table_x, self.time, self.funnel.map_or(0.0, |f| f.opening_height)];
+        if let Some(number) = vectors.chain(others).find(|number| !(number.abs() <= LARGEST)) {
+            return Err(format!("a velocity, contact, height or time is {number:e}"));
+        }
         let present = self.bodies.iter().filter(|g| g.fate == Fate::Present).map(|g| &g.body.pose);
         let plate = self.top_plate.iter().map(|plate| &plate.pose);
         let poses = present.chain(plate).chain(fixed.map(|fixed| &fixed.pose));
@@ -308,11 +328,22 @@ mod tests {
         assert_eq!(of(&|s| s.base = Some(fixed(2))), Ok(()), "law: the last grain is one");
         assert_eq!(of(&|s| s.contacts.push(contact(2))), Ok(()), "law: the last grain is one");
         type Change<'a> = &'a dyn Fn(&mut SpecimenState);
-        let cases: [(Change, &str); 6] = [
+        let cases: [(Change, &str); 10] = [
             (&|s| s.bodies.push(s.bodies[0]), "`bodies` has 4 entries, and there are 3 grains"),
             (&|s| s.base = Some(fixed(3)), "`fixed_grains[0].grain` is 3"),
             (&|s| s.base = Some(fixed(usize::MAX)), "`fixed_grains[0].grain` is 1844"),
             (&|s| s.contacts.push(contact(3)), "a contact is of grain 3"),
+            (
+                &|s| {
+                    s.base = Some(fixed(2));
+                    s.contacts.push(contact(2));
+                    s.contacts[0].between[1] = Party::Other(Other::Base(2));
+                },
+                "a piece of the base that is not there",
+            ),
+            (&|s| s.base = Some(Base { radius: 0.0, ..fixed(2) }), "`base.radius` is 0e0"),
+            (&|s| s.bodies[2].body.linear_velocity.x = 1e13, "is 1e13"),
+            (&|s| s.time = f64::NAN, "is NaN"),
             (&|s| s.bodies[1].body.pose.translation.vector.x = f64::NAN, "a body is at (NaN"),
             (
                 &|s| {

@@ -7,6 +7,7 @@ use clap::Args;
 use super::{
     CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
 };
+use crate::plain::plain_path;
 use crate::report::CalibrationEnding;
 use crate::study::{
     CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
@@ -103,7 +104,7 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
     context.stop_on_ctrl_c();
     let found = study.carry_out()?;
     let mut text = table::of_calibration(&found);
-    text += &format!("report in {}\n", args.out.join("report.html").display());
+    text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
     let left_out = found.runs.iter().filter(|r| r.is_left_out()).count();
     let with_result = found.runs.iter().filter(|r| r.result.is_some()).count();
     text += &last_line::of_study(left_out, with_result);

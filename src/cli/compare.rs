@@ -8,6 +8,7 @@ use super::{
     CliError, Context, ExitStatus, changes::backend, jobs::Jobs, last_line, output_folder, table,
 };
 use crate::grains::load_scenario;
+use crate::plain::plain_path;
 use crate::scenario::{Backend, Override};
 use crate::study::{RunOptions, compare};
 
@@ -60,7 +61,7 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
     };
     let record = compare(&loaded.scenario, &distinct, &options)?;
     let mut text = table::of_comparison(&record);
-    text += &format!("report in {}\n", args.out.join("report.html").display());
+    text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
     text += &last_line::of_runs(record.runs.iter().map(|r| (r.name.as_str(), &r.summary)));
     context.print(&text, &record)?;
     if record.within_bands { Ok(ExitStatus::Done) } else { Ok(ExitStatus::ExpectationMissed) }

@@ -7,7 +7,8 @@ use std::{
 
 use serde::Serialize;
 
-use super::{lines, progress, stop};
+use super::{lines, paint, progress, stop};
+use crate::plain::plain_lines;
 use crate::protocol::{Progress, Silent};
 
 /// How to tell of progress, print results, and stop.
@@ -54,6 +55,8 @@ impl Context {
         if !out.ends_with('\n') {
             out.push('\n');
         }
+        // In JSON a code point says the same as the character.
+        let out = if self.json { plain_lines(&out).into_owned() } else { paint::shown(&out) };
         // Takes colours out where there is no terminal to show them.
         let mut stdout = anstream::stdout().lock();
         match stdout.write_all(out.as_bytes()).and_then(|()| stdout.flush()) {
@@ -65,7 +68,7 @@ impl Context {
 
 /// Writes a line to the standard error; there is nobody left to tell when that fails.
 pub(super) fn say(line: &str) {
-    let _ = writeln!(anstream::stderr(), "{line}");
+    let _ = writeln!(anstream::stderr(), "{}", paint::shown(line));
 }
 
 fn log(verbose: u8) {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CliError, Context, ExitStatus, designed::DesignedArgs, last_line, output_folder};
+use crate::plain::plain_path;
 use crate::record::read_file;
 use crate::study::ConvergenceStudy;
 
@@ -39,7 +40,7 @@ pub(super) fn run(args: &ConvergeArgs, context: &Context) -> Result<ExitStatus, 
     let text = String::from_utf8_lossy(&read_file(&page)?).into_owned();
     // Tables for the terminal; what comes after them is for the file.
     let tables = text.split("\n## How to read it").next().unwrap_or_default();
-    let text = format!("{tables}\nall of it in {}\n", page.display());
+    let text = format!("{tables}\nall of it in {}\n", plain_path(&page));
     let (left_out, with_result) = found.left_out();
     context.print(&(text + &last_line::of_study(left_out, with_result)), &found)?;
     Ok(ExitStatus::Done)

@@ -70,16 +70,17 @@ pub enum CliError {
 }
 
 impl CliError {
-    /// The exit code: 2 wrong usage or scenario, 3 the simulation failed,
-    /// 4 files, 130 stopped by Ctrl-C (as shells have it: 128 + SIGINT).
+    /// The exit code: 2 wrong usage or scenario, or a file that is not what is read there, 3 the
+    /// simulation failed, 4 files that the system does not let be read or written, 130 stopped by Ctrl-C (as shells have it: 128 + SIGINT).
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Scenario(ScenarioErrors::Faults(_)) => 2,
             Self::Scenario(ScenarioErrors::Unreadable { .. }) => 4,
-            Self::File(_) | Self::Output(_) => 4,
+            Self::File(error) => of_file(error),
+            Self::Output(_) => 4,
             Self::Threads(_) | Self::Fault(_) => 3,
             Self::Export(ExportError::NoStage { .. } | ExportError::Apparatus { .. }) => 2,
-            Self::Export(ExportError::File(_)) => 4,
+            Self::Export(ExportError::File(error)) => of_file(error),
             Self::Picture(error) => {
                 if error.is_usage() {
                     2
@@ -89,7 +90,8 @@ impl CliError {
             }
             Self::Usage(_) | Self::Case(_) | Self::Server(_) => 2,
             Self::Suite(error) => match error {
-                SuiteError::File(_) | SuiteError::Report(_) => 4,
+                SuiteError::File(error) => of_file(error),
+                SuiteError::Report(_) => 4,
                 SuiteError::Threads(_) => 3,
                 SuiteError::Cancelled => 130,
             },
@@ -100,11 +102,16 @@ impl CliError {
                 StudyError::Simulation { .. }
                 | StudyError::Fault { .. }
                 | StudyError::Measure(_) => 3,
-                StudyError::File(_) | StudyError::Report(_) => 4,
+                StudyError::File(error) => of_file(error),
+                StudyError::Report(_) => 4,
                 StudyError::Cancelled => 130,
             },
         }
     }
+}
+
+fn of_file(error: &FileError) -> u8 {
+    if error.refused { 2 } else { 4 }
 }
 
 #[cfg(test)]
@@ -118,13 +125,18 @@ mod tests {
         let file = || FileError::new("write", Path::new("a"), "full");
         let simulation =
             StudyError::Simulation { stage: "pour".into(), what: "NaN".into(), kept: "b".into() };
-        let cases: [(CliError, u8); 7] = [
+        let unfit = || FileError::unfit(Path::new("a"), "it is of other grains");
+        let cases: [(CliError, u8); 11] = [
             (ScenarioErrors::Faults(Vec::new()).into(), 2),
             (ScenarioErrors::Unreadable { file: PathBuf::new(), reason: "".into() }.into(), 4),
             (StudyError::Scenario("bad".into()).into(), 2),
             (simulation.into(), 3),
             (StudyError::File(file()).into(), 4),
             (file().into(), 4),
+            (unfit().into(), 2),
+            (StudyError::File(unfit()).into(), 2),
+            (ExportError::File(unfit()).into(), 2),
+            (PictureError::File(unfit()).into(), 2),
             (StudyError::Cancelled.into(), 130),
         ];
         for (error, expected) in cases {

@@ -10,6 +10,7 @@ use crate::export::{
     DEFAULT_EVERY, ExportError, Exported, StageMoments, apparatus_obj, contacts_csv, glb,
     grains_csv, grains_obj, grains_ply, grains_stl, pairs_csv, read_moments, read_run, write_vtk,
 };
+use crate::plain::plain_path;
 use crate::record::{FileError, write_file};
 use crate::specimen::Fate;
 
@@ -116,7 +117,7 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
         written.scenario, written.grains, written.stage, written.time_s
     );
     for file in &written.files {
-        text += &format!("{}\n", file.display());
+        text += &format!("{}\n", plain_path(file));
     }
     let files = written.files.len() + written.more_files;
     let noun = if files == 1 { "file" } else { "files" };

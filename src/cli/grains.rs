@@ -11,6 +11,7 @@ use crate::grains::{
     GrainShape, ParticleSizeDistribution, SieveAnalysis, StoneRecord, write_obj, write_ply,
     write_stl,
 };
+use crate::plain::plain_path;
 use crate::record::{FileError, GradationSummary, ShapeSummary, SieveSummary, write_file};
 use crate::scenario::{GrainsSpec, Scenario};
 use crate::study::{make_grains, write_grains};
@@ -117,7 +118,7 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         text += &format!("{note}\n");
     }
     for file in &made.files {
-        text += &format!("{}\n", file.display());
+        text += &format!("{}\n", plain_path(file));
     }
     context.print(&text, &made)?;
     Ok(ExitStatus::Done)

@@ -11,6 +11,7 @@ use super::{
     overall::Overall,
     progress::{lock, speed},
 };
+use crate::plain::plain_lines;
 use crate::protocol::Progress;
 
 /// At most one line about a stage in this time, beside those at its begin and end.
@@ -50,7 +51,7 @@ impl<W: Write + Send> Lines<W> {
 impl<W: Write> LinesState<W> {
     fn line(&mut self, text: &str) {
         // A reader that is gone must not stop the simulation.
-        let _ = writeln!(self.out, "{text}");
+        let _ = writeln!(self.out, "{}", plain_lines(text));
     }
 }
 

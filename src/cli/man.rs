@@ -12,6 +12,7 @@ use clap_mangen::{
 };
 
 use super::{Cli, CliError, Context, ExitStatus, output_folder};
+use crate::plain::plain_path;
 use crate::record::write_file;
 
 /// Write the manual pages
@@ -44,7 +45,7 @@ pub(super) fn run(args: &ManArgs, context: &Context) -> Result<ExitStatus, CliEr
         write_file(&path, &page)?;
         files.push(path);
     }
-    let text: String = files.iter().map(|file| format!("{}\n", file.display())).collect();
+    let text: String = files.iter().map(|file| format!("{}\n", plain_path(file))).collect();
     context.print(&text, &files)?;
     Ok(ExitStatus::Done)
 }

@@ -43,12 +43,13 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use crate::caught::{caught, note_panics};
+use crate::plain::plain_lines;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 done, but verify, compare, calibrate or --strict found an expectation missed,
 no run of a sweep has a result, or store check found damage;
-2 wrong usage or a fault in the scenario; 3 the simulation failed, its last good state is kept;
-4 files could not be read or written; 130 stopped by Ctrl-C.
+2 wrong usage, a fault in the scenario, or a file that is not what is read there; 3 the simulation
+failed, its last good state is kept; 4 files could not be read or written; 130 stopped by Ctrl-C.
 
 Example:
   pluvia run scenarios/quick/pluviation.json --out out/first";
@@ -115,7 +116,8 @@ pub fn main() -> ExitCode {
     match caught(|| command(&cli)).unwrap_or_else(|what| Err(CliError::Fault(what))) {
         Ok(status) => status.into(),
         Err(error) => {
-            context::say(&format!("{}: {error}", paint::bad("error")));
+            let what = error.to_string();
+            context::say(&format!("{}: {}", paint::bad("error"), plain_lines(&what)));
             error.exit_code().into()
         }
     }

@@ -12,6 +12,7 @@ use crate::picture::{
     Animation, Background, ColourBy, LOOSE_VIEW, Shot, View, Walls, animate, at, loose_grains,
     picture,
 };
+use crate::plain::plain_path;
 use crate::record::{FileError, read_json, write_file};
 
 /// Make a picture or an animation of a run, or a picture of grains alone
@@ -182,9 +183,14 @@ pub(super) fn run(args: &PictureArgs, context: &Context) -> Result<ExitStatus, C
         let plays = frames as f64 / f64::from(args.frames_per_second);
         text += &format!(": {frames} frames, plays for {}", table::duration(plays));
     }
-    text += &format!("\n{} ({} kB)\n", made.file.display(), made.bytes.div_ceil(1000));
+    text += &format!("\n{} ({} kB)\n", plain_path(&made.file), made.bytes.div_ceil(1000));
     context.print(text.trim_start(), &made)?;
     Ok(ExitStatus::Done)
+}
+
+/// Whether a subject is no folder of a run, but something that is there.
+fn is_file(subject: &Path) -> bool {
+    subject.exists() && !subject.is_dir()
 }
 
 fn ends_in(file: &Path, option: &str, allowed: &[&str]) -> Result<(), CliError> {
@@ -193,7 +199,10 @@ fn ends_in(file: &Path, option: &str, allowed: &[&str]) -> Result<(), CliError> 
         return Ok(());
     }
     let allowed = allowed.join(" or .");
-    Err(CliError::Usage(format!("{option} is {}, its name must end in .{allowed}", file.display())))
+    Err(CliError::Usage(format!(
+        "{option} is {}, its name must end in .{allowed}",
+        plain_path(file)
+    )))
 }
 
 /// The folder of a file, made and tried before the work.
@@ -206,7 +215,7 @@ fn prepare(file: &Path) -> Result<(), FileError> {
 }
 
 fn still(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
-    if args.grains || args.subject.is_file() {
+    if args.grains || is_file(&args.subject) {
         return alone(args, file);
     }
     let shot = args.shot(View::default(), 0.75);
@@ -232,9 +241,9 @@ fn alone(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
     }
     let shot = args.shot(LOOSE_VIEW, 0.625);
     shot.check()?;
-    let set = if args.subject.is_file() {
+    let set = if is_file(&args.subject) {
         let json = read_json(&args.subject)?;
-        grains::from_json(&json).map_err(|e| FileError::new("use", &args.subject, e))?
+        grains::from_json(&json).map_err(|e| FileError::unfit(&args.subject, e))?
     } else {
         let Playback { grains, .. } = read_playback(&args.subject)?;
         (*grains).clone()

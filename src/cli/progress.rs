@@ -9,6 +9,7 @@ use std::{
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use super::overall::Overall;
+use crate::plain::{plain, plain_lines};
 use crate::protocol::Progress;
 
 /// Takes a lock also after a thread that held it has failed.
@@ -80,7 +81,7 @@ impl Bars {
             Some(below) => self.all.insert_before(below, bar),
             None => self.all.add(bar),
         };
-        bar.set_prefix(name.to_owned());
+        bar.set_prefix(plain(name).into_owned());
         running.insert(id, Running { bar, expected, began });
         state.show_overall();
     }
@@ -148,7 +149,7 @@ impl Progress for Bars {
         if !note.is_empty() {
             line += &format!(", {note}");
         }
-        bar.set_message(line);
+        bar.set_message(plain(&line).into_owned());
     }
 
     fn end_stage(&self, id: u64) {
@@ -162,7 +163,7 @@ impl Progress for Bars {
 
     fn message(&self, text: &str) {
         // The only failure is a terminal that is gone.
-        let _ = self.all.println(text);
+        let _ = self.all.println(plain_lines(text));
     }
 }
 

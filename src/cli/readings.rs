@@ -7,6 +7,7 @@ use clap::Args;
 use super::{
     CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
 };
+use crate::plain::plain_path;
 use crate::record::read_json;
 use crate::study::{Reading, ReadingsOptions, readings};
 
@@ -61,7 +62,7 @@ pub(super) fn run(args: &ReadingsArgs, context: &Context) -> Result<ExitStatus, 
         progress: context.progress.clone(),
     })?;
     let mut text = table::of_readings(&outcome.columns);
-    text += &format!("report in {}\n", outcome.report.display());
+    text += &format!("report in {}\n", plain_path(&outcome.report));
     let runs = outcome.columns.iter().flat_map(|c| &c.runs);
     text += &last_line::of_runs(runs.map(|r| (r.name.as_str(), &r.summary)));
     let value: serde_json::Value = read_json(&args.out.join("readings.json"))?;

@@ -8,6 +8,7 @@ use serde_json::Value;
 use super::{
     CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
 };
+use crate::plain::plain_path;
 use crate::record::read_json;
 use crate::study::{Reading, ReproduceOptions, reproduce};
 
@@ -67,7 +68,7 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
     })?;
     let claims: Vec<Value> = read_json(&args.out.join("claims.json"))?;
     let mut text = table::of_claims(&claims);
-    text += &format!("report in {}\n", args.out.join("report.html").display());
+    text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
     let runs = outcome.runs.iter().map(|r| (r.name.as_str(), &r.summary));
     text += &last_line::of_runs(runs);
     context.print(&text, &claims)?;

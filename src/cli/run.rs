@@ -8,6 +8,8 @@ use super::{
     CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
 };
 use crate::grains::load_scenario;
+use crate::plain::plain_path;
+use crate::scenario;
 use crate::study::{RunOptions, run_scenario, tell_warnings};
 
 /// Carry out one scenario
@@ -48,7 +50,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     };
     let record = run_scenario(&loaded.scenario, &options)?;
     let mut text = table::of_summary(&record.summary);
-    text += &format!("results in {}\n", args.out.display());
+    text += &format!("results in {}\n", plain_path(&args.out));
     text += &last_line::of_run(&record.summary);
     context.print(&text, &record.summary)?;
     Ok(ExitStatus::Done)

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CliError, Context, ExitStatus, designed::DesignedArgs, last_line, output_folder};
+use crate::plain::plain_path;
 use crate::record::read_file;
 use crate::study::SensitivityStudy;
 
@@ -39,7 +40,7 @@ pub(super) fn run(args: &SensitivityArgs, context: &Context) -> Result<ExitStatu
     let tables = text.split("\n## Ranges").next().unwrap_or_default();
     let lines = tables.lines().filter(|l| !l.starts_with("!["));
     let tables: String = lines.map(|l| format!("{l}\n")).collect();
-    let text = format!("{tables}\nall of it in {}\n", page.display());
+    let text = format!("{tables}\nall of it in {}\n", plain_path(&page));
     let (left_out, with_result) = found.left_out();
     context.print(&(text + &last_line::of_study(left_out, with_result)), &found)?;
     Ok(ExitStatus::Done)

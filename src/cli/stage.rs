@@ -6,6 +6,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::{CliError, Context, ExitStatus};
+use crate::record::remove_abandoned;
 use crate::study::{RunOptions, SweepTasks};
 
 /// Carry out one stage of a planned sweep and store it
@@ -46,6 +47,7 @@ pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, Cli
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),
     })?;
+    remove_abandoned(&args.folder);
     let asked = match &args.key {
         Some(key) => Some(tasks.find(key)?),
         None => args.level.zip(args.task),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use super::{CliError, Context, ExitStatus, paint, table};
+use crate::plain::{plain, plain_path};
 use crate::record::{StoreReport, StoredItem, StoredState, check_store};
 
 /// Look after the stages that an output folder has in store
@@ -57,14 +58,14 @@ fn store_in(folder: &Path) -> Result<PathBuf, CliError> {
     if folder.is_dir() && !folder.join(".lock").exists() {
         return Err(CliError::Usage(format!(
             "{}: there is no store; give the output folder of a command, with its stages/",
-            folder.display()
+            plain_path(folder)
         )));
     }
     Ok(folder.to_owned())
 }
 
 fn text(report: &StoreReport) -> String {
-    let mut text = format!("store {}\n", report.store.display());
+    let mut text = format!("store {}\n", plain_path(&report.store));
     for (title, items) in [
         ("stages", &report.stages),
         ("checkpoints", &report.checkpoints),
@@ -79,7 +80,7 @@ fn text(report: &StoreReport) -> String {
         text += &table::columns(&rows);
         for item in items {
             if let Some(note) = &item.note {
-                text += &format!("  {}: {note}\n", item.name);
+                text += &format!("  {}: {}\n", plain(&item.name), plain(note));
             }
         }
     }
@@ -103,10 +104,12 @@ fn row(item: &StoredItem) -> [String; 5] {
         StoredState::Abandoned => paint::notable("abandoned, the next command removes it"),
     };
     [
-        item.name.clone(),
-        item.stage.clone().unwrap_or_else(nothing),
+        plain(&item.name).into_owned(),
+        item.stage.as_ref().map_or_else(nothing, |stage| plain(stage).into_owned()),
         item.grains.map_or_else(nothing, |n| n.to_string()),
-        item.parent.as_ref().map_or_else(nothing, |key| key.chars().take(12).collect()),
+        item.parent.as_ref().map_or_else(nothing, |key| {
+            plain(&key.chars().take(12).collect::<String>()).into_owned()
+        }),
         state,
     ]
 }

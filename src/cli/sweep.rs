@@ -8,6 +8,7 @@ use serde_json::json;
 use super::{
     CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder,
 };
+use crate::plain::plain_path;
 use crate::record::read_file;
 use crate::report::Sweep;
 use crate::study::{
@@ -135,7 +136,7 @@ pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, Cli
         if args.slurm.slurm {
             return on_slurm(args, context);
         }
-        let mut text = format!("{} runs planned in {}\n", plan.runs.len(), args.out.display());
+        let mut text = format!("{} runs planned in {}\n", plan.runs.len(), plain_path(&args.out));
         if args.snakemake {
             let tasks = SweepTasks::read(run_options(args, context))?;
             write_snakefile(&tasks, &this_program()?)?;
@@ -225,7 +226,7 @@ fn tell(args: &SweepArgs, found: &Sweep, context: &Context) -> Result<ExitStatus
     let page = args.out.join("sweep.md");
     let text = String::from_utf8_lossy(&read_file(&page)?).into_owned();
     let end = text.find("\n![").or_else(|| text.find("\n## How to read it")).unwrap_or(text.len());
-    let mut text = format!("{}\nall of it in {}\n", &text[..end], page.display());
+    let mut text = format!("{}\nall of it in {}\n", &text[..end], plain_path(&page));
     let with_result = found.runs.len() - found.failed().count();
     text += &last_line::of_study(found.left_out().count(), with_result);
     context.print(&text, found)?;

@@ -379,7 +379,7 @@ mod tests {
             json!({ "id": "heights", "paper": null, "ours": null, "unit": "mm",
                     "verdict": "not_stated" }),
         ];
-        let coloured = of_claims(&claims);
+        let coloured = paint::shown(&of_claims(&claims));
         let red = coloured.lines().find(|line| line.contains("\x1b[31m"));
         assert!(
             red.is_some_and(|line| line.contains("outside")),
@@ -418,7 +418,7 @@ mod tests {
             "warnings": ["1 grain hangs"],
         });
         let summary: Summary = serde_json::from_value(value).expect("a summary");
-        let text = anstream::adapter::strip_str(&of_summary(&summary)).to_string();
+        let text = anstream::adapter::strip_str(&paint::shown(&of_summary(&summary))).to_string();
         for shown in [
             "a, configuration 2",
             "362 in the cylinder",
@@ -434,7 +434,7 @@ mod tests {
             assert!(!text.contains(hidden), "`{hidden}` does not apply, in:\n{text}");
         }
         let pile = Summary { void_ratio: None, porosity: None, ..summary };
-        let text = anstream::adapter::strip_str(&of_summary(&pile)).to_string();
+        let text = anstream::adapter::strip_str(&paint::shown(&of_summary(&pile))).to_string();
         assert!(
             text.contains("362 on the base, 1 fallen off"),
             "law: a pile's places, got\n{text}"

@@ -7,6 +7,7 @@ use clap::Args;
 use super::{
     CliError, Context, ExitStatus, changes::backend, jobs::cores_for, output_folder, table,
 };
+use crate::plain::plain_path;
 use crate::scenario::Backend;
 use crate::verify::{SuiteOptions, Verdict, builtin, run_suite, settings};
 use crate::world;
@@ -78,7 +79,7 @@ pub(super) fn run(args: &VerifyArgs, context: &Context) -> Result<ExitStatus, Cl
     };
     let verdicts = run_suite(&options, &world::create)?;
     let mut text = table::of_verdicts(&verdicts);
-    text += &format!("report in {}\n", args.out.join("report.html").display());
+    text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
     context.print(&text, &verdicts)?;
     let surprise = |v: &Verdict| !v.status.as_expected();
     if verdicts.iter().any(surprise) {

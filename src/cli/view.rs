@@ -1,14 +1,19 @@
 //! `pluvia view`.
 
-use std::path::PathBuf;
+use std::{
+    path::PathBuf,
+    sync::mpsc::RecvTimeoutError,
+    time::{Duration, Instant},
+};
 
 use clap::Args;
 use serde::Serialize;
 
 use super::context::say;
 use super::{CliError, Context, ExitStatus};
-use crate::record::{FileError, write_file};
-use crate::viewer::{RunData, Server, Site, read_run_data, self_contained};
+use crate::plain::{plain, plain_path};
+use crate::record::{FileError, remove_abandoned_beside, write_file};
+use crate::viewer::{Redirect, RunData, Server, Site, read_run_data, self_contained};
 
 /// Play a run in the browser, in three dimensions
 #[derive(Debug, Args)]
@@ -65,13 +70,14 @@ impl Shown {
 
     fn text(&self) -> String {
         let Self { scenario, grains, stages, frames, .. } = self;
+        let scenario = plain(scenario);
         let mut text = format!("{scenario}: {grains} grains, {stages} stages, {frames} frames\n");
         if !self.frames_kept {
             text += "Not every stage kept frames: of such a stage only the end is shown.\n";
         }
         match (&self.address, &self.file) {
             (Some(address), _) => text += &format!("{address}  (Ctrl-C ends it)\n"),
-            (None, Some(file)) => text += &format!("wrote {}\n", file.display()),
+            (None, Some(file)) => text += &format!("wrote {}\n", plain_path(file)),
             (None, None) => {}
         }
         text
@@ -85,6 +91,7 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
     }
     let data = read_run_data(&args.run)?;
     if let Some(file) = &args.save {
+        remove_abandoned_beside(file);
         write_file(file, self_contained(&data).as_bytes())?;
         let shown = Shown::of(&data, None, Some(file.clone()));
         context.print(&shown.text(), &shown)?;
@@ -100,12 +107,34 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
     let server = Server::start(Site::new(data), args.port)?;
     shown.address = Some(server.url());
     context.print(&shown.text(), &shown)?;
-    if !args.no_browser
-        && let Err(error) = open::that_detached(server.url())
-    {
-        say(&format!("warning: no browser could be opened ({error}); open the address above"));
+    let mut redirect = if args.no_browser { None } else { browse(&server.url()) };
+    let opened = Instant::now();
+    // The page that leads there is not needed once a browser has followed it.
+    while redirect.is_some() {
+        match stopped.recv_timeout(LOOK) {
+            Err(RecvTimeoutError::Timeout) => {}
+            _ => return Ok(ExitStatus::Done),
+        }
+        redirect = redirect.filter(|_| !server.was_asked() && opened.elapsed() < BROWSER_TIME);
     }
     let _ = stopped.recv();
     drop(stop);
     Ok(ExitStatus::Done)
+}
+
+/// How long a browser may take to begin, and the time between two looks whether it has.
+const BROWSER_TIME: Duration = Duration::from_secs(120);
+const LOOK: Duration = Duration::from_millis(200);
+
+/// Opens a browser by a page that its user alone can read, so that the address is in no list of
+/// processes.
+fn browse(url: &str) -> Option<Redirect> {
+    let opened = Redirect::to(url).and_then(|redirect| {
+        open::that_detached(redirect.path())?;
+        Ok(redirect)
+    });
+    if let Err(error) = &opened {
+        say(&format!("warning: no browser could be opened ({error}); open the address above"));
+    }
+    opened.ok()
 }

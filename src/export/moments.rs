@@ -8,7 +8,7 @@ use super::run_folder::{CONTROL, ExportError, Manifest, StageEntry, beside, grai
 use crate::geometry::{Pose, Vector};
 use crate::grains::GrainSet;
 use crate::protocol::Setup;
-use crate::record::{FileError, Frame, StageStore, read_json};
+use crate::record::{FileError, Frame, StageStore};
 use crate::scale;
 use crate::specimen::{Fate, GrainState, Specimen, SpecimenState};
 use crate::world::BodyState;
@@ -67,8 +67,7 @@ pub struct Moment<'a> {
 /// # Errors
 /// [`ExportError`], naming the file or what was asked for.
 pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, ExportError> {
-    let path = folder.join("manifest.json");
-    let manifest: Manifest = read_json(&path)?;
+    let (manifest, path) = Manifest::of(folder)?;
     let before = |number: usize| number.checked_sub(1).and_then(|n| manifest.stages.get(n));
     let chosen: Vec<(String, &StageEntry, Option<&StageEntry>)> = match stage {
         None => {
@@ -86,7 +85,7 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
     let state_of = |entry: &StageEntry| -> Result<SpecimenState, FileError> {
         let (state, path) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
         let sound = state.check(grains.grains.len());
-        sound.map_err(|reason| FileError::new("use", &path, reason))?;
+        sound.map_err(|reason| FileError::unfit(&path, reason))?;
         Ok(state)
     };
     let mut stages = Vec::new();
@@ -118,7 +117,7 @@ fn fits(path: &Path, found: usize, grains: &GrainSet) -> Result<(), FileError> {
         return Ok(());
     }
     let reason = format!("it has {found} grains, and grains.json {expected}");
-    Err(FileError::new("use", path, reason))
+    Err(FileError::unfit(path, reason))
 }
 
 impl Moments {

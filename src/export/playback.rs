@@ -8,7 +8,7 @@ use std::{
 use super::run_folder::{ExportError, Manifest, beside, grains_of, setup_of};
 use crate::grains::GrainSet;
 use crate::protocol::Setup;
-use crate::record::{FileError, Frame, StageStore, read_json};
+use crate::record::{FileError, Frame, StageStore};
 
 /// A run from its first stage to its last.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,8 +56,7 @@ pub fn read_playback_ends(folder: &Path) -> Result<Playback, ExportError> {
 type FrameReader = fn(&Path, &str) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError>;
 
 fn read(folder: &Path, frames_in: FrameReader) -> Result<Playback, ExportError> {
-    let path = folder.join("manifest.json");
-    let manifest: Manifest = read_json(&path)?;
+    let (manifest, path) = Manifest::of(folder)?;
     let setup = setup_of(&manifest, &path)?;
     let grains = Arc::new(grains_of(folder, &manifest)?);
     let root = beside(folder, "stages");
@@ -65,7 +64,7 @@ fn read(folder: &Path, frames_in: FrameReader) -> Result<Playback, ExportError> 
     for entry in &manifest.stages {
         let (end, end_file) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
         let sound = end.check(grains.grains.len());
-        sound.map_err(|reason| FileError::new("use", &end_file, reason))?;
+        sound.map_err(|reason| FileError::unfit(&end_file, reason))?;
         let end = Frame::of(&end);
         let found = frames_in(&root, &entry.key)?;
         let is_kept = found.is_some();
@@ -77,7 +76,7 @@ fn read(folder: &Path, frames_in: FrameReader) -> Result<Playback, ExportError> 
         if let Some(frame) = frames.iter().find(|frame| frame.grains.len() != expected) {
             let reason =
                 format!("it has {} grains, and grains.json {expected}", frame.grains.len());
-            return Err(FileError::new("use", &path, reason).into());
+            return Err(FileError::unfit(&path, reason).into());
         }
         stages.push(PlayedStage { name: entry.stage.clone(), frames, kept: is_kept });
     }

@@ -12,10 +12,11 @@ use serde::{Deserialize, de::DeserializeOwned};
 use super::exchange::{MadeBy, Scene};
 use crate::apparatus::ApparatusError;
 use crate::grains::{self, GrainSet};
+use crate::input::{self, Refusal};
 use crate::motion::TableMotion;
 use crate::protocol::Setup;
 use crate::record::{FileError, StageStore, read_json, read_unchanged};
-use crate::scenario::{Scenario, StageSpec};
+use crate::scenario::{self, Scenario, StageSpec};
 use crate::specimen::{Specimen, SpecimenState};
 
 /// Why a run cannot be exported.
@@ -98,12 +99,11 @@ impl Exported {
 /// # Errors
 /// [`ExportError`], naming the file or what was asked for.
 pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportError> {
-    let path = folder.join("manifest.json");
-    let manifest: Manifest = read_json(&path)?;
+    let (manifest, path) = Manifest::of(folder)?;
     let setup = setup_of(&manifest, &path)?;
     let set = grains_of(folder, &manifest)?;
     let (index, name, state, file) = locate(folder, &path, &manifest, stage)?;
-    state.check(set.grains.len()).map_err(|reason| FileError::new("use", &file, reason))?;
+    state.check(set.grains.len()).map_err(|reason| FileError::unfit(&file, reason))?;
     let next_motion =
         index.and_then(|i| manifest.scenario.stages.get(i + 1)).and_then(StageSpec::motion);
     let made_by = MadeBy {
@@ -126,7 +126,7 @@ pub(super) fn setup_of(manifest: &Manifest, path: &Path) -> Result<Setup, Export
 pub(super) fn grains_of(folder: &Path, manifest: &Manifest) -> Result<GrainSet, FileError> {
     let path = beside(folder, "grains.json");
     let json = manifest.read(&path)?;
-    grains::from_json(&json).map_err(|e| FileError::new("use", &path, e))
+    grains::from_json(&json).map_err(|e| FileError::unfit(&path, e))
 }
 
 /// A file or folder that several runs of one command share: in the run's
@@ -160,12 +160,29 @@ fn locate(
 }
 
 impl Manifest {
+    /// That of a run folder, and its file. Its scenario is one that can be carried out:
+    /// whoever reads it builds its laboratory.
+    pub(super) fn of(folder: &Path) -> Result<(Self, PathBuf), FileError> {
+        if let Err(error) = input::is_folder(folder)
+            && Refusal::within(&error).is_some()
+        {
+            return Err(FileError::unread(folder, &error));
+        }
+        let path = folder.join("manifest.json");
+        let manifest: Self = read_json(&path)?;
+        if let Err(found) = scenario::check(&manifest.scenario) {
+            let faults: Vec<String> = found.faults().iter().map(ToString::to_string).collect();
+            return Err(FileError::unfit(&path, faults.join("; ")));
+        }
+        Ok((manifest, path))
+    }
+
     /// Reads a file of the run that must be as it was written.
     fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<T, FileError> {
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
         let sha256 = self.files_sha256.get(name).map_or("", String::as_str);
         let content = read_unchanged(path, sha256)?;
-        serde_json::from_slice(&content).map_err(|e| FileError::new("read", path, e))
+        serde_json::from_slice(&content).map_err(|e| FileError::malformed(path, e))
     }
 
     /// The stage of a number or name, and its number; the control has none.

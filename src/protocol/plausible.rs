@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn what_cannot_be_is_named() {
         type Craft = fn(&mut SpecimenState);
-        let crafted: [(&str, Craft); 14] = [
+        let crafted: [(&str, Craft); 19] = [
             ("bodies", |s| s.bodies.truncate(1)),
             ("bodies", |s| s.bodies.push(s.bodies[0])),
             ("grain 1", |s| s.bodies[1].body.linear_velocity.x = f64::NAN),
@@ -193,6 +193,23 @@ mod tests {
             ("outside", |s| s.bodies[1].body.pose.translation.vector.z = -0.3),
             ("outside", |s| s.table_x = 0.5),
             ("time", |s| s.time = f64::INFINITY),
+            ("time", |s| s.time = -1.0),
+            ("table", |s| s.table_x = f64::NAN),
+            ("top plate", |s| {
+                let mut plate = s.bodies[0].body;
+                plate.angular_velocity.y = f64::NAN;
+                s.top_plate = Some(plate);
+            }),
+            ("fixed to the base", |s| {
+                let fixed = crate::specimen::FixedGrain { grain: 99_999, pose: Pose::identity() };
+                let fixed_grains = vec![fixed];
+                s.base = Some(crate::specimen::Base { radius: 0.1, friction: None, fixed_grains });
+            }),
+            // Falling, but below everything.
+            ("outside", |s| {
+                s.bodies[1].body.pose.translation.vector.z = -0.3;
+                s.bodies[1].body.linear_velocity.z = -3.0;
+            }),
             ("contact 0", |s| s.contacts.push(contact(99_999, 1.0))),
             ("contact 0", |s| s.contacts.push(contact(1, f64::NAN))),
             ("contact 0", |s| s.contacts.push(contact(1, -0.1))),

@@ -1,6 +1,7 @@
 //! Writing files so that a reader never sees half of one.
 
 use std::{
+    fmt::Display,
     fs::{self, File},
     io::{self, Write},
     path::{Path, PathBuf},
@@ -9,11 +10,12 @@ use std::{
 use serde::{Serialize, de::DeserializeOwned};
 
 use super::{hash_bytes, unfinished::begin_file};
-use crate::input;
+use crate::input::{self, Refusal};
+use crate::plain::{plain, plain_path};
 
 /// A file or folder that could not be read or written.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot {action} {}: {reason}", path.display())]
+#[error("cannot {action} {}: {}", plain_path(path), plain(reason))]
 pub struct FileError {
     /// `read`, `write`, `create`, ...
     pub action: &'static str,
@@ -21,26 +23,64 @@ pub struct FileError {
     pub path: PathBuf,
     /// What the system or the parser said.
     pub reason: String,
+    /// Whether the file is refused because of what it is or holds; else the system does not let it
+    /// be read or written.
+    pub refused: bool,
 }
 
 impl FileError {
-    /// An error of the operating system or a parser about a path.
+    /// An error of the operating system about a path.
     pub fn new(action: &'static str, path: &Path, reason: impl ToString) -> Self {
-        Self { action, path: path.to_owned(), reason: reason.to_string() }
+        Self { action, path: path.to_owned(), reason: reason.to_string(), refused: false }
+    }
+
+    /// A file that holds what cannot be used.
+    pub fn unfit(path: &Path, reason: impl ToString) -> Self {
+        Self { refused: true, ..Self::new("use", path, reason) }
+    }
+
+    /// A file that was not read.
+    pub fn unread(path: &Path, error: &io::Error) -> Self {
+        let refused = Refusal::within(error).is_some();
+        Self { refused, ..Self::new("read", path, error) }
+    }
+
+    /// A file whose content is not what is read there, as its parser says.
+    pub fn malformed(path: &Path, why: impl Display) -> Self {
+        let reason = format!("{why}; only a file as Pluvia writes it is read");
+        Self { refused: true, ..Self::new("read", path, reason) }
     }
 
     /// A file that has another content than it was given.
     pub(super) fn changed(path: &Path) -> Self {
-        Self::new("use", path, "its content is not what was written")
+        Self::unfit(path, "its content is not what was written, and nothing else is used")
     }
 }
 
-/// Creates a folder and those above it.
+/// Creates a folder and those above it, and has their names brought to the disk.
 ///
 /// # Errors
 /// [`FileError`] naming the folder.
 pub fn create_folder(path: &Path) -> Result<(), FileError> {
-    fs::create_dir_all(path).map_err(|e| FileError::new("create the folder", path, e))
+    let refused = |e: io::Error| FileError::new("create the folder", path, e);
+    let missing = path.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists());
+    let mut missing: Vec<&Path> = missing.collect();
+    // The name of a new folder is in the one above it, which goes to the disk before anything is
+    // put into the new one.
+    while let Some(folder) = missing.pop() {
+        match fs::create_dir(folder) {
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => {}
+            made => made.map_err(refused)?,
+        }
+        sync_folder(above(folder)).map_err(refused)?;
+    }
+    // Of one that is there already, or something else that is in the way.
+    fs::create_dir_all(path).map_err(refused)
+}
+
+/// The folder that holds a name.
+pub(super) fn above(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Writes a file whole or not at all: into a temporary file beside it, to the
@@ -50,7 +90,7 @@ pub fn create_folder(path: &Path) -> Result<(), FileError> {
 /// [`FileError`] naming the file; what stood there before is untouched.
 pub fn write_file(path: &Path, content: &[u8]) -> Result<(), FileError> {
     let fail = |e: io::Error| FileError::new("write", path, e);
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = above(path);
     let mut temporary = begin_file(folder).map_err(fail)?;
     temporary.write_all(content).map_err(fail)?;
     temporary.as_file().sync_all().map_err(fail)?;
@@ -70,7 +110,24 @@ pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
         Err(e) if matches!(e.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => {
             Ok(())
         }
+        // One that may be written into but not read cannot be opened.
+        Err(e) if e.kind() == io::ErrorKind::PermissionDenied => Ok(()),
         done => done,
+    }
+}
+
+/// Exchanges two files or folders at once, so that there is always one of each name; whether the
+/// system and the file system can.
+pub(super) fn exchange(one: &Path, other: &Path) -> bool {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::fs::{CWD, RenameFlags, renameat_with};
+        renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE).is_ok()
+    }
+    #[cfg(not(target_os = "linux"))]
+    {
+        let _ = (one, other);
+        false
     }
 }
 
@@ -108,7 +165,7 @@ pub fn json_text(path: &Path, value: &impl Serialize) -> Result<Vec<u8>, FileErr
 /// # Errors
 /// [`FileError`] naming the file.
 pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
-    input::read(path, input::LARGEST_OF_RUN).map_err(|e| FileError::new("read", path, e))
+    input::read(path, input::LARGEST_OF_RUN).map_err(|e| FileError::unread(path, &e))
 }
 
 /// Reads a value from a JSON file.
@@ -116,7 +173,7 @@ pub fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
 /// # Errors
 /// [`FileError`] naming the file and the place in it.
 pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, FileError> {
-    serde_json::from_slice(&read_file(path)?).map_err(|e| FileError::new("read", path, e))
+    serde_json::from_slice(&read_file(path)?).map_err(|e| FileError::malformed(path, e))
 }
 
 /// Reads a file whose SHA-256 was noted when it was written; an empty one was

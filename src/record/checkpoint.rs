@@ -161,8 +161,8 @@ impl Checkpoints {
         frames: bool,
         plausible: &dyn Fn(&Midway) -> Result<(), String>,
     ) -> Result<Option<Resumed>, FileError> {
-        let unread = |e: String| FileError::new("read", path, e);
-        let unfit = |why: String| FileError::new("use", path, why);
+        let unread = |e: String| FileError::malformed(path, e);
+        let unfit = |why: String| FileError::unfit(path, why);
         let stored = read_stored(path)?;
         stored.identity.is(&self.identity).map_err(unfit)?;
         if stored.began_with_sha256 != self.began_with {
@@ -298,7 +298,7 @@ fn read_stored(path: &Path) -> Result<Stored, FileError> {
     if head != format!("{HEAD}{}", hash_bytes(body)).as_bytes() {
         return Err(FileError::changed(path));
     }
-    serde_json::from_slice(body).map_err(|e| FileError::new("read", path, e))
+    serde_json::from_slice(body).map_err(|e| FileError::malformed(path, e))
 }
 
 /// Whether a checkpoint has as many bodies as its stage has grains, and the name
@@ -307,11 +307,11 @@ fn check_midway(path: &Path, stored: &Stored) -> Result<(), FileError> {
     let (bodies, grains) = (stored.midway.state.bodies.len(), stored.identity.grains);
     if bodies != grains {
         let why = format!("it has {bodies} bodies, and its stage {grains} grains");
-        return Err(FileError::new("use", path, why));
+        return Err(FileError::unfit(path, why));
     }
     if path.file_name().is_none_or(|found| found != name(stored.midway.steps).as_str()) {
         let why = format!("it was made at step {}, which is not its name", stored.midway.steps);
-        return Err(FileError::new("use", path, why));
+        return Err(FileError::unfit(path, why));
     }
     Ok(())
 }
@@ -319,13 +319,13 @@ fn check_midway(path: &Path, stored: &Stored) -> Result<(), FileError> {
 /// Of which stage a checkpoint is, if it is whole.
 pub(super) fn check_checkpoint(path: &Path) -> Result<StageIdentity, FileError> {
     let stored = read_stored(path)?;
-    stored.identity.check().map_err(|why| FileError::new("use", path, why))?;
+    stored.identity.check().map_err(|why| FileError::unfit(path, why))?;
     check_midway(path, &stored)?;
     Ok(stored.identity)
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::protocol::Watch;
     use crate::specimen::SpecimenState;
@@ -359,6 +359,12 @@ mod tests {
             part: 0,
             part_began: 0,
         }
+    }
+
+    /// Keeps a checkpoint of a stage of two grains.
+    pub(in crate::record) fn keep_one(root: &Path, identity: &StageIdentity) {
+        let asked = AskedStage { began_with: Some("s"), ..asked(identity) };
+        keep(&open(root, &asked), &midway(10, 2));
     }
 
     fn keep(checkpoints: &Checkpoints, midway: &Midway) {

@@ -106,6 +106,19 @@ impl Frame {
         self.grains.iter().try_for_each(|grain| write_place(grain.as_ref(), out))
     }
 
+    /// One of which every number can be of a frame.
+    fn sound(bytes: &[u8]) -> Result<Self, String> {
+        let frame = Self::read(bytes);
+        let opening = frame.funnel.map_or(0.0, |funnel| funnel.opening_height);
+        let poses = frame.grains.iter().flatten().chain(&frame.top_plate);
+        let farthest = poses.map(|pose| pose.translation.vector.amax());
+        let mut numbers = farthest.chain([frame.time, frame.table_x, opening]);
+        match numbers.find(|number| !(number.abs() <= LARGEST)) {
+            Some(number) => Err(format!("a place or time in a frame is {number:e}")),
+            None => Ok(frame),
+        }
+    }
+
     fn read(bytes: &[u8]) -> Self {
         let there = u32::from_le_bytes(four(bytes, 8));
         let is = |flag| there & flag != 0;
@@ -158,6 +171,9 @@ fn read_place(bytes: &[u8]) -> Option<Pose> {
     let rotation = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.5)?;
     Some(Isometry3::from_parts(Translation3::from(position), rotation))
 }
+
+/// No number of a frame is larger, in m and s.
+const LARGEST: f64 = 1e6;
 
 /// Where frames stand until the stage is finished.
 #[derive(Debug)]
@@ -306,7 +322,7 @@ impl FrameWriter {
 /// what was written.
 pub(super) fn read_frames(path: &Path, sha256: &str) -> Result<Vec<Frame>, FileError> {
     let bytes = read_unchanged(path, sha256)?;
-    frames_of(&bytes).map_err(|why| FileError::new("use", path, why))
+    frames_of(&bytes).map_err(|why| FileError::unfit(path, why))
 }
 
 /// The first frame of a stage and the last two, or as many as there are: what
@@ -315,14 +331,14 @@ pub(super) fn read_frames(path: &Path, sha256: &str) -> Result<Vec<Frame>, FileE
 /// # Errors
 /// As [`read_frames`].
 pub(super) fn read_frame_ends(path: &Path, sha256: &str) -> Result<Vec<Frame>, FileError> {
-    let unread = |e| FileError::new("read", path, e);
+    let unread = |e: io::Error| FileError::unread(path, &e);
     if !sha256.is_empty() && hash_file(path).map_err(unread)? != sha256 {
         return Err(FileError::changed(path));
     }
     let (mut file, size) = input::open(path, input::LARGEST_OF_RUN).map_err(unread)?;
     let mut head = Vec::new();
     (&mut file).take(HEAD as u64).read_to_end(&mut head).map_err(unread)?;
-    let unusable = |why| FileError::new("use", path, why);
+    let unusable = |why| FileError::unfit(path, why);
     let length = frame_length(&head).map_err(unusable)? as u64;
     let body = size.saturating_sub(HEAD as u64);
     if body % length != 0 {
@@ -337,7 +353,7 @@ pub(super) fn read_frame_ends(path: &Path, sha256: &str) -> Result<Vec<Frame>, F
         let mut bytes = vec![0; length as usize];
         file.seek(SeekFrom::Start(HEAD as u64 + n * length)).map_err(unread)?;
         file.read_exact(&mut bytes).map_err(unread)?;
-        frames.push(Frame::read(&bytes));
+        frames.push(Frame::sound(&bytes).map_err(unusable)?);
     }
     Ok(frames)
 }
@@ -357,7 +373,7 @@ fn frames_of(bytes: &[u8]) -> Result<Vec<Frame>, String> {
     if !frames.remainder().is_empty() {
         return Err(format!("its last frame of {grains} grains is cut off"));
     }
-    Ok(frames.map(Frame::read).collect())
+    frames.map(Frame::sound).collect()
 }
 
 #[cfg(test)]
@@ -385,6 +401,23 @@ mod tests {
             frame.write(&mut bytes).expect("memory");
         }
         bytes
+    }
+
+    #[test]
+    fn frames_with_numbers_that_cannot_be_are_refused() {
+        type Change = fn(&mut Frame);
+        let changes: [Change; 4] = [
+            |f| f.time = f64::INFINITY,
+            |f| f.table_x = 1e30,
+            |f| f.funnel = Some(FunnelState { opening_height: f64::NAN, lid: true }),
+            |f| f.grains[0] = Some(Isometry3::translation(0.0, -2e6, 0.0)),
+        ];
+        for (n, change) in changes.into_iter().enumerate() {
+            let mut crafted = frame();
+            change(&mut crafted);
+            let got = frames_of(&bytes(&[frame(), crafted])).expect_err("law: it cannot be");
+            assert!(got.contains("a place or time"), "law: case {n} is refused, got {got}");
+        }
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod identity;
 mod left_out;
 mod lock;
 mod run;
+mod sealed;
 mod sieve;
 mod stage;
 mod store;
@@ -29,6 +30,7 @@ pub use hash::{hash_bytes, hash_json};
 pub use identity::{AskedStage, StageEnd, StageIdentity};
 pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words};
 pub use run::{RunKind, RunRecord};
+pub use sealed::{Beside, keep_beside};
 pub use sieve::{
     GradationSummary, NotSieved, SecondarySieve, ShapeSummary, SieveSummary, SievedFraction,
     Spread, UNCHANGED,
@@ -38,5 +40,5 @@ pub use store::StageStore;
 pub use store_check::{StoreReport, StoredItem, StoredState, check_store};
 pub use summary::*;
 pub use tables::{grains_csv, series_csv, series_from_csv, to_csv};
-pub use unfinished::{begin_file, remove_abandoned};
+pub use unfinished::{begin_file, remove_abandoned, remove_abandoned_beside};
 pub use variations::{RunRow, VariationRow, variation_runs_csv, variations_csv};

@@ -120,7 +120,7 @@ pub(super) fn read_record_of(folder: &Path, key: &str) -> Result<StageRecord, Fi
         } else {
             Err(format!("it is another stage: its key is {}", short(&identity.key)))
         };
-        own.map_err(|why| FileError::new("use", &folder.join(RECORD_FILE), why))?;
+        own.map_err(|why| FileError::unfit(&folder.join(RECORD_FILE), why))?;
     }
     Ok(record)
 }
@@ -133,11 +133,11 @@ pub(super) fn read_stage(
 ) -> Result<StoredStage, FileError> {
     let path = folder.join(SERIES_FILE);
     let content = read_unchanged(&path, &record.series_sha256)?;
-    let series = series_from_csv(&content).map_err(|e| FileError::new("read", &path, e))?;
+    let series = series_from_csv(&content).map_err(|e| FileError::malformed(&path, e))?;
     let state = read_state(folder, &record)?;
     if frames && !record.frames_sha256.is_empty() {
         let path = folder.join(FRAMES_FILE);
-        let found = hash_file(&path).map_err(|e| FileError::new("read", &path, e))?;
+        let found = hash_file(&path).map_err(|e| FileError::unread(&path, &e))?;
         if found != record.frames_sha256 {
             return Err(FileError::changed(&path));
         }
@@ -150,12 +150,12 @@ pub(super) fn read_state(folder: &Path, record: &StageRecord) -> Result<Specimen
     let path = folder.join(STATE_FILE);
     let content = read_unchanged(&path, &record.specimen_sha256)?;
     let state: SpecimenState =
-        serde_json::from_slice(&content).map_err(|e| FileError::new("read", &path, e))?;
+        serde_json::from_slice(&content).map_err(|e| FileError::malformed(&path, e))?;
     let found = state.bodies.len();
     match &record.identity {
         Some(identity) if identity.grains != found => {
             let why = format!("it has {found} bodies, and the stage {} grains", identity.grains);
-            Err(FileError::new("use", &path, why))
+            Err(FileError::unfit(&path, why))
         }
         _ => Ok(state),
     }

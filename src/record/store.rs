@@ -8,7 +8,7 @@ use std::{
 
 use super::{
     AskedStage, Checkpoints, FRAMES_FILE, FileError, Frame, FrameWriter,
-    atomic::sync_folder,
+    atomic::{exchange, sync_folder},
     create_folder,
     frames::{read_frame_ends, read_frames},
     hash_bytes,
@@ -132,7 +132,7 @@ impl StageStore {
     /// Reads a stage and compares it with what is asked for.
     fn believed(&self, folder: &Path, asked: &AskedStage) -> Result<StoredStage, FileError> {
         let record = read_record(folder)?;
-        let unfit = |why: String| FileError::new("use", &folder.join(RECORD_FILE), why);
+        let unfit = |why: String| FileError::unfit(&folder.join(RECORD_FILE), why);
         let Some(identity) = &record.identity else {
             return Err(unfit("it does not say which stage it is".to_owned()));
         };
@@ -141,8 +141,7 @@ impl StageStore {
             return Err(unfit("it began with another specimen than the stage before has".into()));
         }
         let stage = read_stage(folder, record, self.frames)?;
-        (asked.plausible)(&stage)
-            .map_err(|why| FileError::new("use", &folder.join(STATE_FILE), why))?;
+        (asked.plausible)(&stage).map_err(|why| FileError::unfit(&folder.join(STATE_FILE), why))?;
         Ok(stage)
     }
 
@@ -272,6 +271,17 @@ impl StageStore {
         target: &Path,
         asked: &AskedStage,
     ) -> Result<Option<StoredStage>, FileError> {
+        self.publish_by(exchange, part, target, asked)
+    }
+
+    /// The same with a way to exchange two folders, which says whether it could.
+    fn publish_by(
+        &self,
+        exchange: fn(&Path, &Path) -> bool,
+        part: &Path,
+        target: &Path,
+        asked: &AskedStage,
+    ) -> Result<Option<StoredStage>, FileError> {
         // In place of nothing or of an empty folder.
         if fs::rename(part, target).is_ok() {
             return Ok(None);
@@ -286,6 +296,11 @@ impl StageStore {
             if let Ok(first) = self.believed(target, asked) {
                 return Ok(Some(first));
             }
+            // What is refused goes with the folder that the other was written in.
+            if exchange(part, target) {
+                return Ok(None);
+            }
+            // Where the system has no exchange, a reader may find nothing for a moment.
             let aside = self.part()?;
             fs::rename(target, aside.path().join("refused"))
                 .map_err(|e| FileError::new("replace", target, e))?;
@@ -313,11 +328,12 @@ impl StageStore {
         FileError { reason: format!("{} ({kept})", error.reason), ..error }
     }
 
-    /// Whether a stage is there that says it is this one; the rest is checked
-    /// when it is read.
-    pub fn holds(&self, key: &str) -> bool {
-        let record = read_record_of(&self.folder(key), key);
-        record.is_ok_and(|record| record.identity.is_some())
+    /// A stage that is there whole, unchanged and the one that is asked for; nothing else is done
+    /// about one that is not.
+    pub fn sound(&self, asked: &AskedStage) -> Option<StoredStage> {
+        let folder = self.folder(&asked.identity.key);
+        // One that was replaced while it was read is read again.
+        (0..2).find_map(|_| self.believed(&folder, asked).ok())
     }
 
     /// Why a stage failed when it was last carried out; none where it did not.

@@ -108,6 +108,44 @@ fn every_kind_of_damage_is_found() {
         forge(fill, StageRecord { specimen_sha256: hash_bytes(&content), ..record(fill) });
     });
     assert!(said.contains("began with another specimen"), "{said}");
+    let said = found(&|_, pour| forge(pour, StageRecord { stage: "rest".into(), ..record(pour) }));
+    assert!(said.contains("it is named pour and rest"), "{said}");
+    let said = found(&|_, pour| forge(pour, StageRecord { end: None, ..record(pour) }));
+    assert!(said.contains("does not say how it ended"), "{said}");
+    let said =
+        found(&|_, pour| forge(pour, StageRecord { began_with_sha256: None, ..record(pour) }));
+    assert!(said.contains("does not say which specimen"), "{said}");
+    let said = found(&|_, pour| {
+        let mut other = record(pour);
+        other.identity.as_mut().expect("named").grains_sha256 = "h".into();
+        forge(pour, other);
+    });
+    assert!(said.contains("other grains"), "{said}");
+}
+
+#[test]
+fn damaged_and_foreign_checkpoints_are_found() {
+    let root = tempfile::tempdir().expect("a folder");
+    let [fill, pour] = store_two(root.path());
+    let folder = |identity: &StageIdentity| {
+        root.path().join(format!("{}{}", checkpoint::FOLDER, &identity.key[..24]))
+    };
+    let checkpoints = || {
+        let report = check_store(root.path()).expect("checked");
+        let items = report.checkpoints.iter();
+        let items = items.map(|item| (item.state, item.note.clone().unwrap_or_default()));
+        (report.damaged, items.collect::<Vec<_>>())
+    };
+    checkpoint::tests::keep_one(root.path(), &pour);
+    let (damaged, items) = checkpoints();
+    assert_eq!((damaged, items[0].0), (0, StoredState::Whole), "law: it is whole, got {items:?}");
+    fs::rename(folder(&pour), folder(&fill)).expect("moved");
+    let (damaged, items) = checkpoints();
+    assert!(damaged == 1 && items[0].1.contains("another stage"), "law: not its own, {items:?}");
+    let file = checkpoint::files(&folder(&fill)).remove(0);
+    fs::write(file, "half").expect("damaged");
+    let (damaged, items) = checkpoints();
+    assert!(damaged == 1 && items[0].1.contains("not what was written"), "law: got {items:?}");
 }
 
 #[test]

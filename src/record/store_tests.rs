@@ -160,7 +160,7 @@ fn a_stage_that_does_not_say_which_it_is_is_shown_but_not_used() {
     let (found, why) = load(&store);
     assert!(found.is_none(), "law: it is not used");
     assert!(why.is_some_and(|why| why.contains("does not say which stage")), "law: and reported");
-    assert!(!store.holds(&key()), "law: it counts as missing");
+    assert!(store.sound(&asked(&named("rest", 1))).is_none(), "law: it counts as missing");
     StageStore::state_in(root.path(), &key(), "").expect("law: runs of earlier versions are shown");
     let mut unsummed = saved.record;
     unsummed.record_sha256.clear();
@@ -177,7 +177,7 @@ fn a_stage_in_the_place_of_another_is_not_used() {
     let (found, why) = store.load(&asked(&other));
     assert!(found.is_none(), "law: another's stage is not used");
     assert!(why.is_some_and(|why| why.contains("another stage")), "law: and reported");
-    assert!(!store.holds(&other.key), "law: it counts as missing");
+    assert!(store.sound(&asked(&other)).is_none(), "law: it counts as missing");
     let said = StageStore::state_in(root.path(), &other.key, "").expect_err("law: nor shown");
     assert!(said.to_string().contains("another stage"), "{said}");
     StageStore::frames_in(root.path(), &other.key).expect_err("law: nor are its frames");
@@ -400,4 +400,73 @@ fn an_error_says_what_is_kept() {
     assert!(said(&store).contains("the finished stage in"), "{}", said(&store));
     fs::remove_dir_all(root.path()).expect("removed");
     assert!(said(&store).contains("are gone too"), "{}", said(&store));
+}
+
+/// Damages the stage of a store and puts a sound one in its place, in a way of its own.
+fn replaced_by(exchange: fn(&Path, &Path) -> bool) -> (Option<StoredStage>, usize) {
+    let [root, other] = [(), ()].map(|()| tempfile::tempdir().expect("a folder"));
+    let (store, _, folder) = store_one(root.path());
+    fs::write(folder.join(STATE_FILE), "{}").expect("damaged");
+    let (_, _, sound) = store_one(other.path());
+    let part = store.part().expect("a folder");
+    for file in files(&sound) {
+        fs::copy(&file, part.path().join(file.file_name().expect("a name"))).expect("copied");
+    }
+    let identity = named("rest", 1);
+    let first = store.publish_by(exchange, part.path(), &folder, &asked(&identity));
+    assert_eq!(first.expect("replaced"), None, "law: a damaged stage is not kept");
+    drop(part);
+    (load(&store).0, parts_in(root.path()).len())
+}
+
+/// Law: while a damaged stage is replaced, there is always one of its name.
+#[test]
+fn a_damaged_stage_is_exchanged_at_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [one, other] = ["one", "other"].map(|name| folder.path().join(name));
+    for path in [&one, &other] {
+        fs::create_dir(path).expect("made");
+        fs::write(path.join(path.file_name().expect("a name")), "").expect("written");
+    }
+    let can = exchange(&one, &other);
+    if can {
+        assert!(one.join("other").exists() && other.join("one").exists(), "law: exchanged");
+        static ASKED: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
+        let over = std::sync::atomic::Ordering::SeqCst;
+        let (stage, left) = replaced_by(|part, target| {
+            ASKED.store(true, std::sync::atomic::Ordering::SeqCst);
+            let done = exchange(part, target);
+            let [new, old] = [target, part].map(|folder| folder.join(RECORD_FILE).exists());
+            assert!(done && new && old, "law: the new one is there, and the old one, too");
+            done
+        });
+        assert!(stage.is_some() && left == 0, "law: it is sound, and nothing is left, {left}");
+        assert!(ASKED.load(over), "law: an exchange is tried before anything is taken away");
+        // Who reads meanwhile never misses it.
+        let (store, _, folder) = store_one(&folder.path().join("store"));
+        let (identity, record) = (named("rest", 1), folder.join(RECORD_FILE));
+        let is_over = std::sync::atomic::AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            let reader = scope.spawn(|| {
+                let mut missed = 0;
+                while !is_over.load(over) {
+                    missed += u32::from(!record.exists());
+                }
+                missed
+            });
+            for _ in 0..40 {
+                fs::write(folder.join(STATE_FILE), "{}").expect("damaged");
+                store.save(&asked(&identity), made(), None).expect("it is stored");
+            }
+            is_over.store(true, over);
+            assert_eq!(reader.join().expect("it reads"), 0, "law: a reader never misses it");
+        });
+    } else {
+        eprintln!("not tested here: the file system cannot exchange two folders");
+    }
+    let (stage, left) = replaced_by(|_, _| false);
+    assert!(
+        stage.is_some() && left == 0,
+        "law: without an exchange it is replaced as well, {left}"
+    );
 }

@@ -9,7 +9,7 @@ use super::{
     calibration::{target_in_words, with_unit},
     figures::capital,
     html::{figure_block, glue, head},
-    text_table::TextTable,
+    text_table::{TextTable, in_markdown},
 };
 use crate::paper::{
     constants::ANGLE_OF_REPOSE_DEG,
@@ -167,19 +167,28 @@ fn value_row(v: &CalibrationValue, of: &Calibration) -> [String; 6] {
 impl Page {
     /// As Markdown.
     pub(super) fn markdown(&self) -> String {
-        let mut text = format!("# {}\n\n{}\n\n| | |\n| --- | --- |\n", self.title, self.lead);
+        let mut text = format!(
+            "# {}\n\n{}\n\n| | |\n| --- | --- |\n",
+            in_markdown(&self.title),
+            in_markdown(&self.lead)
+        );
         for (name, value) in &self.found {
-            let _ = writeln!(text, "| {name} | {value} |");
+            let _ = writeln!(text, "| {} | {} |", in_markdown(name), in_markdown(value));
         }
         let _ = write!(text, "\n## Values tried\n\n{}", self.values.markdown());
         if !self.notes.is_empty() {
             text += "\n## To be known\n\n";
             for note in &self.notes {
-                let _ = writeln!(text, "- {note}");
+                let _ = writeln!(text, "- {}", in_markdown(note));
             }
         }
         let (title, stem, caption) = &self.figure;
-        let _ = write!(text, "\n![{title}](figures/{stem}.png)\n\n{caption}\n");
+        let _ = write!(
+            text,
+            "\n![{}](figures/{stem}.png)\n\n{}\n",
+            in_markdown(title),
+            in_markdown(caption)
+        );
         let _ = write!(text, "\n## How to read it\n\n{HOW_TO_READ}\n");
         text
     }
@@ -192,7 +201,7 @@ impl Page {
                 (head(&self.title))
                 body {
                     header {
-                        h1 { (self.title) }
+                        h1 { bdi { (self.title) } }
                         @if self.good { p.lead { (glue(&self.lead)) } }
                         @else { p.banner { (glue(&self.lead)) } }
                     }
@@ -201,7 +210,7 @@ impl Page {
                         @if !self.notes.is_empty() {
                             section id="notes" {
                                 h2 { "To be known" }
-                                ul { @for note in &self.notes { li { (glue(note)) } } }
+                                ul { @for note in &self.notes { li { bdi { (glue(note)) } } } }
                             }
                         }
                         section id="figure" { h2 { "Figure" } (figure_block(figure)) }
@@ -221,7 +230,7 @@ impl Page {
         html! {
             div.scroll { table { tbody {
                 @for (name, value) in &self.found {
-                    tr { th { (capital(name)) } td { (glue(value)) } }
+                    tr { th { bdi { (glue(&capital(name))) } } td { bdi { (glue(value)) } } }
                 }
             } } }
         }

@@ -5,9 +5,12 @@ use std::path::Path;
 use maud::{DOCTYPE, Markup, html};
 use serde::Serialize;
 
-use super::{Figure, ReportError, Standard, figures, html::figure_block, html::glue, html::head};
+use super::{
+    Figure, ReportError, Standard, figures, html::figure_block, html::glue, html::head, html::name,
+};
 use crate::{
     paper::text::number,
+    plain::plain,
     record::{RunRecord, write_file},
     world::BackendInfo,
 };
@@ -72,7 +75,7 @@ pub fn write_comparison(out: &Path, of: &Comparison) -> Result<(), ReportError> 
 
 fn page(of: &Comparison, figures: &[Figure]) -> String {
     let names: Vec<&str> = of.engines.iter().map(|e| e.name.as_str()).collect();
-    let title = format!("{}: {} side by side", of.scenario, names.join(" and "));
+    let title = format!("{}: {} side by side", plain(&of.scenario), names.join(" and "));
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -160,7 +163,7 @@ fn table(of: &Comparison) -> Markup {
         div.scroll { table {
             thead { tr {
                 th { "Quantity" } th { "Unit" }
-                @for run in &of.runs { th.n { (run.record.name) } }
+                @for run in &of.runs { th.n { (name(&run.record.name)) } }
                 th.n { "Band" } th { "Agree" }
             } }
             tbody {

@@ -3,6 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{Figure, Picture, ReportInput, sections, shortfalls, summary, uncertainty};
+use crate::plain::{plain, plain_lines};
 
 const CSS: &str = include_str!("report.css");
 
@@ -12,7 +13,7 @@ pub(super) fn head(title: &str) -> Markup {
         head {
             meta charset="utf-8";
             meta name="viewport" content="width=device-width, initial-scale=1";
-            title { (title) }
+            title { (plain(title)) }
             style { (PreEscaped(CSS)) }
         }
     }
@@ -88,8 +89,16 @@ pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
     .into_string()
 }
 
-/// Keeps numbers and their units on one line.
+/// A name that somebody gave, isolated: whatever direction its letters have, the text around it
+/// keeps its own.
+pub(super) fn name(name: &str) -> Markup {
+    html! { bdi { (plain(name)) } }
+}
+
+/// Keeps numbers and their units on one line, and shows characters that would turn the text's
+/// direction by their code points.
 pub(super) fn glue(text: &str) -> String {
+    let text = &*plain_lines(text);
     const UNITS: [&str; 6] = [" %", " mm", " cm", " s ", " g ", " µm"];
     UNITS.iter().fold(text.to_owned(), |text, unit| {
         text.replace(unit, &format!("\u{a0}{}", unit.trim_start()))
@@ -117,14 +126,14 @@ fn contents(pictures: bool) -> Markup {
 }
 
 fn list(items: &[String]) -> Markup {
-    html! { ul { @for item in items { li { (glue(item)) } } } }
+    html! { ul { @for item in items { li { bdi { (glue(item)) } } } } }
 }
 
 fn picture_block(picture: &Picture) -> Markup {
     html! {
         figure id=(picture.stem) {
-            h3 { (picture.title) }
-            div.sheet { img src=(picture.as_data()) alt=(picture.title); }
+            h3 { bdi { (plain(&picture.title)) } }
+            div.sheet { img src=(picture.as_data()) alt=(plain(&picture.title)); }
             figcaption {
                 (glue(&picture.caption)) " "
                 span.soft.files { a href={ "figures/" (picture.stem) ".png" } { "PNG" } }
@@ -137,8 +146,8 @@ pub(super) fn figure_block(figure: &Figure) -> Markup {
     let file = |extension: &str| format!("figures/{}.{extension}", figure.stem);
     html! {
         figure id=(figure.stem) {
-            h3 { (figure.title) }
-            div.sheet role="img" aria-label=(figure.title) { (PreEscaped(figure.svg.as_str())) }
+            h3 { bdi { (plain(&figure.title)) } }
+            div.sheet role="img" aria-label=(plain(&figure.title)) { (PreEscaped(figure.svg.as_str())) }
             figcaption {
                 (glue(&figure.caption)) " "
                 span.soft.files {

@@ -14,6 +14,7 @@ use super::{
     dash::dashes,
     style::{self, Dash, INK, Marker},
 };
+use crate::plain::plain_lines;
 
 /// How a series looks.
 #[derive(Debug, Clone, Copy)]
@@ -105,7 +106,8 @@ impl Plot {
     pub fn svg(&self) -> Result<String, String> {
         let mut svg = String::new();
         self.draw(&mut svg).map_err(|e| e.to_string())?;
-        Ok(svg)
+        // Labels hold names; some characters of them no XML file may hold.
+        Ok(plain_lines(&svg).into_owned())
     }
 
     /// What stands at the i-th tick of the vertical axis.

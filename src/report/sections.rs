@@ -2,12 +2,16 @@
 
 use maud::{Markup, html};
 
-use super::{Choice, Column, ReportInput, html::glue};
+use super::{
+    Choice, Column, ReportInput,
+    html::{glue, name},
+};
 use crate::{
     paper::{
         Claim, Interval, NotValid, PaperValue, StudyView, Verdict,
         text::{compact, number},
     },
+    plain::plain,
     record::{AngleOfRepose, NO_VALID_RUN, RunKind, RunRecord, Settlement, left_out_in_words},
 };
 
@@ -53,7 +57,7 @@ pub(super) fn claims(claims: &[Claim], beside: &[Column]) -> Markup {
         table.claims.cards {
             thead { tr {
                 th { "Statement" } th.n { "Paper" } th.n { "Ours" } th { "Verdict" }
-                @for column in beside { th.n { (column.label) } }
+                @for column in beside { th.n { (name(&column.label)) } }
             } }
             tbody { @for claim in claims { (claim_row(claim, beside)) } }
         }
@@ -80,7 +84,7 @@ fn claim_row(claim: &Claim, beside: &[Column]) -> Markup {
                         summary { "How read" }
                         span.soft {
                             (glue(&claim.note))
-                            @if !claim.runs.is_empty() { " Runs: " (claim.runs.join(", ")) "." }
+                            @if !claim.runs.is_empty() { " Runs: " (name(&claim.runs.join(", "))) "." }
                         }
                     }
                 }
@@ -99,7 +103,7 @@ fn claim_row(claim: &Claim, beside: &[Column]) -> Markup {
             }
             td { (badge(claim)) }
             @for column in beside {
-                td.n data-label=(column.label) {
+                td.n data-label=(plain(&column.label)) {
                     @match column.claims.get(&claim.id) {
                         None => { "–" }
                         Some(found) => {
@@ -220,7 +224,7 @@ fn pile_row(run: &RunRecord) -> Markup {
     let overlaps = [o.mean_percent, o.p99_percent, o.max_percent].map(|v| number(v, 2));
     html! {
         tr {
-            th scope="row" { (run.name) }
+            th scope="row" { (name(&run.name)) }
             td.n { (of(|a| a.degrees)) "°" }
             td.n { (of(|a| a.confidence_low_degrees)) " to " (of(|a| a.confidence_high_degrees)) "°" }
             td.n { (of(|a| a.standard_deviation_degrees)) "°" }
@@ -283,7 +287,7 @@ fn run_row(run: &RunRecord) -> Markup {
     let overlaps = [o.mean_percent, o.p99_percent, o.max_percent].map(|v| number(v, 2));
     html! {
         tr {
-            th scope="row" { (run.name) }
+            th scope="row" { (name(&run.name)) }
             td.n { (number(run.falling_height_mm / 10.0, 0)) }
             td.n { (number(s.standing_height_mm.mean_surface, 1)) }
             td.n { (number(s.standing_height_mm.p95, 1)) }
@@ -346,8 +350,8 @@ fn guards(input: &ReportInput) -> Markup {
     html! {
         p { (passed) " of " (lines.len()) " runs passed every guard: numbers, grains, walls, speeds, energy, overlap and creep are watched while a run goes on (docs/accuracy.md)." }
         @if passed < lines.len() {
-            ul { @for (name, _, line) in lines.iter().filter(|(_, p, _)| *p != Some(true)) {
-                li { strong { (name) } ": " (line) }
+            ul { @for (run, _, line) in lines.iter().filter(|(_, p, _)| *p != Some(true)) {
+                li { strong { (name(run)) } ": " bdi { (glue(line)) } }
             } }
         }
     }
@@ -361,8 +365,8 @@ pub(super) fn provenance(input: &ReportInput) -> Markup {
         warnings.extend(run.summary.warnings.iter().map(|w| (run.name.as_str(), w.clone())));
     }
     html! {
-        table.cards { tbody { @for (name, value) in input.provenance {
-            tr { td { strong { (name) } } td { code { (value) } } }
+        table.cards { tbody { @for (what, value) in input.provenance {
+            tr { td { strong { (what) } } td { code { (name(value)) } } }
         } } }
         details {
             summary { "Engine settings, as read back from the engine (" (input.effective.len()) ")" }
@@ -376,7 +380,7 @@ pub(super) fn provenance(input: &ReportInput) -> Markup {
         @if warnings.is_empty() {
             p { "None." }
         } @else {
-            ul { @for (source, text) in &warnings { li { strong { (source) } ": " (text) } } }
+            ul { @for (source, text) in &warnings { li { strong { (name(source)) } ": " bdi { (glue(text)) } } } }
         }
     }
 }

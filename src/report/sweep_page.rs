@@ -8,9 +8,10 @@ use super::{
     Figure, MAIN_OUTCOMES, OUTCOMES, Sweep, SweepEstimate, SweepPoint, SweepRun,
     html::{figure_block, glue, head},
     sweep::{in_words, shown},
-    text_table::TextTable,
+    text_table::{TextTable, in_markdown},
 };
 use crate::paper::text::{compact, number};
+use crate::plain::plain;
 use crate::record::{NO_VALID_RUN, left_out_in_words};
 
 /// A table of the page.
@@ -78,7 +79,7 @@ pub(super) fn page(of: &Sweep, figures: &[Figure]) -> Page {
         tables.push(failures(of));
     }
     Page {
-        title: format!("Sweep of {}", of.scenario),
+        title: format!("Sweep of {}", plain(&of.scenario)),
         lead,
         good: failed == 0 && not_valid == 0 && left_out == 0,
         tables,
@@ -197,12 +198,17 @@ fn reasons<'a>(
 impl Page {
     /// As Markdown.
     pub(super) fn markdown(&self) -> String {
-        let mut text = format!("# {}\n\n{}\n", self.title, self.lead);
+        let mut text = format!("# {}\n\n{}\n", in_markdown(&self.title), self.lead);
         for section in &self.tables {
             let _ = write!(text, "\n## {}\n\n{}", section.title, section.table.markdown());
         }
         for (title, stem, caption) in &self.figures {
-            let _ = write!(text, "\n![{title}](figures/{stem}.png)\n\n{caption}\n");
+            let _ = write!(
+                text,
+                "\n![{}](figures/{stem}.png)\n\n{}\n",
+                in_markdown(title),
+                in_markdown(caption)
+            );
         }
         let _ = write!(text, "\n## How to read it\n\n{HOW_TO_READ}\n");
         text
@@ -216,7 +222,7 @@ impl Page {
                 (head(&self.title))
                 body {
                     header {
-                        h1 { (self.title) }
+                        h1 { bdi { (self.title) } }
                         @if self.good { p.lead { (glue(&self.lead)) } }
                         @else { p.banner { (glue(&self.lead)) } }
                     }

@@ -1,6 +1,13 @@
 //! What can be wrong with a scenario, said so that it can be mended.
 
-use std::{borrow::Cow, fmt, path::PathBuf};
+use std::{
+    borrow::Cow,
+    fmt, io,
+    path::{Path, PathBuf},
+};
+
+use crate::input::Refusal;
+use crate::plain::plain;
 
 /// One fault of a scenario.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -18,30 +25,6 @@ pub struct Fault {
     pub message: String,
 }
 
-/// Whether a character is not seen but changes what is: one that controls a
-/// terminal, begins another line, or turns the direction of what follows
-/// (Unicode's `Bidi_Control`), so that a name reads as another.
-pub(super) fn misleads(c: char) -> bool {
-    c.is_control()
-        || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-}
-
-/// A text with every character that misleads by its code point.
-fn plain(text: &str) -> Cow<'_, str> {
-    if !text.contains(misleads) {
-        return Cow::Borrowed(text);
-    }
-    let mut plain = String::with_capacity(text.len());
-    for c in text.chars() {
-        if misleads(c) {
-            plain += &format!("\\u{:04x}", u32::from(c));
-        } else {
-            plain.push(c);
-        }
-    }
-    Cow::Owned(plain)
-}
-
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&plain(&self.as_line()))
@@ -49,6 +32,15 @@ impl fmt::Display for Fault {
 }
 
 impl Fault {
+    /// Of a file that is refused because of what it is.
+    pub fn refused(file: &Path, refusal: &Refusal, by: &str) -> Self {
+        Self {
+            file: file.display().to_string(),
+            message: format!("the file cannot be read: {refusal}{by}"),
+            ..Self::default()
+        }
+    }
+
     fn as_line(&self) -> String {
         let mut line = String::new();
         for place in [&self.file, &self.path] {
@@ -99,6 +91,15 @@ pub enum ScenarioErrors {
 }
 
 impl ScenarioErrors {
+    /// A file that was not read: a fault where it is refused because of what it is. `by`
+    /// says who asked for it, or is empty.
+    pub(super) fn unread(file: &Path, error: &io::Error, by: &str) -> Self {
+        match Refusal::within(error) {
+            Some(refusal) => Self::Faults(vec![Fault::refused(file, refusal, by)]),
+            None => Self::Unreadable { file: file.to_owned(), reason: format!("{error}{by}") },
+        }
+    }
+
     /// The faults; none where a file could not be read.
     pub fn faults(&self) -> &[Fault] {
         match self {
@@ -112,8 +113,7 @@ impl fmt::Display for ScenarioErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unreadable { file, reason } => {
-                let line = format!("cannot read {}: {reason}", file.display());
-                f.write_str(&plain(&line))
+                f.write_str(&plain(&format!("cannot read {}: {reason}", file.display())))
             }
             Self::Faults(faults) if faults.len() == 1 => faults[0].fmt(f),
             Self::Faults(faults) => {
@@ -173,22 +173,6 @@ mod tests {
         assert_eq!(nearest("iteration", &known), Some("iterations"));
         assert_eq!(nearest("rate_Hz", &known), Some("rate_hz"));
         assert_eq!(nearest("colour", &known), None);
-    }
-
-    #[test]
-    fn what_misleads_is_shown_by_its_code_point() {
-        for (text, expected) in [
-            ("gravel 8\u{2013}16 mm, \u{540d}\u{524d} \u{1f327}", None),
-            ("a\u{200d}b", None), // joins letters, and is part of many a sign
-            ("a\u{7}b", Some("a\\u0007b")),
-            ("a\u{85}b", Some("a\\u0085b")),
-            ("a\u{202e}b", Some("a\\u202eb")),
-            ("\u{2066}a\u{2069}", Some("\\u2066a\\u2069")),
-            ("a\u{200f}\u{61c}\u{2028}", Some("a\\u200f\\u061c\\u2028")),
-        ] {
-            let expected = expected.unwrap_or(text);
-            assert_eq!(plain(text), expected, "law: only what misleads is shown otherwise");
-        }
     }
 
     #[test]

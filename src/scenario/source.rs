@@ -112,11 +112,8 @@ pub(super) fn read(path: &Path) -> Result<Document, ScenarioErrors> {
 
 /// Reads a file that extends no other: its JSON and the keys given twice.
 pub(super) fn read_alone(file: &Path) -> Result<(Value, Vec<Fault>), ScenarioErrors> {
-    let unreadable = |e: std::io::Error| ScenarioErrors::Unreadable {
-        file: file.to_owned(),
-        reason: e.to_string(),
-    };
-    let text = input::read(file, input::LARGEST_SCENARIO).map_err(unreadable)?;
+    let text = input::read(file, input::LARGEST_SCENARIO);
+    let text = text.map_err(|e| ScenarioErrors::unread(file, &e, ""))?;
     let mut faults = Vec::new();
     let value = parse(file, &text, &mut faults)?;
     Ok((value, faults))
@@ -137,16 +134,11 @@ struct Link {
 
 impl Chain {
     fn read(&mut self, file: &Path, extended_by: Option<&Path>) -> Result<(), ScenarioErrors> {
-        let unreadable = |reason: String| ScenarioErrors::Unreadable {
-            file: file.to_owned(),
-            reason: match extended_by {
-                Some(by) => format!("{reason} ({} extends it)", by.display()),
-                None => reason,
-            },
-        };
-        let text = input::read(file, input::LARGEST_SCENARIO);
-        let text = text.map_err(|e| unreadable(e.to_string()))?;
-        let canonical = file.canonicalize().map_err(|e| unreadable(e.to_string()))?;
+        let by = extended_by.map(|by| format!(" ({} extends it)", by.display()));
+        let by = by.unwrap_or_default();
+        let unread = |e: std::io::Error| ScenarioErrors::unread(file, &e, &by);
+        let text = input::read(file, input::LARGEST_SCENARIO).map_err(unread)?;
+        let canonical = file.canonicalize().map_err(unread)?;
         let mut content = match parse(file, &text, &mut self.faults)? {
             Value::Object(content) => content,
             other => {

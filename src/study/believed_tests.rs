@@ -147,3 +147,40 @@ fn stages_swapped_or_of_another_run_are_made_anew() {
         assert_eq!(again[node].state, done[node].state, "law: the same bits, stage {node}");
     }
 }
+
+/// Law: what jobs of a cluster, workflows and collecting believe to be stored is what would be used: its
+/// files and hashes, too, not its record alone.
+#[test]
+fn what_is_held_is_what_would_be_used() {
+    let plan = Plan::new(&[planned(scenario(50.0))]).expect("a plan");
+    let folder = tempfile::tempdir().expect("a folder");
+    let (done, _) = run(&plan, folder.path());
+    let held = || {
+        let store = StageStore::open(folder.path()).expect("a store");
+        crate::study::held::held(&plan, &store)
+    };
+    let all = vec![true; plan.nodes.len()];
+    assert_eq!(held(), all, "law: sound stages are held");
+    let [fill, pour] = [plan.runs[0].stages[0], plan.runs[0].stages[1]];
+    let place = |node: usize| StageStore::folder_in(folder.path(), plan.nodes[node].key());
+    for name in ["specimen.json", "series.csv", "stage.json"] {
+        let path = place(pour).join(name);
+        let whole = fs::read(&path).expect("a file");
+        let mut hurt = whole.clone();
+        let middle = hurt.len() / 2;
+        hurt[middle] ^= 1;
+        fs::write(&path, hurt).expect("damaged");
+        let found = held();
+        assert!(found[fill] && !found[pour], "law: a byte of {name} is seen, got {found:?}");
+        fs::write(&path, whole).expect("as it was");
+    }
+    let mut lifted = StoredStage::clone(&done[pour]);
+    lifted.state.bodies.iter_mut().for_each(|g| g.body.pose.translation.vector.z += 1e-3);
+    craft(&place(pour), &lifted);
+    assert!(!held()[pour], "law: a crafted state with its hashes is none");
+    craft(&place(pour), &done[pour]);
+    assert_eq!(held(), all, "law: put back it is held");
+    fs::remove_dir_all(place(fill)).expect("removed");
+    let found = held();
+    assert!(!found[fill] && !found[pour], "law: nothing without what it goes on from, {found:?}");
+}

@@ -1,12 +1,13 @@
 //! What other engines and settings made of the same programme: kept in the
 //! output folder, so that the report of one shows the others.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use serde_json::Value;
 
 use super::StudyError;
-use crate::record::{FileError, create_folder, hash_json, read_json, write_json};
+use crate::protocol::Progress;
+use crate::record::{Beside, hash_json, keep_beside};
 use crate::report::Column;
 use crate::scenario::{Backend, ContactPath, EngineSettings, Scenario};
 
@@ -86,7 +87,7 @@ pub(super) fn programme_hash(scenarios: &[&Scenario], configurations: u32) -> St
 }
 
 /// Keeps a column, and gives those of the same programme by other engines, by
-/// label.
+/// label; damaged ones are reported and left out.
 ///
 /// # Errors
 /// When the folder cannot be read or written.
@@ -94,21 +95,12 @@ pub(super) fn keep_and_read(
     out: &Path,
     suffix: &str,
     column: &Column,
+    progress: &dyn Progress,
 ) -> Result<Vec<Column>, StudyError> {
-    let folder = out.join(FOLDER);
-    create_folder(&folder)?;
-    write_json(&folder.join(format!("claims{suffix}.json")), column)?;
-    let unreadable = |e: std::io::Error| FileError::new("read", &folder, e);
-    let mut columns = Vec::new();
-    for entry in fs::read_dir(&folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        if path.extension().is_some_and(|e| e == "json") {
-            let other: Column = read_json(&path)?;
-            if other.programme == column.programme && other.label != column.label {
-                columns.push(other);
-            }
-        }
-    }
+    let name = format!("claims{suffix}.json");
+    let Beside { others: mut columns, damaged } = keep_beside(&out.join(FOLDER), &name, column)?;
+    damaged.iter().for_each(|said| progress.message(said));
+    columns.retain(|other| other.programme == column.programme && other.label != column.label);
     columns.sort_by(|a, b| a.label.cmp(&b.label));
     Ok(columns)
 }
@@ -147,7 +139,8 @@ mod tests {
         let stock = EngineSettings::default();
         let engine = |rate_hz| EngineSettings { rate_hz, ..stock.clone() };
         let keep = |rate, column: &Column| {
-            keep_and_read(folder.path(), &suffix(&engine(rate)), column).expect("kept")
+            let progress = &crate::protocol::Silent;
+            keep_and_read(folder.path(), &suffix(&engine(rate)), column, progress).expect("kept")
         };
         assert!(keep(100.0, &column("a", "p")).is_empty(), "law: nothing beside the first");
         assert!(keep(200.0, &column("b", "q")).is_empty(), "law: not another programme");
@@ -155,6 +148,11 @@ mod tests {
         assert_eq!(beside, [column("a", "p")], "law: the same programme by another engine");
         let again = keep(100.0, &column("a", "p"));
         assert_eq!(again, [column("c", "p")], "law: a column is not beside itself");
+        let path = folder.path().join("beside/claims-manifold-rate-hz-300-0.json");
+        let edited = std::fs::read_to_string(&path).expect("a file").replace("\"c\"", "\"d\"");
+        std::fs::write(&path, edited).expect("edited");
+        let beside = keep(100.0, &column("a", "p"));
+        assert!(beside.is_empty(), "law: an edited column is left out, got {beside:?}");
     }
 
     #[test]

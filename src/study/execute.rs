@@ -131,6 +131,11 @@ fn tell_of_threads(plan: &Plan, progress: &dyn Progress) {
     }
 }
 
+/// Threads of a world: those typed or else as many as help, but no more than there are cores.
+fn threads_of(typed: Option<u32>, automatic: u32, cores: usize) -> u32 {
+    typed.unwrap_or(automatic).min(u32::try_from(cores).unwrap_or(u32::MAX))
+}
+
 fn lock(board: &Mutex<Board>) -> MutexGuard<'_, Board> {
     board.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -261,8 +266,7 @@ impl Shop<'_> {
         let automatic = automatic_threads(cores, node.grains.grains.len());
         let settings = &mut setup.engine.manifold;
         settings.may_leave_threads = settings.threads.is_none();
-        let most = u32::try_from(available_cores()).unwrap_or(u32::MAX);
-        settings.threads = Some(settings.threads.unwrap_or(automatic).min(most));
+        settings.threads = Some(threads_of(settings.threads, automatic, available_cores()));
         let outcome = run_stage(
             &setup,
             self.make_world,
@@ -346,4 +350,24 @@ fn sieved_mm(corners: &[Option<Vec<Vector>>]) -> Vec<Option<f64>> {
         return Vec::new();
     }
     corners.par_iter().map(|c| Some(to_mm(sieve_size_of(c.as_ref()?)))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::threads_of;
+
+    #[test]
+    fn threads_stop_at_the_cores() {
+        for (typed, automatic, cores, expected) in [
+            (Some(3), 1, 2, 2),
+            (Some(4), 2, 2, 2),
+            (Some(1), 2, 2, 1),
+            (Some(1024), 1, 1, 1),
+            (None, 3, 2, 2),
+            (None, 1, 8, 1),
+        ] {
+            let got = threads_of(typed, automatic, cores);
+            assert_eq!(got, expected, "law: {typed:?} typed threads on {cores} cores");
+        }
+    }
 }

@@ -9,6 +9,7 @@ mod described;
 mod design;
 mod execute;
 mod guards;
+mod held;
 mod pile;
 mod plan;
 mod presets;

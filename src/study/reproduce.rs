@@ -266,7 +266,8 @@ fn finish(
     write_json(&options.out.join("uncertainty.json"), &paper::uncertainty(&study))?;
     let column =
         Column::new(&scenarios.label, &scenarios.programme_hash(options.configurations)?, &claims);
-    let beside = beside::keep_and_read(&options.out, &scenarios.suffix, &column)?;
+    let beside =
+        beside::keep_and_read(&options.out, &scenarios.suffix, &column, options.progress.as_ref())?;
     // The shaken scenario has every choice of the poured one, and more.
     let mut choices = report::choices(&scenarios.intermittent);
     choices.extend(scenarios.repose.iter().flat_map(report::pile_choices));

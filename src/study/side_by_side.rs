@@ -1,8 +1,7 @@
 //! The programme under several readings of the paper, side by side.
 
 use std::{
-    fs,
-    path::{Path, PathBuf},
+    path::PathBuf,
     sync::{Arc, atomic::AtomicBool},
 };
 
@@ -17,7 +16,7 @@ use super::{
 };
 use crate::paper;
 use crate::protocol::Progress;
-use crate::record::{FileError, RunRecord, create_folder, read_json, write_json};
+use crate::record::{Beside, RunRecord, create_folder, keep_beside};
 use crate::report::{ReadingColumn, ReadingFailure, ReadingRun, write_readings};
 use crate::scale::Scale;
 use crate::scenario::{Override, warnings};
@@ -72,7 +71,7 @@ pub fn readings(options: &ReadingsOptions) -> Result<ReadingsOutcome, StudyError
     for reading in &options.readings {
         options.progress.message(&format!("reading {}: {}", reading.name, reading.title));
         let column = carry_out_reading(options, reading)?;
-        let columns = keep_and_read(&options.out, column)?;
+        let columns = keep_and_read(options, column)?;
         let standard = standard(&Scale::PAPER);
         write_readings(&options.out, &columns, standard)?;
         outcome = Some(ReadingsOutcome { columns, report: options.out.join("readings.html") });
@@ -131,22 +130,17 @@ fn carry_out_reading(
 }
 
 /// Keeps a column, and gives it with the others of the same programme, in the
-/// order of the readings.
-fn keep_and_read(out: &Path, column: ReadingColumn) -> Result<Vec<ReadingColumn>, StudyError> {
-    let folder = out.join(FOLDER);
-    create_folder(&folder)?;
-    write_json(&folder.join(format!("{}.json", column.name)), &column)?;
-    let unreadable = |e: std::io::Error| FileError::new("read", &folder, e);
-    let mut columns = Vec::new();
-    for entry in fs::read_dir(&folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        if path.extension().is_some_and(|e| e == "json") {
-            let other: ReadingColumn = read_json(&path)?;
-            if other.programme == column.programme {
-                columns.push(other);
-            }
-        }
-    }
+/// order of the readings; damaged ones are reported and left out.
+fn keep_and_read(
+    options: &ReadingsOptions,
+    column: ReadingColumn,
+) -> Result<Vec<ReadingColumn>, StudyError> {
+    let name = format!("{}.json", column.name);
+    let folder = options.out.join(FOLDER);
+    let Beside { others: mut columns, damaged } = keep_beside(&folder, &name, &column)?;
+    damaged.iter().for_each(|said| options.progress.message(said));
+    columns.retain(|other| other.programme == column.programme);
+    columns.push(column);
     let place = |c: &ReadingColumn| Reading::names().position(|n| n == c.name);
     columns.sort_by_key(|c| (place(c).unwrap_or(usize::MAX), c.name.clone()));
     Ok(columns)

@@ -17,6 +17,7 @@ use crate::apparatus::{ApparatusError, Funnel, Piece};
 use crate::export::{ExportError, Exported, Playback, PlayedStage, read_playback, read_run};
 use crate::grains::sieve_size;
 use crate::measure::{pairs_within, touching_gap};
+use crate::plain::plain;
 use crate::protocol::base_pieces;
 use crate::specimen::{SavedContact, Specimen};
 use crate::units::to_mm;
@@ -184,7 +185,7 @@ fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> 
         format: FORMAT,
         version: VERSION,
         program: format!("pluvia {}", env!("CARGO_PKG_VERSION")),
-        scenario: run.scenario.clone(),
+        scenario: plain(&run.scenario).into_owned(),
         grains: set.grains.len(),
         frame_bytes: frame_bytes(run),
         fractions,
@@ -281,7 +282,7 @@ impl Body {
             [v.x, v.y, v.z]
         });
         StageEntry {
-            name: stage.name.clone(),
+            name: plain(&stage.name).into_owned(),
             kept: stage.kept,
             base: end.state.base.is_some(),
             frames,

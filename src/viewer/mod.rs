@@ -5,10 +5,12 @@
 mod data;
 mod links;
 mod page;
+mod redirect;
 mod request;
 mod server;
 mod shapes;
 
 pub use data::{FORMAT, MAGIC, RunData, VERSION, read_run_data};
 pub use page::{Site, self_contained};
+pub use redirect::Redirect;
 pub use server::{Server, ServerError};

@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use base64::{Engine, engine::general_purpose::STANDARD};
 
 use super::data::RunData;
+use crate::plain::plain;
 
 const PAGE: &str = include_str!("../../assets/viewer/index.html");
 const STYLE: &str = include_str!("../../assets/viewer/viewer.css");
@@ -98,7 +99,10 @@ pub fn self_contained(run: &RunData) -> String {
 }
 
 fn titled(scenario: &str) -> String {
-    PAGE.replace("<title>Pluvia</title>", &format!("<title>{} - Pluvia</title>", escaped(scenario)))
+    PAGE.replace(
+        "<title>Pluvia</title>",
+        &format!("<title>{} - Pluvia</title>", escaped(&plain(scenario))),
+    )
 }
 
 fn escaped(text: &str) -> String {

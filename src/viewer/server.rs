@@ -63,6 +63,7 @@ pub struct Server {
     address: SocketAddr,
     token: Token,
     ended: Arc<AtomicBool>,
+    asked: Arc<AtomicBool>,
     listening: Option<thread::JoinHandle<()>>,
 }
 
@@ -84,17 +85,24 @@ impl Server {
             door: Arc::new(Door { site, port: address.port(), token: token.clone() }),
             busy: Arc::default(),
             waiting: VecDeque::new(),
+            asked: Arc::default(),
         };
+        let asked = listener.asked.clone();
         let listening = thread::Builder::new()
             .name("viewer".to_owned())
             .spawn(move || listener.listen(&end))
             .map_err(refused)?;
-        Ok(Self { address, token, ended, listening: Some(listening) })
+        Ok(Self { address, token, ended, asked, listening: Some(listening) })
     }
 
     /// Where it listens.
     pub fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// Whether somebody who knows the address has asked for the page.
+    pub fn was_asked(&self) -> bool {
+        self.asked.load(Ordering::SeqCst)
     }
 
     /// What to type into a browser. Whoever knows it, on this machine, can read the run.
@@ -122,6 +130,8 @@ struct Listener {
     busy: Arc<AtomicUsize>,
     /// The oldest first.
     waiting: VecDeque<Waiting>,
+    /// Whether anything was handed out.
+    asked: Arc<AtomicBool>,
 }
 
 /// A connection whose request is not there yet.
@@ -185,6 +195,7 @@ impl Listener {
             refuse(&stream, &refusal.unwrap_or(Answer::refusal(408, "Request Timeout")));
             return;
         }
+        self.asked.store(true, Ordering::SeqCst);
         if self.busy.fetch_add(1, Ordering::SeqCst) >= MOST_ANSWERS {
             self.busy.fetch_sub(1, Ordering::SeqCst);
             refuse(&stream, &Answer::refusal(503, "Service Unavailable"));

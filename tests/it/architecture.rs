@@ -12,7 +12,7 @@ use tokens::{Token, tokens};
 /// Rows of the layout table in `ARCHITECTURE.md`. A module uses only modules
 /// of rows above its own, and those of its own row that `SAME_ROW` names.
 const ROWS: [&[&str]; 9] = [
-    &["units", "geometry", "scale", "caught", "input"],
+    &["units", "geometry", "scale", "caught", "input", "plain"],
     &["scenario"],
     &["grains", "apparatus"],
     &["world", "specimen"],

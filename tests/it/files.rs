@@ -209,7 +209,12 @@ fn a_run_that_was_changed_by_hand_is_not_exported() {
         let path = out.join(name);
         let was = fs::read_to_string(&path).expect("a file");
         fs::write(&path, was.replacen("0.0", "0.5", 1)).expect("changed");
-        refused(&export("csv"), &[name, "not what was written"]);
+        let output = export("csv");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "law: {name}: refused for what it holds: {said}");
+        for words in [name, "not what was written"] {
+            assert!(said.contains(words), "law: `{words}` is said, got {said}");
+        }
         fs::write(&path, was).expect("as it was");
     }
     assert!(export("csv").status.success(), "law: put back it is exported again");

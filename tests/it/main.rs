@@ -6,7 +6,10 @@ mod calibrate;
 mod cli;
 mod collision;
 mod compare;
+mod crafted;
 mod docs;
+#[cfg(target_os = "linux")]
+mod durable;
 mod export;
 mod faults;
 mod files;
@@ -15,6 +18,8 @@ mod guards;
 mod interruption;
 mod leaks;
 mod legs;
+#[cfg(target_os = "linux")]
+mod limits;
 mod load;
 mod memory;
 mod motions;
@@ -26,6 +31,9 @@ mod reproduce;
 mod same;
 mod scale;
 mod scenario;
+mod shown;
+#[cfg(unix)]
+mod signals;
 mod small;
 mod soak;
 mod stones;

@@ -130,7 +130,7 @@ fn what_cannot_be_shown_is_said_in_one_line() {
     let below_a_file: PathBuf = folder.path().join("file/a.png");
     refused(run, &to(&[]), &below_a_file, 4, &["file"]);
     refused(&folder.path().join("none"), &to(&[]), &picture, 4, &["none", "manifest.json"]);
-    refused(&run.join("summary.json"), &to(&[]), &picture, 4, &["summary.json"]);
+    refused(&run.join("summary.json"), &to(&[]), &picture, 2, &["summary.json"]);
 }
 
 #[test]

@@ -10,7 +10,7 @@ use tempfile::TempDir;
 use super::viewer::browser::Browser;
 
 /// The whole programme with some twenty grains, once for all tests.
-fn programme() -> &'static Path {
+pub(super) fn programme() -> &'static Path {
     static MADE: OnceLock<TempDir> = OnceLock::new();
     let folder = MADE.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a temporary folder");

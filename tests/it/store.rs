@@ -82,7 +82,7 @@ fn a_stage_in_the_place_of_another_is_reported_and_done_again() {
     let args = ["export", out_text, "--stage", "pour", "--format", "csv", "--out", exported];
     let refused = pluvia(&args);
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert_eq!(refused.status.code(), Some(4), "law: it is not exported, got {said}");
+    assert_eq!(refused.status.code(), Some(2), "law: it is not exported, got {said}");
     assert!(said.contains("another stage"), "law: and reported, got {said}");
     let output = pluvia(&["run", scenario, "--out", out_text]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -124,4 +124,36 @@ fn the_next_command_removes_what_a_killed_one_left_and_nothing_else() {
     let args = ["grains", scenario, "--out", out_text, "--quiet"];
     assert!(pluvia(&args).status.success());
     assert!(!held.exists(), "law: any command removes it when its writer is gone");
+}
+
+/// Law: `view --save` and `stage` remove what the dead left where they write, too.
+#[test]
+fn a_saved_page_and_a_stage_remove_what_killed_ones_left() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = |path: &Path| path.to_str().expect("UTF-8").to_owned();
+    let leftover = |name: &str| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        fs::write(&path, "half").expect("a leftover");
+        path
+    };
+    let left = leftover("saved/.pluvia-Ab12cd.part");
+    let held = leftover("saved/.pluvia-living.part");
+    let writer = File::options().write(true).open(&held).expect("a file");
+    writer.lock().expect("held");
+    let file = folder.path().join("saved/run.html");
+    let output = pluvia(&["view", &text(finished()), "--save", &text(&file)]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(!left.exists() && held.exists(), "law: leftovers of the dead alone go");
+
+    let scenario = folder.path().join("layer.json");
+    fs::write(&scenario, super::small::layer(30.0).to_string()).expect("a scenario");
+    let out = text(&folder.path().join("sweep"));
+    let sweep = ["sweep", &text(&scenario), "--over", "seed=1,2", "--plan-only", "--out", &out];
+    let planned = pluvia(&sweep);
+    assert!(planned.status.success(), "{}", String::from_utf8_lossy(&planned.stderr));
+    let left = ["sweep/.pluvia-Ab12cd.part", "sweep/stages/.pluvia-Ab12cd.part"].map(leftover);
+    let listed = pluvia(&["stage", &out, "--list"]);
+    assert!(listed.status.success(), "{}", String::from_utf8_lossy(&listed.stderr));
+    assert!(!left.iter().any(|path| path.exists()), "law: nothing of the dead stays");
 }

@@ -294,3 +294,49 @@ fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
         .expect("the program starts");
     assert_eq!(unknown.status.code(), Some(2), "law: a stage that there is not is refused");
 }
+
+/// Law: collecting runs nothing. A stage whose files were changed counts as not stored, there and in
+/// the lists of what is to be done.
+#[test]
+fn collecting_and_listing_believe_no_damaged_stage() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (scenario, out) = (write(folder.path(), &small::layer(30.0)), folder.path().join("out"));
+    let over = ["--over", "contact.restitution=0.2,0.3"];
+    let (code, _, said) = sweep(&scenario, &out, &over);
+    assert_eq!(code, Some(0), "{said}");
+    let table = fs::read(out.join("sweep.csv")).expect("a table");
+    let stored = fs::read_dir(out.join("stages")).expect("stages").flatten().map(|e| e.path());
+    let is_pour = |path: &PathBuf| {
+        let record = fs::read_to_string(path.join("stage.json")).unwrap_or_default();
+        record.contains("\"stage\": \"pour\"")
+    };
+    let pour = stored.filter(is_pour).min().expect("a pour").join("specimen.json");
+    let content = fs::read_to_string(&pour).expect("a specimen");
+    let changed = content.replacen("0.0", "0.1", 1);
+    assert_ne!(changed, content, "a number is changed");
+    fs::write(&pour, &changed).expect("changed");
+    let pluvia = |args: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+        let output = command.args(args).arg("--json").output().expect("the program starts");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{args:?}: {said}");
+        serde_json::from_slice::<Value>(&output.stdout).expect("JSON")
+    };
+    let out_text = out.to_str().expect("UTF-8");
+    let listed = pluvia(&["stage", out_text, "--list"]);
+    let missing = listed["missing"].as_array().expect("levels").iter();
+    let missing: usize = missing.map(|level| level.as_array().map_or(0, Vec::len)).sum();
+    assert_eq!(missing, 1, "law: the changed stage is to be done again, got {listed}");
+    let found = pluvia(&["sweep", "--collect", "--out", out_text]);
+    let failures: Vec<&str> = found["runs"]
+        .as_array()
+        .expect("runs")
+        .iter()
+        .filter_map(|run| run["failure"].as_str())
+        .collect();
+    assert!(failures.len() == 1 && failures[0].contains("is not stored"), "law: got {failures:?}");
+    assert_eq!(fs::read_to_string(&pour).expect("a file"), changed, "law: nothing was run");
+    let (code, _, said) = sweep(&scenario, &out, &over);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(fs::read(out.join("sweep.csv")).expect("a table") == table, "law: made anew, the same");
+}

@@ -82,7 +82,10 @@ pub(super) fn objects(path: &Path) -> Result<Vec<Object>, ReadError> {
             return Err(ReadError::fault(message, format!(".{ending}"), ".obj, .stl or .ply"));
         }
     };
-    let unreadable = |e: std::io::Error| ReadError::Unreadable(e.to_string());
+    let unreadable = |e: std::io::Error| match input::Refusal::within(&e) {
+        Some(refusal) => ReadError::Fault(Fault::refused(path, refusal, "")),
+        None => ReadError::Unreadable(e.to_string()),
+    };
     let size = std::fs::metadata(path).map_err(unreadable)?.len();
     if size > input::LARGEST_MESH {
         let allowed = format!("at most {} MiB", input::LARGEST_MESH >> 20);

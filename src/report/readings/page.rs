@@ -10,7 +10,7 @@ use crate::{
     record::left_out_in_words,
     report::{
         Figure, Standard,
-        html::{figure_block, glue, head},
+        html::{figure_block, glue, head, name},
     },
 };
 
@@ -164,17 +164,17 @@ pub(super) fn html(
 
 fn about(c: &ReadingColumn, standard: Standard) -> Markup {
     html! {
-        h3 id={ "reading-" (c.name) } { (c.name) ": " (c.title) }
+        h3 id={ "reading-" (c.name) } { (name(&c.name)) ": " (name(&c.title)) }
         p { (glue(&c.meaning)) }
         p { (glue(&belief(c, standard))) }
-        p.soft { "Source: " (glue(&c.source)) " Settings: " code { (c.settings) } }
+        p.soft { "Source: " (glue(&c.source)) " Settings: " code { (name(&c.settings)) } }
         @if !c.failures.is_empty() {
-            ul { @for f in &c.failures { li { strong { (f.run) } " failed: " (f.reason) } } }
+            ul { @for f in &c.failures { li { strong { (name(&f.run)) } " failed: " bdi { (glue(&f.reason)) } } } }
         }
         @if !c.warnings.is_empty() {
             details {
                 summary { "Warnings (" (c.warnings.len()) ")" }
-                ul { @for w in &c.warnings { li { (w) } } }
+                ul { @for w in &c.warnings { li { bdi { (glue(w)) } } } }
             }
         }
     }
@@ -192,7 +192,7 @@ fn table(columns: &[ReadingColumn], rows: &[ReadingRow]) -> Markup {
         div.scroll { table.readings {
             thead { tr {
                 th { "" } th { "Paper" }
-                @for c in columns { th.n { a href={ "#reading-" (c.name) } { (c.name) } } }
+                @for c in columns { th.n { a href={ "#reading-" (c.name) } { (name(&c.name)) } } }
             } }
             @for (part, rows) in parts { tbody {
                 tr { th.part colspan=(columns.len() + 2) scope="rowgroup" { (part) } }

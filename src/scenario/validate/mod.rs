@@ -22,9 +22,9 @@ use crate::units::to_mm;
 
 use super::{
     CylinderSpec, EngineSettings, Fault, FunnelSpec, Grading, MeshGrains, Scenario, SettleSpec,
-    SievedGrains, StageSpec, TopPlateSpec, accessors::field, fault::misleads, source::shown,
-    unusual,
+    SievedGrains, StageSpec, TopPlateSpec, accessors::field, source::shown, unusual,
 };
+use crate::plain::misleads;
 
 /// The parts of a scenario that could be read.
 struct Parts {

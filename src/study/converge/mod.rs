@@ -113,8 +113,6 @@ pub(super) fn beside_other_builds(
 ) -> Result<Vec<RunRow>, StudyError> {
     let progress: &Arc<dyn Progress> = &options.progress;
     let Kept { rows, left_out } = keep_and_read(&options.out, programme, rows)?;
-    for file in left_out {
-        progress.message(&format!("{file} is of another design or version and left out"));
-    }
+    left_out.iter().for_each(|said| progress.message(said));
     Ok(rows)
 }

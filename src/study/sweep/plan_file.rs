@@ -180,7 +180,7 @@ impl SweepPlan {
                 path.display(),
             )));
         }
-        let plan = serde_json::from_value(json).map_err(|e| FileError::new("read", &path, e))?;
+        let plan = serde_json::from_value(json).map_err(|e| FileError::malformed(&path, e))?;
         Ok(plan)
     }
 

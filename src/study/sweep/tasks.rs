@@ -9,7 +9,8 @@ use super::{
     super::{
         RunOptions, StudyError,
         execute::execute,
-        plan::Plan,
+        held::held,
+        plan::{Plan, RunNodes},
         variations::{GrainSets, name_stages, planned_run},
     },
     SweepPlan, SweepStudy, edited,
@@ -131,8 +132,8 @@ impl SweepTasks {
     /// Numbers, within their level, of the stages of a level that are not stored.
     pub fn missing(&self, level: usize) -> Vec<usize> {
         let Some(nodes) = self.levels.get(level) else { return Vec::new() };
-        let is_missing = |n: &usize| !self.store.holds(self.plan.nodes[*n].key());
-        nodes.iter().enumerate().filter(|(_, n)| is_missing(n)).map(|(task, _)| task).collect()
+        let held = held(&self.plan, &self.store);
+        nodes.iter().enumerate().filter(|(_, n)| !held[**n]).map(|(task, _)| task).collect()
     }
 
     /// Carries out one stage and stores it; one that is stored is left alone.
@@ -149,8 +150,9 @@ impl SweepTasks {
             ))
         })?;
         let (chain, label) = (self.chain(node), self.plan.nodes[node].label.clone());
-        let needed = chain.nodes.iter().rev().skip(1).find(|n| !self.store.holds(n.key()));
-        if let Some(needed) = needed {
+        let is_held = held(&chain, &self.store);
+        let before = chain.nodes.len() - 1;
+        if let Some(needed) = (0..before).find(|n| !is_held[*n]).map(|n| &chain.nodes[n]) {
             return Err(StudyError::Scenario(format!(
                 "{label} goes on from {}, which is not stored",
                 needed.label
@@ -180,13 +182,14 @@ impl SweepTasks {
 
     /// How far it is.
     pub fn status(&self) -> SweepStatus {
-        let held = |n: &usize| self.store.holds(self.plan.nodes[*n].key());
-        let complete =
-            self.plan.runs.iter().filter(|run| run.stages.iter().chain(&run.control).all(held));
-        let failed = self.plan.nodes.iter().filter(|node| !self.store.holds(node.key()));
+        let is_held = held(&self.plan, &self.store);
+        let all = |run: &&RunNodes| run.stages.iter().chain(&run.control).all(|n| is_held[*n]);
+        let complete = self.plan.runs.iter().filter(all);
+        let nodes = self.plan.nodes.iter();
+        let failed = nodes.zip(&is_held).filter(|(_, held)| !**held).map(|(node, _)| node);
         SweepStatus {
             stages: self.plan.nodes.len(),
-            stored: (0..self.plan.nodes.len()).filter(held).count(),
+            stored: is_held.iter().filter(|held| **held).count(),
             runs: self.plan.runs.len(),
             complete: complete.count(),
             failed: failed

@@ -1,12 +1,12 @@
 //! Rows of both builds in one folder: what the program in single precision
 //! found stands beside what the program in double precision found.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::super::StudyError;
-use crate::record::{FileError, RunRow, create_folder, read_json, write_json};
+use crate::record::{Beside, RunRow, keep_beside};
 
 /// Folder of the rows in the output folder.
 const FOLDER: &str = "rows";
@@ -24,7 +24,7 @@ struct Rows {
 pub(in crate::study) struct Kept {
     /// Those of double precision first.
     pub rows: Vec<RunRow>,
-    /// Files that are left out: with rows of another programme, or unreadable.
+    /// What is said of files that are left out: with rows of another programme, or damaged.
     pub left_out: Vec<String>,
 }
 
@@ -38,25 +38,21 @@ pub(in crate::study) fn keep_and_read(
     programme: &str,
     rows: &[RunRow],
 ) -> Result<Kept, StudyError> {
-    let folder = out.join(FOLDER);
-    create_folder(&folder)?;
     let precision = rows.first().map_or("none", |r| r.precision.as_str());
-    let own = folder.join(format!("{precision}.json"));
-    write_json(&own, &Rows { programme: programme.to_owned(), rows: rows.to_vec() })?;
-    let unreadable = |e: std::io::Error| FileError::new("read", &folder, e);
-    let mut kept = Kept { rows: rows.to_vec(), left_out: Vec::new() };
-    for entry in fs::read_dir(&folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        if path == own || path.extension().is_none_or(|e| e != "json") {
-            continue;
-        }
-        // What another version wrote may not be read any more.
-        match read_json::<Rows>(&path) {
-            Ok(other) if other.programme == programme => kept.rows.extend(other.rows),
-            _ => kept.left_out.push(path.display().to_string()),
+    let own = Rows { programme: programme.to_owned(), rows: rows.to_vec() };
+    let name = format!("{precision}.json");
+    let Beside { others, damaged } = keep_beside(&out.join(FOLDER), &name, &own)?;
+    let mut kept = Kept { rows: rows.to_vec(), left_out: damaged };
+    for other in others {
+        if other.programme == programme {
+            kept.rows.extend(other.rows);
+        } else {
+            let precision = other.rows.first().map_or("none", |r| r.precision.as_str());
+            kept.left_out.push(format!(
+                "{FOLDER}/{precision}.json is of another design or version and left out"
+            ));
         }
     }
-    kept.left_out.sort();
     // A stable sort: within a precision the order stays.
     kept.rows.sort_by(|a, b| a.precision.cmp(&b.precision));
     Ok(kept)
@@ -89,10 +85,21 @@ mod tests {
         let again = keep("p", std::slice::from_ref(&b));
         assert_eq!(again, both, "law: a build's rows replace its own");
         let other = keep("q", std::slice::from_ref(&b));
-        assert_eq!(other.rows, [b], "law: another programme does not stand beside");
+        assert_eq!(other.rows, [b.clone()], "law: another programme does not stand beside");
         assert_eq!(other.left_out.len(), 1, "and that is told: {:?}", other.left_out);
-        fs::write(folder.path().join("rows/single.json"), "{}").expect("written");
-        let unreadable = keep("q", &other.rows);
-        assert_eq!(unreadable, other, "law: what cannot be read is left out and told");
+        let single = folder.path().join("rows/single.json");
+        let whole = std::fs::read_to_string(&single).expect("a file");
+        let edited = whole.replace("\"variation\": \"a\"", "\"variation\": \"b\"");
+        assert_ne!(edited, whole, "the row is changed");
+        std::fs::write(&single, edited).expect("written");
+        let got = keep("p", std::slice::from_ref(&b));
+        assert_eq!(got.rows, other.rows, "law: an edited row enters no table");
+        assert!(got.left_out[0].contains("single.json"), "law: it is told, got {:?}", got.left_out);
+        assert_eq!(
+            keep("p", std::slice::from_ref(&a)).rows.len(),
+            2,
+            "law: its build makes it anew"
+        );
+        assert_eq!(keep("p", &[b]).left_out, [""; 0], "law: then nothing is left out");
     }
 }

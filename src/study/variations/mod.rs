@@ -22,6 +22,7 @@ use serde::Serialize;
 use super::{
     StudyError,
     execute::{Executed, execute_each},
+    held::held,
     plan::{Plan, PlannedRun, stage_label},
     run::{RunOptions, kind_of, make_grains, write_grains, write_run},
 };
@@ -195,7 +196,8 @@ pub(super) fn collect_stored(
         for planned in planned(varied, number, &mut grains)? {
             let (run, row) = planned;
             let plan = Plan::new(std::slice::from_ref(&run))?;
-            let missing = plan.nodes.iter().find(|node| !store.holds(node.key()));
+            let missing = held(&plan, &store).into_iter().position(|held| !held);
+            let missing = missing.map(|n| &plan.nodes[n]);
             rows.extend(match missing {
                 Some(node) => {
                     let why = store.failure(node.key());

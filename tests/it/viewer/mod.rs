@@ -3,6 +3,8 @@
 
 pub mod browser;
 mod hostile;
+#[cfg(target_os = "linux")]
+mod opened;
 mod page;
 
 use std::{

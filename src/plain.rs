@@ -1,0 +1,71 @@
+//! Text of files and names as it may be shown: characters that are not seen but change what is
+//! seen stand as their code points. All that goes to a terminal passes here.
+
+use std::{borrow::Cow, path::Path};
+
+/// Whether a character is not seen but changes what is: one that controls a
+/// terminal, begins another line, or turns the direction of what follows
+/// (Unicode's `Bidi_Control`), so that a name reads as another. The noncharacters
+/// U+FDD0 to U+FDEF are among them: the command line marks its own colours by them.
+pub fn misleads(c: char) -> bool {
+    c.is_control()
+        || matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+        || matches!(c, '\u{fdd0}'..='\u{fdef}')
+}
+
+/// A text as one line: every character that misleads by its code point.
+pub fn plain(text: &str) -> Cow<'_, str> {
+    plain_but(text, |_| false)
+}
+
+/// A path as one line.
+pub fn plain_path(path: &Path) -> String {
+    plain(&path.display().to_string()).into_owned()
+}
+
+/// A text that may have several lines: the same, but ends of lines stay.
+pub fn plain_lines(text: &str) -> Cow<'_, str> {
+    plain_but(text, |c| c == '\n')
+}
+
+/// The same, but for characters that stay as they are.
+pub fn plain_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
+    let shown = |c: char| misleads(c) && !stays(c);
+    if !text.contains(shown) {
+        return Cow::Borrowed(text);
+    }
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        if shown(c) {
+            plain += &format!("\\u{:04x}", u32::from(c));
+        } else {
+            plain.push(c);
+        }
+    }
+    Cow::Owned(plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_misleads_is_shown_by_its_code_point() {
+        for (text, expected) in [
+            ("gravel 8\u{2013}16 mm, \u{540d}\u{524d} \u{1f327}", None),
+            ("a\u{200d}b", None), // joins letters, and is part of many a sign
+            ("a\u{7}b", Some("a\\u0007b")),
+            ("\u{1b}[31ma", Some("\\u001b[31ma")),
+            ("a\r\n\tb", Some("a\\u000d\\u000a\\u0009b")),
+            ("a\u{85}\u{9b}b", Some("a\\u0085\\u009bb")),
+            ("a\u{202e}b", Some("a\\u202eb")),
+            ("\u{2066}a\u{2069}", Some("\\u2066a\\u2069")),
+            ("a\u{200f}\u{61c}\u{2028}", Some("a\\u200f\\u061c\\u2028")),
+            ("a\u{fdd1}b", Some("a\\ufdd1b")),
+        ] {
+            let expected = expected.unwrap_or(text);
+            assert_eq!(plain(text), expected, "law: only what misleads is shown otherwise");
+        }
+        assert_eq!(plain_lines("a\n\u{1b}b\rc"), "a\n\\u001bb\\u000dc", "law: lines stay lines");
+    }
+}

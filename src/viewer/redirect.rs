@@ -1,0 +1,81 @@
+//! How a browser is told an address that nobody else may see: in a file that its owner alone can
+//! read. What programs are started with, every user of the machine can list.
+
+use std::{
+    fs::{self, File},
+    io::{self, Write},
+    path::{Path, PathBuf},
+};
+
+use tempfile::TempDir;
+
+/// Name of the file.
+const NAME: &str = "pluvia-view.html";
+
+/// A page on the disk that leads to an address; it is removed when this is dropped.
+#[derive(Debug)]
+pub struct Redirect {
+    file: PathBuf,
+    _folder: TempDir,
+}
+
+impl Redirect {
+    /// Writes the page into a new folder of the system's for temporary files. Folder and file are
+    /// for their owner alone.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn to(url: &str) -> io::Result<Self> {
+        let folder = tempfile::Builder::new().prefix("pluvia-view-").tempdir()?;
+        let file = folder.path().join(NAME);
+        let mut page = private(&file)?;
+        // The address is of our own making: letters, digits, and `:/.`.
+        writeln!(
+            page,
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <title>Pluvia</title>\n<meta name=\"referrer\" content=\"no-referrer\">\n\
+             <meta http-equiv=\"refresh\" content=\"0; url={url}\">\n</head>\n\
+             <body><a href=\"{url}\">The run</a></body>\n</html>"
+        )?;
+        page.flush()?;
+        Ok(Self { file, _folder: folder })
+    }
+
+    /// The page.
+    pub fn path(&self) -> &Path {
+        &self.file
+    }
+}
+
+/// A new file that its owner alone can read, from the moment it is there.
+fn private(path: &Path) -> io::Result<File> {
+    let mut options = fs::OpenOptions::new();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+    options.open(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_page_leads_to_the_address_is_private_and_goes() {
+        let redirect = Redirect::to("http://127.0.0.1:1/0123/").expect("written");
+        let path = redirect.path().to_owned();
+        let page = fs::read_to_string(&path).expect("a page");
+        assert!(page.contains("url=http://127.0.0.1:1/0123/\""), "law: it leads there: {page}");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            let mode =
+                |path: &Path| fs::metadata(path).expect("there").permissions().mode() & 0o777;
+            assert_eq!(mode(&path), 0o600, "law: nobody else reads it");
+            let folder = path.parent().expect("a folder");
+            assert_eq!(mode(folder), 0o700, "law: nobody else lists its folder");
+        }
+        drop(redirect);
+        assert!(!path.exists() && !path.parent().is_some_and(Path::exists), "law: nothing stays");
+    }
+}
