@@ -80,8 +80,8 @@ test-snakemake: setup ## have Snakemake carry out a sweep, and compare
 	cargo build --locked
 	bash scripts/test-snakemake.sh
 
-soak: setup ## kill runs and feed readers for $(MINUTES) minutes, with counts (docs/robustness.md)
-	PLUVIA_SOAK=$(MINUTES) cargo test --locked --release --test it -- soak_ --nocapture
+soak: setup ## faults of every class for $(MINUTES) minutes, with counts and a log (docs/robustness.md)
+	PLUVIA_SOAK=$(MINUTES) cargo test --locked --release --test it -- --exact soak::soak --nocapture
 
 load: OUT = out/load-$(GRAINS)
 load: build ## pour $(GRAINS) grains within LIMIT_MIB, LIMIT_MINUTES and the standard (docs/robustness.md)

@@ -2,16 +2,35 @@
 //! read or refused; a panic, an endless loop and a result that is not sound are
 //! faults. `fuzz_targets/` feeds them by libFuzzer, `tests/it/fuzz.rs` without.
 
-use std::{fs, path::Path};
+use std::{
+    fs,
+    path::Path,
+    sync::{Arc, atomic::AtomicBool},
+};
 
+use pluvia::export;
 use pluvia::grains::load_scenario;
 use pluvia::grains::{self, GrainSet, ParticleSizeDistribution};
-use pluvia::record::StageStore;
+use pluvia::protocol::Silent;
+use pluvia::record::{
+    StageRecord, StageStore, StoredState, check_store, hash_bytes, series_from_csv, to_csv,
+};
 use pluvia::scenario::{GrainsSpec, MeshGrains, SieveFraction, SievedGrains};
 use pluvia::specimen::SpecimenState;
+use pluvia::study::{
+    ConvergenceStudy, RunOptions, SensitivityStudy, StudyOptions, SweepPlan, SweepStudy,
+};
+use pluvia::viewer::{Desk, RunData, Site};
+
+/// In memory where the system has such a place: a million files need no disk.
+fn folder() -> tempfile::TempDir {
+    let made = tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir());
+    made.expect("a temporary folder")
+}
 
 thread_local! {
-    static FOLDER: tempfile::TempDir = tempfile::tempdir().expect("a temporary folder");
+    static FOLDER: tempfile::TempDir = folder();
+    static DESK: Desk = desk();
 }
 
 /// Hands a file of that content to `read`.
@@ -119,4 +138,177 @@ pub fn grains(data: &[u8]) {
         assert_sound(&set);
         assert_eq!(set.grains.len(), count, "law: as many grains as were counted");
     }
+}
+
+/// What a stage says of itself, or its series; whether it was read.
+pub fn reads_stage(data: &[u8]) -> bool {
+    let record = serde_json::from_slice::<StageRecord>(data);
+    if let Ok(record) = &record {
+        let text = serde_json::to_vec(record).expect("law: what was read can be written");
+        let again: StageRecord = serde_json::from_slice(&text).expect("law: and read again");
+        assert_eq!(&again, record, "law: nothing is lost by writing");
+    }
+    let series = series_from_csv(data);
+    if let Ok(rows) = &series {
+        let text = to_csv(rows).expect("law: rows that were read can be written");
+        let again = series_from_csv(&text).expect("law: and read again");
+        assert_eq!(to_csv(&again).expect("written"), text, "law: nothing is lost by writing");
+    }
+    with_file("store/0123456789/stage.json", data, |path| {
+        let root = path.ancestors().nth(2).expect("a folder");
+        let report = check_store(root).expect("law: a store is looked over whatever is in it");
+        assert_eq!(report.stages.len(), 1, "law: what is there is told");
+    });
+    record.is_ok() || series.is_ok_and(|rows| !rows.is_empty())
+}
+
+/// As [`reads_stage`].
+pub fn stage(data: &[u8]) {
+    reads_stage(data);
+}
+
+/// A checkpoint with these bytes in it and their hash; whether it is whole.
+pub fn reads_checkpoint(data: &[u8]) -> bool {
+    let steps = serde_json::from_slice::<serde_json::Value>(data).ok();
+    let steps = steps.and_then(|json| json["midway"]["steps"].as_u64()).unwrap_or(0);
+    let head = format!("pluvia checkpoint 2 {}\n", hash_bytes(data));
+    let mut whole = false;
+    let name = format!("legs/.legs-0123/{steps:020}.leg");
+    with_file(&name, &[head.as_bytes(), data].concat(), |path| {
+        let root = path.ancestors().nth(2).expect("a folder");
+        let report = check_store(root).expect("law: a store is looked over whatever is in it");
+        assert_eq!(report.checkpoints.len(), 1, "law: what is there is told");
+        whole = report.checkpoints[0].state == StoredState::Whole;
+        fs::remove_file(path).expect("removed");
+    });
+    whole
+}
+
+/// As [`reads_checkpoint`].
+pub fn checkpoint(data: &[u8]) {
+    reads_checkpoint(data);
+}
+
+/// A run's manifest, beside grains and a specimen; whether the run is read.
+pub fn reads_manifest(data: &[u8]) -> bool {
+    let mut read = false;
+    with_file("run/manifest.json", data, |path| {
+        let folder = path.parent().expect("a folder");
+        beside(folder, "grains.json", include_bytes!("beside/grains.json"));
+        beside(folder, "specimen.json", include_bytes!("beside/specimen.json"));
+        if let Ok(run) = export::read_run(folder, None) {
+            assert_sound(&run.specimen.grains);
+            read = true;
+        }
+        let _ = export::read_run(folder, Some("1"));
+        let _ = export::read_playback(folder);
+    });
+    read
+}
+
+/// As [`reads_manifest`].
+pub fn manifest(data: &[u8]) {
+    reads_manifest(data);
+}
+
+/// Writes a file unless it is there.
+fn beside(folder: &Path, name: &str, content: &[u8]) {
+    let path = folder.join(name);
+    if !path.exists() {
+        fs::write(path, content).expect("written");
+    }
+}
+
+fn nowhere(out: &Path) -> RunOptions {
+    RunOptions {
+        out: out.to_owned(),
+        jobs: 1,
+        frames: false,
+        cancel: Arc::new(AtomicBool::new(true)),
+        progress: Arc::new(Silent),
+    }
+}
+
+/// The design of a convergence or sensitivity study; whether it is one.
+pub fn reads_design(data: &[u8]) -> bool {
+    let mut read = false;
+    with_file("study/design.json", data, |path| {
+        let folder = path.parent().expect("a folder");
+        beside(folder, "scenario.json", include_bytes!("beside/scenario.json"));
+        for quick in [false, true] {
+            let options = StudyOptions {
+                design: Some(path.to_owned()),
+                quick,
+                configurations: None,
+                run: nowhere(folder),
+            };
+            read |= ConvergenceStudy::read(&options).is_ok();
+            read |= SensitivityStudy::read(&options).is_ok();
+        }
+    });
+    read
+}
+
+/// As [`reads_design`].
+pub fn design(data: &[u8]) {
+    reads_design(data);
+}
+
+/// More points than these take too long.
+const MOST_POINTS: usize = 50;
+
+/// The plan of a sweep, beside its scenario; whether it can be carried out.
+pub fn reads_plan(data: &[u8]) -> bool {
+    let mut read = false;
+    with_file("sweep/plan.json", data, |path| {
+        let folder = path.parent().expect("a folder");
+        beside(folder, "scenario.json", include_bytes!("beside/scenario.json"));
+        let Ok(plan) = SweepPlan::read(folder) else { return };
+        let text = serde_json::to_vec(&plan).expect("law: a plan that was read can be written");
+        let again: SweepPlan = serde_json::from_slice(&text).expect("law: and read again");
+        assert_eq!(again, plan, "law: nothing is lost by writing");
+        let few = plan.samples.is_none_or(|samples| samples <= MOST_POINTS);
+        if let Ok(options) = plan.options(nowhere(folder)) {
+            let each = options.over.iter().map(|factor| factor.values.len().max(1));
+            if few && each.fold(1, usize::saturating_mul) <= MOST_POINTS {
+                read = SweepStudy::new(options).is_ok();
+            }
+        }
+    });
+    read
+}
+
+/// As [`reads_plan`].
+pub fn plan(data: &[u8]) {
+    reads_plan(data);
+}
+
+fn desk() -> Desk {
+    let bytes = b"PLUVIEW1".to_vec();
+    let run =
+        RunData { scenario: "s".to_owned(), grains: 0, stages: 0, frames: 0, kept: true, bytes };
+    Desk::new(Site::new(run), 4321).expect("random numbers")
+}
+
+/// The head of a request to the viewer, in which `TOKEN` stands for the token; whether it is
+/// served a file.
+pub fn reads_request(data: &[u8]) -> bool {
+    DESK.with(|desk| {
+        let mut request = data.to_vec();
+        let asked = b"TOKEN";
+        while let Some(at) = request.windows(asked.len()).position(|w| w == asked) {
+            request.splice(at..at + asked.len(), desk.path().into_bytes());
+        }
+        let knows = request.windows(desk.path().len()).any(|w| w == desk.path().as_bytes());
+        let Some(answer) = desk.answer(&request) else { return false };
+        assert!(answer.starts_with(b"HTTP/1.1 "), "law: an answer is one of HTTP");
+        let served = answer.starts_with(b"HTTP/1.1 200 ");
+        assert!(!served || knows, "law: nobody is served who does not know the token");
+        served
+    })
+}
+
+/// As [`reads_request`].
+pub fn request(data: &[u8]) {
+    reads_request(data);
 }

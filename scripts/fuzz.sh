@@ -19,7 +19,7 @@ fail() {
     exit 1
 }
 
-targets=(scenario mesh specimen grains)
+targets=(scenario mesh specimen grains stage checkpoint manifest design plan request)
 folder=$PWD/target/fuzz
 # Files of a kept corpus, and bytes of each: enough to begin with, few enough to
 # be read in every test run.

@@ -122,6 +122,15 @@ impl<W: Write + Send> Progress for Lines<W> {
         }
     }
 
+    fn leave_stage(&self, id: u64) {
+        let mut state = lock(&self.state);
+        if let Some(stage) = state.running.remove(&id) {
+            let took = super::table::duration(stage.began.elapsed().as_secs_f64());
+            state.overall.end_stage(id);
+            state.line(&format!("{}: not finished, left after {took}", stage.name));
+        }
+    }
+
     fn message(&self, text: &str) {
         lock(&self.state).line(text);
     }
@@ -153,6 +162,16 @@ mod tests {
         assert!(got[0].contains("pour: begins"), "{got:?}");
         assert_eq!(got[1], "hello");
         assert!(got[2].contains("pour: ended"), "{got:?}");
+    }
+
+    #[test]
+    fn a_stage_that_is_given_up_is_not_said_to_have_ended() {
+        let progress = Lines::every(Duration::ZERO, Vec::new());
+        progress.begin_stage(1, "pour", 4.0);
+        progress.leave_stage(1);
+        progress.end_stage(1);
+        let text = String::from_utf8(lock(&progress.state).out.clone()).expect("text");
+        assert!(text.contains("pour: not finished") && !text.contains("ended"), "law: got {text}");
     }
 
     #[test]

@@ -19,8 +19,12 @@ pub trait Progress: Send + Sync {
     }
     /// A stage has reached a simulated time in s; the note says what matters most just now.
     fn update(&self, id: u64, simulated: f64, note: &str);
-    /// A stage has ended.
+    /// A stage has ended, and its result is kept.
     fn end_stage(&self, id: u64);
+    /// A stage is given up: it failed, or was asked to stop.
+    fn leave_stage(&self, id: u64) {
+        self.end_stage(id);
+    }
     /// Something a reader should know at once.
     fn message(&self, text: &str);
 }

@@ -242,7 +242,10 @@ impl StageStore {
             fs::set_permissions(part.path(), fs::Permissions::from_mode(0o755)).map_err(refused)?;
         }
         sync_folder(part.path()).map_err(refused)?;
-        if let Some(first) = self.publish(part.path(), &target, asked)? {
+        let first = self.publish(part.path(), &target, asked)?;
+        // It failed before, perhaps for lack of memory, and does so no more.
+        let _ = fs::remove_file(self.failed_file(&asked.identity.key));
+        if let Some(first) = first {
             let differs = first.record.specimen_sha256 != stage.record.specimen_sha256;
             let note = differs.then(|| {
                 format!(

@@ -74,6 +74,17 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     fs::read_dir(folder).expect("a folder").flatten().map(|e| e.path()).collect()
 }
 
+/// Law: what failed, for lack of memory perhaps, is as if it had not once it is stored.
+#[test]
+fn a_stage_that_is_stored_has_not_failed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = StageStore::open(folder.path()).expect("a store");
+    let kept = store.keep_failed(&key(), &made().state, "no memory").expect("it is kept");
+    assert_eq!(store.failure(&key()).as_deref(), Some("no memory"));
+    store.save(&asked(&named("rest", 1)), made(), None).expect("it is stored");
+    assert!(!kept.exists() && store.failure(&key()).is_none(), "law: nothing is left of it");
+}
+
 #[test]
 fn what_is_stored_comes_back_and_nothing_else_is_left() {
     let root = tempfile::tempdir().expect("a folder");

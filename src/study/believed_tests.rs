@@ -7,6 +7,11 @@ use std::{
     sync::{Arc, Mutex, atomic::AtomicBool},
 };
 
+#[path = "crafts.rs"]
+mod crafts;
+
+use crafts::{craft, crafts};
+
 use crate::geometry::Pose;
 use crate::protocol::Progress;
 use crate::record::{
@@ -45,22 +50,6 @@ fn run(plan: &Plan, folder: &Path) -> (Vec<Arc<StoredStage>>, Vec<String>) {
     (done, reported.0.into_inner().expect("nobody panicked"))
 }
 
-/// Puts a state and a series in the place of those of a stage, with their hashes.
-fn craft(folder: &Path, stage: &StoredStage) {
-    let state = serde_json::to_vec(&stage.state).expect("JSON");
-    let series = to_csv(&stage.series).expect("CSV");
-    write_file(&folder.join("specimen.json"), &state).expect("written");
-    write_file(&folder.join("series.csv"), &series).expect("written");
-    let path = folder.join("stage.json");
-    let mut record: StageRecord = read_json(&path).expect("a record");
-    record.simulated_s = stage.record.simulated_s;
-    record.specimen_sha256 = hash_bytes(&state);
-    record.series_sha256 = hash_bytes(&series);
-    record.record_sha256 = String::new();
-    record.record_sha256 = hash_json(&record);
-    write_json(&path, &record).expect("written");
-}
-
 #[test]
 fn crafted_states_with_their_hashes_are_made_anew() {
     let (own, mut other) = (scenario(50.0), scenario(50.0));
@@ -74,47 +63,10 @@ fn crafted_states_with_their_hashes_are_made_anew() {
     let (others, _) = run(&slippery, folder.path());
 
     let [fill, pour] = [plan.runs[0].stages[0], plan.runs[0].stages[1]];
-    let changed = |change: &dyn Fn(&mut StoredStage)| {
-        let mut stage = StoredStage::clone(&done[pour]);
-        change(&mut stage);
-        stage
-    };
-    let crafts = [
-        ("another friction's pour", others[pour].as_ref().clone()),
-        ("the stage before", done[fill].as_ref().clone()),
-        ("too few bodies", changed(&|s| s.state.bodies.truncate(3))),
-        ("too many bodies", changed(&|s| s.state.bodies.push(s.state.bodies[0]))),
-        (
-            "a grain beside the cylinder",
-            changed(&|s| {
-                s.state.bodies[0].body.pose.translation.vector.x += 0.2;
-            }),
-        ),
-        ("grains in each other", changed(&|s| s.state.bodies[1].body = s.state.bodies[0].body)),
-        (
-            "all lifted",
-            changed(&|s| {
-                s.state.bodies.iter_mut().for_each(|g| g.body.pose.translation.vector.z += 1e-3);
-            }),
-        ),
-        ("a grain taken out", changed(&|s| s.state.bodies[0].fate = Fate::Spilled)),
-        (
-            "the funnel still there",
-            changed(&|s| {
-                s.state.funnel = done[fill].state.funnel;
-            }),
-        ),
-        (
-            "a fixed grain that there is not",
-            changed(&|s| {
-                let fixed_grains = vec![FixedGrain { grain: 1 << 40, pose: Pose::identity() }];
-                s.state.base = Some(Base { radius: 0.1, friction: None, fixed_grains });
-            }),
-        ),
-        ("a later time", changed(&|s| s.state.time += 1.0)),
-        ("no series", changed(&|s| s.series.clear())),
-    ];
-    for (what, stage) in crafts {
+    let mut all = crafts(&done[pour], &done[fill]);
+    all.push(("another friction's pour", others[pour].as_ref().clone()));
+    assert_eq!(all.len(), 12, "law: every craft is tried");
+    for (what, stage) in all {
         let place = StageStore::folder_in(folder.path(), plan.nodes[pour].key());
         craft(&place, &stage);
         let (again, reported) = run(&plan, folder.path());

@@ -184,9 +184,11 @@ impl Shop<'_> {
             // Whoever waits for this stage waits for ever if a panic keeps it from being counted.
             let result = caught(|| self.finish(node, of_plan, parent.as_deref(), cores));
             let result = result.unwrap_or_else(|what| {
-                let _ = caught(|| self.progress.end_stage(node as u64));
                 Err(StudyError::Fault { stage: of_plan.label.clone(), what })
             });
+            if result.is_err() {
+                let _ = caught(|| self.progress.leave_stage(node as u64));
+            }
             let mut held = lock(board);
             held.running -= 1;
             match result {
@@ -276,7 +278,6 @@ impl Shop<'_> {
             &mut recorder,
             self.cancel,
         );
-        progress.end_stage(id);
         if let Some(error) = recorder.fault() {
             return Err(kept(error));
         }
@@ -325,6 +326,8 @@ impl Shop<'_> {
         if let Some(checkpoints) = checkpoints {
             checkpoints.remove();
         }
+        // Not before it is on the disk: whoever reads that it ended relies on it.
+        progress.end_stage(id);
         Ok(stored)
     }
 

@@ -3,7 +3,7 @@
 use std::{
     fs,
     path::Path,
-    sync::{Arc, atomic::AtomicBool},
+    sync::{Arc, Mutex, atomic::AtomicBool},
 };
 
 use super::{
@@ -14,7 +14,7 @@ use super::{
 };
 use crate::geometry::Vector;
 use crate::grains::generate;
-use crate::protocol::Silent;
+use crate::protocol::{Progress, Silent};
 use crate::record::{AskedStage, RunKind, StageStore, StoredStage};
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
 use crate::world::{BodyState, World, scripted::ScriptedWorld};
@@ -52,6 +52,37 @@ fn carry_out(plan: &Plan, folder: &Path, jobs: usize) -> Done {
     let _turn = crate::world::shared_turn();
     let store = StageStore::open(folder).expect("a store");
     execute(plan, &store, jobs, &crate::world::create, &AtomicBool::new(false), &Silent)
+}
+
+/// Notes whether stages were stored when it was said that they ended.
+struct Announced<'a> {
+    plan: &'a Plan,
+    folder: &'a Path,
+    stored: Mutex<Vec<bool>>,
+}
+
+impl Progress for Announced<'_> {
+    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
+    fn update(&self, _: u64, _: f64, _: &str) {}
+    fn end_stage(&self, id: u64) {
+        let key = self.plan.nodes[id as usize].key();
+        let record = StageStore::folder_in(self.folder, key).join("stage.json");
+        self.stored.lock().expect("nobody panicked").push(record.is_file());
+    }
+    fn message(&self, _: &str) {}
+}
+
+/// Law: a stage has not ended before it is stored; with the power gone meanwhile it is lost.
+#[test]
+fn a_stage_is_said_to_have_ended_when_it_is_stored() {
+    let _turn = crate::world::shared_turn();
+    let plan = plan(&[planned(scenario(0.0))]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = StageStore::open(folder.path()).expect("a store");
+    let told = Announced { plan: &plan, folder: folder.path(), stored: Mutex::default() };
+    execute(&plan, &store, 1, &crate::world::create, &AtomicBool::new(false), &told).expect("done");
+    let stored = told.stored.into_inner().expect("nobody panicked");
+    assert_eq!(stored, vec![true; plan.nodes.len()], "law: each was stored when it was announced");
 }
 
 /// The parts of stored stages that must not depend on anything but the plan.

@@ -3,6 +3,7 @@
 //! machine. `docs/viewer.md` is the user's guide and describes the data.
 
 mod data;
+mod desk;
 mod links;
 mod page;
 mod redirect;
@@ -11,6 +12,7 @@ mod server;
 mod shapes;
 
 pub use data::{FORMAT, MAGIC, RunData, VERSION, read_run_data};
+pub use desk::Desk;
 pub use page::{Site, self_contained};
 pub use redirect::Redirect;
 pub use server::{Server, ServerError};

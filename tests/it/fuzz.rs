@@ -1,6 +1,6 @@
 //! The readers of `fuzz/targets.rs` on the corpora of `fuzz/corpus/` and what
-//! becomes of these by mutation: some of each in every test run, and for as
-//! long as one likes by `make soak`. It needs no nightly compiler, and knows
+//! becomes of these by mutation: some of each in every test run, and very many
+//! by `make soak`. It needs no nightly compiler, and knows
 //! nothing of coverage, unlike cargo-fuzz.
 
 #[path = "../../fuzz/targets.rs"]
@@ -16,15 +16,21 @@ use std::{
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-use super::soak::{self, Soak};
+use super::soak::{ANSWERED, Ground, INPUTS};
 
 type Target = (&'static str, fn(&[u8]));
 
-const TARGETS: [Target; 4] = [
+const TARGETS: [Target; 10] = [
     ("scenario", targets::scenario),
     ("mesh", targets::mesh),
     ("specimen", targets::specimen),
     ("grains", targets::grains),
+    ("stage", targets::stage),
+    ("checkpoint", targets::checkpoint),
+    ("manifest", targets::manifest),
+    ("design", targets::design),
+    ("plan", targets::plan),
+    ("request", targets::request),
 ];
 
 /// No input may take longer, whatever the machine does beside.
@@ -127,36 +133,52 @@ fn corpora_are_read_or_refused() {
     }
 }
 
+/// Mutations of each corpus in every test run.
+const FEW: usize = 300;
+
 #[test]
 fn a_few_mutations_of_them_are_too() {
     for target in TARGETS {
         let (corpus, mut rng) = (corpus(target.0), Pcg64::seed_from_u64(3));
         // The same ones on every machine, however fast.
-        for _ in 0..300 {
+        for _ in 0..FEW {
             feed(target, &mutated(&corpus, &mut rng));
         }
     }
 }
 
-/// `make soak`: mutations for as long as there is time.
-#[test]
-fn soak_fuzz() {
-    let Some(soak) = Soak::begin() else { return };
-    let corpora = TARGETS.map(|(name, _)| corpus(name));
-    let mut rng = Pcg64::seed_from_u64(soak::seed());
-    let mut fed = [0u64; TARGETS.len()];
-    while soak.goes_on() {
-        for ((target, corpus), fed) in TARGETS.into_iter().zip(&corpora).zip(&mut fed) {
-            // As long for each, whatever one input takes.
-            let until = Instant::now() + Duration::from_millis(500);
-            while Instant::now() < until {
-                feed(target, &mutated(corpus, &mut rng));
-                *fed += 1;
-            }
+/// Most inputs of a reader in a round: quick ones must not make up the numbers of slow ones.
+const MOST: u64 = 2000;
+
+/// `make soak`: mutations for every reader, half a second of each or so many.
+pub fn round(ground: &mut Ground) {
+    for target in TARGETS {
+        let (corpus, begun) = (corpus(target.0), Instant::now());
+        let mut fed = 0;
+        while fed < MOST && begun.elapsed() < Duration::from_millis(500) {
+            feed(target, &mutated(&corpus, &mut ground.rng));
+            fed += 1;
         }
+        ground.log.cases(INPUTS, target.0, ANSWERED, fed);
     }
-    for ((name, _), fed) in TARGETS.iter().zip(fed) {
-        println!("soak, fuzz, {name}: {fed} inputs, all read or refused");
+}
+
+/// Law: what fuzzing begins with is sound, or mutations of it would all be refused at once.
+#[test]
+fn corpora_hold_inputs_that_are_read() {
+    type Reads = fn(&[u8]) -> bool;
+    let readers: [(&str, Reads, usize); 6] = [
+        ("stage", targets::reads_stage, 4),
+        ("checkpoint", targets::reads_checkpoint, 3),
+        ("manifest", targets::reads_manifest, 2),
+        ("design", targets::reads_design, 3),
+        ("plan", targets::reads_plan, 3),
+        ("request", targets::reads_request, 2),
+    ];
+    for (name, reads, expected) in readers {
+        let read = corpus(name).iter().filter(|data| reads(data)).count();
+        assert!(read >= expected, "law: {expected} of {name} are read, got {read}");
+        assert!(!reads(b"\0"), "law: what is none is not");
     }
 }
 

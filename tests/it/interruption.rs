@@ -10,17 +10,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use rand::{Rng, RngExt, SeedableRng};
-use rand_pcg::Pcg64;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use super::{
-    legs::in_legs_timed,
-    same::{assert_same_files, assert_whole_files, half_written},
-    small,
-    soak::{self, Soak},
-};
+use super::{same::assert_same_files, small};
 
 /// Forty grams of gravel, poured and shaken for half a second.
 pub fn write_scenario(folder: &Path) -> PathBuf {
@@ -128,108 +121,4 @@ fn killed_in_the_middle_and_started_again_gives_the_same_as_uninterrupted() {
     assert!(pluvia(&scenario, &killed).status().expect("started").success());
     assert_same(finished(), &killed, "killed and started again");
     assert_same_files(finished(), &killed, "killed and started again");
-}
-
-/// What can be killed: a command that writes into a folder, what it leaves
-/// uninterrupted, and how long that takes.
-struct Victim<'a> {
-    command: &'a dyn Fn(&Path) -> Command,
-    whole: PathBuf,
-    takes: Duration,
-}
-
-impl<'a> Victim<'a> {
-    /// Carries it out once without a kill.
-    fn new(command: &'a dyn Fn(&Path) -> Command, whole: PathBuf) -> Self {
-        let started = Instant::now();
-        assert!(command(&whole).status().expect("started").success(), "law: it can be done");
-        Self { command, whole, takes: started.elapsed() }
-    }
-
-    /// Kills it so many times, at moments drawn at random of which early ones
-    /// are likelier, then has it finish, and compares. One that is over before it is
-    /// killed begins anew, with less time where it had been given all of it: the
-    /// machine may have less to do than when it was timed.
-    fn survives(&self, killed: &Path, kills: u32, rng: &mut impl Rng) {
-        let (mut met, mut tried, mut takes, mut whole) = (0, 0, self.takes, true);
-        while met < kills {
-            tried += 1;
-            assert!(tried <= 20 * kills, "law: it can be killed on its way, {met} of {kills} met");
-            let mut run = (self.command)(killed).spawn().expect("started");
-            let after = takes.mul_f64(rng.random::<f64>().powi(2));
-            sleep(after);
-            // Killed outright (SIGKILL), whatever it is doing.
-            let _ = run.kill();
-            let ended = run.wait().expect("ended");
-            let what = format!("kill {tried} after {after:?}");
-            assert_whole_files(killed, &self.whole, &what);
-            if ended.success() {
-                assert_same_files(&self.whole, killed, &what);
-                fs::remove_dir_all(killed).expect("removed");
-                takes = if whole { takes.mul_f64(0.7) } else { takes };
-            } else {
-                met += 1;
-            }
-            whole = ended.success();
-        }
-        let last = (self.command)(killed).status().expect("started");
-        assert!(last.success(), "law: after {kills} kills it can be finished");
-        assert_same_files(&self.whole, killed, &format!("{kills} kills"));
-        let left = half_written(killed);
-        assert!(left.is_empty(), "law: after {kills} kills nothing half written stays: {left:?}");
-    }
-}
-
-/// The whole programme on some fifteen grains.
-fn reproduce(out: &Path) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    command.args(["reproduce", "--quick", "--configurations", "1", "--quiet", "--jobs", "2"]);
-    command.args(["--set", "grains.total_mass_g=30", "--set", "control_s=0.2", "--out"]);
-    command.arg(out).stdout(Stdio::null()).stderr(Stdio::null());
-    command
-}
-
-#[test]
-fn killed_at_random_moments_a_run_leaves_only_whole_files_and_ends_the_same() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario_in_legs(folder.path());
-    let command = |out: &Path| pluvia(&scenario, out);
-    let (whole, takes) = in_legs_timed();
-    let run = Victim { command: &command, whole: whole.path().join("out"), takes: *takes };
-    run.survives(&folder.path().join("killed"), 3, &mut Pcg64::seed_from_u64(7));
-}
-
-/// `make soak`: a run, a run in many legs and the whole programme, killed over
-/// and over.
-#[test]
-fn soak_kills() {
-    let Some(soak) = Soak::begin() else { return };
-    let folder = tempfile::tempdir().expect("a folder");
-    let scenario = write_scenario(folder.path());
-    let in_legs = write_scenario_in_legs(folder.path());
-    let run = |out: &Path| pluvia(&scenario, out);
-    let run_in_legs = |out: &Path| pluvia(&in_legs, out);
-    let victims = [
-        ("run in legs", Victim::new(&run_in_legs, folder.path().join("legs"))),
-        ("run", Victim::new(&run, folder.path().join("run"))),
-        ("reproduce", Victim::new(&reproduce, folder.path().join("reproduce"))),
-    ];
-    let mut rng = Pcg64::seed_from_u64(soak::seed());
-    let mut counts = [[0; 2]; 3];
-    while soak.goes_on() {
-        for ((_, victim), [rounds, kills]) in victims.iter().zip(&mut counts) {
-            if !soak.goes_on() {
-                break;
-            }
-            let killed = folder.path().join("killed");
-            let wanted = rng.random_range(2..12);
-            victim.survives(&killed, wanted, &mut rng);
-            *kills += wanted;
-            *rounds += 1;
-            fs::remove_dir_all(&killed).expect("removed");
-        }
-    }
-    for ((name, _), [rounds, kills]) in victims.iter().zip(counts) {
-        println!("soak, kills, {name}: {kills} kills in {rounds} rounds, all ended the same");
-    }
 }

@@ -14,7 +14,7 @@ use pluvia::world::{
     self, Body, BodyState, Material, Motion, PairCoefficients, PairTable, RememberedContact, World,
 };
 
-use super::soak::Soak;
+use super::soak::Ground;
 
 /// How many worlds the other process is to make, and after how many each it is to
 /// say what it holds; set in that one alone.
@@ -279,19 +279,10 @@ fn what_worlds_leave_behind_is_found() {
     assert!(growth(&none).is_ok(), "law: nothing is found where nothing is leaked, got {none:?}");
 }
 
-/// `make soak`: two thousand worlds at a time, for as long as there is time.
-#[test]
-fn soak_leaks() {
-    let Some(soak) = Soak::begin() else { return };
-    let mut worlds = 0;
-    while soak.goes_on() {
-        let held = held(20 * FIRST, FIRST, Leak::Nothing);
-        worlds += 20 * FIRST;
-        let grown = growth(&held).unwrap_or_else(|grown| panic!("{grown}"));
-        println!(
-            "soak, worlds: {worlds} made and dropped, the last 2000 in one process, which held \
-             {} bytes after the first hundred and {grown} more at the end",
-            held[0].bytes
-        );
-    }
+/// `make soak`: two thousand worlds in a process.
+pub fn round(ground: &mut Ground) {
+    let held = held(20 * FIRST, FIRST, Leak::Nothing);
+    growth(&held).unwrap_or_else(|grown| panic!("{grown}"));
+    let outcome = "made and dropped, as many bytes held at the end as after the first hundred";
+    ground.log.cases("worlds", "both contact solvers", outcome, 20 * FIRST as u64);
 }

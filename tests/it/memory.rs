@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path, thread::sleep, time::Duration};
 
-use super::{interruption::pluvia, small, soak::Soak};
+use super::{interruption::pluvia, small, soak::Ground};
 
 /// How much more memory, in MiB, a run of three times the length may take: what
 /// is held of a series and drawn of it is some 400 bytes a row, 0.2 MiB for 500
@@ -62,15 +62,12 @@ fn peak_of(status: &str) -> Option<f64> {
 }
 
 /// `make soak`: 20 s and 60 s of shaking.
-#[test]
-fn soak_memory_is_flat_over_a_long_run() {
-    if Soak::begin().is_none() {
-        return;
-    }
+pub fn round(ground: &mut Ground) {
     let folder = tempfile::tempdir().expect("a folder");
     let [short, long] = [20.0, 60.0].map(|shaken_s| peak_mib(folder.path(), shaken_s));
     println!("soak, memory: {short:.1} MiB for 20 s of shaking, {long:.1} MiB for 60 s");
     if let Err(found) = flat(short, long) {
         panic!("{found}");
     }
+    ground.log.case("memory", "20 s and 60 s of shaking", "no more for the longer");
 }

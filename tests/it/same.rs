@@ -11,9 +11,6 @@ use serde_json::Value;
 /// What depends on the machine's speed, and the sum of a record that holds it.
 const TIMINGS: [&str; 4] = ["wall_s", "engine_s", "peak_memory_mib", "record_sha256"];
 
-/// The report tells how long it took.
-const TELLS_TIME: [&str; 1] = ["report.html"];
-
 /// A JSON value without what depends on the machine's speed.
 fn timeless(value: &mut Value) {
     match value {
@@ -26,19 +23,69 @@ fn timeless(value: &mut Value) {
     }
 }
 
+/// Whether a text is a wall time as reports have it: `0.4 s`, `12.0 min`, `1.5 h`.
+fn is_time(text: &str) -> bool {
+    let parts = text.split_once(' ');
+    parts.is_some_and(|(number, unit)| {
+        ["s", "min", "h"].contains(&unit) && number.parse::<f64>().is_ok()
+    })
+}
+
+/// A page without the wall times that end rows of its tables.
+fn timeless_page(text: &str) -> String {
+    const END: &str = "</td></tr>";
+    let mut rows = text.split(END).peekable();
+    let mut page = String::with_capacity(text.len());
+    while let Some(row) = rows.next() {
+        let cell = row.rfind('>').map_or(0, |at| at + 1);
+        let is_last = rows.peek().is_none();
+        page += if !is_last && is_time(&row[cell..]) { &row[..cell] } else { row };
+        if !is_last {
+            page += END;
+        }
+    }
+    page
+}
+
+/// A table without the columns that depend on the machine's speed.
+fn timeless_table(bytes: &[u8]) -> Option<Vec<Vec<String>>> {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(bytes);
+    let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().ok()?;
+    let kept: Vec<usize> = (0..rows.first()?.len())
+        .filter(|&column| !TIMINGS.contains(&rows[0].get(column).unwrap_or_default()))
+        .collect();
+    let row = |row: &csv::StringRecord| {
+        kept.iter().map(|&column| row.get(column).unwrap_or_default().to_owned()).collect()
+    };
+    Some(rows.iter().map(row).collect())
+}
+
 /// Whether two files hold the same but for timings.
 fn same_content(a: &Path, b: &Path) -> bool {
     let (Ok(one), Ok(two)) = (fs::read(a), fs::read(b)) else { return false };
-    if one == two || TELLS_TIME.iter().any(|name| a.ends_with(name)) {
+    if one == two {
         return true;
     }
-    let parsed = |bytes: &[u8]| {
-        let mut value: Value = serde_json::from_slice(bytes).ok()?;
-        timeless(&mut value);
-        Some(value)
-    };
-    let is_json = a.extension().is_some_and(|e| e == "json");
-    is_json && parsed(&one).is_some_and(|one| Some(one) == parsed(&two))
+    match a.extension().and_then(|e| e.to_str()) {
+        Some("json") => {
+            let parsed = |bytes: &[u8]| {
+                let mut value: Value = serde_json::from_slice(bytes).ok()?;
+                timeless(&mut value);
+                Some(value)
+            };
+            parsed(&one).is_some_and(|one| Some(one) == parsed(&two))
+        }
+        Some("html") => {
+            let page = |bytes| std::str::from_utf8(bytes).ok().map(timeless_page);
+            page(&one).is_some_and(|one| Some(one) == page(&two))
+        }
+        Some("csv") => {
+            // Bytes that are cut off may leave the same cells.
+            let ended = one.ends_with(b"\n") && two.ends_with(b"\n");
+            ended && timeless_table(&one).is_some_and(|one| Some(one) == timeless_table(&two))
+        }
+        _ => false,
+    }
 }
 
 /// The files under a folder, relative to it, without those of a temporary name.
@@ -118,4 +165,38 @@ fn differences_are_found_and_timings_are_none() {
     fs::remove_file(a.join("b.csv")).expect("removed");
     assert_eq!(differences(&a, &b).len(), 1, "law: what is not there is not torn");
     assert_ne!(files(&a), files(&b), "law: a file that is missing is seen");
+}
+
+#[test]
+fn a_torn_or_changed_report_is_found_and_its_times_are_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [a, b] = ["a", "b"].map(|name| folder.path().join(name));
+    let page = |height: f64, wall: &str| {
+        format!("<table><tr><td>{height} mm</td><td class=\"n\">{wall}</td></tr></table><p>End</p>")
+    };
+    let whole = page(1.0, "0.4 s");
+    let cut = &whole[..whole.len() - 3];
+    let [longer, higher, of_wall] = [page(1.0, "12.0 min"), page(1.1, "0.4 s"), page(1.0, "soon")];
+    for (other, same) in [
+        (whole.as_str(), true),
+        (longer.as_str(), true),
+        (higher.as_str(), false),
+        (of_wall.as_str(), false),
+        (cut, false),
+        ("", false),
+    ] {
+        for (out, content) in [(&a, whole.as_str()), (&b, other)] {
+            fs::create_dir_all(out).expect("a folder");
+            fs::write(out.join("report.html"), content).expect("written");
+        }
+        assert_eq!(differences(&a, &b).is_empty(), same, "law: only times may differ: {other}");
+    }
+    for (other, same) in
+        [("run,wall_s\na,2\n", true), ("run,wall_s\nb,1\n", false), ("run,wall_s\na,1", false)]
+    {
+        let [one, two] = [&a, &b].map(|out| out.join("times.csv"));
+        fs::write(&one, "run,wall_s\na,1\n").expect("written");
+        fs::write(&two, other).expect("written");
+        assert_eq!(same_content(&one, &two), same, "law: of a table, too: {other:?}");
+    }
 }

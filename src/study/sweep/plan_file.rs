@@ -194,6 +194,18 @@ impl SweepPlan {
             let each = texts.iter().map(|t| t.parse().map_err(|e: T::Err| e.to_string()));
             each.collect::<Result<_, _>>().map_err(StudyError::Scenario)
         }
+        // As the command allows: without a limit a plan asks for work without end.
+        if !(1..=1000).contains(&self.configurations) {
+            return Err(StudyError::Scenario(format!(
+                "the plan's configurations are {}; allowed are 1 to 1000",
+                self.configurations
+            )));
+        }
+        if let Some(count) = self.samples.filter(|count| !(2..=10_000).contains(count)) {
+            return Err(StudyError::Scenario(format!(
+                "the plan's samples are {count}; allowed are 2 to 10000"
+            )));
+        }
         let design = match (self.design.as_str(), self.samples) {
             ("grid", None) => Design::Grid,
             ("one_at_a_time", None) => Design::OneAtATime,
@@ -225,5 +237,49 @@ impl SweepPlan {
             (&self.design, self.samples, &self.over, &self.ranges, &self.changes),
             ends.collect::<Vec<_>>(),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, atomic::AtomicBool};
+
+    use serde_json::json;
+
+    use super::*;
+    use crate::protocol::Silent;
+
+    fn options(change: &dyn Fn(&mut Value)) -> Result<SweepOptions, StudyError> {
+        let mut plan = json!({
+            "format": FORMAT, "version": VERSION, "program": "", "engines": [], "scenario": "a.json",
+            "name": "a", "scenario_sha256": "", "design": "latin_hypercube", "samples": 3, "over": [],
+            "parameters": [], "quick": false, "ranges": ["contact.restitution=0.1..0.6"],
+            "changes": [], "configurations": 2, "runs": []
+        });
+        change(&mut plan);
+        let plan: SweepPlan = serde_json::from_value(plan).expect("a plan");
+        plan.options(RunOptions {
+            out: "out".into(),
+            jobs: 1,
+            frames: false,
+            cancel: Arc::new(AtomicBool::new(false)),
+            progress: Arc::new(Silent),
+        })
+    }
+
+    #[test]
+    fn a_plan_that_asks_for_work_without_end_is_refused() {
+        assert!(options(&|_| ()).is_ok(), "law: what the command allows is");
+        for (field, value) in [
+            ("configurations", u64::from(u32::MAX)),
+            ("configurations", 0),
+            ("samples", u64::MAX),
+            ("samples", 1),
+        ] {
+            let refused = options(&|plan| plan[field] = value.into());
+            let said = refused.err().map(|error| error.to_string()).unwrap_or_default();
+            let told = said.contains(field) && said.contains(&value.to_string());
+            assert!(told, "law: {field} = {value} is refused with what it is, got `{said}`");
+        }
     }
 }

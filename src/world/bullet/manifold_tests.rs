@@ -65,7 +65,8 @@ fn run(manifold: ManifoldSettings) -> Snapshot {
 fn threads_and_instructions_change_no_bit() {
     let _turn = shared_turn();
     let reference = run(ManifoldSettings::default());
-    for (threads, portable) in [(1, true), (2, false), (3, true)] {
+    let all = (1..=4).flat_map(|threads| [(threads, false), (threads, true)]);
+    for (threads, portable) in all {
         let got = run(ManifoldSettings { threads: Some(threads), portable, ..Default::default() });
         let same = reference == got;
         assert!(same, "law: {threads} threads, portable {portable}: the same bits as one");

@@ -1,0 +1,129 @@
+//! Stores with stages that are crafted, with every hash as it should be, or in each other's
+//! place: reported, made anew, and the same at the end.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Stdio,
+    sync::OnceLock,
+};
+
+use pluvia::geometry::Pose;
+use pluvia::record::{
+    StageRecord, StoredStage, hash_bytes, hash_json, read_file, read_json, series_from_csv, to_csv,
+    write_file, write_json,
+};
+use pluvia::specimen::{Base, Fate, FixedGrain};
+use rand::RngExt;
+use serde_json::json;
+use tempfile::TempDir;
+
+use super::{
+    super::{interruption::copy, small},
+    Ground,
+    trials::{PATIENCE, Trial, ended, legs, message, program, spawned},
+};
+
+#[path = "../../../src/study/crafts.rs"]
+mod crafts;
+
+const CLASS: &str = "crafted stores";
+const OUTCOME: &str = "reported, made anew, the same bytes";
+
+/// A stage as it is stored.
+fn stored(folder: &Path) -> StoredStage {
+    let series = read_file(&folder.join("series.csv")).expect("a series");
+    StoredStage {
+        record: read_json(&folder.join("stage.json")).expect("a record"),
+        state: read_json(&folder.join("specimen.json")).expect("a specimen"),
+        series: series_from_csv(&series).expect("rows"),
+    }
+}
+
+/// Folder of the stage of a name.
+fn folder_of(out: &Path, name: &str) -> PathBuf {
+    let stages = fs::read_dir(out.join("stages")).expect("stages").flatten().map(|e| e.path());
+    let mut named = stages.filter(|folder| {
+        read_json::<StageRecord>(&folder.join("stage.json")).is_ok_and(|r| r.stage == name)
+    });
+    named.next().unwrap_or_else(|| panic!("law: {name} is stored"))
+}
+
+/// The same run with another friction.
+fn slippery() -> &'static Path {
+    static MADE: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
+    let (_, out) = MADE.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut scenario = small::scenario(40.0, 0.5, 0.2);
+        scenario["engine"] = json!({ "manifold": { "checkpoint_every_s": 0.1 } });
+        scenario["contact"] = json!({ "grain_grain_friction": 0.2 });
+        let (path, out) = (folder.path().join("legs.json"), folder.path().join("out"));
+        fs::write(&path, scenario.to_string()).expect("a scenario");
+        let mut command = std::process::Command::new(program());
+        command.arg("run").arg(&path).arg("--out").arg(&out).arg("--quiet");
+        let done = command.stdout(Stdio::null()).status().expect("started");
+        assert!(done.success(), "law: it can be carried out");
+        (folder, out)
+    });
+    out
+}
+
+/// Runs once more what was crafted.
+fn made_anew(trial: &Trial, out: &Path, crafted: usize, what: &str) {
+    let output = ended(spawned(trial.command(out)), PATIENCE, what);
+    let said = message(&output);
+    assert!(output.status.success(), "law: {what} does not end a run: {said}");
+    let reported = said.matches("damaged and done again").count();
+    assert_eq!(reported, crafted, "law: {what} is reported once for each, got {said}");
+    trial.assert_same(out, what);
+}
+
+fn crafted_pour(which: Option<usize>, ground: &mut Ground) {
+    let (trial, out) = (legs(), ground.place());
+    copy(&trial.whole, &out);
+    let place = folder_of(&out, "pour");
+    let mut all = crafts::crafts(&stored(&place), &stored(&folder_of(&out, "fill_funnel")));
+    all.push(("another friction's pour", stored(&folder_of(slippery(), "pour"))));
+    let which = which.unwrap_or_else(|| ground.rng.random_range(0..all.len()));
+    let (what, stage) = &all[which];
+    crafts::craft(&place, stage);
+    made_anew(trial, &out, 1, what);
+    ground.log.case(CLASS, what, OUTCOME);
+}
+
+/// Moves two stages to each other's place, or a copy of one to that of the other.
+fn swapped(ground: &mut Ground) {
+    let (trial, out) = (legs(), ground.place());
+    copy(&trial.whole, &out);
+    let mut names = vec!["fill_funnel", "pour", "place_top_plate", "vibrate", "rest"];
+    let one = names.swap_remove(ground.rng.random_range(0..5));
+    let two = names.swap_remove(ground.rng.random_range(0..4));
+    let [a, b] = [one, two].map(|name| folder_of(&out, name));
+    let aside = out.join("aside");
+    let both: bool = ground.rng.random();
+    if both {
+        for (from, to) in [(&a, &aside), (&b, &a), (&aside, &b)] {
+            fs::rename(from, to).expect("moved");
+        }
+    } else {
+        fs::remove_dir_all(&b).expect("removed");
+        copy(&a, &b);
+    }
+    let what = if both { "two stages swapped" } else { "a stage in another's place" };
+    made_anew(trial, &out, if both { 2 } else { 1 }, what);
+    ground.log.case(CLASS, what, OUTCOME);
+}
+
+/// `make soak`: one of either.
+pub fn round(ground: &mut Ground) {
+    crafted_pour(None, ground);
+    swapped(ground);
+}
+
+#[test]
+fn crafted_and_swapped_stages_of_a_store_are_made_anew() {
+    let mut ground = Ground::quick(2);
+    crafted_pour(Some(3), &mut ground);
+    swapped(&mut ground);
+    assert_eq!(ground.log.sum(CLASS, OUTCOME), 2, "law: each is noted");
+}

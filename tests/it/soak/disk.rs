@@ -1,0 +1,138 @@
+//! Disks that fill up or break, folders that go away under way.
+
+use std::{
+    fs,
+    thread::sleep,
+    time::{Duration, Instant},
+};
+
+use rand::RngExt;
+
+use super::{
+    super::same::assert_whole_files,
+    Ground,
+    durable::strace,
+    image::Mounted,
+    log::SKIPPED,
+    trials::{PATIENCE, Trial, ended, legs, spawned, sweep, verdict},
+};
+
+const CLASS: &str = "disk";
+
+fn skipped(ground: &mut Ground, what: &str, why: &str) {
+    ground.log.case(CLASS, what, &format!("{SKIPPED}{why}"));
+}
+
+/// Disks of a size at which some files do not fit; with room again it goes on.
+fn full(kib: u64, ground: &mut Ground) {
+    let (trial, place) = (sweep(), ground.place());
+    let phase = format!("{}, full", trial.name);
+    let Some(disk) = Mounted::tmpfs(&place, kib) else {
+        return skipped(ground, &phase, "no file system can be mounted");
+    };
+    let out = place.join("out");
+    let what = format!("a disk of {kib} KiB");
+    let output = ended(spawned(trial.command(&out)), PATIENCE, &what);
+    let outcome = verdict(&output, &[4]).unwrap_or_else(|got| panic!("law: {what}: {got}"));
+    assert_whole_files(&out, &trial.whole, &what);
+    disk.resize(64 << 10);
+    trial.finish(&out, &what);
+    ground.log.case(CLASS, &phase, &outcome);
+}
+
+/// A disk that breaks down and is read-only from then on.
+fn read_only(after: f64, ground: &mut Ground) {
+    let (trial, place) = (legs(), ground.place());
+    let phase = format!("{}, read-only", trial.name);
+    let Some(disk) = Mounted::ext4(&place, "errors=remount-ro") else {
+        return skipped(ground, &phase, "no ext4 can be mounted");
+    };
+    let out = place.join("out");
+    let run = spawned(trial.command(&out));
+    sleep(trial.takes.mul_f64(after));
+    let broken = disk.break_down();
+    let what = "a disk that breaks down";
+    let output = ended(run, PATIENCE, what);
+    if !broken {
+        return skipped(ground, &phase, "the kernel has no trigger_fs_error");
+    }
+    let outcome = verdict(&output, &[4]).unwrap_or_else(|got| panic!("law: {what}: {got}"));
+    disk.again(true, "defaults");
+    assert_whole_files(&out, &trial.whole, what);
+    trial.finish(&out, what);
+    ground.log.case(CLASS, &phase, &outcome);
+}
+
+/// The output folder gets another name under way.
+fn renamed_away(after: f64, ground: &mut Ground) {
+    let (trial, out, away) = (legs(), ground.place(), ground.place());
+    let run = spawned(trial.command(&out));
+    sleep(trial.takes.mul_f64(after));
+    let begun = Instant::now();
+    while !out.exists() && begun.elapsed() < Duration::from_secs(5) {
+        sleep(Duration::from_millis(2));
+    }
+    fs::rename(&out, &away).expect("law: it is there soon");
+    let what = "a folder that is renamed";
+    let output = ended(run, PATIENCE, what);
+    let outcome = verdict(&output, &[4]).unwrap_or_else(|got| panic!("law: {what}: {got}"));
+    assert_whole_files(&away, &trial.whole, what);
+    if output.status.success() {
+        // All was written before, or a new folder has all that the old one lacked.
+        let place = if out.exists() { &out } else { &away };
+        trial.assert_same(place, what);
+    }
+    if out.exists() {
+        assert_whole_files(&out, &trial.whole, what);
+    }
+    trial.finish(&away, what);
+    ground.log.case(CLASS, &format!("{}, folder renamed", trial.name), &outcome);
+}
+
+/// A call that the system refuses once, or from then on.
+fn refused(trial: &Trial, call: &str, error: &str, when: &str, ground: &mut Ground) {
+    let phase = format!("{}, {call} fails with {error}", trial.name);
+    if !strace() {
+        return skipped(ground, &phase, "no strace");
+    }
+    let out = ground.place();
+    let trace = format!("trace={call}");
+    let inject = format!("inject={call}:error={error}:when={when}");
+    let outer = ["strace", "-f", "-qq", "-o", "/dev/null", "-e", &trace, "-e", &inject];
+    let what = format!("{call} number {when} fails with {error}");
+    let output = ended(spawned(trial.under(&outer, &out)), PATIENCE, &what);
+    let outcome = verdict(&output, &[4]).unwrap_or_else(|got| panic!("law: {what}: {got}"));
+    assert_whole_files(&out, &trial.whole, &what);
+    if output.status.success() {
+        trial.assert_same(&out, &what);
+    }
+    trial.finish(&out, &what);
+    ground.log.case(CLASS, &phase, &outcome);
+}
+
+/// `make soak`: each of them once.
+pub fn round(ground: &mut Ground) {
+    let kib = ground.rng.random_range(8..1400);
+    full(kib, ground);
+    let (one, other) = (ground.rng.random(), ground.rng.random());
+    read_only(one, ground);
+    renamed_away(other, ground);
+    let calls = ["fsync", "renameat", "rename", "linkat", "mkdir", "openat"];
+    let call = calls[ground.rng.random_range(0..calls.len())];
+    let error = ["ENOSPC", "EIO"][ground.rng.random_range(0..2)];
+    // Of the first calls the system loads the program with.
+    let first = if call == "openat" { 40 } else { 1 };
+    let n: u32 = ground.rng.random_range(first..first + 60);
+    let when = if ground.rng.random() { n.to_string() } else { format!("{n}+") };
+    let trial = if ground.rng.random() { legs() } else { sweep() };
+    refused(trial, call, error, &when, ground);
+}
+
+#[test]
+fn a_disk_that_fails_is_reported_and_nothing_is_lost() {
+    let mut ground = Ground::quick(4);
+    full(60, &mut ground);
+    renamed_away(0.3, &mut ground);
+    refused(sweep(), "fsync", "EIO", "11", &mut ground);
+    assert_eq!(ground.log.of_class(CLASS), 3, "law: each is noted");
+}

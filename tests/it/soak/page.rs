@@ -1,0 +1,143 @@
+//! From the log of a soak to the table of docs/robustness.md.
+//!
+//! `scripts/robustness.sh` has the log made into `docs/results/robustness.json`, and that into
+//! the table.
+
+use std::{collections::BTreeMap, fmt::Write, fs, path::Path};
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::log::{Count, FAULT, SKIPPED};
+
+const PAGE: &str = "docs/robustness.md";
+const COUNTS: &str = "docs/results/robustness.json";
+const BEGIN: &str = "<!-- SOAK: from docs/results/robustness.json -->\n";
+const END: &str = "<!-- END -->";
+
+/// What a soak has shown.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Soaked {
+    pub program: String,
+    pub profile: String,
+    pub seed: u64,
+    pub counts: Vec<Count>,
+}
+
+impl Soaked {
+    /// From the lines of a log.
+    pub fn read(log: &str) -> Result<Self, String> {
+        let mut lines = log.lines();
+        let parsed = |line: &str| -> Result<Value, String> {
+            serde_json::from_str(line).map_err(|e| format!("`{line}`: {e}"))
+        };
+        let head = parsed(lines.next().unwrap_or_default())?;
+        let text = |name: &str| head[name].as_str().unwrap_or_default().to_owned();
+        let mut counts = BTreeMap::<_, u64>::new();
+        for line in lines {
+            let Count { class, phase, outcome, count } =
+                serde_json::from_value(parsed(line)?).map_err(|e| format!("`{line}`: {e}"))?;
+            *counts.entry((class, phase, outcome)).or_default() += count;
+        }
+        let counts = counts.into_iter().map(|((class, phase, outcome), count)| Count {
+            class,
+            phase,
+            outcome,
+            count,
+        });
+        Ok(Self {
+            program: text("program"),
+            profile: text("profile"),
+            seed: head["seed"].as_u64().ok_or("the first line has no seed")?,
+            counts: counts.collect(),
+        })
+    }
+
+    /// One row a class and outcome, with the phases in which it was met.
+    pub fn table(&self) -> String {
+        let mut rows = BTreeMap::<(&str, &str), BTreeMap<String, u64>>::new();
+        for Count { class, phase, outcome, count } in &self.counts {
+            let phases = rows.entry((class.as_str(), outcome.as_str())).or_default();
+            *phases.entry(summed(phase)).or_default() += count;
+        }
+        let mut text =
+            "| class | outcome | cases | where |\n| --- | --- | ---: | --- |\n".to_owned();
+        for ((class, outcome), phases) in rows {
+            let all: u64 = phases.values().sum();
+            let each: Vec<String> =
+                phases.iter().map(|(phase, count)| format!("{phase} {count}")).collect();
+            let _ = writeln!(text, "| {class} | {outcome} | {all} | {} |", each.join("; "));
+        }
+        text
+    }
+}
+
+/// The stages of a run are one place in the table, each by itself in the counts.
+fn summed(phase: &str) -> String {
+    let of_stage = phase.split_once(", stage ");
+    of_stage.map_or(phase.to_owned(), |(command, _)| format!("{command}, stages"))
+}
+
+fn read(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    fs::read_to_string(&path).unwrap_or_else(|e| panic!("{} cannot be read: {e}", path.display()))
+}
+
+fn write(path: &str, content: &str) {
+    fs::write(Path::new(env!("CARGO_MANIFEST_DIR")).join(path), content).expect("written");
+}
+
+/// The page with another table.
+fn with_table(page: &str, table: &str) -> String {
+    let (before, rest) = page.split_once(BEGIN).expect("law: the page has the mark");
+    let (_, after) = rest.split_once(END).expect("law: and its end");
+    format!("{before}{BEGIN}{table}{END}{after}")
+}
+
+/// `PLUVIA_SOAK_LOG=FILE` writes counts and page anew from a log.
+#[test]
+fn the_page_has_the_counts_of_the_logged_soak() {
+    if let Ok(log) = std::env::var("PLUVIA_SOAK_LOG") {
+        let log = fs::read_to_string(&log).unwrap_or_else(|e| panic!("{log} cannot be read: {e}"));
+        let soaked = Soaked::read(&log).unwrap_or_else(|e| panic!("the log has a line {e}"));
+        let counts = serde_json::to_string_pretty(&soaked).expect("JSON");
+        write(COUNTS, &(counts + "\n"));
+        write(PAGE, &with_table(&read(PAGE), &soaked.table()));
+    }
+    let soaked: Soaked = serde_json::from_str(&read(COUNTS)).expect("law: counts as JSON");
+    let page = read(PAGE);
+    assert_eq!(
+        page,
+        with_table(&page, &soaked.table()),
+        "law: the table of {PAGE} is that of {COUNTS}; scripts/robustness.sh writes both"
+    );
+    let faults = soaked.counts.iter().filter(|c| c.outcome.starts_with(FAULT)).count();
+    assert_eq!(faults, 0, "law: a soak that found a fault is no result to show");
+    let told = soaked.counts.iter().any(|c| !c.outcome.starts_with(SKIPPED));
+    assert!(told, "law: something was tried");
+}
+
+#[test]
+fn phases_of_a_class_are_summed() {
+    let count = |class: &str, phase: &str, count| Count {
+        class: class.into(),
+        phase: phase.into(),
+        outcome: "same".into(),
+        count,
+    };
+    let counts = vec![
+        count("kills", "run, figures", 2),
+        count("kills", "run, stage 1", 3),
+        count("kills", "run, stage 2", 4),
+    ];
+    let (program, profile) = ("p".to_owned(), "release".to_owned());
+    let soaked = Soaked { program, profile, seed: 1, counts };
+    let table = soaked.table();
+    assert!(
+        table.ends_with("| kills | same | 9 | run, figures 2; run, stages 7 |\n"),
+        "law: got {table}"
+    );
+    let page = format!("a\n{BEGIN}old\n{END}\nb");
+    assert_eq!(with_table(&page, "new\n"), format!("a\n{BEGIN}new\n{END}\nb"));
+    assert!(Soaked::read("{\"seed\": 1}\n{\"class\": 3}").is_err(), "law: no line is passed over");
+}
