@@ -13,8 +13,9 @@ use std::{
 
 use clap::ValueEnum;
 use pluvia::{
-    apparatus::{Funnel, Piece, TableMotion},
+    apparatus::{Funnel, Piece},
     geometry::{Pose, Vector},
+    motion::TableMotion,
     protocol::Setup,
     specimen::{Fate, Other, Party, Specimen},
     world::{
@@ -69,14 +70,7 @@ impl State {
     }
 
     fn motion(self) -> Option<TableMotion> {
-        let shaking = TableMotion {
-            amplitude: 0.025,
-            frequency: 3.0,
-            duration: 1e6,
-            periods: 1,
-            rest: 0.0,
-            ramp: 0.0,
-        };
+        let shaking = TableMotion::sine(0.025, 3.0, 1e6);
         (!matches!(self, Self::Rest | Self::Pour)).then_some(shaking)
     }
 
@@ -282,10 +276,10 @@ impl Laboratory {
     fn step(&mut self, motion: Option<&TableMotion>) {
         self.time += self.world.time_step();
         if let Some(motion) = motion {
-            let x = motion.displacement(self.time);
+            let shift = motion.displacement(self.time);
             for (id, pose) in &self.walls {
                 let mut pose = *pose;
-                pose.translation.x += x;
+                pose.translation.vector += shift;
                 self.world.drive(*id, &pose).expect("a wall");
             }
         }

@@ -9,7 +9,6 @@ use super::{
 };
 use crate::grains::load_scenario;
 use crate::plain::plain_path;
-use crate::scenario;
 use crate::study::{RunOptions, run_scenario, tell_warnings};
 
 /// Carry out one scenario

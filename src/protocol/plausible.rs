@@ -239,7 +239,7 @@ mod tests {
             let mut body = sound.state.bodies[0].body;
             body.pose.translation.vector = Vector::new(distance, 0.0, 0.0);
             body.linear_velocity = Vector::new(0.0, speed, 0.0);
-            let got = guard(&setup).check(&vec![Some(body)], 0.0).is_ok();
+            let got = guard(&setup, 0.0).check(&vec![Some(body)], 0.0).is_ok();
             assert_eq!(got, can, "law: at {larger} times the size, {speed} m/s at {distance} m");
         }
     }

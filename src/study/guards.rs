@@ -311,18 +311,9 @@ mod tests {
             let got = watch.mean.looks;
             assert_eq!(got, looks, "law: every 2 s times √(d/8 mm), in 4 s; grains of {size} m");
         }
-        let shaken = |rest_s: f64| StageSpec::Vibrate {
-            frequency_hz: 1.0,
-            amplitude_mm: 1.0,
-            stroke: StrokeReading::HalfStroke,
-            duration_s: 2.0,
-            periods: 3,
-            rest_s,
-            ramp_s: 0.0,
-        };
         let still = rows(14.0, |_| 80.0);
         let of = |rest_s: f64, size: f64| {
-            creep(&shaken(rest_s), &still, &Scale::of_smallest(size, 9.81)).looks
+            creep(&vibrated(rest_s), &still, &Scale::of_smallest(size, 9.81)).looks
         };
         for (rest_s, size, looks) in
             [(1.0, 0.008, 2), (1.0, 0.04, 0), (2.236, 0.04, 2), (2.2, 0.04, 0), (0.5, 0.0008, 2)]
@@ -330,6 +321,15 @@ mod tests {
             let got = of(rest_s, size);
             assert_eq!(got, looks, "law: rests of √(d/8 mm) s, {rest_s} s with {size} m");
         }
+    }
+
+    /// Three periods of 2 s with rests between them.
+    fn vibrated(rest_s: f64) -> StageSpec {
+        serde_json::from_value(serde_json::json!({
+            "stage": "vibrate", "frequency_hz": 1, "amplitude_mm": 1, "duration_s": 2,
+            "periods": 3, "rest_s": rest_s
+        }))
+        .expect("a vibration")
     }
 
     fn row(time_s: f64, mean_grain_height_mm: f64) -> SeriesRow {
@@ -361,13 +361,6 @@ mod tests {
 
     #[test]
     fn creep_is_found_in_every_rest_and_nowhere_else() {
-        let shaken = |rest_s: f64| -> StageSpec {
-            serde_json::from_value(serde_json::json!({
-                "stage": "vibrate", "frequency_hz": 1, "amplitude_mm": 1, "duration_s": 2,
-                "periods": 3, "rest_s": rest_s
-            }))
-            .expect("a vibration")
-        };
         // Sinks by 1 mm/s when shaken, and when at rest by 20 µm/s in the second rest alone.
         let sinking = rows(8.0, |t| match t {
             t if t < 2.0 => 80.0 - t,
@@ -376,11 +369,15 @@ mod tests {
             t if t < 6.05 => 76.0 - 0.02 * (t - 5.0),
             t => 76.0 - (t - 6.0),
         });
-        let watched = creep(&shaken(1.0), &sinking, &Scale::PAPER);
+        let watched = creep(&vibrated(1.0), &sinking, &Scale::PAPER);
         assert_eq!((watched.looks, watched.beyond), (2, 1), "law: two rests, {watched:?}");
         assert!((watched.worst - 20.0).abs() < 1e-6, "law: 20 µm/s, got {}", watched.worst);
         assert!((watched.worst_at_s - 9.0).abs() < 1e-9, "law: at the end of its rest");
-        assert_eq!(creep(&shaken(0.5), &sinking, &Scale::PAPER).looks, 0, "law: too short to tell");
+        assert_eq!(
+            creep(&vibrated(0.5), &sinking, &Scale::PAPER).looks,
+            0,
+            "law: too short to tell"
+        );
         let still = creep(&REST, &rows(10.0, |_| 80.0), &Scale::PAPER);
         assert_eq!((still.looks, still.passed()), (1, Some(true)));
         let rising = creep(&REST, &rows(10.0, |t| 80.0 + 0.02 * t), &Scale::PAPER);

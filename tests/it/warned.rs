@@ -152,6 +152,7 @@ fn every_command_warns_once_before_it_runs() {
                 reading,
                 quick,
                 configurations,
+                placements: 1,
             })
             .map(|_| ())
         }),

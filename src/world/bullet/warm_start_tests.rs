@@ -69,7 +69,7 @@ fn a_run_continued_after_an_impact_goes_on_as_in_line() {
         }
         in_line.step().expect("a step");
         let after = states(&in_line);
-        let mut continued = |contacts: &[RememberedContact]| {
+        let continued = |contacts: &[RememberedContact]| {
             let mut other = world(480.0, 0.3, 8, 1.0);
             for body in &bodies {
                 other.add(body).expect("added");
