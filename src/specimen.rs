@@ -306,6 +306,25 @@ mod tests {
     use crate::geometry::Vector;
 
     #[test]
+    fn a_contact_of_an_older_file_begins_whole() {
+        let contact = SavedContact {
+            between: [Party::Grain(0), Party::Other(Other::TopPlate)],
+            point_m: Vector::zeros(),
+            normal: Vector::z(),
+            force_n: Vector::z(),
+            warm_start: 0.25,
+            feature: [1, 2],
+        };
+        let mut json = serde_json::to_value(contact).expect("written");
+        let read = |json: &serde_json::Value| {
+            serde_json::from_value::<SavedContact>(json.clone()).expect("read")
+        };
+        assert_eq!(read(&json), contact, "law: what is written is read");
+        json.as_object_mut().expect("an object").remove("warm_start");
+        assert_eq!(read(&json).warm_start, 1.0, "law: the whole force, as before the field");
+    }
+
+    #[test]
     fn a_state_of_other_grains_is_refused_with_the_field() {
         let of = |change: &dyn Fn(&mut SpecimenState)| {
             let mut state = SpecimenState::before_everything(3);

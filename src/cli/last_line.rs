@@ -59,7 +59,9 @@ mod tests {
     /// Law: the last line says of every command whether its runs are valid, and why not.
     #[test]
     fn last_lines_say_whether_runs_are_valid() {
-        let plain = |text: String| anstream::adapter::strip_str(&text).to_string();
+        let plain = |text: String| {
+            anstream::adapter::strip_str(&super::super::paint::shown(&text)).to_string()
+        };
         let runs = canned::runs();
         let valid = canned::valid_runs();
         let all =

@@ -264,7 +264,7 @@ fn video_frames_hold_a_pose_and_jump_to_the_next_in_one_step() {
         let velocity = motion.velocity(time, STEP).x;
         let way = got - motion.displacement(time - STEP).x;
         assert!((velocity * STEP - way).abs() < 1e-15, "law: the whole way in one step");
-        jumps += u32::from(way != 0.0);
+        jumps += u32::from(way.abs() > 1e-12);
         assert!(velocity.abs() <= motion.peak_speed_in_steps(STEP), "law: the peak is one");
     }
     assert!((49..=50).contains(&jumps), "law: one jump a frame in 2 s at 25 a second, got {jumps}");

@@ -1,6 +1,6 @@
 //! The engines and settings on which every case is run.
 
-use crate::scenario::{Backend, ContactPath, EngineSettings, FrictionModel, RapierSettings};
+use crate::scenario::{Backend, ContactPath, EngineSettings};
 use crate::world;
 
 /// An engine with its settings, under a name.
@@ -14,8 +14,8 @@ pub struct Setting {
 }
 
 /// The settings of this build: Bullet's own contacts at the default rate and
-/// at twice that, the contact path `manifold` at three rates, and, where it is built in, rapier
-/// at three rates, and at the default one with friction at every point.
+/// at twice that, the contact path `manifold` at three rates, and rapier where
+/// it is built in.
 pub fn settings() -> Vec<Setting> {
     let stock = EngineSettings { contact_path: ContactPath::Bullet, ..EngineSettings::default() };
     let precision = match world::info(Backend::Bullet).precision.as_str() {
@@ -40,21 +40,9 @@ pub fn settings() -> Vec<Setting> {
         });
     }
     if world::built_in().contains(&Backend::Rapier) {
-        let rapier = EngineSettings { backend: Backend::Rapier, ..stock };
-        settings.push(Setting { name: "rapier".to_owned(), engine: rapier.clone() });
-        for rate_hz in [240.0, 1000.0] {
-            settings.push(Setting {
-                name: format!("rapier-{rate_hz}"),
-                engine: EngineSettings { rate_hz, ..rapier.clone() },
-            });
-        }
-        let friction_model = FrictionModel::Coulomb;
         settings.push(Setting {
-            name: "rapier-coulomb".to_owned(),
-            engine: EngineSettings {
-                rapier: RapierSettings { friction_model, ..rapier.rapier.clone() },
-                ..rapier
-            },
+            name: "rapier".to_owned(),
+            engine: EngineSettings { backend: Backend::Rapier, ..stock },
         });
     }
     settings

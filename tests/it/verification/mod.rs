@@ -2,7 +2,6 @@
 //! as `pluvia verify`; and wrong physics, put in on purpose, that must be found.
 
 mod defects;
-mod rapier_causes;
 
 use std::sync::{Arc, atomic::AtomicBool};
 
