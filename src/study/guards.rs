@@ -256,6 +256,19 @@ mod tests {
 
     const REST: StageSpec = StageSpec::Rest { duration_s: 10.0 };
 
+    /// Three periods of 2 s with rests of a length in s.
+    fn shaken(rest_s: f64) -> StageSpec {
+        StageSpec::Vibrate {
+            frequency_hz: 1.0,
+            amplitude_mm: 1.0,
+            stroke: StrokeReading::HalfStroke,
+            duration_s: 2.0,
+            periods: 3,
+            rest_s,
+            ramp_s: 0.0,
+        }
+    }
+
     #[test]
     fn grains_in_each_other_are_found_and_grains_apart_are_not() {
         let mut watch = OverlapWatch::default();
@@ -310,15 +323,6 @@ mod tests {
             let got = watch.mean.looks;
             assert_eq!(got, looks, "law: every 2 s times √(d/8 mm), in 4 s; grains of {size} m");
         }
-        let shaken = |rest_s: f64| StageSpec::Vibrate {
-            frequency_hz: 1.0,
-            amplitude_mm: 1.0,
-            stroke: StrokeReading::HalfStroke,
-            duration_s: 2.0,
-            periods: 3,
-            rest_s,
-            ramp_s: 0.0,
-        };
         let still = rows(14.0, |_| 80.0);
         let of = |rest_s: f64, size: f64| {
             creep(&shaken(rest_s), &still, &Scale::of_smallest(size, 9.81)).looks
@@ -358,15 +362,6 @@ mod tests {
 
     #[test]
     fn creep_is_found_in_every_rest_and_nowhere_else() {
-        let shaken = |rest_s: f64| StageSpec::Vibrate {
-            frequency_hz: 1.0,
-            amplitude_mm: 1.0,
-            stroke: StrokeReading::HalfStroke,
-            duration_s: 2.0,
-            periods: 3,
-            rest_s,
-            ramp_s: 0.0,
-        };
         // Sinks by 1 mm/s when shaken, and when at rest by 20 µm/s in the second rest alone.
         let sinking = rows(8.0, |t| match t {
             t if t < 2.0 => 80.0 - t,
