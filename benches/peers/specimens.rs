@@ -79,7 +79,7 @@ pub fn make(size: Size) -> Result<Scenes, String> {
         scene.contacts.clear();
         Ok::<_, String>(scene)
     };
-    // Of grains as rough on walls as on each other 82 % stay in the funnel of the smaller specimen.
+    // Of grains as rough on walls as on each other most stay in the funnel of the smaller specimen.
     let filled = filled(&poured_by, &pouring);
     let pour = scene(&lifted(&setup, filled.clone()), "fill_funnel", None)?;
     let settled = settled(&pouring, filled);
