@@ -81,6 +81,7 @@ test-snakemake: setup ## have Snakemake carry out a sweep, and compare
 	bash scripts/test-snakemake.sh
 
 soak: setup ## faults of every class for $(MINUTES) minutes, with counts and a log (docs/robustness.md)
+	@bash scripts/setup.sh soak
 	PLUVIA_SOAK=$(MINUTES) cargo test --locked --release --test it -- --exact soak::soak --nocapture
 
 load: OUT = out/load-$(GRAINS)

@@ -140,6 +140,14 @@ pub fn grains(data: &[u8]) {
     }
 }
 
+/// The folder of a stage that says its key, so that it is looked at further.
+fn key_in(data: &[u8]) -> String {
+    let json = serde_json::from_slice::<serde_json::Value>(data).unwrap_or_default();
+    let key = json["identity"]["key"].as_str().unwrap_or_default();
+    let letters: String = key.chars().filter(char::is_ascii_hexdigit).take(24).collect();
+    if letters.is_empty() { "0".to_owned() } else { letters }
+}
+
 /// What a stage says of itself, or its series; whether it was read.
 pub fn reads_stage(data: &[u8]) -> bool {
     let record = serde_json::from_slice::<StageRecord>(data);
@@ -154,10 +162,11 @@ pub fn reads_stage(data: &[u8]) -> bool {
         let again = series_from_csv(&text).expect("law: and read again");
         assert_eq!(to_csv(&again).expect("written"), text, "law: nothing is lost by writing");
     }
-    with_file("store/0123456789/stage.json", data, |path| {
+    with_file(&format!("store/{}/stage.json", key_in(data)), data, |path| {
         let root = path.ancestors().nth(2).expect("a folder");
         let report = check_store(root).expect("law: a store is looked over whatever is in it");
         assert_eq!(report.stages.len(), 1, "law: what is there is told");
+        fs::remove_dir_all(root).expect("removed");
     });
     record.is_ok() || series.is_ok_and(|rows| !rows.is_empty())
 }
@@ -173,13 +182,13 @@ pub fn reads_checkpoint(data: &[u8]) -> bool {
     let steps = steps.and_then(|json| json["midway"]["steps"].as_u64()).unwrap_or(0);
     let head = format!("pluvia checkpoint 2 {}\n", hash_bytes(data));
     let mut whole = false;
-    let name = format!("legs/.legs-0123/{steps:020}.leg");
+    let name = format!("legs/.legs-{}/{steps:020}.leg", key_in(data));
     with_file(&name, &[head.as_bytes(), data].concat(), |path| {
         let root = path.ancestors().nth(2).expect("a folder");
         let report = check_store(root).expect("law: a store is looked over whatever is in it");
         assert_eq!(report.checkpoints.len(), 1, "law: what is there is told");
         whole = report.checkpoints[0].state == StoredState::Whole;
-        fs::remove_file(path).expect("removed");
+        fs::remove_dir_all(root).expect("removed");
     });
     whole
 }

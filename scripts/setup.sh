@@ -10,6 +10,8 @@
 #   scripts/setup.sh valgrind  also valgrind
 #   scripts/setup.sh slurm  also what `make test-slurm` needs
 #   scripts/setup.sh referee  also what `make referee` needs
+#   scripts/setup.sh soak   also strace and ext4's tools, without which `make soak`
+#                           skips the classes that need them
 #   scripts/setup.sh snakemake   also what `make test-snakemake` needs
 #
 # Several of these words may stand together.
@@ -81,6 +83,11 @@ if wanted referee; then
 fi
 if wanted valgrind; then
     have valgrind || missing+=(valgrind)
+fi
+if wanted soak; then
+    have strace || missing+=(strace)
+    have mkfs.ext4 || [ -x /sbin/mkfs.ext4 ] || missing+=(e2fsprogs)
+    have python3 || missing+=(python3)
 fi
 if wanted exports; then
     have node && have npm || missing+=(nodejs npm)

@@ -113,7 +113,9 @@ impl Command {
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
     note_panics();
-    match caught(|| command(&cli)).unwrap_or_else(|what| Err(CliError::Fault(what))) {
+    let whole = |status| output_folder::still_there().map(|()| status).map_err(CliError::from);
+    let done = caught(|| command(&cli)).unwrap_or_else(|what| Err(CliError::Fault(what)));
+    match done.and_then(whole) {
         Ok(status) => status.into(),
         Err(error) => {
             let what = error.to_string();

@@ -1,8 +1,16 @@
 //! The folder for results, tried before anything runs.
 
-use std::path::Path;
+use std::{
+    fs::File,
+    path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
+};
 
 use crate::record::{FileError, begin_file, create_folder, remove_abandoned};
+
+/// Folders in which this command has begun. They are held open, so that no other folder can have
+/// the number of one that was removed.
+static BEGUN: Mutex<Vec<(PathBuf, File)>> = Mutex::new(Vec::new());
 
 /// Makes the folder and those above it, tries whether a file can be written
 /// into it, and removes what writers that were killed left there.
@@ -15,7 +23,41 @@ pub(super) fn prepare(folder: &Path) -> Result<(), FileError> {
         .and_then(tempfile::NamedTempFile::close)
         .map_err(|error| FileError::new("write into the folder", folder, error))?;
     remove_abandoned(folder);
+    if let Ok(open) = File::open(folder) {
+        let mut begun = BEGUN.lock().unwrap_or_else(PoisonError::into_inner);
+        begun.push((folder.to_owned(), open));
+    }
     Ok(())
+}
+
+/// Whether each folder is still where its command began: files that were written after it got
+/// another name are in a folder made anew, without those before.
+///
+/// # Errors
+/// [`FileError`] naming the first folder that is not.
+pub(super) fn still_there() -> Result<(), FileError> {
+    let begun = BEGUN.lock().unwrap_or_else(PoisonError::into_inner);
+    match begun.iter().find(|(path, open)| !is_same(path, open)) {
+        None => Ok(()),
+        Some((path, _)) => {
+            let why = "it was renamed or removed while results were written, of which some are in \
+                       the folder as it was and some are not; only one that stays is whole";
+            Err(FileError::new("use", path, why))
+        }
+    }
+}
+
+/// Whether a path leads to an open folder.
+#[cfg(unix)]
+fn is_same(path: &Path, open: &File) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let id = |m: std::io::Result<std::fs::Metadata>| m.map(|m| (m.dev(), m.ino())).ok();
+    id(std::fs::metadata(path)) == id(open.metadata())
+}
+
+#[cfg(not(unix))]
+fn is_same(path: &Path, _: &File) -> bool {
+    path.is_dir()
 }
 
 #[cfg(test)]
@@ -30,6 +72,20 @@ mod tests {
         let folder = base.path().join("a/b");
         prepare(&folder).expect("it can be made");
         assert_eq!(fs::read_dir(&folder).expect("it is there").count(), 0, "the probe is gone");
+    }
+
+    /// Law: results in two folders are not said to be in one.
+    #[test]
+    fn a_folder_that_another_took_the_place_of_is_noticed() {
+        let base = tempfile::tempdir().expect("a temporary folder");
+        let folder = base.path().join("out");
+        fs::create_dir(&folder).expect("a folder");
+        let open = File::open(&folder).expect("it is there");
+        assert!(is_same(&folder, &open), "law: it is where it was");
+        fs::rename(&folder, base.path().join("away")).expect("renamed");
+        assert!(!is_same(&folder, &open), "law: nothing is there");
+        fs::create_dir(&folder).expect("another");
+        assert!(!is_same(&folder, &open), "law: another is there");
     }
 
     #[test]

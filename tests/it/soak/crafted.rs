@@ -21,7 +21,7 @@ use tempfile::TempDir;
 use super::{
     super::{interruption::copy, small},
     Ground,
-    trials::{PATIENCE, Trial, ended, legs, message, program, spawned},
+    trials::{PATIENCE, Trial, ended, legs, message, program, spawned, sweep},
 };
 
 #[path = "../../../src/study/crafts.rs"]
@@ -78,12 +78,15 @@ fn made_anew(trial: &Trial, out: &Path, crafted: usize, what: &str) {
     trial.assert_same(out, what);
 }
 
-fn crafted_pour(which: Option<usize>, ground: &mut Ground) {
-    let (trial, out) = (legs(), ground.place());
+/// Something that is not that pour in the place of a pour.
+fn crafted_pour(trial: &Trial, which: Option<usize>, ground: &mut Ground) {
+    let out = ground.place();
     copy(&trial.whole, &out);
     let place = folder_of(&out, "pour");
     let mut all = crafts::crafts(&stored(&place), &stored(&folder_of(&out, "fill_funnel")));
-    all.push(("another friction's pour", stored(&folder_of(slippery(), "pour"))));
+    if which.is_none() {
+        all.push(("another friction's pour", stored(&folder_of(slippery(), "pour"))));
+    }
     let which = which.unwrap_or_else(|| ground.rng.random_range(0..all.len()));
     let (what, stage) = &all[which];
     crafts::craft(&place, stage);
@@ -92,13 +95,14 @@ fn crafted_pour(which: Option<usize>, ground: &mut Ground) {
 }
 
 /// Moves two stages to each other's place, or a copy of one to that of the other.
-fn swapped(ground: &mut Ground) {
-    let (trial, out) = (legs(), ground.place());
+fn swapped(trial: &Trial, ground: &mut Ground) {
+    let out = ground.place();
     copy(&trial.whole, &out);
-    let mut names = vec!["fill_funnel", "pour", "place_top_plate", "vibrate", "rest"];
-    let one = names.swap_remove(ground.rng.random_range(0..5));
-    let two = names.swap_remove(ground.rng.random_range(0..4));
-    let [a, b] = [one, two].map(|name| folder_of(&out, name));
+    let stages = fs::read_dir(out.join("stages")).expect("stages").flatten().map(|e| e.path());
+    let mut stages: Vec<PathBuf> = stages.filter(|path| path.is_dir()).collect();
+    stages.sort();
+    let a = stages.swap_remove(ground.rng.random_range(0..stages.len()));
+    let b = stages.swap_remove(ground.rng.random_range(0..stages.len()));
     let aside = out.join("aside");
     let both: bool = ground.rng.random();
     if both {
@@ -116,14 +120,15 @@ fn swapped(ground: &mut Ground) {
 
 /// `make soak`: one of either.
 pub fn round(ground: &mut Ground) {
-    crafted_pour(None, ground);
-    swapped(ground);
+    crafted_pour(legs(), None, ground);
+    let trial = if ground.rng.random() { legs() } else { sweep() };
+    swapped(trial, ground);
 }
 
 #[test]
 fn crafted_and_swapped_stages_of_a_store_are_made_anew() {
     let mut ground = Ground::quick(2);
-    crafted_pour(Some(3), &mut ground);
-    swapped(&mut ground);
+    crafted_pour(sweep(), Some(3), &mut ground);
+    swapped(sweep(), &mut ground);
     assert_eq!(ground.log.sum(CLASS, OUTCOME), 2, "law: each is noted");
 }

@@ -64,8 +64,8 @@ fn read_only(after: f64, ground: &mut Ground) {
 }
 
 /// The output folder gets another name under way.
-fn renamed_away(after: f64, ground: &mut Ground) {
-    let (trial, out, away) = (legs(), ground.place(), ground.place());
+fn renamed_away(trial: &Trial, after: f64, ground: &mut Ground) {
+    let (out, away) = (ground.place(), ground.place());
     let run = spawned(trial.command(&out));
     sleep(trial.takes.mul_f64(after));
     let begun = Instant::now();
@@ -78,9 +78,9 @@ fn renamed_away(after: f64, ground: &mut Ground) {
     let outcome = verdict(&output, &[4]).unwrap_or_else(|got| panic!("law: {what}: {got}"));
     assert_whole_files(&away, &trial.whole, what);
     if output.status.success() {
-        // All was written before, or a new folder has all that the old one lacked.
-        let place = if out.exists() { &out } else { &away };
-        trial.assert_same(place, what);
+        // It had ended before.
+        trial.assert_same(&away, what);
+        assert!(!out.exists(), "law: {what}: results are in one folder");
     }
     if out.exists() {
         assert_whole_files(&out, &trial.whole, what);
@@ -116,7 +116,7 @@ pub fn round(ground: &mut Ground) {
     full(kib, ground);
     let (one, other) = (ground.rng.random(), ground.rng.random());
     read_only(one, ground);
-    renamed_away(other, ground);
+    renamed_away(legs(), other, ground);
     let calls = ["fsync", "renameat", "rename", "linkat", "mkdir", "openat"];
     let call = calls[ground.rng.random_range(0..calls.len())];
     let error = ["ENOSPC", "EIO"][ground.rng.random_range(0..2)];
@@ -132,7 +132,7 @@ pub fn round(ground: &mut Ground) {
 fn a_disk_that_fails_is_reported_and_nothing_is_lost() {
     let mut ground = Ground::quick(4);
     full(60, &mut ground);
-    renamed_away(0.3, &mut ground);
+    renamed_away(sweep(), 0.3, &mut ground);
     refused(sweep(), "fsync", "EIO", "11", &mut ground);
     assert_eq!(ground.log.of_class(CLASS), 3, "law: each is noted");
 }

@@ -68,12 +68,12 @@ pub fn round(ground: &mut Ground) {
         ground.log.case(CLASS, "-", &format!("{SKIPPED}no strace"));
         return;
     }
-    let trials = [legs(), sweep()];
+    let trials = [sweep(), legs()];
     for _ in 0..8 {
         let (trial, call, n) = *NEXT.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(of_round) = trials.get(trial) else {
             let n = ground.rng.random_range(1..150);
-            point(legs(), CALLS[0], n, ground);
+            point(sweep(), CALLS[0], n, ground);
             continue;
         };
         let met = point(of_round, CALLS[call], n, ground);

@@ -55,8 +55,8 @@ pub fn survives(trial: &Trial, kills: usize, ground: &mut Ground) {
 /// `make soak`: one command, killed a few times on its way.
 pub fn round(ground: &mut Ground) {
     let trial = match ground.rng.random_range(0..8) {
-        0..3 => legs(),
-        3..6 => sweep(),
+        0..2 => legs(),
+        2..7 => sweep(),
         _ => reproduce(),
     };
     let kills = ground.rng.random_range(3..10);

@@ -17,7 +17,7 @@ use super::{
     durable::strace,
     image::Mounted,
     log::SKIPPED,
-    trials::{PATIENCE, assert_whole_store, ended, legs, message, spawned},
+    trials::{PATIENCE, Trial, assert_whole_store, ended, legs, message, spawned, sweep},
 };
 
 const CLASS: &str = "power cut";
@@ -41,8 +41,8 @@ fn announced(said: &str) -> usize {
     said.lines().filter(|line| line.contains(": ended after ")).count()
 }
 
-fn cut_after(after: Duration, ground: &mut Ground) {
-    let (trial, place) = (legs(), ground.place());
+fn cut_after(trial: &Trial, after: Duration, ground: &mut Ground) {
+    let place = ground.place();
     let Some(disk) = Mounted::ext4(&place, OPTIONS) else {
         return ground.log.case(CLASS, trial.name, &format!("{SKIPPED}no ext4 can be mounted"));
     };
@@ -67,25 +67,27 @@ fn cut_after(after: Duration, ground: &mut Ground) {
 
 /// `make soak`: one cut.
 pub fn round(ground: &mut Ground) {
-    let after = legs().takes.mul_f64(1.1 * ground.rng.random::<f64>());
-    cut_after(after, ground);
+    let trial = if ground.rng.random() { legs() } else { sweep() };
+    let after = trial.takes.mul_f64(1.1 * ground.rng.random::<f64>());
+    cut_after(trial, after, ground);
 }
 
-/// What is there of all that an undisturbed run leaves, whole.
+/// Files of a sweep without times, from the first to the last that is written.
+const FILES: [&str; 4] = ["grains.json", "plan.json", "figures/effect-seed.svg", "sweep.csv"];
+
+/// How many of them are there, whole.
 fn whole_files(part: &Path, whole: &Path) -> usize {
-    let there = |path: &Path| {
-        let same = fs::read(part.join(path)).ok() == fs::read(whole.join(path)).ok();
-        usize::from(same)
+    let is_whole = |name: &&str| {
+        let here = fs::read(part.join(name)).ok();
+        here.is_some() && here == fs::read(whole.join(name)).ok()
     };
-    // Without times, and from the first stage to the last figure.
-    let names = ["grains.json", "series.csv", "grains.csv", "figures/heights.svg"];
-    names.iter().map(|name| there(Path::new(name))).sum()
+    FILES.iter().filter(is_whole).count()
 }
 
 /// The control: with calls of `fsync` that do nothing, a cut at the end loses files. If it did
 /// not, the class would prove nothing.
 fn nothing_brought_to_the_disk(ground: &mut Ground) {
-    let (trial, place) = (legs(), ground.place());
+    let (trial, place) = (sweep(), ground.place());
     let skipped = |ground: &mut Ground, why: &str| {
         ground.log.case(WITHOUT, trial.name, &format!("{SKIPPED}{why}"));
     };
@@ -101,13 +103,14 @@ fn nothing_brought_to_the_disk(ground: &mut Ground) {
     let run = spawned(trial.under(&[&outer[..], &how[..]].concat(), &out));
     let output = ended(run, PATIENCE, "a run without fsync");
     assert!(output.status.success(), "law: it notices nothing: {}", message(&output));
-    assert_eq!(whole_files(&out, &trial.whole), 4, "law: with power all is there");
+    let all = FILES.len();
+    assert_eq!(whole_files(&out, &trial.whole), all, "law: with power all is there");
     if !disk.cut() {
         return skipped(ground, "ext4 is not shut down");
     }
     disk.again(false, OPTIONS);
     let left = whole_files(&out, &trial.whole);
-    assert!(left < 4, "law: what is not brought to the disk is lost, got all of it");
+    assert!(left < all, "law: what is not brought to the disk is lost, got all of it");
     ground.log.case(WITHOUT, trial.name, "files lost, as they must be");
 }
 
@@ -119,7 +122,7 @@ pub fn control(ground: &mut Ground) {
 #[test]
 fn a_power_cut_loses_nothing_that_had_ended_and_without_fsync_it_does() {
     let mut ground = Ground::quick(6);
-    cut_after(legs().takes.mul_f64(0.35), &mut ground);
+    cut_after(sweep(), sweep().takes / 2, &mut ground);
     nothing_brought_to_the_disk(&mut ground);
     let tried = ground.log.of_class(CLASS) + ground.log.of_class(WITHOUT);
     assert_eq!(tried, 2, "law: each is noted");
