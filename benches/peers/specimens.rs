@@ -2,8 +2,8 @@
 
 use clap::ValueEnum;
 use pluvia::{
-    motion::TableMotion,
     export::{MadeBy, Scene},
+    motion::TableMotion,
     protocol::Setup,
     scenario::{Scenario, StageSpec},
     specimen::{FunnelState, Specimen},

@@ -382,7 +382,8 @@ mod tests {
     #[test]
     fn what_is_filled_in_is_what_the_schema_calls_automatic() {
         let mut value = json!({ "stages": stages() });
-        let shaken = json!({ "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 25, "duration_s": 1 });
+        let shaken =
+            json!({ "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 25, "duration_s": 1 });
         value["stages"].as_array_mut().expect("stages").push(shaken);
         fill(&mut value, &larger());
         let parts = [

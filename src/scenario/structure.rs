@@ -31,7 +31,9 @@ pub(super) fn check(value: &Value) -> Checked {
     if let Some(grains) = value.get("grains").filter(|g| g.is_object()) {
         RULES.grains(grains).check(grains, "grains", "/grains", &mut checked);
     }
-    for (i, stage) in value["stages"].as_array().into_iter().flatten().enumerate() {
+    let too_long = checked.cleaned["stages"].as_array().is_some_and(Vec::is_empty);
+    let stages = value["stages"].as_array().filter(|_| !too_long);
+    for (i, stage) in stages.into_iter().flatten().enumerate() {
         if let Some(rules) = RULES.stage(stage) {
             rules.check(stage, &format!("stages[{i}]"), &format!("/stages/{i}"), &mut checked);
         }
@@ -156,6 +158,7 @@ impl Part {
     /// Checks a value that stands at a path of the scenario, given both
     /// dotted and as a JSON pointer.
     fn check(&self, value: &Value, path: &str, pointer: &str, into: &mut Checked) {
+        let mut too_long = Vec::new();
         for error in self.validator.iter_errors(value) {
             let inner = error.instance_path().as_str();
             let steps: Vec<String> = inner
@@ -198,6 +201,7 @@ impl Part {
                         // What it means is not asked: that takes as long as the list is.
                         let list = into.cleaned.pointer_mut(&format!("{pointer}{inner}"));
                         list.and_then(Value::as_array_mut).into_iter().for_each(Vec::clear);
+                        too_long.push(format!("{here}["));
                     }
                     let message = in_words(kind).map_or_else(|| error.to_string(), str::to_owned);
                     let near = match (kind, error.instance().as_str()) {
@@ -217,6 +221,8 @@ impl Part {
                 }
             }
         }
+        // Of a list that is too long nothing else is said.
+        into.faults.retain(|f| !too_long.iter().any(|list| f.path.starts_with(list.as_str())));
     }
 
     /// The schema of what stands at the end of a path; `null` where there is none.

@@ -84,7 +84,7 @@ impl Craft {
     fn read_by_all(&self, to: &Path) -> Vec<(&'static str, Output)> {
         let commands: [(&str, &str, &[&str]); 7] = [
             ("view", "--save", &["run.html"]),
-            ("picture", "--out", &["run.png", "--width", "64"]),
+            ("picture", "--out", &["run.png", "--width", "96"]),
             ("picture", "--animate", &["run.gif", "--width", "64"]),
             ("export", "--out", &["vtk", "--format", "vtk"]),
             ("export", "--out", &["glb", "--format", "glb", "--animate"]),

@@ -54,9 +54,10 @@ fn every_file_of_the_contract_is_there() {
     let text = fs::read_to_string(folder.join("uncertainty.json")).expect("uncertainty.json");
     let uncertainty: Value = serde_json::from_str(&text).expect("JSON");
     let plate = &uncertainty["placements"][0];
-    let values = plate["specimens"][0]["values"].as_array().expect("values");
-    assert_eq!(values.len(), 2, "law: one value a placement, got {plate}");
-    assert_ne!(values[0], values[1], "law: placements differ");
+    let of = |field: &str| plate["specimens"][0][field].as_array().expect("a list").clone();
+    let (values, left_out) = (of("values"), of("left_out"));
+    assert_eq!(values.len() + left_out.len(), 2, "law: one value a placement, got {plate}");
+    assert_ne!(values.first(), values.get(1), "law: placements differ");
     let report = fs::read_to_string(folder.join("report.html")).expect("report.html");
     assert!(
         report.contains("Scatter of specimens and of placements"),

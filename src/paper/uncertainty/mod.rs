@@ -244,7 +244,7 @@ pub fn uncertainty(all: &StudyView) -> Uncertainty {
         confidence: CONFIDENCE,
         trend: trend(study),
         settlements: MODES.iter().flat_map(|(kind, _)| all.of_kind(*kind)).map(settled).collect(),
-        placements: placements::scatter(study, CONFIDENCE),
+        placements: placements::scatter(all, study, CONFIDENCE),
         laboratory,
         quantities,
     }

@@ -48,10 +48,17 @@ pub struct SpecimenPlacements {
     pub values: Vec<f64>,
     /// The runs they are from.
     pub runs: Vec<String>,
+    /// Runs that are left out.
+    pub left_out: Vec<String>,
 }
 
-/// What was measured under the plates of a study's placements.
-pub(super) fn scatter(study: &StudyView, confidence: f64) -> Vec<PlacementScatter> {
+/// What was measured under the plates of a study's placements; `all` are its runs with those that
+/// are left out of `study`.
+pub(super) fn scatter(
+    all: &StudyView,
+    study: &StudyView,
+    confidence: f64,
+) -> Vec<PlacementScatter> {
     if study.of_kind(RunKind::VibrationPlacement).next().is_none() {
         return Vec::new();
     }
@@ -67,11 +74,13 @@ pub(super) fn scatter(study: &StudyView, confidence: f64) -> Vec<PlacementScatte
             Some(r.summary.surface_settlement_mm.as_ref()?.final_mm)
         }),
     ];
-    let all = quantities.iter().map(|(name, unit, of)| one(study, (name, unit), of, confidence));
-    all.filter(|q| q.specimens.iter().any(|s| !s.values.is_empty())).collect()
+    let found =
+        quantities.iter().map(|(name, unit, of)| one(all, study, (name, unit), of, confidence));
+    found.filter(|q| q.specimens.iter().any(|s| !s.values.is_empty())).collect()
 }
 
 fn one(
+    all: &StudyView,
     study: &StudyView,
     (name, unit): (&str, &str),
     of: &dyn Fn(&RunRecord) -> Option<f64>,
@@ -84,8 +93,13 @@ fn one(
                 .of_kind(RunKind::VibrationPlacement)
                 .filter(|r| r.configuration == configuration)
                 .filter_map(|r| Some((r.name.clone(), of(r).filter(|v| v.is_finite())?)));
-            let (runs, values) = placed.unzip();
-            SpecimenPlacements { configuration, values, runs }
+            let (runs, values): (Vec<String>, _) = placed.unzip();
+            let left_out = all
+                .of_kind(RunKind::VibrationPlacement)
+                .filter(|r| r.configuration == configuration && !runs.contains(&r.name))
+                .map(|r| r.name.clone())
+                .collect();
+            SpecimenPlacements { configuration, values, runs, left_out }
         })
         .collect();
     let groups: Vec<Vec<f64>> = specimens.iter().map(|s| s.values.clone()).collect();
@@ -164,7 +178,7 @@ mod tests {
     fn both_sources_are_reported_apart() {
         let runs = scattered(&[&[2.0], &[4.0, 6.0], &[8.0, 9.0, 10.0]]);
         let study = canned::study(&runs);
-        let found = scatter(&study, 0.95);
+        let found = scatter(&study, &study, 0.95);
         let plate = &found[0];
         assert_eq!(plate.name, "settlement of the plate, final");
         let counts: Vec<usize> = plate.specimens.iter().map(|s| s.values.len()).collect();
@@ -185,12 +199,19 @@ mod tests {
     #[test]
     fn the_programme_s_own_runs_are_none_of_them() {
         let own = canned::runs();
-        assert!(scatter(&canned::study(&own), 0.95).is_empty(), "law: the plate was laid once");
+        assert!(
+            scatter(&canned::study(&own), &canned::study(&own), 0.95).is_empty(),
+            "law: the plate was laid once"
+        );
         let runs = scattered(&[&[1.0, 2.0]]);
         let study = canned::study(&runs);
-        let claims = |runs| crate::paper::claims(&canned::study(runs));
+        // But that no grain of any run was crushed.
+        let claims = |runs| {
+            let all = crate::paper::claims(&canned::study(runs));
+            all.into_iter().filter(|c| c.id != "no-crushing").collect::<Vec<_>>()
+        };
         assert_eq!(claims(&own), claims(&runs), "law: placements answer no claim of the paper");
-        let found = scatter(&study, 0.95);
+        let found = scatter(&study, &study, 0.95);
         assert_eq!(found[0].mean, None, "law: one specimen tells nothing of others");
         assert!(found[0].note.starts_with("One specimen"), "{}", found[0].note);
     }

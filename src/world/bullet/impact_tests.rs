@@ -117,8 +117,10 @@ fn a_contact_does_not_rebound_from_a_speed_that_another_has_taken() {
             );
         }
     }
-    // The comparison can fail: another restitution is another speed.
-    let got = arrested(0.1e-3, 0.9, 1000.0);
+    // The comparison can fail: another restitution is another speed. It is seen where the impact
+    // comes in the last sub-step of a step; gravity takes 4.9 mm/s in one.
+    let gaps = [0.1e-3, 0.1013e-3, 0.1026e-3, 0.1039e-3];
+    let got = gaps.map(|gap| arrested(gap, 0.9, 1000.0)).into_iter().fold(0.0, f64::max);
     assert!(got > 2.2 && got < 3.8, "law: e times 4 mm/s; expected 3.6 mm/s, got {got}");
 }
 

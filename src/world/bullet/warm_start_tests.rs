@@ -1,7 +1,6 @@
 //! What a sub-step of the native contact solver begins with: the force that goes on, and
 //! nothing of an impact.
 
-use super::recall_tests::bodies;
 use super::tests::{free_box, precision, shared_turn, slab};
 use super::*;
 use crate::scenario::ManifoldSettings;
@@ -51,13 +50,17 @@ fn difference(bodies: &[Body], one: &[BodyState], other: &[BodyState]) -> f64 {
 #[test]
 fn a_run_continued_after_an_impact_goes_on_as_in_line() {
     let _turn = shared_turn();
-    let mut bodies = bodies(1);
+    // Blocks above each other, a little apart, fall on each other all the time; on faces, so that
+    // a world that is made anew finds the same contact points.
+    let mut bodies = vec![slab(Motion::Static)];
+    bodies.extend((0..16).map(|n| {
+        free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.006 + 0.011 * f64::from(n)))
+    }));
     let mut in_line = world(480.0, 0.3, 8, 1.0);
     for body in &bodies {
         in_line.add(body).expect("added");
     }
-    // Grains fall on each other all the time.
-    for _ in 0..40 {
+    for _ in 0..8 {
         in_line.step().expect("a step");
     }
     let (mut told, mut whole, mut lessened) = (0.0, 0.0, 0);
@@ -217,7 +220,9 @@ fn a_slow_block_rebounds_from_the_surface_and_not_above_it() {
     for number in 0..10 {
         let height = 50e-6 + 0.4e-6 * f64::from(number);
         let lowest = turns_at(height);
-        let tolerance = precision(0.1e-6, 0.5e-6);
+        // Without an impulse an impact is met up to half of what the threshold, 2 mm/s, goes in
+        // a sub-step.
+        let tolerance = 0.5e-6 + precision(0.1e-6, 0.5e-6);
         assert!(
             lowest.abs() < tolerance,
             "law: surfaces meet before they part; from {height} m: expected 0 m, got {lowest:.1e} \
