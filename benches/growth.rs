@@ -20,8 +20,8 @@ use std::{
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use pluvia::{
-    apparatus::TableMotion,
     geometry::{Pose, Vector},
+    motion::TableMotion,
     protocol::Setup,
     record::{create_folder, write_json},
     scenario::StageSpec,
@@ -112,7 +112,7 @@ impl Cylinders {
         for _ in 0..count {
             self.time += self.world.time_step();
             if let Some(motion) = motion {
-                let x = motion.displacement(self.time);
+                let x = motion.displacement(self.time).x;
                 for (id, pose) in &self.walls {
                     let mut pose = *pose;
                     pose.translation.vector.x += x;
@@ -349,14 +349,7 @@ fn growth(c: &mut Criterion) {
     let setup = Setup::new(&scenario).expect("a laboratory");
     let full = filled(&scenario, &setup);
     let specimen = settled(&setup, full.clone());
-    let shaking = TableMotion {
-        amplitude: 0.025,
-        frequency: 3.0,
-        duration: 1e6,
-        periods: 1,
-        rest: 0.0,
-        ramp: 0.0,
-    };
+    let shaking = TableMotion::sine(0.025, 3.0, 1e6);
     table((&setup, &full, &specimen), &shaking);
     let mut group = c.benchmark_group("a step");
     group.sample_size(10).sampling_mode(SamplingMode::Flat);

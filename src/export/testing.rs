@@ -93,6 +93,8 @@ fn state(time: f64, stage: usize, grains: usize) -> SpecimenState {
             contact(Party::Other(Other::TopPlate), Party::Grain(3), [0.0, 0.0, 1.0]),
         ],
         table_x,
+        table_y: 0.0,
+        table_z: 0.0,
         time,
     }
 }

@@ -204,6 +204,8 @@ pub fn specimen_of(parts: Vec<(ConvexPolyhedron, Pose)>) -> Specimen {
             top_plate: None,
             contacts: Vec::new(),
             table_x: 0.0,
+            table_y: 0.0,
+            table_z: 0.0,
             time: 0.0,
         },
     }
