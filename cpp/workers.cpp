@@ -155,18 +155,22 @@ void Workers::run(const Job &job) {
 }
 
 void Workers::account(const Share *shares, std::size_t count, double took) {
-    double all = 0;
+    double all = 0, shared = 0;
     std::array<double, SharedTime::THREADS.size()> left{};
     for (std::size_t k = 0; k < count; ++k) {
         const double parts =
             static_cast<double>(shares[k].size) / static_cast<double>(shares[k].least);
         all += parts;
+        if (shares[k].size <= shares[k].least) {
+            continue;
+        }
+        shared += parts;
         for (std::size_t t = 0; t < left.size(); ++t) {
             const double threads = std::min<double>(SharedTime::THREADS[t], std::ceil(parts));
-            left[t] += shares[k].size > 0 ? parts / threads : 0;
+            left[t] += parts / threads;
         }
     }
-    shared_.now += took;
+    shared_.now += took * shared / all;
     for (std::size_t t = 0; t < left.size(); ++t) {
         shared_.on[t] += took * left[t] / all;
     }

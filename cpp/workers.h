@@ -23,9 +23,10 @@ struct Share {
     std::size_t least; // that it pays for a thread to take, however many threads there are
 };
 
-// How long jobs took that threads can share, in s; and how long they would take on other numbers
-// of threads, were they done in equal parts by as many as have at least the least to do, and
-// were there no waiting and no cache. That parts of all shares take alike is assumed.
+// How long shares took that threads can share, in s: those of more than the least that pays for a
+// thread. And how long they would take on other numbers of threads, were they done in equal parts
+// by as many as have the least to do, and were there no waiting and no cache. A job's time is
+// divided among its shares by how often each has the least.
 struct SharedTime {
     static constexpr std::array<std::uint32_t, 3> THREADS{2, 8, 16};
     double now = 0;

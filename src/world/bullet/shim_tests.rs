@@ -281,11 +281,12 @@ fn threads_are_left_where_they_do_not_help_and_were_not_typed() {
 #[test]
 fn what_more_threads_would_save_is_told() {
     // Sizes and leasts of shares, and the part of the time that is left on 2, 8 and 16 threads.
-    let cases: [(&[usize], &[usize], [f64; 3]); 4] = [
+    let cases: [(&[usize], &[usize], [f64; 3]); 5] = [
         (&[64], &[1], [1.0 / 2.0, 1.0 / 8.0, 1.0 / 16.0]),
         (&[24], &[8], [1.0 / 2.0, 1.0 / 3.0, 1.0 / 3.0]),
-        // One part in seventeen is one thread's.
-        (&[16, 8], &[1, 8], [9.0 / 17.0, 3.0 / 17.0, 2.0 / 17.0]),
+        // The second is one thread's, and does not count.
+        (&[16, 8], &[1, 8], [1.0 / 2.0, 1.0 / 8.0, 1.0 / 16.0]),
+        (&[16, 24], &[1, 8], [1.0 / 2.0, 3.0 / 19.0, 2.0 / 19.0]),
         (&[16, 0, 16], &[1, 8, 1], [1.0 / 2.0, 1.0 / 8.0, 1.0 / 16.0]),
     ];
     for (sizes, leasts, expected) in cases {
