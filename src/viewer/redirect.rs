@@ -26,7 +26,11 @@ impl Redirect {
     /// # Errors
     /// When it cannot be written.
     pub fn to(url: &str) -> io::Result<Self> {
-        let folder = tempfile::Builder::new().prefix("pluvia-view-").tempdir()?;
+        let mut folder = tempfile::Builder::new();
+        folder.prefix("pluvia-view-");
+        #[cfg(unix)]
+        folder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+        let folder = folder.tempdir()?;
         let file = folder.path().join(NAME);
         let mut page = private(&file)?;
         // The address is of our own making: letters, digits, and `:/.`.
