@@ -67,7 +67,11 @@ fn wait_for(what: &str, is_so: impl Fn() -> bool) {
 fn end(mut child: Served) {
     let sent = Command::new("kill").args(["-TERM", &child.0.id().to_string()]).status();
     assert!(sent.is_ok_and(|s| s.success()), "the signal is sent");
-    assert_eq!(child.0.wait().expect("it ends").code(), Some(0), "law: it ends when it is asked to");
+    assert_eq!(
+        child.0.wait().expect("it ends").code(),
+        Some(0),
+        "law: it ends when it is asked to"
+    );
 }
 
 #[test]
