@@ -109,6 +109,7 @@ mod tests {
         // Every byte of the file, one after the other.
         let path = folder.path().join("a.json");
         let whole = fs::read(&path).expect("a file");
+        let mut counting = Vec::new();
         for at in 0..whole.len() {
             let mut changed = whole.clone();
             changed[at] ^= 1;
@@ -117,8 +118,9 @@ mod tests {
             if found.others.is_empty() {
                 let told = &found.damaged[0];
                 assert!(told.contains("a.json") && told.contains("left out"), "law: got {told}");
+                counting.push(at);
             } else {
-                // White space, or a digit beyond those that tell two numbers apart.
+                // A blank, or a digit beyond the last that counts.
                 assert_eq!(
                     found.others,
                     [column(awkward)],
@@ -126,6 +128,7 @@ mod tests {
                 );
             }
         }
+        assert!(counting.len() > whole.len() / 2, "law: most bytes count, got {counting:?}");
         let anew = keep("a.json", awkward);
         assert!(anew.damaged[0].contains("made anew"), "law: it is said, got {:?}", anew.damaged);
         assert!(keep("b.json", 1.0).damaged.is_empty(), "law: it is made anew");

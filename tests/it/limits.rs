@@ -202,7 +202,8 @@ fn a_sieve_table_of_very_many_fractions_is_answered_soon() {
         let words = ["grains.sieve_table", "the list is too long", "1 to 100 elements"];
         let is_told = words.iter().all(|word| told.contains(word));
         assert!(is_told, "law: {count} {what}: it is told with what is allowed, got {told}");
-        assert!(told.len() < 10_000, "law: {count} {what}: in few words, got {}", told.len());
+        // A hundred faults are written out at most, each in a line.
+        assert!(told.len() < 40_000, "law: {count} {what}: in few words, got {}", told.len());
         let soon = Duration::from_secs(10);
         assert!(took < soon, "law: {count} {what} are answered within {soon:?}, got {took:?}");
     }

@@ -27,14 +27,24 @@ fn launcher(folder: &Path) {
     fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).expect("made a program");
 }
 
+/// A command that serves; it is ended also where a test fails.
+struct Served(Child);
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
 /// Starts the command with that launcher; gives it, its address and the page that was opened.
-fn opened(notes: &Path) -> (Child, String, String) {
+fn opened(notes: &Path) -> (Served, String, String) {
     launcher(notes);
     let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
     let path = format!("{}:/usr/bin:/bin", notes.display());
     command.arg("view").arg(small_run()).env("PATH", path).env("NOTES", notes);
-    let mut child = command.stdout(Stdio::piped()).spawn().expect("it starts");
-    let mut lines = BufReader::new(child.stdout.take().expect("a pipe")).lines();
+    let mut child = Served(command.stdout(Stdio::piped()).spawn().expect("it starts"));
+    let mut lines = BufReader::new(child.0.stdout.take().expect("a pipe")).lines();
     let url = loop {
         let line = lines.next().expect("an address is printed").expect("text");
         if line.starts_with("http://") {
@@ -54,10 +64,14 @@ fn wait_for(what: &str, is_so: impl Fn() -> bool) {
     }
 }
 
-fn end(mut child: Child) {
-    let sent = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+fn end(mut child: Served) {
+    let sent = Command::new("kill").args(["-TERM", &child.0.id().to_string()]).status();
     assert!(sent.is_ok_and(|s| s.success()), "the signal is sent");
-    assert_eq!(child.wait().expect("it ends").code(), Some(0), "law: it ends when it is asked to");
+    assert_eq!(
+        child.0.wait().expect("it ends").code(),
+        Some(0),
+        "law: it ends when it is asked to"
+    );
 }
 
 #[test]
