@@ -78,7 +78,8 @@ pub fn make(size: Size) -> Result<Scenes, String> {
             stage: stage.to_owned(),
             time_s: specimen.state.time,
         };
-        let mut scene = Scene::of(setup, specimen, motion, made_by).map_err(|e| e.to_string())?;
+        let mut scene =
+            Scene::of(setup, specimen, motion.as_ref(), made_by).map_err(|e| e.to_string())?;
         scene.contacts.clear();
         Ok::<_, String>(scene)
     };

@@ -40,8 +40,8 @@ pub(super) fn still_there() -> Result<(), FileError> {
     match begun.iter().find(|(path, open)| !is_same(path, open)) {
         None => Ok(()),
         Some((path, _)) => {
-            let why = "it was renamed or removed while results were written, of which some are in \
-                       the folder as it was and some are not; only one that stays is whole";
+            let why = "it was renamed or removed while results were written, so that they are \
+                       split between two folders; run the same command again";
             Err(FileError::new("use", path, why))
         }
     }

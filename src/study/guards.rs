@@ -257,19 +257,6 @@ mod tests {
 
     const REST: StageSpec = StageSpec::Rest { duration_s: 10.0 };
 
-    /// Three periods of 2 s with rests of a length in s.
-    fn shaken(rest_s: f64) -> StageSpec {
-        StageSpec::Vibrate {
-            frequency_hz: 1.0,
-            amplitude_mm: 1.0,
-            stroke: StrokeReading::HalfStroke,
-            duration_s: 2.0,
-            periods: 3,
-            rest_s,
-            ramp_s: 0.0,
-        }
-    }
-
     #[test]
     fn grains_in_each_other_are_found_and_grains_apart_are_not() {
         let mut watch = OverlapWatch::default();

@@ -1,6 +1,7 @@
 //! What a sub-step of the native contact solver begins with: the force that goes on, and
 //! nothing of an impact.
 
+use super::recall_tests::bodies;
 use super::tests::{free_box, precision, shared_turn, slab};
 use super::*;
 use crate::scenario::ManifoldSettings;
