@@ -300,7 +300,7 @@ mod tests {
         assert_near("all of it", 1.0, share, 1e-12);
         // The settlement overshoots: a share above one is kept.
         let share = share_after(&s, &shaken, 5.9).unwrap().unwrap();
-        assert_near("share above one", 19.75 / 18.0, share, 1e-12);
+        assert_near("share above one", 19.8 / 18.0, share, 1e-12);
         assert_eq!(share_after(&s, &shaken, 6.1), Ok(None), "longer than the vibration");
         assert_eq!(share_after(&s, &shaken, -1.0), Ok(None));
     }

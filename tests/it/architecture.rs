@@ -12,7 +12,7 @@ use tokens::{Token, tokens};
 /// Rows of the layout table in `ARCHITECTURE.md`. A module uses only modules
 /// of rows above its own, and those of its own row that `SAME_ROW` names.
 const ROWS: [&[&str]; 9] = [
-    &["units", "geometry", "scale", "caught", "input"],
+    &["units", "geometry", "motion", "scale", "caught", "input"],
     &["scenario"],
     &["grains", "apparatus"],
     &["world", "specimen"],
@@ -26,6 +26,8 @@ const ROWS: [&[&str]; 9] = [
 /// Uses allowed within a row, as (user, used).
 const SAME_ROW: [(&str, &str); 9] = [
     ("geometry", "units"),
+    ("motion", "geometry"),
+    ("motion", "units"),
     ("specimen", "world"),
     ("paper", "record"),
     ("report", "record"),
