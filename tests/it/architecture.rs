@@ -24,7 +24,7 @@ const ROWS: [&[&str]; 9] = [
 ];
 
 /// Uses allowed within a row, as (user, used).
-const SAME_ROW: [(&str, &str); 9] = [
+const SAME_ROW: [(&str, &str); 11] = [
     ("geometry", "units"),
     ("motion", "geometry"),
     ("motion", "units"),
