@@ -134,7 +134,7 @@ impl TableLaw {
         let plain = m.waveform == Waveform::Sine(Start::Middle)
             && m.vertical.is_none()
             && m.frames_per_s.is_none();
-        plain.then(|| Self {
+        plain.then_some(Self {
             amplitude_m: m.amplitude,
             frequency_hz: m.frequency,
             duration_s: m.duration,

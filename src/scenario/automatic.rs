@@ -382,9 +382,6 @@ mod tests {
     #[test]
     fn what_is_filled_in_is_what_the_schema_calls_automatic() {
         let mut value = json!({ "stages": stages() });
-        let shaken =
-            json!({ "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 25, "duration_s": 1 });
-        value["stages"].as_array_mut().expect("stages").push(shaken);
         fill(&mut value, &larger());
         let parts = [
             ("EngineSettings", "/engine"),
@@ -412,10 +409,11 @@ mod tests {
                 assert!(known[field]["x-automatic"] == true, "law: the schema says so of {field}");
             }
         }
+        let mut shaken = json!({ "stages": [{ "stage": "vibrate" }] });
+        fill(&mut shaken, &larger());
         for field in AUTOMATIC_OF_STAGES {
-            let stages = value["stages"].as_array().expect("stages");
-            let filled = stages.iter().any(|stage| stage[field].is_number());
-            assert!(filled, "law: {field} is filled in");
+            let of = |value: &Value| value["stages"][0][field].is_number();
+            assert!(of(&value) || of(&shaken), "law: {field} is filled in");
         }
     }
 

@@ -162,11 +162,11 @@ fn a_recorded_motion_is_read_beside_its_scenario_and_kept_as_rows() {
     };
     for (content, words) in [
         (&b""[..], "no column"),
-        (b"time_s,x_mm\n0,0\n", "too few"),
-        (b"time_s,x_mm\n0,0\n1,nan\n2,0\n", "row 2 holds what is no finite number"),
-        (b"time_s,x_mm\n0,0\n2,1\n1,0\n", "the time of row 3 does not grow"),
-        (b"time_s,x_mm\n0,0\n1,1\n", "ends far"),
-        (b"\xff\xfe\x00", "invalid utf-8"),
+        (&b"time_s,x_mm\n0,0\n"[..], "too few"),
+        (&b"time_s,x_mm\n0,0\n1,nan\n2,0\n"[..], "row 2 holds what is no finite number"),
+        (&b"time_s,x_mm\n0,0\n2,1\n1,0\n"[..], "the time of row 3 does not grow"),
+        (&b"time_s,x_mm\n0,0\n1,1\n"[..], "ends far"),
+        (&b"\xff\xfe\x00"[..], "utf-8"),
     ] {
         let said = bad(content);
         assert!(said.contains(words), "law: {words}, got {said}");
