@@ -39,7 +39,7 @@ const MOST_QUICK: usize = 10_000;
 fn rounds(size: usize, quick: bool) -> usize {
     let rounds = match size {
         ..5_000 => 3,
-        ..50_000 => 2,
+        5_000..50_000 => 2,
         _ => 1,
     };
     if quick { rounds - 1 } else { rounds }
