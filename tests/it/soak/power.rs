@@ -81,7 +81,7 @@ fn whole_files(part: &Path, whole: &Path) -> usize {
         let here = fs::read(part.join(name)).ok();
         here.is_some() && here == fs::read(whole.join(name)).ok()
     };
-    FILES.iter().filter(is_whole).count()
+    FILES.into_iter().filter(is_whole).count()
 }
 
 /// The control: with calls of `fsync` that do nothing, a cut at the end loses files. If it did
