@@ -252,6 +252,7 @@ fn unexplained(record: &SubstepRecord) -> f64 {
 #[test]
 fn impulses_explain_velocities_also_where_iterations_run_out() {
     let _turn = shared_turn();
+    let mut faults = Vec::new();
     // In single precision, thousands of iterations over few grains add up rounding.
     for (solver_tolerance, contacts_at_once, tolerance) in
         [(ManifoldSettings::default().solver_tolerance, 8, 1e-5), (1e-6, 1, 1e-9)]
@@ -271,14 +272,16 @@ fn impulses_explain_velocities_also_where_iterations_run_out() {
                 worst = worst.max(unexplained(&record));
             }
         }
-        assert!(
-            worst < tolerance,
-            "law: what a sub-step changes are its impulses; solver_tolerance {solver_tolerance}: \
-             expected 0, got {worst} of the largest velocity, tolerance {tolerance}"
-        );
+        if worst >= tolerance {
+            faults.push(format!(
+                "solver_tolerance {solver_tolerance}: expected 0, got {worst} of the largest \
+                 velocity, tolerance {tolerance}"
+            ));
+        }
         // The comparison can fail.
         let mut record = world.recorded_substep();
         record.contacts[34] += 0.01;
         assert!(unexplained(&record) > 1e-5, "law: an impulse that was not given is seen");
     }
+    assert!(faults.is_empty(), "law: what a sub-step changes are its impulses; {faults:?}");
 }
