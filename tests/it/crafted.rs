@@ -85,7 +85,7 @@ impl Craft {
         let commands: [(&str, &str, &[&str]); 7] = [
             ("view", "--save", &["run.html"]),
             ("picture", "--out", &["run.png", "--width", "96"]),
-            ("picture", "--animate", &["run.gif", "--width", "96"]),
+            ("picture", "--animate", &["moving.png", "--width", "96"]),
             ("export", "--out", &["vtk", "--format", "vtk"]),
             ("export", "--out", &["glb", "--format", "glb", "--animate"]),
             ("export", "--out", &["obj", "--format", "obj"]),

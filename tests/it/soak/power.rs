@@ -77,7 +77,7 @@ const FILES: [&str; 4] = ["grains.json", "plan.json", "figures/effect-seed.svg",
 
 /// How many of them are there, whole.
 fn whole_files(part: &Path, whole: &Path) -> usize {
-    let is_whole = |name: &&&str| {
+    let is_whole = |name: &&str| {
         let here = fs::read(part.join(name)).ok();
         here.is_some() && here == fs::read(whole.join(name)).ok()
     };
