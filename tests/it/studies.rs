@@ -52,8 +52,8 @@ fn sensitivity() -> Value {
     json!({
         "full": { "scenario": "small.json", "configurations": 2 },
         "parameters": [
-            { "name": "friction", "title": "Friction on walls", "reason": "A test.",
-              "path": "contact.grain_wall_friction", "low": 0.3, "default": 0.5, "high": 0.6 },
+            { "name": "restitution", "title": "Restitution", "reason": "A test.",
+              "path": "contact.restitution", "low": 0.25, "default": 0.315, "high": 0.4 },
             { "name": "mass", "title": "Mass", "unit": "g", "reason": "More grains stand higher.",
               "path": "grains.total_mass_g", "low": 30, "high": 60 },
             { "name": "amplitude", "title": "Amplitude", "unit": "mm", "reason": "By changes.",
@@ -134,12 +134,12 @@ fn sensitivity_gives_effects_in_pairs() {
     let (code, printed, said) = study("sensitivity", &design, &out);
     assert_eq!(code, Some(0), "{said}");
     let found: Value = serde_json::from_str(&printed).expect("JSON");
-    let [friction, mass, amplitude] = &found["parameters"].as_array().expect("rows")[..] else {
+    let [restitution, mass, amplitude] = &found["parameters"].as_array().expect("rows")[..] else {
         panic!("three parameters: {printed}")
     };
     let of = |row: &Value, what: &str| row["height"][what]["mean"].as_f64();
-    let (low, high) = (of(friction, "low_mm"), of(friction, "high_mm"));
-    let range = of(friction, "range_mm").expect("an effect");
+    let (low, high) = (of(restitution, "low_mm"), of(restitution, "high_mm"));
+    let range = of(restitution, "range_mm").expect("an effect");
     let sum = high.zip(low).map(|(h, l)| h - l).expect("both ends");
     assert!((range - sum).abs() < 1e-9, "law: high - low = (high - default) - (low - default)");
     assert_eq!(mass["default"], 30.0, "law: a default left out is the scenario's own");
@@ -199,7 +199,7 @@ fn by_sweeps(design: &Path, study: &Path, found: &Value) {
     let by_fields: Vec<&std::ffi::OsStr> = [
         "--one-at-a-time",
         "--configurations=2",
-        "--over=contact.grain_wall_friction=0.3,0.6",
+        "--over=contact.restitution=0.25,0.4",
         "--over=grains.total_mass_g=60",
         "--over=stages.3.amplitude_mm=5",
     ]
@@ -288,7 +288,7 @@ fn faulty_designs_are_refused_with_every_fault_named() {
 
     let mut bad = sensitivity();
     bad["parameters"][0]["high"] = json!(0.1);
-    bad["parameters"][1]["name"] = json!("friction");
+    bad["parameters"][1]["name"] = json!("restitution");
     refused("sensitivity", &bad, 2, &["out of order", "parameters[1].name", "given twice"]);
 }
 
