@@ -61,8 +61,10 @@ impl Craft {
 
     /// Makes every hash fit what the files hold.
     fn seal(&self) {
-        let hash = |name: &str| hash_bytes(&fs::read(self.stage.join(name)).expect("a file"));
-        let (specimen, frames) = (hash("specimen.json"), hash("frames.bin"));
+        let hash = |path: PathBuf| hash_bytes(&fs::read(path).expect("a file"));
+        let [specimen, frames] =
+            ["specimen.json", "frames.bin"].map(|name| hash(self.stage.join(name)));
+        let of_run = hash(self.run.join("specimen.json"));
         let path = self.stage.join("stage.json");
         let mut record = read(&path);
         record["specimen_sha256"] = json!(specimen);
@@ -73,7 +75,7 @@ impl Craft {
         fields.insert("record_sha256".to_owned(), json!(own));
         write(&path, &record);
         self.manifest(|manifest| {
-            manifest["files_sha256"]["specimen.json"] = json!(specimen);
+            manifest["files_sha256"]["specimen.json"] = json!(of_run);
             if let Some(stage) = manifest["stages"].as_array_mut().and_then(|all| all.last_mut()) {
                 stage["specimen_sha256"] = json!(specimen);
             }

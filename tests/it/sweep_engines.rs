@@ -175,8 +175,12 @@ fn clusters_are_asked_for_the_threads_that_are_used() {
             .output()
             .expect("the program starts");
         assert!(submitted.status.success(), "{}", String::from_utf8_lossy(&submitted.stderr));
-        for (script, asked) in [("level-0-0.sh", asked), ("level-1-0.sh", asked), ("collect.sh", 1)]
-        {
+        for (script, asked) in [
+            ("level-0-0.sh", asked),
+            ("level-1-0.sh", asked),
+            ("level-2-0.sh", asked),
+            ("collect.sh", 1),
+        ] {
             let script = out.join("slurm").join(script);
             let text = fs::read_to_string(&script).expect("a script");
             let line = format!("#SBATCH --cpus-per-task={asked}");
@@ -197,7 +201,7 @@ fn clusters_are_asked_for_the_threads_that_are_used() {
         }
         // A machine with fewer cores gives no more threads than it has.
         let expected = asked.min(there) as f64;
-        assert_eq!(used, [expected; 2], "law: with {typed:?} typed a stage uses what is asked for");
+        assert_eq!(used, [expected; 3], "law: with {typed:?} typed a stage uses what is asked for");
 
         let flow = folder.path().join("flow");
         let arguments = ["--over", "contact.restitution=0.2", "--snakemake"];
@@ -205,7 +209,7 @@ fn clusters_are_asked_for_the_threads_that_are_used() {
         assert_eq!(code, Some(0), "{said}");
         let text = fs::read_to_string(flow.join("Snakefile")).expect("a Snakefile");
         let lines = text.lines().filter(|l| *l == format!("    threads: {asked}")).count();
-        assert_eq!(lines, 2, "law: both levels ask for {asked}:\n{text}");
+        assert_eq!(lines, 3, "law: all levels ask for {asked}:\n{text}");
     }
 }
 
