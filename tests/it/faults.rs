@@ -141,7 +141,8 @@ fn each_refusal_has_one_exit_code() {
     let (run, none) = (at("run"), at("none"));
     let (device, file) = ("/dev/zero".to_owned(), at("words.json"));
     let export = ["--format", "csv"];
-    let cases: [(&str, &str, &[&str], i32, &[&str]); 17] = [
+    type Case<'a> = (&'a str, &'a str, &'a [&'a str], i32, &'a [&'a str]);
+    let cases: [Case; 17] = [
         ("run", &at("large.json"), &[], 2, &["large.json", "4.0 MiB", "at most 4.0 MiB"]),
         ("run", folder.path().to_str().expect("UTF-8"), &[], 2, &["a folder", "regular files"]),
         ("run", &at("words.json"), &[], 2, &["words.json", "not JSON"]),

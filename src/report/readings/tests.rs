@@ -187,7 +187,7 @@ fn what_is_not_valid_is_marked_and_never_mixed() {
     assert!(read("figures/readings-standing-height.svg").contains("stock (not valid)"));
     // Curves end where the valid runs end: 16 and 18 mm, not 70.
     let curve = read("figures/readings-continuous-plate.csv");
-    let end = curve.lines().filter(|l| l.starts_with("mixed,")).next_back().expect("rows");
+    let end = curve.lines().rfind(|l| l.starts_with("mixed,")).expect("rows");
     let depth: f64 = end.split(',').nth(2).and_then(|v| v.parse().ok()).expect("a number");
     assert!((depth - 17.0).abs() < 1.0, "law: the mean of 16 and 18 mm, got {end}");
 }

@@ -85,7 +85,11 @@ mod tests {
         let again = keep("p", std::slice::from_ref(&b));
         assert_eq!(again, both, "law: a build's rows replace its own");
         let other = keep("q", std::slice::from_ref(&b));
-        assert_eq!(other.rows, [b.clone()], "law: another programme does not stand beside");
+        assert_eq!(
+            other.rows,
+            std::slice::from_ref(&b),
+            "law: another programme does not stand beside"
+        );
         assert_eq!(other.left_out.len(), 1, "and that is told: {:?}", other.left_out);
         let single = folder.path().join("rows/single.json");
         let whole = std::fs::read_to_string(&single).expect("a file");
