@@ -259,9 +259,13 @@ fn unexplained(record: &SubstepRecord) -> f64 {
 fn impulses_explain_velocities_also_where_iterations_run_out() {
     let _turn = shared_turn();
     let mut faults = Vec::new();
-    // In single precision, thousands of iterations over few grains add up rounding.
+    // Every visit to a contact rounds the velocities of its bodies once more. In single precision
+    // that is 2⁻²⁴ of them, and a loose grain is visited some two thousand times in a sub-step; in
+    // double precision nothing is left of it.
+    let single = 2000.0 * f64::from(f32::EPSILON) / 2.0;
+    let usual = ManifoldSettings::default().solver_tolerance;
     for (solver_tolerance, contacts_at_once, tolerance) in
-        [(ManifoldSettings::default().solver_tolerance, 8, 1e-5), (1e-6, 1, 1e-9)]
+        [(usual, 8, single), (usual, 1, 1e-9), (1e-6, 1, 1e-9)]
     {
         let settings =
             ManifoldSettings { solver_tolerance, contacts_at_once, ..Default::default() };
@@ -287,7 +291,7 @@ fn impulses_explain_velocities_also_where_iterations_run_out() {
         // The comparison can fail.
         let mut record = world.recorded_substep();
         record.contacts[34] += 0.01;
-        assert!(unexplained(&record) > 1e-5, "law: an impulse that was not given is seen");
+        assert!(unexplained(&record) > 10.0 * single, "law: an impulse that was not given is seen");
     }
     assert!(faults.is_empty(), "law: what a sub-step changes are its impulses; {faults:?}");
 }
