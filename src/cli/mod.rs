@@ -26,6 +26,7 @@ mod readings;
 mod reproduce;
 mod run;
 mod schema;
+mod scorecard;
 mod sensitivity;
 mod stage;
 mod stop;

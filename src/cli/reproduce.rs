@@ -2,21 +2,20 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
-use serde_json::Value;
-
 use super::{
-    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
+    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder,
+    scorecard,
 };
+use crate::paper::Claim;
 use crate::plain::plain_path;
-use crate::record::read_json;
 use crate::study::{Reading, ReproduceOptions, reproduce};
+use clap::Args;
 
 /// Run the whole paper and compare its claims
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Leaves report.html, claims.json, figures/ and runs/ in DIR. What is already done there is not done
-again, so that an interrupted command goes on where it stopped. What other engines and settings
+Leaves report.html, scorecard.json, claims.json, figures/ and runs/ in DIR. Finished runs are
+reused: after Ctrl-C or a crash, rerun the same command to resume. What other engines and settings
 made of the same programme in DIR stands beside it in the report.
 
 Examples:
@@ -66,14 +65,14 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),
     })?;
-    let claims: Vec<Value> = read_json(&args.out.join("claims.json"))?;
-    let mut text = table::of_claims(&claims);
-    text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
+    let mut text = scorecard::of(&outcome.scorecard);
+    let (report, claims) = (args.out.join("report.html"), args.out.join("claims.json"));
+    text +=
+        &format!("every statement in {}, report in {}\n", plain_path(&claims), plain_path(&report));
     let runs = outcome.runs.iter().map(|r| (r.name.as_str(), &r.summary));
     text += &last_line::of_runs(runs);
-    context.print(&text, &claims)?;
-    // What cannot be compared, no run being valid, is not met either.
-    if args.strict && outcome.claims_outside + outcome.claims_not_comparable > 0 {
+    context.print(&text, &outcome.claims)?;
+    if args.strict && outcome.claims.iter().any(Claim::is_missed) {
         return Ok(ExitStatus::ExpectationMissed);
     }
     Ok(ExitStatus::Done)

@@ -1,9 +1,7 @@
 //! Results as compact tables for people.
 
-use serde_json::Value;
-
 use super::paint;
-use crate::paper::Verdict as ClaimVerdict;
+use crate::paper::ResultCounts;
 use crate::record::{AngleOfRepose, Settlement, StandingHeight, Summary, VibrationSummary};
 use crate::report::{Calibration, ReadingColumn, calibration_rows};
 use crate::study::CompareRecord;
@@ -174,48 +172,6 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     text
 }
 
-/// The entries of `claims.json`, one a line, and how many were met.
-pub(super) fn of_claims(claims: &[Value]) -> String {
-    let text = |value: &Value| match value {
-        Value::Null => "-".to_owned(),
-        Value::String(text) => text.clone(),
-        Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), three_digits),
-        other => other.to_string(),
-    };
-    let header = ["verdict", "claim", "paper", "ours", "unit"].map(str::to_owned);
-    let mut rows = vec![header];
-    for claim in claims {
-        let paper = match &claim["paper"] {
-            Value::Object(stated) => match (stated.get("low"), stated.get("high")) {
-                (Some(low), Some(high)) => format!("{} to {}", text(low), text(high)),
-                _ => stated.get("value").map(text).unwrap_or_default(),
-            },
-            other => text(other),
-        };
-        let [verdict, id, ours, unit] = ["verdict", "id", "ours", "unit"].map(|f| text(&claim[f]));
-        let verdict = match verdict.as_str() {
-            "within" => paint::good(verdict),
-            "outside" => paint::bad(verdict),
-            _ => paint::faint(verdict),
-        };
-        rows.push([verdict, id, paper, ours, unit]);
-    }
-    let mut out = columns(&rows);
-    let count = |verdict: &str| claims.iter().filter(|c| c["verdict"] == verdict).count();
-    out += &format!(
-        "{} claims: {} within, {} outside, {} not stated",
-        claims.len(),
-        count("within"),
-        count("outside"),
-        count("not_stated")
-    );
-    match count("not_comparable") {
-        0 => {}
-        n => out += &format!(", {n} not comparable (no run that would show them is valid)"),
-    }
-    out + "\n"
-}
-
 /// Rows of cells in columns of their widest cell.
 pub(super) fn columns<R: AsRef<[String]>>(rows: &[R]) -> String {
     let count = rows.iter().map(|row| row.as_ref().len()).max().unwrap_or(0);
@@ -289,15 +245,15 @@ pub(super) fn of_readings(readings: &[ReadingColumn]) -> String {
     ];
     let mut rows = vec![header.map(str::to_owned)];
     for reading in readings {
-        let count = |v| reading.claims.iter().filter(|c| c.verdict == v).count();
+        let results = ResultCounts::of(&reading.claims);
         let met = reading.runs.iter().filter(|r| r.summary.meets_standard).count();
         let left_out = reading.runs.iter().filter(|r| !r.counts_in_means()).count();
         rows.push([
             reading.name.clone(),
             format!("{} of {}", reading.runs.len(), reading.planned_runs),
             reading.failures.len().to_string(),
-            count(ClaimVerdict::Within).to_string(),
-            count(ClaimVerdict::Outside).to_string(),
+            results.within.to_string(),
+            results.outside.to_string(),
             format!("met by {met} of {}", reading.runs.len()),
             left_out.to_string(),
         ]);
@@ -367,33 +323,6 @@ mod tests {
         {
             assert_eq!(duration(seconds), expected, "law: {seconds} s in words");
         }
-    }
-
-    #[test]
-    fn claims_stand_in_columns() {
-        let claims = [
-            json!({ "id": "settlement", "paper": { "low": 14.0, "high": 19.61 }, "ours": 16.25,
-                    "unit": "mm", "verdict": "within" }),
-            json!({ "id": "grains", "paper": { "value": 1456 }, "ours": 1457, "unit": "",
-                    "verdict": "outside" }),
-            json!({ "id": "heights", "paper": null, "ours": null, "unit": "mm",
-                    "verdict": "not_stated" }),
-        ];
-        let coloured = paint::shown(&of_claims(&claims));
-        let red = coloured.lines().find(|line| line.contains("\x1b[31m"));
-        assert!(
-            red.is_some_and(|line| line.contains("outside")),
-            "law: missed is red, {coloured:?}"
-        );
-        let table = anstream::adapter::strip_str(&coloured).to_string();
-        let lines: Vec<&str> = table.lines().collect();
-        assert_eq!(lines.len(), 5, "a header, three claims and a sum: {table}");
-        assert_eq!(lines[1], "within      settlement  14 to 19.61  16.25  mm");
-        assert_eq!(lines[2], "outside     grains      1456         1457");
-        assert_eq!(lines[3], "not_stated  heights     -            -      mm");
-        assert_eq!(lines[4], "3 claims: 1 within, 1 outside, 1 not stated");
-        let none_valid = of_claims(&[json!({ "verdict": "not_comparable" })]);
-        assert!(none_valid.contains("0 not stated, 1 not comparable"), "law: {none_valid}");
     }
 
     #[test]

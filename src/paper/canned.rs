@@ -154,7 +154,28 @@ fn pluviation(configuration: u32, fh: f64) -> RunRecord {
         falling_height_mm: fh,
         summary,
         series: (0..60).map(row).collect(),
+        control: at_rest(row(59), configuration),
     }
+}
+
+/// The rows of a control: 2 s in which the surface sinks by one and a half times the creep.
+fn at_rest(last: SeriesRow, configuration: u32) -> Vec<SeriesRow> {
+    let creep = creep_um_per_s(configuration);
+    let row = |i: u32| {
+        let t = f64::from(i) * ROW_S;
+        SeriesRow {
+            time_s: last.time_s + t,
+            mean_surface_mm: last.mean_surface_mm - 1.5e-3 * creep * t,
+            mean_grain_height_mm: last.mean_grain_height_mm - 1e-3 * creep * t,
+            ..last
+        }
+    };
+    (0..=25).map(row).collect()
+}
+
+/// The third configuration creeps too much.
+fn creep_um_per_s(configuration: u32) -> f64 {
+    if configuration == 3 { 45.0 } else { 0.8 * f64::from(configuration) }
 }
 
 /// Share of the settlement at a time since vibration began.
@@ -263,6 +284,7 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
         falling_height_mm: fh,
         summary,
         series: (0..=rows).map(row).collect(),
+        control: at_rest(row(rows), configuration),
     }
 }
 
@@ -301,7 +323,7 @@ fn sieve_summary() -> SieveSummary {
 fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
     // The third configuration creeps and overlaps too much.
     let bad = configuration == 3;
-    let creep = if bad { 45.0 } else { 0.8 * f64::from(configuration) };
+    let creep = creep_um_per_s(configuration);
     Summary {
         scenario: String::new(),
         backend: BackendInfo {

@@ -5,17 +5,33 @@ use serde::{Deserialize, Serialize};
 use super::bands::{Band, Interval, PaperValue};
 use crate::record::RunRecord;
 
+/// What a statement is: only results test the simulation.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClaimKind {
+    /// What went in, or follows from it: it agrees because it was chosen so.
+    Input,
+    /// What the simulation could have missed, with a number of the paper to compare with.
+    #[default]
+    Result,
+    /// The paper's text gives no number.
+    NoNumber,
+}
+
 /// Whether a statement was met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Ours lies in the interval in which the paper's statement is read.
     Within,
-    /// It does not, or the runs that would show it are missing.
+    /// It does not.
     Outside,
-    /// The paper's text gives nothing to hold it against.
+    /// The paper's text gives no number to compare with.
     NotStated,
-    /// Runs were done, and none of those that would show it counts in means.
+    /// It was not measured: runs are missing, or do not tell.
+    NotRun,
+    /// It was measured, but not as the paper's statement needs it: on a smaller specimen, or in
+    /// runs that are left out of means.
     NotComparable,
 }
 
@@ -34,8 +50,17 @@ pub struct Claim {
     pub ours: Option<f64>,
     /// Unit of both.
     pub unit: String,
+    /// Input, result, or a statement without a number.
+    #[serde(default)]
+    pub kind: ClaimKind,
     /// Whether the statement was met.
     pub verdict: Verdict,
+    /// Why it was not run or cannot be compared; empty with every other verdict.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub reason: String,
+    /// Whether only the paper's own specimen and programme can show it.
+    #[serde(default)]
+    pub full_size: bool,
     /// Names of the runs it was read from.
     pub runs: Vec<String>,
     /// The interval in which the paper's number counts as met.
@@ -68,48 +93,77 @@ const NOT_RUN: &str = "Not run.";
 const NOT_MEASURED: &str = "Not measured.";
 
 /// A claim in the making; [`Draft::judge`] gives the verdict.
-pub(super) struct Draft(Claim);
+pub(super) struct Draft {
+    claim: Claim,
+    /// How many of what is counted were not run.
+    missing: usize,
+}
 
 impl Draft {
     pub(super) fn new(id: impl Into<String>, source: &str, statement: impl Into<String>) -> Self {
-        Self(Claim {
+        let claim = Claim {
             id: id.into(),
             source: source.to_owned(),
             statement: statement.into(),
             paper: None,
             ours: None,
             unit: String::new(),
+            kind: ClaimKind::NoNumber,
             verdict: Verdict::NotStated,
+            reason: String::new(),
+            full_size: false,
             runs: Vec::new(),
             read_as: None,
             spread: None,
             note: String::new(),
             left_out: Vec::new(),
             not_valid: None,
-        })
+        };
+        Self { claim, missing: 0 }
     }
 
     /// What the paper states; without it the verdict is "not stated".
     pub(super) fn paper(mut self, band: Band) -> Self {
-        self.0.paper = Some(band.paper);
-        self.0.read_as = Some(band.read_as);
+        self.claim.paper = Some(band.paper);
+        self.claim.read_as = Some(band.read_as);
+        if self.claim.kind == ClaimKind::NoNumber {
+            self.claim.kind = ClaimKind::Result;
+        }
         self.note(&band.reading)
+    }
+
+    /// It is no result: what goes in, or follows from it.
+    pub(super) fn input(mut self) -> Self {
+        self.claim.kind = ClaimKind::Input;
+        self
+    }
+
+    /// Only the paper's own specimen and programme can show it.
+    pub(super) fn full_size(mut self) -> Self {
+        self.claim.full_size = true;
+        self
     }
 
     /// What the runs show, and its unit; what is no number counts as missing.
     pub(super) fn ours(mut self, value: Option<f64>, unit: &str) -> Self {
-        self.0.ours = value.filter(|v| v.is_finite());
-        self.0.unit = unit.to_owned();
+        self.claim.ours = value.filter(|v| v.is_finite());
+        self.claim.unit = unit.to_owned();
+        self
+    }
+
+    /// How many of what `ours` counts were not run: they neither meet the statement nor miss it.
+    pub(super) fn missing(mut self, count: usize) -> Self {
+        self.missing = count;
         self
     }
 
     pub(super) fn runs<'a>(mut self, runs: impl IntoIterator<Item = &'a RunRecord>) -> Self {
-        self.0.runs.extend(runs.into_iter().map(|r| r.name.clone()));
+        self.claim.runs.extend(runs.into_iter().map(|r| r.name.clone()));
         self
     }
 
     pub(super) fn spread(mut self, values: impl IntoIterator<Item = f64>) -> Self {
-        self.0.spread = Interval::of(values);
+        self.claim.spread = Interval::of(values);
         self
     }
 
@@ -117,24 +171,39 @@ impl Draft {
     pub(super) fn note(mut self, sentence: impl AsRef<str>) -> Self {
         let sentence = sentence.as_ref();
         if !sentence.is_empty() {
-            self.0.add_note(sentence);
+            self.claim.add_note(sentence);
         }
         self
     }
 
-    /// Gives the verdict. What was not run never reads as within.
+    /// Gives the verdict. What was not run reads neither as within nor as outside.
     pub(super) fn judge(mut self) -> Claim {
-        self.0.verdict = match (self.0.read_as, self.0.ours) {
+        let missing = self.missing as f64;
+        self.claim.verdict = match (self.claim.read_as, self.claim.ours) {
             (None, _) => Verdict::NotStated,
-            (Some(_), None) => Verdict::Outside,
+            (Some(_), None) => Verdict::NotRun,
             (Some(band), Some(ours)) if band.contains(ours) => Verdict::Within,
+            (Some(band), Some(ours)) if self.missing > 0 && band.contains(ours + missing) => {
+                self.claim.reason = format!("{} not run", self.missing);
+                Verdict::NotRun
+            }
             (Some(_), Some(_)) => Verdict::Outside,
         };
-        self.0
+        self.claim
     }
 }
 
 impl Claim {
+    /// Whether a strict reader counts it as missed: it is outside, or the runs that would show it
+    /// are missing or left out. What the quick study does not compare is no miss.
+    pub fn is_missed(&self) -> bool {
+        match self.verdict {
+            Verdict::Outside | Verdict::NotRun => true,
+            Verdict::NotComparable => !self.left_out.is_empty() && self.ours.is_none(),
+            Verdict::Within | Verdict::NotStated => false,
+        }
+    }
+
     /// Adds a sentence to the note.
     pub(super) fn add_note(&mut self, sentence: &str) {
         if !self.note.is_empty() {
@@ -146,9 +215,19 @@ impl Claim {
     /// Says what is missing where there is no value.
     pub(super) fn explained(mut self) -> Self {
         if self.ours.is_none() {
-            self.add_note(if self.runs.is_empty() { NOT_RUN } else { NOT_MEASURED });
+            let why = if self.runs.is_empty() { NOT_RUN } else { NOT_MEASURED };
+            self.add_note(why);
+            if self.verdict == Verdict::NotRun {
+                self.reason = why.trim_end_matches('.').to_lowercase();
+            }
         }
         self
+    }
+
+    /// Takes the verdict back, with the reason: what was measured is not what the statement is of.
+    pub(super) fn not_comparable(&mut self, reason: &str) {
+        self.verdict = Verdict::NotComparable;
+        reason.clone_into(&mut self.reason);
     }
 
     /// With the runs that are left out of it, each with its name and what is against it, and
@@ -161,7 +240,7 @@ impl Claim {
         let each: Vec<String> = runs.iter().map(|(name, why)| format!("{name} ({why})")).collect();
         if self.ours.is_none() && (self.runs.is_empty() || they.ours.is_some()) {
             if self.paper.is_some() {
-                self.verdict = Verdict::NotComparable;
+                self.not_comparable("no run that would show it counts in means");
             }
             self.not_valid = they.ours.map(|value| NotValid { value, spread: they.spread });
             self.add_note(&format!("No valid run shows it; left out: {}.", each.join("; ")));
@@ -193,8 +272,8 @@ mod tests {
             (band(), Some(16.0), Verdict::Within),
             (band(), Some(13.9), Verdict::Outside),
             (band(), Some(20.0), Verdict::Outside),
-            (band(), None, Verdict::Outside),
-            (band(), Some(f64::NAN), Verdict::Outside),
+            (band(), None, Verdict::NotRun),
+            (band(), Some(f64::NAN), Verdict::NotRun),
             (None, Some(16.0), Verdict::NotStated),
             (None, None, Verdict::NotStated),
         ] {
@@ -211,13 +290,42 @@ mod tests {
         assert!(!claim.note.contains(NOT_RUN), "it was run: {:?}", claim.note);
     }
 
+    /// Law: what is missing of a count is no miss, and what was run and misses is one.
+    #[test]
+    fn a_count_that_is_not_complete_is_not_outside() {
+        for (ours, missing, expected) in [
+            (3.0, 0, Verdict::Within),
+            (2.0, 1, Verdict::NotRun),
+            (1.0, 2, Verdict::NotRun),
+            (1.0, 1, Verdict::Outside),
+            (2.0, 0, Verdict::Outside),
+        ] {
+            let draft = Draft::new("id", "section 4", "statement").ours(Some(ours), "runs");
+            let claim = draft.paper(Band::count(3)).missing(missing).judge();
+            assert_eq!(claim.verdict, expected, "law: {ours} of 3, {missing} not run: {claim:?}");
+            assert_eq!(claim.reason.is_empty(), expected != Verdict::NotRun, "law: {claim:?}");
+        }
+    }
+
+    #[test]
+    fn a_kind_follows_from_the_number_unless_it_is_an_input() {
+        let kind = |draft: Draft| draft.judge().kind;
+        let draft = || Draft::new("id", "section 4", "statement");
+        assert_eq!(kind(draft()), ClaimKind::NoNumber, "law: without a number");
+        assert_eq!(kind(draft().paper(Band::count(3))), ClaimKind::Result, "law: with one");
+        assert_eq!(kind(draft().input().paper(Band::count(3))), ClaimKind::Input, "law: said");
+        assert_eq!(kind(draft().paper(Band::count(3)).input()), ClaimKind::Input, "law: said");
+    }
+
     #[test]
     fn looks_as_scripts_expect() {
         let json = serde_json::to_value(judged(None, None)).expect("serialises");
-        for field in ["id", "source", "statement", "paper", "ours", "unit", "verdict", "runs"] {
+        let fields =
+            ["id", "source", "statement", "paper", "ours", "unit", "kind", "verdict", "runs"];
+        for field in fields {
             assert!(json.get(field).is_some(), "`{field}` is missing in {json}");
         }
         assert!(json["paper"].is_null() && json["ours"].is_null(), "null, not left out: {json}");
-        assert_eq!(json["verdict"], "not_stated");
+        assert_eq!((&json["verdict"], &json["kind"]), (&"not_stated".into(), &"no_number".into()));
     }
 }

@@ -2,9 +2,9 @@
 //! held against the runs of a study.
 //!
 //! The paper is Izadi & Bezuijen (2014), "Simulation of granular soil
-//! behaviour using the Bullet physics library". Only its text is at hand: what
-//! stood in its figures alone (sieve curve, laboratory bands of Figures 7 and
-//! 10, size of the funnel) is lost, and no value is put in its place.
+//! behaviour using the Bullet physics library". Only its text was available to us:
+//! for what stood in its figures alone (sieve curve, laboratory bands of Figures 7
+//! and 10, size of the funnel) we substitute no values.
 
 pub mod bands;
 #[cfg(test)]
@@ -13,13 +13,15 @@ mod claim;
 mod claims;
 pub mod constants;
 mod fluctuation;
+mod scorecard;
 pub(crate) mod text;
 pub mod uncertainty;
 mod view;
 
 pub use bands::{Band, Interval, PaperValue};
-pub use claim::{Claim, NotValid, Verdict};
+pub use claim::{Claim, ClaimKind, NotValid, Verdict};
 pub use claims::claims;
+pub use scorecard::{ResultCounts, ScoreRow, Scorecard, scorecard};
 pub use uncertainty::{Uncertainty, uncertainty};
 pub(crate) use view::settlement_curve;
 pub use view::{Gradation, Intermittent, StudyView};

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::MeanSettlement;
 use crate::paper::{Claim, Interval, NotValid, Verdict};
 
 /// What one engine, or one choice of settings, made of the claims.
@@ -16,6 +17,12 @@ pub struct Column {
     pub programme: String,
     /// Findings by the claims' names.
     pub claims: BTreeMap<String, Finding>,
+    /// Whether stock Bullet found and solved the contacts.
+    #[serde(default)]
+    pub stock_bullet: bool,
+    /// Its settlement under continuous vibration; null where it has none.
+    #[serde(default)]
+    pub settlement: Option<MeanSettlement>,
 }
 
 /// What one column has for one claim.
@@ -45,6 +52,14 @@ impl Column {
             label: label.to_owned(),
             programme: programme.to_owned(),
             claims: claims.iter().map(|c| (c.id.clone(), finding(c))).collect(),
+            stock_bullet: false,
+            settlement: None,
         }
+    }
+
+    /// With its settlement, and with whose contacts it is.
+    #[must_use]
+    pub fn with_settlement(self, settlement: Option<MeanSettlement>, stock_bullet: bool) -> Self {
+        Self { settlement, stock_bullet, ..self }
     }
 }

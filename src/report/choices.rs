@@ -65,7 +65,7 @@ fn grains(scenario: &Scenario) -> Choice {
     choice(
         "Sieve table",
         value,
-        "Lost with Figure 1. Usual sieves; fractions such that the text's numbers come out: 1456 \
+        "In Figure 1, which was not available to us (only the paper's text was). Usual sieves; fractions such that the text's numbers come out: 1456 \
          grains of 2343 g, 55 to 65 in 100 g, poorly graded.",
         "Other tables meet the same numbers; a wider grading packs more densely. Not varied here.",
     )
@@ -166,8 +166,8 @@ fn stages(scenario: &Scenario) -> Vec<Choice> {
                 MotionFacts::of(&motion, 1.0 / scenario.engine.rate_hz).line()
             }),
             "Not given but for \"sinusoidal\"; every period starts and ends at the table's place.",
-            "The jerk at either end of each period loosens the grains: with a ramp of 1 s in its \
-             place the intermittent settlement of configuration 1 was 11.6 mm, without 19.6 mm.",
+            "An abrupt start and stop of the table at either end of each period loosens the grains; a \
+             ramp in its place makes the intermittent settlement smaller (--set, ramp_s).",
         ));
         if *periods > 1 {
             choices.push(choice(
@@ -222,8 +222,8 @@ fn manifold_contacts(e: &EngineSettings) -> Vec<Choice> {
             "Time step",
             format!("{} steps a second in {} sub-steps", compact(e.rate_hz), m.substeps(e.rate_hz)),
             "Not given; the tool's default of the time was 60.",
-            "Void ratio and settlement differ no more between 480 and 960 steps a second than \
-             between two mixings.",
+            "Longer steps resolve impacts less well; docs/accuracy.md says how far void ratio and \
+             settlement depend on it.",
         ),
         choice(
             "Solver iterations",
@@ -245,9 +245,8 @@ fn manifold_contacts(e: &EngineSettings) -> Vec<Choice> {
             ),
             "Not in the paper, whose grains are rigid: soft enough for the solver, stiff enough \
              for overlaps of a hundredth of a millimetre.",
-            "At rest a point sinks in by its load over the stiffness. In 2 s of shaking the mean \
-             grain height fell by 4.6, 3.5, 2.6, 2.0 and 2.1 mm at 1250, 2500, 5000, 10000 and \
-             20000 N/m (one run each).",
+            "At rest a point sinks in by its load over the stiffness. Softer: a shaken specimen \
+             settles more (docs/parameters.md).",
         ),
     ]
 }

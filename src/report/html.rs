@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::{Figure, Picture, ReportInput, sections, shortfalls, summary, uncertainty};
+use super::{Figure, Picture, ReportInput, scorecard, sections, shortfalls, uncertainty};
 use crate::plain::{plain, plain_lines};
 
 const CSS: &str = include_str!("report.css");
@@ -19,8 +19,8 @@ pub(super) fn head(title: &str) -> Markup {
     }
 }
 
-/// The page.
-pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
+/// The page: the paragraph, the scorecard and one figure; then everything else.
+pub(super) fn page(input: &ReportInput, headline: &Figure, figures: &[Figure]) -> String {
     let title = if input.study.quick {
         "Gravel poured and vibrated: quick study"
     } else {
@@ -34,23 +34,18 @@ pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
                 header {
                     h1 { (title) }
                     p.soft {
-                        "Held against Izadi & Bezuijen (2014), “Simulation of granular soil "
-                        "behaviour using the Bullet physics library”, whose text is at hand and "
-                        "whose figures are lost."
+                        "Compared with Izadi & Bezuijen (2014), “Simulation of granular soil "
+                        "behaviour using the Bullet physics library”. Its figures were not available to "
+                        "us (only its text was)."
                     }
-                    @if input.study.quick {
-                        p.banner {
-                            "This is the quick study: fewer grains than the paper's. It shows that "
-                            "everything works; its heights and settlements are not comparable."
-                        }
-                    }
-                    p.lead { (glue(&summary::paragraph(input))) }
-                    (contents(!input.pictures.is_empty()))
+                    p.lead { (glue(&input.scorecard.paragraph)) }
                 }
                 main {
-                    section id="claims" {
-                        h2 { "What the paper states, and what was found" }
-                        (sections::claims(input.claims, input.beside))
+                    section id="scorecard" {
+                        h2 { "Scorecard" }
+                        (scorecard::section(input.scorecard))
+                        (figure_block(headline))
+                        (contents(!input.pictures.is_empty()))
                     }
                     section id="figures" {
                         h2 { "Figures" }
@@ -61,6 +56,10 @@ pub(super) fn page(input: &ReportInput, figures: &[Figure]) -> String {
                             h2 { "Pictures" }
                             @for picture in input.pictures { (picture_block(picture)) }
                         }
+                    }
+                    section id="claims" {
+                        h2 { "What the paper states, and what was found" }
+                        (sections::claims(input.claims, input.beside))
                     }
                     section id="uncertainty" {
                         h2 { "How sure the numbers are" }
@@ -107,8 +106,9 @@ pub(super) fn glue(text: &str) -> String {
 
 fn contents(pictures: bool) -> Markup {
     let mut entries = vec![
-        ("claims", "Claims"),
+        ("scorecard", "Scorecard"),
         ("figures", "Figures"),
+        ("claims", "Every statement"),
         ("uncertainty", "How sure"),
         ("runs", "Runs"),
         ("shortfalls", "What falls short"),

@@ -13,19 +13,20 @@ mod dash;
 mod figures;
 mod html;
 mod laws;
+mod mean_settlement;
 mod picture;
 mod pile_choices;
 mod plot;
 mod png;
 mod quality;
 mod readings;
+mod scorecard;
 mod sections;
 mod sensitivity;
 mod sensitivity_page;
 mod shortfalls;
 mod silhouette;
 mod style;
-mod summary;
 mod sweep;
 mod sweep_page;
 mod text_table;
@@ -39,7 +40,7 @@ use std::{collections::BTreeMap, path::Path};
 use crate::{
     grains::{GrainShape, ParticleSizeDistribution, SieveAnalysis},
     measure,
-    paper::{Claim, Gradation, StudyView},
+    paper::{Claim, Gradation, Scorecard, StudyView},
     record::{AngleOfRepose, FileError, RunRecord, create_folder, write_file},
     specimen::Specimen,
     units::to_mm,
@@ -60,6 +61,7 @@ pub use convergence::{
 };
 pub use figures::Figure;
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
+pub use mean_settlement::MeanSettlement;
 pub use picture::Picture;
 pub use pile_choices::pile_choices;
 pub use png::draw as draw_svg;
@@ -96,6 +98,8 @@ pub struct ReportInput<'a> {
     pub study: StudyView<'a>,
     /// The claims, judged.
     pub claims: &'a [Claim],
+    /// The results that decide, and the paragraph that sums them up.
+    pub scorecard: &'a Scorecard,
     /// What other engines and settings made of the same programme.
     pub beside: &'a [Column],
     /// Values the paper does not give, and why they were chosen.
@@ -122,15 +126,16 @@ pub struct ReportInput<'a> {
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write(out: &Path, input: &ReportInput) -> Result<(), ReportError> {
+    let headline = figures::headline(&input.study, input.beside)?;
     let mut figures = figures::of_study(&input.study, &input.standard)?;
     figures.extend_from_slice(input.piles);
-    for figure in &figures {
+    for figure in std::iter::once(&headline).chain(&figures) {
         figure.write(&out.join("figures"))?;
     }
     for picture in input.pictures {
         picture.write(&out.join("figures"))?;
     }
-    let page = html::page(input, &figures);
+    let page = html::page(input, &headline, &figures);
     write_file(&out.join("report.html"), page.as_bytes())?;
     Ok(())
 }

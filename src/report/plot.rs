@@ -3,6 +3,8 @@
 //! Everything is placed in SVG units by [`Axis`]; plotters writes the SVG.
 //! What has no place (NaN, a logarithm of zero) is left out.
 
+mod areas;
+
 use plotters::{
     coord::Shift,
     prelude::*,
@@ -51,6 +53,15 @@ pub struct BandArea {
     pub between: (f64, f64),
 }
 
+/// The area between two curves.
+#[derive(Debug, Clone)]
+pub struct Envelope {
+    /// Its entry in the legend.
+    pub label: String,
+    /// Places on the horizontal axis with the lower and the upper value there.
+    pub edges: Vec<(f64, f64, f64)>,
+}
+
 /// A straight line across the frame, marking a limit or an event.
 #[derive(Debug, Clone)]
 pub struct Mark {
@@ -73,6 +84,8 @@ pub struct Plot {
     pub y_names: Option<Vec<String>>,
     /// Bands behind everything.
     pub bands: Vec<BandArea>,
+    /// Areas between curves, before the bands.
+    pub envelopes: Vec<Envelope>,
     /// Lines across the frame.
     pub marks: Vec<Mark>,
     /// The series, drawn in order.
@@ -93,6 +106,7 @@ impl Plot {
             y,
             y_names: None,
             bands: Vec::new(),
+            envelopes: Vec::new(),
             marks: Vec::new(),
             series: Vec::new(),
             frame_height: style::FRAME_HEIGHT,
@@ -137,6 +151,7 @@ impl Plot {
         root.fill(&WHITE)?;
         let pen = Pen { root: &root, frame, plot: self };
         pen.bands()?;
+        pen.envelopes()?;
         pen.grid()?;
         pen.marks()?;
         pen.axes()?;
@@ -151,11 +166,12 @@ impl Plot {
     /// Legend entries, wrapped to the width of the figure.
     fn legend_rows(&self) -> Vec<Vec<Entry<'_>>> {
         let bands = self.bands.iter().map(|b| Entry { label: &b.label, key: Key::Band });
+        let areas = self.envelopes.iter().map(|e| Entry { label: &e.label, key: Key::Envelope });
         let marks = self.marks.iter().map(|m| Entry { label: &m.label, key: Key::Mark });
         let series = self.series.iter().map(|s| Entry { label: &s.label, key: Key::Look(s.look) });
         let mut rows: Vec<Vec<Entry>> = Vec::new();
         let mut used = f64::INFINITY;
-        for entry in series.chain(bands).chain(marks).filter(|e| !e.label.is_empty()) {
+        for entry in series.chain(areas).chain(bands).chain(marks).filter(|e| !e.label.is_empty()) {
             let width = entry.width();
             if used + width > f64::from(style::WIDTH - 2 * LEGEND_SIDE) {
                 rows.push(Vec::new());
@@ -205,6 +221,7 @@ struct Entry<'a> {
 enum Key {
     Look(Look),
     Band,
+    Envelope,
     Mark,
 }
 
@@ -259,37 +276,6 @@ impl Pen<'_, '_> {
         anchor: (HPos, VPos),
     ) -> Result<(), Failure> {
         self.root.draw(&Text::new(text.to_owned(), at, font(size, anchor, FontTransform::None)))
-    }
-
-    fn bands(&self) -> Result<(), Failure> {
-        for band in &self.plot.bands {
-            let (Some(a), Some(b)) = (self.y(band.between.0), self.y(band.between.1)) else {
-                continue;
-            };
-            let inside = |y: f64| (y.round() as i32).clamp(self.frame.top, self.frame.bottom);
-            let (top, bottom) = (inside(a.min(b)), inside(a.max(b)));
-            self.hatched((self.frame.left, top), (self.frame.right, bottom))?;
-        }
-        Ok(())
-    }
-
-    /// A grey rectangle, hatched, so that it is seen in print as well.
-    fn hatched(&self, upper_left: (i32, i32), lower_right: (i32, i32)) -> Result<(), Failure> {
-        const SPACING: usize = 40;
-        self.root.draw(&Rectangle::new([upper_left, lower_right], style::BAND.filled()))?;
-        let ((left, top), (right, bottom)) = (upper_left, lower_right);
-        let height = bottom - top;
-        for start in ((left - height)..right).step_by(SPACING) {
-            // From (start, bottom) up to the right, cut at the sides.
-            let cut_left = (left - start).max(0);
-            let cut_right = (start + height - right).max(0);
-            if cut_left + cut_right < height {
-                let from = (start + cut_left, bottom - cut_left);
-                let to = (start + height - cut_right, top + cut_right);
-                self.line(from, to, style::HATCH, 2)?;
-            }
-        }
-        Ok(())
     }
 
     fn grid(&self) -> Result<(), Failure> {
@@ -420,6 +406,10 @@ impl Pen<'_, '_> {
                 let y0 = f64::from(y);
                 match entry.key {
                     Key::Band => self.hatched((x, y - 18), (x + KEY_WIDTH, y + 18))?,
+                    Key::Envelope => {
+                        let corners = [(x, y - 18), (x + KEY_WIDTH, y + 18)];
+                        self.root.draw(&Rectangle::new(corners, style::ENVELOPE.filled()))?;
+                    }
                     Key::Mark => {
                         let stroke = style::LIMIT.stroke_width(4);
                         self.dashed(&[(from, y0), (to, y0)], style::DOTTED, stroke)?;

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     paper::{
-        Claim, Interval, NotValid, PaperValue, StudyView, Verdict,
+        Claim, ClaimKind, Interval, NotValid, PaperValue, StudyView, Verdict,
         text::{compact, number},
     },
     plain::plain,
@@ -21,35 +21,44 @@ fn verdict(verdict: Verdict) -> (&'static str, &'static str) {
         Verdict::Within => ("within", "✓ within"),
         Verdict::Outside => ("outside", "✗ outside"),
         Verdict::NotStated => ("not_stated", "– not stated"),
+        Verdict::NotRun => ("not_stated", "– not run"),
         Verdict::NotComparable => ("not_stated", "– not comparable"),
     }
 }
 
-fn badge(claim: &Claim) -> Markup {
-    let (class, name) = match verdict(claim.verdict) {
-        // What is missing and what misses are not the same.
-        ("outside", _) if claim.ours.is_none() => ("outside", "✗ not run"),
-        other => other,
-    };
-    html! { span.verdict.(class) { (name) } }
+/// A verdict with why there is none, in words.
+pub(super) fn verdict_badge(of: Verdict, reason: &str) -> Markup {
+    let (class, name) = verdict(of);
+    html! {
+        span.verdict.(class) { (name) }
+        @if !reason.is_empty() && !name.ends_with(reason) {
+            " " span.soft.reason { (glue(reason)) }
+        }
+    }
 }
 
-/// The claims as a table, with a tally above; what other engines made of them
-/// in a column each.
+/// The claims as a table, results first, with a tally of the results above; what other engines
+/// made of them in a column each.
 pub(super) fn claims(claims: &[Claim], beside: &[Column]) -> Markup {
-    let count = |v| claims.iter().filter(|c| c.verdict == v).count();
+    let count = |v| claims.iter().filter(|c| c.kind == ClaimKind::Result && c.verdict == v).count();
+    let kinds = [
+        (ClaimKind::Result, "Results"),
+        (ClaimKind::NoNumber, "Statements without a number in the paper's text"),
+        (ClaimKind::Input, "Inputs, and what follows from them"),
+    ];
     html! {
         ul.tally {
-            @for v in [Verdict::Within, Verdict::Outside, Verdict::NotStated, Verdict::NotComparable] {
+            @for v in [Verdict::Within, Verdict::Outside, Verdict::NotRun, Verdict::NotComparable] {
                 @let (class, name) = verdict(v);
                 li { span.verdict.(class) { (name) ": " (count(v)) } }
             }
         }
         p.soft {
-            "“Within”: our number lies where the paper's is read to lie. “Outside”: it does not, or "
-            "the run is missing. “Not stated”: the text gives no number; ours is for information. “Not "
-            "comparable”: no run that would show it is valid; what such runs show stands in brackets. Ours "
-            "is of the runs that count (docs/accuracy.md)."
+            "Counted are the results alone. “Within”: our number lies where the paper's is read to lie. "
+            "“Outside”: it does not. “Not run”: it was not measured. “Not comparable”: it was, but on a "
+            "smaller specimen, or in runs that are left out of means; what such runs show stands in "
+            "brackets. “Not stated”: the text gives no number; ours is for information. Ours is of the runs "
+            "that count (docs/accuracy.md)."
             @if !beside.is_empty() {
                 " The last columns are the same programme by other engines or settings."
             }
@@ -59,7 +68,15 @@ pub(super) fn claims(claims: &[Claim], beside: &[Column]) -> Markup {
                 th { "Statement" } th.n { "Paper" } th.n { "Ours" } th { "Verdict" }
                 @for column in beside { th.n { (name(&column.label)) } }
             } }
-            tbody { @for claim in claims { (claim_row(claim, beside)) } }
+            @for (kind, title) in kinds {
+                @let of_kind: Vec<&Claim> = claims.iter().filter(|c| c.kind == kind).collect();
+                @if !of_kind.is_empty() {
+                    tbody {
+                        tr.kind { th scope="rowgroup" colspan=(4 + beside.len()) { (title) } }
+                        @for claim in of_kind { (claim_row(claim, beside)) }
+                    }
+                }
+            }
         }
     }
 }
@@ -101,7 +118,7 @@ fn claim_row(claim: &Claim, beside: &[Column]) -> Markup {
                     " " span.unit { "(left out: " (claim.left_out.len()) ")" }
                 }
             }
-            td { (badge(claim)) }
+            td { (verdict_badge(claim.verdict, &claim.reason)) }
             @for column in beside {
                 td.n data-label=(plain(&column.label)) {
                     @match column.claims.get(&claim.id) {

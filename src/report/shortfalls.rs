@@ -8,25 +8,27 @@ use super::{
 };
 use crate::{
     paper::{StudyView, Verdict, constants::FALLING_HEIGHTS_MM, text::compact, text::number},
-    record::{RunKind, RunRecord},
+    record::{RunKind, RunRecord, left_out_in_words},
 };
 
-/// One sentence or two a shortfall; never empty, for what the paper lost is
-/// always lost.
+/// One sentence or two a shortfall; never empty, for the paper's figures are
+/// never available.
 pub(super) fn list(input: &ReportInput) -> Vec<String> {
     let study = &input.study;
     let mut found = Vec::new();
     found.extend(missing(study));
     found.extend(claims_missed(input));
+    found.extend(left_out(study));
     found.extend(creep(study, &input.standard));
     found.extend(creep_beside_settlement(study));
     found.extend(overlap(study, &input.standard));
     found.extend(grains_lost(study));
     found.extend(plate_and_surface(study));
     found.push(
-        "The paper's figures are lost. Its laboratory ranges of the standing height (Figure 7) and \
-         of the intermittent settlement (Figure 10), its sieve curve and its funnel are therefore \
-         not compared with anything; the claims that need them read “not stated”."
+        "The paper's figures were not available to us (only its text was). Its laboratory ranges of \
+         the standing height (Figure 7) and of the intermittent settlement (Figure 10), its sieve \
+         curve and its funnel are therefore not compared with anything; the claims that need them \
+         read “not stated”."
             .to_owned(),
     );
     found
@@ -82,6 +84,18 @@ fn claims_missed(input: &ReportInput) -> Vec<String> {
             Some(format!("{statement}: expected {expected}, found {ours} {}.", c.unit))
         })
         .collect()
+}
+
+/// Which runs are left out of means, each with why.
+fn left_out(study: &StudyView) -> Option<String> {
+    let each: Vec<String> = study
+        .runs
+        .iter()
+        .filter(|r| !r.counts_in_means())
+        .map(|r| format!("{} ({})", r.name, r.summary.why_left_out().join("; ")))
+        .collect();
+    let said = left_out_in_words(each.len(), study.runs.len());
+    (!each.is_empty()).then(|| format!("{said}, ranges and claims: {}.", each.join(", ")))
 }
 
 fn creep(study: &StudyView, standard: &Standard) -> Vec<String> {

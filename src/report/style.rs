@@ -43,6 +43,8 @@ pub const GRID: RGBColor = RGBColor(228, 228, 228);
 pub const BAND: RGBColor = RGBColor(222, 222, 222);
 /// Hatching of a laboratory band.
 pub const HATCH: RGBColor = RGBColor(150, 150, 150);
+/// Ground of the area between the lowest and the highest of several curves.
+pub const ENVELOPE: RGBColor = RGBColor(198, 222, 238);
 /// Lines of limits and of events.
 pub const LIMIT: RGBColor = RGBColor(110, 110, 110);
 

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::*;
 use crate::{
-    paper::{StudyView, canned, claims},
+    paper::{StudyView, canned, claims, scorecard},
     record::RunRecord,
 };
 
@@ -20,6 +20,7 @@ fn with_input<T>(
     use_it: impl FnOnce(&ReportInput) -> T,
 ) -> T {
     let claims = claims(&study);
+    let scorecard = scorecard(&study, &claims);
     let provenance: BTreeMap<String, String> =
         [("pluvia", "0.1.0"), ("command", "pluvia reproduce --set a=<b>&c")]
             .map(|(k, v)| (k.to_owned(), v.to_owned()))
@@ -28,6 +29,7 @@ fn with_input<T>(
     use_it(&ReportInput {
         study,
         claims: &claims,
+        scorecard: &scorecard,
         beside: &[],
         choices,
         standard: STANDARD,
@@ -47,8 +49,10 @@ fn write_report(out: &Path, study: StudyView, choices: &[Choice]) -> String {
 /// The page and its figures, without files.
 fn make_report(study: StudyView, choices: &[Choice]) -> (String, Vec<Figure>) {
     with_input(study, choices, |input| {
+        let headline = figures::headline(&input.study, input.beside).expect("a figure");
         let figures = figures::of_study(&input.study, &input.standard).expect("figures");
-        (html::page(input, &figures), figures)
+        let page = html::page(input, &headline, &figures);
+        (page, [vec![headline], figures].concat())
     })
 }
 
@@ -71,6 +75,7 @@ fn a_whole_study_is_shown_whole() {
     let runs = canned::runs();
     let page = write_report(out.path(), canned::study(&runs), &a_choice());
     for stem in [
+        "settlement",
         "figure-01-grain-size-distribution",
         "figure-07-standing-height",
         "figure-09-continuous-vibration",
@@ -113,8 +118,9 @@ fn the_page_says_which_runs_do_not_count() {
         "– not comparable: 3",
         "no valid run",
         "the accuracy standard is not met",
-        "top plate settles by 16.0 to 18.0 mm",
-        "In 2 of 2 configurations",
+        "settlement of the plate after 20 s of vibration (17.0 mm [4.3 … 29.7])",
+        "2 of 2 configurations",
+        "(left out: 1)",
         "Left out: vibration-continuous-c3.",
     ] {
         assert!(page.contains(said), "law: the page says `{said}`");
@@ -124,14 +130,71 @@ fn the_page_says_which_runs_do_not_count() {
     let page = plain(page);
     for said in [
         "All 18 runs are valid and count in means",
-        "top plate settles by 16.0 to 20.0 mm",
-        "In 3 of 3 configurations",
+        "settlement of the plate after 20 s of vibration (18.0 mm [13.0 … 23.0])",
+        "3 of 3 configurations",
         "– not comparable: 0",
     ] {
         assert!(page.contains(said), "law: the page says `{said}`");
     }
     for unsaid in ["✗ not valid", "left out of means", "no valid run", "Left out"] {
         assert!(!page.contains(unsaid), "law: nothing is left out, but there is `{unsaid}`");
+    }
+}
+
+/// Law: the page opens with the paragraph, then the scorecard, then one figure; the other figures
+/// and the table of every statement follow.
+#[test]
+fn the_page_opens_with_what_a_reader_asks_first() {
+    let runs = canned::valid_runs();
+    let (page, _) = make_report(canned::study(&runs), &[]);
+    let place = |what: &str| page.find(what).unwrap_or_else(|| panic!("no `{what}` on the page"));
+    let order = [
+        "class=\"lead\">Reproduced",
+        "class=\"claims cards scorecard\"",
+        "<figure id=\"settlement\"",
+        "<nav",
+        "<figure id=\"figure-01",
+        "section id=\"claims\"",
+        "section id=\"runs\"",
+    ];
+    let places = order.map(place);
+    assert!(places.is_sorted(), "law: in this order: {order:?}, got {places:?}");
+    let before = &page[..places[3]];
+    assert_eq!(before.matches("<figure").count(), 1, "law: one figure in the head");
+    let results = place("Results</th>");
+    assert!(results < place("Inputs, and what follows"), "law: results before inputs");
+}
+
+/// Law: no page speaks of figures as lost, which were not available to us, nor of results that
+/// it does not have from its runs.
+#[test]
+fn the_page_says_what_was_not_available() {
+    let runs = canned::valid_runs();
+    let (page, _) = make_report(canned::study(&runs), &a_choice());
+    let text = page.replace("grains changed or lost", "").replace("listed as lost", "");
+    for gone in [" is lost", "are lost", "Lost with", "11.6 mm"] {
+        assert!(!text.contains(gone), "law: the page does not say `{gone}`");
+    }
+    assert!(text.contains("not available to us (only its text was)"), "law: it says so");
+}
+
+/// Law: a run that lacks grains is marked in the table, named and left out of the mean.
+#[test]
+fn a_jammed_run_is_marked_and_left_out() {
+    let mut runs = canned::valid_runs();
+    let jammed = runs.iter_mut().find(|r| r.name == "vibration-continuous-c3").expect("a run");
+    jammed.summary.grains.missing = Some(302);
+    jammed.summary.grains.left_in_funnel = 302;
+    let (page, _) = make_report(canned::study(&runs), &[]);
+    let page = page.replace('\u{a0}', " ");
+    for said in [
+        "✗ left out of means",
+        "302 of 1456 grains are missing in the specimen",
+        "1 of 18 runs with a result is left out of means",
+        "17.0 mm [4.3 … 29.7]",
+        "(left out: 1)",
+    ] {
+        assert!(page.contains(said), "law: the page says `{said}`");
     }
 }
 

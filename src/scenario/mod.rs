@@ -215,7 +215,7 @@ impl Default for CylinderSpec {
 }
 
 /// The funnel, a cone with a cylindrical collar on top. The paper's figure of
-/// it is lost and its text gives no size: all numbers are ours.
+/// it was not available to us (only its text was), and the text gives no size: all numbers are ours.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FunnelSpec {

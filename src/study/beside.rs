@@ -33,6 +33,11 @@ pub(super) fn label(engine: &EngineSettings) -> String {
     std::iter::once(who.to_owned()).chain(changed).collect::<Vec<_>>().join(", ")
 }
 
+/// Whether stock Bullet finds and solves the contacts, as in the engine of the paper.
+pub(super) fn is_stock_bullet(engine: &EngineSettings) -> bool {
+    (engine.backend, engine.contact_path) == (Backend::Bullet, ContactPath::Bullet)
+}
+
 /// The leaves of `b` that are not those of `a`, as `path value`.
 fn differences(a: &Value, b: &Value, path: &str, found: &mut Vec<String>) {
     match b {
@@ -130,6 +135,11 @@ mod tests {
         ] {
             assert_eq!(label(engine), words, "law: the label of {engine:?}");
             assert_eq!(suffix(engine), name, "law: the name of {engine:?}");
+            assert_eq!(
+                is_stock_bullet(engine),
+                words == "bullet",
+                "law: of Bullet alone: {engine:?}"
+            );
         }
     }
 

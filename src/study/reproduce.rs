@@ -18,11 +18,11 @@ use super::{
     told::tell_warnings,
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution};
-use crate::paper::{self, Intermittent, StudyView, Verdict};
+use crate::paper::{self, Claim, Intermittent, Scorecard, StudyView};
 use crate::picture;
 use crate::protocol::Progress;
 use crate::record::{RunKind, RunRecord, create_folder, read_json, write_json};
-use crate::report::{self, Column, Figure, Picture, ReportInput};
+use crate::report::{self, Column, Figure, MeanSettlement, Picture, ReportInput};
 use crate::scale::Scale;
 use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec};
 use crate::specimen::Specimen;
@@ -61,21 +61,17 @@ pub struct ReproduceOptions {
 /// What came out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReproduceOutcome {
-    /// Claims of the paper that this study meets.
-    pub claims_within: usize,
-    /// Claims that it misses.
-    pub claims_outside: usize,
-    /// Statements without a number to compare with.
-    pub claims_not_stated: usize,
-    /// Claims of which no run that would show them is valid.
-    pub claims_not_comparable: usize,
+    /// The paper's statements, judged.
+    pub claims: Vec<Claim>,
+    /// The results that decide whether it is reproduced.
+    pub scorecard: Scorecard,
     /// The report.
     pub report: PathBuf,
     /// All runs.
     pub runs: Vec<RunRecord>,
 }
 
-/// Runs the programme and writes `claims.json`, `uncertainty.json`, `report.html`, `figures/`,
+/// Runs the programme and writes `claims.json`, `scorecard.json`, `uncertainty.json`, `report.html`, `figures/`,
 /// `grains.json`, `sieve.csv` and `runs/<name>/`.
 ///
 /// # Errors
@@ -262,10 +258,16 @@ fn finish(
 ) -> Result<ReproduceOutcome, StudyError> {
     let study = study_view(options.quick, options.configurations, scenarios, grains, &records)?;
     let claims = paper::claims(&study);
+    let scorecard = paper::scorecard(&study, &claims);
     write_json(&options.out.join("claims.json"), &claims)?;
+    write_json(&options.out.join("scorecard.json"), &scorecard)?;
     write_json(&options.out.join("uncertainty.json"), &paper::uncertainty(&study))?;
     let column =
-        Column::new(&scenarios.label, &scenarios.programme_hash(options.configurations)?, &claims);
+        Column::new(&scenarios.label, &scenarios.programme_hash(options.configurations)?, &claims)
+            .with_settlement(
+                MeanSettlement::of(&study),
+                beside::is_stock_bullet(scenarios.engine()),
+            );
     let beside =
         beside::keep_and_read(&options.out, &scenarios.suffix, &column, options.progress.as_ref())?;
     // The shaken scenario has every choice of the poured one, and more.
@@ -277,6 +279,7 @@ fn finish(
         &ReportInput {
             study,
             claims: &claims,
+            scorecard: &scorecard,
             beside: &beside,
             choices: &choices,
             standard: standard(&Scale::PAPER),
@@ -287,12 +290,9 @@ fn finish(
             warnings: &warnings,
         },
     )?;
-    let count = |verdict| claims.iter().filter(|c| c.verdict == verdict).count();
     Ok(ReproduceOutcome {
-        claims_within: count(Verdict::Within),
-        claims_outside: count(Verdict::Outside),
-        claims_not_stated: count(Verdict::NotStated),
-        claims_not_comparable: count(Verdict::NotComparable),
+        claims,
+        scorecard,
         report: options.out.join("report.html"),
         runs: records,
     })

@@ -288,6 +288,7 @@ pub(super) fn write_run(
         falling_height_mm: summary.falling_height_mm.unwrap_or(0.0),
         summary,
         series,
+        control,
     })
 }
 

@@ -35,9 +35,24 @@ fn every_file_of_the_contract_is_there() {
     let claims = claims.as_array().expect("a list");
     assert!(claims.len() >= 25, "law: every statement of the paper, got {}", claims.len());
     for claim in claims {
-        for field in ["id", "source", "paper", "ours", "unit", "verdict"] {
+        for field in ["id", "source", "paper", "ours", "unit", "kind", "verdict"] {
             assert!(claim.get(field).is_some(), "law: a claim has `{field}`, got {claim}");
         }
+        if claim["full_size"] == true && claim["paper"].is_object() {
+            let verdict = claim["verdict"].as_str().unwrap_or_default();
+            let expected = ["not_comparable", "not_run"];
+            assert!(expected.contains(&verdict), "law: nothing of the quick study's size: {claim}");
+            assert!(claim["reason"].is_string(), "law: in words: {claim}");
+        }
+    }
+    let text = fs::read_to_string(folder.join("scorecard.json")).expect("scorecard.json");
+    let card: Value = serde_json::from_str(&text).expect("JSON");
+    let rows = card["rows"].as_array().expect("a list").len();
+    assert!((6..=8).contains(&rows), "law: six to eight rows, got {rows}");
+    let results = claims.iter().filter(|c| c["kind"] == "result");
+    for verdict in ["within", "outside", "not_run", "not_comparable"] {
+        let counted = results.clone().filter(|c| c["verdict"] == verdict).count();
+        assert_eq!(card["results"][verdict], counted, "law: results alone are counted");
     }
     let runs = fs::read_dir(folder.join("runs")).expect("runs").flatten();
     let mut count = 0;

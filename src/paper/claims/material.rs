@@ -31,9 +31,12 @@ fn grain_count(study: &StudyView) -> Claim {
     .paper(Band::count(constants::GRAIN_COUNT))
     .ours(of_grains(study, study.grain_count as f64), "grains")
     .note(
-        "The paper's sieve table is lost with Figure 1; ours was chosen among those that give \
-         this number, so that this shows consistency and is no test.",
+        "The paper's sieve table stood in Figure 1, which was not available to us (only its text \
+         was); ours was chosen among those that give this number, so that this shows consistency \
+         and is no test.",
     )
+    .input()
+    .full_size()
     .judge()
 }
 
@@ -41,6 +44,8 @@ fn total_mass(study: &StudyView) -> Claim {
     Draft::new("total-mass", "Section 2", "The gravel has a total mass of 2343 g.")
         .paper(bands::total_mass_g())
         .ours(of_grains(study, study.total_mass_g), "g")
+        .input()
+        .full_size()
         .judge()
 }
 
@@ -48,6 +53,7 @@ fn grains_in_100_g(study: &StudyView) -> Claim {
     Draft::new("grains-in-100-g", "Section 3", "A sample of 100 g contains 55 to 65 gravel stones.")
         .paper(bands::grains_in_100_g())
         .ours(of_grains(study, study.grain_count as f64 / study.total_mass_g * 100.0), "grains")
+        .input()
         .judge()
 }
 
@@ -57,6 +63,7 @@ fn density(study: &StudyView) -> Claim {
         .paper(bands::solid_density_kg_per_m3())
         .ours(of_grains(study, kg_per_m3), "kg/m³")
         .note("Ours is the mass of the generated polyhedra over their volume.")
+        .input()
         .judge()
 }
 
@@ -78,6 +85,7 @@ fn poorly_graded(study: &StudyView) -> Claim {
     .note(study.generated.as_ref().map_or_else(String::new, |made| {
         format!("The generated grains, sieved virtually: {}.", made.in_words())
     }))
+    .input()
     .judge();
     if claim.ours.is_some() {
         let made = study.generated.as_ref().unwrap_or(g);
@@ -108,6 +116,7 @@ fn friction_is_repose() -> Claim {
         number(tangent, 4),
         number(angle, 2)
     ))
+    .input()
     .judge()
 }
 
@@ -142,5 +151,6 @@ fn no_crushing(study: &StudyView) -> Claim {
          kept every one as it was made.",
         UNCHANGED
     ))
+    .input()
     .judge()
 }

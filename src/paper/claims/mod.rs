@@ -8,12 +8,13 @@ mod vibration;
 #[cfg(test)]
 mod tests;
 
-use super::{Claim, StudyView};
+use super::{Claim, StudyView, Verdict, constants::GRAIN_COUNT};
 use crate::record::RunRecord;
 
 /// Computes every claim, in the paper's order, of the runs that count in means. Runs that are
-/// missing leave `ours` null; such a claim never reads as within. Where runs were done and none
-/// that would show it counts, it is not comparable.
+/// missing leave `ours` null; such a claim reads neither as within nor as outside. Where runs were
+/// done and none that would show it counts, it is not comparable, nor is in the quick study what
+/// depends on the full size.
 pub fn claims(study: &StudyView) -> Vec<Claim> {
     let (counting, others) = study.split();
     let ours = drafted(&study.of_runs(&counting, &others));
@@ -33,11 +34,16 @@ pub fn claims(study: &StudyView) -> Vec<Claim> {
         })
         .collect();
     if study.quick {
-        for claim in claims.iter_mut().filter(|c| c.paper.is_some()) {
-            if !claim.note.is_empty() {
-                claim.note.push(' ');
+        let reason = format!(
+            "the quick study has {} grains instead of {GRAIN_COUNT}, and shakes for less time",
+            study.grain_count
+        );
+        for claim in claims.iter_mut().filter(|c| c.full_size) {
+            // What was not run, or in no run that counts, has its own reason.
+            if matches!(claim.verdict, Verdict::Within | Verdict::Outside) {
+                claim.not_comparable(&reason);
+                claim.add_note(&format!("Not compared: {reason}."));
             }
-            claim.note.push_str("Quick study: its specimen is not the paper's.");
         }
     }
     claims

@@ -67,7 +67,7 @@ fn falls(study: &StudyView) -> Claim {
     if !missing.is_empty() && !known.is_empty() {
         draft = draft.note(format!("Not run: {}.", list(&missing)));
     }
-    draft.note(HEIGHT).judge()
+    draft.missing(missing.len()).full_size().note(HEIGHT).judge()
 }
 
 fn monotone(study: &StudyView) -> Claim {
@@ -126,7 +126,10 @@ fn within_laboratory(study: &StudyView) -> Claim {
     .ours(mean, "mm")
     .spread(heights)
     .runs(study.of_kind(RunKind::Pluviation))
-    .note("The laboratory's range stood in Figure 7 only and is lost; ours is the mean and range.")
+    .note(
+        "The laboratory's range stood in Figure 7 alone, which was not available to us (only the \
+         paper's text was); ours is the mean and range.",
+    )
     .note(HEIGHT)
     .judge()
 }

@@ -3,15 +3,19 @@
 //! The paper prints one angle and no scatter. No width is put in the place of
 //! one: its number counts as met where the 95 % confidence interval of our mean
 //! over the configurations holds it, as a measured mean and a number are
-//! compared. One configuration has no such interval, and no verdict.
+//! compared. One configuration has no such interval, and cannot be compared.
 
 use crate::measure::inference::MeanTest;
 use crate::paper::{
-    Claim, Interval, PaperValue, StudyView, Verdict, claim::Draft, constants, text::number,
+    Claim, ClaimKind, Interval, PaperValue, StudyView, Verdict, claim::Draft, constants,
+    text::number,
 };
 use crate::record::{AngleOfRepose, RunKind, RunRecord};
 
 const CONFIDENCE: f64 = 0.95;
+
+/// Why a single pile is not compared.
+const ONE_PILE: &str = "one configuration has no interval";
 
 /// Only where piles were simulated: the paper's simulations have none.
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
@@ -48,17 +52,19 @@ fn judged(mut draft: Draft, runs: &[&RunRecord], stated: f64) -> Claim {
         ),
         None => draft,
     };
-    let mut claim = draft.judge();
+    let mut claim = draft.full_size().judge();
     claim.paper = Some(PaperValue::Value { value: stated });
-    claim.verdict = match &test {
-        Some(t) if Interval::new(t.mean - t.half_width, t.mean + t.half_width).contains(stated) => {
-            Verdict::Within
+    claim.kind = ClaimKind::Result;
+    match &test {
+        Some(t) => {
+            let interval = Interval::new(t.mean - t.half_width, t.mean + t.half_width);
+            let holds = interval.contains(stated);
+            claim.verdict = if holds { Verdict::Within } else { Verdict::Outside };
         }
-        Some(_) => Verdict::Outside,
-        None if mean.is_some() => Verdict::NotStated,
+        None if mean.is_some() => claim.not_comparable(ONE_PILE),
         // Piles were built, and none had an angle.
-        None => Verdict::Outside,
-    };
+        None => claim.verdict = Verdict::NotRun,
+    }
     claim
 }
 
@@ -180,11 +186,16 @@ mod tests {
     }
 
     #[test]
-    fn one_pile_has_no_verdict_and_none_no_claim() {
+    fn one_pile_is_not_compared_and_none_makes_no_claim() {
         let one = claim(&[Some(38.4)], "angle-of-repose").expect("a claim");
-        assert_eq!((one.verdict, one.ours), (Verdict::NotStated, Some(38.4)), "{one:?}");
+        assert_eq!((one.verdict, one.ours), (Verdict::NotComparable, Some(38.4)), "{one:?}");
+        assert_eq!((one.kind, one.reason.as_str()), (ClaimKind::Result, ONE_PILE), "law: said");
         let flat = claim(&[None, None], "angle-of-repose").expect("a claim");
-        assert_eq!((flat.verdict, flat.ours), (Verdict::Outside, None), "no pile stood: {flat:?}");
+        assert_eq!(
+            (flat.verdict, flat.ours),
+            (Verdict::NotRun, None),
+            "no angle measured: {flat:?}"
+        );
         assert_eq!(claim(&[], "angle-of-repose"), None);
     }
 }

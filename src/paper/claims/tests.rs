@@ -1,7 +1,7 @@
 //! Claims on made-up runs whose answers are known.
 
 use super::*;
-use crate::paper::{Interval, Verdict, canned};
+use crate::paper::{ClaimKind, Interval, Verdict, canned};
 use crate::record::SecondarySieve;
 
 fn claim(study: &StudyView, id: &str) -> Claim {
@@ -82,7 +82,8 @@ fn grains_that_changed_or_are_lost_are_no_proof_that_none_was_crushed() {
     let mut runs = canned::valid_runs();
     runs[3].summary.sieve_analysis.as_mut().expect("sieved").secondary = None;
     let c = claim(&canned::study(&runs), "no-crushing");
-    assert_eq!((c.verdict, c.ours), (Verdict::Outside, None), "one was not sieved anew: {c:?}");
+    assert_eq!((c.verdict, c.ours), (Verdict::NotRun, None), "one was not sieved anew: {c:?}");
+    assert_eq!(c.reason, "not measured", "law: why: {c:?}");
     assert!(c.note.contains("Not measured"), "{}", c.note);
 }
 
@@ -158,12 +159,16 @@ fn missing_runs_never_read_as_within() {
     let mut study = canned::study(&none);
     for c in claims(&study) {
         let needs_runs = c.ours.is_none();
-        assert!(
-            !needs_runs || c.verdict != Verdict::Within && c.note.contains("Not run"),
-            "without runs: {c:?}"
-        );
+        assert!(!needs_runs || c.note.contains("Not run"), "without runs: {c:?}");
+        if needs_runs && c.kind != ClaimKind::NoNumber {
+            assert_eq!(
+                c.verdict,
+                Verdict::NotRun,
+                "law: what was not measured misses nothing: {c:?}"
+            );
+        }
         if c.id.starts_with("continuous-final") {
-            assert!(needs_runs && c.verdict == Verdict::Outside, "{c:?}");
+            assert!(needs_runs && c.kind == ClaimKind::Result, "{c:?}");
         }
     }
     // One configuration of three done: the count stays below the three expected.
@@ -171,9 +176,74 @@ fn missing_runs_never_read_as_within() {
     study = canned::study(&one);
     for id in ["standing-height-falls", "denser-after-vibration", "plate-moves-down"] {
         let c = claim(&study, id);
-        assert_eq!(c.verdict, Verdict::Outside, "two configurations are missing: {c:?}");
-        assert!(c.note.contains("Not run"), "{c:?}");
+        assert_eq!(c.verdict, Verdict::NotRun, "two configurations are missing: {c:?}");
+        assert!(c.note.contains("Not run") && c.reason.contains("not run"), "{c:?}");
     }
+    // Of the one that was done the height rises: that is a miss, whatever the others would show.
+    let mut rises = one.clone();
+    let low = rises.iter_mut().find(|r| r.falling_height_mm == 200.0).expect("a run");
+    low.summary.standing_height_mm.mean_surface = 170.0;
+    let c = claim(&canned::study(&rises), "standing-height-falls");
+    assert_eq!(c.verdict, Verdict::Outside, "law: what was run and misses is outside: {c:?}");
+}
+
+/// Law: what was chosen is an input, what could have come out otherwise a result.
+#[test]
+fn inputs_are_no_results() {
+    let runs = canned::valid_runs();
+    let claims = claims(&canned::study(&runs));
+    let of = |kind| -> Vec<&str> {
+        claims.iter().filter(|c| c.kind == kind).map(|c| c.id.as_str()).collect()
+    };
+    let inputs = [
+        "grain-count",
+        "total-mass",
+        "grains-in-100-g",
+        "solid-density",
+        "poorly-graded-gravel",
+        "friction-is-tangent-of-repose",
+        "no-crushing",
+        "plate-monitored-every-0.08-s",
+    ];
+    assert_eq!(of(ClaimKind::Input), inputs);
+    assert_eq!(of(ClaimKind::Result).len(), 1 + 2 + 3 * 3 + 1, "{:?}", of(ClaimKind::Result));
+    for c in &claims {
+        let unstated = c.kind == ClaimKind::NoNumber;
+        assert_eq!(c.paper.is_none(), unstated, "law: no number, no comparison: {c:?}");
+        assert_eq!(c.verdict == Verdict::NotStated, unstated, "law: {c:?}");
+    }
+}
+
+/// Law: the quick study compares nothing that depends on the full size, says why, and still
+/// compares what does not; what was not run stays not run.
+#[test]
+fn the_quick_study_compares_nothing_of_the_full_size() {
+    let mut runs = canned::valid_runs();
+    runs.retain(|r| r.name != "vibration-continuous-c3");
+    let mut study = canned::study(&runs);
+    let full = claims(&study);
+    study.quick = true;
+    study.grain_count = 364;
+    let quick = claims(&study);
+    for (c, full) in quick.iter().zip(&full) {
+        let judged = |v| matches!(v, Verdict::Within | Verdict::Outside);
+        if c.full_size && judged(full.verdict) {
+            assert_eq!(c.verdict, Verdict::NotComparable, "law: {c:?}");
+            assert!(c.reason.contains("364 grains instead of 1456"), "law: in words: {c:?}");
+            assert!(c.ours.is_some(), "law: shown all the same: {c:?}");
+        } else if c.id != "grains-in-100-g" && c.id != "no-crushing" {
+            assert_eq!(c.verdict, full.verdict, "law: {c:?}");
+        }
+    }
+    let of = |id: &str| quick.iter().find(|c| c.id == id).map(|c| c.verdict);
+    assert_eq!(of("grain-count"), Some(Verdict::NotComparable));
+    assert_eq!(of("continuous-final-settlement-1"), Some(Verdict::NotComparable));
+    assert_eq!(of("continuous-final-settlement-3"), Some(Verdict::NotRun));
+    assert_eq!(of("solid-density"), Some(Verdict::Within));
+    assert!(
+        full.iter().all(|c| !c.reason.contains("instead of")),
+        "law: the paper's own is compared"
+    );
 }
 
 #[test]
@@ -186,7 +256,7 @@ fn looser_after_vibration_is_outside() {
 }
 
 #[test]
-fn the_lost_band_of_figure_10_is_not_replaced() {
+fn the_band_of_figure_10_is_not_replaced() {
     let mut runs = canned::valid_runs();
     for run in &mut runs {
         if run.kind == crate::record::RunKind::VibrationIntermittent && run.configuration == 1 {

@@ -416,7 +416,8 @@ fn laboratory(quantities: &[Quantity]) -> Vec<LaboratoryScatter> {
             unit: "mm".into(),
             note: format!(
                 "{LABORATORY_PLUVIATION_TESTS} tests from four heights. Their range was drawn in Figure \
-                 7 only and is lost; the text states no number and no standard deviation."
+                 7 alone, which was not available to us (only the paper's text was); the text states \
+                 no number and no standard deviation."
             ),
         },
         LaboratoryScatter {
@@ -437,8 +438,9 @@ fn laboratory(quantities: &[Quantity]) -> Vec<LaboratoryScatter> {
             ours: ours("intermittent vibration, plate, final"),
             unit: "mm".into(),
             note:
-                "The range was drawn in Figure 10 only and is lost; the text says that one of the \
-                   paper's simulations ended 11 % below its lower end."
+                "The range was drawn in Figure 10 alone, which was not available to us (only the \
+                   paper's text was); the text says that one of the paper's simulations ended 11 % \
+                   below its lower end."
                     .into(),
         },
     ]

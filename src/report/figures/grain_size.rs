@@ -54,7 +54,7 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
     });
     let caption = format!(
         "Grain size distribution of the simulated gravel, as specified: {}.{made} The paper's \
-         curve is lost; the specified one is ours, chosen so that the numbers of the text (1456 \
+         curve was not available to us (only its text was); the specified one is ours, chosen so that the numbers of the text (1456 \
          grains of 2343 g, 55 to 65 in 100 g, poorly graded) come out.",
         study.gradation.in_words(),
     );

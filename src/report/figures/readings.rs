@@ -105,7 +105,8 @@ fn heights(columns: &[ReadingColumn]) -> Result<Figure, ReportError> {
     }
     let caption = format!(
         "Mean surface after pluviation over falling height, mean over the configurations. The \
-         laboratory's range is lost with the paper's figure. A height is comparable only where \
+         laboratory's range stood in the paper's figure, which was not available to us (only its text \
+         was). A height is comparable only where \
          grains do not overlap: see the table. {MIND}{missing}"
     );
     let stem = "readings-standing-height";

@@ -58,7 +58,8 @@ pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
         "Settlement of the top plate under intermittent vibration: {} periods of {} s, with rests \
          of {rest} s between them (the length of the rests is ours). Dotted: start and end of each \
          period. Thin and dashed: the mean surface of the grains. The laboratory's range was a \
-         grey area in the paper's figure only; it is lost, and none is drawn. {}",
+         grey area in the paper's figure, which was not available to us (only its text was); none is \
+         drawn. {}",
         study.intermittent.periods,
         (study.intermittent.period_s * 100.0).round() / 100.0,
         finals(&runs)
@@ -109,6 +110,7 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
         "time_s",
         "plate_settlement_mm",
         "surface_settlement_mm",
+        "left_out_of_means",
     ]);
     for (n, (run, plate, surface)) in curves.iter().enumerate() {
         let look = Look {
@@ -125,7 +127,11 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
             ..look
         };
         plot.series.push(Series { label: String::new(), look: thin, points: surface.clone() });
-        let mark = if run.counts_in_means() { "" } else { " (not valid)" };
+        let mark = match (run.counts_in_means(), run.summary.valid) {
+            (true, _) => "",
+            (false, true) => " (left out)",
+            (false, false) => " (not valid)",
+        };
         let label = format!("Configuration {}, plate{mark}", run.configuration);
         plot.series.push(Series { label, look, points: plate.clone() });
         let start = run
@@ -141,6 +147,7 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
                     cell(row.time_s - start),
                     cell(row.settlement_mm),
                     cell(row.surface_settlement_mm),
+                    run.summary.why_left_out().join("; "),
                 ]);
             }
         }

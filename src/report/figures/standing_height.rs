@@ -104,8 +104,8 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
     let caption = format!(
         "Standing height after pluviation over falling height. Solid: mean of the surface over the \
          cylinder's area; dashed: its 95th percentile, nearer to what an eye reads through the \
-         wall. {range} The laboratory's range was a grey area in the paper's figure only; it is \
-         lost, and none is drawn. The paper's text: the standing height decreases as the falling \
+         wall. {range} The laboratory's range was a grey area in the paper's figure, which was not \
+         available to us (only its text was); none is drawn. The paper's text: the standing height decreases as the falling \
          height increases."
     );
     Figure::new(

@@ -50,7 +50,7 @@ fn mark(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Within => "✓",
         Verdict::Outside => "✗",
-        Verdict::NotStated | Verdict::NotComparable => "",
+        Verdict::NotStated | Verdict::NotRun | Verdict::NotComparable => "",
     }
 }
 

@@ -6,7 +6,7 @@ use super::{ReadingColumn, ReadingRun};
 use crate::{
     measure::statistics::mean,
     paper::{
-        Interval, PaperValue, Verdict, constants,
+        Interval, PaperValue, ResultCounts, Verdict, constants,
         text::{compact, number},
     },
     record::{NO_VALID_RUN, RunKind, Settlement},
@@ -282,18 +282,15 @@ fn claims(columns: &[ReadingColumn]) -> Vec<ReadingRow> {
         });
     }
     let tally = |c: &ReadingColumn| {
-        let count = |v| c.claims.iter().filter(|claim| claim.verdict == v).count();
+        let of = ResultCounts::of(&c.claims);
         ReadingCell::words(format!(
             "{} / {} / {} / {}",
-            count(Verdict::Within),
-            count(Verdict::Outside),
-            count(Verdict::NotStated),
-            count(Verdict::NotComparable)
+            of.within, of.outside, of.not_run, of.not_comparable
         ))
     };
     rows.push(ReadingRow {
         part: CLAIMS.to_owned(),
-        quantity: "statements within / outside or not run / not stated / not comparable".to_owned(),
+        quantity: "results within / outside / not run / not comparable".to_owned(),
         unit: String::new(),
         paper: String::new(),
         cells: columns.iter().map(tally).collect(),

@@ -1,0 +1,110 @@
+//! The scorecard of `pluvia reproduce` on a terminal: the paragraph, the rows, the tally.
+
+use super::{paint, table};
+use crate::paper::{Scorecard, Verdict};
+
+/// Columns that a line of the paragraph takes at most.
+const WIDTH: usize = 96;
+
+/// The paragraph, the rows and how many results have which verdict.
+pub(super) fn of(card: &Scorecard) -> String {
+    let header = ["statement", "paper", "ours", "verdict"].map(str::to_owned);
+    let mut rows = vec![header.to_vec()];
+    for row in &card.rows {
+        let left_out = match row.left_out {
+            0 => String::new(),
+            n => format!(" (left out: {n})"),
+        };
+        rows.push(vec![
+            row.statement.to_owned(),
+            row.paper.clone(),
+            format!("{}{left_out}", row.in_words),
+            verdict(row.verdict),
+        ]);
+    }
+    let mut text = wrapped(&card.paragraph);
+    text += "\n";
+    text += &table::columns(&rows);
+    text += &card.results.in_words();
+    text.push('\n');
+    text
+}
+
+fn verdict(of: Verdict) -> String {
+    match of {
+        Verdict::Within => paint::good("within"),
+        Verdict::Outside => paint::bad("outside"),
+        Verdict::NotStated => paint::faint("not stated"),
+        Verdict::NotRun => paint::notable("not run"),
+        Verdict::NotComparable => paint::faint("not comparable"),
+    }
+}
+
+/// A paragraph in lines; a word longer than a line has one to itself.
+fn wrapped(text: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let line = lines.last().map_or(0, |l| paint::width(l));
+        if line > 0 && line + 1 + paint::width(word) > WIDTH {
+            lines.push(String::new());
+        }
+        if let Some(line) = lines.last_mut() {
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
+    }
+    lines.iter().map(|line| format!("{line}\n")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::{StudyView, canned, claims, scorecard};
+
+    fn shown(study: &StudyView) -> String {
+        let text = of(&scorecard(study, &claims(study)));
+        anstream::adapter::strip_str(&paint::shown(&text)).to_string()
+    }
+
+    /// Law: first the paragraph, then the rows, then the tally of results alone.
+    #[test]
+    fn the_terminal_has_paragraph_scorecard_and_tally() {
+        let runs = canned::valid_runs();
+        let text = shown(&canned::study(&runs));
+        let place = |what: &str| text.find(what).unwrap_or_else(|| panic!("no `{what}` in {text}"));
+        assert_eq!(place("Reproduced: "), 0, "law: the paragraph is first");
+        assert!(place("Reproduced: ") < place("statement  "), "law: {text}");
+        let last = text.lines().last().expect("a line");
+        assert_eq!(last, "13 results: 12 within, 1 outside", "law: no input is counted");
+        let row = text.lines().find(|l| l.starts_with("Settlement of the plate after 20 s"));
+        let row = row.expect("a row");
+        assert!(row.contains("14 to 19.61 mm  18.0 mm [13.0 … 23.0]  within"), "got {row}");
+        assert!(text.lines().all(|l| paint::width(l) <= 160), "law: lines are short:\n{text}");
+    }
+
+    /// Law: a newcomer's first screen, of the quick study, has nothing outside for its size.
+    #[test]
+    fn the_quick_study_is_not_outside() {
+        let runs = canned::valid_runs();
+        let study = StudyView { quick: true, grain_count: 364, ..canned::study(&runs) };
+        let text = shown(&study);
+        assert!(!text.contains("  outside"), "law: {text}");
+        assert!(text.contains("not comparable") && text.contains("0 outside"), "law: {text}");
+        // The third configuration is left out, and counted.
+        let spoilt = canned::runs();
+        let text = shown(&canned::study(&spoilt));
+        assert!(text.contains("(left out: 1)"), "law: {text}");
+    }
+
+    #[test]
+    fn paragraphs_are_wrapped_between_words() {
+        let words = "abcdefghi ".repeat(30);
+        let text = wrapped(words.trim_end());
+        assert!(text.lines().all(|l| l.len() <= WIDTH && !l.starts_with(' ')), "{text}");
+        assert_eq!(text.split_whitespace().count(), 30, "law: no word is lost");
+        let long = "x".repeat(200);
+        assert_eq!(wrapped(&long), format!("{long}\n"), "law: one word, one line");
+    }
+}

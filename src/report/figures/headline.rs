@@ -1,0 +1,192 @@
+//! The one figure of the report's head: settlement against time, of all runs, of stock Bullet and
+//! of the same specimens unshaken, with the laboratory's range where it was read.
+
+use super::{Figure, Table, cell};
+use crate::{
+    paper::{
+        StudyView, bands,
+        constants::CONTINUOUS_S,
+        text::{compact, number},
+    },
+    report::{
+        Column, MeanSettlement, ReportError,
+        axis::Axis,
+        plot::{Envelope, Look, Plot, Series},
+        style::{self, Dash},
+    },
+};
+
+/// Half the length of the strokes at the ends of the laboratory's bracket, in s.
+const STROKE_S: f64 = 0.35;
+
+/// The figure of a study, beside what other engines made of the same programme.
+pub(in crate::report) fn figure(
+    study: &StudyView,
+    beside: &[Column],
+) -> Result<Figure, ReportError> {
+    let ours = MeanSettlement::of(study);
+    let stock: Vec<&MeanSettlement> =
+        beside.iter().filter(|c| c.stock_bullet).filter_map(|c| c.settlement.as_ref()).collect();
+    let laboratory = bands::final_settlement_mm().read_as;
+    // The quick study shakes a smaller specimen for less time: nothing of it stands at 20 s.
+    let bracket = !study.quick;
+    let every = || ours.iter().chain(stock.iter().copied());
+    let rows = || every().flat_map(|m| &m.shaken);
+    let rest = || every().flat_map(|m| &m.unshaken);
+    let ends = bracket.then_some([laboratory.low, laboratory.high, 0.0]);
+    let times = rows().map(|r| r[0]).chain(rest().map(|p| p.0)).chain([0.0]);
+    let times = times.chain(bracket.then_some(CONTINUOUS_S + STROKE_S));
+    let depths = rows().flat_map(|r| [r[2], r[3]]).chain(rest().map(|p| p.1)).chain([0.0]);
+    let depths = depths.chain(ends.into_iter().flatten());
+    let mut plot = Plot::new(
+        Axis::linear("Time since vibration began (s)", times),
+        Axis::linear("Settlement (mm)", depths).reversed(),
+    );
+    let mut table = Table::new(&["curve", "time_s", "mean_mm", "lowest_mm", "highest_mm"]);
+    if let Some(m) = &ours {
+        plot.envelopes.push(Envelope {
+            label: format!("{}, lowest to highest", runs(m.band_runs)),
+            edges: m.shaken.iter().map(|r| (r[0], r[2], r[3])).collect(),
+        });
+        let mark = if m.valid { "" } else { " (not valid)" };
+        let label = format!("Ours, mean of {}{mark}", runs(m.runs));
+        plot.series.push(shaken(label, m, 0, style::SOLID));
+        plot.series.push(unshaken("Ours, unshaken".to_owned(), m, 0));
+        rows_of(&mut table, "ours", m);
+    }
+    for (n, m) in stock.iter().enumerate() {
+        let mark = if m.valid { "" } else { " (not valid)" };
+        let label = format!("Stock Bullet, mean of {}{mark}", runs(m.runs));
+        plot.series.push(shaken(label, m, n + 1, style::DASHED));
+        plot.series.push(unshaken("Stock Bullet, unshaken".to_owned(), m, n + 1));
+        rows_of(&mut table, "stock Bullet", m);
+    }
+    if bracket {
+        let (at, low, high) = (CONTINUOUS_S, laboratory.low, laboratory.high);
+        let label = format!("Laboratory, {} to {} mm", compact(low), compact(high));
+        let strokes = [
+            vec![(at, low), (at, high)],
+            vec![(at - STROKE_S, low), (at + STROKE_S, low)],
+            vec![(at - STROKE_S, high), (at + STROKE_S, high)],
+        ];
+        for (i, points) in strokes.into_iter().enumerate() {
+            let label = if i == 0 { label.clone() } else { String::new() };
+            let look = line(style::INK, style::SOLID, 2 * style::CURVE);
+            plot.series.push(Series { label, look, points });
+        }
+    }
+    let caption = caption(study, ours.as_ref(), &stock);
+    Figure::new("settlement", "Settlement of the top plate", caption, &plot, &table)
+}
+
+fn runs(count: usize) -> String {
+    if count == 1 { "1 run".to_owned() } else { format!("{count} runs") }
+}
+
+fn line(colour: plotters::style::RGBColor, dash: Dash, width: u32) -> Look {
+    Look { colour, line: Some(dash), width, marker: None, marker_spacing: None }
+}
+
+fn shaken(label: String, m: &MeanSettlement, n: usize, dash: Dash) -> Series {
+    let points = m.shaken.iter().map(|r| (r[0], r[1])).collect();
+    Series { label, look: line(style::colour(n), dash, style::CURVE), points }
+}
+
+fn unshaken(label: String, m: &MeanSettlement, n: usize) -> Series {
+    let label = if m.unshaken.is_empty() { String::new() } else { label };
+    let look = line(style::colour(n), style::DOTTED, style::CURVE);
+    Series { label, look, points: m.unshaken.clone() }
+}
+
+fn rows_of(table: &mut Table, name: &str, m: &MeanSettlement) {
+    for r in &m.shaken {
+        table.row([name.to_owned(), cell(r[0]), cell(r[1]), cell(r[2]), cell(r[3])]);
+    }
+    for (time, drop) in &m.unshaken {
+        let name = format!("{name}, unshaken");
+        table.row([name, cell(*time), cell(*drop), String::new(), String::new()]);
+    }
+}
+
+fn caption(study: &StudyView, ours: Option<&MeanSettlement>, stock: &[&MeanSettlement]) -> String {
+    let Some(m) = ours else { return "No run was vibrated continuously.".to_owned() };
+    let mut said = vec!["Settlement under continuous vibration, downwards.".to_owned()];
+    said.push(if study.quick {
+        "The laboratory's range is not drawn: the quick study's specimen is smaller, and shaken for \
+         less time."
+            .to_owned()
+    } else {
+        "Bracket: the laboratory's range, read after 20 s.".to_owned()
+    });
+    if m.band_runs > m.runs {
+        said.push(
+            "The mean is of the programme's runs; the band holds other placements of the plate as \
+             well."
+                .to_owned(),
+        );
+    }
+    let rest = |m: &MeanSettlement| {
+        let (seconds, drop) = m.unshaken.last()?;
+        Some(format!("{} mm in {} s", number(*drop, 3), number(*seconds, 1)))
+    };
+    if let Some(rest) = rest(m) {
+        said.push(format!(
+            "Dotted: the same specimens unshaken, as poured and without the plate, as long as their \
+             rest tests took ({rest}; --set control_s=20 makes them as long as the vibration)."
+        ));
+    }
+    if stock.is_empty() {
+        said.push(
+            "Stock Bullet was not run: the same command with --set engine.contact_path=bullet, and then \
+             once more without, adds it."
+                .to_owned(),
+        );
+    }
+    for rest in stock.iter().filter_map(|m| rest(m)) {
+        said.push(format!("With stock Bullet's contacts they sink by {rest} unshaken."));
+    }
+    if m.left_out > 0 && m.valid {
+        let are = if m.left_out == 1 { "is" } else { "are" };
+        said.push(format!("{} {are} left out, not counting in means.", runs(m.left_out)));
+    }
+    said.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::canned;
+
+    /// Law: the bracket is the laboratory's, and the quick study, which has nothing at 20 s, has
+    /// none; stock Bullet and the unshaken specimens are there where they were run.
+    #[test]
+    fn what_was_run_is_drawn_and_nothing_else() {
+        let runs = canned::valid_runs();
+        let study = canned::study(&runs);
+        let alone = figure(&study, &[]).expect("a figure");
+        for shown in ["Laboratory, 14 to 19.61 mm", "Ours, mean of 3 runs", "Ours, unshaken"] {
+            assert!(alone.svg.contains(shown), "law: `{shown}` in the legend");
+        }
+        assert!(!alone.svg.contains("Stock Bullet") && alone.caption.contains("was not run"));
+        let column = |stock| {
+            Column::new("bullet", "p", &[]).with_settlement(MeanSettlement::of(&study), stock)
+        };
+        let with = figure(&study, &[column(true)]).expect("a figure");
+        assert!(with.svg.contains("Stock Bullet, mean of 3 runs"), "law: it was run");
+        assert!(with.svg.contains("Stock Bullet, unshaken"), "law: so was its rest test");
+        let rapier = figure(&study, &[column(false)]).expect("a figure");
+        assert!(!rapier.svg.contains("Stock Bullet"), "law: another engine is not stock Bullet");
+        let quick = StudyView { quick: true, ..study.clone() };
+        let quick = figure(&quick, &[]).expect("a figure");
+        assert!(!quick.svg.contains("Laboratory"), "law: nothing of it stands at 20 s");
+        let mut unrested = runs.clone();
+        unrested.iter_mut().for_each(|r| r.control.clear());
+        let unrested = figure(&canned::study(&unrested), &[]).expect("a figure");
+        assert!(!unrested.svg.contains("unshaken"), "law: no rest test, no curve");
+        let none = figure(&canned::study(&[]), &[]).expect("a figure");
+        assert!(none.caption.contains("No run") && !none.svg.contains("Ours"));
+        let spoilt: Vec<_> = canned::runs().into_iter().filter(|r| r.configuration == 3).collect();
+        let spoilt = figure(&canned::study(&spoilt), &[]).expect("a figure");
+        assert!(spoilt.svg.contains("(not valid)"), "law: what does not count is marked");
+    }
+}
