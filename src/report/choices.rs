@@ -412,6 +412,32 @@ mod tests {
         assert!(amplitude.starts_with("12.5 mm, full stroke"), "got {amplitude}");
     }
 
+    /// Law: what a choice moves is said without a number: results belong to runs, and a text
+    /// keeps those of an earlier solver.
+    #[test]
+    fn no_result_is_quoted() {
+        let mut s = scenario(
+            r#"{"stage": "place_top_plate"}, {"stage": "vibrate", "frequency_hz": 3,
+            "amplitude_mm": 25, "duration_s": 5, "periods": 4, "rest_s": 1}"#,
+        );
+        let stock = |s: &mut Scenario| s.engine.contact_path = ContactPath::Bullet;
+        let rapier = |s: &mut Scenario| s.engine.backend = Backend::Rapier;
+        let quotes = |text: &str| {
+            let words: Vec<&str> = text.split_whitespace().collect();
+            words.windows(2).any(|w| {
+                w[0].ends_with(|c: char| c.is_ascii_digit())
+                    && ["mm", "%", "µm/s"].iter().any(|unit| w[1].starts_with(unit))
+            })
+        };
+        assert!(quotes("it was 11.6 mm, without 19.6 mm"), "the check can fail");
+        for change in [|_: &mut Scenario| (), stock, rapier] {
+            change(&mut s);
+            for c in choices(&s) {
+                assert!(!quotes(&c.sensitivity), "law: {}: {}", c.parameter, c.sensitivity);
+            }
+        }
+    }
+
     #[test]
     fn choices_of_stages_that_are_not_there_are_left_out() {
         let c = choices(&scenario(r#"{"stage": "pour", "falling_height_mm": 50}"#));

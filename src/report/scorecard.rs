@@ -15,8 +15,8 @@ pub(super) fn section(card: &Scorecard) -> Markup {
             tbody { @for row in &card.rows { tr {
                 td {
                     @match row.claims.first() {
-                        Some(claim) => a href={ "#claim-" (claim) } { (row.statement) },
-                        None => (row.statement),
+                        Some(claim) => { a href={ "#claim-" (claim) } { (row.statement) } }
+                        None => { (row.statement) }
                     }
                     " " span.soft { (row.source) }
                 }
