@@ -56,7 +56,7 @@ pub(super) fn claims(claims: &[Claim], beside: &[Column]) -> Markup {
         p.soft {
             "Counted are the results alone. “Within”: our number lies where the paper's is read to lie. "
             "“Outside”: it does not. “Not run”: it was not measured. “Not comparable”: it was, but on a "
-            "smaller specimen, or in runs that are left out of means; what such runs show stands in "
+            "smaller specimen, or in runs that do not count; what such runs show stands in "
             "brackets. “Not stated”: the text gives no number; ours is for information. Ours is of the runs "
             "that count (docs/accuracy.md)."
             @if !beside.is_empty() {
