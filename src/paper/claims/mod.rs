@@ -34,10 +34,8 @@ pub fn claims(study: &StudyView) -> Vec<Claim> {
         })
         .collect();
     if study.quick {
-        let reason = format!(
-            "the quick study has {} grains instead of {GRAIN_COUNT}, and shakes for less time",
-            study.grain_count
-        );
+        let reason =
+            format!("{} grains instead of {GRAIN_COUNT}, shaken for less time", study.grain_count);
         for claim in claims.iter_mut().filter(|c| c.full_size) {
             // What was not run, or in no run that counts, has its own reason.
             if matches!(claim.verdict, Verdict::Within | Verdict::Outside) {

@@ -146,7 +146,7 @@ fn rows(study: &StudyView, claims: &[Claim]) -> Vec<ScoreRow> {
     };
     let (continuous, intermittent) = (RunKind::VibrationContinuous, RunKind::VibrationIntermittent);
     let mut falls =
-        one("standing-height-falls", "Gravel stands lower the higher it falls from").counted();
+        one("standing-height-falls", "Gravel that falls from higher stands lower").counted();
     if let (Some(row), Some(slope)) = (&mut falls, super::uncertainty::trend(study).slope) {
         row.in_words += &format!(
             "; {} mm per cm [{} … {}]",

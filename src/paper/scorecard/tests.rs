@@ -34,7 +34,7 @@ fn rows_are_means_with_intervals() {
     let range = row(&card, "intermittent-in-laboratory-range");
     assert_eq!((range.verdict, range.paper.as_str()), (Verdict::NotStated, "–"), "{range:?}");
     let text = &card.paragraph;
-    assert!(text.starts_with("Reproduced: gravel stands lower"), "{text}");
+    assert!(text.starts_with("Reproduced: gravel that falls from higher stands lower"), "{text}");
     // The made-up plates move as much in the middle of a period.
     let missed = "Not reproduced: the plate moves most as a period begins and ends (0 of 3 configurations only).";
     assert!(text.contains(missed) && !text.contains("The text leaves open"), "{text}");
