@@ -393,6 +393,7 @@ mod tests {
         of.points[0].left_out = 3;
         for (slope, runs, left_out, said) in [
             (Some(2.0), 3, 0, "| 2 |"),
+            (Some(2.0), 2, 1, "| 2 (left out: 1) |"),
             (None, 0, 3, "| no valid run |"),
             (None, 1, 2, "| too few valid runs |"),
             (None, 1, 0, "| – |"),

@@ -103,11 +103,18 @@ fn probability(p: Option<f64>) -> String {
     }
 }
 
+/// How many runs are left out of a number; nothing where none is.
+fn without(left_out: usize) -> String {
+    if left_out > 0 { format!(" (left out: {left_out})") } else { String::new() }
+}
+
 fn effects(of: &Sweep) -> Section {
     let rows = of.effects.iter().map(|e| {
         let slope = match (e.slope, e.slope_half_width) {
-            (Some(slope), Some(half)) => format!("{} ± {}", compact(slope), compact(half)),
-            (Some(slope), None) => compact(slope),
+            (Some(slope), Some(half)) => {
+                format!("{} ± {}{}", compact(slope), compact(half), without(e.left_out))
+            }
+            (Some(slope), None) => format!("{}{}", compact(slope), without(e.left_out)),
             (None, _) if e.left_out > 0 && e.runs == 0 => NO_VALID_RUN.to_owned(),
             (None, _) if e.left_out > 0 => "too few valid runs".to_owned(),
             (None, _) => "–".to_owned(),
