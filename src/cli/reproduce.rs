@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use clap::Args;
+
 use super::{
     CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder,
     scorecard,
@@ -9,7 +11,6 @@ use super::{
 use crate::paper::Claim;
 use crate::plain::plain_path;
 use crate::study::{Reading, ReproduceOptions, reproduce};
-use clap::Args;
 
 /// Run the whole paper and compare its claims
 #[derive(Debug, Args)]

@@ -71,8 +71,8 @@ pub struct ReproduceOutcome {
     pub runs: Vec<RunRecord>,
 }
 
-/// Runs the programme and writes `claims.json`, `scorecard.json`, `uncertainty.json`, `report.html`, `figures/`,
-/// `grains.json`, `sieve.csv` and `runs/<name>/`.
+/// Runs the programme and writes `claims.json`, `scorecard.json`, `uncertainty.json`,
+/// `report.html`, `figures/`, `grains.json`, `sieve.csv` and `runs/<name>/`.
 ///
 /// # Errors
 /// [`StudyError`].

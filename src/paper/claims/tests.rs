@@ -187,6 +187,19 @@ fn missing_runs_never_read_as_within() {
     assert_eq!(c.verdict, Verdict::Outside, "law: what was run and misses is outside: {c:?}");
 }
 
+/// Law: what was run and does not tell is not measured, which is not a run that is missing.
+#[test]
+fn what_was_run_and_does_not_tell_is_not_measured() {
+    let mut runs = canned::valid_runs();
+    for run in &mut runs {
+        run.series.clear();
+    }
+    let c = claim(&canned::study(&runs), "intermittent-fluctuation-at-ends");
+    assert_eq!((c.verdict, c.reason.as_str()), (Verdict::NotRun, "not measured"), "{c:?}");
+    let c = claim(&canned::study(&runs[..4]), "intermittent-fluctuation-at-ends");
+    assert_eq!((c.verdict, c.reason.as_str()), (Verdict::NotRun, "not run"), "{c:?}");
+}
+
 /// Law: what was chosen is an input, what could have come out otherwise a result.
 #[test]
 fn inputs_are_no_results() {

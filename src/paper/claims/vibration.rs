@@ -343,7 +343,7 @@ fn edges(study: &StudyView) -> Claim {
     )
     .paper(Band::count(expected))
     .ours((!ratios.is_empty()).then_some(more.len() as f64), "configurations")
-    .runs(ratios.iter().map(|r| r.0))
+    .runs(study.of_kind(RunKind::VibrationIntermittent))
     .note(format!(
         "Counted are the runs whose fluctuation in the first and last {EDGE_S} s of the periods \
          exceeds that in their middle."
