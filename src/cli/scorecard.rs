@@ -80,7 +80,8 @@ mod tests {
         assert_eq!(last, "13 results: 11 within, 2 outside", "law: no input is counted");
         let row = text.lines().find(|l| l.starts_with("Settlement of the plate after 20 s"));
         let row = row.expect("a row");
-        assert!(row.contains("14 to 19.61 mm  18.0 mm [13.0 … 23.0]  within"), "got {row}");
+        assert!(row.contains("  14 to 19.61 mm  18.0 mm [13.0 … 23.0]  "), "got {row}");
+        assert!(row.ends_with("  within"), "got {row}");
         assert!(text.lines().all(|l| paint::width(l) <= 160), "law: lines are short:\n{text}");
     }
 
