@@ -61,7 +61,7 @@ template <class N> struct PackedBodies {
     UnsetVector<Record<N>> root; // of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz, -
     UnsetVector<Record<N>> way;  // gone since the step began: shift, -, turn (a rotation vector), -
     UnsetVector<Record<N>> forced; // what external forces add to the motion in a sub-step
-    UnsetVector<Record<N>> free;   // motion of the sub-step without contacts
+    UnsetVector<Record<N>> free;   // motion without the impulses that are looked for
     UnsetVector<Record<N>> before; // motion before the last iteration
     UnsetVector<Record<N>> search; // the way that the last iteration went on, in the motion
 

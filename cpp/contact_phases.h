@@ -27,6 +27,8 @@ enum class Phase {
     EndImpacts,
     // Bodies.
     Force,
+    Keep,
+    Without,
     BeginSearch,
     GoOn,
     Go,
@@ -218,6 +220,12 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         break;
     case Phase::Force:
         bodies([&](std::size_t b) __attribute__((always_inline)) { force(p.bodies, b); });
+        break;
+    case Phase::Keep:
+        bodies([&](std::size_t b) { p.bodies.free[b] = p.bodies.motion[b]; });
+        break;
+    case Phase::Without:
+        bodies([&](std::size_t b) { p.bodies.motion[b] = p.bodies.free[b]; });
         break;
     case Phase::BeginSearch:
         bodies([&](std::size_t b) __attribute__((always_inline)) { begin_search(p.bodies, b); });

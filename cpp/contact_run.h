@@ -95,7 +95,9 @@ template <class L> class Run {
         choose_awake();
         now_.colours(Phase::Begin, all_, contacts_.colours, false);
         iterate<Solved::Forces>(p_.law.unsolved_speed);
+        find_motion();
         if (look != nullptr) {
+            now_.run();
             look_at(*look);
         }
         now_.bodies(Phase::Go);
@@ -108,8 +110,11 @@ template <class L> class Run {
         const N limit = std::max(p_.law.restitution_speed, fastest * IMPACT_SHARE<L>);
         now_.packs(Phase::Compress);
         iterate<Solved::Impacts>(limit);
+        find_motion();
         now_.packs(Phase::Restitute);
+        now_.bodies(Phase::Keep);
         iterate<Solved::Impacts>(limit);
+        find_motion();
         now_.packs(Phase::EndImpacts);
         now_.run();
     }
@@ -123,6 +128,13 @@ template <class L> class Run {
     std::vector<int> touched_; // bodies
     Turn all_, asleep_;
     Few<L> few_;
+
+    // The motion of bodies from the impulses that iterations have found: every visit to a contact
+    // rounds it once more, and a loose grain may be visited thousands of times.
+    void find_motion() {
+        now_.bodies(Phase::Without);
+        now_.colours(Phase::Begin, all_, contacts_.colours, false);
+    }
 
     void choose_awake() {
         all_.choose(contacts_.colours, [&](std::size_t i) { return p_.awake[i] != 0; });

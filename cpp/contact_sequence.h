@@ -73,8 +73,8 @@ template <class L> class Sequence {
     std::vector<Step> steps_;
     std::vector<Share> shares_;
 
-    // There, back, and what comes before and after.
-    static_assert(3 * Colours::MOST + 3 <= Workers::MOST_SHARES);
+    // What impulses give, there, back, and what comes between.
+    static_assert(3 * Colours::MOST + 7 <= Workers::MOST_SHARES);
 
     // `listed` are in the list, `size` things are done; `least` of them a thread takes.
     void add(Phase phase, const int *list, std::size_t listed, std::size_t size,

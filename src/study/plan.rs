@@ -21,7 +21,7 @@ use crate::world::BackendInfo;
 
 /// Raised whenever the meaning of a stored stage changes, so that none of an
 /// older meaning is ever taken for a new one.
-const FORMAT: u32 = 12;
+const FORMAT: u32 = 13;
 
 /// A run to carry out.
 #[derive(Debug, Clone)]
