@@ -1,4 +1,4 @@
-//! The scorecard of `pluvia reproduce` on a terminal: the paragraph, the rows, the tally.
+//! The scorecard of `pluvia reproduce` on a terminal: the paragraph, which ends with the tally, and the rows.
 
 use super::{paint, table};
 use crate::paper::{Scorecard, Verdict};
@@ -6,7 +6,7 @@ use crate::paper::{Scorecard, Verdict};
 /// Columns that a line of the paragraph takes at most.
 const WIDTH: usize = 96;
 
-/// The paragraph, the rows and how many results have which verdict.
+/// The paragraph and the rows.
 pub(super) fn of(card: &Scorecard) -> String {
     let header = ["statement", "paper", "ours", "verdict"].map(str::to_owned);
     let mut rows = vec![header.to_vec()];
@@ -25,8 +25,6 @@ pub(super) fn of(card: &Scorecard) -> String {
     let mut text = wrapped(&card.paragraph);
     text += "\n";
     text += &table::columns(&rows);
-    text += &card.results.in_words();
-    text.push('\n');
     text
 }
 
@@ -68,16 +66,19 @@ mod tests {
         anstream::adapter::strip_str(&paint::shown(&text)).to_string()
     }
 
-    /// Law: first the paragraph, then the rows, then the tally of results alone.
+    /// Law: first the paragraph, which ends with the tally of results alone, then the rows.
     #[test]
-    fn the_terminal_has_paragraph_scorecard_and_tally() {
+    fn the_terminal_has_paragraph_with_tally_and_scorecard() {
         let runs = canned::valid_runs();
         let text = shown(&canned::study(&runs));
         let place = |what: &str| text.find(what).unwrap_or_else(|| panic!("no `{what}` in {text}"));
         assert_eq!(place("Reproduced: "), 0, "law: the paragraph is first");
         assert!(place("Reproduced: ") < place("statement  "), "law: {text}");
-        let last = text.lines().last().expect("a line");
-        assert_eq!(last, "13 results: 11 within, 2 outside", "law: no input is counted");
+        let (paragraph, rows) = text.split_at(place("statement  "));
+        let words = paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
+        let tally = "13 results: 11 within, 2 outside.";
+        assert!(words.ends_with(tally), "law: no input is counted, got {words}");
+        assert!(!rows.contains("13 results"), "law: said once, got {rows}");
         let row = text.lines().find(|l| l.starts_with("Settlement of the plate after 20 s"));
         let row = row.expect("a row");
         assert!(row.contains("  14 to 19.61 mm  18.0 mm [13.0 … 23.0]  "), "got {row}");

@@ -44,10 +44,13 @@ pub(in crate::report) fn figure(
     );
     let mut table = Table::new(&["curve", "time_s", "mean_mm", "lowest_mm", "highest_mm"]);
     if let Some(m) = &ours {
-        plot.envelopes.push(Envelope {
-            label: format!("{}, lowest to highest", runs(m.band_runs)),
-            edges: m.shaken.iter().map(|r| (r[0], r[2], r[3])).collect(),
-        });
+        // One run is no band.
+        if m.band_runs > 1 {
+            plot.envelopes.push(Envelope {
+                label: format!("{}, lowest to highest", runs(m.band_runs)),
+                edges: m.shaken.iter().map(|r| (r[0], r[2], r[3])).collect(),
+            });
+        }
         let mark = if m.valid { "" } else { " (not valid)" };
         let label = format!("Ours, mean of {}{mark}", runs(m.runs));
         plot.series.push(shaken(label, m, 0, style::SOLID));
