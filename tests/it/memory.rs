@@ -61,11 +61,18 @@ fn peak_of(status: &str) -> Option<f64> {
     line.split_whitespace().next()?.parse().ok()
 }
 
+/// Runs of each length, of which the least counts: with threads that draw at the same time
+/// the allocator's peak differs by 3 MiB between runs of one length.
+const RUNS: usize = 3;
+
 /// `make soak`: 20 s and 60 s of shaking.
 pub fn round(ground: &mut Ground) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let [short, long] = [20.0, 60.0].map(|shaken_s| peak_mib(folder.path(), shaken_s));
-    println!("soak, memory: {short:.1} MiB for 20 s of shaking, {long:.1} MiB for 60 s");
+    let least = |shaken_s| {
+        let peak = |_| peak_mib(tempfile::tempdir().expect("a folder").path(), shaken_s);
+        (0..RUNS).map(peak).fold(f64::NAN, f64::min)
+    };
+    let [short, long] = [20.0, 60.0].map(least);
+    println!("soak, memory: least of {RUNS}: {short:.1} MiB for 20 s of shaking, {long:.1} MiB for 60 s");
     if let Err(found) = flat(short, long) {
         panic!("{found}");
     }
