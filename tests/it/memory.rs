@@ -51,7 +51,7 @@ fn peak_mib(folder: &Path, shaken_s: f64) -> f64 {
         peak = peak_of(&text).map_or(peak, |kib| kib / 1024.0);
         sleep(Duration::from_millis(5));
     };
-    assert!(ended.success(), "law: it is carried out");
+    assert!(ended.success(), "law: it is run");
     peak
 }
 
@@ -72,7 +72,9 @@ pub fn round(ground: &mut Ground) {
         (0..RUNS).map(peak).fold(f64::NAN, f64::min)
     };
     let [short, long] = [20.0, 60.0].map(least);
-    println!("soak, memory: least of {RUNS}: {short:.1} MiB for 20 s of shaking, {long:.1} MiB for 60 s");
+    println!(
+        "soak, memory: least of {RUNS}: {short:.1} MiB for 20 s of shaking, {long:.1} MiB for 60 s"
+    );
     if let Err(found) = flat(short, long) {
         panic!("{found}");
     }
