@@ -243,14 +243,29 @@ pub const OTHERS: &[(&str, &str)] = &[
     ("unmarked.csv", "where pages may quote numbers without a mark, and why"),
 ];
 
-/// A picture of `docs/pictures/` and the commands of the tree that draw it. `RUN` is the folder
-/// of a run of `scenarios/quick/vibration.json`.
-pub const PICTURES: &[(&str, &[&str])] = &[
-    ("specimen-cut-away.png", &["picture RUN --cylinder cut --out PICTURE"]),
-    ("grains.png", &["picture RUN --grains --out PICTURE"]),
-    ("funnel.png", &["picture RUN --stage fill_funnel --out PICTURE"]),
-    ("displacement.png", &["picture RUN --colour-by displacement --cylinder hidden --out PICTURE"]),
+/// A picture of `docs/pictures/`, the scenario whose run it shows and the command that draws it,
+/// as `docs/gallery.md` has it. `RUN` stands for the folder of the run.
+pub const PICTURES: &[(&str, &str, &str)] = &[
+    ("grains.png", SHAKEN, "picture RUN --grains --width 1200 --out PICTURE"),
+    (
+        "funnel.png",
+        SHAKEN,
+        "picture RUN --stage fill_funnel --cylinder cut --width 900 --out PICTURE",
+    ),
+    ("pour.png", SHAKEN, "picture RUN --stage pour --width 320 --animate PICTURE"),
+    ("pouring.png", SHAKEN, "picture RUN --stage pour --time 0.9 --width 900 --out PICTURE"),
+    (
+        "displacement.png",
+        SHAKEN,
+        "picture RUN --stage vibrate --colour-by displacement --cylinder cut --width 900 \
+         --out PICTURE",
+    ),
+    ("specimen-cut-away.png", SHAKEN, "picture RUN --cylinder cut --width 900 --out PICTURE"),
+    ("pile-on-its-base.png", PILE, "picture RUN --width 900 --out PICTURE"),
 ];
+
+const SHAKEN: &str = "scenarios/paper/vibration-continuous.json";
+const PILE: &str = "scenarios/paper/repose.json";
 
 /// Sources that pages quote by name: a file above or something worked out from such files
 /// (`derived.rs`).

@@ -106,15 +106,15 @@ impl Maker<'_> {
         Ok(())
     }
 
-    /// Draws the pictures anew of one run of the quick specimen.
+    /// Draws the pictures anew, of runs that resume.
     pub fn pictures(&self) -> Result<(), String> {
-        let run = self.root.join(self.out).join("pictures");
-        self.run("run scenarios/quick/vibration.json --out RUN", &[("RUN", &run)])?;
-        for (picture, commands) in PICTURES {
+        for (picture, scenario, command) in PICTURES {
+            let name = Path::new(scenario).file_stem().unwrap_or_default();
+            let run = self.root.join(self.out).join("pictures").join(name);
+            self.run(&format!("run {scenario} --out RUN"), &[("RUN", &run)])?;
             let to = self.root.join("docs/pictures").join(picture);
-            for command in *commands {
-                self.run(command, &[("RUN", &run), ("PICTURE", &to)])?;
-            }
+            self.run(command, &[("RUN", &run), ("PICTURE", &to)])?;
+            println!("{}: drawn", to.display());
         }
         Ok(())
     }
