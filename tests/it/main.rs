@@ -28,6 +28,7 @@ mod readings;
 mod referee;
 mod repose;
 mod reproduce;
+mod results;
 mod same;
 mod scale;
 mod scenario;
