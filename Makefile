@@ -75,7 +75,7 @@ test-slurm: setup ## send a sweep through a Slurm cluster on this machine, and k
 	cargo build --locked
 	bash scripts/test-slurm.sh
 
-test-snakemake: setup ## have Snakemake carry out a sweep, and compare
+test-snakemake: setup ## have Snakemake run a sweep, and compare
 	@bash scripts/setup.sh snakemake
 	cargo build --locked
 	bash scripts/test-snakemake.sh

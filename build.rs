@@ -72,7 +72,7 @@ fn main() {
     println!("cargo::rerun-if-changed=cpp/contact_residual.h");
     println!("cargo::rerun-if-changed=cpp/contact_run.h");
     println!("cargo::rerun-if-changed=cpp/contact_sequence.h");
-    println!("cargo::rerun-if-changed=cpp/contact_sweeps.h");
+    println!("cargo::rerun-if-changed=cpp/contact_solve.h");
     println!("cargo::rerun-if-changed=cpp/hull_axis_kernels.h");
     println!("cargo::rerun-if-changed=cpp/hull_frames.h");
     println!("cargo::rerun-if-changed=build.rs");

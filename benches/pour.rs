@@ -12,7 +12,7 @@ use pluvia::{
     grains::generate,
     measure::{Container, HeightMap, grain_energy, height_cell, pairs_within, touching_gap},
     protocol::Setup,
-    scenario::{Backend, ContactPath, EngineSettings, ManifoldSettings, Scenario, StageSpec},
+    scenario::{Backend, ContactSolver, EngineSettings, NativeSettings, Scenario, StageSpec},
     specimen::Specimen,
     world,
 };
@@ -27,19 +27,19 @@ const MEASURED: f64 = 1.0 / 6.0;
 /// contacts meet the accuracy standard at no setting; 960 steps of ten
 /// iterations are the best of what is commonly used.
 fn engines() -> Vec<(&'static str, EngineSettings)> {
-    let manifold = EngineSettings::default();
-    let threads = ManifoldSettings { threads: Some(2), ..manifold.manifold.clone() };
+    let native = EngineSettings::default();
+    let threads = NativeSettings { threads: Some(2), ..native.native.clone() };
     let bullets_own = EngineSettings {
-        contact_path: ContactPath::Bullet,
+        contact_solver: ContactSolver::Stock,
         rate_hz: 960.0,
         iterations: 10,
-        ..manifold.clone()
+        ..native.clone()
     };
-    let rapier = EngineSettings { backend: Backend::Rapier, ..manifold.clone() };
-    let two_threads = EngineSettings { manifold: threads, ..manifold.clone() };
+    let rapier = EngineSettings { backend: Backend::Rapier, ..native.clone() };
+    let two_threads = EngineSettings { native: threads, ..native.clone() };
     let all = [
-        ("manifold", manifold),
-        ("manifold, two threads", two_threads),
+        ("native", native),
+        ("native, two threads", two_threads),
         ("bullet's own, 960 Hz x 10", bullets_own),
         ("rapier", rapier),
     ];
@@ -59,9 +59,9 @@ fn steps(c: &mut Criterion, size: (f64, f64)) -> (Scenario, Setup, Specimen) {
     let rest = StageSpec::Rest { duration_s: MEASURED };
     let vibrate = StageSpec::sine(3.0, 25.0, MEASURED, 0.0);
     let pour = StageSpec::Pour { falling_height_mm: FALLING_HEIGHT_MM, time_limit_s: MEASURED };
-    // Bullet's own contacts take half an hour for the whole specimen, which `make bench-peers` has.
+    // stock Bullet contacts take half an hour for the whole specimen, which `make bench-peers` has.
     let left_out =
-        |engine: &EngineSettings| size == WHOLE && engine.contact_path == ContactPath::Bullet;
+        |engine: &EngineSettings| size == WHOLE && engine.contact_solver == ContactSolver::Stock;
     for (name, engine) in engines().into_iter().filter(|(_, engine)| !left_out(engine)) {
         let setup = Setup { engine, ..setup.clone() };
         let scenes = [
@@ -81,7 +81,7 @@ fn steps(c: &mut Criterion, size: (f64, f64)) -> (Scenario, Setup, Specimen) {
     (scenario, setup, specimen)
 }
 
-/// What the driver (bridge, guards, readings) takes beside the engine, by six
+/// What the driver (bridge, checks, readings) takes beside the engine, by six
 /// times the measured stage, so that making the world counts for little.
 fn driver(setup: &Setup, specimen: &Specimen, spec: &StageSpec) {
     let StageSpec::Vibrate { duration_s, .. } = spec else { return };

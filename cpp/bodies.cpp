@@ -10,8 +10,8 @@ const PairValue &Materials::of(int a, int b) const {
 BodySettings::BodySettings(const Units &units, const WorldDefinition &definition)
     : linear_damping(static_cast<btScalar>(definition.linear_damping)),
       angular_damping(static_cast<btScalar>(definition.angular_damping)),
-      sleep_speed(units.length(definition.deactivation_speed)),
-      sleep_spin(static_cast<btScalar>(definition.deactivation_spin)),
+      sleep_speed(units.length(definition.sleeping_speed)),
+      sleep_spin(static_cast<btScalar>(definition.sleeping_spin)),
       gyroscopic(definition.gyroscopic) {}
 
 BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
@@ -35,7 +35,7 @@ BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
         body->setLinearVelocity(units.length(definition.linear_velocity));
         body->setAngularVelocity(vector(definition.angular_velocity));
     }
-    if (definition.kind == BodyKind::Driven) {
+    if (definition.kind == BodyKind::Kinematic) {
         body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
     }
     if (definition.kind != BodyKind::Static) {

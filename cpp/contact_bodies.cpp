@@ -100,23 +100,24 @@ SolverBody free_body(const btRigidBody &body) {
 }
 
 // As btRigidBody.cpp, saveKinematicState, 3.24.
-DrivenVelocity driven_velocity(const btTransform &start, const btTransform &end, btScalar step) {
-    DrivenVelocity out;
+KinematicVelocity kinematic_velocity(const btTransform &start, const btTransform &end,
+                                     btScalar step) {
+    KinematicVelocity out;
     btTransformUtil::calculateVelocity(start, end, step, out.linear, out.angular);
     return out;
 }
 
 Drive recalled_drive(const std::array<btTransform, 3> &ends, double step) {
     const auto time = static_cast<btScalar>(step);
-    const DrivenVelocity before = driven_velocity(ends[0], ends[1], time);
-    const DrivenVelocity last = driven_velocity(ends[1], ends[2], time);
+    const KinematicVelocity before = kinematic_velocity(ends[0], ends[1], time);
+    const KinematicVelocity last = kinematic_velocity(ends[1], ends[2], time);
     Drive drive{three(last.linear), three(last.angular), {}, {}};
     drive.change = drive.velocity - three(before.linear);
     drive.spin_change = drive.spin - three(before.angular);
     return drive;
 }
 
-SolverBody driven_body(const btRigidBody &body, double step, Drive &drive) {
+SolverBody kinematic_body(const btRigidBody &body, double step, Drive &drive) {
     SolverBody out;
     out.velocity = three(body.getLinearVelocity());
     out.spin = three(body.getAngularVelocity());

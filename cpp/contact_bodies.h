@@ -24,14 +24,15 @@ SolverBody free_body(const btRigidBody &body);
 void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gyroscopic);
 
 // Velocities in engine units.
-struct DrivenVelocity {
+struct KinematicVelocity {
     btVector3 linear, angular;
 };
 
-// Those of a driven body in a step from one pose to another, as Bullet has them.
-DrivenVelocity driven_velocity(const btTransform &start, const btTransform &end, btScalar step);
+// Those of a kinematic body in a step from one pose to another, as Bullet has them.
+KinematicVelocity kinematic_velocity(const btTransform &start, const btTransform &end,
+                                     btScalar step);
 
-// A driven body's velocities: of the last step, and their change from the one
+// A kinematic body's velocities: of the last step, and their change from the one
 // before.
 struct Drive {
     Three<double> velocity{0, 0, 0}, spin{0, 0, 0};
@@ -42,10 +43,10 @@ struct Drive {
 // the last three steps, the last one last.
 Drive recalled_drive(const std::array<btTransform, 3> &ends, double step);
 
-// A driven body. Bullet knows its mean velocity in the step. Were it the
+// A kinematic body. Bullet knows its mean velocity in the step. Were it the
 // velocity of every sub-step, it would jump from step to step, and what rubs on
 // the body could not follow within one sub-step. So it changes steadily through
 // the step, as it has changed in the last two; where it did jump, it jumps.
-SolverBody driven_body(const btRigidBody &body, double step, Drive &drive);
+SolverBody kinematic_body(const btRigidBody &body, double step, Drive &drive);
 
 } // namespace pluvia

@@ -21,7 +21,7 @@
 // (Kane & Levinson 1985).
 #pragma once
 
-#include "contact_sweeps.h"
+#include "contact_solve.h"
 
 namespace pluvia {
 
@@ -34,7 +34,7 @@ inline constexpr
 // Normal speed of points of a pack now.
 template <class L>
 PLUVIA_INLINE L normal_speed(const Pack<L> &pack, const Point<L> &c, const Sides<L> &at) {
-    return parting(at.a, at.b, pack.normal, c.lever_a, c.lever_b);
+    return parting(at.a, at.b, pack.normal, c.angular_a, c.angular_b);
 }
 
 // The approach velocity of the points that are impacts, else 0: those that bore an
@@ -82,9 +82,9 @@ PLUVIA_INLINE void begin_compression(const Pack<L> &pack, Point<L> *points, Poin
         m.solved = c.impulse;
         const auto impact = m.impact > zero;
         const L gap = m.gap_now + speed * law.step;
-        c.target = impact ? zero : c.target;
+        c.bias = impact ? zero : c.bias;
         c.normal_mass = impact ? m.mass : c.normal_mass;
-        c.yield = impact ? zero : c.yield;
+        c.softness = impact ? zero : c.softness;
         const auto apart = (gap > zero + law.closed_gap) & (c.impulse <= zero);
         c.most = apart ? zero : c.most;
     }
@@ -102,10 +102,10 @@ PLUVIA_INLINE void begin_restitution(const Pack<L> &pack, Point<L> *points, Poin
         m.compression = c.impulse;
         m.compression_1 = c.impulse_1;
         m.compression_2 = c.impulse_2;
-        c.target =
+        c.bias =
             impact ? L(pack.restitution * m.approach) : smaller(normal_speed(pack, c, at), zero);
         c.normal_mass = m.mass;
-        c.yield = zero;
+        c.softness = zero;
         c.most = impact ? L(pack.restitution * c.impulse) : c.most;
         c.impulse = c.impulse_1 = c.impulse_2 = zero;
     }
@@ -113,9 +113,10 @@ PLUVIA_INLINE void begin_restitution(const Pack<L> &pack, Point<L> *points, Poin
 
 // Adds the phases up. The next sub-step begins with the impulses that were solved
 // without restitution, at an impact less what the contact alone would have taken
-// for the blow: that says nothing about the force that follows.
+// for the impact: that says nothing about the force that follows.
 template <class L>
-PLUVIA_INLINE void end_impacts(const Pack<L> &pack, Point<L> *points, PointMemory<L> *memory) {
+PLUVIA_INLINE void store_impact_impulses(const Pack<L> &pack, Point<L> *points,
+                                         PointMemory<L> *memory) {
     const L zero{};
     for (int p = 0; p < pack.points; ++p) {
         Point<L> &c = points[p];
@@ -126,8 +127,8 @@ PLUVIA_INLINE void end_impacts(const Pack<L> &pack, Point<L> *points, PointMemor
         m.total = m.total + all;
         m.total_1 = m.total_1 + all_1;
         m.total_2 = m.total_2 + all_2;
-        const L blow = m.impact > zero ? L(m.mass * m.approach * (pack.restitution + 1)) : zero;
-        const L next = larger(zero, smaller(L(m.solved - blow), all));
+        const L impulse = m.impact > zero ? L(m.mass * m.approach * (pack.restitution + 1)) : zero;
+        const L next = larger(zero, smaller(L(m.solved - impulse), all));
         const L share = next / larger(all, L(zero + TINY<L>));
         c.impulse = next;
         c.impulse_1 = all_1 * share;
@@ -137,7 +138,8 @@ PLUVIA_INLINE void end_impacts(const Pack<L> &pack, Point<L> *points, PointMemor
 
 // Adds up the impulses of a sub-step without impacts.
 template <class L>
-PLUVIA_INLINE void end_forces(const Pack<L> &pack, const Point<L> *points, PointMemory<L> *memory) {
+PLUVIA_INLINE void store_force_impulses(const Pack<L> &pack, const Point<L> *points,
+                                        PointMemory<L> *memory) {
     for (int p = 0; p < pack.points; ++p) {
         memory[p].total = memory[p].total + points[p].impulse;
         memory[p].total_1 = memory[p].total_1 + points[p].impulse_1;

@@ -28,7 +28,7 @@ template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double step) {
             static_cast<N>(1 / substep),
             static_cast<N>(law.stiffness),
             static_cast<N>(2 * law.damping_ratio * std::sqrt(law.stiffness)),
-            static_cast<N>(law.push_out_speed),
+            static_cast<N>(law.max_depenetration_velocity),
             static_cast<N>(law.restitution_speed),
             static_cast<N>(law.closed_gap),
             static_cast<N>(law.restitution_speed * substep / 2),
@@ -61,7 +61,7 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, doub
             pack(bodies[i], law.substeps, substep, i, problem.bodies);
         }
     });
-    Run<L> run(problem, kernel, contacts, free, (law.sweeps + 1) / 2, workers);
+    Run<L> run(problem, kernel, contacts, free, (law.iterations + 1) / 2, workers);
     if (packs > 0) {
         for (int i = 0; i < law.substeps; ++i) {
             run.substep(i + 1 == law.substeps ? look : nullptr);
@@ -94,15 +94,15 @@ bool has_avx2() {
 #endif
 }
 
-void Iterations::run(Sweep how, const ContactLaw &law, double step, const Contacts &contacts,
+void Iterations::run(Kernels how, const ContactLaw &law, double step, const Contacts &contacts,
                      int free, std::vector<SolverBody> &bodies, Workers &workers, Look *look) {
-    if (how == Sweep::OneByOne) {
+    if (how == Kernels::OneByOne) {
         run_step(single_, &single, law, step, contacts, free, bodies, workers, look);
         return;
     }
     Kernel<Float8> kernel = &portable;
 #if defined(__x86_64__)
-    if (how == Sweep::Avx2) {
+    if (how == Kernels::Avx2) {
         kernel = &avx2;
     }
 #endif

@@ -9,7 +9,7 @@ namespace pluvia {
 
 // How iterations are computed. All give the same law; the two in eight lanes
 // give the same bits, on any number of threads.
-enum class Sweep {
+enum class Kernels {
     OneByOne, // double precision, one pair at a time
     Portable, // single precision, eight at a time, whatever the machine has
     Avx2,     // single precision, eight at a time, with AVX2
@@ -31,7 +31,7 @@ bool has_avx2();
 class Iterations {
   public:
     // Bodies 1 to `free` move. `look`, or null, is filled in the last sub-step.
-    void run(Sweep how, const ContactLaw &law, double step, const Contacts &contacts, int free,
+    void run(Kernels how, const ContactLaw &law, double step, const Contacts &contacts, int free,
              std::vector<SolverBody> &bodies, Workers &workers, Look *look);
 
   private:

@@ -16,7 +16,7 @@ template <class N> struct LaneLaw {
     N step, inverse_step; // of a sub-step
     N stiffness,
         damping; // damping per root of mass: twice the ratio times the root of the stiffness
-    N push_out_speed, restitution_speed, closed_gap;
+    N max_depenetration_velocity, restitution_speed, closed_gap;
     N met_gap;             // up to which a contact without impulse is an impact
     N unsolved_speed;      // approach that calls for another iteration
     double unsolved_share; // of what contacts change of a body, that calls for another iteration
@@ -75,11 +75,11 @@ PLUVIA_INLINE void push(Side<L> &a, Side<L> &b, const Three<L> &impulse, const T
     b.spin = b.spin - moment_b * b.turns;
 }
 
-// Speed at which the bodies part along a direction with the levers given.
+// Speed at which the bodies part along a direction with the angular Jacobians given.
 template <class L>
 PLUVIA_INLINE L parting(const Side<L> &a, const Side<L> &b, const Three<L> &direction,
-                        const Three<L> &lever_a, const Three<L> &lever_b) {
-    return (a.velocity - b.velocity).dot(direction) + a.spin.dot(lever_a) - b.spin.dot(lever_b);
+                        const Three<L> &angular_a, const Three<L> &angular_b) {
+    return (a.velocity - b.velocity).dot(direction) + a.spin.dot(angular_a) - b.spin.dot(angular_b);
 }
 
 // Keeps quotients of nothing by nothing defined.
@@ -90,7 +90,7 @@ inline constexpr typename Lane<L>::Number TINY = static_cast<typename Lane<L>::N
 template <class L>
 inline constexpr typename Lane<L>::Number UNLIMITED = static_cast<typename Lane<L>::Number>(1e30);
 
-// Levers and masses that the bodies show at the arms of the sub-step. With
+// Angular Jacobians and masses that the bodies show at the arms of the sub-step. With
 // those of the step's beginning a body that turns fast, and whose arms have
 // grown, is pushed by more than it needs, the more so in every iteration.
 //
@@ -102,15 +102,15 @@ inline constexpr typename Lane<L>::Number UNLIMITED = static_cast<typename Lane<
 //
 // Returns the mass along the normal.
 template <class L>
-PLUVIA_INLINE L set_levers(const Pack<L> &pack, Point<L> &c, const Sides<L> &at,
-                           const Three<L> &arm_a, const Three<L> &arm_b, const Symmetric<L> &root_a,
-                           const Symmetric<L> &root_b) {
-    c.lever_a = root_a * arm_a.cross(pack.normal);
-    c.lever_b = root_b * arm_b.cross(pack.normal);
-    c.lever_1_a = root_a * arm_a.cross(pack.tangent_1);
-    c.lever_1_b = root_b * arm_b.cross(pack.tangent_1);
-    c.lever_2_a = root_a * arm_a.cross(pack.tangent_2);
-    c.lever_2_b = root_b * arm_b.cross(pack.tangent_2);
+PLUVIA_INLINE L set_jacobians(const Pack<L> &pack, Point<L> &c, const Sides<L> &at,
+                              const Three<L> &arm_a, const Three<L> &arm_b,
+                              const Symmetric<L> &root_a, const Symmetric<L> &root_b) {
+    c.angular_a = root_a * arm_a.cross(pack.normal);
+    c.angular_b = root_b * arm_b.cross(pack.normal);
+    c.angular_1_a = root_a * arm_a.cross(pack.tangent_1);
+    c.angular_1_b = root_b * arm_b.cross(pack.tangent_1);
+    c.angular_2_a = root_a * arm_a.cross(pack.tangent_2);
+    c.angular_2_b = root_b * arm_b.cross(pack.tangent_2);
     const L zero{};
     const L one = zero + 1;
     const L half = zero + typename Lane<L>::Number(0.5);
@@ -120,12 +120,12 @@ PLUVIA_INLINE L set_levers(const Pack<L> &pack, Point<L> &c, const Sides<L> &at,
                              const Three<L> &to_b) __attribute__((always_inline)) {
         return L(on_a.dot(to_a) * at.a.turns + on_b.dot(to_b) * at.b.turns);
     };
-    const L normal = linear + inverse(c.lever_a, c.lever_b, c.lever_a, c.lever_b);
-    const L k11 = linear + inverse(c.lever_1_a, c.lever_1_b, c.lever_1_a, c.lever_1_b);
-    const L k22 = linear + inverse(c.lever_2_a, c.lever_2_b, c.lever_2_a, c.lever_2_b);
-    const L k12 = inverse(c.lever_1_a, c.lever_1_b, c.lever_2_a, c.lever_2_b);
-    c.coupling_1 = inverse(c.lever_a, c.lever_b, c.lever_1_a, c.lever_1_b);
-    c.coupling_2 = inverse(c.lever_a, c.lever_b, c.lever_2_a, c.lever_2_b);
+    const L normal = linear + inverse(c.angular_a, c.angular_b, c.angular_a, c.angular_b);
+    const L k11 = linear + inverse(c.angular_1_a, c.angular_1_b, c.angular_1_a, c.angular_1_b);
+    const L k22 = linear + inverse(c.angular_2_a, c.angular_2_b, c.angular_2_a, c.angular_2_b);
+    const L k12 = inverse(c.angular_1_a, c.angular_1_b, c.angular_2_a, c.angular_2_b);
+    c.coupling_1 = inverse(c.angular_a, c.angular_b, c.angular_1_a, c.angular_1_b);
+    c.coupling_2 = inverse(c.angular_a, c.angular_b, c.angular_2_a, c.angular_2_b);
     const L apart = (k11 - k22) * half;
     const L softest = (k11 + k22) * half + root(L(apart * apart + k12 * k12));
     c.tangent_mass = one / larger(softest, least);
@@ -160,7 +160,7 @@ template <class L> struct Way {
 
     PLUVIA_INLINE Way(const Bodies<L> &bodies, const int *index) {
         L f[8];
-        gather(bodies.way.data(), index, f);
+        gather(bodies.displacement.data(), index, f);
         moved = {f[0], f[1], f[2]};
         turned = {f[4], f[5], f[6]};
     }
@@ -177,42 +177,43 @@ template <class L> struct Way {
 // The spring: stiffness k, damping c = 2 ζ √(k m), in a sub-step h yield
 // γ = 1/(h (c + h k)), share of the overlap to remove β = h k/(c + h k).
 template <class L>
-PLUVIA_INLINE void aim(const Pack<L> &pack, Point<L> *points, PointMemory<L> *memory,
-                       const LaneLaw<typename Lane<L>::Number> &law, const Bodies<L> &bodies) {
+PLUVIA_INLINE void prepare(const Pack<L> &pack, Point<L> *points, PointMemory<L> *memory,
+                           const LaneLaw<typename Lane<L>::Number> &law, const Bodies<L> &bodies) {
     const L zero{};
     const L one = zero + 1;
     const Sides<L> at(pack, bodies.motion.data());
-    const Way<L> way_a(bodies, pack.a), way_b(bodies, pack.b);
+    const Way<L> displacement_a(bodies, pack.a), displacement_b(bodies, pack.b);
     const Symmetric<L> root_a = roots<L>(bodies, pack.a), root_b = roots<L>(bodies, pack.b);
     const L both = larger(L(at.a.inverse_mass + at.b.inverse_mass), L(zero + TINY<L>));
     const L share_a = at.b.inverse_mass / both, share_b = at.a.inverse_mass / both;
     for (int p = 0; p < pack.points; ++p) {
         Point<L> &c = points[p];
         PointMemory<L> &m = memory[p];
-        const Three<L> arm_a = turned(m.arm_a, way_a.turned);
-        const Three<L> arm_b = turned(m.arm_b, way_b.turned);
-        const Three<L> way = way_a.moved - way_b.moved + (arm_a - m.arm_a) - (arm_b - m.arm_b);
-        m.gap_now = m.gap + way.dot(pack.normal);
+        const Three<L> arm_a = turned(m.arm_a, displacement_a.turned);
+        const Three<L> arm_b = turned(m.arm_b, displacement_b.turned);
+        const Three<L> displacement =
+            displacement_a.moved - displacement_b.moved + (arm_a - m.arm_a) - (arm_b - m.arm_b);
+        m.gap_now = m.gap + displacement.dot(pack.normal);
         // Both bodies are pushed in one point, nearer to the lighter one's: so the
         // angular momentum is kept, however far they slid past each other, and a
         // block stays on its corners wherever on the plane it is.
-        const Three<L> apart = pack.normal * m.gap + way;
-        m.mass = set_levers(pack, c, at, arm_a - apart * share_a, arm_b + apart * share_b, root_a,
-                            root_b);
-        m.approach = zero - parting(at.a, at.b, pack.normal, c.lever_a, c.lever_b);
+        const Three<L> apart = pack.normal * m.gap + displacement;
+        m.mass = set_jacobians(pack, c, at, arm_a - apart * share_a, arm_b + apart * share_b,
+                               root_a, root_b);
+        m.approach = zero - parting(at.a, at.b, pack.normal, c.angular_a, c.angular_b);
 
         const L stiff = zero + law.step * law.stiffness;
         const L firm = root(m.mass) * law.damping + stiff;
-        const L yield = one / (firm * law.step);
+        const L softness = one / (firm * law.step);
         // What comes to an impact is met where the surfaces meet, however near it is: caught
         // before, it would rebound above the surface.
         const auto rests = (m.approach <= zero + law.restitution_speed) | (m.gap_now <= zero);
         const auto closed = (m.gap_now <= zero + law.closed_gap) & rests;
         const L spring = smaller(L(zero - stiff / firm * m.gap_now * law.inverse_step),
-                                 L(zero + law.push_out_speed));
-        c.target = closed ? spring : L(zero - m.gap_now * law.inverse_step);
-        c.normal_mass = closed ? L(m.mass / (one + m.mass * yield)) : m.mass;
-        c.yield = closed ? yield : zero;
+                                 L(zero + law.max_depenetration_velocity));
+        c.bias = closed ? spring : L(zero - m.gap_now * law.inverse_step);
+        c.normal_mass = closed ? L(m.mass / (one + m.mass * softness)) : m.mass;
+        c.softness = closed ? softness : zero;
         c.most = zero + UNLIMITED<L>;
         // Friction that a solved contact was left with beyond its cone is not begun with.
         const L most = pack.friction * c.impulse;
@@ -234,14 +235,14 @@ template <class L> PLUVIA_INLINE bool bears(const Pack<L> &pack, const Point<L> 
 
 // Applies the impulses that the contacts begin with.
 template <class L>
-PLUVIA_INLINE void begin(const Pack<L> &pack, const Point<L> *points, Records<L> *motion) {
+PLUVIA_INLINE void warm_start(const Pack<L> &pack, const Point<L> *points, Records<L> *motion) {
     Sides<L> at(pack, motion);
     for (int p = 0; p < pack.points; ++p) {
         const Point<L> &c = points[p];
         push(at.a, at.b,
              pack.normal * c.impulse + pack.tangent_1 * c.impulse_1 + pack.tangent_2 * c.impulse_2,
-             c.lever_a * c.impulse + c.lever_1_a * c.impulse_1 + c.lever_2_a * c.impulse_2,
-             c.lever_b * c.impulse + c.lever_1_b * c.impulse_1 + c.lever_2_b * c.impulse_2);
+             c.angular_a * c.impulse + c.angular_1_a * c.impulse_1 + c.angular_2_a * c.impulse_2,
+             c.angular_b * c.impulse + c.angular_1_b * c.impulse_1 + c.angular_2_b * c.impulse_2);
     }
     at.put_back(pack, motion);
 }
@@ -257,7 +258,7 @@ template <class N> PLUVIA_INLINE N energy(const Record<N> &now, const Record<N> 
 }
 
 // What external forces add to the motion of a body.
-template <class N> PLUVIA_INLINE void force(PackedBodies<N> &bodies, std::size_t b) {
+template <class N> PLUVIA_INLINE void integrate_velocity(PackedBodies<N> &bodies, std::size_t b) {
     for (int i = 0; i < 8; ++i) {
         bodies.motion[b].at[i] += bodies.forced[b].at[i];
     }
@@ -272,26 +273,27 @@ template <class N> PLUVIA_INLINE void begin_search(PackedBodies<N> &bodies, std:
 
 // A body's part of going on along the way that the last iteration and the one before took
 // together; `before` is the motion before the last iteration.
-template <class N> PLUVIA_INLINE void go_on(PackedBodies<N> &bodies, std::size_t b, N beta) {
+template <class N> PLUVIA_INLINE void extrapolate(PackedBodies<N> &bodies, std::size_t b, N beta) {
     for (int i = 0; i < 8; ++i) {
         N &now = bodies.motion[b].at[i];
-        N &way = bodies.search[b].at[i];
+        N &extrapolation = bodies.search[b].at[i];
         N &before = bodies.before[b].at[i];
-        way = (way + (now - before)) * beta;
-        now += way;
+        extrapolation = (extrapolation + (now - before)) * beta;
+        now += extrapolation;
         before = now;
     }
 }
 
 // The way that a body goes.
-template <class N> PLUVIA_INLINE void go(PackedBodies<N> &bodies, std::size_t b, N step) {
+template <class N>
+PLUVIA_INLINE void integrate_position(PackedBodies<N> &bodies, std::size_t b, N step) {
     const auto &r = bodies.root[b].at;
     const auto &m = bodies.motion[b].at;
     const Symmetric<N> root{r[0], r[1], r[2], r[3], r[4], r[5]};
     const Three<N> spin = root * Three<N>{m[4], m[5], m[6]};
     const N motion[8] = {m[0], m[1], m[2], 0, spin.x, spin.y, spin.z, 0};
     for (int i = 0; i < 8; ++i) {
-        bodies.way[b].at[i] += motion[i] * step;
+        bodies.displacement[b].at[i] += motion[i] * step;
     }
 }
 

@@ -7,14 +7,14 @@ namespace pluvia {
 
 // How contacts yield and rebound; engine units.
 struct ContactLaw {
-    int substeps;             // of a step
-    int sweeps;               // over all contacts in a sub-step, at least
-    double stiffness;         // of a contact point, N/m: mass over time squared, whatever the unit
-    double damping_ratio;     // of the spring with the bodies it stands between
-    double push_out_speed;    // largest speed at which overlap is pushed apart
-    double restitution_speed; // approach speed below which nothing rebounds
-    double closed_gap;        // gap up to which what does not come fast counts as closed
-    double unsolved_gap;      // overlap that a sub-step may add before it is iterated further
+    int substeps;         // of a step
+    int iterations;       // over all contacts in a sub-step, at least
+    double stiffness;     // of a contact point, N/m: mass over time squared, whatever the unit
+    double damping_ratio; // of the spring with the bodies it stands between
+    double max_depenetration_velocity; // largest speed at which overlap is pushed apart
+    double restitution_speed;          // approach speed below which nothing rebounds
+    double closed_gap;                 // gap up to which what does not come fast counts as closed
+    double unsolved_gap; // overlap that a sub-step may add before it is iterated further
     // Of what contacts change of a body in a sub-step, the mean of all: what the last
     // iteration may change of any.
     double unsolved_share;
@@ -28,7 +28,7 @@ struct SolverBody {
     // Roots of the inertia and of its inverse, in world axes.
     Symmetric<double> inertia_root{1, 1, 1, 0, 0, 0};
     Symmetric<double> inverse_inertia_root{1, 1, 1, 0, 0, 0};
-    // By external forces, or of a driven body within the step.
+    // By external forces, or of a kinematic body within the step.
     Three<double> acceleration{0, 0, 0}, spin_up{0, 0, 0};
     Three<double> shift{0, 0, 0}, turn{0, 0, 0}; // gone in the step
 };

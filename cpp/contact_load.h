@@ -189,7 +189,7 @@ void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
     Three<double> velocity = body.velocity;
     Three<double> spin = body.spin;
     if (!moves) {
-        // A driven body's velocity is its mean in the step.
+        // A kinematic body's velocity is its mean in the step.
         const double before = substep * (substeps + 1) / 2;
         velocity = velocity - body.acceleration * before;
         spin = spin - body.spin_up * before;
@@ -205,7 +205,7 @@ void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
     for (int k = 0; k < 8; ++k) {
         packed.motion[i].at[k] = static_cast<N>(motion[k]);
         packed.root[i].at[k] = static_cast<N>(root[k]);
-        packed.way[i].at[k] = 0;
+        packed.displacement[i].at[k] = 0;
         packed.forced[i].at[k] = static_cast<N>(forced[k]);
     }
 }
@@ -222,7 +222,7 @@ inline void fly(SolverBody &body, int substeps, double substep) {
 
 template <class N> void unpack(const PackedBodies<N> &packed, std::size_t i, SolverBody &body) {
     const auto &m = packed.motion[i].at;
-    const auto &w = packed.way[i].at;
+    const auto &w = packed.displacement[i].at;
     body.velocity = {m[0], m[1], m[2]};
     body.spin = body.inverse_inertia_root * Three<double>{m[4], m[5], m[6]};
     body.shift = {w[0], w[1], w[2]};

@@ -23,15 +23,15 @@ template <class L> struct alignas(64) Pack {
 // A point of each pair of a pack: what iterations read and write.
 //
 // A body turns in these numbers by the root of its inertia times its spin, on
-// which an impulse acts by the lever alone: the root of the inverse inertia
+// which an impulse acts by the angular Jacobian alone: the root of the inverse inertia
 // times the moment of a unit impulse along normal or tangent.
 template <class L> struct alignas(64) Point {
-    Three<L> lever_a, lever_b;     // of the normal
-    Three<L> lever_1_a, lever_1_b; // of the tangents
-    Three<L> lever_2_a, lever_2_b;
+    Three<L> angular_a, angular_b;     // of the normal
+    Three<L> angular_1_a, angular_1_b; // of the tangents
+    Three<L> angular_2_a, angular_2_b;
     L coupling_1, coupling_2; // normal speed that a unit impulse along a tangent gives
     L tangent_mass;
-    L target, normal_mass, yield;
+    L bias, normal_mass, softness;
     L most;                          // that the normal impulse may become
     L impulse, impulse_1, impulse_2; // of the sub-step
 };
@@ -51,7 +51,7 @@ template <class L> struct alignas(64) PointMemory {
 // it went on before that.
 template <class L> struct alignas(64) Search {
     L change, change_1, change_2;
-    L way, way_1, way_2;
+    L extrapolation, extrapolation_1, extrapolation_2;
 };
 
 // Bodies in records, each kind by itself: what iterations read and write is the
@@ -59,14 +59,15 @@ template <class L> struct alignas(64) Search {
 template <class N> struct PackedBodies {
     UnsetVector<Record<N>> motion; // velocity, inverse mass, inertia root times spin, 1 if it turns
     UnsetVector<Record<N>> root; // of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz, -
-    UnsetVector<Record<N>> way;  // gone since the step began: shift, -, turn (a rotation vector), -
+    UnsetVector<Record<N>>
+        displacement; // gone since the step began: shift, -, turn (a rotation vector), -
     UnsetVector<Record<N>> forced; // what external forces add to the motion in a sub-step
     UnsetVector<Record<N>> free;   // motion without the impulses that are looked for
     UnsetVector<Record<N>> before; // motion before the last iteration
     UnsetVector<Record<N>> search; // the way that the last iteration went on, in the motion
 
     void resize(std::size_t count) {
-        for (auto *records : {&motion, &root, &way, &forced, &free, &before, &search}) {
+        for (auto *records : {&motion, &root, &displacement, &forced, &free, &before, &search}) {
             records->resize(count);
         }
     }

@@ -12,8 +12,8 @@ namespace pluvia {
 // Each goes over packs or over bodies; of the others no result depends on the order.
 enum class Phase {
     // Packs.
-    Aim,
-    Begin, // by colour
+    Prepare,
+    WarmStart, // by colour
     ClearSearch,
     ForcesThere, // these four by colour, those back from the last to the first
     ForcesBack,
@@ -23,15 +23,15 @@ enum class Phase {
     Fastest,
     Compress,
     Restitute,
-    EndForces,
-    EndImpacts,
+    StoreForceImpulses,
+    StoreImpactImpulses,
     // Bodies.
-    Force,
+    IntegrateVelocities,
     Keep,
     Without,
     BeginSearch,
-    GoOn,
-    Go,
+    Extrapolate,
+    IntegratePositions,
     // Blocks of bodies.
     ForcesChange,
     ImpactsChange,
@@ -161,16 +161,16 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         }
     };
     switch (phase) {
-    case Phase::Aim:
+    case Phase::Prepare:
         packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t i)
                   __attribute__((always_inline)) {
-                      aim(pack, points, memory, p.law, p.bodies);
+                      prepare(pack, points, memory, p.law, p.bodies);
                       p.awake[i] = p.near[i] != 0 || bears(pack, points);
                   });
         break;
-    case Phase::Begin:
+    case Phase::WarmStart:
         packs([&](const auto &pack, auto *points, auto *, auto *, std::size_t)
-                  __attribute__((always_inline)) { pluvia::begin(pack, points, motion); });
+                  __attribute__((always_inline)) { pluvia::warm_start(pack, points, motion); });
         break;
     case Phase::ClearSearch:
         packs([&](const auto &pack, auto *, auto *, auto *search, std::size_t)
@@ -210,16 +210,17 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
         packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t) __attribute__((
             always_inline)) { begin_restitution(pack, points, memory, motion); });
         break;
-    case Phase::EndForces:
+    case Phase::StoreForceImpulses:
         packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t)
-                  __attribute__((always_inline)) { end_forces(pack, points, memory); });
+                  __attribute__((always_inline)) { store_force_impulses(pack, points, memory); });
         break;
-    case Phase::EndImpacts:
+    case Phase::StoreImpactImpulses:
         packs([&](const auto &pack, auto *points, auto *memory, auto *, std::size_t)
-                  __attribute__((always_inline)) { end_impacts(pack, points, memory); });
+                  __attribute__((always_inline)) { store_impact_impulses(pack, points, memory); });
         break;
-    case Phase::Force:
-        bodies([&](std::size_t b) __attribute__((always_inline)) { force(p.bodies, b); });
+    case Phase::IntegrateVelocities:
+        bodies([&](std::size_t b)
+                   __attribute__((always_inline)) { integrate_velocity(p.bodies, b); });
         break;
     case Phase::Keep:
         bodies([&](std::size_t b) { p.bodies.free[b] = p.bodies.motion[b]; });
@@ -230,13 +231,15 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
     case Phase::BeginSearch:
         bodies([&](std::size_t b) __attribute__((always_inline)) { begin_search(p.bodies, b); });
         break;
-    case Phase::GoOn: {
+    case Phase::Extrapolate: {
         const N beta = Lane<L>::get(p.beta, 0);
-        bodies([&](std::size_t b) __attribute__((always_inline)) { go_on(p.bodies, b, beta); });
+        bodies([&](std::size_t b)
+                   __attribute__((always_inline)) { extrapolate(p.bodies, b, beta); });
         break;
     }
-    case Phase::Go:
-        bodies([&](std::size_t b) __attribute__((always_inline)) { go(p.bodies, b, p.law.step); });
+    case Phase::IntegratePositions:
+        bodies([&](std::size_t b)
+                   __attribute__((always_inline)) { integrate_position(p.bodies, b, p.law.step); });
         break;
     case Phase::ForcesChange:
     case Phase::ImpactsChange:

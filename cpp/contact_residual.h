@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact_look.h"
-#include "contact_sweeps.h"
+#include "contact_solve.h"
 
 namespace pluvia {
 
@@ -20,11 +20,11 @@ PLUVIA_INLINE void add_residual(const Pack<L> &pack, const Point<L> *points,
     const Sides<L> at(pack, motion);
     for (int p = 0; p < pack.points; ++p) {
         const Point<L> &c = points[p];
-        const L speed = parting(at.a, at.b, pack.normal, c.lever_a, c.lever_b);
-        const L slip_1 = parting(at.a, at.b, pack.tangent_1, c.lever_1_a, c.lever_1_b);
-        const L slip_2 = parting(at.a, at.b, pack.tangent_2, c.lever_2_a, c.lever_2_b);
+        const L speed = parting(at.a, at.b, pack.normal, c.angular_a, c.angular_b);
+        const L slip_1 = parting(at.a, at.b, pack.tangent_1, c.angular_1_a, c.angular_1_b);
+        const L slip_2 = parting(at.a, at.b, pack.tangent_2, c.angular_2_a, c.angular_2_b);
         const L wanted =
-            larger(zero, L(c.impulse - c.normal_mass * (speed - c.target + c.yield * c.impulse)));
+            larger(zero, L(c.impulse - c.normal_mass * (speed - c.bias + c.softness * c.impulse)));
         const L next_1 = c.impulse_1 - c.tangent_mass * slip_1;
         const L next_2 = c.impulse_2 - c.tangent_mass * slip_2;
         const L most = pack.friction * c.impulse;
@@ -78,13 +78,13 @@ void record_contacts(const Pack<L> &pack, const Point<L> *points, const PointMem
             out.contacts.push_back(pack.a[i]);
             out.contacts.push_back(pack.b[i]);
             for (const Three<L> *v :
-                 {&pack.normal, &c.lever_a, &c.lever_b, &pack.tangent_1, &c.lever_1_a, &c.lever_1_b,
-                  &pack.tangent_2, &c.lever_2_a, &c.lever_2_b}) {
+                 {&pack.normal, &c.angular_a, &c.angular_b, &pack.tangent_1, &c.angular_1_a,
+                  &c.angular_1_b, &pack.tangent_2, &c.angular_2_a, &c.angular_2_b}) {
                 put(v->x);
                 put(v->y);
                 put(v->z);
             }
-            for (const L *lanes : {&pack.friction, &c.target, &c.yield, &memory[p].approach,
+            for (const L *lanes : {&pack.friction, &c.bias, &c.softness, &memory[p].approach,
                                    &pack.restitution, &c.impulse, &c.impulse_1, &c.impulse_2}) {
                 put(*lanes);
             }

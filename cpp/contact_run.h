@@ -86,24 +86,24 @@ template <class L> class Run {
     }
 
     void substep(Look *look) {
-        now_.packs(Phase::Aim);
-        now_.bodies(Phase::Force);
+        now_.packs(Phase::Prepare);
+        now_.bodies(Phase::IntegrateVelocities);
         now_.run();
         if (look != nullptr && look->record != nullptr) {
             record_bodies(p_.bodies, false, *look->record);
         }
         choose_awake();
-        now_.colours(Phase::Begin, all_, contacts_.colours, false);
+        now_.colours(Phase::WarmStart, all_, contacts_.colours, false);
         iterate<Solved::Forces>(p_.law.unsolved_speed);
         find_motion();
         if (look != nullptr) {
             now_.run();
             look_at(*look);
         }
-        now_.bodies(Phase::Go);
+        now_.bodies(Phase::IntegratePositions);
         const N fastest = fastest_impact();
         if (!(fastest > 0)) {
-            now_.packs(Phase::EndForces);
+            now_.packs(Phase::StoreForceImpulses);
             now_.run();
             return;
         }
@@ -115,7 +115,7 @@ template <class L> class Run {
         now_.bodies(Phase::Keep);
         iterate<Solved::Impacts>(limit);
         find_motion();
-        now_.packs(Phase::EndImpacts);
+        now_.packs(Phase::StoreImpactImpulses);
         now_.run();
     }
 
@@ -133,7 +133,7 @@ template <class L> class Run {
     // rounds it once more, and a loose grain may be visited thousands of times.
     void find_motion() {
         now_.bodies(Phase::Without);
-        now_.colours(Phase::Begin, all_, contacts_.colours, false);
+        now_.colours(Phase::WarmStart, all_, contacts_.colours, false);
     }
 
     void choose_awake() {
@@ -211,7 +211,7 @@ template <class L> class Run {
             const BodyChange changed = this->changed();
             if (over_few) {
                 if (++local < LOCAL_ITERATIONS && changed.most > p_.limit) {
-                    go_on(turn, bodies, pace);
+                    extrapolate(turn, bodies, pace);
                     continue;
                 }
                 few_.put_back();
@@ -252,7 +252,7 @@ template <class L> class Run {
                 pace = Pace{};
                 continue;
             }
-            go_on(turn, bodies, pace);
+            extrapolate(turn, bodies, pace);
         }
         // Where iterations ran out: what was to come next would move bodies, not their impulses.
         now_.forget();
@@ -270,13 +270,13 @@ template <class L> class Run {
 
     // Goes on along the way, the farther the more iterations there were since it
     // began anew.
-    void go_on(const Turn &turn, const std::vector<int> &bodies, Pace &pace) {
+    void extrapolate(const Turn &turn, const std::vector<int> &bodies, Pace &pace) {
         double work = 0;
         for (const int i : turn.packs) {
             work += p_.pairs->work[static_cast<std::size_t>(i)];
         }
         p_.beta = L{} + static_cast<N>(pace.next(work));
-        now_.bodies(Phase::GoOn, bodies.data(), bodies.size());
+        now_.bodies(Phase::Extrapolate, bodies.data(), bodies.size());
     }
 
     // Looks at the pairs that are asleep. Whether one woke, or is met too fast.

@@ -11,7 +11,7 @@ HullCollision hull_collision(const Units &units, const WorldDefinition &d,
     HullCollision collision;
     collision.materials = &materials;
     collision.settings = pair_settings(d.tolerances, units.scale());
-    collision.settings.reach =
+    collision.settings.speculative_margin =
         std::min(d.contact_threshold, d.tolerances.contact_margin) * units.scale();
     collision.match = d.tolerances.match_distance * units.scale();
     collision.kernels = d.portable ? &portable_axis_kernels() : &axis_kernels();
@@ -22,35 +22,35 @@ HullCollision hull_collision(const Units &units, const WorldDefinition &d,
 ContactLaw contact_law(const Units &units, const WorldDefinition &d) {
     const double scale = units.scale();
     return {d.substeps,
-            d.sweeps,
+            d.native_iterations,
             d.contact_stiffness,
             d.contact_damping_ratio,
-            d.push_out_speed * scale,
+            d.max_depenetration_velocity * scale,
             d.restitution_velocity_threshold * scale,
             d.tolerances.closed_gap * scale,
             d.tolerances.unsolved_gap * scale,
             d.solver_tolerance};
 }
 
-Sweep sweep(const WorldDefinition &d) {
-    return d.contacts_at_once == 1     ? Sweep::OneByOne
-           : has_avx2() && !d.portable ? Sweep::Avx2
-                                       : Sweep::Portable;
+Kernels kernels(const WorldDefinition &d) {
+    return d.contacts_at_once == 1     ? Kernels::OneByOne
+           : has_avx2() && !d.portable ? Kernels::Avx2
+                                       : Kernels::Portable;
 }
 
 void read_solver(const Units &units, const ContactSolver &solver, ReadBack &into) {
     const ContactLaw &law = solver.law();
-    into.put("portable_instructions", solver.sweep() == Sweep::Portable);
+    into.put("portable_instructions", solver.kernels() == Kernels::Portable);
     into.put("substeps", law.substeps);
-    into.put("sweeps_in_a_substep", law.sweeps);
+    into.put("iterations_in_a_substep", law.iterations);
     into.put("solver_tolerance", law.unsolved_share);
     into.put("contact_stiffness_n_per_m", law.stiffness);
     into.put("contact_damping_ratio", law.damping_ratio);
-    into.put("push_out_speed_m_per_s", law.push_out_speed / units.scale());
+    into.put("max_depenetration_velocity_m_per_s", law.max_depenetration_velocity / units.scale());
     into.put("restitution_speed_m_per_s", law.restitution_speed / units.scale());
     into.put("closed_gap_m", law.closed_gap / units.scale());
     into.put("unsolved_gap_m", law.unsolved_gap / units.scale());
-    into.put("contacts_at_once", solver.sweep() == Sweep::OneByOne ? 1 : 8);
+    into.put("contacts_at_once", solver.kernels() == Kernels::OneByOne ? 1 : 8);
 }
 
 } // namespace pluvia

@@ -14,7 +14,7 @@ HullCollision hull_collision(const Units &units, const WorldDefinition &d,
 
 ContactLaw contact_law(const Units &units, const WorldDefinition &d);
 
-Sweep sweep(const WorldDefinition &d);
+Kernels kernels(const WorldDefinition &d);
 
 // The law as the solver holds it.
 void read_solver(const Units &units, const ContactSolver &solver, ReadBack &into);

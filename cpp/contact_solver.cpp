@@ -47,19 +47,20 @@ bool is_near(const ContactLaw &law, double step, const Touching &pair, const Sol
 } // namespace
 
 ContactSolver::ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law,
-                             Sweep sweep, bool gyroscopic, Workers &workers)
-    : touching_(touching), law_(law), sweep_(sweep), gyroscopic_(gyroscopic), workers_(workers) {}
+                             Kernels kernels, bool gyroscopic, Workers &workers)
+    : touching_(touching), law_(law), kernels_(kernels), gyroscopic_(gyroscopic),
+      workers_(workers) {}
 
 void ContactSolver::solve(double step) {
     const int free = static_cast<int>(moving_.size());
     take_bodies(step);
     take_pairs(step);
-    colours_.sort(places_, free, sweep_ == Sweep::OneByOne ? 1 : Lane<Float8>::WIDTH);
+    colours_.sort(places_, free, kernels_ == Kernels::OneByOne ? 1 : Lane<Float8>::WIDTH);
     Look look;
     recorded_ = SubstepRecord{};
     look.record = recording_ ? &recorded_ : nullptr;
     const bool looks = recording_ || steps_++ % LOOK_EVERY == 0;
-    iterations_.run(sweep_, law_, step, {touching_, places_, colours_}, free, bodies_, workers_,
+    iterations_.run(kernels_, law_, step, {touching_, places_, colours_}, free, bodies_, workers_,
                     looks ? &look : nullptr);
     if (looks) {
         const Residual &residual = look.residual;
@@ -175,7 +176,7 @@ void ContactSolver::take_bodies(double step) {
         Drive &drive = drives_now_[number];
         const auto before = drives_.find(number);
         drive = before != drives_.end() ? before->second : Drive{};
-        bodies_[moving_.size() + 1 + i] = driven_body(*driving_[i], step, drive);
+        bodies_[moving_.size() + 1 + i] = kinematic_body(*driving_[i], step, drive);
     }
     std::swap(drives_, drives_now_);
 }

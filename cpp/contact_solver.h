@@ -23,7 +23,7 @@ class ContactSolver {
   public:
     // `touching`: the contacts of the step at hand, in the place of Bullet's
     // manifolds. `gyroscopic`: uneven bodies turn by Euler's equations.
-    ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law, Sweep sweep,
+    ContactSolver(const std::vector<Touching> &touching, const ContactLaw &law, Kernels kernels,
                   bool gyroscopic, Workers &workers);
 
     // To be called at the beginning of a step with all bodies of the world.
@@ -42,7 +42,7 @@ class ContactSolver {
 
     // How a body was driven before the first step of its world, by its number.
     void recall_drive(int number, const Drive &drive) { drives_[number] = drive; }
-    // Adds how each driven body went through the last step; none once a body came or went.
+    // Adds how each kinematic body went through the last step; none once a body came or went.
     void read_drives(const Units &units, rust::Vec<DriveRead> &out) const;
 
     const ContactLaw &law() const { return law_; }
@@ -52,12 +52,12 @@ class ContactSolver {
     // Has the last sub-step of every step from now on recorded, or none any more.
     void record(bool on) { recording_ = on; }
     const SubstepRecord &recorded() const { return recorded_; }
-    Sweep sweep() const { return sweep_; }
+    Kernels kernels() const { return kernels_; }
 
   private:
     const std::vector<Touching> &touching_;
     ContactLaw law_;
-    Sweep sweep_;
+    Kernels kernels_;
     bool gyroscopic_;
     Workers &workers_;
     struct Moving {
@@ -65,7 +65,7 @@ class ContactSolver {
         std::size_t number; // in the world
     };
     std::vector<Moving> moving_;         // every free body
-    std::vector<btRigidBody *> driving_; // every driven body
+    std::vector<btRigidBody *> driving_; // every kinematic body
     std::vector<int> place_;             // by the body's number: among bodies_
     std::vector<SolverBody> bodies_;     // the world, free bodies along the specimen, driven ones
     std::vector<PairPlace> places_;      // of the pairs that touch

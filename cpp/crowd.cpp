@@ -34,7 +34,7 @@ bool finite(const CrowdBody &body) {
 } // namespace
 
 bool Crowd::lay_grid(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
-                     double reach) {
+                     double margin) {
     double radii = 0;
     int free = 0;
     for (const CrowdBody &body : bodies) {
@@ -63,7 +63,7 @@ bool Crowd::lay_grid(const std::vector<CrowdBody> &bodies, const double frame[3]
             high[i] = std::max(high[i], body.centre[i]);
         }
     }
-    edge_ = 2 * radius + reach + 2 * step * (speed + turning);
+    edge_ = 2 * radius + margin + 2 * step * (speed + turning);
     // Also where no body is free, which leaves the ends infinite.
     const double ends = (high[0] - low_[0]) + (high[1] - low_[1]) + (high[2] - low_[2]);
     if (!(edge_ > 0) || !std::isfinite(edge_) || !std::isfinite(ends)) {
@@ -125,10 +125,10 @@ double Crowd::difference(int x, int y, int z) const {
 }
 
 bool Crowd::gather(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
-                   double reach) {
+                   double margin) {
     cell_of_.resize(bodies.size());
     speeds_.resize(bodies.size());
-    if (!lay_grid(bodies, frame, step, reach)) {
+    if (!lay_grid(bodies, frame, step, margin)) {
         return false;
     }
     find_means(bodies);

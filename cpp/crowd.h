@@ -6,7 +6,7 @@
 // pairs of all that are within two steps' way of each other, though none comes
 // any nearer. Here a box stands off by the speed against the bodies around.
 //
-// Law, for any two bodies i and j that come within the reach of contacts of
+// Law, for any two bodies i and j that come within the speculative margin of
 // each other within the step:
 //
 //   speed_i + speed_j >= |v_i - v_j|
@@ -15,9 +15,9 @@
 // of a cell, and half the largest |u_c - u_c'| to a cell around. For bodies of the
 // same or of neighbouring cells the law follows from
 // |v_i - v_j| <= |v_i - u_c| + |u_c - u_c'| + |u_c' - v_j|. Bodies of cells further apart do not
-// come within reach, since a cell is larger than two radii, the reach and the way of both. Wide
-// bodies, such as walls, are in no cell and stand off by the fastest of all besides their own
-// speed.
+// come within the speculative margin, since a cell is larger than two radii, the speculative margin
+// and the way of both. Wide bodies, such as walls, are in no cell and stand off by the fastest of
+// all besides their own speed.
 #pragma once
 
 #include <cstddef>
@@ -41,7 +41,7 @@ class Crowd {
     // from which distances are counted. False, and nothing is found, where some
     // number is not finite or no body is free.
     bool gather(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
-                double reach);
+                double margin);
     // Of body number `i` of those gathered; its turning comes besides.
     double speed(std::size_t i) const { return speeds_[i]; }
 
@@ -59,7 +59,7 @@ class Crowd {
     int count_[3];
 
     bool lay_grid(const std::vector<CrowdBody> &bodies, const double frame[3], double step,
-                  double reach);
+                  double margin);
     void find_means(const std::vector<CrowdBody> &bodies);
     double difference(int x, int y, int z) const;
     std::size_t place(int x, int y, int z) const {

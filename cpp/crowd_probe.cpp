@@ -9,7 +9,7 @@
 namespace pluvia {
 
 rust::Vec<double> crowd_speeds(rust::Slice<const CrowdProbeBody> bodies,
-                               const std::array<double, 3> &frame, double step, double reach) {
+                               const std::array<double, 3> &frame, double step, double margin) {
     std::vector<CrowdBody> members;
     for (const CrowdProbeBody &body : bodies) {
         CrowdBody member{};
@@ -22,7 +22,7 @@ rust::Vec<double> crowd_speeds(rust::Slice<const CrowdProbeBody> bodies,
     }
     Crowd crowd;
     rust::Vec<double> speeds;
-    if (crowd.gather(members, frame.data(), step, reach)) {
+    if (crowd.gather(members, frame.data(), step, margin)) {
         for (std::size_t i = 0; i < members.size(); ++i) {
             speeds.push_back(crowd.speed(i));
         }

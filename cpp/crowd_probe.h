@@ -12,6 +12,6 @@ struct CrowdProbeBody;
 // The speed of each body, as of Crowd; lengths in any one unit. Empty where
 // Crowd finds none.
 rust::Vec<double> crowd_speeds(rust::Slice<const CrowdProbeBody> bodies,
-                               const std::array<double, 3> &frame, double step, double reach);
+                               const std::array<double, 3> &frame, double step, double margin);
 
 } // namespace pluvia

@@ -56,7 +56,7 @@ class EngineWorld : public btDiscreteDynamicsWorld {
 
     virtual void add(btRigidBody &body, BodyKind kind);
     virtual void remove(btRigidBody &body) { removeRigidBody(&body); }
-    // Where a driven body is at the end of the next step.
+    // Where a kinematic body is at the end of the next step.
     virtual void drive(btRigidBody &body, const btTransform &end) = 0;
     virtual void step(btScalar length) = 0;
     // Without a step.

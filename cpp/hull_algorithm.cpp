@@ -40,7 +40,7 @@ void HullAlgorithm::find(const HullBody &a, const HullBody &b, double travelled,
                          PairScratch &scratch) {
     PairSettings settings = shared_.settings;
     settings.approach = approach_in_step(a, b, shared_.step);
-    settings.reach += settings.approach;
+    settings.speculative_margin += settings.approach;
     if (!shared_.recalled.empty()) {
         shared_.recalled.give(*a.object, *b.object, *a.hull, *b.hull, state_);
     }

@@ -56,8 +56,8 @@ class HullAlgorithm final : public btCollisionAlgorithm {
     // Finds the contact of the pair; both shapes are TightHulls. `travelled`: the
     // bodies' ways, added up. Writes only what belongs to the pair.
     void find(const HullBody &a, const HullBody &b, double travelled, PairScratch &scratch);
-    // Whether the pair was apart, and cannot have come within reach since.
-    bool rests(double travelled, double reach) const { return travelled + reach < apart_until_; }
+    // Whether the pair was apart, and cannot have come within the speculative margin since.
+    bool rests(double travelled, double margin) const { return travelled + margin < apart_until_; }
     // The bodies' places in HullBodies.
     std::size_t at_a() const { return at_a_; }
     std::size_t at_b() const { return at_b_; }

@@ -24,7 +24,7 @@ constexpr int VERTICES_AHEAD = 2;
 constexpr std::size_t BODIES_AT_ONCE = 64;
 
 // Speeds against the bodies around are looked for where a body went so many times
-// the reach of contacts in the last step: else there is little to be had.
+// the speculative margin in the last step: else there is little to be had.
 constexpr double CROWD_WAY = 2;
 
 bool holds(const btBroadphaseProxy &proxy, const HullRange &range) {
@@ -80,7 +80,7 @@ double approach_in_step(const HullBody &a, const HullBody &b, double step) {
 }
 
 void HullBodies::begin(const Frame &frame, const btCollisionObjectArray &objects, double step,
-                       double reach) {
+                       double margin) {
     for (int i = 0; i < 3; ++i) {
         moved_[i] = frame.origin[i] - frame_.origin[i];
     }
@@ -88,8 +88,8 @@ void HullBodies::begin(const Frame &frame, const btCollisionObjectArray &objects
     ranges_.resize(bodies_.size());
     frame_ = frame;
     step_ = step;
-    reach_ = reach;
-    const bool fast = fastest_ * step > CROWD_WAY * reach;
+    margin_ = margin;
+    const bool fast = fastest_ * step > CROWD_WAY * margin;
     fastest_ = 0;
     crowded_ = fast && gather(objects);
 }
@@ -107,7 +107,7 @@ bool HullBodies::gather(const btCollisionObjectArray &objects) {
         member.free = !objects[i]->isStaticOrKinematicObject();
         members_.push_back(member);
     }
-    return crowd_.gather(members_, frame_.velocity, step_, reach_);
+    return crowd_.gather(members_, frame_.velocity, step_, margin_);
 }
 
 void HullBodies::ask_ahead(const btCollisionObjectArray &objects, int i) {
@@ -175,7 +175,7 @@ const HullRange &HullBodies::take(const btCollisionObjectArray &objects, int i,
     const double speed = length(body.motion.velocity, frame_.velocity);
     fastest = std::max(fastest, speed);
     const double against = crowded_ ? crowd_.speed(static_cast<std::size_t>(i)) : speed;
-    range.around = static_cast<float>(reach_ / 2 + step_ * (against + body.turning));
+    range.around = static_cast<float>(margin_ / 2 + step_ * (against + body.turning));
     for (int k = 0; k < 3; ++k) {
         range.centre[k] = static_cast<float>(body.pose.t[k] - frame_.origin[k]);
         range.low[k] += range.centre[k] - range.around;

@@ -37,7 +37,7 @@ HullBody hull_body(const btCollisionObject &object);
 double approach_in_step(const HullBody &a, const HullBody &b, double step);
 
 // Where a body can be within the step, in the frame of HullBodies, with half
-// the reach of contacts around it. All that is read of the bodies of most pairs,
+// the speculative margin around it. All that is read of the bodies of most pairs,
 // in one line of the cache.
 struct alignas(64) HullRange {
     double travelled = 0; // by any of its points since it was first seen, in the frame
@@ -45,7 +45,7 @@ struct alignas(64) HullRange {
     float centre[3], radius;
     float around; // how far beyond the body
 
-    // False for bodies that do not come within reach of each other.
+    // False for bodies that do not come within the speculative margin of each other.
     bool meets(const HullRange &o) const {
         float square = 0;
         bool apart = false;
@@ -68,10 +68,10 @@ class HullBodies {
   public:
     // To be called with the proxy of every body that comes.
     void expect(const btBroadphaseProxy &proxy) { most_ = std::max(most_, index(proxy) + 1); }
-    // Begins a step with these objects; `reach` is the gap up to which contacts
+    // Begins a step with these objects; `margin` is the gap up to which contacts
     // are kept.
     void begin(const Frame &frame, const btCollisionObjectArray &objects, double step,
-               double reach);
+               double margin);
     // Reads all of those, by all threads: each writes only what belongs to its bodies. In `left`
     // whether an object's range has left the box of its proxy.
     void take(const btCollisionObjectArray &objects, const AxisKernels &kernels, Workers &workers,
@@ -93,7 +93,7 @@ class HullBodies {
     std::vector<HullRange> ranges_;
     Frame frame_;                 // of the step
     double moved_[3] = {0, 0, 0}; // by the frame since the last
-    double step_ = 0, reach_ = 0;
+    double step_ = 0, margin_ = 0;
     double fastest_ = 0;   // speed in the frame, of all read since the step began
     std::size_t most_ = 0; // numbers of bodies
     bool crowded_ = false;

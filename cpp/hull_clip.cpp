@@ -43,7 +43,7 @@ void face_normal(const HullData &hull, int f, double out[3]) {
 }
 
 std::uint32_t name(std::uint32_t kind, std::uint32_t first, std::uint32_t second) {
-    // Room for 2^14 edges each; beyond, names repeat and points are told
+    // Room for 2^14 edges each; beyond, names repeat and points are reported
     // apart by their distance alone.
     return kind << 28 | (first & 0x3fffU) << 14 | (second & 0x3fffU);
 }
@@ -120,7 +120,7 @@ Incident incident_face(const HullData &incident, const double normal[3], int bef
 }
 
 void clip_face(const HullData &reference, int reference_face, const HullData &incident,
-               int incident_face, const Rigid &pose, double reach, ClipScratch &scratch) {
+               int incident_face, const Rigid &pose, double margin, ClipScratch &scratch) {
     using Corner = ClipScratch::Corner;
     auto &polygon = scratch.polygon;
     auto &clipped = scratch.clipped;
@@ -186,13 +186,13 @@ void clip_face(const HullData &reference, int reference_face, const HullData &in
     for (const Corner &corner : polygon) {
         const double gap =
             dot(normal, corner.x) - static_cast<double>(reference.offset[reference_face]);
-        if (gap <= reach) {
+        if (gap <= margin) {
             scratch.points.push_back({{corner.x[0], corner.x[1], corner.x[2]}, gap, corner.id});
         }
     }
 }
 
-int reduce_points(std::vector<ClipPoint> &points, const double normal[3], double reach,
+int reduce_points(std::vector<ClipPoint> &points, const double normal[3], double margin,
                   double slack, const std::uint32_t *known, int known_count) {
     const int count = static_cast<int>(points.size());
     const auto is_known = [&](const ClipPoint &p) {
@@ -200,7 +200,7 @@ int reduce_points(std::vector<ClipPoint> &points, const double normal[3], double
     };
     // The more a point is in touch, the more it counts.
     const auto weight = [&](const ClipPoint &p) {
-        const double far = std::clamp(p.gap / reach, 0.0, 1.0);
+        const double far = std::clamp(p.gap / margin, 0.0, 1.0);
         return (1 - 0.5 * far) * (is_known(p) ? CHOICE_SLACK : 1);
     };
     const auto area = [&](const ClipPoint &a, const ClipPoint &b, const ClipPoint &c) {

@@ -72,16 +72,16 @@ struct Incident {
 Incident incident_face(const HullData &incident, const double normal[3], int before, double slack);
 
 // Fills `scratch.points` with all corners of the incident face inside the
-// sides of the reference face that are at most `reach` above it. `pose` leads
+// sides of the reference face that are at most `margin` above it. `pose` leads
 // from the incident hull's frame to the reference hull's.
 void clip_face(const HullData &reference, int reference_face, const HullData &incident,
-               int incident_face, const Rigid &pose, double reach, ClipScratch &scratch);
+               int incident_face, const Rigid &pose, double margin, ClipScratch &scratch);
 
 // Picks at most four of the points that hold the bodies best: the deepest,
 // the farthest from it, and those that span the largest area. Points with one
 // of the `known` ids win over others that are better by little (`slack`, a
 // length). The picked ones are moved to the front; returns their number.
-int reduce_points(std::vector<ClipPoint> &points, const double normal[3], double reach,
+int reduce_points(std::vector<ClipPoint> &points, const double normal[3], double margin,
                   double slack, const std::uint32_t *known, int known_count);
 
 // The same where the points with the `known` ids are to be kept whatever else

@@ -54,13 +54,13 @@ bool is_near(const ClipPoint &point, const double x[3], double slack) {
 
 } // namespace
 
-int add_landing(const Landing &landing, double reach, double slack, std::vector<ClipPoint> &points,
+int add_landing(const Landing &landing, double margin, double slack, std::vector<ClipPoint> &points,
                 int count) {
     const HullData &incident = landing.incident;
     const Plane plane(landing.reference, landing.face);
     for (; count < MOST_POINTS; ++count) {
         ClipPoint next{};
-        double lowest = reach;
+        double lowest = margin;
         for (int v = 0; v < incident.vertices; ++v) {
             const double local[3] = {incident.vx[v], incident.vy[v], incident.vz[v]};
             double now[3], then[3];
@@ -77,7 +77,7 @@ int add_landing(const Landing &landing, double reach, double slack, std::vector<
                 next = {{now[0], now[1], now[2]}, gap, landing.mark | corner_id(v)};
             }
         }
-        if (lowest >= reach) {
+        if (lowest >= margin) {
             break;
         }
         points.insert(points.begin() + count, next);

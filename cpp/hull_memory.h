@@ -77,8 +77,8 @@ struct PairMemory {
     // Of a face contact: where the smaller body was in the frame of the larger
     // when its points were found.
     Relative met_at = {};
-    // And the reach with which they were found.
-    float met_reach = 0;
+    // And the speculative margin with which they were found.
+    float met_margin = 0;
     // The same face's plane, a copy beside the points: while they stay, nothing
     // else is read of the hulls, which may be far away in memory.
     float plane_normal[3] = {0, 0, 0};

@@ -45,13 +45,13 @@ class Pair : PairFrames {
         kernels_.faces(a_, b_, relative_, scratch_.axis, faces_);
         const bool is_a = faces_.gap_a >= faces_.gap_b;
         const float widest = is_a ? faces_.gap_a : faces_.gap_b;
-        if (widest > reach()) {
+        if (widest > margin()) {
             part_along_face();
             return;
         }
         const float depth = fresh ? -1 : std::max(bound, -widest);
         find_edges(widest, depth);
-        if (edges_.edge_a >= 0 && edges_.gap > reach()) {
+        if (edges_.edge_a >= 0 && edges_.gap > margin()) {
             part(edges_.axis, edges_.gap);
             return;
         }
@@ -80,13 +80,13 @@ class Pair : PairFrames {
     int incident_ = -1;  // the face found last to meet a reference face
     double deepest_ = 0; // of the points made last
 
-    float reach() const { return static_cast<float>(settings_.reach); }
+    float margin() const { return static_cast<float>(settings_.speculative_margin); }
     float preference() const { return static_cast<float>(settings_.face_preference); }
     // Whether the axis that parted the pair does so still.
     bool still_apart() {
         const double axis[3] = {memory_.axis[0], memory_.axis[1], memory_.axis[2]};
         memory_.widest = static_cast<float>(gap_along(axis));
-        return memory_.widest > reach();
+        return memory_.widest > margin();
     }
 
     // How far any point of one body can have come in the frame of the other
@@ -111,9 +111,9 @@ class Pair : PairFrames {
         if (memory_.feature == Feature::Edges) {
             return moved(memory_.pose) <= settings_.hold && keep_edges(ANY);
         }
-        // Corners that were out of reach then may land now.
+        // Corners that were out of the margin then may land now.
         const bool farther =
-            settings_.reach > static_cast<double>(memory_.met_reach) + settings_.hold;
+            settings_.speculative_margin > static_cast<double>(memory_.met_margin) + settings_.hold;
         if (memory_.last.count == 0 || farther || moved(memory_.met_at) > settings_.hold) {
             return false;
         }
@@ -135,10 +135,10 @@ class Pair : PairFrames {
     }
 
     void find_edges(float best, float depth) {
-        kernels_.edges(a_, b_, relative_, faces_, best, reach(), depth, scratch_.axis, edges_);
+        kernels_.edges(a_, b_, relative_, faces_, best, margin(), depth, scratch_.axis, edges_);
     }
 
-    // Apart by more than the reach along an axis.
+    // Apart by more than the speculative margin along an axis.
     void part(const float axis[3], float gap) {
         memory_.widest = gap;
         memory_.feature = Feature::None;
@@ -211,7 +211,7 @@ class Pair : PairFrames {
         // The face's plane is as good as any axis, but no face of the other
         // body lies against it: edges that are hardly worse, then.
         find_edges(widest - preference(), depth);
-        if (edges_.edge_a >= 0 && edges_.gap > reach()) {
+        if (edges_.edge_a >= 0 && edges_.gap > margin()) {
             out_.count = 0;
             part(edges_.axis, edges_.gap);
             return;
@@ -241,7 +241,7 @@ class Pair : PairFrames {
     // What `hold` goes on with.
     void remember_plane(const HullData &reference, int face) {
         memory_.met_at = now_;
-        memory_.met_reach = reach();
+        memory_.met_margin = margin();
         memory_.plane_normal[0] = reference.nx[face];
         memory_.plane_normal[1] = reference.ny[face];
         memory_.plane_normal[2] = reference.nz[face];
@@ -253,8 +253,8 @@ class Pair : PairFrames {
     // may have an axis close to that of a face, where others are.
     bool take_edges() {
         const EdgeContact edge = edge_contact(a_, edges_.edge_a, b_, edges_.edge_b, b_to_a_);
-        const double highest =
-            std::min(static_cast<double>(edges_.gap) + settings_.face_preference, settings_.reach);
+        const double highest = std::min(static_cast<double>(edges_.gap) + settings_.face_preference,
+                                        settings_.speculative_margin);
         if (!edge.defined || edge.gap > highest) {
             return false;
         }
@@ -325,7 +325,7 @@ class Pair : PairFrames {
     int clip(bool is_a, int face, const double normal[3], const Choose &choose) {
         auto &points = scratch_.clip.points;
         clip_face(reference(is_a), face, incident(is_a), incident_, from_incident(is_a),
-                  settings_.reach, scratch_.clip);
+                  settings_.speculative_margin, scratch_.clip);
         for (ClipPoint &point : points) {
             point.id |= mark(is_a);
         }
@@ -336,9 +336,9 @@ class Pair : PairFrames {
         }
         const double slack = settings_.hysteresis;
         const int before = memory_.last.count;
-        return memory_.recalled
-                   ? keep_points(points, slack, known, before)
-                   : reduce_points(points, normal, settings_.reach, slack, known, before);
+        return memory_.recalled ? keep_points(points, slack, known, before)
+                                : reduce_points(points, normal, settings_.speculative_margin, slack,
+                                                known, before);
     }
 
     // Makes a reference face and the incident face found for it the contact.
@@ -346,18 +346,18 @@ class Pair : PairFrames {
         const HullData &reference = this->reference(is_a);
         auto &points = scratch_.clip.points;
         const double normal[3] = {reference.nx[face], reference.ny[face], reference.nz[face]};
-        deepest_ = settings_.reach;
+        deepest_ = settings_.speculative_margin;
         int count = clip(is_a, face, normal, [this](const auto &all) {
             for (const ClipPoint &point : all) {
                 deepest_ = std::min(deepest_, point.gap);
             }
         });
-        if (settings_.approach > settings_.reach / 2) {
+        if (settings_.approach > settings_.speculative_margin / 2) {
             const Rigid ahead = b_to_a_ahead(pose_a_, pose_b_, motion_);
             const Rigid end = is_a ? ahead : ahead.inverse();
             count =
                 add_landing({reference, face, incident(is_a), from_incident(is_a), end, mark(is_a)},
-                            settings_.reach, settings_.hysteresis, points, count);
+                            settings_.speculative_margin, settings_.hysteresis, points, count);
         }
         put(is_a, normal, points.data(), count);
         remember(is_a ? Feature::FaceOfA : Feature::FaceOfB, face, incident_);

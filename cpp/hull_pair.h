@@ -15,7 +15,7 @@ namespace pluvia {
 // Lengths in engine units.
 struct PairSettings {
     // Points are kept up to this gap.
-    double reach;
+    double speculative_margin;
     // How much of it is for the way that the bodies may come closer in the step.
     double approach;
     // Last step's feature is kept while no other has a gap wider by this.

@@ -98,11 +98,11 @@ HullProbeGap HullProbe::widest_gap(const HullProbePose &a, const HullProbePose &
         axis[0] = -scratch.bnx[faces.face_b], axis[1] = -scratch.bny[faces.face_b],
         axis[2] = -scratch.bnz[faces.face_b];
     }
-    const auto reach = static_cast<float>(collision_.settings.reach);
+    const auto margin = static_cast<float>(collision_.settings.speculative_margin);
     const auto best = static_cast<float>(gap);
     EdgeGap edges;
     collision_.kernels->edges(*a_, *b_, pose, faces, best, 1e30F,
-                              all_edges ? -1 : std::max(reach, -best), scratch, edges);
+                              all_edges ? -1 : std::max(margin, -best), scratch, edges);
     if (edges.edge_a >= 0) {
         gap = edges.gap;
         std::copy(edges.axis, edges.axis + 3, axis);

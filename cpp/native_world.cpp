@@ -36,7 +36,7 @@ NativeWorld::NativeWorld(const Units &units, const WorldDefinition &definition,
       damped_(definition.linear_damping > 0 || definition.angular_damping > 0),
       collision_(hull_collision(units, definition, materials)), workers_(definition.threads),
       sharing_(definition.may_leave_threads), search_(collision_, dispatcher, workers_),
-      solver_(collision_.touching, contact_law(units, definition), sweep(definition),
+      solver_(collision_.touching, contact_law(units, definition), kernels(definition),
               definition.gyroscopic, workers_) {}
 
 void NativeWorld::add(btRigidBody &body, BodyKind kind) {
@@ -53,7 +53,7 @@ void NativeWorld::remove(btRigidBody &body) {
         follow(nullptr);
     }
     drives_.erase(std::remove_if(drives_.begin(), drives_.end(),
-                                 [&body](const Driven &driven) { return driven.body == &body; }),
+                                 [&body](const Kinematic &driven) { return driven.body == &body; }),
                   drives_.end());
 }
 
@@ -76,10 +76,10 @@ void NativeWorld::timed_step(btScalar length) {
     double outside = 0;
     const Stopwatch watch(phases_.integration, outside);
     // A step that fails leaves none for the next.
-    driven_.swap(drives_);
+    kinematic_.swap(drives_);
     drives_.clear();
-    if (followed_ == nullptr && !driven_.empty()) {
-        follow(driven_.front().body);
+    if (followed_ == nullptr && !kinematic_.empty()) {
+        follow(kinematic_.front().body);
     }
     solver_.sort_bodies(getCollisionObjectArray());
     begin_drives(length);
@@ -119,19 +119,19 @@ void NativeWorld::begin_drives(btScalar step) {
         body->setLinearVelocity(btVector3(0, 0, 0));
         body->setAngularVelocity(btVector3(0, 0, 0));
     }
-    for (const Driven &driven : driven_) {
-        const DrivenVelocity velocity =
-            driven_velocity(driven.body->getWorldTransform(), driven.end, step);
+    for (const Kinematic &driven : kinematic_) {
+        const KinematicVelocity velocity =
+            kinematic_velocity(driven.body->getWorldTransform(), driven.end, step);
         driven.body->setLinearVelocity(velocity.linear);
         driven.body->setAngularVelocity(velocity.angular);
     }
 }
 
 void NativeWorld::end_drives() {
-    for (const Driven &driven : driven_) {
+    for (const Kinematic &driven : kinematic_) {
         driven.body->setWorldTransform(driven.end);
     }
-    driven_.clear();
+    kinematic_.clear();
 }
 
 void NativeWorld::damp(btScalar step) {
@@ -170,7 +170,8 @@ void NativeWorld::renew_boxes() {
     }
     const btVector3 slack(slack_, slack_, slack_);
     const btCollisionObjectArray &objects = getCollisionObjectArray();
-    collision_.bodies.begin(frame, objects, collision_.step, collision_.settings.reach);
+    collision_.bodies.begin(frame, objects, collision_.step,
+                            collision_.settings.speculative_margin);
     // One after the other, each body would be paired with those that have not
     // got their new boxes yet, though all fall alike.
     boxes.m_deferedcollide = collision_.bodies.crowded();
@@ -219,11 +220,11 @@ PairValue NativeWorld::pair_value(const btRigidBody &a, const btRigidBody &b) co
 
 void NativeWorld::read_settings(ReadBack &out) const {
     const auto metres = [this](double length) { return length / units_.scale(); };
-    out.put("manifold_reach_m", metres(collision_.settings.reach));
-    out.put("manifold_hysteresis_m", metres(collision_.settings.hysteresis));
-    out.put("manifold_face_preference_m", metres(collision_.settings.face_preference));
-    out.put("manifold_hold_m", metres(collision_.settings.hold));
-    out.put("manifold_match_m", metres(collision_.match));
+    out.put("native_speculative_margin_m", metres(collision_.settings.speculative_margin));
+    out.put("native_hysteresis_m", metres(collision_.settings.hysteresis));
+    out.put("native_face_preference_m", metres(collision_.settings.face_preference));
+    out.put("native_hold_m", metres(collision_.settings.hold));
+    out.put("native_match_m", metres(collision_.match));
     out.put("box_slack_m", units_.metres(slack_));
     out.put("threads", workers_.count());
     read_solver(units_, solver_, out);

@@ -72,7 +72,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     SharedTime shared() const override;
 
   private:
-    struct Driven {
+    struct Kinematic {
         btRigidBody *body;
         btTransform end; // of the step
     };
@@ -85,8 +85,8 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     Sharing sharing_;
     HullSearch search_;
     ContactSolver solver_;
-    std::vector<Driven> driven_, drives_; // in this step; in the next
-    std::vector<std::uint8_t> left_;      // by object: whether it has left its box
+    std::vector<Kinematic> kinematic_, drives_; // in this step; in the next
+    std::vector<std::uint8_t> left_;            // by object: whether it has left its box
     const btRigidBody *followed_ = nullptr;
     btVector3 start_{0, 0, 0}; // where the place would be had the body not moved from the origin
 

@@ -35,8 +35,8 @@ void set_world(btDiscreteDynamicsWorld &world, const Units &units,
     auto &info = world.getSolverInfo();
     info.m_numIterations = definition.iterations;
     info.m_solverMode = definition.solver_mode;
-    info.m_erp = static_cast<btScalar>(definition.error_reduction);
-    info.m_erp2 = static_cast<btScalar>(definition.error_reduction);
+    info.m_erp = static_cast<btScalar>(definition.erp);
+    info.m_erp2 = static_cast<btScalar>(definition.erp);
     info.m_warmstartingFactor = static_cast<btScalar>(definition.warm_start);
     info.m_splitImpulse = definition.split_impulse ? 1 : 0;
     // Bullet compares with an absolute length; scaled, it stays the 0.04
@@ -88,11 +88,10 @@ void read_body(const Units &units, const btRigidBody &body, ReadBack &into) {
     into.put("activation_state", body.getActivationState());
     into.put("collision_margin_m", units.metres(body.getCollisionShape()->getMargin()));
     // Whether it sleeps at this moment is no setting; whether it may, is.
-    into.put("deactivation", body.getActivationState() != DISABLE_DEACTIVATION);
-    into.put("deactivation_speed_m_per_s", units.metres(body.getLinearSleepingThreshold()));
-    into.put("deactivation_spin_rad_per_s",
-             static_cast<double>(body.getAngularSleepingThreshold()));
-    into.put("deactivation_time_s", static_cast<double>(gDeactivationTime));
+    into.put("sleeping", body.getActivationState() != DISABLE_DEACTIVATION);
+    into.put("sleeping_speed_m_per_s", units.metres(body.getLinearSleepingThreshold()));
+    into.put("sleeping_spin_rad_per_s", static_cast<double>(body.getAngularSleepingThreshold()));
+    into.put("sleeping_time_s", static_cast<double>(gDeactivationTime));
 }
 
 } // namespace pluvia

@@ -61,7 +61,7 @@ StockWorld::StockWorld(const Units &units, const WorldDefinition &definition, Ma
     : StockParts(units, definition), EngineWorld(&dispatcher, &boxes, &solver, &configuration),
       units_(units), materials_(materials), least_mass_(definition.least_mass),
       inertia_(definition.inertia), margin_(units.length(definition.collision_margin)),
-      deactivation_(definition.deactivation) {}
+      sleeping_(definition.sleeping) {}
 
 BodyDefinition StockWorld::applied(const BodyDefinition &definition, const TightHull &shape) {
     BodyDefinition changed = definition;
@@ -89,16 +89,16 @@ BodyDefinition StockWorld::applied(const BodyDefinition &definition, const Tight
 void StockWorld::add(btRigidBody &body, BodyKind kind) {
     body.setUserPointer(&materials_);
     // A kinematic body without mass carries the flag of static ones, too.
-    if (deactivation_ && kind == BodyKind::Driven) {
+    if (sleeping_ && kind == BodyKind::Kinematic) {
         body.forceActivationState(ISLAND_SLEEPING);
-    } else if (deactivation_ && kind == BodyKind::Free) {
+    } else if (sleeping_ && kind == BodyKind::Free) {
         body.forceActivationState(ACTIVE_TAG);
     }
     EngineWorld::add(body, kind);
 }
 
 void StockWorld::drive(btRigidBody &body, const btTransform &end) {
-    if (deactivation_) {
+    if (sleeping_) {
         const bool moves = !(end == body.getWorldTransform());
         body.forceActivationState(moves ? DISABLE_DEACTIVATION : ISLAND_SLEEPING);
         if (!moves) {

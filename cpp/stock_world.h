@@ -33,7 +33,7 @@ class StockWorld final : private StockParts, public EngineWorld {
 
     BodyDefinition applied(const BodyDefinition &definition, const TightHull &shape) override;
     double largest_inertia_ratio() const override { return largest_inertia_ratio_; }
-    // A driven body that stands still is asleep from the beginning, where bodies
+    // A kinematic body that stands still is asleep from the beginning, where bodies
     // fall asleep: awake, it would keep all awake that touch it.
     void add(btRigidBody &body, BodyKind kind) override;
     // It wakes when it moves, and sleeps again when it is driven to where it is.
@@ -59,7 +59,7 @@ class StockWorld final : private StockParts, public EngineWorld {
     double least_mass_;
     InertiaRule inertia_;
     btScalar margin_;
-    bool deactivation_;
+    bool sleeping_;
     double largest_inertia_ratio_ = 1;
 };
 

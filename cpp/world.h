@@ -14,7 +14,7 @@ struct BodyDefinition;
 struct BodyRead;
 struct ContactRead;
 struct DriveRead;
-struct DrivenPose;
+struct KinematicPose;
 struct EngineSetting;
 struct PairValue;
 struct PhaseTimes;
@@ -32,7 +32,7 @@ class BulletWorld {
     void remove_body(std::uint32_t id);
     void drive_body(std::uint32_t id, const std::array<double, 3> &position,
                     const std::array<double, 4> &rotation);
-    void recall_drive(std::uint32_t id, rust::Slice<const DrivenPose> ends);
+    void recall_drive(std::uint32_t id, rust::Slice<const KinematicPose> ends);
     void step();
     void read_bodies(rust::Vec<BodyRead> &out) const;
     void read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<double> &coordinates) const;

@@ -165,7 +165,7 @@ pub fn reads_stage(data: &[u8]) -> bool {
     with_file(&format!("store/{}/stage.json", key_in(data)), data, |path| {
         let root = path.ancestors().nth(2).expect("a folder");
         let report = check_store(root).expect("law: a store is looked over whatever is in it");
-        assert_eq!(report.stages.len(), 1, "law: what is there is told");
+        assert_eq!(report.stages.len(), 1, "law: what is there is reported");
         fs::remove_dir_all(root).expect("removed");
     });
     record.is_ok() || series.is_ok_and(|rows| !rows.is_empty())
@@ -182,11 +182,11 @@ pub fn reads_checkpoint(data: &[u8]) -> bool {
     let steps = steps.and_then(|json| json["midway"]["steps"].as_u64()).unwrap_or(0);
     let head = format!("pluvia checkpoint 2 {}\n", hash_bytes(data));
     let mut whole = false;
-    let name = format!("legs/.legs-{}/{steps:020}.leg", key_in(data));
+    let name = format!("segments/.segments-{}/{steps:020}.segment", key_in(data));
     with_file(&name, &[head.as_bytes(), data].concat(), |path| {
         let root = path.ancestors().nth(2).expect("a folder");
         let report = check_store(root).expect("law: a store is looked over whatever is in it");
-        assert_eq!(report.checkpoints.len(), 1, "law: what is there is told");
+        assert_eq!(report.checkpoints.len(), 1, "law: what is there is reported");
         whole = report.checkpoints[0].state == StoredState::Whole;
         fs::remove_dir_all(root).expect("removed");
     });
@@ -266,7 +266,7 @@ pub fn design(data: &[u8]) {
 /// More points than these take too long.
 const MOST_POINTS: usize = 50;
 
-/// The plan of a sweep, beside its scenario; whether it can be carried out.
+/// The plan of a sweep, beside its scenario; whether it can be run.
 pub fn reads_plan(data: &[u8]) -> bool {
     let mut read = false;
     with_file("sweep/plan.json", data, |path| {

@@ -35,7 +35,7 @@ cat >"$scenario" <<'JSON'
     { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 3 },
     { "stage": "rest", "duration_s": 2 }
   ],
-  "control_s": 0
+  "rest_test_s": 0
 }
 JSON
 

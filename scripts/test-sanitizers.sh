@@ -88,7 +88,7 @@ tests() {
         fail "the unit tests found a fault" "less $folder/$kind-tests.txt"
     passed=$(sed -n 's/^test result: ok\. \([0-9]*\) passed.*/\1/p' "$folder/$kind-tests.txt")
     [ "${passed:-0}" -ge "$least" ] ||
-        fail "only $passed tests were carried out, not $least" "less $folder/$kind-tests.txt"
+        fail "only $passed tests were run, not $least" "less $folder/$kind-tests.txt"
     echo "$kind: $passed tests, nothing found"
 }
 
@@ -139,14 +139,14 @@ crate() {
     program=$(build __asan_report '__ubsan_handle.*_abort')
     tests address 25 "$program" world::bullet
     cargo build --locked
-    for path in manifold bullet; do
+    for path in native stock; do
         for threads in 1 2; do
             [ "$path$threads" = bullet2 ] && continue
             for scenario in stages pile; do
                 rm -rf "$folder/run"
                 with address "$CARGO_TARGET_DIR/debug/pluvia" run "$scenarios/$scenario.json" \
-                    --quiet --set engine.contact_path=$path \
-                    --set engine.manifold.threads=$threads --out "$folder/run" \
+                    --quiet --set engine.contact_solver=$path \
+                    --set engine.native.threads=$threads --out "$folder/run" \
                     >"$folder/run.txt" 2>&1 ||
                     fail "a run of $scenario.json on $path found a fault" "less $folder/run.txt"
                 runs=$((runs + 1))
@@ -156,7 +156,7 @@ crate() {
     echo "crate, address: $runs runs, nothing found"
     export PLUVIA_SANITIZE=thread CARGO_TARGET_DIR=$folder/thread
     program=$(build __tsan_write)
-    tests thread 3 "$program" world::bullet::manifold_tests::threads \
+    tests thread 3 "$program" world::bullet::native_tests::threads \
         world::bullet::tests::two_worlds world::bullet::shim_tests::what_fails_in_a_thread
 }
 
@@ -169,7 +169,7 @@ memcheck() {
         rm -rf "$plan"
         # Stage by stage, without figures: valgrind is slow.
         target/debug/pluvia sweep "$scenarios/$scenario.json" --plan-only --quiet \
-            --over engine.contact_path=manifold,bullet --out "$plan" >/dev/null
+            --over engine.contact_solver=native,stock --out "$plan" >/dev/null
         for level in 0 1 2 3 4 5; do
             [ "$scenario$level" = pile1 ] && break
             for task in 0 1; do

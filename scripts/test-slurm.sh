@@ -33,7 +33,7 @@ cat >"$scenario" <<'EOF'
     { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 3 },
     { "stage": "rest", "duration_s": 2 }
   ],
-  "control_s": 0.5
+  "rest_test_s": 0.5
 }
 EOF
 sweep=("$scenario" --over contact.grain_grain_friction=0.3,0.5,0.7
@@ -82,7 +82,7 @@ compgen -G "$sent/slurm/pluvia-collect-*.log" >/dev/null ||
     fail "the logs are not where they should be; see $sent/slurm"
 echo '24 runs through Slurm with a node killed: the same table as without'
 
-# A stage that takes longer than its limit of one minute is told before it ends,
+# A stage that takes longer than its limit of one minute is reported before it ends,
 # and goes on from its checkpoint when it is submitted again.
 long=("$scenario" --over contact.restitution=0.2 --set stages.2.duration_s=600
     --set grains.total_mass_g=120)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A sweep of tiny runs carried out by Snakemake in a folder with blanks and
+# A sweep of tiny runs run by Snakemake in a folder with blanks and
 # quotes in its name: the same table, byte for byte, as without it; and after a
 # stage is lost, or configurations are added, only what is missing is done.
 set -euo pipefail
@@ -39,13 +39,13 @@ cat >"$scenario" <<'JSON'
     { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 1.5 },
     { "stage": "rest", "duration_s": 0.25 }
   ],
-  "control_s": 0.25
+  "rest_test_s": 0.25
 }
 JSON
 sweep=("$scenario" --over contact.grain_grain_friction=0.3,0.7
     --over stages.1.falling_height_mm=0,40 --quiet)
 
-# Carries out a folder's Snakefile; says how many stages were stored by it.
+# Runs a folder's Snakefile; says how many stages were stored by it.
 carry_out() {
     touch "$folder/begun"
     (cd "$folder" && "$folder/venv/bin/snakemake" --cores 2 --snakefile "$1/Snakefile") \
@@ -54,9 +54,9 @@ carry_out() {
     find "$1/stages" -name specimen.json -newer "$folder/begun" | wc -l
 }
 
-# Holds the number of stages that were carried out against what is expected.
+# Holds the number of stages that were run against what is expected.
 expect() {
-    [ "$2" = "$3" ] || fail "$1: $2 stages were carried out, expected $3; see $folder/last.log"
+    [ "$2" = "$3" ] || fail "$1: $2 stages were run, expected $3; see $folder/last.log"
     printf '%s: %s stages\n' "$1" "$2"
 }
 
@@ -64,7 +64,7 @@ same_table() {
     cmp "$folder/local/sweep.csv" "$1/sweep.csv" || fail "the table of $1 is not the local one"
 }
 
-# Two fillings, one a friction; then four each of pours, rests and controls.
+# Two fillings, one a friction; then four each of pours, rests and rest tests.
 "$program" sweep "${sweep[@]}" --out "$folder/local" >/dev/null
 "$program" sweep "${sweep[@]}" --out "$flow" --snakemake >/dev/null
 expect 'the whole sweep' "$(carry_out "$flow")" 14
@@ -92,4 +92,4 @@ mv "$folder/elsewhere.json" "$scenario"
 "$program" sweep "${sweep[@]}" --configurations 2 --out "$moved" --snakemake >/dev/null
 expect 'a second configuration' "$(carry_out "$moved")" 14
 same_table "$moved"
-echo 'Snakemake: the same table byte for byte, and only what was missing was carried out'
+echo 'Snakemake: the same table byte for byte, and only what was missing was run'

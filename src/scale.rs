@@ -222,7 +222,7 @@ quantities! {
         "How far the boxes of the broad phase extend beyond the bodies. More makes more pairs, \
          less more boxes to renew.";
     BROADPHASE_MARGIN = Fine 0.5e-3, "broadphase_margin_m",
-        "Growth of the broad phase's tree leaves with Bullet's own contacts: a grain is inserted \
+        "Growth of the broad phase's tree leaves with stock Bullet contacts: a grain is inserted \
          anew only when it has moved so far.";
     RAIN_CLEARANCE = Fine 0.25e-3, "rain_clearance_m",
         "Clearance around the bounding sphere of each grain that is placed to fall: two grains \

@@ -54,7 +54,7 @@ pub fn sieved(scenario: &Scenario) -> &SievedGrains {
     }
 }
 
-/// A stage carried out.
+/// A stage run.
 pub fn stage(setup: &Setup, specimen: Specimen, stage: &StageSpec) -> StageOutcome {
     run(setup, &world::create, specimen, stage, None, &mut Nobody, &AtomicBool::new(false))
         .expect("a finished stage")

@@ -161,7 +161,7 @@ pub fn measure(args: &[String]) {
     let state = *State::ALL.iter().find(|s| s.name() == state).expect("a state");
     let stored = Stored::read(Path::new(file));
     let mut setup = setup(stored.size);
-    setup.engine.manifold.threads = Some(threads.parse().expect("a number of threads"));
+    setup.engine.native.threads = Some(threads.parse().expect("a number of threads"));
     let specimen = stored.specimen();
     let over = AtomicBool::new(false);
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -236,7 +236,7 @@ impl Laboratory {
         };
         let mut walls = Vec::new();
         for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
-            let id = world.add(&wall(piece, Motion::Driven)).expect("a wall");
+            let id = world.add(&wall(piece, Motion::Kinematic)).expect("a wall");
             ids.insert(Party::Other(Other::Cylinder(n)), id);
             walls.push((id, piece.pose));
         }

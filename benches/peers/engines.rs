@@ -8,7 +8,7 @@ use std::{
 };
 
 use pluvia::record::read_json;
-use pluvia::scenario::{Backend, EngineSettings, ManifoldSettings};
+use pluvia::scenario::{Backend, EngineSettings, NativeSettings};
 use pluvia::world;
 use serde::{Deserialize, Serialize};
 
@@ -78,7 +78,7 @@ pub struct Engine {
     by: By,
 }
 
-/// Who carries out the job.
+/// Who runs the job.
 enum By {
     /// This program, with these settings.
     Us(Box<EngineSettings>),
@@ -102,11 +102,11 @@ pub fn all() -> Vec<Engine> {
     let box3d = |name, threads: &str| program(&[&own(name)], threads.to_owned());
     let blender = ["blender", "-b", "--factory-startup", "-P"];
     let pluvia = EngineSettings::default();
-    let threads = ManifoldSettings { threads: Some(2), ..pluvia.manifold.clone() };
-    let two_threads = EngineSettings { manifold: threads, ..pluvia.clone() };
+    let threads = NativeSettings { threads: Some(2), ..pluvia.native.clone() };
+    let two_threads = EngineSettings { native: threads, ..pluvia.clone() };
     let rapier = EngineSettings { backend: Backend::Rapier, ..pluvia.clone() };
     let rate = pluvia.rate_hz;
-    let iterations = Some(pluvia.manifold.sweeps * pluvia.manifold.substeps(rate));
+    let iterations = Some(pluvia.native.iterations * pluvia.native.substeps(rate));
     let substeps = Some(rapier.rapier.substeps);
     let us = |settings| By::Us(Box::new(settings));
     vec![
@@ -151,7 +151,7 @@ impl Engine {
         Err(said.lines().last().unwrap_or("scripts/peers.sh failed").to_owned())
     }
 
-    /// Carries out a job in a process of its own.
+    /// Runs a job in a process of its own.
     ///
     /// # Errors
     /// What went wrong.

@@ -43,8 +43,8 @@ pub fn carry(args: &[String]) -> Result<(), String> {
     settings.rate_hz = rate;
     match settings.backend {
         Backend::Bullet => {
-            let substeps = settings.manifold.substeps(rate);
-            settings.manifold.sweeps = iterations.div_ceil(substeps).max(1);
+            let substeps = settings.native.substeps(rate);
+            settings.native.iterations = iterations.div_ceil(substeps).max(1);
         }
         Backend::Rapier => settings.rapier.substeps = iterations,
     }
@@ -116,7 +116,7 @@ impl Stage {
         for piece in &scene.apparatus {
             let mut pose = piece.pose();
             let motion = match piece.motion {
-                Carrier::Table => Motion::Driven,
+                Carrier::Table => Motion::Kinematic,
                 Carrier::Fixed => Motion::Static,
             };
             let state = BodyState::at_rest(pose);

@@ -13,7 +13,7 @@ from yade import polyhedra_utils
 sys.path.insert(0, os.path.dirname(os.path.abspath(sys.argv[0])))
 from common import Job, Recorder, arguments  # noqa: E402
 
-# Force for each volume of overlap in N/m3: a grain of 10 mm under a heap of 16
+# Force for each volume of overlap in N/m3: a grain of 10 mm under a pile of 16
 # sinks in by some hundredths of a millimetre.
 STIFFNESS = 1e9
 # A tenth of the period in which the lightest grain would swing on its largest face.

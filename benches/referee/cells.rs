@@ -10,7 +10,7 @@ use pluvia::measure::{
 use serde::Serialize;
 
 use super::{
-    heap::Recipe,
+    packing::Recipe,
     pours::{Engine, Poured},
 };
 

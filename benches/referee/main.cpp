@@ -80,7 +80,7 @@ json step(const std::string &line, bool twice) {
                 {"residual_given", residual(system, given, pushed)},
                 // Velocities and impulses that were given must belong together.
                 {"inconsistency", distance(pushed, found) / distance(found, system.free)},
-                {"sweeps", near.sweeps},
+                {"iterations", near.iterations},
                 {"newton_steps", near.newton_steps},
                 {"wall_s", wall.count()}};
     if (twice) {
@@ -98,11 +98,11 @@ json step(const std::string &line, bool twice) {
 }
 
 json measured(const Scene &scene) {
-    const Heap heap = measure(scene, TOUCHING_GAP);
-    return {{"mean_height_m", heap.mean_height},
-            {"coordination", heap.coordination},
-            {"deepest_overlap_m", heap.deepest_overlap},
-            {"outside", heap.outside}};
+    const Packing packing = measure(scene, TOUCHING_GAP);
+    return {{"mean_height_m", packing.mean_height},
+            {"coordination", packing.coordination},
+            {"deepest_overlap_m", packing.deepest_overlap},
+            {"outside", packing.outside}};
 }
 
 json pour(const std::string &line, const PourSettings &settings) {
@@ -113,7 +113,7 @@ json pour(const std::string &line, const PourSettings &settings) {
     json out = measured(pour.scene());
     out.update({{"simulated_s", record.simulated},
                 {"steps", record.steps},
-                {"sweeps", record.sweeps},
+                {"iterations", record.iterations},
                 {"newton_steps", record.newton_steps},
                 {"worst_residual", record.worst_residual},
                 {"unsolved", record.unsolved},

@@ -83,7 +83,7 @@ void Pour::add(Step &step, const SceneTouch &t, const Vec3 &point, double gap) {
 }
 
 // Contact points of the beginning do not foresee every overlap of the end: a corner
-// beside the one that touched comes in, edges pass on to the next ones, a blow throws a
+// beside the one that touched comes in, edges pass on to the next ones, an impact throws a
 // grain further than its speed let expect. The grains are where `solution` moves them,
 // and were at `before`. Overlaps that no contact point tells of become contact
 // points, with the gaps that they had at the beginning.
@@ -128,7 +128,7 @@ Solution Pour::moved_by_forces(Step &step) {
         Solution solution = solve(step.system, step.warm, settings_.limits);
         move(solution.motion);
         ++record_.looks;
-        solution.sweeps += all.sweeps;
+        solution.iterations += all.iterations;
         solution.newton_steps += all.newton_steps;
         all = solution;
         const std::vector<Unforeseen> found = unforeseen(step, solution, before);
@@ -204,7 +204,7 @@ void Pour::step() {
     }
     ++record_.steps;
     record_.simulated += settings_.step;
-    record_.sweeps += solution.sweeps;
+    record_.iterations += solution.iterations;
     record_.newton_steps += solution.newton_steps;
     record_.unsolved += solution.residual > settings_.limits.tolerance;
     record_.worst_residual = std::max(record_.worst_residual, solution.residual);
@@ -259,7 +259,7 @@ PourRecord Pour::run() {
         }
     }
     record_.sliding = loaded > 0 ? sliding / loaded : 0;
-    record_.sweeps /= record_.steps;
+    record_.iterations /= record_.steps;
     record_.newton_steps /= record_.steps;
     record_.looks /= record_.steps;
     record_.unsolved /= record_.steps;

@@ -22,14 +22,14 @@ struct PourSettings {
     // Solutions of a step until no overlap is left at its end that its contact points do
     // not know of, at most.
     int most_looks = 12;
-    // A heap whose fastest grain stays slower, in m/s, for so long is at rest.
+    // A packing whose fastest grain stays slower, in m/s, for so long is at rest.
     double rest_speed = 1e-4, rest_time = 0.05;
 };
 
 struct PourRecord {
     double simulated = 0;
     int steps = 0;
-    double sweeps = 0, newton_steps = 0; // mean per step
+    double iterations = 0, newton_steps = 0; // mean per step
     double worst_residual = 0;
     double unsolved = 0;    // share of steps whose residual stays above the tolerance
     double looks = 0;       // mean solutions of a step until no overlap was left that

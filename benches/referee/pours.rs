@@ -7,7 +7,7 @@ use std::{
 };
 
 use pluvia::{
-    scenario::{Backend, ContactPath, EngineSettings},
+    scenario::{Backend, ContactSolver, EngineSettings},
     world::{Body, BodyState},
 };
 use serde::{Deserialize, Serialize};
@@ -15,8 +15,8 @@ use serde::{Deserialize, Serialize};
 use super::{
     cells::{Cell, judge},
     crew,
-    heap::{self, Recipe},
     kept::{self, Kept, fingerprint, identity},
+    packing::{self, Recipe},
     program::{self, Program, number},
 };
 
@@ -62,7 +62,9 @@ impl Engine {
             Self::Referee => None,
             Self::Native => Some(defaults),
             Self::Rapier => Some(EngineSettings { backend: Backend::Rapier, ..defaults }),
-            Self::Stock => Some(EngineSettings { contact_path: ContactPath::Bullet, ..defaults }),
+            Self::Stock => {
+                Some(EngineSettings { contact_solver: ContactSolver::Stock, ..defaults })
+            }
         }
     }
 }
@@ -140,9 +142,9 @@ impl Store {
 /// changes, unless grains then begin elsewhere.
 fn identity_of_referee() -> Result<String, String> {
     let recipe = recipe(0.0, 0.0);
-    let grains = heap::start(&recipe, 0)?;
+    let grains = packing::start(&recipe, 0)?;
     let states: Vec<_> = grains.iter().map(|g| g.state).collect();
-    let question = heap::as_json(&recipe, &grains, &states).to_string();
+    let question = packing::as_json(&recipe, &grains, &states).to_string();
     let file = identity(&program::referee())?;
     let arguments = arguments().join(" ");
     Ok(fingerprint(&[file.as_bytes(), question.as_bytes(), arguments.as_bytes()]))
@@ -210,9 +212,9 @@ fn pour_missing(
     };
     let work = |program: &mut Program, seed: &u64| {
         let begun = Instant::now();
-        let grains = heap::start(recipe, *seed)?;
+        let grains = packing::start(recipe, *seed)?;
         let (states, sliding) = poured_by(engine, recipe, &grains)?;
-        let answer = program.ask(&heap::as_json(recipe, &grains, &states))?;
+        let answer = program.ask(&packing::as_json(recipe, &grains, &states))?;
         let number = |field: &str| number(&answer, field);
         Ok(Poured {
             engine,
@@ -244,6 +246,6 @@ fn poured_by(
     let Some(settings) = engine.settings() else {
         return Ok((grains.iter().map(|g| g.state).collect(), None));
     };
-    let ended = heap::pour(recipe, grains, &settings, DURATION)?;
+    let ended = packing::pour(recipe, grains, &settings, DURATION)?;
     Ok((ended.states, ended.sliding))
 }

@@ -17,7 +17,7 @@ int solve_bounded(const System &system, const std::vector<double> &most, const L
     std::vector<double> alpha(system.rows.size(), 0);
     impulses.assign(system.rows.size(), Vec3::Zero());
     motion = system.free;
-    for (int n = 1; n <= limits.sweeps; ++n) {
+    for (int n = 1; n <= limits.iterations; ++n) {
         double changed = 0, all = 0;
         for (std::size_t i = 0; i < system.rows.size(); ++i) {
             const Row &row = system.rows[i];
@@ -39,7 +39,7 @@ int solve_bounded(const System &system, const std::vector<double> &most, const L
             return n;
         }
     }
-    return limits.sweeps;
+    return limits.iterations;
 }
 
 // A contact that does not yield and aims at a normal speed; walls stand still.
@@ -83,7 +83,7 @@ Law compression_and_restitution(double restitution, double threshold, double clo
             return first;
         }
         Solution s = solve(system, start, limits);
-        s.sweeps += first.sweeps;
+        s.iterations += first.iterations;
         s.newton_steps += first.newton_steps;
         // Worst of both: a step is solved when all of it is.
         s.residual = std::max(s.residual, first.residual);
@@ -101,7 +101,7 @@ Law compression_and_restitution(double restitution, double threshold, double clo
             }
             system.free = s.motion;
             Impulses more;
-            s.sweeps += solve_bounded(system, most, limits, more, s.motion);
+            s.iterations += solve_bounded(system, most, limits, more, s.motion);
             for (std::size_t k = 0; k < taken.size(); ++k) {
                 s.impulses[k] += more[k];
             }

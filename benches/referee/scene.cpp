@@ -153,25 +153,25 @@ std::vector<SceneTouch> scene_touches(const Scene &scene, const std::vector<doub
     return out;
 }
 
-Heap measure(const Scene &scene, double touching_gap) {
-    Heap heap;
+Packing measure(const Scene &scene, double touching_gap) {
+    Packing packing;
     const std::vector<double> margins(scene.grains.size(), touching_gap / 2);
     std::set<std::pair<int, int>> pairs;
     for (const SceneTouch &t : scene_touches(scene, margins)) {
-        heap.deepest_overlap = std::max(heap.deepest_overlap, -t.touch.gap);
+        packing.deepest_overlap = std::max(packing.deepest_overlap, -t.touch.gap);
         if (t.b >= 0) {
             pairs.emplace(t.a, t.b);
         }
     }
     for (const Grain &grain : scene.grains) {
-        heap.mean_height += grain.position.z() / static_cast<double>(scene.grains.size());
-        heap.outside += std::any_of(scene.walls.begin(), scene.walls.end(), [&](const Plane &w) {
+        packing.mean_height += grain.position.z() / static_cast<double>(scene.grains.size());
+        packing.outside += std::any_of(scene.walls.begin(), scene.walls.end(), [&](const Plane &w) {
             return w.normal.dot(grain.position) < w.offset;
         });
     }
-    heap.coordination =
+    packing.coordination =
         2 * static_cast<double>(pairs.size()) / static_cast<double>(scene.grains.size());
-    return heap;
+    return packing;
 }
 
 } // namespace referee

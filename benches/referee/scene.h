@@ -56,13 +56,13 @@ std::vector<SceneTouch> scene_touches(const Scene &scene, const std::vector<doub
 
 double friction_of(const Scene &scene, const SceneTouch &touch);
 
-// What is measured of a heap, whoever made it.
-struct Heap {
+// What is measured of a packing, whoever made it.
+struct Packing {
     double mean_height = 0;     // of the centroids, m
     double coordination = 0;    // grains that a grain touches
     double deepest_overlap = 0; // along the axis of largest separation, m
     int outside = 0;            // grains whose centre is behind a wall
 };
-Heap measure(const Scene &scene, double touching_gap);
+Packing measure(const Scene &scene, double touching_gap);
 
 } // namespace referee

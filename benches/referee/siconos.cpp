@@ -76,7 +76,7 @@ Solution solve_with_siconos(const System &system, const Impulses &start, double 
     options->dparam[SICONOS_DPARAM_TOL] = tolerance;
     fc3d_driver(&form.problem, reaction.data(), velocity.data(), options);
     Solution solution;
-    solution.sweeps = options->iparam[SICONOS_IPARAM_ITER_DONE];
+    solution.iterations = options->iparam[SICONOS_IPARAM_ITER_DONE];
     solver_options_delete(options);
     std::free(options);
     for (std::size_t i = 0; i < system.rows.size(); ++i) {

@@ -11,7 +11,7 @@ namespace {
 constexpr int BETWEEN = 10;
 
 // Stiffness of the proximal steps, over that of a contact by itself, and how many
-// are made before sweeps go on.
+// are made before iterations go on.
 constexpr double FIRST_STIFFNESS = 1e3, LARGEST_STIFFNESS = 1e9;
 constexpr int PROXIMAL_STEPS = 20;
 
@@ -52,17 +52,17 @@ Solution solve(const System &system, const Impulses &start, const Limits &limits
     for (std::size_t i = 0; i < locals.size(); ++i) {
         locals[i].inverse = system.rows[i].delassus.inverse();
     }
-    const auto sweeps = [&](int most) {
+    const auto iterations = [&](int most) {
         for (int n = 1; n <= most && s.residual > limits.tolerance; ++n) {
             sweep(system, locals, s.impulses, s.motion);
-            ++s.sweeps;
+            ++s.iterations;
             if (n % BETWEEN == 0 || n == most) {
                 s.motion = system.motion(s.impulses);
                 s.residual = residual(system, s.impulses, s.motion);
             }
         }
     };
-    sweeps(limits.sweeps);
+    iterations(limits.iterations);
     if (s.residual <= limits.tolerance || limits.newton_steps == 0) {
         return s;
     }
@@ -89,7 +89,7 @@ Solution solve(const System &system, const Impulses &start, const Limits &limits
         }
         s.newton_steps = limits.newton_steps - left;
         if (left > 0 && s.residual > limits.tolerance) {
-            sweeps(limits.sweeps);
+            iterations(limits.iterations);
         }
     }
     return s;

@@ -73,7 +73,7 @@ pub fn look(how: &Looking, name: &str, scenario: &str) -> Result<Vec<Nearness>, 
     let mut setup = Setup::new(&scenario).map_err(|e| e.to_string())?;
     let engine = how.tolerance.map_or("native".into(), |t| format!("native, tolerance {t}"));
     if let Some(tolerance) = how.tolerance {
-        setup.engine.manifold.solver_tolerance = tolerance;
+        setup.engine.native.solver_tolerance = tolerance;
     }
     let mut parts = parts(how.instants, name, scenario.seed, setup.engine.rate_hz);
 
@@ -204,7 +204,7 @@ fn as_json(scene: &str, time: f64, engine: &EngineSettings, record: &SubstepReco
         // this problem.
         .map(|c| [&c[..32], &c[34..]].concat())
         .collect();
-    let substeps = f64::from(engine.manifold.substeps(engine.rate_hz));
+    let substeps = f64::from(engine.native.substeps(engine.rate_hz));
     json!({
         "scene": scene, "engine": "native", "time_s": time,
         "step_s": 1.0 / (engine.rate_hz * substeps), "bodies": bodies, "contacts": contacts,

@@ -148,11 +148,11 @@ fn points(results: &Results, source: &str) -> Result<Vec<Rows>, String> {
 /// The setting of a point that differs from the first point's, in words.
 fn setting(point: &Rows, first: &Rows) -> String {
     let fields: [(&str, fn(f64) -> String); 5] = [
-        ("engine.manifold.solver_tolerance", |v| format!("tolerance {v}")),
-        ("engine.manifold.sweeps", |v| format!("{v} sweeps")),
-        ("engine.manifold.substep_rate_hz", |v| format!("{v} sub-steps a second")),
+        ("engine.native.solver_tolerance", |v| format!("tolerance {v}")),
+        ("engine.native.iterations", |v| format!("{v} iterations")),
+        ("engine.native.substep_rate_hz", |v| format!("{v} sub-steps a second")),
         ("engine.rate_hz", |v| format!("{v} Hz")),
-        ("engine.manifold.contact_stiffness_n_per_m", |v| format!("{} kN/m", v / 1000.0)),
+        ("engine.native.contact_stiffness_n_per_m", |v| format!("{} kN/m", v / 1000.0)),
     ];
     let mut words = fields.iter().filter_map(|(field, word)| {
         let (a, b) = (number(point.first()?, field)?, number(first.first()?, field)?);

@@ -60,7 +60,7 @@ pub const KEPT: &[Kept] = &[
                contacts",
         files: &[("quick/stock-vibration.csv", "sweep.csv")],
         made: Made::Pluvia(&["sweep scenarios/quick/vibration.json --configurations 3 \
-                              --over engine.contact_path=\"bullet\" --out OUT"]),
+                              --over engine.contact_solver=\"stock\" --out OUT"]),
         build: build("2026-11-25", "13"),
         takes: "4 minutes",
     },
@@ -98,13 +98,16 @@ pub const KEPT: &[Kept] = &[
         takes: "an hour",
     },
     Kept {
-        name: "readings",
-        what: "The programme under four readings of the paper, one realisation",
+        name: "interpretations",
+        what: "The programme under four interpretations of the paper, one realisation",
         files: &[
-            ("readings.md", ""),
-            ("readings-continuous-plate.svg", "figures/readings-continuous-plate.svg"),
+            ("interpretations.md", ""),
+            (
+                "interpretations-continuous-plate.svg",
+                "figures/interpretations-continuous-plate.svg",
+            ),
         ],
-        made: Made::Pluvia(&["readings --configurations 1 \
+        made: Made::Pluvia(&["interpretations --configurations 1 \
                               --only converged,per_body,full_stroke,blender_2014_cm --out OUT"]),
         build: build("2026-11-22", "2"),
         takes: "half an hour",
@@ -114,7 +117,7 @@ pub const KEPT: &[Kept] = &[
         what: "The paper's specimen with stock Bullet contacts, 480 steps of 20 iterations, three \
                realisations",
         files: &[("stock-contacts.csv", "")],
-        made: Made::Once("pluvia reproduce --set engine.contact_path=bullet"),
+        made: Made::Once("pluvia reproduce --set engine.contact_solver=stock"),
         build: build("2026-11-21", "1"),
         takes: "hours",
     },
@@ -200,10 +203,10 @@ pub const KEPT: &[Kept] = &[
         files: &[("engines/native-settlement.csv", "sweep.csv")],
         made: Made::Pluvia(&["sweep scenarios/quick/vibration.json --one-at-a-time \
                               --configurations 7 \
-                              --over engine.manifold.solver_tolerance=0.05,0.0005 \
-                              --over engine.manifold.substep_rate_hz=960,2880 \
+                              --over engine.native.solver_tolerance=0.05,0.0005 \
+                              --over engine.native.substep_rate_hz=960,2880 \
                               --over engine.rate_hz=240,960 \
-                              --over engine.manifold.contact_stiffness_n_per_m=5000,20000 \
+                              --over engine.native.contact_stiffness_n_per_m=5000,20000 \
                               --out OUT"]),
         build: build("2026-11-23", "8"),
         takes: "half an hour",
@@ -273,7 +276,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("grains", "grains.json"),
     ("claims", "claims.json"),
     ("uncertainty", "uncertainty.json"),
-    ("readings", "readings.md"),
+    ("interpretations", "interpretations.md"),
     ("stock", "stock-contacts.csv"),
     ("quick", "quick/vibration.csv"),
     ("quick-stock", "quick/stock-vibration.csv"),

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use crate::scenario::{Backend, Override};
 
-/// Options of commands that carry out scenarios.
+/// Options of commands that run scenarios.
 #[derive(Debug, Args)]
 pub(super) struct Changes {
     /// Physics engine, in place of the scenario's: bullet or rapier

@@ -12,7 +12,7 @@ use crate::plain::plain_path;
 use crate::scenario::{Backend, Override};
 use crate::study::{RunOptions, compare};
 
-/// Carry out one scenario in several engines
+/// Run one scenario in several engines
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Every engine gets the same grains in the same places; then the specimen of the first is handed to

@@ -12,7 +12,7 @@ use crate::study::ConvergenceStudy;
 /// Refine the engine's settings step by step, and find the cheapest that is fine enough
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Varies time step, iterations, sub-steps, contact stiffness and contact path as the design says
+Varies time step, iterations, sub-steps, contact stiffness and contact solver as the design says
 (scenarios/studies/convergence.json is built in), each setting in several configurations. Leaves
 convergence.md, convergence.csv, convergence.json, figures/, variations.csv, variation-runs.csv,
 variations.json and runs/ in DIR. What is already done there is not done again. Precision is that

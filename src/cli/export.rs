@@ -39,7 +39,7 @@ pub(super) struct ExportArgs {
     /// What to write
     #[arg(long, value_enum)]
     format: Format,
-    /// The stage to take, at its end: its number from 0, its name, or `control`; if left out the
+    /// The stage to take, at its end: its number from 0, its name, or `rest_test`; if left out the
     /// last one, and every one with vtk and --animate
     #[arg(long)]
     stage: Option<String>,

@@ -13,6 +13,7 @@ mod export;
 mod field_page;
 mod grains;
 mod info;
+mod interpretations;
 mod jobs;
 mod last_line;
 mod lines;
@@ -22,7 +23,7 @@ mod overall;
 mod paint;
 mod picture;
 mod progress;
-mod readings;
+mod renamed;
 mod reproduce;
 mod run;
 mod schema;
@@ -82,7 +83,7 @@ struct Global {
 #[derive(Debug, Subcommand)]
 enum Command {
     Reproduce(Box<reproduce::ReproduceArgs>),
-    Readings(readings::ReadingsArgs),
+    Interpretations(interpretations::InterpretationsArgs),
     Run(run::RunArgs),
     Grains(grains::GrainsArgs),
     Compare(compare::CompareArgs),
@@ -112,6 +113,12 @@ impl Command {
 
 /// Runs the program on the arguments of the process.
 pub fn main() -> ExitCode {
+    let words: Vec<_> = std::env::args_os().skip(1).collect();
+    if let Some(what) = renamed::refused(&words) {
+        let error = CliError::Usage(what);
+        context::say(&format!("{}: {error}", paint::bad("error")));
+        return error.exit_code().into();
+    }
     let cli = Cli::parse();
     note_panics();
     let whole = |status| output_folder::still_there().map(|()| status).map_err(CliError::from);
@@ -133,7 +140,7 @@ fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
     }
     match &cli.command {
         Command::Reproduce(args) => reproduce::run(args, &context),
-        Command::Readings(args) => readings::run(args, &context),
+        Command::Interpretations(args) => interpretations::run(args, &context),
         Command::Run(args) => run::run(args, &context),
         Command::Grains(args) => grains::run(args, &context),
         Command::Compare(args) => compare::run(args, &context),

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::paper::Claim;
 use crate::plain::plain_path;
-use crate::study::{Reading, ReproduceOptions, reproduce};
+use crate::study::{Interpretation, ReproduceOptions, reproduce};
 
 /// Run the whole paper and compare its claims
 #[derive(Debug, Args)]
@@ -23,8 +23,8 @@ Examples:
   pluvia reproduce --quick --out out/quick
   pluvia reproduce --configurations 3 --jobs 4 --strict --out out/reproduce
   pluvia reproduce --backend rapier --out out/reproduce
-  pluvia reproduce --set engine.contact_path=bullet --out out/reproduce
-  pluvia reproduce --reading full_stroke --out out/reproduce
+  pluvia reproduce --set engine.contact_solver=stock --out out/reproduce
+  pluvia reproduce --interpretation full_stroke --out out/reproduce
   pluvia reproduce --placements 10 --out out/reproduce")]
 pub(super) struct ReproduceArgs {
     /// A few hundred grains instead of 1456, and shorter vibration
@@ -39,9 +39,9 @@ pub(super) struct ReproduceArgs {
     placements: u32,
     #[command(flatten)]
     jobs: Jobs,
-    /// A reading of the paper, in place of the default `converged` (pluvia readings --help)
-    #[arg(long, value_name = "NAME", value_parser = super::readings::reading)]
-    reading: Option<Reading>,
+    /// An interpretation of the paper, in place of the default `converged` (pluvia interpretations --help)
+    #[arg(long, value_name = "NAME", value_parser = super::interpretations::interpretation)]
+    interpretation: Option<Interpretation>,
     #[command(flatten)]
     changes: Changes,
     /// End with exit code 1 when a claim of the paper is missed
@@ -62,7 +62,7 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
         placements: args.placements,
         jobs: args.jobs.cores(),
         changes: args.changes.overrides(),
-        reading: args.reading.clone(),
+        interpretation: args.interpretation.clone(),
         cancel: context.cancel.clone(),
         progress: context.progress.clone(),
     })?;

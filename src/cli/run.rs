@@ -11,7 +11,7 @@ use crate::grains::load_scenario;
 use crate::plain::plain_path;
 use crate::study::{RunOptions, run_scenario, tell_warnings};
 
-/// Carry out one scenario
+/// Run one scenario
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Leaves manifest.json, summary.json, series.csv, grains.csv, grains.json, specimen.json and figures

@@ -9,11 +9,11 @@ use super::{CliError, Context, ExitStatus};
 use crate::record::remove_abandoned;
 use crate::study::{RunOptions, SweepTasks};
 
-/// Carry out one stage of a planned sweep and store it
+/// Run one stage of a planned sweep and store it
 #[derive(Debug, Args)]
 #[command(after_help = "\
 For engines that spread a sweep over many machines: `pluvia sweep --plan-only` makes the plan, this
-carries out one of its stages in the folder that all machines share, `pluvia sweep --collect` puts
+runs one of its stages in the folder that all machines share, `pluvia sweep --collect` puts
 the results together. Stages of a level need only such of the levels before. One that is stored is
 left alone; one whose beginning is not stored is refused with exit code 2.
 

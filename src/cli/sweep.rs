@@ -16,7 +16,7 @@ use crate::study::{
     SweepTasks, quoted, submit_to_slurm, this_program, write_snakefile,
 };
 
-/// Carry out a scenario at many values of its fields and put the results into one table
+/// Run a scenario at many values of its fields and put the results into one table
 #[derive(Debug, Args)]
 #[command(after_help = "\
 --over gives a field its values; several make a grid of all combinations, or with --one-at-a-time
@@ -79,7 +79,7 @@ pub(super) struct SweepArgs {
     /// Print how far the sweep in DIR is
     #[arg(long, conflicts_with_all = ["scenario", "over", "design", "plan_only", "collect"])]
     status: bool,
-    /// Put what is stored of the sweep in DIR together, and carry out nothing
+    /// Put what is stored of the sweep in DIR together, and run nothing
     #[arg(long, conflicts_with_all = ["scenario", "over", "design", "plan_only"])]
     collect: bool,
     #[command(flatten)]

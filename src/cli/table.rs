@@ -3,7 +3,7 @@
 use super::paint;
 use crate::paper::ResultCounts;
 use crate::record::{AngleOfRepose, Settlement, StandingHeight, Summary, VibrationSummary};
-use crate::report::{Calibration, ReadingColumn, calibration_rows};
+use crate::report::{Calibration, InterpretationColumn, calibration_rows};
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
 
@@ -82,7 +82,7 @@ pub(super) fn of_summary(summary: &Summary) -> String {
             summary.backend.name,
             summary.backend.version,
             summary.backend.precision,
-            summary.contact_path
+            summary.contact_solver
         ),
     );
     rows.add("grains", format!("{}, {:.1} g", grains.count, grains.mass_g));
@@ -145,9 +145,9 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         paint::bad("NOT met (docs/accuracy.md)")
     };
     rows.add("accuracy standard", standard);
-    if let Some(guards) = &summary.guards {
-        let line = guards.line();
-        rows.add("guards", if guards.passed == Some(false) { paint::bad(line) } else { line });
+    if let Some(checks) = &summary.checks {
+        let line = checks.line();
+        rows.add("checks", if checks.passed == Some(false) { paint::bad(line) } else { line });
     }
     rows.add(
         "cost",
@@ -232,10 +232,10 @@ pub(super) fn of_calibration(of: &Calibration) -> String {
     text
 }
 
-/// What became of each reading, one a line.
-pub(super) fn of_readings(readings: &[ReadingColumn]) -> String {
+/// What became of each interpretation, one a line.
+pub(super) fn of_interpretations(interpretations: &[InterpretationColumn]) -> String {
     let header = [
-        "reading",
+        "interpretation",
         "runs",
         "failed",
         "within",
@@ -244,17 +244,17 @@ pub(super) fn of_readings(readings: &[ReadingColumn]) -> String {
         "left out of means",
     ];
     let mut rows = vec![header.map(str::to_owned)];
-    for reading in readings {
-        let results = ResultCounts::of(&reading.claims);
-        let met = reading.runs.iter().filter(|r| r.summary.meets_standard).count();
-        let left_out = reading.runs.iter().filter(|r| !r.counts_in_means()).count();
+    for interpretation in interpretations {
+        let results = ResultCounts::of(&interpretation.claims);
+        let met = interpretation.runs.iter().filter(|r| r.summary.meets_standard).count();
+        let left_out = interpretation.runs.iter().filter(|r| !r.counts_in_means()).count();
         rows.push([
-            reading.name.clone(),
-            format!("{} of {}", reading.runs.len(), reading.planned_runs),
-            reading.failures.len().to_string(),
+            interpretation.name.clone(),
+            format!("{} of {}", interpretation.runs.len(), interpretation.planned_runs),
+            interpretation.failures.len().to_string(),
             results.within.to_string(),
             results.outside.to_string(),
-            format!("met by {met} of {}", reading.runs.len()),
+            format!("met by {met} of {}", interpretation.runs.len()),
             left_out.to_string(),
         ]);
     }
@@ -329,7 +329,7 @@ mod tests {
     fn summaries_show_what_applies() {
         let value = json!({
             "scenario": "a", "backend": { "name": "bullet", "version": "3.24", "precision": "double" },
-            "contact_path": "bullet", "seed": 1, "configuration": 2, "falling_height_mm": 50.0,
+            "contact_solver": "stock", "seed": 1, "configuration": 2, "falling_height_mm": 50.0,
             "grains": { "count": 364, "mass_g": 585.7, "solids_volume_cm3": 219.0,
                 "in_cylinder": 362, "mass_in_cylinder_g": 582.0, "escaped": 0, "spilled": 1,
                 "left_in_funnel": 1 },
@@ -341,7 +341,7 @@ mod tests {
             "surface_settlement_mm": null,
             "overlap": { "pairs": 900, "mean_percent": 0.2, "p99_percent": 1.0,
                 "max_percent": 2.0, "max_mm": 0.2 },
-            "coordination_number": 5.1, "creep_um_per_s": null, "control": null,
+            "coordination_number": 5.1, "creep_um_per_s": null, "rest_test": null,
             "meets_standard": false, "kinetic_energy_j": 0.0, "simulated_s": 6.0, "steps": 2880,
             "wall_s": 61.0, "engine_s": 60.0, "peak_memory_mib": 55.0,
             "warnings": ["1 grain hangs"],

@@ -12,7 +12,7 @@ use crate::scenario::Backend;
 use crate::verify::{SuiteOptions, Verdict, builtin, run_suite, settings};
 use crate::world;
 
-/// Hold the engines against exact laws
+/// Hold the engines against analytical solutions
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Leaves verify.json, report.html with a figure a case, and figures/ in DIR. What an engine is known

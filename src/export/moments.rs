@@ -4,7 +4,9 @@
 use std::{path::Path, sync::Arc};
 
 use super::parts::{Part, parts};
-use super::run_folder::{CONTROL, ExportError, Manifest, StageEntry, beside, grains_of, setup_of};
+use super::run_folder::{
+    ExportError, Manifest, REST_TEST, StageEntry, beside, grains_of, setup_of,
+};
 use crate::geometry::{Pose, Vector};
 use crate::grains::GrainSet;
 use crate::protocol::Setup;
@@ -35,7 +37,7 @@ pub struct Moments {
 /// What was kept of a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StageMoments {
-    /// Its name, as in the scenario; `control` for the no-shake control.
+    /// Its name, as in the scenario; `rest_test` for the rest test.
     pub name: String,
     /// What was seen of it, by time; none where no frames were kept.
     pub frames: Vec<Frame>,
@@ -62,7 +64,7 @@ pub struct Moment<'a> {
 }
 
 /// Reads the stages of a run folder, or one of them: its number from 0, its
-/// name (the first of that name), or `control`.
+/// name (the first of that name), or `rest_test`.
 ///
 /// # Errors
 /// [`ExportError`], naming the file or what was asked for.
@@ -76,7 +78,7 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
         }
         Some(asked) => match manifest.find(&path, asked)? {
             (Some(n), entry) => vec![(entry.stage.clone(), entry, before(n))],
-            (None, entry) => vec![(CONTROL.to_owned(), entry, manifest.stages.last())],
+            (None, entry) => vec![(REST_TEST.to_owned(), entry, manifest.stages.last())],
         },
     };
     let setup = setup_of(&manifest, &path)?;

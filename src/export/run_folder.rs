@@ -45,8 +45,8 @@ pub enum ExportError {
     },
 }
 
-/// How the no-shake control after the last stage is asked for.
-pub(super) const CONTROL: &str = "control";
+/// How the rest test after the last stage is asked for.
+pub(super) const REST_TEST: &str = "rest_test";
 
 /// What exporting needs of `manifest.json`.
 #[derive(Deserialize)]
@@ -54,7 +54,7 @@ pub(super) struct Manifest {
     pluvia: String,
     pub(super) scenario: Scenario,
     pub(super) stages: Vec<StageEntry>,
-    control: Option<StageEntry>,
+    rest_test: Option<StageEntry>,
     /// SHA-256 of the files beside it; none for those of older versions.
     #[serde(default)]
     files_sha256: BTreeMap<String, String>,
@@ -94,7 +94,7 @@ impl Exported {
 
 /// Reads a run folder as `pluvia run`, `reproduce` and `compare` write it.
 /// `stage` is a stage's number from 0, its name (the first of that name), or
-/// `control`; without it, the last stage is taken.
+/// `rest_test`; without it, the last stage is taken.
 ///
 /// # Errors
 /// [`ExportError`], naming the file or what was asked for.
@@ -137,7 +137,7 @@ pub(super) fn beside(folder: &Path, name: &str) -> PathBuf {
     if !own.exists() && shared.exists() { shared } else { own }
 }
 
-/// Number (none for the control) and name of a stage, the state at its end, and
+/// Number (none for the rest test) and name of a stage, the state at its end, and
 /// the file that this stands in.
 fn locate(
     folder: &Path,
@@ -154,13 +154,13 @@ fn locate(
     };
     let root = beside(folder, "stages");
     let (number, entry) = manifest.find(path, asked)?;
-    let name = if number.is_some() { entry.stage.clone() } else { CONTROL.to_owned() };
+    let name = if number.is_some() { entry.stage.clone() } else { REST_TEST.to_owned() };
     let (state, file) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
     Ok((number, name, state, file))
 }
 
 impl Manifest {
-    /// That of a run folder, and its file. Its scenario is one that can be carried out:
+    /// That of a run folder, and its file. Its scenario is one that can be run:
     /// whoever reads it builds its laboratory.
     pub(super) fn of(folder: &Path) -> Result<(Self, PathBuf), FileError> {
         if let Err(error) = input::is_folder(folder)
@@ -185,13 +185,13 @@ impl Manifest {
         serde_json::from_slice(&content).map_err(|e| FileError::malformed(path, e))
     }
 
-    /// The stage of a number or name, and its number; the control has none.
+    /// The stage of a number or name, and its number; the rest test has none.
     pub(super) fn find(
         &self,
         path: &Path,
         asked: &str,
     ) -> Result<(Option<usize>, &StageEntry), ExportError> {
-        if let (CONTROL, Some(entry)) = (asked, &self.control) {
+        if let (REST_TEST, Some(entry)) = (asked, &self.rest_test) {
             return Ok((None, entry));
         }
         let stages = &self.stages;
@@ -201,7 +201,7 @@ impl Manifest {
             None => {
                 let mut known: Vec<String> =
                     stages.iter().enumerate().map(|(n, s)| format!("{n} {}", s.stage)).collect();
-                known.extend(self.control.as_ref().map(|_| CONTROL.to_owned()));
+                known.extend(self.rest_test.as_ref().map(|_| REST_TEST.to_owned()));
                 Err(ExportError::NoStage {
                     asked: asked.to_owned(),
                     stages: known.join(", "),

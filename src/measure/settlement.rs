@@ -62,7 +62,7 @@ pub struct Settlement {
 
 /// Reads the settlement off a series; heights between samples by linear
 /// interpolation. The series ends where the final reading is taken: leave out
-/// what comes after (a control run).
+/// what comes after (a rest test).
 ///
 /// # Errors
 /// [`MeasureError::EmptySeries`], [`MeasureError::BadSample`],

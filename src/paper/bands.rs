@@ -53,14 +53,18 @@ pub struct Band {
     /// What counts as agreement.
     pub read_as: Interval,
     /// Why that interval, for the reader; empty where the paper gives it.
-    pub reading: String,
+    pub interpretation: String,
 }
 
 impl Band {
     /// A range that the paper prints.
     pub fn range(low: f64, high: f64) -> Self {
         let interval = Interval::new(low, high);
-        Self { paper: PaperValue::Range(interval), read_as: interval, reading: String::new() }
+        Self {
+            paper: PaperValue::Range(interval),
+            read_as: interval,
+            interpretation: String::new(),
+        }
     }
 
     /// A value that the paper prints with the given number of decimals:
@@ -70,7 +74,7 @@ impl Band {
         Self {
             paper: PaperValue::Value { value },
             read_as: Interval::new(value - half, value + half),
-            reading: format!("Read as what rounds to the number printed: ±{half}."),
+            interpretation: format!("Read as what rounds to the number printed: ±{half}."),
         }
     }
 
@@ -80,7 +84,7 @@ impl Band {
         Self {
             paper: PaperValue::Value { value },
             read_as: Interval::new(value, value),
-            reading: String::new(),
+            interpretation: String::new(),
         }
     }
 
@@ -89,7 +93,7 @@ impl Band {
         Self {
             paper: PaperValue::Value { value },
             read_as: Interval::new(value - half_width, value + half_width),
-            reading: format!(
+            interpretation: format!(
                 "The paper gives about {value}; read as ±{half_width} {unit}. The width is ours, the \
                  paper gives none."
             ),
@@ -135,7 +139,7 @@ pub fn solid_density_kg_per_m3() -> Band {
     Band::printed(constants::SOLID_DENSITY_KG_PER_M3, 1)
 }
 
-/// Time between two readings of the plate in s.
+/// Time between two interpretations of the plate in s.
 pub fn monitoring_interval_s() -> Band {
     Band::printed(constants::MONITORING_INTERVAL_S, 2)
 }
@@ -178,7 +182,11 @@ mod tests {
     fn about_is_five_points_either_way_and_says_so() {
         let band = share_after_5_s_percent();
         assert_eq!(band.read_as, Interval::new(75.0, 85.0), "80 ± 5 percentage points");
-        assert!(band.reading.contains("ours"), "the reading owns its width: {}", band.reading);
+        assert!(
+            band.interpretation.contains("ours"),
+            "the interpretation owns its width: {}",
+            band.interpretation
+        );
     }
 
     #[test]

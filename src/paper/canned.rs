@@ -9,7 +9,7 @@ use crate::{
     motion::{MotionFacts, TableMotion},
     protocol::Settling,
     record::{
-        Control, GradationSummary, GrainsSummary, Overlap, RunKind, RunRecord, SecondarySieve,
+        GradationSummary, GrainsSummary, Overlap, RestTest, RunKind, RunRecord, SecondarySieve,
         SeriesRow, Settlement, SieveSummary, StandingHeight, Summary, VibrationSummary,
     },
     world::BackendInfo,
@@ -154,11 +154,11 @@ fn pluviation(configuration: u32, fh: f64) -> RunRecord {
         falling_height_mm: fh,
         summary,
         series: (0..60).map(row).collect(),
-        control: at_rest(row(59), configuration),
+        rest_test: at_rest(row(59), configuration),
     }
 }
 
-/// The rows of a control: 2 s in which the surface sinks by one and a half times the creep.
+/// The rows of a rest test: 2 s in which the surface sinks by one and a half times the creep.
 fn at_rest(last: SeriesRow, configuration: u32) -> Vec<SeriesRow> {
     let creep = creep_um_per_s(configuration);
     let row = |i: u32| {
@@ -274,8 +274,8 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
         motion: MotionFacts::of(&motion, 1.0 / 480.0),
         settling: Some(Settling { time_s, limit_s: 2.0, settled: true }),
     }];
-    if let Some(control) = &mut summary.control {
-        control.plate_drop_mm = Some(0.006);
+    if let Some(rest_test) = &mut summary.rest_test {
+        rest_test.plate_drop_mm = Some(0.006);
     }
     RunRecord {
         name: format!("vibration-{label}-c{configuration}"),
@@ -284,7 +284,7 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
         falling_height_mm: fh,
         summary,
         series: (0..=rows).map(row).collect(),
-        control: at_rest(row(rows), configuration),
+        rest_test: at_rest(row(rows), configuration),
     }
 }
 
@@ -331,7 +331,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
             version: "1".into(),
             precision: "double".into(),
         },
-        contact_path: "canned".into(),
+        contact_solver: "canned".into(),
         seed: 1,
         configuration,
         falling_height_mm: Some(fh),
@@ -366,7 +366,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         },
         coordination_number: 5.2,
         creep_um_per_s: Some(creep),
-        control: Some(Control {
+        rest_test: Some(RestTest {
             duration_s: 2.0,
             mean_grain_height_drop_mm: 2e-3 * creep,
             mean_surface_drop_mm: 3e-3 * creep,
@@ -375,7 +375,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         meets_standard: !bad,
         valid: !bad,
         left_out_of_means: Vec::new(),
-        guards: None,
+        checks: None,
         solver_residual: None,
         kinetic_energy_j: 1e-7,
         simulated_s: 30.0,

@@ -129,7 +129,7 @@ impl Draft {
         if self.claim.kind == ClaimKind::NoNumber {
             self.claim.kind = ClaimKind::Result;
         }
-        self.note(&band.reading)
+        self.note(&band.interpretation)
     }
 
     /// It is no result: what goes in, or follows from it.

@@ -32,7 +32,7 @@ pub struct StudyView<'a> {
     pub generated: Option<Gradation>,
     /// Shapes of the generated grains; empty where they were not measured.
     pub shapes: Vec<GrainShape>,
-    /// How the intermittent vibration was carried out.
+    /// How the intermittent vibration was run.
     pub intermittent: Intermittent,
     /// Friction ratio between the grains of the piles.
     pub pile_friction: f64,
@@ -89,7 +89,7 @@ impl Gradation {
     }
 }
 
-/// How the intermittent vibration was carried out.
+/// How the intermittent vibration was run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Intermittent {
     /// Length of one period in s.

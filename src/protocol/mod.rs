@@ -3,12 +3,11 @@
 //! A stage builds a fresh world from the specimen it is given, runs it and
 //! reads it back, so that it does not matter whether the specimen came
 //! straight from the stage before or from a file. A long stage does the same
-//! between its legs.
+//! between its segments.
 
 mod base;
 mod bodies;
 mod feeder;
-mod legs;
 #[cfg(test)]
 mod pile_tests;
 mod placing;
@@ -16,6 +15,7 @@ mod plausible;
 mod progress;
 #[cfg(test)]
 mod segment_tests;
+mod segments;
 mod settling;
 mod setup;
 mod stages;
@@ -29,9 +29,9 @@ mod watched;
 mod whereabouts;
 
 pub use base::base_pieces;
-pub use legs::{Midway, legs};
 pub use plausible::plausible;
 pub use progress::{Progress, Silent};
+pub use segments::{Midway, segments};
 pub use settling::Settling;
 pub use setup::SettleCriterion;
 pub use setup::Setup;
@@ -52,14 +52,14 @@ pub trait Observer {
     /// Called at the start of a stage, then every sample interval, then at its end.
     fn observe(&mut self, specimen: &Specimen, moment: Moment);
 
-    /// Called at the end of every leg but the last, after what was observed
+    /// Called at the end of every segment but the last, after what was observed
     /// there, with what the stage can go on from. `Break` ends the stage as if
     /// it had been cancelled.
     fn seam(&mut self, _midway: &Midway) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 
-    /// Called when a guard finds what a reader should know at once.
+    /// Called when a check finds what a reader should know at once.
     fn warn(&mut self, _finding: &str) {}
 }
 

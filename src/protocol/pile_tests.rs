@@ -1,4 +1,4 @@
-//! Piles on a world that does what it is told.
+//! Piles on a world that does what it is reported.
 
 use std::sync::{Arc, Mutex, atomic::AtomicBool};
 
@@ -70,17 +70,17 @@ fn build(
     make: impl Fn() -> ScriptedWorld + Sync,
     stage: &StageSpec,
 ) -> (StageOutcome, Vec<Observation>) {
-    build_in_legs(None, make, stage)
+    build_in_segments(None, make, stage)
 }
 
-/// The same in legs of a simulated time in s.
-fn build_in_legs(
+/// The same in segments of a simulated time in s.
+fn build_in_segments(
     checkpoint_every_s: Option<f64>,
     make: impl Fn() -> ScriptedWorld + Sync,
     stage: &StageSpec,
 ) -> (StageOutcome, Vec<Observation>) {
     let mut scenario = scenario();
-    scenario.engine.manifold.checkpoint_every_s = checkpoint_every_s;
+    scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
     let setup = Setup::new(&scenario).expect("a laboratory");
     let seen = Seen(Mutex::new(Vec::new()));
     let outcome = run(
@@ -92,7 +92,7 @@ fn build_in_legs(
         &mut &seen,
         &AtomicBool::new(false),
     )
-    .expect("it can be carried out");
+    .expect("it can be run");
     (outcome, seen.0.into_inner().expect("alone"))
 }
 
@@ -222,18 +222,24 @@ fn a_plane_has_its_own_friction_and_fixed_grains_that_of_grains() {
     assert!(pieces.len() > 100 && pieces.iter().all(|(_, m)| *m == Material::Grain));
 }
 
-/// In a world where nothing moves, legs can be told by nothing: what waits in
+/// In a world where nothing moves, segments can be told by nothing: what waits in
 /// the spout, and the order of random numbers, cross every seam.
 #[test]
-fn a_pile_fed_in_legs_is_the_same_pile() {
+fn a_pile_fed_in_segments_is_the_same_pile() {
     let stage = slow_pluviation(plane(0.5), 3.0);
     let make = || ScriptedWorld::still(STEP);
     let (whole, seen) = build(make, &stage);
-    for leg in [0.02, 0.1, 0.9] {
-        let (in_legs, also_seen) = build_in_legs(Some(leg), make, &stage);
-        assert_eq!(seen, also_seen, "law: legs of {leg} s: the same grains at the same times");
-        assert_eq!(whole.specimen.state, in_legs.specimen.state, "law: legs of {leg} s");
-        assert_eq!(whole.warnings, in_legs.warnings, "law: legs of {leg} s");
-        assert_eq!(whole.steps, in_legs.steps, "law: legs of {leg} s");
+    for segment in [0.02, 0.1, 0.9] {
+        let (in_segments, also_seen) = build_in_segments(Some(segment), make, &stage);
+        assert_eq!(
+            seen, also_seen,
+            "law: segments of {segment} s: the same grains at the same times"
+        );
+        assert_eq!(
+            whole.specimen.state, in_segments.specimen.state,
+            "law: segments of {segment} s"
+        );
+        assert_eq!(whole.warnings, in_segments.warnings, "law: segments of {segment} s");
+        assert_eq!(whole.steps, in_segments.steps, "law: segments of {segment} s");
     }
 }

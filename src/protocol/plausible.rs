@@ -6,7 +6,7 @@ use crate::apparatus::Funnel;
 use crate::scale;
 use crate::specimen::{Fate, Party, SavedContact, Specimen, SpecimenState};
 use crate::units::from_mm;
-use crate::world::{BodyState, Guard, GuardLimits, Snapshot};
+use crate::world::{BodyState, CheckLimits, RunTimeCheck, Snapshot};
 
 /// How far the length of a quaternion may be from 1: engines keep some in
 /// single precision.
@@ -18,9 +18,9 @@ const FALL_SHARE: f64 = 0.1;
 
 /// What every state of a world is checked against, on a table whose peak speed is given in m/s:
 /// what it meets may leave with twice that.
-pub(super) fn guard(setup: &Setup, table_peak: f64) -> Guard {
+pub(super) fn check(setup: &Setup, table_peak: f64) -> RunTimeCheck {
     // Falling heights, tables and apparatus are typed, and may be large for small grains.
-    Guard::new(GuardLimits {
+    RunTimeCheck::new(CheckLimits {
         speed: scale::LARGEST_SPEED.no_less(&setup.scale) + 2.0 * table_peak,
         angular_speed: scale::LARGEST_SPIN.at(&setup.scale),
         distance: scale::LARGEST_DISTANCE.no_less(&setup.scale),
@@ -47,7 +47,7 @@ pub fn plausible(
     finite(state)?;
     let of_grains = state.bodies.iter().map(|g| (g.fate == Fate::Present).then_some(g.body));
     let snapshot: Snapshot = of_grains.chain([state.top_plate]).collect();
-    guard(setup, table_peak).check(&snapshot, state.time).map_err(|e| e.to_string())?;
+    check(setup, table_peak).check(&snapshot, state.time).map_err(|e| e.to_string())?;
     let funnel = |f: crate::specimen::FunnelState| {
         Funnel::new(&setup.funnel, f.opening_height, collar_m).map_err(|e| e.to_string())
     };
@@ -239,7 +239,7 @@ mod tests {
             let mut body = sound.state.bodies[0].body;
             body.pose.translation.vector = Vector::new(distance, 0.0, 0.0);
             body.linear_velocity = Vector::new(0.0, speed, 0.0);
-            let got = guard(&setup, 0.0).check(&vec![Some(body)], 0.0).is_ok();
+            let got = check(&setup, 0.0).check(&vec![Some(body)], 0.0).is_ok();
             assert_eq!(got, can, "law: at {larger} times the size, {speed} m/s at {distance} m");
         }
     }

@@ -25,7 +25,7 @@ fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
         "stages": []
     }))
     .expect("a scenario");
-    scenario.engine.manifold.checkpoint_every_s = checkpoint_every_s;
+    scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
     scenario
 }
 
@@ -158,7 +158,7 @@ type Maker = fn(
     &world::PairTable,
 ) -> Result<Box<dyn World + Send>, WorldError>;
 
-/// Carries out a stage, in segments of a simulated time in s where one is given;
+/// Runs a stage, in segments of a simulated time in s where one is given;
 /// gives its end and what each of its worlds was told and did.
 fn carry_out(
     specimen: Specimen,

@@ -17,7 +17,7 @@ use crate::specimen::{Fate, FunnelState, Specimen, SpecimenState};
 use crate::units::from_mm;
 use crate::world::BodyState;
 
-/// Carries out one stage on a specimen, as it is at the end of the stage before;
+/// Runs one stage on a specimen, as it is at the end of the stage before;
 /// from `midway`, where it was interrupted.
 ///
 /// # Errors
@@ -87,7 +87,7 @@ struct Ended<'a> {
 }
 
 impl<'a> Laboratory<'a> {
-    /// Carries a stage out leg by leg, from where it was interrupted or else from
+    /// Carries a stage out segment by segment, from where it was interrupted or else from
     /// the specimen, with a funnel's collar of the given height in m.
     fn carry_out(
         &self,
@@ -113,7 +113,7 @@ impl<'a> Laboratory<'a> {
             let begin = |feed| Feeder::new(stand.specimen(), feed, seed, configuration, fed);
             let mut feeder = course.feed.map(begin);
             let motion = course.motion.as_ref();
-            match stand.leg(&course.until, motion, feeder.as_mut(), observer, self.cancel)? {
+            match stand.segment(&course.until, motion, feeder.as_mut(), observer, self.cancel)? {
                 LegEnd::OfPart { settled } if part < course.last_part() => {
                     if !settled {
                         stand.warn(not_settled("seating the top plate", course.until.limit));

@@ -13,8 +13,8 @@ use super::{
     Midway, Moment, Observer, Setup, StageError, StageOutcome, base,
     bodies::{free_grain, level, moved, remembered, wall_piece},
     feeder::Feeder,
-    legs::{leg_steps, steps_a_check},
-    plausible::guard,
+    plausible::check,
+    segments::{segment_steps, steps_a_check},
     watch::{Finding, Tally, steps_a_look},
     whereabouts::Whereabouts,
 };
@@ -24,7 +24,7 @@ use crate::grains::{Grain, GrainSet};
 use crate::motion::TableMotion;
 use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen, SpecimenState};
 use crate::world::{
-    Body, BodyId, BodyState, Guard, Material, Motion, PairTable, Snapshot, World, WorldError,
+    Body, BodyId, BodyState, Material, Motion, PairTable, RunTimeCheck, Snapshot, World, WorldError,
 };
 
 /// Makes the empty world of a stage.
@@ -52,14 +52,14 @@ pub(super) struct Stand<'a> {
     /// Bodies standing on the table, with their poses at rest.
     on_table: Vec<(BodyId, Pose)>,
     whereabouts: Whereabouts,
-    guard: Guard,
+    check: RunTimeCheck,
     snapshot: Snapshot,
     /// Where the stage is; the specimen is in the field of that name, and the
     /// spout is handed in.
     midway: Midway,
 }
 
-/// How a leg ended.
+/// How a segment ended.
 pub(super) enum LegEnd {
     /// With the stage or a part of it, and whether everything had settled.
     OfPart {
@@ -115,7 +115,7 @@ impl<'a> Stand<'a> {
         let mut build = || -> Result<_, WorldError> {
             if state.cylinder {
                 for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
-                    let mut body = wall_piece(piece, Motion::Driven);
+                    let mut body = wall_piece(piece, Motion::Kinematic);
                     if under_way {
                         body.state.pose = moved(&piece.pose, &state.table());
                     }
@@ -186,15 +186,15 @@ impl<'a> Stand<'a> {
             parties,
             on_table,
             whereabouts,
-            guard: guard(setup, 0.0),
+            check: check(setup, 0.0),
             snapshot: Snapshot::new(),
             midway,
         })
     }
 
-    /// Steps the world until the stage or its leg ends. A feeder lets grains go
+    /// Steps the world until the stage or its segment ends. A feeder lets grains go
     /// at every check; nothing counts as settled while some are still to come.
-    pub(super) fn leg(
+    pub(super) fn segment(
         &mut self,
         until: &Until,
         motion: Option<&TableMotion>,
@@ -210,15 +210,15 @@ impl<'a> Stand<'a> {
         let calm_from = until.calm_from.map(|time| part_began + steps_in(time));
         let shaken = calm_from.filter(|step| *step > part_began);
         let check_every = steps_a_check(self.setup, dt);
-        let leg = leg_steps(self.setup, self.specimen.grains.grains.len());
-        let seam = leg.map(|leg| (self.midway.steps / leg + 1).saturating_mul(leg));
+        let segment = segment_steps(self.setup, self.specimen.grains.grains.len());
+        let seam = segment.map(|segment| (self.midway.steps / segment + 1).saturating_mul(segment));
         let look_every = motion
             .map(|m| m.fastest_component().map_or(1, |f| steps_a_look(f, dt)))
             .filter(|n| *n < check_every);
         let mut settled = false;
         let table_velocity = |time: f64| motion.map_or(Vector::zeros(), |m| m.velocity(time, dt));
         let peak = motion.map_or(0.0, |m| m.peak_speed_in_steps(dt));
-        self.guard = guard(self.setup, peak);
+        self.check = check(self.setup, peak);
         self.begin_watch((peak, table_velocity(self.midway.steps as f64 * dt)));
         if self.midway.steps == 0 {
             let moment = Moment { stage_time: 0.0, table_velocity: table_velocity(0.0) };
@@ -419,10 +419,10 @@ impl<'a> Stand<'a> {
     }
 
     /// Reads the world, checks it, and only then takes it over into the specimen.
-    /// Gives what a guard has to tell.
+    /// Gives what a check has to tell.
     fn read_back(&mut self, time: f64, table: Vector) -> Result<Option<String>, StageError> {
         self.world.read(&mut self.snapshot);
-        self.guard.check(&self.snapshot, time).map_err(|source| self.failed(source))?;
+        self.check.check(&self.snapshot, time).map_err(|source| self.failed(source))?;
         let held = |id: &BodyId| self.snapshot.get(id.0 as usize).is_some_and(Option::is_some);
         if let Some(lost) = self.grains.iter().flatten().chain(&self.plate).find(|id| !held(id)) {
             let what = format!("body {} is no longer in the engine", lost.0);

@@ -1,4 +1,4 @@
-//! The stages on a world that does what it is told.
+//! The stages on a world that does what it is reported.
 
 use std::sync::{
     Arc,

@@ -24,7 +24,7 @@ const ENERGY_SHARE: f64 = 0.05;
 const ENERGY_RUNAWAY: f64 = 1.0;
 
 /// A stage is warned of when something is faster than this many times what
-/// free fall through the whole apparatus and a blow of the table give together.
+/// free fall through the whole apparatus and an impact of the table give together.
 const SPEED_FACTOR: f64 = 1.5;
 
 /// The same, at which it ends.

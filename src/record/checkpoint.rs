@@ -1,8 +1,8 @@
-//! Checkpoints: where a stage is at the ends of its legs, on disk until it is
+//! Checkpoints: where a stage is at the ends of its segments, on disk until it is
 //! finished.
 //!
-//! A folder `.legs-<key>` beside the stages holds, while a stage with legs is
-//! carried out, one file a leg (the last two are kept) and the frames so far.
+//! A folder `.segments-<key>` beside the stages holds, while a stage with segments is
+//! run, one file a segment (the last two are kept) and the frames so far.
 //! A checkpoint file has one line with the SHA-256 of all that follows, which is
 //! JSON. It says of which stage it is. One that is damaged, or of another stage,
 //! is passed over for the one before it.
@@ -34,7 +34,7 @@ const HEAD: &str = "pluvia checkpoint 2 ";
 const KEPT: usize = 2;
 
 /// How the names of their folders begin.
-pub(super) const FOLDER: &str = ".legs-";
+pub(super) const FOLDER: &str = ".segments-";
 
 /// Name of the file that is held by whoever runs the stage.
 const LOCK: &str = "lock";
@@ -234,7 +234,7 @@ impl Checkpoints {
 }
 
 fn name(steps: u64) -> String {
-    format!("{steps:020}.leg")
+    format!("{steps:020}.segment")
 }
 
 fn folder(root: &Path, key: &str) -> PathBuf {
@@ -246,7 +246,7 @@ pub(super) fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let mut files: Vec<PathBuf> = entries
         .map(|entry| entry.path())
-        .filter(|path| path.extension().is_some_and(|e| e == "leg"))
+        .filter(|path| path.extension().is_some_and(|e| e == "segment"))
         .collect();
     files.sort();
     files

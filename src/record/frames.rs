@@ -184,7 +184,7 @@ enum Place {
     Staying(PathBuf),
 }
 
-/// How far a file of frames was written when a leg of its stage ended.
+/// How far a file of frames was written when a segment of its stage ended.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FramesSoFar {
     /// Bytes.
@@ -230,7 +230,7 @@ impl FrameWriter {
         Self::begin(file, Place::Staying(path.to_owned()), grains).map_err(refused)
     }
 
-    /// Goes on with such a file where a leg had ended; what was written since is
+    /// Goes on with such a file where a segment had ended; what was written since is
     /// forgotten.
     pub(super) fn going_on(path: &Path, so_far: &FramesSoFar) -> Result<Self, FileError> {
         let refused = |e| FileError::new("go on with", path, e);
@@ -279,7 +279,7 @@ impl FrameWriter {
         Ok(FramesSoFar { length: self.length, sha256: hexadecimal(&self.hash.clone().finalize()) })
     }
 
-    /// Adds a state at a time in s since the run began. A fault is told at the end.
+    /// Adds a state at a time in s since the run began. A fault is reported at the end.
     pub fn add(&mut self, state: &SpecimenState, time: f64) {
         if self.fault.is_none() {
             let frame = Frame { time, ..Frame::of(state) };

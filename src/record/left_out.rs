@@ -124,7 +124,7 @@ mod tests {
             assert_eq!(summary.left_out_of_means.is_empty(), expected, "law: the file says so");
             let said = summary.left_out_of_means.join("; ");
             let told = said.contains("grains are missing");
-            assert_eq!(told, !expected, "law: the reason is told, got `{said}`");
+            assert_eq!(told, !expected, "law: the reason is reported, got `{said}`");
         }
         let grains = GrainsSummary { count: 0, missing: Some(0), ..run(None).grains };
         let few = Summary { grains, ..run(None) };
@@ -137,7 +137,7 @@ mod tests {
         let below = Summary { meets_standard: false, ..run(Some(0)) }.judged();
         assert!(!below.counts_in_means() && !below.valid, "law: below the standard");
         let both = Summary { meets_standard: false, ..run(Some(500)) }.judged();
-        assert_eq!(both.left_out_of_means.len(), 2, "law: each reason is told: {both:?}");
+        assert_eq!(both.left_out_of_means.len(), 2, "law: each reason is reported: {both:?}");
         let silent = Summary { valid: false, ..run(Some(0)) };
         assert!(
             !silent.counts_in_means(),

@@ -2,8 +2,8 @@
 
 mod atomic;
 mod checkpoint;
+mod checks;
 mod frames;
-mod guards;
 mod hash;
 mod identity;
 mod left_out;
@@ -24,8 +24,8 @@ pub use atomic::{
     write_json,
 };
 pub use checkpoint::{Checkpoints, Observed, Reference, Resumed};
+pub use checks::{CheckSummary, Checks, OverlapWatch, StageChecks};
 pub use frames::{FRAMES_FILE, Frame, FrameWriter};
-pub use guards::{GuardSummary, Guards, OverlapWatch, StageGuards};
 pub use hash::{hash_bytes, hash_json};
 pub use identity::{AskedStage, StageEnd, StageIdentity};
 pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words};

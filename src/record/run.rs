@@ -42,6 +42,6 @@ pub struct RunRecord {
     pub summary: Summary,
     /// Its series, stage by stage.
     pub series: Vec<SeriesRow>,
-    /// The rows of its control, the finished specimen left alone; empty where none was run.
-    pub control: Vec<SeriesRow>,
+    /// The rows of its rest test, the finished specimen left alone; empty where none was run.
+    pub rest_test: Vec<SeriesRow>,
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    FRAMES_FILE, FileError, SeriesRow, StageEnd, StageGuards, StageIdentity, hash::hash_file,
+    FRAMES_FILE, FileError, SeriesRow, StageChecks, StageEnd, StageIdentity, hash::hash_file,
     hash_json, identity::short, read_json, read_unchanged, series_from_csv,
 };
 use crate::protocol::Settling;
@@ -40,10 +40,10 @@ pub struct StageRecord {
     pub engine_s: f64,
     /// Findings a reader must know.
     pub warnings: Vec<String>,
-    /// What its guards found; none where the stage was stored before this was
+    /// What its checks found; none where the stage was stored before this was
     /// recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub guards: Option<StageGuards>,
+    pub checks: Option<StageChecks>,
     /// Solver residuals, one a sample; empty of an engine that does not say.
     #[serde(default)]
     pub solver_residuals: Vec<f64>,

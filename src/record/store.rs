@@ -66,13 +66,13 @@ impl StageStore {
         Ok(Self { root: root.to_owned(), frames: false, _lock: Arc::new(lock) })
     }
 
-    /// The same, keeping the frames of stages that are carried out, where that is
+    /// The same, keeping the frames of stages that are run, where that is
     /// wanted. A stage that is there already stays as it is.
     pub fn with_frames(self, frames: bool) -> Self {
         Self { frames, ..self }
     }
 
-    /// Where the frames of a stage can be written while it is carried out; none
+    /// Where the frames of a stage can be written while it is run; none
     /// where they are not kept.
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl StageStore {
         Checkpoints::open(&self.root, asked)
     }
 
-    /// Whether frames are kept of stages that are carried out.
+    /// Whether frames are kept of stages that are run.
     pub fn keeps_frames(&self) -> bool {
         self.frames
     }
@@ -339,7 +339,7 @@ impl StageStore {
         (0..2).find_map(|_| self.believed(&folder, asked).ok())
     }
 
-    /// Why a stage failed when it was last carried out; none where it did not.
+    /// Why a stage failed when it was last run; none where it did not.
     pub fn failure(&self, key: &str) -> Option<String> {
         let kept: serde_json::Value = read_json(&self.failed_file(key)).ok()?;
         let is_own = kept.get("key")?.as_str() == Some(key);

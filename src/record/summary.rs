@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Guards, ShapeSummary, SieveSummary};
+use super::{Checks, ShapeSummary, SieveSummary};
 use crate::motion::MotionFacts;
 use crate::protocol::Settling;
 use crate::world::BackendInfo;
@@ -55,7 +55,7 @@ pub struct Summary {
     /// The engine.
     pub backend: BackendInfo,
     /// Who found and solved the contacts.
-    pub contact_path: String,
+    pub contact_solver: String,
     /// Seed of the random streams.
     pub seed: u64,
     /// Which mixing of the grains.
@@ -97,10 +97,10 @@ pub struct Summary {
     pub overlap: Overlap,
     /// Mean number of grains touching a grain.
     pub coordination_number: f64,
-    /// Sinking rate of the mean grain height in the second half of the no-shake control, in µm/s; null where none was run.
+    /// Sinking rate of the mean grain height in the second half of the rest test, in µm/s; null where none was run.
     pub creep_um_per_s: Option<f64>,
-    /// The control in full.
-    pub control: Option<Control>,
+    /// The rest test in full.
+    pub rest_test: Option<RestTest>,
     /// Whether overlap and creep meet the accuracy standard (docs/accuracy.md).
     pub meets_standard: bool,
     /// Whether the standard is met and no run-time check found anything; false
@@ -113,16 +113,16 @@ pub struct Summary {
     /// What was watched while it went on; none where the run is of before this
     /// was recorded.
     #[serde(default)]
-    pub guards: Option<Guards>,
+    pub checks: Option<Checks>,
     /// How well the contacts were solved, over all samples of the run; null of an
     /// engine that does not say.
     #[serde(default)]
     pub solver_residual: Option<SolverResidual>,
     /// Kinetic energy at the end in J.
     pub kinetic_energy_j: f64,
-    /// Simulated time in s, control included.
+    /// Simulated time in s, rest test included.
     pub simulated_s: f64,
-    /// Engine steps, control included.
+    /// Engine steps, rest test included.
     pub steps: u64,
     /// Wall time in s: all stages of the run, whenever they were computed.
     pub wall_s: f64,
@@ -156,9 +156,9 @@ impl Summary {
     pub fn why_not_valid(&self) -> Option<String> {
         let standard =
             (!self.meets_standard).then(|| "the accuracy standard is not met".to_owned());
-        let guards = self.guards.as_ref().filter(|g| g.passed == Some(false));
-        let guards = guards.map(|g| format!("guards {}", g.line()));
-        let why: Vec<String> = standard.into_iter().chain(guards).collect();
+        let checks = self.checks.as_ref().filter(|g| g.passed == Some(false));
+        let checks = checks.map(|g| format!("checks {}", g.line()));
+        let why: Vec<String> = standard.into_iter().chain(checks).collect();
         (!why.is_empty()).then(|| why.join("; "))
     }
 }
@@ -309,9 +309,9 @@ pub struct Overlap {
     pub max_mm: f64,
 }
 
-/// The no-shake control: the finished specimen left alone.
+/// The rest test: the finished specimen left alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Control {
+pub struct RestTest {
     /// Length in s.
     pub duration_s: f64,
     /// Drop of the mean grain height in mm.
@@ -330,20 +330,20 @@ pub(super) mod tests {
 
     /// A summary by the two things that decide whether it is valid.
     pub(in crate::record) fn summary(meets_standard: bool, passed: Option<bool>) -> Summary {
-        let guard = |passed: Option<bool>| {
+        let check = |passed: Option<bool>| {
             json!({ "watches": "w", "unit": "u", "looks": 1, "worst": 1.0, "limit": 1.0,
                 "worst_at_s": null, "first_beyond_s": null, "passed": passed })
         };
-        let mut guards = json!({ "passed": passed });
+        let mut checks = json!({ "passed": passed });
         for name in
             ["finite", "lost", "through_walls", "speed", "overlap_mean", "overlap_p99", "creep"]
         {
-            guards[name] = guard(Some(true));
+            checks[name] = check(Some(true));
         }
-        guards["energy"] = guard(passed);
+        checks["energy"] = check(passed);
         let value: Value = json!({
             "scenario": "s", "backend": { "name": "b", "version": "1", "precision": "double" },
-            "contact_path": "p", "seed": 1, "configuration": 1, "falling_height_mm": null,
+            "contact_solver": "p", "seed": 1, "configuration": 1, "falling_height_mm": null,
             "grains": { "count": 1, "mass_g": 1.0, "solids_volume_cm3": 1.0, "in_cylinder": 1,
                 "mass_in_cylinder_g": 1.0, "escaped": 0, "spilled": 0, "left_in_funnel": 0 },
             "standing_height_mm": { "mean_surface": 1.0, "p95": 1.0, "highest": 1.0 },
@@ -351,8 +351,8 @@ pub(super) mod tests {
             "porosity": null, "settlement_mm": null, "surface_settlement_mm": null,
             "overlap": { "pairs": 0, "mean_percent": 0.0, "p99_percent": 0.0,
                 "max_percent": 0.0, "max_mm": 0.0 },
-            "coordination_number": 0.0, "creep_um_per_s": null, "control": null,
-            "meets_standard": meets_standard, "guards": guards, "kinetic_energy_j": 0.0,
+            "coordination_number": 0.0, "creep_um_per_s": null, "rest_test": null,
+            "meets_standard": meets_standard, "checks": checks, "kinetic_energy_j": 0.0,
             "simulated_s": 1.0, "steps": 1, "wall_s": 1.0, "engine_s": 1.0,
             "peak_memory_mib": 1.0, "warnings": [],
         });

@@ -23,7 +23,7 @@ const LETTERS: usize = 6;
 
 /// Folders below the output folder of a command into which files are written,
 /// but those of each run.
-const FOLDERS: [&str; 6] = ["figures", "rows", "readings", "beside", "slurm", "stages"];
+const FOLDERS: [&str; 6] = ["figures", "rows", "interpretations", "beside", "slurm", "stages"];
 
 /// A new file in a folder that nobody takes for abandoned while it is open; it
 /// is removed unless it is given another name.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Summary, hash_json, to_csv};
 use crate::measure::Estimate;
-use crate::scenario::{Backend, ContactPath, Scenario};
+use crate::scenario::{Backend, ContactSolver, Scenario};
 
 /// One run of one variation. What it did not measure, or did not come to
 /// measure because it failed, is `None`.
@@ -28,14 +28,14 @@ pub struct RunRow {
     /// Its precision, `double` or `single`.
     pub precision: String,
     /// Who found and solved the contacts.
-    pub contact_path: String,
+    pub contact_solver: String,
     /// Steps per second of simulated time.
     pub rate_hz: f64,
-    /// Solver iterations a step: all sweeps of its sub-steps.
+    /// Solver iterations a step, over all its sub-steps.
     pub iterations: u32,
-    /// Sub-steps of a step, where the contact path has them.
+    /// Sub-steps of a step, where the contact solver has them.
     pub substeps: Option<u32>,
-    /// Stiffness of a contact point in N/m, where the contact path has one.
+    /// Stiffness of a contact point in N/m, where the contact solver has one.
     pub contact_stiffness_n_per_m: Option<f64>,
     /// Number of grains made.
     pub grains: Option<usize>,
@@ -58,7 +58,7 @@ pub struct RunRow {
     pub overlap_mean_percent: Option<f64>,
     /// Its 99th percentile.
     pub overlap_p99_percent: Option<f64>,
-    /// Creep in the no-shake control in µm/s.
+    /// Creep in the rest test in µm/s.
     pub creep_um_per_s: Option<f64>,
     /// Whether overlap and creep meet the accuracy standard.
     pub meets_standard: Option<bool>,
@@ -68,9 +68,9 @@ pub struct RunRow {
     pub left_out_of_means: Option<String>,
     /// Wall time over simulated time.
     pub wall_s_per_simulated_s: Option<f64>,
-    /// Simulated time in s, control included.
+    /// Simulated time in s, rest test included.
     pub simulated_s: Option<f64>,
-    /// Engine steps, control included.
+    /// Engine steps, rest test included.
     pub steps: Option<u64>,
     /// Why the run has no results.
     pub failure: Option<String>,
@@ -80,9 +80,9 @@ impl RunRow {
     /// The row of a run that has no results yet: what is known from its scenario.
     pub fn of_scenario(run: &str, variation: &str, group: &str, scenario: &Scenario) -> Self {
         let engine = &scenario.engine;
-        let manifold =
-            engine.backend == Backend::Bullet && engine.contact_path == ContactPath::Manifold;
-        let substeps = engine.manifold.substeps(engine.rate_hz);
+        let native =
+            engine.backend == Backend::Bullet && engine.contact_solver == ContactSolver::Native;
+        let substeps = engine.native.substeps(engine.rate_hz);
         let info = crate::world::info(engine.backend);
         Self {
             run: run.to_owned(),
@@ -91,22 +91,21 @@ impl RunRow {
             configuration: scenario.configuration,
             changes: String::new(),
             experiment: experiment(scenario),
-            contact_path: match (engine.backend, engine.contact_path) {
+            contact_solver: match (engine.backend, engine.contact_solver) {
                 (Backend::Rapier, _) => "rapier".to_owned(),
-                (Backend::Bullet, ContactPath::Bullet) => "bullet".to_owned(),
-                (Backend::Bullet, ContactPath::Manifold) => "manifold".to_owned(),
+                (Backend::Bullet, ContactSolver::Stock) => "stock".to_owned(),
+                (Backend::Bullet, ContactSolver::Native) => "native".to_owned(),
             },
             backend: info.name,
             precision: info.precision,
             rate_hz: engine.rate_hz,
-            iterations: if manifold {
-                substeps * engine.manifold.sweeps
+            iterations: if native {
+                substeps * engine.native.iterations
             } else {
                 engine.iterations
             },
-            substeps: manifold.then_some(substeps),
-            contact_stiffness_n_per_m: manifold
-                .then_some(engine.manifold.contact_stiffness_n_per_m),
+            substeps: native.then_some(substeps),
+            contact_stiffness_n_per_m: native.then_some(engine.native.contact_stiffness_n_per_m),
             grains: None,
             grains_outside: None,
             poured_height_mm: None,
@@ -203,10 +202,10 @@ pub struct VariationRow {
     /// Its precision.
     pub precision: String,
     /// Who found and solved the contacts.
-    pub contact_path: String,
+    pub contact_solver: String,
     /// Steps per second of simulated time.
     pub rate_hz: f64,
-    /// Solver iterations a step: all sweeps of its sub-steps.
+    /// Solver iterations a step, over all its sub-steps.
     pub iterations: u32,
     /// Sub-steps of a step.
     pub substeps: Option<u32>,
@@ -281,7 +280,7 @@ impl VariationRow {
             experiment: first.experiment.clone(),
             backend: first.backend.clone(),
             precision: first.precision.clone(),
-            contact_path: first.contact_path.clone(),
+            contact_solver: first.contact_solver.clone(),
             rate_hz: first.rate_hz,
             iterations: first.iterations,
             substeps: first.substeps,
@@ -343,7 +342,7 @@ pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
         "experiment",
         "backend",
         "precision",
-        "contact_path",
+        "contact_solver",
         "rate_hz",
         "iterations",
         "substeps",
@@ -370,7 +369,7 @@ pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
             row.experiment.clone(),
             row.backend.clone(),
             row.precision.clone(),
-            row.contact_path.clone(),
+            row.contact_solver.clone(),
             row.rate_hz.to_string(),
             row.iterations.to_string(),
             row.substeps.map_or_else(String::new, |s| s.to_string()),

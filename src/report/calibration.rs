@@ -92,7 +92,7 @@ pub struct CalibrationValue {
 pub enum CalibrationEnding {
     /// Found, as well as was asked.
     Found,
-    /// The runs that were allowed are used up; what is known is told.
+    /// The runs that were allowed are used up; what is known is reported.
     RunsUsedUp,
     /// No value in the range gives the wanted result.
     OutOfReach,

@@ -31,7 +31,7 @@ pub(super) struct Page {
 
 const HEADER: [&str; 6] = ["value", "runs", "mean", "± 95 %", "standard deviation", "in the line"];
 
-const HOW_TO_READ: &str = "Every value is carried out in the same configurations, each the same grains mixed anew. A \
+const HOW_TO_READ: &str = "Every value is run in the same configurations, each the same grains mixed anew. A \
      line is fitted to each configuration's results near the solution; the configurations' lines \
      are a sample, and the interval holds all values at which Student's t-test does not refuse \
      that their mean is the wanted result (Fieller 1954). Runs that are not valid, or of which too many \

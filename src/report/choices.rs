@@ -6,8 +6,8 @@ use crate::{
     motion::MotionFacts,
     paper::text::compact,
     scenario::{
-        Backend, ContactPath, EngineSettings, GrainsSpec, Scenario, StageSpec, StockSettings,
-        StrokeReading,
+        Backend, ContactSolver, EngineSettings, GrainsSpec, Scenario, StageSpec, StockSettings,
+        StrokeKind,
     },
 };
 
@@ -33,7 +33,7 @@ fn choice(parameter: &str, value: String, reason: &str, sensitivity: &str) -> Ch
     }
 }
 
-/// The choices in a scenario, from grains to control.
+/// The choices in a scenario, from grains to rest test.
 pub fn choices(scenario: &Scenario) -> Vec<Choice> {
     let mut choices = vec![grains(scenario)];
     choices.extend(apparatus(scenario));
@@ -148,17 +148,17 @@ fn stages(scenario: &Scenario) -> Vec<Choice> {
     let shaken = stage(|s| matches!(s, StageSpec::Vibrate { .. }));
     if let Some(StageSpec::Vibrate { amplitude_mm, stroke, periods, rest_s, .. }) = shaken {
         let reading = match stroke {
-            StrokeReading::HalfStroke => "half stroke: the table moves by as much to either side",
-            StrokeReading::FullStroke => "full stroke: the table moves by as much from end to end",
+            StrokeKind::HalfStroke => "half stroke: the table moves by as much to either side",
+            StrokeKind::FullStroke => "full stroke: the table moves by as much from end to end",
         };
         choices.push(choice(
-            "Reading of the amplitude",
+            "Meaning of the amplitude",
             amplitude_mm.map_or_else(
                 || "as recorded".to_owned(),
                 |amplitude| format!("{} mm, {reading}", compact(amplitude)),
             ),
             "\"Amplitude\" in its usual sense; the text does not say which.",
-            "The other reading halves or doubles speed and acceleration.",
+            "The other meaning halves or doubles speed and acceleration.",
         ));
         choices.push(choice(
             "Motion of the table",
@@ -191,12 +191,12 @@ fn as_typed(value: impl Serialize) -> String {
     }
 }
 
-/// What every engine and contact path asks for.
+/// What every engine and contact solver asks for.
 fn engine(scenario: &Scenario) -> Vec<Choice> {
     let e = &scenario.engine;
-    let mut choices = match (e.backend, e.contact_path) {
-        (Backend::Bullet, ContactPath::Bullet) => bullet_contacts(e),
-        (Backend::Bullet, ContactPath::Manifold) => manifold_contacts(e),
+    let mut choices = match (e.backend, e.contact_solver) {
+        (Backend::Bullet, ContactSolver::Stock) => bullet_contacts(e),
+        (Backend::Bullet, ContactSolver::Native) => native_contacts(e),
         (Backend::Rapier, _) => rapier_contacts(e),
     };
     choices.push(choice(
@@ -208,12 +208,12 @@ fn engine(scenario: &Scenario) -> Vec<Choice> {
     choices
 }
 
-fn manifold_contacts(e: &EngineSettings) -> Vec<Choice> {
-    let m = &e.manifold;
+fn native_contacts(e: &EngineSettings) -> Vec<Choice> {
+    let m = &e.native;
     vec![
         choice(
             "Contacts",
-            "manifold: Pluvia's own on Bullet".to_owned(),
+            "native: Pluvia's own on Bullet".to_owned(),
             "The paper used its tool's own contacts, with which a packing at rest creeps by as \
              much as the settlement that is to be measured.",
             "Among the largest effects; Bullet's own can stand beside these in the report.",
@@ -229,7 +229,7 @@ fn manifold_contacts(e: &EngineSettings) -> Vec<Choice> {
             "Solver iterations",
             format!(
                 "at least {} iterations a sub-step, until one changes no contact by more than {} %",
-                m.sweeps,
+                m.iterations,
                 compact(100.0 * m.solver_tolerance)
             ),
             "Not given; the tool's default of the time was 10.",
@@ -241,7 +241,7 @@ fn manifold_contacts(e: &EngineSettings) -> Vec<Choice> {
                 "{} N/m a point, damping ratio {}, pushed apart with at most {} m/s",
                 compact(m.contact_stiffness_n_per_m),
                 compact(m.contact_damping_ratio),
-                compact(m.push_out_speed_m_per_s)
+                compact(m.max_depenetration_velocity_m_per_s)
             ),
             "Not in the paper, whose grains are rigid: soft enough for the solver, stiff enough \
              for overlaps of a hundredth of a millimetre.",
@@ -283,7 +283,11 @@ fn bullet_contacts(e: &EngineSettings) -> Vec<Choice> {
     let mut choices = vec![
         choice(
             "Contacts",
-            format!("{}, {} friction directions", as_typed(e.contact_path), e.friction_directions),
+            format!(
+                "{}, {} friction directions",
+                as_typed(e.contact_solver),
+                e.friction_directions
+            ),
             "The paper used its tool's defaults. With one friction direction, the engine's default, \
              grains slide freely across it.",
             "Among the largest effects: one direction packs far too densely.",
@@ -319,21 +323,21 @@ fn bullet_contacts(e: &EngineSettings) -> Vec<Choice> {
             "Correction of overlaps, warm start",
             format!(
                 "{} of the overlap a step, {} of the last impulses, split impulse {}",
-                compact(e.error_reduction),
+                compact(e.erp),
                 compact(e.warm_start),
                 if e.split_impulse { "on" } else { "off" }
             ),
             "Not given.",
-            "What the solver forgets from step to step feeds creep; the control measures it.",
+            "What the solver forgets from step to step feeds creep; the rest test measures it.",
         ),
     ];
-    if e.bullet != StockSettings::default() {
+    if e.stock != StockSettings::default() {
         choices.push(choice(
-            "Margin, inertia, least mass, relative threshold, deactivation",
-            as_typed(&e.bullet),
-            "What the tool of the time did beside Bullet's own defaults, where a reading of the paper \
+            "Margin, inertia, least mass, relative threshold, sleeping",
+            as_typed(&e.stock),
+            "What the tool of the time did beside Bullet's own defaults, where an interpretation of the paper \
              asks for it; by default none of it.",
-            "Deactivation hides creep; inertia that is too large keeps grains from rolling; a margin \
+            "Sleeping hides creep; inertia that is too large keeps grains from rolling; a margin \
              makes them larger.",
         ));
     }
@@ -368,9 +372,9 @@ fn procedure(scenario: &Scenario) -> Vec<Choice> {
             "The spread over configurations in Figures 7, 9 and 10.",
         ),
         choice(
-            "No-shake control",
-            if scenario.control_s > 0.0 {
-                format!("{} s after the end", compact(scenario.control_s))
+            "Rest test",
+            if scenario.rest_test_s > 0.0 {
+                format!("{} s after the end", compact(scenario.rest_test_s))
             } else {
                 "none".to_owned()
             },
@@ -408,7 +412,7 @@ mod tests {
         assert_eq!(value(&c, "Time step").as_deref(), Some("960 steps a second in 2 sub-steps"));
         assert_eq!(value(&c, "Sieve table").as_deref(), Some("8 to 10 mm: 100 %"));
         assert_eq!(value(&c, "Rest between periods").as_deref(), Some("1.5 s"));
-        let amplitude = value(&c, "Reading of the amplitude").expect("vibrated");
+        let amplitude = value(&c, "Meaning of the amplitude").expect("vibrated");
         assert!(amplitude.starts_with("12.5 mm, full stroke"), "got {amplitude}");
     }
 
@@ -420,7 +424,7 @@ mod tests {
             r#"{"stage": "place_top_plate"}, {"stage": "vibrate", "frequency_hz": 3,
             "amplitude_mm": 25, "duration_s": 5, "periods": 4, "rest_s": 1}"#,
         );
-        let stock = |s: &mut Scenario| s.engine.contact_path = ContactPath::Bullet;
+        let stock = |s: &mut Scenario| s.engine.contact_solver = ContactSolver::Stock;
         let rapier = |s: &mut Scenario| s.engine.backend = Backend::Rapier;
         let quotes = |text: &str| {
             let words: Vec<&str> = text.split_whitespace().collect();
@@ -442,7 +446,7 @@ mod tests {
     fn choices_of_stages_that_are_not_there_are_left_out() {
         let c = choices(&scenario(r#"{"stage": "pour", "falling_height_mm": 50}"#));
         for parameter in
-            ["Rest between periods", "Reading of the amplitude", "Placing of the top plate"]
+            ["Rest between periods", "Meaning of the amplitude", "Placing of the top plate"]
         {
             assert_eq!(value(&c, parameter), None, "{parameter} without such a stage");
         }

@@ -109,8 +109,7 @@ fn page(of: &Comparison, figures: &[Figure]) -> String {
 
 fn lead(of: &Comparison) -> String {
     let mut sentences = vec![
-        "Every engine carried out the whole scenario with the same grains in the same places."
-            .to_owned(),
+        "Every engine run the whole scenario with the same grains in the same places.".to_owned(),
     ];
     if let Some(handed) = of.runs.iter().find_map(|r| r.specimen_by.as_ref()) {
         let what = if of.vibrated { "vibrated" } else { "left at rest" };
@@ -228,9 +227,9 @@ fn reasons(of: &Comparison) -> Vec<String> {
          A height is comparable only between runs whose overlaps are both small."
             .to_owned(),
     );
-    if of.runs.iter().any(|r| r.backend == "bullet" && r.record.summary.contact_path == "bullet") {
+    if of.runs.iter().any(|r| r.backend == "bullet" && r.record.summary.contact_solver == "stock") {
         reasons.push(
-            "Bullet's own contacts lose 15 % of the normal and all of the friction impulses at \
+            "stock Bullet contacts lose 15 % of the normal and all of the friction impulses at \
              every step, while contact points come and go; twenty iterations cannot build up the \
              network of forces anew, so that grains slip a little for ever. That is its creep."
                 .to_owned(),

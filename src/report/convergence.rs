@@ -119,7 +119,7 @@ pub struct Cheapest {
 pub struct Convergence {
     /// Name of the scenario.
     pub scenario: String,
-    /// Whether it was carried out on the smaller specimen.
+    /// Whether it was run on the smaller specimen.
     pub quick: bool,
     /// Number of grains of a run.
     pub grains: Option<usize>,
@@ -175,7 +175,7 @@ fn csv(of: &Convergence) -> Result<Vec<u8>, csv::Error> {
         "ladder",
         "rung",
         "precision",
-        "contact_path",
+        "contact_solver",
         "rate_hz",
         "iterations",
         "substeps",
@@ -217,7 +217,7 @@ fn csv(of: &Convergence) -> Result<Vec<u8>, csv::Error> {
             row.ladder.clone(),
             row.rung.clone(),
             v.precision.clone(),
-            v.contact_path.clone(),
+            v.contact_solver.clone(),
             v.rate_hz.to_string(),
             v.iterations.to_string(),
             v.substeps.map_or_else(String::new, |s| s.to_string()),

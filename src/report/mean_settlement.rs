@@ -59,7 +59,7 @@ impl MeanSettlement {
         let poured = study.runs.iter().filter(poured);
         let rests: Vec<Curve> = poured
             .filter(|r| r.counts_in_means() || !valid)
-            .map(|r| sinking(&r.control))
+            .map(|r| sinking(&r.rest_test))
             .filter(|c| c.len() > 1)
             .collect();
         let times: Vec<f64> = longest(&all)?.iter().map(|p| p.0).collect();
@@ -85,9 +85,9 @@ impl MeanSettlement {
 }
 
 /// Drop of the mean surface of a specimen left alone.
-fn sinking(control: &[SeriesRow]) -> Curve {
-    let Some(first) = control.first() else { return Vec::new() };
-    control
+fn sinking(rest_test: &[SeriesRow]) -> Curve {
+    let Some(first) = rest_test.first() else { return Vec::new() };
+    rest_test
         .iter()
         .map(|r| (r.time_s - first.time_s, first.mean_surface_mm - r.mean_surface_mm))
         .filter(|(t, s)| t.is_finite() && s.is_finite())

@@ -12,6 +12,7 @@ mod convergence_page;
 mod dash;
 mod figures;
 mod html;
+mod interpretations;
 mod laws;
 mod mean_settlement;
 mod picture;
@@ -19,7 +20,6 @@ mod pile_choices;
 mod plot;
 mod png;
 mod quality;
-mod readings;
 mod scorecard;
 mod sections;
 mod sensitivity;
@@ -60,15 +60,16 @@ pub use convergence::{
     Cheapest, Convergence, ConvergenceRow, Deviation, Deviations, write_convergence,
 };
 pub use figures::Figure;
+pub use interpretations::{
+    InterpretationCell, InterpretationColumn, InterpretationFailure, InterpretationRow,
+    InterpretationRun, write_interpretations,
+};
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use mean_settlement::MeanSettlement;
 pub use picture::Picture;
 pub use pile_choices::pile_choices;
 pub use png::draw as draw_svg;
 pub use quality::Standard;
-pub use readings::{
-    ReadingCell, ReadingColumn, ReadingFailure, ReadingRow, ReadingRun, write_readings,
-};
 pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};
 pub use sweep::{
     MAIN_OUTCOMES, OUTCOMES, Sweep, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun,

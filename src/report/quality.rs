@@ -11,11 +11,11 @@ pub struct Standard {
     pub overlap_mean_percent: f64,
     /// 99th percentile of the overlap in percent of the equivalent diameter.
     pub overlap_p99_percent: f64,
-    /// Creep in the no-shake control in µm/s, up or down.
+    /// Creep in the rest test in µm/s, up or down.
     pub creep_um_per_s: f64,
 }
 
-/// Creep of a run's control over the length of a vibration, beside the
+/// Creep of a run's rest test over the length of a vibration, beside the
 /// settlement it may be taken for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CreepShare {
@@ -26,7 +26,7 @@ pub struct CreepShare {
 }
 
 impl CreepShare {
-    /// Of a vibrated run with a control; `vibration_s` is the time from the
+    /// Of a vibrated run with a rest test; `vibration_s` is the time from the
     /// beginning to the end of vibration.
     pub fn of(run: &RunRecord, vibration_s: f64) -> Option<Self> {
         let creep = run.summary.creep_um_per_s?;
@@ -67,7 +67,7 @@ mod tests {
             (seconds - 20.0).abs() < 1e-9,
             "law: 20 s of shaking without the rest, got {seconds}"
         );
-        let share = CreepShare::of(run, seconds).expect("a control");
+        let share = CreepShare::of(run, seconds).expect("a rest test");
         assert!((share.creep_mm - 0.9).abs() < 1e-9, "45 µm/s × 20 s: got {}", share.creep_mm);
         assert!((share.percent() - 4.5).abs() < 1e-9, "0.9 of 20 mm: got {} %", share.percent());
         let poured = runs.iter().find(|r| r.kind == RunKind::Pluviation).expect("a run");

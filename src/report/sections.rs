@@ -186,7 +186,7 @@ pub(super) fn runs(study: &StudyView) -> Markup {
                 "point of any grain. e: void ratio to the mean surface. Settlement in mm at the end, "
                 "of the plate and of the mean surface, and the plate's share after 5 s. Overlap in % of "
                 "the equivalent diameter. Creep in µm/s, and the drop of the mean grain height in the "
-                "control in µm over its length. Z: mean number of grains touching a grain. Grains "
+                "rest test in µm over its length. Z: mean number of grains touching a grain. Grains "
                 "through a wall / over the rim / left in the funnel are listed as lost."
             }
             div.scroll { table {
@@ -195,7 +195,7 @@ pub(super) fn runs(study: &StudyView) -> Markup {
                     th.n { "Mean" } th.n { "p95" } th.n { "Highest" } th.n { "e" }
                     th.n { "Plate" } th.n { "Surface" } th.n { "In 5 s" }
                     th.n { "Overlap mean / p99 / max" }
-                    th.n { "Creep" } th.n { "Control" } th.n { "Z" }
+                    th.n { "Creep" } th.n { "RestTest" } th.n { "Z" }
                     th.n { "Lost" } th { "Standard" } th { "Valid" } th.n { "Wall time" }
                 } }
                 tbody { @for run in study.runs.iter().filter(|r| r.kind != RunKind::Repose) {
@@ -296,7 +296,7 @@ fn run_row(run: &RunRecord) -> Markup {
     let optional = |v: Option<f64>, decimals| v.map_or("–".to_owned(), |v| number(v, decimals));
     let end = |s: &Option<Settlement>| optional(s.as_ref().map(|s| s.final_mm), 2);
     let share = s.settlement_mm.as_ref().and_then(|s| s.share_after_5_s).map(|s| 100.0 * s);
-    let control = s.control.map_or("–".to_owned(), |c| {
+    let rest_test = s.rest_test.map_or("–".to_owned(), |c| {
         let um = 1e3 * c.mean_grain_height_drop_mm;
         format!("{} in {} s", number(um, 1), number(c.duration_s, 1))
     });
@@ -315,7 +315,7 @@ fn run_row(run: &RunRecord) -> Markup {
             td.n { (optional(share, 0)) @if share.is_some() { " %" } }
             td.n { (overlaps.join(" / ")) }
             td.n { (optional(s.creep_um_per_s, 1)) }
-            td.n { (control) }
+            td.n { (rest_test) }
             td.n { (number(s.coordination_number, 2)) }
             td.n { (s.grains.escaped) " / " (s.grains.spilled) " / " (s.grains.left_in_funnel) }
             td { (standard_badge(s.meets_standard)) }
@@ -350,11 +350,11 @@ pub(super) fn choices(choices: &[Choice]) -> Markup {
 }
 
 /// What was watched while the runs went on, in a line each where something was found.
-fn guards(input: &ReportInput) -> Markup {
+fn checks(input: &ReportInput) -> Markup {
     let runs = input.study.runs;
-    let line = |run: &RunRecord| match &run.summary.guards {
-        Some(guards) => (guards.passed, guards.line()),
-        None => (None, "not watched, being stored before guards were".to_owned()),
+    let line = |run: &RunRecord| match &run.summary.checks {
+        Some(checks) => (checks.passed, checks.line()),
+        None => (None, "not watched, being stored before checks were".to_owned()),
     };
     let lines: Vec<(&str, Option<bool>, String)> = runs
         .iter()
@@ -365,7 +365,7 @@ fn guards(input: &ReportInput) -> Markup {
         .collect();
     let passed = lines.iter().filter(|(_, passed, _)| *passed == Some(true)).count();
     html! {
-        p { (passed) " of " (lines.len()) " runs passed every guard: numbers, grains, walls, speeds, energy, overlap and creep are watched while a run goes on (docs/accuracy.md)." }
+        p { (passed) " of " (lines.len()) " runs passed every check: numbers, grains, walls, speeds, energy, overlap and creep are watched while a run goes on (docs/accuracy.md)." }
         @if passed < lines.len() {
             ul { @for (run, _, line) in lines.iter().filter(|(_, p, _)| *p != Some(true)) {
                 li { strong { (name(run)) } ": " bdi { (glue(line)) } }
@@ -391,8 +391,8 @@ pub(super) fn provenance(input: &ReportInput) -> Markup {
                 tr { td { code { (name) } } td { code { (value.to_string()) } } }
             } } }
         }
-        h3 { "Guards" }
-        (guards(input))
+        h3 { "Checks" }
+        (checks(input))
         h3 { "Warnings" }
         @if warnings.is_empty() {
             p { "None." }

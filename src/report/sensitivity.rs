@@ -76,7 +76,7 @@ pub struct ParameterRow {
 pub struct Sensitivity {
     /// Name of the scenario.
     pub scenario: String,
-    /// Whether it was carried out on the smaller specimen.
+    /// Whether it was run on the smaller specimen.
     pub quick: bool,
     /// Number of grains of a run.
     pub grains: Option<usize>,

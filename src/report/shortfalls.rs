@@ -104,7 +104,7 @@ fn creep(study: &StudyView, standard: &Standard) -> Vec<String> {
         study.runs.iter().filter(|r| r.summary.creep_um_per_s.is_none()).collect();
     if !without.is_empty() {
         found.push(format!(
-            "Without a control, and so without a measure of creep: {}.",
+            "Without a rest test, and so without a measure of creep: {}.",
             names(&without)
         ));
     }
@@ -136,7 +136,7 @@ fn creep_beside_settlement(study: &StudyView) -> Option<String> {
     Some(format!(
         "How much of the settlement could be creep: at most {mm} mm of {} mm, {} %, in {} (creep \
          of the resting specimen times the length of the vibration). Creep under vibration may be \
-         larger than at rest; no control shows that.",
+         larger than at rest; no rest test shows that.",
         number(share.settlement_mm, 2),
         number(share.percent(), 2),
         run.name,

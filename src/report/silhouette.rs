@@ -1,4 +1,4 @@
-//! What is seen of a heap of polyhedra from the side: faces in the order in
+//! What is seen of a packing of polyhedra from the side: faces in the order in
 //! which a painter lays them on.
 
 use crate::{

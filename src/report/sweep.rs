@@ -188,7 +188,7 @@ pub struct Sweep {
     pub factors: Vec<SweepFactor>,
     /// Configurations of each point.
     pub configurations: u32,
-    /// How many runs the plan has; fewer have been carried out so far, or failed.
+    /// How many runs the plan has; fewer have been run so far, or failed.
     pub planned: usize,
     /// The runs.
     pub runs: Vec<SweepRun>,
@@ -216,7 +216,7 @@ pub(super) fn in_words(outcome: &str) -> &str {
 }
 
 /// `sweep.csv`: one row a run, one column a factor and result. The same sweep
-/// gives the same bytes, wherever and in whatever order it was carried out.
+/// gives the same bytes, wherever and in whatever order it was run.
 fn table(of: &Sweep) -> Result<Vec<u8>, csv::Error> {
     let results = || OUTCOMES.iter().map(|(path, _)| *path).filter(|path| *path != WALL_TIME);
     let mut writer = csv::Writer::from_writer(Vec::new());

@@ -30,7 +30,7 @@ pub(super) struct Page {
     figures: Vec<(String, String, String)>,
 }
 
-const HOW_TO_READ: &str = "Every point is carried out in the same configurations, each the same grains mixed anew. \
+const HOW_TO_READ: &str = "Every point is run in the same configurations, each the same grains mixed anew. \
      Intervals hold 95 % of what the mean over configurations may be, by Student's t; sweep.json has those of the bootstrap \
      as well. A change for one unit is the slope of a line through each configuration's own results, its mean and interval \
      over configurations; where values were drawn from ranges, it is the coefficient in a linear model of all of them. \

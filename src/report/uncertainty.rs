@@ -40,7 +40,7 @@ pub(super) fn section(of: &Uncertainty) -> Markup {
         }
         h3 { "Settlement beside what the specimen creeps by itself" }
         p.soft {
-            "Creep is that of the second half of the no-shake control, and what it would make over as "
+            "Creep is that of the second half of the rest test, and what it would make over as "
             "long as the vibration took. It is shown, and not subtracted: a shaken specimen need not "
             "creep as a resting one does."
         }
@@ -161,7 +161,7 @@ fn settlements(runs: &[SettledRun]) -> Markup {
                 thead { tr {
                     th { "Run" } th.n { "Plate, mm" } th.n { "Mean surface, mm" }
                     th.n { "Creep, µm/s" } th.n { "Creep over the vibration, mm" }
-                    th.n { "Plate in the control, mm" } th.n { "Control, s" }
+                    th.n { "Plate in the rest test, mm" } th.n { "RestTest, s" }
                 } }
                 tbody { @for run in runs { tr {
                     th scope="row" {
@@ -172,8 +172,8 @@ fn settlements(runs: &[SettledRun]) -> Markup {
                     td.n { (optional(run.surface_mm, 2)) }
                     td.n { (optional(run.creep_um_per_s, 1)) }
                     td.n { (optional(run.creep_over_vibration_mm, 3)) }
-                    td.n { (optional(run.control_plate_drop_mm, 3)) }
-                    td.n { (optional(run.control_s, 1)) }
+                    td.n { (optional(run.rest_test_plate_drop_mm, 3)) }
+                    td.n { (optional(run.rest_test_s, 1)) }
                 } } }
             } }
         }

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::{
     Grading, GrainsSpec, InterpolationKind, Scenario, SieveFraction, StageSpec, StartPoint,
-    StrokeReading, WaveformKind, stages::half_turn,
+    StrokeKind, WaveformKind, stages::half_turn,
 };
 use crate::motion::{Interpolation, RecordedMotion, Start, TableMotion, Vertical, Waveform};
 use crate::scale::Scale;
@@ -26,7 +26,7 @@ impl StageSpec {
             start: StartPoint::Middle,
             frequency_hz: Some(frequency_hz),
             amplitude_mm: Some(amplitude_mm),
-            stroke: StrokeReading::HalfStroke,
+            stroke: StrokeKind::HalfStroke,
             duration_s: Some(duration_s),
             periods: 1,
             rest_s: 0.0,
@@ -108,8 +108,8 @@ impl StageSpec {
             StartPoint::TurningPoint => Start::TurningPoint,
         };
         let half = match stroke {
-            StrokeReading::HalfStroke => 1.0,
-            StrokeReading::FullStroke => 0.5,
+            StrokeKind::HalfStroke => 1.0,
+            StrokeKind::FullStroke => 0.5,
         };
         let (frequency, amplitude) = (frequency_hz?, from_mm(amplitude_mm?) * half);
         Some(TableMotion {
@@ -236,9 +236,9 @@ impl Scenario {
         self.stages.iter().find_map(StageSpec::motion)
     }
 
-    /// Longest simulated time that stages and control can take, in s.
+    /// Longest simulated time that stages and rest test can take, in s.
     pub fn longest(&self) -> f64 {
-        self.stages.iter().map(StageSpec::longest).sum::<f64>() + self.control_s
+        self.stages.iter().map(StageSpec::longest).sum::<f64>() + self.rest_test_s
     }
 }
 

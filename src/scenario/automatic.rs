@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use serde_json::{Map, Number, Value};
 
 use super::{
-    CylinderSpec, EngineSettings, FunnelSpec, ManifoldSettings, MeshGrains, RapierSettings,
+    CylinderSpec, EngineSettings, FunnelSpec, MeshGrains, NativeSettings, RapierSettings,
     SettleSpec, SieveFraction, SievedGrains, TopPlateSpec,
     accessors::field,
     stages::{
@@ -109,7 +109,7 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
         put(value, path, default, law.factor(&scale));
     }
     let stiffness = stiffness(value, grading, &scale);
-    let default = ManifoldSettings::default().contact_stiffness_n_per_m;
+    let default = NativeSettings::default().contact_stiffness_n_per_m;
     put(value, STIFFNESS, default, stiffness / default);
     let rate = rate(value, grading, &scale);
     let default = EngineSettings::default().rate_hz;
@@ -153,7 +153,7 @@ pub(super) fn within(path: &str, value: f64) -> f64 {
 pub(super) const RATE: &str = "engine.rate_hz";
 
 /// Path of the stiffness.
-pub(super) const STIFFNESS: &str = "engine.manifold.contact_stiffness_n_per_m";
+pub(super) const STIFFNESS: &str = "engine.native.contact_stiffness_n_per_m";
 
 /// Types of a scenario and their fields that are automatic where they are left out.
 pub(super) const AUTOMATIC: [(&str, &[&str]); 7] = [
@@ -168,8 +168,8 @@ pub(super) const AUTOMATIC: [(&str, &[&str]); 7] = [
         ],
     ),
     (
-        "ManifoldSettings",
-        &["substep_rate_hz", "contact_stiffness_n_per_m", "push_out_speed_m_per_s"],
+        "NativeSettings",
+        &["substep_rate_hz", "contact_stiffness_n_per_m", "max_depenetration_velocity_m_per_s"],
     ),
     (
         "RapierSettings",
@@ -200,7 +200,7 @@ pub(super) const AUTOMATIC_OF_STAGES: [&str; 5] = [
 /// Fields that are their default times the factor of a law.
 pub(super) fn fields() -> [(&'static str, Law, f64); 15] {
     let engine = EngineSettings::default();
-    let (manifold, rapier) = (ManifoldSettings::default(), RapierSettings::default());
+    let (native, rapier) = (NativeSettings::default(), RapierSettings::default());
     let settle = SettleSpec::default();
     [
         ("engine.grain_size_mm", Law::Fine, engine.grain_size_mm),
@@ -211,8 +211,12 @@ pub(super) fn fields() -> [(&'static str, Law, f64); 15] {
             Law::Speed,
             engine.restitution_velocity_threshold_m_per_s,
         ),
-        ("engine.manifold.substep_rate_hz", Law::Rate, manifold.substep_rate_hz),
-        ("engine.manifold.push_out_speed_m_per_s", Law::Speed, manifold.push_out_speed_m_per_s),
+        ("engine.native.substep_rate_hz", Law::Rate, native.substep_rate_hz),
+        (
+            "engine.native.max_depenetration_velocity_m_per_s",
+            Law::Speed,
+            native.max_depenetration_velocity_m_per_s,
+        ),
         ("engine.rapier.contact_frequency_hz", Law::Rate, rapier.contact_frequency_hz),
         ("engine.rapier.wall_contact_frequency_hz", Law::Rate, rapier.wall_contact_frequency_hz),
         ("engine.rapier.engine_unit_mm", Law::Fine, rapier.engine_unit_mm),
@@ -289,7 +293,7 @@ fn fill_stages(value: &mut Value, scale: &Scale) {
 /// Stiffness of a contact point in N/m, to two digits: that of the law, and so much more as
 /// the largest stress exceeds what the default is for.
 pub(super) fn stiffness(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
-    let default = ManifoldSettings::default().contact_stiffness_n_per_m;
+    let default = NativeSettings::default().contact_stiffness_n_per_m;
     let light = scale.density * scale.gravity * STRESS_OF_DEFAULT * scale.sizes.median;
     let heavier = (largest_stress(value, grading, scale.gravity) / light).max(1.0);
     rounded(default * Law::Stiffness.factor(scale) * heavier, 2)
@@ -385,7 +389,7 @@ mod tests {
         fill(&mut value, &larger());
         let parts = [
             ("EngineSettings", "/engine"),
-            ("ManifoldSettings", "/engine/manifold"),
+            ("NativeSettings", "/engine/native"),
             ("RapierSettings", "/engine/rapier"),
             ("SettleSpec", "/settle"),
             ("CylinderSpec", "/apparatus/cylinder"),
@@ -419,7 +423,7 @@ mod tests {
         let typed = json!({
             "gravity_m_per_s2": 1.62,
             "stages": stages(),
-            "engine": { "rate_hz": 77, "manifold": { "contact_stiffness_n_per_m": 5 } },
+            "engine": { "rate_hz": 77, "native": { "contact_stiffness_n_per_m": 5 } },
             "apparatus": { "cylinder": { "inner_diameter_mm": 200 } },
         });
         let mut value = typed.clone();
@@ -427,7 +431,7 @@ mod tests {
         for pointer in [
             "/gravity_m_per_s2",
             "/engine/rate_hz",
-            "/engine/manifold/contact_stiffness_n_per_m",
+            "/engine/native/contact_stiffness_n_per_m",
             "/apparatus/cylinder/inner_diameter_mm",
         ] {
             assert_eq!(value.pointer(pointer), typed.pointer(pointer), "law: {pointer} is kept");

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, ser};
 
-use super::{ManifoldSettings, RapierSettings, StockSettings};
+use super::{NativeSettings, RapierSettings, StockSettings};
 
 /// Which physics engine carries the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -18,12 +18,12 @@ pub enum Backend {
 /// Who finds the contacts and who solves them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum ContactPath {
+pub enum ContactSolver {
     /// Bullet's own collision algorithms and sequential impulse solver.
-    Bullet,
-    /// Full manifolds with memory from our own hull–hull test, and the solver
-    /// that goes with them.
-    Manifold,
+    Stock,
+    /// Full contact manifolds with memory from our own hull–hull test, and the native
+    /// solver.
+    Native,
 }
 
 /// Settings of the engine. Nothing is inherited silently: every value is set
@@ -34,7 +34,7 @@ pub struct EngineSettings {
     /// The physics engine.
     pub backend: Backend,
     /// Who finds and solves contacts on Bullet.
-    pub contact_path: ContactPath,
+    pub contact_solver: ContactSolver,
     /// Size of the smallest grains in mm, from which the engine's own lengths
     /// follow: gaps, clearances and margins (`docs/scale.md`). Left out, it is that of
     /// the grains. Smaller: contacts are found later and more boxes are renewed; larger:
@@ -61,7 +61,7 @@ pub struct EngineSettings {
     pub contact_threshold_mm: f64,
     /// Share of the overlap removed a step (Bullet's `m_erp2`).
     #[schemars(range(min = 0.0, max = 1.0))]
-    pub error_reduction: f64,
+    pub erp: f64,
     /// Share of the last step's normal impulses with which the solver starts.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub warm_start: f64,
@@ -83,10 +83,10 @@ pub struct EngineSettings {
     /// becomes a warning of every result. Left out of what is written where it
     /// is `false`.
     pub allow_coarse_steps: bool,
-    /// What only Bullet's own contacts can be told.
-    pub bullet: StockSettings,
-    /// What only the contact path `manifold` asks for.
-    pub manifold: ManifoldSettings,
+    /// What only stock Bullet contacts can be told.
+    pub stock: StockSettings,
+    /// What only the native contact solver asks for.
+    pub native: NativeSettings,
     /// What only rapier asks for.
     pub rapier: RapierSettings,
 }
@@ -100,7 +100,7 @@ impl<'de> Deserialize<'de> for EngineSettings {
 }
 
 /// Rapier's settings are left out where Bullet carries the grains, those of
-/// the contact path `manifold` where contacts are Bullet's, those of Bullet's
+/// the native contact solver where contacts are Bullet's, those of Bullet's
 /// own contacts and the leave for coarse steps everywhere, if they are the
 /// defaults: stored stages are found again by what is written here,
 /// and what Bullet computes does not depend on them.
@@ -112,13 +112,13 @@ impl Serialize for EngineSettings {
             if self.backend == Backend::Bullet && self.rapier == RapierSettings::default() {
                 fields.shift_remove("rapier");
             }
-            let manifold =
-                self.backend == Backend::Bullet && self.contact_path == ContactPath::Manifold;
-            if !manifold && self.manifold == ManifoldSettings::default() {
-                fields.shift_remove("manifold");
+            let native =
+                self.backend == Backend::Bullet && self.contact_solver == ContactSolver::Native;
+            if !native && self.native == NativeSettings::default() {
+                fields.shift_remove("native");
             }
-            if self.bullet == StockSettings::default() {
-                fields.shift_remove("bullet");
+            if self.stock == StockSettings::default() {
+                fields.shift_remove("stock");
             }
             if !self.allow_coarse_steps {
                 fields.shift_remove("allow_coarse_steps");
@@ -132,14 +132,14 @@ impl Default for EngineSettings {
     fn default() -> Self {
         Self {
             backend: Backend::Bullet,
-            contact_path: ContactPath::Manifold,
+            contact_solver: ContactSolver::Native,
             grain_size_mm: 8.0,
             rate_hz: 480.0,
             iterations: 20,
             length_scale: 100.0,
             friction_directions: 2,
             contact_threshold_mm: 1.0,
-            error_reduction: 0.2,
+            erp: 0.2,
             warm_start: 0.85,
             split_impulse: false,
             restitution_velocity_threshold_m_per_s: 0.002,
@@ -147,8 +147,8 @@ impl Default for EngineSettings {
             angular_damping: 0.0,
             gyroscopic: true,
             allow_coarse_steps: false,
-            bullet: StockSettings::default(),
-            manifold: ManifoldSettings::default(),
+            stock: StockSettings::default(),
+            native: NativeSettings::default(),
             rapier: RapierSettings::default(),
         }
     }
@@ -160,14 +160,14 @@ mod tests {
 
     /// As the version before rapier wrote the defaults: stages that it stored
     /// are found by these bytes.
-    const BULLET_DEFAULTS: &str = "{\"backend\":\"bullet\",\"contact_path\":\"bullet\",\
+    const BULLET_DEFAULTS: &str = "{\"backend\":\"bullet\",\"contact_solver\":\"stock\",\
         \"grain_size_mm\":8.0,\"rate_hz\":480.0,\"iterations\":20,\"length_scale\":100.0,\"friction_directions\":2,\
-        \"contact_threshold_mm\":1.0,\"error_reduction\":0.2,\"warm_start\":0.85,\
+        \"contact_threshold_mm\":1.0,\"erp\":0.2,\"warm_start\":0.85,\
         \"split_impulse\":false,\"restitution_velocity_threshold_m_per_s\":0.002,\
         \"linear_damping\":0.0,\"angular_damping\":0.0,\"gyroscopic\":true}";
 
     fn bullets_own() -> EngineSettings {
-        EngineSettings { contact_path: ContactPath::Bullet, ..Default::default() }
+        EngineSettings { contact_solver: ContactSolver::Stock, ..Default::default() }
     }
 
     fn written(settings: &EngineSettings) -> String {

@@ -1,6 +1,6 @@
 //! Engine settings for bodies of another size.
 
-use super::{EngineSettings, ManifoldSettings, RapierSettings};
+use super::{EngineSettings, NativeSettings, RapierSettings};
 use crate::scale::{Law, Scale};
 
 impl EngineSettings {
@@ -10,7 +10,7 @@ impl EngineSettings {
         let scale = Scale::of_smallest(paper.sizes.smallest * larger, paper.gravity);
         let by = |law: Law| law.factor(&scale);
         let (length, speed, rate) = (by(Law::Fine), by(Law::Speed), by(Law::Rate));
-        let (manifold, rapier) = (&self.manifold, &self.rapier);
+        let (native, rapier) = (&self.native, &self.rapier);
         Self {
             grain_size_mm: self.grain_size_mm * length,
             rate_hz: self.rate_hz * rate,
@@ -18,11 +18,12 @@ impl EngineSettings {
             contact_threshold_mm: self.contact_threshold_mm * length,
             restitution_velocity_threshold_m_per_s: self.restitution_velocity_threshold_m_per_s
                 * speed,
-            manifold: ManifoldSettings {
-                substep_rate_hz: manifold.substep_rate_hz * rate,
-                contact_stiffness_n_per_m: manifold.contact_stiffness_n_per_m * by(Law::Stiffness),
-                push_out_speed_m_per_s: manifold.push_out_speed_m_per_s * speed,
-                ..manifold.clone()
+            native: NativeSettings {
+                substep_rate_hz: native.substep_rate_hz * rate,
+                contact_stiffness_n_per_m: native.contact_stiffness_n_per_m * by(Law::Stiffness),
+                max_depenetration_velocity_m_per_s: native.max_depenetration_velocity_m_per_s
+                    * speed,
+                ..native.clone()
             },
             rapier: RapierSettings {
                 contact_frequency_hz: rapier.contact_frequency_hz * rate,

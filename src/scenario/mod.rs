@@ -13,11 +13,12 @@ mod engine;
 mod enlarged;
 mod fault;
 mod load;
-mod manifold;
 mod meshes;
 mod motion_file;
+mod native;
 mod overrides;
 mod rapier;
+mod renamed;
 mod schema;
 mod source;
 mod stages;
@@ -29,16 +30,16 @@ mod validate;
 pub use automatic::Grading;
 pub use cells::CellShape;
 pub use document::{document_schema, load_document};
-pub use engine::{Backend, ContactPath, EngineSettings};
+pub use engine::{Backend, ContactSolver, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
 pub use load::{GradingOf, Loaded, check, gathered, load_with};
-pub use manifold::{ManifoldSettings, automatic_threads};
 pub use meshes::{MeshGrains, MeshUnit};
+pub use native::{NativeSettings, automatic_threads};
 pub use overrides::{NotAnOverride, Override};
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
 pub use stages::{
-    BaseKind, BaseSpec, InterpolationKind, StageSpec, StartPoint, StrokeReading, VerticalSpec,
+    BaseKind, BaseSpec, InterpolationKind, StageSpec, StartPoint, StrokeKind, VerticalSpec,
     VideoFramesSpec, WaveformKind,
 };
 pub use stock::{InertiaRule, StockSettings};
@@ -48,7 +49,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One laboratory procedure: grains, apparatus, contact properties, engine
-/// settings and the stages carried out one after the other.
+/// settings and the stages run one after the other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
@@ -91,11 +92,11 @@ pub struct Scenario {
     /// What is done, in order.
     #[schemars(length(min = 1, max = 100))]
     pub stages: Vec<StageSpec>,
-    /// Length in seconds of the no-shake control that measures how far the
+    /// Length in seconds of the rest test that measures how far the
     /// finished specimen creeps when nothing moves; 0 leaves it out.
-    #[serde(default = "default_control")]
+    #[serde(default = "default_rest_test")]
     #[schemars(range(min = 0.0, max = 600.0))]
-    pub control_s: f64,
+    pub rest_test_s: f64,
     /// Sizes, density and number of grains that have no sieve table, as they were found
     /// when the scenario was loaded; it is no part of what is written.
     #[serde(skip)]
@@ -112,7 +113,7 @@ fn default_seed() -> u64 {
 fn default_configuration() -> u32 {
     1
 }
-fn default_control() -> f64 {
+fn default_rest_test() -> f64 {
     2.0
 }
 

@@ -37,16 +37,16 @@ pub struct RapierSettings {
     /// rate shake the packing; more: slower.
     #[schemars(range(min = 1, max = 1000))]
     pub substeps: u32,
-    /// Sweeps over all contacts a sub-step that push overlaps apart
+    /// Iterations over all contacts a sub-step that push overlaps apart
     /// (`num_internal_pgs_iterations`). One, because sub-steps do more for the
     /// same cost; more: slower.
     #[schemars(range(min = 1, max = 1000))]
-    pub sweeps: u32,
+    pub iterations: u32,
     /// Sweeps a sub-step that take the speed of that pushing away again and
     /// solve friction (`num_internal_stabilization_iterations`). 0: that speed
     /// stays; 1: the packing sinks by 10 µm/s, with 2 by 1 µm/s; more: slower.
     #[schemars(range(min = 0, max = 1000))]
-    pub relaxing_sweeps: u32,
+    pub relaxing_iterations: u32,
     /// Natural frequency of the spring in a contact, in Hz. Lower: bodies sink
     /// into each other by g/(2πf)² for each layer above (at 300 Hz overlaps
     /// are two and a half times those at 500); higher than about a quarter of
@@ -92,7 +92,7 @@ pub struct RapierSettings {
     /// to 13 % too far and up to 13° aside, with `simplified` 0 to 1 % and 5°.
     pub friction_model: FrictionModel,
     /// Solve friction also while overlaps are pushed apart, not only in the
-    /// relaxing sweeps. Rapier's authors keep it `false` because friction
+    /// relaxing iterations. Rapier's authors keep it `false` because friction
     /// against the speed of pushing topples tall stacks
     /// (`IntegrationParameters::friction_in_bias_pass`, 0.36).
     pub friction_while_correcting: bool,
@@ -115,8 +115,8 @@ impl Default for RapierSettings {
     fn default() -> Self {
         Self {
             substeps: 4,
-            sweeps: 1,
-            relaxing_sweeps: 2,
+            iterations: 1,
+            relaxing_iterations: 2,
             contact_frequency_hz: 500.0,
             contact_damping_ratio: 1.0,
             wall_contact_frequency_hz: 500.0,

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// What the stated amplitude of a sinusoid means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum StrokeReading {
+pub enum StrokeKind {
     /// Amplitude in the physicist's sense: the table moves ± the amplitude.
     HalfStroke,
     /// The table moves by the amplitude from end to end.
@@ -208,7 +208,7 @@ pub enum StageSpec {
         amplitude_mm: Option<f64>,
         /// Whether the amplitude is half or the full stroke.
         #[serde(default = "half_stroke")]
-        stroke: StrokeReading,
+        stroke: StrokeKind,
         /// Length of one period of vibration in s; must be given but for a recorded motion.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
@@ -295,8 +295,8 @@ pub(super) fn settle_limit() -> f64 {
 pub(super) fn half_turn() -> f64 {
     180.0
 }
-fn half_stroke() -> StrokeReading {
-    StrokeReading::HalfStroke
+fn half_stroke() -> StrokeKind {
+    StrokeKind::HalfStroke
 }
 fn one() -> u32 {
     1

@@ -1,4 +1,4 @@
-//! Settings that only Bullet's own contact path has, as a person types them.
+//! Settings that only Bullet's own contact solver has, as a person types them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -19,9 +19,9 @@ pub enum InertiaRule {
     BoundingBoxWithDefaultMargin,
 }
 
-/// What Bullet's own contacts (`"contact_path": "bullet"`) can be told beside
-/// the settings that both paths share. The defaults switch everything off that
-/// is there for games; the readings of what the paper's authors had switch it
+/// What stock Bullet contacts (`"contact_solver": "stock"`) can be told beside
+/// the settings that both contact solvers share. The defaults switch everything off that
+/// is there for games; the interpretations of what the paper's authors had switch it
 /// on again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -44,45 +44,45 @@ pub struct StockSettings {
     /// Whether grains that stay slow for two seconds (Bullet's
     /// `gDeactivationTime`) are no longer moved until something touches them.
     /// Walls that stand still sleep; a table that moves wakes what it carries.
-    pub deactivation: bool,
+    pub sleeping: bool,
     /// Speed in m/s below which a body counts as slow.
     #[schemars(range(min = 0.0, max = 1000.0))]
-    pub deactivation_speed_m_per_s: f64,
+    pub sleeping_speed_m_per_s: f64,
     /// Angular speed in rad/s below which a body counts as slow.
     #[schemars(range(min = 0.0, max = 1000.0))]
-    pub deactivation_spin_rad_per_s: f64,
+    pub sleeping_spin_rad_per_s: f64,
 }
 
 impl Default for StockSettings {
     /// The two speeds are Bullet's (`btRigidBodyConstructionInfo`, 3.24); they
-    /// are without effect while `deactivation` is off.
+    /// are without effect while `sleeping` is off.
     fn default() -> Self {
         Self {
             collision_margin_mm: 0.0,
             inertia: InertiaRule::Exact,
             least_mass_g: 0.0,
             relative_contact_threshold: 0.0,
-            deactivation: false,
-            deactivation_speed_m_per_s: 0.8,
-            deactivation_spin_rad_per_s: 1.0,
+            sleeping: false,
+            sleeping_speed_m_per_s: 0.8,
+            sleeping_spin_rad_per_s: 1.0,
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ContactPath, EngineSettings};
+    use super::super::{ContactSolver, EngineSettings};
     use super::*;
 
     #[test]
     fn defaults_are_not_written_and_others_come_back() {
-        let default = EngineSettings { contact_path: ContactPath::Bullet, ..Default::default() };
+        let default = EngineSettings { contact_solver: ContactSolver::Stock, ..Default::default() };
         let text = serde_json::to_string(&default).expect("settings have JSON");
         for field in ["\"bullet\":{", "allow_coarse_steps"] {
             assert!(!text.contains(field), "law: {field} at its default is not written: {text}");
         }
         let changed = EngineSettings {
-            bullet: StockSettings { deactivation: true, ..Default::default() },
+            stock: StockSettings { sleeping: true, ..Default::default() },
             allow_coarse_steps: true,
             ..default
         };

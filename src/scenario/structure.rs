@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::{
     Fault,
     fault::nearest,
-    schema,
+    renamed, schema,
     source::{field_path, shown},
 };
 
@@ -194,11 +194,12 @@ impl Part {
                 ValidationErrorKind::AdditionalProperties { unexpected } => {
                     let known = fields(schema);
                     for name in unexpected {
-                        let message = match nearest(name, &known) {
-                            Some(near) => {
+                        let message = match (renamed::field(&here, name), nearest(name, &known)) {
+                            (Some(new), _) => format!("this field is now called `{new}`"),
+                            (None, Some(near)) => {
                                 format!("there is no such field, did you mean `{near}`?")
                             }
-                            None => "there is no such field".into(),
+                            (None, None) => "there is no such field".into(),
                         };
                         let found = error.instance().get(name).map(shown).unwrap_or_default();
                         add(field_path(&here, name), found, listed(&known), message);
@@ -235,7 +236,11 @@ impl Part {
                         }
                         _ => None,
                     };
-                    let message = message + &near.unwrap_or_default();
+                    let now = error.instance().as_str().and_then(|w| renamed::choice(&here, w));
+                    let message = match now {
+                        Some(new) => format!("this choice is now called \"{new}\""),
+                        None => message + &near.unwrap_or_default(),
+                    };
                     add(here, shown(error.instance()), describe(schema), message);
                 }
             }

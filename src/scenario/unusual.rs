@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use serde_json::Value;
 
 use super::{
-    Backend, ContactPath, EngineSettings, Fault, Grading, ManifoldSettings, Scenario,
+    Backend, ContactSolver, EngineSettings, Fault, Grading, NativeSettings, Scenario,
     accessors::field as field_at,
     automatic::{self, RATE, STIFFNESS, largest_stress, stiffness},
     validate::{fault, short},
@@ -81,7 +81,7 @@ fn fields() -> [Field; 17] {
         ),
         field(RATE, Of::All, "grains sink into each other within a step", slower),
         field(
-            "engine.manifold.substep_rate_hz",
+            "engine.native.substep_rate_hz",
             Of::Native,
             "impacts and shaking are followed too coarsely",
             slower,
@@ -93,7 +93,7 @@ fn fields() -> [Field; 17] {
             "loads need more sub-steps and iterations to get through the packing, which costs time",
         ),
         field(
-            "engine.manifold.push_out_speed_m_per_s",
+            "engine.native.max_depenetration_velocity_m_per_s",
             Of::Native,
             "overlaps that impacts leave last",
             "overlaps burst and throw grains apart",
@@ -189,7 +189,7 @@ impl Of {
 
 fn is_native(scenario: &Scenario) -> bool {
     scenario.engine.backend == Backend::Bullet
-        && scenario.engine.contact_path == ContactPath::Manifold
+        && scenario.engine.contact_solver == ContactSolver::Native
 }
 
 /// What a field is where it is left out; of grains whose sizes are not known, by the law alone.
@@ -200,7 +200,7 @@ fn automatic(path: &str, value: &Value, grading: Option<&Grading>, scale: &Scale
         (RATE, None) => of_law(EngineSettings::default().rate_hz, Law::Rate),
         (STIFFNESS, Some(grading)) => stiffness(value, grading, scale),
         (STIFFNESS, None) => {
-            let default = ManifoldSettings::default().contact_stiffness_n_per_m;
+            let default = NativeSettings::default().contact_stiffness_n_per_m;
             of_law(default, Law::Stiffness)
         }
         _ => {
@@ -245,7 +245,7 @@ fn unusual_field(
 /// Whether contacts do without the distance: native ones go by the shorter of it and their own
 /// margin, Bullet's by a share of the radius where one is typed.
 fn is_unread(path: &str, typed: f64, automatic: f64, scenario: &Scenario) -> bool {
-    let relative = scenario.engine.bullet.relative_contact_threshold > 0.0;
+    let relative = scenario.engine.stock.relative_contact_threshold > 0.0;
     path == "engine.contact_threshold_mm" && (relative || is_native(scenario) && typed > automatic)
 }
 
@@ -257,7 +257,7 @@ fn unusual_load(
     scale: &Scale,
     found: &mut Vec<Fault>,
 ) {
-    let typed = scenario.engine.manifold.contact_stiffness_n_per_m;
+    let typed = scenario.engine.native.contact_stiffness_n_per_m;
     let stress = largest_stress(value, grading, scale.gravity);
     let overlap = OVERLAP_OF_STRESS * stress * scale.sizes.median / typed;
     if is_native(scenario)

@@ -9,7 +9,7 @@ use super::StudyError;
 use crate::protocol::Progress;
 use crate::record::{Beside, hash_json, keep_beside};
 use crate::report::Column;
-use crate::scenario::{Backend, ContactPath, EngineSettings, Scenario};
+use crate::scenario::{Backend, ContactSolver, EngineSettings, Scenario};
 
 /// Folder of the columns in the output folder.
 const FOLDER: &str = "beside";
@@ -17,14 +17,14 @@ const FOLDER: &str = "beside";
 /// The engine in words: who carries the grains and finds the contacts, and
 /// every setting that is not the default.
 pub(super) fn label(engine: &EngineSettings) -> String {
-    let who = match (engine.backend, engine.contact_path) {
+    let who = match (engine.backend, engine.contact_solver) {
         (Backend::Rapier, _) => "rapier",
-        (Backend::Bullet, ContactPath::Bullet) => "bullet",
-        (Backend::Bullet, ContactPath::Manifold) => "manifold",
+        (Backend::Bullet, ContactSolver::Stock) => "stock",
+        (Backend::Bullet, ContactSolver::Native) => "native",
     };
     let default = EngineSettings {
         backend: engine.backend,
-        contact_path: engine.contact_path,
+        contact_solver: engine.contact_solver,
         ..EngineSettings::default()
     };
     let as_json = |e: &EngineSettings| serde_json::to_value(e).unwrap_or(Value::Null);
@@ -35,7 +35,7 @@ pub(super) fn label(engine: &EngineSettings) -> String {
 
 /// Whether stock Bullet finds and solves the contacts, as in the engine of the paper.
 pub(super) fn is_stock_bullet(engine: &EngineSettings) -> bool {
-    (engine.backend, engine.contact_path) == (Backend::Bullet, ContactPath::Bullet)
+    (engine.backend, engine.contact_solver) == (Backend::Bullet, ContactSolver::Stock)
 }
 
 /// The leaves of `b` that are not those of `a`, as `path value`.
@@ -66,9 +66,9 @@ pub(super) fn suffix(engine: &EngineSettings) -> String {
     dashed(&label)
 }
 
-/// The same for a reading of the paper.
-pub(super) fn reading_suffix(name: &str) -> String {
-    format!("-reading{}", dashed(name))
+/// The same for an interpretation of the paper.
+pub(super) fn interpretation_suffix(name: &str) -> String {
+    format!("-interpretation{}", dashed(name))
 }
 
 fn dashed(label: &str) -> String {
@@ -121,23 +121,23 @@ mod tests {
     #[test]
     fn labels_name_who_and_what_is_not_default() {
         let default = EngineSettings::default();
-        let stock = EngineSettings { contact_path: ContactPath::Bullet, ..default.clone() };
+        let stock = EngineSettings { contact_solver: ContactSolver::Stock, ..default.clone() };
         let rapier = EngineSettings { backend: Backend::Rapier, ..stock.clone() };
         let faster = EngineSettings { rate_hz: 960.0, ..default.clone() };
         let mut threads = default.clone();
-        threads.manifold.threads = Some(2);
+        threads.native.threads = Some(2);
         for (engine, words, name) in [
-            (&default, "manifold", ""),
-            (&threads, "manifold", ""),
-            (&stock, "bullet", "-bullet"),
+            (&default, "native", ""),
+            (&threads, "native", ""),
+            (&stock, "stock", "-stock"),
             (&rapier, "rapier", "-rapier"),
-            (&faster, "manifold, rate_hz 960.0", "-manifold-rate-hz-960-0"),
+            (&faster, "native, rate_hz 960.0", "-native-rate-hz-960-0"),
         ] {
             assert_eq!(label(engine), words, "law: the label of {engine:?}");
             assert_eq!(suffix(engine), name, "law: the name of {engine:?}");
             assert_eq!(
                 is_stock_bullet(engine),
-                words == "bullet",
+                words == "stock",
                 "law: of Bullet alone: {engine:?}"
             );
         }
@@ -158,7 +158,7 @@ mod tests {
         assert_eq!(beside, [column("a", "p")], "law: the same programme by another engine");
         let again = keep(100.0, &column("a", "p"));
         assert_eq!(again, [column("c", "p")], "law: a column is not beside itself");
-        let path = folder.path().join("beside/claims-manifold-rate-hz-300-0.json");
+        let path = folder.path().join("beside/claims-native-rate-hz-300-0.json");
         let edited = std::fs::read_to_string(&path).expect("a file").replace("\"c\"", "\"d\"");
         std::fs::write(&path, edited).expect("edited");
         let beside = keep(100.0, &column("a", "p"));

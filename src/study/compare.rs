@@ -1,9 +1,9 @@
 //! The same grains and protocol in several engines.
 //!
-//! Every engine carries out the whole scenario from the same grains in the
+//! Every engine runs the whole scenario from the same grains in the
 //! same places. Then the specimen that the first engine made is handed to the
 //! others for what comes after: the vibration where there is one, else the
-//! no-shake control. So differences of making and differences of carrying on
+//! rest test. So differences of making and differences of carrying on
 //! are told apart.
 
 use std::sync::Arc;
@@ -39,7 +39,7 @@ pub struct CompareRecord {
     pub scenario: String,
     /// The engines, the first one's specimen being handed on.
     pub backends: Vec<BackendInfo>,
-    /// Stages of the scenario carried out before the specimen is handed on.
+    /// Stages of the scenario run before the specimen is handed on.
     pub handed_on_after_stages: usize,
     /// One entry a run.
     pub runs: Vec<CompareRun>,
@@ -64,7 +64,7 @@ pub struct CompareRun {
     pub summary: Summary,
 }
 
-/// Carries out a comparison and writes `compare.json`, `report.html`,
+/// Runs a comparison and writes `compare.json`, `report.html`,
 /// `figures/` and `runs/<name>/`.
 ///
 /// # Errors

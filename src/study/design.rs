@@ -1,5 +1,5 @@
 //! What designs of studies have in common: the scenario they vary, and how
-//! their faults are told.
+//! their faults are reported.
 
 use std::path::{Path, PathBuf};
 

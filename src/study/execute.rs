@@ -1,4 +1,4 @@
-//! Carries out a plan on several threads, taking from the store what is there.
+//! Runs a plan on several threads, taking from the store what is there.
 
 use std::{
     sync::{
@@ -11,7 +11,7 @@ use std::{
 use rayon::prelude::*;
 
 use super::{
-    StudyError, believed, guards,
+    StudyError, believed, checks,
     plan::{Node, Plan, stage_name},
     recorder::{Recorder, note},
 };
@@ -20,7 +20,7 @@ use crate::geometry::Vector;
 use crate::grains::sieve_size_of;
 use crate::protocol::{Midway, Progress, Setup, StageError, WorldMaker, run as run_stage};
 use crate::record::{
-    AskedStage, Checkpoints, FileError, FrameWriter, StageGuards, StageRecord, StageStore,
+    AskedStage, Checkpoints, FileError, FrameWriter, StageChecks, StageRecord, StageStore,
     StoredStage,
 };
 use crate::scenario::automatic_threads;
@@ -121,11 +121,11 @@ pub fn available_cores() -> usize {
 fn tell_of_threads(plan: &Plan, progress: &dyn Progress) {
     static TOLD: AtomicBool = AtomicBool::new(false);
     let there = available_cores();
-    let asked = plan.nodes.iter().filter_map(|node| node.setup.engine.manifold.threads).max();
+    let asked = plan.nodes.iter().filter_map(|node| node.setup.engine.native.threads).max();
     let asked = asked.filter(|asked| *asked as usize > there);
     if let Some(asked) = asked.filter(|_| !TOLD.swap(true, Ordering::Relaxed)) {
         progress.message(&format!(
-            "warning: engine.manifold.threads = {asked} is more than the {there} cores that there \
+            "warning: engine.native.threads = {asked} is more than the {there} cores that there \
              are; taking {there}"
         ));
     }
@@ -239,7 +239,7 @@ impl Shop<'_> {
         let began = specimen.state.time;
         let kept = |error| StudyError::File(store.keeping(error));
         let checkpoints =
-            if node.has_legs { store.checkpoints(&asked).map_err(kept)? } else { None };
+            if node.has_segments { store.checkpoints(&asked).map_err(kept)? } else { None };
         let sound = |midway: &Midway| believed::midway(node, &before, midway);
         let last = |c: &Checkpoints| c.last(store.keeps_frames(), &sound);
         let (resumed, damaged) = checkpoints.as_ref().map_or_else(Default::default, last);
@@ -266,7 +266,7 @@ impl Shop<'_> {
         }
         let mut setup = Setup::clone(&node.setup);
         let automatic = automatic_threads(cores, node.grains.grains.len());
-        let settings = &mut setup.engine.manifold;
+        let settings = &mut setup.engine.native;
         settings.may_leave_threads = settings.threads.is_none();
         settings.threads = Some(threads_of(settings.threads, automatic, available_cores()));
         let outcome = run_stage(
@@ -297,10 +297,10 @@ impl Shop<'_> {
         })?;
         recorder.end(&outcome.specimen, outcome.simulated);
         let (observed, frames) = recorder.into_parts();
-        let creep = guards::creep(&node.stage, &observed.rows, &node.setup.scale);
-        let guards = StageGuards::of(&outcome.watch, observed.overlap, creep);
+        let creep = checks::creep(&node.stage, &observed.rows, &node.setup.scale);
+        let checks = StageChecks::of(&outcome.watch, observed.overlap, creep);
         let mut warnings = outcome.warnings;
-        warnings.extend(guards::warnings(&guards));
+        warnings.extend(checks::warnings(&checks));
         let record = StageRecord {
             stage: stage_name(&node.stage).into(),
             steps: outcome.steps,
@@ -308,7 +308,7 @@ impl Shop<'_> {
             wall_s: observed.wall_s,
             engine_s: outcome.engine_time.as_secs_f64(),
             warnings,
-            guards: Some(guards),
+            checks: Some(checks),
             solver_residuals: outcome.residuals,
             effective: outcome.effective,
             settling: outcome.settling,

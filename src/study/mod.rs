@@ -3,17 +3,17 @@
 mod believed;
 mod beside;
 mod calibrate;
+mod checks;
 mod compare;
 mod converge;
 mod described;
 mod design;
 mod execute;
-mod guards;
 mod held;
+mod interpretations;
 mod pile;
 mod plan;
 mod presets;
-mod readings;
 mod recorder;
 mod reproduce;
 mod run;
@@ -36,12 +36,12 @@ pub use converge::{
 };
 pub use design::SpecimenDesign;
 pub use execute::available_cores;
+pub use interpretations::Interpretation;
 pub use presets::preset;
-pub use readings::Reading;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
 pub use run::{RunOptions, make_grains, run_scenario, write_grains};
 pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, SensitivityStudy};
-pub use side_by_side::{ReadingsOptions, ReadingsOutcome, readings};
+pub use side_by_side::{InterpretationsOptions, InterpretationsOutcome, interpretations};
 pub use slurm::{SlurmJob, SlurmRequest, quoted, submit as submit_to_slurm, this_program};
 pub use summarise::standard;
 pub use sweep::{

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::{StudyError, summarise::grains_hash};
 use crate::grains::GrainSet;
-use crate::protocol::{Setup, legs};
+use crate::protocol::{Setup, segments};
 use crate::record::{RunKind, StageIdentity};
 use crate::scale::{GrainSizes, Scale};
 use crate::scenario::{
@@ -21,9 +21,9 @@ use crate::world::BackendInfo;
 
 /// Raised whenever the meaning of a stored stage changes, so that none of an
 /// older meaning is ever taken for a new one.
-const FORMAT: u32 = 13;
+const FORMAT: u32 = 14;
 
-/// A run to carry out.
+/// A run to run.
 #[derive(Debug, Clone)]
 pub struct PlannedRun {
     /// Name of its folder.
@@ -34,7 +34,7 @@ pub struct PlannedRun {
     pub scenario: Scenario,
     /// Its grains, shared by runs that have the same.
     pub grains: Arc<GrainSet>,
-    /// Stages carried out by another engine than the scenario's, for runs that
+    /// Stages run by another engine than the scenario's, for runs that
     /// begin with a specimen which that one made.
     pub prepared: Option<Prepared>,
 }
@@ -61,8 +61,8 @@ pub struct Node {
     pub setup: Arc<Setup>,
     /// The grains.
     pub grains: Arc<GrainSet>,
-    /// Whether it may take longer than one leg, and can go on from their ends.
-    pub has_legs: bool,
+    /// Whether it may take longer than one segment, and can go on from their ends.
+    pub has_segments: bool,
     /// For people: `configuration 1, pour from 50 mm`.
     pub label: String,
     /// Simulated time expected, in s.
@@ -83,8 +83,8 @@ impl Node {
 pub struct RunNodes {
     /// The scenario's stages, in order.
     pub stages: Vec<usize>,
-    /// The no-shake control after the last of them.
-    pub control: Option<usize>,
+    /// The rest test after the last of them.
+    pub rest_test: Option<usize>,
 }
 
 /// Stages and the runs made of them.
@@ -114,10 +114,10 @@ struct Determinants<'a> {
     configuration: u32,
     parent: &'a str,
     stage: &'a StageSpec,
-    /// Steps of a leg; left out where the stage is over within one, whose bits
+    /// Steps of a segment; left out where the stage is over within one, whose bits
     /// do not depend on it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    leg_steps: Option<u64>,
+    segment_steps: Option<u64>,
 }
 
 /// A scenario with its laboratory built.
@@ -163,11 +163,11 @@ impl Plan {
                 stages.push(node);
                 parent = Some(node);
             }
-            let control = (run.scenario.control_s > 0.0).then(|| {
-                let rest = StageSpec::Rest { duration_s: run.scenario.control_s };
+            let rest_test = (run.scenario.rest_test_s > 0.0).then(|| {
+                let rest = StageSpec::Rest { duration_s: run.scenario.rest_test_s };
                 plan.add(&mut known, run, &own, grains_hash, parent, &rest)
             });
-            plan.runs.push(RunNodes { stages, control });
+            plan.runs.push(RunNodes { stages, rest_test });
         }
         for index in (0..plan.nodes.len()).rev() {
             let remaining = plan.nodes[index].remaining;
@@ -181,8 +181,8 @@ impl Plan {
 
     /// The plan of one of its runs alone, and which of the nodes its nodes are.
     pub fn alone(&self, run: usize) -> (Self, Vec<usize>) {
-        let RunNodes { stages, control } = &self.runs[run];
-        let kept: Vec<usize> = stages.iter().chain(control).copied().collect();
+        let RunNodes { stages, rest_test } = &self.runs[run];
+        let kept: Vec<usize> = stages.iter().chain(rest_test).copied().collect();
         let place = |node: usize| kept.iter().position(|&k| k == node);
         let nodes = kept
             .iter()
@@ -193,7 +193,7 @@ impl Plan {
             .collect();
         let runs = vec![RunNodes {
             stages: (0..stages.len()).collect(),
-            control: control.map(|_| stages.len()),
+            rest_test: rest_test.map(|_| stages.len()),
         }];
         (Self { nodes, runs }, kept)
     }
@@ -208,7 +208,7 @@ impl Plan {
         stage: &StageSpec,
     ) -> usize {
         let scenario = &laboratory.scenario;
-        let leg_steps = legs(&laboratory.setup, run.grains.grains.len(), stage);
+        let segment_steps = segments(&laboratory.setup, run.grains.grains.len(), stage);
         let before = parent.map(|p| self.nodes[p].key().to_owned());
         let determinants = Determinants {
             format: FORMAT,
@@ -224,7 +224,7 @@ impl Plan {
             configuration: scenario.configuration,
             parent: before.as_deref().unwrap_or(grains_hash),
             stage,
-            leg_steps,
+            segment_steps,
         };
         let grains = (run.grains.grains.len(), grains_hash);
         let name = stage_name(stage);
@@ -240,7 +240,7 @@ impl Plan {
             stage: stage.clone(),
             setup: laboratory.setup.clone(),
             grains: run.grains.clone(),
-            has_legs: leg_steps.is_some(),
+            has_segments: segment_steps.is_some(),
             label: format!("configuration {}, {}", run.scenario.configuration, stage_label(stage)),
             expected,
             remaining: expected,
@@ -270,7 +270,7 @@ pub fn stage_label(stage: &StageSpec) -> String {
             let duration = stage.motion().map_or(0.0, |motion| motion.duration);
             format!("vibrate {periods} × {} s", (duration * 100.0).round() / 100.0)
         }
-        StageSpec::Rest { duration_s } => format!("no-shake control, {duration_s} s"),
+        StageSpec::Rest { duration_s } => format!("rest test, {duration_s} s"),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::{ops::ControlFlow, time::Instant};
 
-use super::guards::{last_look_at_overlap, look_at_overlap};
+use super::checks::{last_look_at_overlap, look_at_overlap};
 use crate::measure::{
     self, Container, HeightMap, body_energy, content, grain_energy, height_cell, largest_speed,
     mean_grain_height, plate_position,
@@ -26,7 +26,7 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     overlap: OverlapWatch,
     rows: Vec<SeriesRow>,
     frames: Option<FrameWriter>,
-    /// Where checkpoints are kept, in a stage that has legs.
+    /// Where checkpoints are kept, in a stage that has segments.
     checkpoints: Option<&'a Checkpoints>,
     /// Why one could not be.
     fault: Option<FileError>,
@@ -35,7 +35,7 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     wall_before: f64,
     /// Told of every row as it comes.
     on_row: F,
-    /// Told of what a guard finds.
+    /// Told of what a check finds.
     on_finding: &'a dyn Fn(&str),
 }
 
@@ -97,7 +97,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         Some(measure::pile_top(specimen).map_or(0.0, |top| (top - level).max(0.0)))
     }
 
-    /// Tells somebody of what guards find, at once.
+    /// Tells somebody of what checks find, at once.
     pub fn tell(&mut self, on_finding: &'a dyn Fn(&str)) {
         self.on_finding = on_finding;
     }
@@ -110,7 +110,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         }
     }
 
-    /// Keeps checkpoints at the ends of legs.
+    /// Keeps checkpoints at the ends of segments.
     pub fn keep_in(&mut self, checkpoints: Option<&'a Checkpoints>) {
         self.checkpoints = checkpoints;
     }

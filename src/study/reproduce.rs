@@ -10,9 +10,9 @@ use std::{
 use super::{
     StudyError, beside,
     described::described,
+    interpretations::Interpretation,
     plan::PlannedRun,
     presets::preset,
-    readings::Reading,
     run::{CarriedOut, RunOptions, carry_out, make_grains, write_grains},
     summarise::standard,
     told::tell_warnings,
@@ -50,8 +50,8 @@ pub struct ReproduceOptions {
     pub jobs: usize,
     /// What is changed in every scenario of the programme, the engine for one.
     pub changes: Vec<Override>,
-    /// A reading of the paper; `changes` have the last word.
-    pub reading: Option<Reading>,
+    /// An interpretation of the paper; `changes` have the last word.
+    pub interpretation: Option<Interpretation>,
     /// Set to stop at the next check.
     pub cancel: Arc<AtomicBool>,
     /// Told of what goes on.
@@ -78,8 +78,8 @@ pub struct ReproduceOutcome {
 /// [`StudyError`].
 pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyError> {
     create_folder(&options.out)?;
-    let reading = options.reading.as_ref();
-    let scenarios = Scenarios::load(options.quick, reading, &options.changes)?;
+    let interpretation = options.interpretation.as_ref();
+    let scenarios = Scenarios::load(options.quick, interpretation, &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     write_grains(&options.out, &scenarios.pluviation, &grains)?;
     let runs = programme(&scenarios, &grains, options.configurations, options.placements);
@@ -101,10 +101,10 @@ pub(super) struct Scenarios {
     pub pluviation: Scenario,
     pub continuous: Scenario,
     pub intermittent: Scenario,
-    /// The pile of slow pluviation; none under a reading, which is about what
+    /// The pile of slow pluviation; none under an interpretation, which is about what
     /// the paper simulated, and it simulated no pile.
     pub repose: Option<Scenario>,
-    /// What the programme is called: the engine, or the reading.
+    /// What the programme is called: the engine, or the interpretation.
     pub label: String,
     /// What its runs and files are called beside those of the default.
     pub suffix: String,
@@ -113,14 +113,14 @@ pub(super) struct Scenarios {
 }
 
 impl Scenarios {
-    /// The built-in scenarios under a reading, where there is one, and changes.
+    /// The built-in scenarios under an interpretation, where there is one, and changes.
     pub(super) fn load(
         quick: bool,
-        reading: Option<&Reading>,
+        interpretation: Option<&Interpretation>,
         changes: &[Override],
     ) -> Result<Self, StudyError> {
         let preset = |name| {
-            let mut all = reading.map_or(Ok(Vec::new()), |r| r.changes_of(name))?;
+            let mut all = interpretation.map_or(Ok(Vec::new()), |r| r.changes_of(name))?;
             all.extend_from_slice(changes);
             preset(name, &all)
         };
@@ -135,23 +135,24 @@ impl Scenarios {
                 preset("paper/vibration-intermittent.json")?,
             ]
         };
-        let repose = match reading {
+        let repose = match interpretation {
             None if quick => Some(preset("quick/repose.json")?),
             None => Some(preset("paper/repose.json")?),
             Some(_) => None,
         };
         let engine = &pluviation.engine;
-        let (label, suffix) = match reading {
+        let (label, suffix) = match interpretation {
             None => (beside::label(engine), beside::suffix(engine)),
-            Some(reading) => {
-                (format!("reading {}", reading.name), beside::reading_suffix(reading.name))
-            }
+            Some(interpretation) => (
+                format!("interpretation {}", interpretation.name),
+                beside::interpretation_suffix(interpretation.name),
+            ),
         };
         let changes = changes.to_vec();
         Ok(Self { pluviation, continuous, intermittent, repose, label, suffix, quick, changes })
     }
 
-    /// A hash of the programme without its engine and its reading: programmes
+    /// A hash of the programme without its engine and its interpretation: programmes
     /// that have the same may stand side by side.
     pub(super) fn programme_hash(&self, configurations: u32) -> Result<String, StudyError> {
         let plain = Self::load(self.quick, None, &self.changes)?;
@@ -327,8 +328,8 @@ fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<Str
     let engine = crate::world::info(scenarios.engine().backend);
     let target = format!("{} {}", std::env::consts::ARCH, std::env::consts::OS);
     let mut mode = if options.quick { " --quick" } else { "" }.to_owned();
-    if let Some(reading) = &options.reading {
-        mode += &format!(" --reading {}", reading.name);
+    if let Some(interpretation) = &options.interpretation {
+        mode += &format!(" --interpretation {}", interpretation.name);
     }
     if options.placements > 1 {
         mode += &format!(" --placements {}", options.placements);
@@ -347,9 +348,11 @@ fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<Str
 
 fn settings_in_words(options: &ReproduceOptions, scenarios: &Scenarios) -> String {
     let engine = beside::label(scenarios.engine());
-    match &options.reading {
+    match &options.interpretation {
         None => engine,
-        Some(reading) => format!("reading {}: {}; {engine}", reading.name, reading.title),
+        Some(interpretation) => {
+            format!("interpretation {}: {}; {engine}", interpretation.name, interpretation.title)
+        }
     }
 }
 

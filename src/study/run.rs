@@ -29,7 +29,7 @@ use crate::world::EffectiveSettings;
 /// The file that holds a run's grains.
 const GRAINS_FILE: &str = "grains.json";
 
-/// How to carry out a run.
+/// How to run a run.
 pub struct RunOptions {
     /// Folder for results; what is finished there is not done again.
     pub out: PathBuf,
@@ -45,8 +45,8 @@ pub struct RunOptions {
     pub progress: Arc<dyn Progress>,
 }
 
-/// Carries out a scenario and writes `manifest.json`, `summary.json`,
-/// `series.csv`, `control.csv`, `grains.csv`, `grains.json`, `specimen.json`
+/// Runs a scenario and writes `manifest.json`, `summary.json`,
+/// `series.csv`, `rest_test.csv`, `grains.csv`, `grains.json`, `specimen.json`
 /// and figures.
 ///
 /// # Errors
@@ -83,7 +83,7 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
     Ok(record)
 }
 
-/// Runs carried out together.
+/// Runs run together.
 pub(super) struct CarriedOut {
     /// In the order of the runs.
     pub records: Vec<RunRecord>,
@@ -91,7 +91,7 @@ pub(super) struct CarriedOut {
     pub effective: EffectiveSettings,
 }
 
-/// Carries out runs, taking from the store in the output folder what is there,
+/// Runs runs, taking from the store in the output folder what is there,
 /// and writes each run's files into its folder.
 pub(super) fn carry_out(
     runs: &[PlannedRun],
@@ -118,7 +118,7 @@ pub(super) fn carry_out(
     Ok(CarriedOut { records, effective })
 }
 
-/// The same, run by run: what was carried out, or why it could not be.
+/// The same, run by run: what was run, or why it could not be.
 ///
 /// # Errors
 /// When asked to stop, and when files cannot be read or written; a simulation
@@ -150,7 +150,7 @@ pub(super) fn carry_out_each(
     }
     let mut each = Vec::new();
     for (run, nodes) in runs.iter().zip(&plan.runs) {
-        let missing = nodes.stages.iter().chain(&nodes.control).find(|n| done[**n].is_none());
+        let missing = nodes.stages.iter().chain(&nodes.rest_test).find(|n| done[**n].is_none());
         if let Some(node) = missing {
             // The first stage that is missing is the one that failed.
             each.push(Err(reasons.get(node).cloned().unwrap_or_default()));
@@ -252,7 +252,7 @@ pub(super) fn write_run(
         .stages
         .last()
         .ok_or_else(|| StudyError::Scenario("a scenario needs at least one stage".to_owned()))?;
-    let Summarised { summary, specimen, series, control } =
+    let Summarised { summary, specimen, series, rest_test } =
         summarise(run, &plan.nodes[last].setup, nodes, done)?;
     let mut written = BTreeMap::new();
     let mut write = |name: &str, content: Vec<u8>| {
@@ -267,8 +267,8 @@ pub(super) fn write_run(
     let at_end = &done[last].record.sieved_mm;
     let grains = grains_csv(&specimen, known.sieved.grains(), &known.shapes, at_end);
     write("grains.csv", table("grains.csv", grains)?)?;
-    if !control.is_empty() {
-        write("control.csv", table("control.csv", series_csv(&control))?)?;
+    if !rest_test.is_empty() {
+        write("rest_test.csv", table("rest_test.csv", series_csv(&rest_test))?)?;
     }
     let path = out.join("specimen.json");
     write("specimen.json", json_text(&path, &specimen.state)?)?;
@@ -288,7 +288,7 @@ pub(super) fn write_run(
         falling_height_mm: summary.falling_height_mm.unwrap_or(0.0),
         summary,
         series,
-        control,
+        rest_test,
     })
 }
 
@@ -336,7 +336,7 @@ fn manifest(
         "engine_settings_read_back": effective,
         "vibrations": vibrations(&run.scenario),
         "stages": nodes.stages.iter().map(stage).collect::<Vec<_>>(),
-        "control": nodes.control.as_ref().map(stage),
+        "rest_test": nodes.rest_test.as_ref().map(stage),
         "files_sha256": written,
     })
 }

@@ -1,4 +1,4 @@
-//! The programme under several readings of the paper, side by side.
+//! The programme under several interpretations of the paper, side by side.
 
 use std::{
     path::PathBuf,
@@ -7,8 +7,8 @@ use std::{
 
 use super::{
     StudyError, beside,
+    interpretations::Interpretation,
     plan::PlannedRun,
-    readings::Reading,
     reproduce::{Scenarios, programme, study_view},
     run::{CarriedOut, RunOptions, carry_out_each, make_grains},
     summarise::standard,
@@ -17,27 +17,29 @@ use super::{
 use crate::paper;
 use crate::protocol::Progress;
 use crate::record::{Beside, RunRecord, create_folder, keep_beside};
-use crate::report::{ReadingColumn, ReadingFailure, ReadingRun, write_readings};
+use crate::report::{
+    InterpretationColumn, InterpretationFailure, InterpretationRun, write_interpretations,
+};
 use crate::scale::Scale;
 use crate::scenario::{Override, warnings};
 
 /// Folder of the columns in the output folder.
-const FOLDER: &str = "readings";
+const FOLDER: &str = "interpretations";
 
-/// Which readings to carry out, and where.
-pub struct ReadingsOptions {
+/// Which interpretations to run, and where.
+pub struct InterpretationsOptions {
     /// Folder for results; what is finished there is not done again, and
-    /// readings carried out there before stay in the table.
+    /// interpretations run there before stay in the table.
     pub out: PathBuf,
     /// A few hundred grains instead of 1456, and shorter vibration.
     pub quick: bool,
     /// Number of configurations.
     pub configurations: u32,
-    /// The readings, in the order in which they are carried out.
-    pub readings: Vec<Reading>,
+    /// The interpretations, in the order in which they are run.
+    pub interpretations: Vec<Interpretation>,
     /// Threads for stages that do not need each other.
     pub jobs: usize,
-    /// What is changed in every scenario of every reading.
+    /// What is changed in every scenario of every interpretation.
     pub changes: Vec<Override>,
     /// Set to stop at the next check.
     pub cancel: Arc<AtomicBool>,
@@ -47,43 +49,51 @@ pub struct ReadingsOptions {
 
 /// What came out.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ReadingsOutcome {
-    /// Every reading of the table, those of earlier commands among them.
-    pub columns: Vec<ReadingColumn>,
+pub struct InterpretationsOutcome {
+    /// Every interpretation of the table, those of earlier commands among them.
+    pub columns: Vec<InterpretationColumn>,
     /// The page.
     pub report: PathBuf,
 }
 
-/// Carries out the programme under each reading and writes `readings.json`,
-/// `readings.md`, `readings.html` and `figures/`, anew after every reading. A
+/// Runs the programme under each interpretation and writes `interpretations.json`,
+/// `interpretations.md`, `interpretations.html` and `figures/`, anew after every interpretation. A
 /// run that fails is a line of the table, and the others go on.
 ///
 /// # Errors
 /// [`StudyError`] where files cannot be read or written, the changes do not
 /// fit, or it was asked to stop.
-pub fn readings(options: &ReadingsOptions) -> Result<ReadingsOutcome, StudyError> {
+pub fn interpretations(
+    options: &InterpretationsOptions,
+) -> Result<InterpretationsOutcome, StudyError> {
     create_folder(&options.out)?;
-    // Faults of the changes are told before anything runs, and so are warnings.
-    let load = |reading| Scenarios::load(options.quick, Some(reading), &options.changes);
-    let all = options.readings.iter().map(load).collect::<Result<Vec<_>, _>>()?;
+    // Faults of the changes are reported before anything runs, and so are warnings.
+    let load =
+        |interpretation| Scenarios::load(options.quick, Some(interpretation), &options.changes);
+    let all = options.interpretations.iter().map(load).collect::<Result<Vec<_>, _>>()?;
     tell_warnings(all.iter().flat_map(Scenarios::all), options.progress.as_ref());
     let mut outcome = None;
-    for reading in &options.readings {
-        options.progress.message(&format!("reading {}: {}", reading.name, reading.title));
-        let column = carry_out_reading(options, reading)?;
+    for interpretation in &options.interpretations {
+        options
+            .progress
+            .message(&format!("interpretation {}: {}", interpretation.name, interpretation.title));
+        let column = carry_out_interpretation(options, interpretation)?;
         let columns = keep_and_read(options, column)?;
         let standard = standard(&Scale::PAPER);
-        write_readings(&options.out, &columns, standard)?;
-        outcome = Some(ReadingsOutcome { columns, report: options.out.join("readings.html") });
+        write_interpretations(&options.out, &columns, standard)?;
+        outcome = Some(InterpretationsOutcome {
+            columns,
+            report: options.out.join("interpretations.html"),
+        });
     }
-    outcome.ok_or_else(|| StudyError::Scenario("no reading is named".to_owned()))
+    outcome.ok_or_else(|| StudyError::Scenario("no interpretation is named".to_owned()))
 }
 
-fn carry_out_reading(
-    options: &ReadingsOptions,
-    reading: &Reading,
-) -> Result<ReadingColumn, StudyError> {
-    let scenarios = Scenarios::load(options.quick, Some(reading), &options.changes)?;
+fn carry_out_interpretation(
+    options: &InterpretationsOptions,
+    interpretation: &Interpretation,
+) -> Result<InterpretationColumn, StudyError> {
+    let scenarios = Scenarios::load(options.quick, Some(interpretation), &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     let runs = programme(&scenarios, &grains, options.configurations, 1);
     let how = RunOptions {
@@ -100,7 +110,7 @@ fn carry_out_reading(
     for (run, result) in runs.iter().zip(each) {
         match result {
             Ok(CarriedOut { records: done, .. }) => records.extend(done),
-            Err(reason) => failures.push(ReadingFailure { run: run.name.clone(), reason }),
+            Err(reason) => failures.push(InterpretationFailure { run: run.name.clone(), reason }),
         }
     }
     let study = study_view(options.quick, options.configurations, &scenarios, &grains, &records)?;
@@ -112,17 +122,17 @@ fn carry_out_reading(
     let mut notes: Vec<String> = coarse.collect();
     notes.sort();
     notes.dedup();
-    Ok(ReadingColumn {
-        name: reading.name.to_owned(),
-        title: reading.title.clone(),
-        meaning: reading.meaning.clone(),
-        source: reading.source.clone(),
+    Ok(InterpretationColumn {
+        name: interpretation.name.to_owned(),
+        title: interpretation.title.clone(),
+        meaning: interpretation.meaning.clone(),
+        source: interpretation.source.clone(),
         settings: beside::label(&scenarios.pluviation.engine),
         programme: scenarios.programme_hash(options.configurations)?,
         quick: options.quick,
         configurations: options.configurations,
         planned_runs: runs.len(),
-        runs: records.iter().map(ReadingRun::of).collect(),
+        runs: records.iter().map(InterpretationRun::of).collect(),
         failures,
         warnings: notes,
         claims,
@@ -130,18 +140,18 @@ fn carry_out_reading(
 }
 
 /// Keeps a column, and gives it with the others of the same programme, in the
-/// order of the readings; damaged ones are reported and left out.
+/// order of the interpretations; damaged ones are reported and left out.
 fn keep_and_read(
-    options: &ReadingsOptions,
-    column: ReadingColumn,
-) -> Result<Vec<ReadingColumn>, StudyError> {
+    options: &InterpretationsOptions,
+    column: InterpretationColumn,
+) -> Result<Vec<InterpretationColumn>, StudyError> {
     let name = format!("{}.json", column.name);
     let folder = options.out.join(FOLDER);
     let Beside { others: mut columns, damaged } = keep_beside(&folder, &name, &column)?;
     damaged.iter().for_each(|said| options.progress.message(said));
     columns.retain(|other| other.programme == column.programme);
     columns.push(column);
-    let place = |c: &ReadingColumn| Reading::names().position(|n| n == c.name);
+    let place = |c: &InterpretationColumn| Interpretation::names().position(|n| n == c.name);
     columns.sort_by_key(|c| (place(c).unwrap_or(usize::MAX), c.name.clone()));
     Ok(columns)
 }

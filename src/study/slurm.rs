@@ -136,7 +136,7 @@ fn script_text(
     option("requeue", "");
     let log = if tasks.numbers.is_some() { "%x-%A_%a.log" } else { "%x-%j.log" };
     option("output", &log_pattern(logs, log));
-    // A stage that comes near its time limit is told, and keeps its checkpoint.
+    // A stage that comes near its time limit is reported, and keeps its checkpoint.
     option("signal", "TERM@30");
     if let Some(numbers) = tasks.numbers {
         option("array", &ranges(numbers));

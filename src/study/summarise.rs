@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    StudyError,
+    StudyError, checks,
     described::{described, secondary_sieve},
-    guards,
     plan::{PlannedRun, RunNodes},
     recorder::container,
 };
@@ -17,7 +16,7 @@ use crate::measure::{
 use crate::motion::MotionFacts;
 use crate::protocol::Setup;
 use crate::record::{
-    Control, GrainsSummary, Overlap, SeriesRow, Settlement, ShapeSummary, SieveSummary,
+    GrainsSummary, Overlap, RestTest, SeriesRow, Settlement, ShapeSummary, SieveSummary,
     SolverResidual, StandingHeight, StoredStage, Summary, VibrationSummary, hash_json,
 };
 use crate::report::Standard;
@@ -47,8 +46,8 @@ pub struct Summarised {
     pub specimen: Specimen,
     /// All rows, stage by stage.
     pub series: Vec<SeriesRow>,
-    /// The rows of the control.
-    pub control: Vec<SeriesRow>,
+    /// The rows of the rest test.
+    pub rest_test: Vec<SeriesRow>,
 }
 
 /// Puts a run's stages together and measures its end.
@@ -63,7 +62,7 @@ pub fn summarise(
 ) -> Result<Summarised, StudyError> {
     let scenario = &run.scenario;
     let stages: Vec<&StoredStage> = nodes.stages.iter().map(|&n| &*done[n]).collect();
-    let control = nodes.control.map(|n| &*done[n]);
+    let rest_test = nodes.rest_test.map(|n| &*done[n]);
     let state = stages.last().map_or_else(
         || SpecimenState::before_everything(run.grains.grains.len()),
         |s| s.state.clone(),
@@ -97,9 +96,9 @@ pub fn summarise(
     let periods: Vec<Period> = specs.flat_map(|(spec, stage)| periods(spec, stage)).collect();
     let plate = settlement(&series, &periods, |r| r.plate_height_mm)?;
     let surface = settlement(&series, &periods, |r| Some(r.mean_surface_mm))?;
-    let control_figures = control.and_then(|c| self::control(&c.series));
-    let creep = control.and_then(|c| self::creep_um_per_s(&c.series));
-    let all = stages.iter().copied().chain(control);
+    let rest_test_figures = rest_test.and_then(|c| self::rest_test(&c.series));
+    let creep = rest_test.and_then(|c| self::creep_um_per_s(&c.series));
+    let all = stages.iter().copied().chain(rest_test);
     let mut warnings: Vec<String> =
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
     warnings.extend(scenario::warnings(scenario).iter().map(ToString::to_string));
@@ -125,8 +124,8 @@ pub fn summarise(
             overlap.mean_percent, overlap.p99_percent
         ));
     }
-    let guards = guards::of_run(all.clone().map(|s| &s.record));
-    if let Some(g) = guards.solver_residual.as_ref().filter(|g| g.passed == Some(false)) {
+    let checks = checks::of_run(all.clone().map(|s| &s.record));
+    if let Some(g) = checks.solver_residual.as_ref().filter(|g| g.passed == Some(false)) {
         warnings.push(format!(
             "the contacts were not solved well enough: the 99th percentile of the residual is \
              {:.3}, limit {:.3}; a smaller solver_tolerance or more sub-steps would help",
@@ -151,7 +150,7 @@ pub fn summarise(
     let summary = Summary {
         scenario: scenario.name.clone(),
         backend: crate::world::info(scenario.engine.backend),
-        contact_path: contact_path(&scenario.engine),
+        contact_solver: contact_solver(&scenario.engine),
         seed: scenario.seed,
         configuration: scenario.configuration,
         falling_height_mm: scenario.stages.iter().find_map(|s| match s {
@@ -173,11 +172,11 @@ pub fn summarise(
         overlap,
         coordination_number: coordination(&members, &pairs).mean.unwrap_or(0.0),
         creep_um_per_s: creep,
-        control: control_figures,
+        rest_test: rest_test_figures,
         meets_standard,
         valid: false,
         left_out_of_means: Vec::new(),
-        guards: Some(guards),
+        checks: Some(checks),
         solver_residual: SolverResidual::of(
             all.clone().flat_map(|s| s.record.solver_residuals.iter().copied()),
         ),
@@ -190,8 +189,8 @@ pub fn summarise(
         warnings,
     }
     .judged();
-    let control = control.map_or_else(Vec::new, |c| c.series.clone());
-    Ok(Summarised { summary, specimen, series, control })
+    let rest_test = rest_test.map_or_else(Vec::new, |c| c.series.clone());
+    Ok(Summarised { summary, specimen, series, rest_test })
 }
 
 /// Name of a set of grains: the hash of every vertex.
@@ -299,18 +298,18 @@ fn settlement(
 }
 
 /// Who found and solved the contacts: a path on Bullet, or the other engine itself.
-fn contact_path(engine: &EngineSettings) -> String {
+fn contact_solver(engine: &EngineSettings) -> String {
     let name = match engine.backend {
-        Backend::Bullet => serde_json::to_value(engine.contact_path),
+        Backend::Bullet => serde_json::to_value(engine.contact_solver),
         Backend::Rapier => serde_json::to_value(engine.backend),
     };
     name.ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
-fn control(series: &[SeriesRow]) -> Option<Control> {
+fn rest_test(series: &[SeriesRow]) -> Option<RestTest> {
     let (first, last) = (series.first()?, series.last()?);
     let duration_s = last.time_s - first.time_s;
-    (duration_s > 0.0).then(|| Control {
+    (duration_s > 0.0).then(|| RestTest {
         duration_s,
         mean_grain_height_drop_mm: first.mean_grain_height_mm - last.mean_grain_height_mm,
         mean_surface_drop_mm: first.mean_surface_mm - last.mean_surface_mm,
@@ -319,7 +318,7 @@ fn control(series: &[SeriesRow]) -> Option<Control> {
 }
 
 /// Speed in µm/s at which the mean grain sinks in the second half of the
-/// control. In the first, what still moved comes to rest: a specimen poured by
+/// rest test. In the first, what still moved comes to rest: a specimen poured by
 /// a stated criterion of calm, or one whose table stops from full speed.
 pub(super) fn creep_um_per_s(series: &[SeriesRow]) -> Option<f64> {
     let (first, last) = (series.first()?, series.last()?);

@@ -27,7 +27,7 @@ pub(super) fn scenario(falling_height_mm: f64) -> Scenario {
             "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
         },
         "engine": { "iterations": 10 },
-        "control_s": 0.2,
+        "rest_test_s": 0.2,
         "stages": [
             { "stage": "fill_funnel" },
             { "stage": "pour", "falling_height_mm": falling_height_mm },
@@ -96,7 +96,7 @@ fn bits(done: &[Arc<StoredStage>]) -> Vec<(String, String)> {
 fn runs_share_the_stages_they_have_in_common_and_no_others() {
     let runs = [planned(scenario(0.0)), planned(scenario(50.0))];
     let plan = plan(&runs);
-    // One filling; two pours; two controls.
+    // One filling; two pours; two rest tests.
     assert_eq!(plan.nodes.len(), 5);
     assert_eq!(plan.runs[0].stages[0], plan.runs[1].stages[0]);
     assert_ne!(plan.runs[0].stages[1], plan.runs[1].stages[1]);
@@ -176,7 +176,7 @@ fn a_summary_tells_where_every_grain_is() {
     let (void_ratio, porosity) = (s.void_ratio.expect("voids"), s.porosity.expect("voids"));
     assert!(void_ratio > 0.0 && porosity > 0.0 && porosity < 1.0, "{s:?}");
     assert!((porosity - void_ratio / (1.0 + void_ratio)).abs() < 1e-12, "law: n = e/(1+e)");
-    assert!(s.control.is_some() && s.creep_um_per_s.is_some());
+    assert!(s.rest_test.is_some() && s.creep_um_per_s.is_some());
     assert!(s.settlement_mm.is_none(), "nothing was shaken");
     assert_eq!(s.falling_height_mm, Some(50.0));
     let sieve = s.sieve_analysis.as_ref().expect("sieved");
@@ -190,10 +190,10 @@ fn a_summary_tells_where_every_grain_is() {
     assert_eq!(secondary.grains + apart, s.grains.count, "law: every grain is accounted for");
     let found: usize = sieve.fractions.iter().map(|f| f.grains).sum();
     assert_eq!(found, s.grains.count, "law: every grain is in one fraction: {sieve:?}");
-    assert_eq!(result.series.last().map(|r| r.stage), Some(1), "the control is kept apart");
+    assert_eq!(result.series.last().map(|r| r.stage), Some(1), "the rest test is kept apart");
 }
 
-/// Carries out a run whose engine is given other grains than those of the run,
+/// Runs a run whose engine is given other grains than those of the run,
 /// and sieves them anew.
 fn sieved_anew(
     tamper: impl Fn(&mut crate::grains::GrainSet),
@@ -294,7 +294,7 @@ fn what_fails_does_not_stop_the_rest() {
     };
     let executed = execute_each(&plan, &store, 2, &resting, &AtomicBool::new(false), &Silent);
     let done = |run: usize| plan.runs[run].stages.iter().all(|n| executed.done[*n].is_some());
-    assert!(done(0) && !done(1), "law: the run that can be carried out is");
+    assert!(done(0) && !done(1), "law: the run that can be run is");
     let [(node, StudyError::Simulation { what, .. })] = executed.failed.as_slice() else {
         panic!("expected one failure, got {:?}", executed.failed)
     };

@@ -55,7 +55,7 @@ mod tests {
     #[test]
     fn each_distinct_warning_is_told_once() {
         let soft = |friction| {
-            scenario(serde_json::json!({ "manifold": { "substep_rate_hz": 100 } }), friction)
+            scenario(serde_json::json!({ "native": { "substep_rate_hz": 100 } }), friction)
         };
         let other = scenario(serde_json::json!({ "rate_hz": 100 }), 0.5);
         let plain = scenario(serde_json::json!({}), 0.5);
@@ -63,7 +63,7 @@ mod tests {
         tell_warnings([&plain, &soft(0.3), &soft(0.5), &other, &soft(0.3)], &heard);
         let told = heard.0.into_inner().expect("held by none");
         assert_eq!(told.len(), 2, "law: two distinct warnings among five scenarios: {told:?}");
-        assert!(told[0].starts_with("warning: engine.manifold.substep_rate_hz"), "{told:?}");
+        assert!(told[0].starts_with("warning: engine.native.substep_rate_hz"), "{told:?}");
         assert!(told[1].starts_with("warning: engine.rate_hz"), "{told:?}");
         let heard = Heard::default();
         tell_warnings([&plain], &heard);

@@ -61,7 +61,7 @@ pub struct Verdict {
     pub law: String,
     /// Where law and values come from.
     pub source: String,
-    /// `bullet`, `rapier`.
+    /// `stock`, `rapier`.
     pub backend: String,
     /// Version of the engine.
     pub version: String,

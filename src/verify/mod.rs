@@ -30,7 +30,7 @@ use std::sync::RwLock;
 
 use crate::world::WorldError;
 
-/// Why a case could not be carried out.
+/// Why a case could not be run.
 #[derive(Debug, thiserror::Error)]
 pub enum VerifyError {
     /// A case file has a fault.
@@ -56,8 +56,8 @@ pub enum VerifyError {
 /// that change it run alone.
 static PROCESS: RwLock<()> = RwLock::new(());
 
-/// Carries out a case on an engine and judges what came out. An experiment
-/// that could not be carried out has failed; the reason is in the note.
+/// Runs a case on an engine and judges what came out. An experiment
+/// that could not be run has failed; the reason is in the note.
 pub fn verify(case: &Case, setting: &Setting, make: Maker) -> Verdict {
     let bench = Bench::new(setting.engine.clone(), make);
     let outcome = if case.experiment.needs_the_process() {

@@ -70,7 +70,7 @@ impl Scene {
             let mut body = self.view.body_out(&waiting[n], self.time())?;
             let fixed = !matches!(body.motion, Motion::Free { .. });
             if self.view.moves() && fixed {
-                body.motion = Motion::Driven;
+                body.motion = Motion::Kinematic;
                 body.state.linear_velocity = Vector::zeros();
                 self.carried.push((BodyId((first + n) as u32), waiting[n].state.pose));
             }

@@ -1,6 +1,6 @@
 //! The engines and settings on which every case is run.
 
-use crate::scenario::{Backend, ContactPath, EngineSettings};
+use crate::scenario::{Backend, ContactSolver, EngineSettings};
 use crate::world;
 
 /// An engine with its settings, under a name.
@@ -13,27 +13,28 @@ pub struct Setting {
     pub engine: EngineSettings,
 }
 
-/// The settings of this build: Bullet's own contacts at the default rate and
-/// at twice that, the contact path `manifold` at three rates, and rapier where
+/// The settings of this build: stock Bullet contacts at the default rate and
+/// at twice that, the native contact solver at three rates, and rapier where
 /// it is built in.
 pub fn settings() -> Vec<Setting> {
-    let stock = EngineSettings { contact_path: ContactPath::Bullet, ..EngineSettings::default() };
+    let stock =
+        EngineSettings { contact_solver: ContactSolver::Stock, ..EngineSettings::default() };
     let precision = match world::info(Backend::Bullet).precision.as_str() {
         "single" => "-single",
         _ => "",
     };
     let mut settings = vec![
-        Setting { name: format!("bullet{precision}"), engine: stock.clone() },
+        Setting { name: format!("stock{precision}"), engine: stock.clone() },
         Setting {
-            name: format!("bullet-960{precision}"),
+            name: format!("stock-960{precision}"),
             engine: EngineSettings { rate_hz: 960.0, ..stock.clone() },
         },
     ];
     for rate_hz in [240.0, 480.0, 1000.0] {
         settings.push(Setting {
-            name: format!("manifold-{rate_hz}{precision}"),
+            name: format!("native-{rate_hz}{precision}"),
             engine: EngineSettings {
-                contact_path: ContactPath::Manifold,
+                contact_solver: ContactSolver::Native,
                 rate_hz,
                 ..stock.clone()
             },

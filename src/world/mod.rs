@@ -5,16 +5,16 @@
 //! rounding are the backend's private business.
 
 pub mod bullet;
-mod guard;
 #[cfg(test)]
 mod parity_tests;
 #[cfg(feature = "rapier")]
 pub mod rapier;
+mod run_time_check;
 pub mod scripted;
 
 #[cfg(test)]
 pub(crate) use bullet::tests::{exclusive_turn, shared_turn};
-pub use guard::{Guard, GuardLimits};
+pub use run_time_check::{CheckLimits, RunTimeCheck};
 
 use std::sync::Arc;
 
@@ -72,7 +72,7 @@ pub enum Motion {
     /// Never.
     Static,
     /// As [`World::drive`] says, unmoved by contacts.
-    Driven,
+    Kinematic,
     /// By gravity and contacts.
     Free {
         /// Mass in kg.
@@ -208,9 +208,9 @@ pub enum WorldError {
     /// No body of that number is in the world.
     #[error("there is no body {0:?} in this world")]
     NoSuchBody(BodyId),
-    /// Only driven bodies can be driven.
+    /// Only kinematic bodies can be driven.
     #[error("body {0:?} is not driven")]
-    NotDriven(BodyId),
+    NotKinematic(BodyId),
     /// Settings the engine cannot take, or did not keep.
     #[error("engine setting `{setting}`: {reason}")]
     BadSetting {
@@ -222,7 +222,7 @@ pub enum WorldError {
     /// The engine reported a fault of its own.
     #[error("the engine failed: {0}")]
     Engine(String),
-    /// A guard found the state unphysical.
+    /// A check found the state unphysical.
     #[error("the simulation became unphysical at {time_s:.4} s: {what}")]
     Unphysical {
         /// Simulated time in the stage, in s.
@@ -246,19 +246,19 @@ pub trait World {
     /// [`WorldError::NoSuchBody`].
     fn remove(&mut self, id: BodyId) -> Result<(), WorldError>;
 
-    /// Says where a driven body is at the end of the next step. It stays
+    /// Says where a kinematic body is at the end of the next step. It stays
     /// there until driven again; its contacts feel the velocity of the move.
     ///
     /// # Errors
-    /// [`WorldError::NoSuchBody`], [`WorldError::NotDriven`].
+    /// [`WorldError::NoSuchBody`], [`WorldError::NotKinematic`].
     fn drive(&mut self, id: BodyId, pose_at_end_of_step: &Pose) -> Result<(), WorldError>;
 
-    /// Tells a new world, before its first step, where a driven body was at the ends of
+    /// Tells a new world, before its first step, where a kinematic body was at the ends of
     /// the last three steps in another world, the last one last: its velocity goes on
     /// changing as it did. Nothing for an engine that looks at one step alone.
     ///
     /// # Errors
-    /// [`WorldError::NoSuchBody`], [`WorldError::NotDriven`].
+    /// [`WorldError::NoSuchBody`], [`WorldError::NotKinematic`].
     fn recall_drive(&mut self, _id: BodyId, _ends: &[Pose; 3]) -> Result<(), WorldError> {
         Ok(())
     }

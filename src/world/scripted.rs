@@ -75,12 +75,12 @@ impl World for ScriptedWorld {
 
     fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
         match self.bodies.get_mut(id.0 as usize) {
-            Some(Some((Motion::Driven, state))) => {
+            Some(Some((Motion::Kinematic, state))) => {
                 state.pose = *pose;
                 self.driven.push((id, *pose));
                 Ok(())
             }
-            Some(Some(_)) => Err(WorldError::NotDriven(id)),
+            Some(Some(_)) => Err(WorldError::NotKinematic(id)),
             _ => Err(WorldError::NoSuchBody(id)),
         }
     }

@@ -71,7 +71,7 @@ fn a_mass_is_found_for_a_height_and_the_same_command_gives_the_same_bytes() {
     let area = std::f64::consts::PI / 4.0 * 7.5 * 7.5;
     let void_ratio = 0.9 * area * 2.6739 / mass - 1.0;
     assert!((0.3..1.5).contains(&void_ratio), "law: h = m(1 + e)/(ρA); got e {void_ratio}");
-    // Every value was carried out in the same configurations.
+    // Every value was run in the same configurations.
     let runs = found["runs"].as_array().expect("runs");
     for value in found["values"].as_array().expect("values") {
         let configurations: Vec<u64> = runs
@@ -187,7 +187,10 @@ fn wrong_usage_is_told_before_anything_runs() {
         ([&height[..], &friction, &between, &["--replicates", "1"]].concat(), "--replicates"),
         ([&height[..], &friction, &between, &["--most-runs", "7"]].concat(), "at least 30 runs"),
         // Without a rest test no run is valid.
-        ([&height[..], &friction, &between, &["--set", "control_s=0"]].concat(), "control_s is 0"),
+        (
+            [&height[..], &friction, &between, &["--set", "rest_test_s=0"]].concat(),
+            "rest_test_s is 0",
+        ),
     ];
     for (more, words) in cases {
         let (code, printed, said) = calibrate(&scenario, &out, &more);

@@ -44,7 +44,7 @@ fn info_names_the_engine() {
 fn every_subcommand_shows_an_example() {
     for command in [
         "reproduce",
-        "readings",
+        "interpretations",
         "run",
         "converge",
         "sensitivity",

@@ -1,4 +1,4 @@
-//! The hull–hull test of the manifold contact path against the exact
+//! The hull–hull test of the native contact solver against the exact
 //! separating axis test of `measure`, which shares no code with it.
 
 mod memory;
@@ -83,7 +83,7 @@ fn judge(case: &Case) -> Result<Separation, String> {
             case.name
         ))
     };
-    let settings = ProbeSettings { reach: REACH, ..Default::default() };
+    let settings = ProbeSettings { speculative_margin: REACH, ..Default::default() };
     let mut pair = HullPair::new(&case.a, &case.b, settings).map_err(|e| e.to_string())?;
 
     // The search over axes.
@@ -218,7 +218,7 @@ fn a_million_random_pairs_agree_with_the_exact_test() {
 fn moving_pairs_agree_with_the_exact_test() {
     let (mut touching, mut apart) = (0, 0);
     for (number, case) in Cases::new(7).take(150).enumerate() {
-        let settings = ProbeSettings { reach: REACH, ..Default::default() };
+        let settings = ProbeSettings { speculative_margin: REACH, ..Default::default() };
         let mut pair = HullPair::new(&case.a, &case.b, settings).expect("a pair");
         let mut motion = pairs::Motion::new(number as u64);
         let mut now = Case {
@@ -262,7 +262,8 @@ fn moving_pairs_agree_with_the_exact_test() {
 fn portable_code_gives_the_same_bits() {
     for case in Cases::new(5).take(500) {
         let of = |portable| {
-            let settings = ProbeSettings { portable, reach: REACH, ..Default::default() };
+            let settings =
+                ProbeSettings { portable, speculative_margin: REACH, ..Default::default() };
             let mut pair = HullPair::new(&case.a, &case.b, settings).expect("a pair");
             let gap = pair.widest_gap(&case.pose_a, &case.pose_b, true);
             (gap, pair.step(&case.pose_a, &case.pose_b))
@@ -300,7 +301,7 @@ fn crossed_needles_are_parted_by_their_edges() {
             case.name,
             exact.gap
         );
-        let settings = ProbeSettings { reach: REACH, ..Default::default() };
+        let settings = ProbeSettings { speculative_margin: REACH, ..Default::default() };
         let mut pair = HullPair::new(&case.a, &case.b, settings).expect("a pair");
         let points = pair.step(&case.pose_a, &case.pose_b).len();
         let expected = usize::from(gap < REACH);

@@ -6,7 +6,7 @@ mod markdown;
 use std::{collections::BTreeSet, fs, path::Path};
 
 use pluvia::grains::load_scenario;
-use pluvia::scenario::{EngineSettings, ManifoldSettings, RapierSettings, Scenario, StockSettings};
+use pluvia::scenario::{EngineSettings, NativeSettings, RapierSettings, Scenario, StockSettings};
 use serde_json::Value;
 
 use markdown::{anchors, blocks, links, make_targets};
@@ -158,7 +158,7 @@ fn the_complete_scenario_shows_every_field_and_default() {
     }
 }
 
-/// Every field of a JSON value as a dotted path; elements of arrays are told
+/// Every field of a JSON value as a dotted path; elements of arrays are reported
 /// apart by their number.
 fn paths<'a>(prefix: &str, value: &'a Value) -> Box<dyn Iterator<Item = String> + 'a> {
     let prefix = prefix.to_owned();
@@ -211,8 +211,8 @@ fn engine_settings_are_explained_with_their_defaults() {
     let table = read("docs/parameters.md");
     let settings = [
         ("", serde_json::to_value(EngineSettings::default())),
-        ("bullet.", serde_json::to_value(StockSettings::default())),
-        ("manifold.", serde_json::to_value(ManifoldSettings::default())),
+        ("stock.", serde_json::to_value(StockSettings::default())),
+        ("native.", serde_json::to_value(NativeSettings::default())),
         ("rapier.", serde_json::to_value(RapierSettings::default())),
     ];
     for (prefix, defaults) in settings {

@@ -10,7 +10,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-use super::interruption::write_scenario_in_legs;
+use super::interruption::write_scenario_in_segments;
 
 /// A call that changes names, or brings something to the disk.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,7 +116,7 @@ fn names_are_on_the_disk_before_anybody_relies_on_them() {
         let _ = io::stderr().write_all(said.as_bytes());
         return;
     }
-    let scenario = write_scenario_in_legs(&root);
+    let scenario = write_scenario_in_segments(&root);
     let out = root.join("new/folders/out");
     let mut command = strace(&log);
     command.arg(env!("CARGO_BIN_EXE_pluvia")).arg("run").arg(&scenario).arg("--out").arg(&out);

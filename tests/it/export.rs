@@ -105,8 +105,8 @@ fn an_earlier_stage_can_be_chosen_and_carries_what_follows() {
     let filled = scene(folder.path());
     assert_eq!(filled.apparatus.len(), 33, "32 funnel pieces and the lid, no cylinder yet");
     assert!(filled.apparatus.iter().all(|p| p.motion == Carrier::Fixed));
-    done(small_run(), &["--format", "json", "--stage", "control"], folder.path());
-    assert_eq!(scene(folder.path()).made_by.stage, "control");
+    done(small_run(), &["--format", "json", "--stage", "rest_test"], folder.path());
+    assert_eq!(scene(folder.path()).made_by.stage, "rest_test");
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn frames_for_paraview_are_listed_and_counted() {
     assert!(moments > 8, "law: frames between the ends, got {moments}");
 
     let one = folder.path().join("one");
-    done(small_run(), &["--format", "vtk", "--stage", "control"], &one);
+    done(small_run(), &["--format", "vtk", "--stage", "rest_test"], &one);
     let text = fs::read_to_string(one.join("contacts.pvd")).expect("a list");
     assert_eq!(text.matches("<DataSet").count(), 1, "law: the end of one stage");
 }
@@ -307,9 +307,9 @@ fn what_cannot_be_exported_is_said_in_one_line() {
         assert!(!out.exists(), "nothing is written: {more:?}");
     };
     let run = small_run();
-    refused(run, &["--format", "json", "--stage", "melt"], 2, &["melt", "1 pour", "control"]);
+    refused(run, &["--format", "json", "--stage", "melt"], 2, &["melt", "1 pour", "rest_test"]);
     for format in ["vtk", "glb"] {
-        let words = ["melt", "1 pour", "control"];
+        let words = ["melt", "1 pour", "rest_test"];
         refused(run, &["--format", format, "--stage", "melt"], 2, &words);
     }
     refused(run, &["--format", "dwg"], 2, &["dwg", "vtk", "glb"]);

@@ -272,15 +272,14 @@ fn threads_that_are_not_there_change_no_bit() {
         command.arg("run").arg(&scenario).arg("--out").arg(&out).args(more);
         let output = ended(command, name);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(0), "law: {name} is carried out: {said}");
+        assert_eq!(output.status.code(), Some(0), "law: {name} is run: {said}");
         (out, said)
     };
     let (plain, _) = run("plain", "", &["--jobs", "1"]);
-    let (many, said) =
-        run("many", "", &["--jobs", "1024", "--set", "engine.manifold.threads=1024"]);
+    let (many, said) = run("many", "", &["--jobs", "1024", "--set", "engine.native.threads=1024"]);
     let cores = thread::available_parallelism().map_or(1, usize::from);
     if cores < 1024 {
-        for words in ["--jobs 1024 is more", "engine.manifold.threads = 1024 is more"] {
+        for words in ["--jobs 1024 is more", "engine.native.threads = 1024 is more"] {
             assert_eq!(said.matches(words).count(), 1, "law: one warning, got: {said}");
         }
     }
@@ -293,11 +292,11 @@ fn threads_that_are_not_there_change_no_bit() {
     assert_same(&many, "as many threads as there are cores");
     // The engine's threads have stacks as large as the limit says, for which there is no room.
     let stack = "ulimit -Ss 137438953472 &&";
-    let (alone, _) = run("alone", stack, &["--set", "engine.manifold.threads=2"]);
+    let (alone, _) = run("alone", stack, &["--set", "engine.native.threads=2"]);
     assert_same(&alone, "no threads of the engine's own");
 }
 
-/// Law: a run that misses the accuracy standard, or whose guards found something, cannot be
+/// Law: a run that misses the accuracy standard, or whose checks found something, cannot be
 /// read as valid: the last line says so, and so does the summary.
 #[test]
 fn the_last_line_of_a_run_that_is_not_valid_says_so() {
@@ -306,7 +305,7 @@ fn the_last_line_of_a_run_that_is_not_valid_says_so() {
         serde_json::from_slice(&fs::read(write_scenario(folder.path())).expect("a scenario"))
             .expect("JSON");
     // Creep is not measured then, which the standard asks for.
-    scenario["control_s"] = json!(0);
+    scenario["rest_test_s"] = json!(0);
     let path = folder.path().join("unmeasured.json");
     fs::write(&path, scenario.to_string()).expect("written");
     let out = folder.path().join("out");

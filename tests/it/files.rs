@@ -189,7 +189,7 @@ fn a_damaged_stage_is_told_and_done_again() {
     assert!(output.status.success(), "law: damage does not end a run, got {said}");
     for (name, _) in damages {
         let told = said.lines().any(|l| l.contains("damaged and done again") && l.contains(name));
-        assert!(told, "law: `{name}` is told, got {said}");
+        assert!(told, "law: `{name}` is reported, got {said}");
     }
     assert_same_files(finished(), &hurt, "three damaged stages");
 }

@@ -24,10 +24,10 @@ pub fn write_scenario(folder: &Path) -> PathBuf {
 }
 
 /// The same, stored on its way after every tenth of a simulated second.
-pub fn write_scenario_in_legs(folder: &Path) -> PathBuf {
-    let path = folder.join("legs.json");
+pub fn write_scenario_in_segments(folder: &Path) -> PathBuf {
+    let path = folder.join("segments.json");
     let mut scenario = small::scenario(40.0, 0.5, 0.2);
-    scenario["engine"] = json!({ "manifold": { "checkpoint_every_s": 0.1 } });
+    scenario["engine"] = json!({ "native": { "checkpoint_every_s": 0.1 } });
     fs::write(&path, scenario.to_string()).expect("a scenario file");
     path
 }
@@ -40,7 +40,7 @@ pub fn finished() -> &'static Path {
         let folder = tempfile::tempdir().expect("a folder");
         let scenario = write_scenario(folder.path());
         let done = pluvia(&scenario, &folder.path().join("out")).status().expect("started");
-        assert!(done.success(), "law: the small scenario can be carried out");
+        assert!(done.success(), "law: the small scenario can be run");
         folder
     });
     OUT.get_or_init(|| folder.path().join("out"))
@@ -81,7 +81,7 @@ fn summary(out: &Path) -> Value {
 /// The same results.
 pub fn assert_same(a: &Path, b: &Path, what: &str) {
     assert_eq!(summary(a), summary(b), "law: {what}: the same summary but for timings");
-    for file in ["specimen.json", "series.csv", "grains.csv", "control.csv", "grains.json"] {
+    for file in ["specimen.json", "series.csv", "grains.csv", "rest_test.csv", "grains.json"] {
         let (one, two) = (fs::read(a.join(file)), fs::read(b.join(file)));
         assert!(
             one.expect("written") == two.expect("written"),

@@ -8,7 +8,7 @@
 use std::{env, fs, hint::black_box, mem, process::Command, sync::Arc};
 
 use pluvia::geometry::{ConvexPolyhedron, Pose, Vector};
-use pluvia::scenario::{ContactPath, EngineSettings, ManifoldSettings};
+use pluvia::scenario::{ContactSolver, EngineSettings, NativeSettings};
 use pluvia::world::bullet::probe::{HullPair, ProbeSettings, bytes_handed_out};
 use pluvia::world::{
     self, Body, BodyState, Material, Motion, PairCoefficients, PairTable, RememberedContact, World,
@@ -104,22 +104,22 @@ impl Leak {
     }
 }
 
-/// Both contact paths, Pluvia's own with one thread and with two.
+/// Both contact solvers, Pluvia's own with one thread and with two.
 fn kinds() -> [EngineSettings; 3] {
-    let manifold = |threads: u32| EngineSettings {
-        contact_path: ContactPath::Manifold,
-        manifold: ManifoldSettings { threads: Some(threads), ..Default::default() },
+    let native = |threads: u32| EngineSettings {
+        contact_solver: ContactSolver::Native,
+        native: NativeSettings { threads: Some(threads), ..Default::default() },
         ..Default::default()
     };
-    let bullet = EngineSettings { contact_path: ContactPath::Bullet, ..Default::default() };
-    [manifold(1), manifold(2), bullet]
+    let bullet = EngineSettings { contact_solver: ContactSolver::Stock, ..Default::default() };
+    [native(1), native(2), bullet]
 }
 
 fn cuboid(sides: Vector) -> Arc<ConvexPolyhedron> {
     Arc::new(ConvexPolyhedron::cuboid(sides).expect("a box"))
 }
 
-/// A world with a driven table, boxes that fall, touch and roll, one of them
+/// A world with a kinematic table, boxes that fall, touch and roll, one of them
 /// taken out on the way; stepped, read, and told contacts.
 fn one(settings: &EngineSettings) -> Box<dyn World + Send> {
     let pairs = PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.3 });
@@ -130,7 +130,7 @@ fn one(settings: &EngineSettings) -> Box<dyn World + Send> {
     let table = world
         .add(&Body {
             shape: table,
-            motion: Motion::Driven,
+            motion: Motion::Kinematic,
             material: Material::Wall,
             state: at(0.0, -0.01),
         })
@@ -172,7 +172,7 @@ fn one(settings: &EngineSettings) -> Box<dyn World + Send> {
     // What is refused holds nothing either.
     assert!(world.remove(grains[5]).is_err());
     let other = EngineSettings { length_scale: 2.0 * settings.length_scale, ..settings.clone() };
-    let stock = settings.contact_path == ContactPath::Bullet;
+    let stock = settings.contact_solver == ContactSolver::Stock;
     let beside = world::create(&other, down, &pairs);
     assert_eq!(beside.is_err(), stock, "law: stock worlds alone have one margin for the process");
     world

@@ -52,7 +52,7 @@ fn typed_threads_stop_at_the_cores() {
         let mut command = Command::new("taskset");
         command.args(["-c", "0,1", env!("CARGO_BIN_EXE_pluvia"), "run"]).arg(&scenario);
         command.arg("--out").arg(&out).arg("--set");
-        command.arg(format!("engine.manifold.threads={threads}"));
+        command.arg(format!("engine.native.threads={threads}"));
         (watched(command), out)
     };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -60,15 +60,15 @@ fn typed_threads_stop_at_the_cores() {
     let Some((two, with_two)) = two.ok().filter(|_| cores > 1) else {
         return skipped("threads on two cores", "it takes two cores, and taskset");
     };
-    assert_eq!(two.status.code(), Some(0), "law: it can be carried out, got {}", said(&two));
+    assert_eq!(two.status.code(), Some(0), "law: it can be run, got {}", said(&two));
     assert!(!said(&two).contains("is more than"), "law: two threads are not too many");
     for threads in [3, 4] {
         let (output, out) = run(&threads.to_string(), threads);
         let (output, with_more) = output.expect("it starts");
         let told = said(&output);
-        assert_eq!(output.status.code(), Some(0), "law: it is carried out, got {told}");
+        assert_eq!(output.status.code(), Some(0), "law: it is run, got {told}");
         let warning = format!(
-            "engine.manifold.threads = {threads} is more than the 2 cores that there are; taking 2"
+            "engine.native.threads = {threads} is more than the 2 cores that there are; taking 2"
         );
         assert_eq!(told.matches(&warning).count(), 1, "law: one warning, got {told}");
         assert!(bytes(&plain) == bytes(&out), "law: {threads} threads give the same bytes");
@@ -106,7 +106,7 @@ fn threads_that_are_refused_end_in_no_panic() {
         command.output()
     };
     let scenario = scenario.to_str().expect("UTF-8");
-    let run = ["run", scenario, "--set", "engine.manifold.threads=2"];
+    let run = ["run", scenario, "--set", "engine.native.threads=2"];
     let plain = match limited(None, &run, "plain") {
         Ok(output) if output.status.success() => results.join("plain"),
         Ok(output) => return skipped("a limit of processes", &said(&output)),
@@ -201,7 +201,7 @@ fn a_sieve_table_of_very_many_fractions_is_answered_soon() {
         assert_eq!(output.status.code(), Some(2), "law: {count} {what} are refused, got {told}");
         let words = ["grains.sieve_table", "the list is too long", "1 to 100 elements"];
         let is_told = words.iter().all(|word| told.contains(word));
-        assert!(is_told, "law: {count} {what}: it is told with what is allowed, got {told}");
+        assert!(is_told, "law: {count} {what}: it is reported with what is allowed, got {told}");
         // A hundred faults are written out at most, each in a line.
         assert!(told.len() < 40_000, "law: {count} {what}: in few words, got {}", told.len());
         let soon = Duration::from_secs(10);

@@ -3,6 +3,7 @@
 mod architecture;
 mod bits;
 mod calibrate;
+mod checks;
 mod cli;
 mod collision;
 mod compare;
@@ -14,17 +15,15 @@ mod export;
 mod faults;
 mod files;
 mod fuzz;
-mod guards;
+mod interpretations;
 mod interruption;
 mod leaks;
-mod legs;
 #[cfg(target_os = "linux")]
 mod limits;
 mod load;
 mod memory;
 mod motions;
 mod picture;
-mod readings;
 mod referee;
 mod repose;
 mod reproduce;
@@ -32,6 +31,7 @@ mod results;
 mod same;
 mod scale;
 mod scenario;
+mod segments;
 mod shown;
 #[cfg(unix)]
 mod signals;

@@ -51,7 +51,7 @@ fn peak_mib(folder: &Path, shaken_s: f64) -> f64 {
         peak = peak_of(&text).map_or(peak, |kib| kib / 1024.0);
         sleep(Duration::from_millis(5));
     };
-    assert!(ended.success(), "law: it is carried out");
+    assert!(ended.success(), "law: it is run");
     peak
 }
 

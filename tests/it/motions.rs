@@ -1,4 +1,4 @@
-//! A vibration ends at rest, whatever moves the table; plates are laid as they are told.
+//! A vibration ends at rest, whatever moves the table; plates are laid as they are reported.
 
 use std::{fs, path::Path};
 
@@ -12,11 +12,11 @@ fn carried_out(folder: &Path, name: &str, change: impl Fn(&mut Value)) -> Value 
     change(&mut scenario);
     let file = folder.join(format!("{name}.json"));
     fs::write(&file, scenario.to_string()).expect("a scenario");
-    // One folder: what runs share is carried out once.
+    // One folder: what runs share is run once.
     let out = folder.join("out");
     let done = pluvia(&file, &out).output().expect("started");
     assert!(done.status.success(), "{name}: {}", String::from_utf8_lossy(&done.stderr));
-    for table in ["series.csv", "control.csv", "manifest.json"] {
+    for table in ["series.csv", "rest_test.csv", "manifest.json"] {
         fs::copy(out.join(table), folder.join(format!("{name}-{table}"))).expect("kept");
     }
     let summary = fs::read(out.join("summary.json")).expect("a summary");
@@ -61,11 +61,11 @@ fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
     let series = rows(folder.path(), "rested-series.csv");
     let later = series.iter().filter(|r| number(&r["stage"]) >= 3.0);
     assert!(later.clone().any(|r| number(&r["stage"]) == 4.0), "the rest has rows");
-    let control = rows(folder.path(), "rested-control.csv");
+    let rest_test = rows(folder.path(), "rested-rest_test.csv");
     let begin = number(
         &series.iter().find(|r| number(&r["stage"]) == 3.0).expect("shaken")["plate_height_mm"],
     );
-    for row in later.chain(&control) {
+    for row in later.chain(&rest_test) {
         let (settled, height) = (number(&row["settlement_mm"]), number(&row["plate_height_mm"]));
         assert!(
             (settled - (begin - height)).abs() < 1e-9,

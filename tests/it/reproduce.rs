@@ -17,11 +17,11 @@ pub(super) fn programme() -> &'static Path {
         let out = folder.path().to_str().expect("UTF-8");
         let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
         command.args(["reproduce", "--quick", "--configurations", "1", "--quiet", "--out", out]);
-        command.args(["--set", "grains.total_mass_g=30", "--set", "control_s=0.2"]);
+        command.args(["--set", "grains.total_mass_g=30", "--set", "rest_test_s=0.2"]);
         command.args(["--placements", "2"]);
         let done = command.output().expect("the program starts");
         let said = String::from_utf8_lossy(&done.stderr);
-        assert_eq!(done.status.code(), Some(0), "law: the programme is carried out, got {said}");
+        assert_eq!(done.status.code(), Some(0), "law: the programme is run, got {said}");
         folder
     });
     folder.path()

@@ -22,7 +22,7 @@ fn loaded(file: &Value) -> Scenario {
 
 /// Thirty grains in a funnel, everything times `larger`.
 fn twin(larger: f64, mut engine: Value) -> Scenario {
-    engine["manifold"] = json!({ "contact_stiffness_n_per_m": 8000.0 * larger.powi(2) });
+    engine["native"] = json!({ "contact_stiffness_n_per_m": 8000.0 * larger.powi(2) });
     loaded(&json!({
         "name": "twin",
         "grains": {
@@ -159,8 +159,8 @@ fn what_is_typed_is_taken_and_told_where_it_does_not_suit() {
         (scenario, told)
     };
     let (scenario, told) =
-        of(json!({ "manifold": { "contact_stiffness_n_per_m": 10000 } }), json!({}));
-    assert_eq!(scenario.engine.manifold.contact_stiffness_n_per_m, 10000.0, "law: typed is kept");
+        of(json!({ "native": { "contact_stiffness_n_per_m": 10000 } }), json!({}));
+    assert_eq!(scenario.engine.native.contact_stiffness_n_per_m, 10000.0, "law: typed is kept");
     assert!(
         told.len() == 1 && told[0].contains("contact_stiffness"),
         "law: one is reported: {told:?}"

@@ -270,7 +270,7 @@ fn a_comparison_and_the_report_show_names_as_they_are() {
         "--set",
         "grains.total_mass_g=30",
         "--set",
-        "control_s=0.2",
+        "rest_test_s=0.2",
     ]);
     let page = address(&out.join("report.html"));
     assert_shown(&mut browser, &page, "the report", &[TAG, TURN_SHOWN]);

@@ -137,7 +137,7 @@ fn in_every_command_that_computes() {
             "0.2..0.9",
         ],
         &["reproduce", "--quick"],
-        &["readings", "--quick"],
+        &["interpretations", "--quick"],
         &["verify"],
     ];
     for (n, args) in commands.iter().enumerate() {

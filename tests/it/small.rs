@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 /// Gravel of a mass in g, shaken for whole cycles of 0.25 s, then left alone.
-pub fn scenario(mass_g: f64, shaken_s: f64, control_s: f64) -> Value {
+pub fn scenario(mass_g: f64, shaken_s: f64, rest_test_s: f64) -> Value {
     json!({
         "name": "small",
         "grains": {
@@ -16,7 +16,7 @@ pub fn scenario(mass_g: f64, shaken_s: f64, control_s: f64) -> Value {
             { "stage": "place_top_plate" },
             { "stage": "vibrate", "frequency_hz": 4, "amplitude_mm": 10, "duration_s": shaken_s },
         ],
-        "control_s": control_s
+        "rest_test_s": rest_test_s
     })
 }
 
@@ -38,6 +38,6 @@ pub fn layer(mass_g: f64) -> Value {
             { "stage": "fill_funnel", "time_limit_s": 1 },
             { "stage": "pour", "falling_height_mm": 0, "time_limit_s": 1.5 }
         ],
-        "control_s": 0.4
+        "rest_test_s": 0.4
     })
 }

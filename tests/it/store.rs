@@ -45,7 +45,7 @@ fn a_check_says_what_is_whole_and_what_is_damaged() {
     for place in [out.clone(), out.join("stages")] {
         let (code, report, said) = check(&place);
         assert_eq!((code, &report["damaged"]), (Some(0), &0.into()), "law: whole, got {said}");
-        assert_eq!(report["stages"].as_array().map(Vec::len), Some(5), "law: with the control");
+        assert_eq!(report["stages"].as_array().map(Vec::len), Some(5), "law: with the rest test");
     }
     let text = pluvia(&["store", "check", out.to_str().expect("UTF-8")]).stdout;
     let text = String::from_utf8_lossy(&text).into_owned();

@@ -39,7 +39,7 @@ fn convergence() -> Value {
                 { "name": "240", "title": "240 Hz", "changes": ["engine.rate_hz=240"] },
                 { "name": "480", "title": "480 Hz", "changes": ["engine.rate_hz=480"] },
             ] },
-            { "name": "bullet", "title": "Bullet", "changes": ["engine.contact_path=bullet"],
+            { "name": "bullet", "title": "Bullet", "changes": ["engine.contact_solver=stock"],
               "configurations": 1, "rungs": [
                 { "name": "10", "title": "10 iterations", "changes": ["engine.iterations=10"] },
                 { "name": "20", "title": "20 iterations" },
@@ -116,7 +116,7 @@ fn convergence_holds_every_rung_against_the_finest() {
         "figures/convergence-deviations.png",
         "figures/convergence-cost.svg",
         "runs/rate-240-c1/summary.json",
-        "runs/bullet-20-c1/manifest.json",
+        "runs/stock-20-c1/manifest.json",
     ] {
         assert!(out.join(file).is_file(), "{file} is written");
     }
@@ -276,7 +276,7 @@ fn faulty_designs_are_refused_with_every_fault_named() {
     let mut bad = convergence();
     bad["ladders"][0]["rungs"][0]["changes"] = json!(["engine.rate_hz=1"]);
     bad["ladders"][1]["rungs"][0]["changes"] = json!(["engine.iteration=10"]);
-    let words = ["rate-240", "engine.rate_hz", "bullet-10", "did you mean `iterations`"];
+    let words = ["rate-240", "engine.rate_hz", "stock-10", "did you mean `iterations`"];
     refused("converge", &bad, 2, &words);
 
     let mut bad = sensitivity();

@@ -73,7 +73,7 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
         }
     }
 
-    // With two more configurations only what is new is carried out.
+    // With two more configurations only what is new is run.
     let stages = || -> BTreeSet<_> {
         let found = fs::read_dir(out.join("stages")).expect("stages").flatten();
         found.map(|e| (e.file_name(), e.metadata().and_then(|m| m.modified()).ok())).collect()
@@ -122,7 +122,7 @@ fn a_grid_gives_one_row_a_run_and_goes_on_where_it_was() {
 fn where_no_run_is_valid_there_is_no_mean() {
     let folder = tempfile::tempdir().expect("a folder");
     let (scenario, out) = (write(folder.path()), folder.path().join("out"));
-    let over = ["--over", "grains.total_mass_g=30,60", "--set", "control_s=0"];
+    let over = ["--over", "grains.total_mass_g=30,60", "--set", "rest_test_s=0"];
     let (code, printed, said) = sweep(&scenario, &out, &over);
     assert_eq!(code, Some(0), "{said}");
     let found: Value = serde_json::from_str(&printed).expect("JSON");

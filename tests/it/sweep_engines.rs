@@ -1,4 +1,4 @@
-//! Sweeps over engines, sweeps that others carry out, and what is edited in between.
+//! Sweeps over engines, sweeps that others run, and what is edited in between.
 
 use std::{
     fs,
@@ -32,16 +32,16 @@ fn content(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     found
 }
 
-/// Bullet's own contacts and rapier as values of a sweep, each in its rows;
+/// stock Bullet contacts and rapier as values of a sweep, each in its rows;
 /// collected from the store, the table is the same.
 #[test]
-fn contact_paths_and_engines_are_factors_like_any_other() {
+fn contact_solvers_and_engines_are_factors_like_any_other() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut layer = small::layer(30.0);
     layer["engine"]["rate_hz"] = json!(480);
     let scenario = write(folder.path(), &layer);
     for (name, factor, values) in [
-        ("paths", "engine.contact_path", ["manifold", "bullet"]),
+        ("paths", "engine.contact_solver", ["native", "stock"]),
         ("engines", "engine.backend", ["rapier", "bullet"]),
     ] {
         if values.contains(&"rapier") && !cfg!(feature = "rapier") {
@@ -66,7 +66,7 @@ fn contact_paths_and_engines_are_factors_like_any_other() {
         let effects = found["effects"].as_array().expect("effects");
         let words = effects.iter().find(|e| e["factor"] == factor).expect("an effect");
         assert_eq!(words["slope"], Value::Null, "law: words have no slope");
-        // Bullet's own contacts may creep: what is not valid has no mean.
+        // stock Bullet contacts may creep: what is not valid has no mean.
         let left_out = runs.iter().filter(|r| r["left_out_of_means"] != Value::Null).count();
         let means = words["means"].as_array().map(Vec::len);
         let expected = if left_out > 0 { 0 } else { 2 };
@@ -113,7 +113,7 @@ fn a_scenario_edited_between_two_commands_is_told_and_nothing_overwritten() {
         }
         assert_eq!(content(&out), before, "law: nothing is written over");
     }
-    // The folder has what it needs: what was planned is carried out, also now.
+    // The folder has what it needs: what was planned is run, also now.
     let listed = || {
         let list = Command::new(env!("CARGO_BIN_EXE_pluvia"))
             .args(["stage", "--list", "--json"])
@@ -163,7 +163,7 @@ fn clusters_are_asked_for_the_threads_that_are_used() {
         let folder = tempfile::tempdir().expect("a folder");
         let mut layer = small::layer(30.0);
         if let Some(threads) = typed {
-            layer["engine"]["manifold"] = json!({ "threads": threads });
+            layer["engine"]["native"] = json!({ "threads": threads });
         }
         let scenario = write(folder.path(), &layer);
         let out = folder.path().join("out");
@@ -229,7 +229,7 @@ fn threads_of(value: &Value) -> Option<f64> {
 fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut layer = small::layer(30.0);
-    layer["control_s"] = json!(0);
+    layer["rest_test_s"] = json!(0);
     let scenario = write(folder.path(), &layer);
     let out = folder.path().join("it's a \"sweep\" of 100 %");
     let path = path_with_sbatch(folder.path());
@@ -262,7 +262,7 @@ fn folders_with_blanks_and_quotes_come_through_slurm_and_snakemake() {
     }
     let by_slurm = fs::read(out.join("sweep.csv")).expect("a table");
 
-    // Another folder, carried out stage by stage from within, as a Snakefile has it.
+    // Another folder, run stage by stage from within, as a Snakefile has it.
     let other = folder.path().join("it's a \"flow\"");
     let arguments = ["--over", "contact.restitution=0.2", "--snakemake"];
     let (code, _, said) = sweep(&scenario, &other, &arguments);

@@ -13,9 +13,9 @@ use pluvia::{
     protocol::Progress,
     scenario::{Backend, Override, warnings},
     study::{
-        CalibrationOptions, CalibrationStudy, ConvergenceStudy, Design, Reading, ReadingsOptions,
-        ReproduceOptions, RunOptions, SensitivityStudy, StudyError, StudyOptions, SweepOptions,
-        SweepStudy, compare, readings, reproduce,
+        CalibrationOptions, CalibrationStudy, ConvergenceStudy, Design, Interpretation,
+        InterpretationsOptions, ReproduceOptions, RunOptions, SensitivityStudy, StudyError,
+        StudyOptions, SweepOptions, SweepStudy, compare, interpretations, reproduce,
     },
 };
 use serde_json::{Value, json};
@@ -55,7 +55,7 @@ fn warned(heard: &Heard) -> Vec<String> {
 }
 
 /// A tenth of the sub-steps that these grains ask for.
-const COARSE: &str = "engine.manifold.substep_rate_hz=100";
+const COARSE: &str = "engine.native.substep_rate_hz=100";
 
 fn write(folder: &Path, name: &str, value: &Value) -> PathBuf {
     let path = folder.join(name);
@@ -88,7 +88,7 @@ fn every_command_warns_once_before_it_runs() {
     let ranges = write(folder.path(), "ranges.json", &ranges);
     let ladders = write(folder.path(), "ladders.json", &ladders);
     let coarse = || vec![COARSE.parse::<Override>().expect("an override")];
-    let two = || Reading::all().expect("readings").into_iter().take(2).collect();
+    let two = || Interpretation::all().expect("interpretations").into_iter().take(2).collect();
     let of_design = |design: &Path, run: RunOptions| StudyOptions {
         design: Some(design.to_owned()),
         quick: false,
@@ -141,7 +141,7 @@ fn every_command_warns_once_before_it_runs() {
         }),
         ("reproduce", &|run| {
             let RunOptions { out, jobs, cancel, progress, .. } = run;
-            let (changes, reading) = (coarse(), None);
+            let (changes, interpretation) = (coarse(), None);
             let (quick, configurations) = (true, 2);
             reproduce(&ReproduceOptions {
                 out,
@@ -149,17 +149,17 @@ fn every_command_warns_once_before_it_runs() {
                 cancel,
                 progress,
                 changes,
-                reading,
+                interpretation,
                 quick,
                 configurations,
                 placements: 1,
             })
             .map(|_| ())
         }),
-        ("readings", &|run| {
+        ("interpretations", &|run| {
             let RunOptions { out, jobs, cancel, progress, .. } = run;
             let (changes, quick, configurations) = (coarse(), true, 1);
-            readings(&ReadingsOptions {
+            interpretations(&InterpretationsOptions {
                 out,
                 jobs,
                 cancel,
@@ -167,7 +167,7 @@ fn every_command_warns_once_before_it_runs() {
                 changes,
                 quick,
                 configurations,
-                readings: two(),
+                interpretations: two(),
             })
             .map(|_| ())
         }),
@@ -226,13 +226,13 @@ fn said_of(engine: &Value, settle: &Value) -> Vec<String> {
 #[test]
 fn typed_values_are_warned_of_in_both_directions() {
     let native = |field: &str, value: f64| (json!({ field: value }), json!({}));
-    let solver = |field: &str, value: f64| (json!({ "manifold": { field: value } }), json!({}));
+    let solver = |field: &str, value: f64| (json!({ "native": { field: value } }), json!({}));
     let settle = |field: &str, value: f64| (json!({}), json!({ field: value }));
     let rapier = |field: &str, value: f64| {
         (json!({ "backend": "rapier", "rapier": { field: value } }), json!({}))
     };
     let stock = |field: &str, value: f64| {
-        let leave = json!({ "contact_path": "bullet", field: value });
+        let leave = json!({ "contact_solver": "stock", field: value });
         (leave, json!({}))
     };
     type Typed<'a> = &'a dyn Fn(&str, f64) -> (Value, Value);
@@ -250,7 +250,7 @@ fn typed_values_are_warned_of_in_both_directions() {
         (&stock, "contact_threshold_mm", 1.25, "found late", "bear nothing"),
         (&solver, "substep_rate_hz", 1288.0, "too coarsely", "takes longer"),
         (&solver, "contact_stiffness_n_per_m", 11_000.0, "sink into each other", "more sub-steps"),
-        (&solver, "push_out_speed_m_per_s", 0.335, "last", "burst"),
+        (&solver, "max_depenetration_velocity_m_per_s", 0.335, "last", "burst"),
         (&settle, "rms_speed_mm_per_s", 22.4, "time limit", "still moves"),
         (&settle, "largest_speed_mm_per_s", 559.0, "time limit", "still fall"),
         (&settle, "hold_s", 0.28, "bounce", "longer than it needs"),
@@ -300,12 +300,12 @@ fn automatic_values_are_usual_under_any_gravity() {
 fn fields_that_nothing_reads_are_not_warned_of() {
     for engine in [
         json!({ "rapier": { "prediction_mm": 100 } }),
-        json!({ "contact_path": "bullet", "manifold": { "substep_rate_hz": 100 } }),
+        json!({ "contact_solver": "stock", "native": { "substep_rate_hz": 100 } }),
         json!({ "backend": "rapier", "length_scale": 1 }),
         // The native contacts' own margin is shorter.
         json!({ "contact_threshold_mm": 9 }),
-        json!({ "contact_path": "bullet", "contact_threshold_mm": 0.01,
-                "bullet": { "relative_contact_threshold": 0.02 } }),
+        json!({ "contact_solver": "stock", "contact_threshold_mm": 0.01,
+                "stock": { "relative_contact_threshold": 0.02 } }),
     ] {
         let said = said_of(&engine, &json!({}));
         assert!(said.is_empty(), "law: {engine} changes nothing: {said:?}");

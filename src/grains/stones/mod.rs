@@ -4,7 +4,7 @@
 //! The way of a mesh: a file is read into objects ([`read`]); of each the
 //! vertices are joined and the surface is checked ([`surface`]); it becomes a
 //! convex polyhedron, if it is not one already ([`shape`], [`hull`]); stones
-//! are drawn and scaled ([`draw`]). All faults of all files are told at once.
+//! are drawn and scaled ([`draw`]). All faults of all files are reported at once.
 
 mod draw;
 mod hull;

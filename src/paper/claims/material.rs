@@ -70,7 +70,7 @@ fn density(study: &StudyView) -> Claim {
 fn poorly_graded(study: &StudyView) -> Claim {
     let g = &study.gradation;
     let mut band = Band::range(1.0, WELL_GRADED_FROM_CU);
-    band.reading = format!(
+    band.interpretation = format!(
         "\"USCS: GP\" is read as a coefficient of uniformity below {WELL_GRADED_FROM_CU} (ASTM \
          D2487); the class itself decides."
     );

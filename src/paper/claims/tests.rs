@@ -142,7 +142,7 @@ fn settlements_are_judged_run_by_run() {
 }
 
 #[test]
-fn shares_are_percent_with_a_stated_reading() {
+fn shares_are_percent_with_a_stated_interpretation() {
     let runs = canned::valid_runs();
     let study = canned::study(&runs);
     let c = claim(&study, "continuous-share-after-5-s-1");

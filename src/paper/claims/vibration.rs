@@ -152,7 +152,7 @@ fn final_settlement(study: &StudyView, configuration: u32) -> Claim {
         ));
     }
     if let Some(creep) = run.and_then(|r| r.summary.creep_um_per_s) {
-        draft = draft.note(format!("Creep of the control: {} µm/s.", number(creep, 1)));
+        draft = draft.note(format!("Creep of the rest test: {} µm/s.", number(creep, 1)));
     }
     draft.judge()
 }

@@ -133,14 +133,14 @@ pub struct SettledRun {
     pub plate_mm: Option<f64>,
     /// Of the mean surface.
     pub surface_mm: Option<f64>,
-    /// Creep in the no-shake control in µm/s; null where none was run.
+    /// Creep in the rest test in µm/s; null where none was run.
     pub creep_um_per_s: Option<f64>,
     /// That creep over as long as the vibration took, in mm.
     pub creep_over_vibration_mm: Option<f64>,
-    /// Drop of the plate in the whole control, in mm.
-    pub control_plate_drop_mm: Option<f64>,
-    /// Length of the control in s.
-    pub control_s: Option<f64>,
+    /// Drop of the plate in the whole rest test, in mm.
+    pub rest_test_plate_drop_mm: Option<f64>,
+    /// Length of the rest test in s.
+    pub rest_test_s: Option<f64>,
 }
 
 /// What the paper's text says of the laboratory's scatter.
@@ -269,8 +269,8 @@ fn settled(run: &RunRecord) -> SettledRun {
         surface_mm: s.surface_settlement_mm.as_ref().map(|s| s.final_mm),
         creep_um_per_s: s.creep_um_per_s,
         creep_over_vibration_mm: s.creep_um_per_s.zip(duration).map(|(c, t)| 1e-3 * c * t),
-        control_plate_drop_mm: s.control.and_then(|c| c.plate_drop_mm),
-        control_s: s.control.map(|c| c.duration_s),
+        rest_test_plate_drop_mm: s.rest_test.and_then(|c| c.plate_drop_mm),
+        rest_test_s: s.rest_test.map(|c| c.duration_s),
     }
 }
 

@@ -101,7 +101,7 @@ const SHOWN: [Shown; 5] = [
         stem: "convergence-creep",
         title: "Creep against the step rate",
         axis: "Creep at rest (µm/s)",
-        caption: "Creep in the no-shake control, without its sign. Dotted: what the accuracy \
+        caption: "Creep in the rest test, without its sign. Dotted: what the accuracy \
                   standard allows.",
         log: true,
         curves: &[Curve { name: "", line: style::SOLID, value: |v| v.creep_um_per_s }],

@@ -135,12 +135,12 @@ fn caption(study: &StudyView, ours: Option<&MeanSettlement>, stock: &[&MeanSettl
     if let Some(rest) = rest(m) {
         said.push(format!(
             "Dotted: the same specimens unshaken, as poured and without the plate, as long as their \
-             rest tests took ({rest}; --set control_s=20 makes them as long as the vibration)."
+             rest tests took ({rest}; --set rest_test_s=20 makes them as long as the vibration)."
         ));
     }
     if stock.is_empty() {
         said.push(
-            "Stock Bullet was not run: the same command with --set engine.contact_path=bullet, and then \
+            "Stock Bullet was not run: the same command with --set engine.contact_solver=stock, and then \
              once more without, adds it."
                 .to_owned(),
         );
@@ -172,7 +172,7 @@ mod tests {
         }
         assert!(!alone.svg.contains("Stock Bullet") && alone.caption.contains("was not run"));
         let column = |stock| {
-            Column::new("bullet", "p", &[]).with_settlement(MeanSettlement::of(&study), stock)
+            Column::new("stock", "p", &[]).with_settlement(MeanSettlement::of(&study), stock)
         };
         let with = figure(&study, &[column(true)]).expect("a figure");
         assert!(with.svg.contains("Stock Bullet, mean of 3 runs"), "law: it was run");
@@ -183,7 +183,7 @@ mod tests {
         let quick = figure(&quick, &[]).expect("a figure");
         assert!(!quick.svg.contains("Laboratory"), "law: nothing of it stands at 20 s");
         let mut unrested = runs.clone();
-        unrested.iter_mut().for_each(|r| r.control.clear());
+        unrested.iter_mut().for_each(|r| r.rest_test.clear());
         let unrested = figure(&canned::study(&unrested), &[]).expect("a figure");
         assert!(!unrested.svg.contains("unshaken"), "law: no rest test, no curve");
         let none = figure(&canned::study(&[]), &[]).expect("a figure");

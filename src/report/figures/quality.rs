@@ -69,13 +69,13 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
     let mut table = Table::new(&[
         "run",
         "creep_um_per_s",
-        "control_s",
+        "rest_test_s",
         "mean_grain_height_drop_mm",
         "mean_surface_drop_mm",
         "plate_drop_mm",
     ]);
     for r in runs {
-        let c = r.summary.control;
+        let c = r.summary.rest_test;
         table.row([
             r.name.clone(),
             cell(r.summary.creep_um_per_s),
@@ -87,10 +87,10 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
     }
     let found = match Interval::of(values()) {
         Some(i) => format!("Found: {} to {} µm/s.", number(i.low, 1), number(i.high, 1)),
-        None => "No run had a control.".to_owned(),
+        None => "No run had a rest test.".to_owned(),
     };
     let caption = format!(
-        "Creep in the control: each finished specimen is left alone, nothing moves, and its mean \
+        "Creep in the rest test: each finished specimen is left alone, nothing moves, and its mean \
          grain height should stay where it is. Dotted: the accuracy standard, ±{limit} µm/s, which \
          is {} mm in 20 s. {found}",
         number(limit * 20e-3, 1)

@@ -41,7 +41,7 @@ struct Parts {
     engine: Option<EngineSettings>,
     settle: Option<SettleSpec>,
     gravity: Option<f64>,
-    control_s: Option<f64>,
+    rest_test_s: Option<f64>,
     stages: Vec<Stage>,
 }
 
@@ -79,7 +79,7 @@ impl Parts {
             engine: read_or_default(value, "/engine"),
             settle: read_or_default(value, "/settle"),
             gravity: number("gravity_m_per_s2", super::default_gravity()),
-            control_s: number("control_s", super::default_control()),
+            rest_test_s: number("rest_test_s", super::default_rest_test()),
             stages: field(value, "/stages").as_array().into_iter().flatten().map(stage).collect(),
         }
     }

@@ -2,9 +2,7 @@
 
 use super::{Parts, fault, short};
 use crate::motion::{LARGEST_CRANK, RecordedMotion, RowFault, TableMotion};
-use crate::scenario::{
-    Fault, InterpolationKind, StageSpec, StartPoint, StrokeReading, WaveformKind,
-};
+use crate::scenario::{Fault, InterpolationKind, StageSpec, StartPoint, StrokeKind, WaveformKind};
 
 /// How far a period may be from a whole number of cycles, in cycles: decimals
 /// of a fraction such as 0.6667 s at 3 Hz must do.
@@ -94,7 +92,7 @@ fn check_fields(spec: &StageSpec, stage: &str, faults: &mut Vec<Fault>) {
                 idle(field, value, own);
             }
         }
-        if *stroke != StrokeReading::HalfStroke {
+        if *stroke != StrokeKind::HalfStroke {
             idle("stroke", "full_stroke".into(), own);
         }
         if *start != StartPoint::Middle {

@@ -170,13 +170,13 @@ fn check_time(parts: &Parts, faults: &mut Vec<Fault>) {
         }
     }
     let total =
-        specs().map(|(_, spec)| spec.longest()).sum::<f64>() + parts.control_s.unwrap_or(0.0);
+        specs().map(|(_, spec)| spec.longest()).sum::<f64>() + parts.rest_test_s.unwrap_or(0.0);
     if total > LONGEST {
         faults.push(fault(
             "stages",
             format!("{} s", short(total)),
             format!("at most {LONGEST} s"),
-            "stages and control together take too long".into(),
+            "stages and rest test together take too long".into(),
         ));
     }
 }

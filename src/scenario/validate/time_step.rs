@@ -3,7 +3,7 @@
 //! An engine of this kind sees bodies only at the ends of steps. Two laws
 //! follow. A body that moves by more than its own size in a step passes with
 //! its centre through the centre of what it meets, and is then pushed out on
-//! the far side; the contact path `manifold` foresees what may meet within a
+//! the far side; the native contact solver foresees what may meet within a
 //! step, and stops bodies at the surface, but foresees it from where the bodies
 //! stand: twice the size is the limit set to it. And a sinusoid taken at N points a cycle is off in
 //! acceleration, (2π/N)²/12 of it, which is 0.2 % for N = 40.
@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use super::{Parts, fault, short};
 use crate::motion::TableMotion;
-use crate::scenario::{Backend, ContactPath, Fault, Grading, StageSpec};
+use crate::scenario::{Backend, ContactSolver, Fault, Grading, StageSpec};
 use crate::units::{from_deg, from_mm, to_mm};
 
 /// Fewest steps in a cycle of vibration; see the module's text.
@@ -80,7 +80,7 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Vec<Fault>) {
     };
     let mut step = fastest.speed / rate;
     let foreseen =
-        engine.backend == Backend::Bullet && engine.contact_path == ContactPath::Manifold;
+        engine.backend == Backend::Bullet && engine.contact_solver == ContactSolver::Native;
     let (sizes, than) = if foreseen { (2.0, "twice ") } else { (1.0, "") };
     if let Some(size) = parts.finest_mm()
         && step > sizes * from_mm(size)
@@ -206,7 +206,7 @@ fn motions(parts: &Parts) -> Vec<Fast> {
 
 fn check_threshold(parts: &Parts, faults: &mut Vec<Fault>) {
     let (Some(engine), Some(finest)) = (&parts.engine, parts.finest_mm()) else { return };
-    if engine.bullet.relative_contact_threshold == 0.0 && engine.contact_threshold_mm >= finest {
+    if engine.stock.relative_contact_threshold == 0.0 && engine.contact_threshold_mm >= finest {
         faults.push(fault(
             "engine.contact_threshold_mm",
             engine.contact_threshold_mm,

@@ -50,7 +50,7 @@ pub struct CalibrationOptions {
     pub run: RunOptions,
 }
 
-/// A calibration that was checked, and not yet carried out.
+/// A calibration that was checked, and not yet run.
 pub struct CalibrationStudy<'a> {
     options: &'a CalibrationOptions,
     scenario: Scenario,
@@ -90,12 +90,12 @@ impl<'a> CalibrationStudy<'a> {
                 LEAST_RUNS_A_REPLICATE * replicates
             )));
         }
-        if scenario.control_s <= 0.0 {
+        if scenario.rest_test_s <= 0.0 {
             return Err(StudyError::Scenario(format!(
-                "{}: control_s is {}: without a rest test no run is valid, and only valid runs count in \
+                "{}: rest_test_s is {}: without a rest test no run is valid, and only valid runs count in \
                  a calibration; it must be above 0",
                 options.scenario.display(),
-                scenario.control_s
+                scenario.rest_test_s
             )));
         }
         let identity =
@@ -110,7 +110,7 @@ impl<'a> CalibrationStudy<'a> {
             also: identity.then(|| options.target.wanted().to_radians().tan()),
         };
         let study = Self { options, scenario, question };
-        // A value that the scenario does not allow is told before anything runs.
+        // A value that the scenario does not allow is reported before anything runs.
         study.varied(&[low, high])?;
         Ok(study)
     }
@@ -165,7 +165,7 @@ impl<'a> CalibrationStudy<'a> {
         Ok(Varied::load(&self.options.scenario, &self.options.changes, variations)?)
     }
 
-    /// Carries out what is not known yet, and gives the runs value by value.
+    /// Runs what is not known yet, and gives the runs value by value.
     fn runs(
         &self,
         values: &[f64],

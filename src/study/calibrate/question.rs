@@ -279,7 +279,7 @@ mod tests {
         .expect("a scenario");
         for (field, whole) in [
             (GRAIN_FRICTION, false),
-            ("engine.manifold.sweeps", true),
+            ("engine.native.iterations", true),
             ("stages[0].falling_height_mm", false),
         ] {
             let found = unknown(field, &scenario).expect("a number");

@@ -65,7 +65,7 @@ impl Question {
     }
 }
 
-/// Carries out values in a range of configurations, counted from 0.
+/// Runs values in a range of configurations, counted from 0.
 pub(super) type Experiment<'a> =
     &'a mut dyn FnMut(&[f64], Range<u32>) -> Result<Vec<CalibrationRun>, StudyError>;
 
@@ -149,7 +149,7 @@ impl Search<'_> {
         self.local(centre)
     }
 
-    /// Carries out what is missing of values up to a number of configurations.
+    /// Runs what is missing of values up to a number of configurations.
     pub(super) fn evaluate(&mut self, values: &[f64], configurations: u32) -> Going<()> {
         let mut missing: Vec<(u32, Vec<f64>)> = Vec::new();
         for &value in values {

@@ -82,7 +82,7 @@ pub struct RungDesign {
     /// Changes, each `path=value`; none for the scenario as it is.
     #[serde(default)]
     pub changes: Vec<String>,
-    /// Whether it is also carried out with `--quick`.
+    /// Whether it is also run with `--quick`.
     #[serde(default = "yes")]
     pub quick: bool,
 }
@@ -91,7 +91,7 @@ fn yes() -> bool {
     true
 }
 
-/// A design ready to be carried out.
+/// A design ready to be run.
 #[derive(Debug)]
 pub(super) struct Designed {
     pub limits: ConvergenceLimits,
@@ -157,7 +157,7 @@ pub(super) fn read(file: &Path, quick: bool) -> Result<Designed, ScenarioErrors>
     let reference = reference.map(|l| l.title.clone());
     if !reference.as_ref().is_some_and(|title| ladders.iter().any(|l| l.title == *title)) {
         let found = format!("\"{}\"", design.reference);
-        faults.add("reference", &found, "the name of a ladder that is carried out", "it is none");
+        faults.add("reference", &found, "the name of a ladder that is run", "it is none");
     }
     let Some(specimen) = specimen else {
         faults.add(part, "", "a specimen, as in `full`", "the field is missing for --quick");

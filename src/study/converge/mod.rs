@@ -25,7 +25,7 @@ use crate::scale::Scale;
 /// Where the built-in design stands under `scenarios/`.
 const BUILT_IN: &str = "studies/convergence.json";
 
-/// How to carry out a study whose design is in a file.
+/// How to run a study whose design is in a file.
 pub struct StudyOptions {
     /// The design; `None` for the built-in one.
     pub design: Option<PathBuf>,
@@ -37,7 +37,7 @@ pub struct StudyOptions {
     pub run: RunOptions,
 }
 
-/// A convergence study that was read and checked, and not yet carried out.
+/// A convergence study that was read and checked, and not yet run.
 #[derive(Debug)]
 pub struct ConvergenceStudy {
     design: design::Designed,

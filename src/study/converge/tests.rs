@@ -297,7 +297,7 @@ fn the_built_in_design_is_sound() {
             "the ladder of rates: {:?}",
             names().collect::<Vec<_>>()
         );
-        assert!(names().any(|n| n == "bullet-960x20"), "Bullet's contacts");
-        assert_eq!(names().any(|n| n == "bullet-960x50"), !quick, "the costliest only in full");
+        assert!(names().any(|n| n == "stock-960x20"), "Bullet's contacts");
+        assert_eq!(names().any(|n| n == "stock-960x50"), !quick, "the costliest only in full");
     }
 }

@@ -140,7 +140,7 @@ impl Parameter {
     }
 }
 
-/// A design ready to be carried out.
+/// A design ready to be run.
 #[derive(Debug)]
 pub(in crate::study) struct Designed {
     /// The scenario's file.

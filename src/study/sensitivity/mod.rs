@@ -20,7 +20,7 @@ use crate::report::{self, Sensitivity};
 /// Where the built-in design stands under `scenarios/`.
 const BUILT_IN: &str = "studies/sensitivity.json";
 
-/// A sensitivity study that was read and checked, and not yet carried out.
+/// A sensitivity study that was read and checked, and not yet run.
 #[derive(Debug)]
 pub struct SensitivityStudy {
     design: design::Designed,

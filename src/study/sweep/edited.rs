@@ -11,7 +11,7 @@ use crate::record::{hash_json, read_json};
 use crate::scenario::Scenario;
 use crate::study::StudyError;
 
-/// Most differences that are told one by one.
+/// Most differences that are reported one by one.
 const MOST_TOLD: usize = 5;
 
 /// Fields that no result depends on.

@@ -206,7 +206,7 @@ fn drawn(factors: &[SweepFactor], n: usize, outcome: &str, runs: &[&SweepRun]) -
             c => factors[c - 1].number(&of[row].values[c - 1]) - centre[c - 1],
         });
         let results = DVector::from_iterator(of.len(), of.iter().map(|r| r.outcomes[outcome]));
-        // Columns of very different size are brought to one before they are told
+        // Columns of very different size are brought to one before they are reported
         // apart from rounding.
         let sizes: Vec<f64> = model.column_iter().map(|c| c.norm()).collect();
         if sizes.contains(&0.0) {

@@ -92,7 +92,7 @@ fn parameter_name(parameter: &Parameter) -> &str {
     if parameter.path.is_empty() { &parameter.name } else { &parameter.path }
 }
 
-/// A sweep that was checked, and not yet carried out.
+/// A sweep that was checked, and not yet run.
 pub struct SweepStudy {
     options: SweepOptions,
     /// The scenario's files as one.

@@ -1,4 +1,4 @@
-//! `plan.json`: every run of a sweep before any is carried out.
+//! `plan.json`: every run of a sweep before any is run.
 
 use std::{fmt::Display, path::Path, str::FromStr};
 
@@ -118,7 +118,7 @@ pub(super) fn plan(
             .collect();
         let nodes = Plan::new(&planned)?;
         for (run, of_run) in planned.iter().zip(&nodes.runs) {
-            let last = of_run.control.or(of_run.stages.last().copied());
+            let last = of_run.rest_test.or(of_run.stages.last().copied());
             runs.push(PlannedPoint {
                 run: run.name.clone(),
                 point: point.name.clone(),

@@ -1,5 +1,5 @@
 //! Factors varied one at a time as `pluvia sensitivity` has them: the same rows
-//! by the same rules, whichever of the two commands carried out the runs.
+//! by the same rules, whichever of the two commands run the runs.
 
 use super::{Parameter, RunRow, SweepFactor, SweepStudy, points::Design};
 use crate::record::VariationRow;

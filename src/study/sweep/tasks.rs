@@ -18,7 +18,7 @@ use super::{
 use crate::record::StageStore;
 
 /// The stages of a sweep, in levels: those of a level need only such of the
-/// levels before, so that a level can be carried out all at once.
+/// levels before, so that a level can be run all at once.
 pub struct SweepTasks {
     study: SweepStudy,
     plan: Plan,
@@ -48,7 +48,7 @@ pub struct SweepStatus {
     pub runs: usize,
     /// Runs whose stages are all stored.
     pub complete: usize,
-    /// Stages that failed when they were last carried out: name and reason.
+    /// Stages that failed when they were last run: name and reason.
     pub failed: Vec<(String, String)>,
 }
 
@@ -106,7 +106,7 @@ impl SweepTasks {
     /// Cores that a stage of a level needs: the threads that its scenario asks for.
     pub fn cores(&self, level: usize) -> u32 {
         let nodes = self.levels.get(level).into_iter().flatten();
-        let threads = |n: &usize| self.plan.nodes[*n].setup.engine.manifold.threads;
+        let threads = |n: &usize| self.plan.nodes[*n].setup.engine.native.threads;
         nodes.filter_map(threads).max().unwrap_or(1)
     }
 
@@ -136,7 +136,7 @@ impl SweepTasks {
         nodes.iter().enumerate().filter(|(_, n)| !held[**n]).map(|(task, _)| task).collect()
     }
 
-    /// Carries out one stage and stores it; one that is stored is left alone.
+    /// Runs one stage and stores it; one that is stored is left alone.
     ///
     /// # Errors
     /// [`StudyError::Scenario`] for a stage that there is not, or one whose
@@ -183,7 +183,7 @@ impl SweepTasks {
     /// How far it is.
     pub fn status(&self) -> SweepStatus {
         let is_held = held(&self.plan, &self.store);
-        let all = |run: &&RunNodes| run.stages.iter().chain(&run.control).all(|n| is_held[*n]);
+        let all = |run: &&RunNodes| run.stages.iter().chain(&run.rest_test).all(|n| is_held[*n]);
         let complete = self.plan.runs.iter().filter(all);
         let nodes = self.plan.nodes.iter();
         let failed = nodes.zip(&is_held).filter(|(_, held)| !**held).map(|(node, _)| node);

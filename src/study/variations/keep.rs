@@ -90,7 +90,7 @@ mod tests {
             std::slice::from_ref(&b),
             "law: another programme does not stand beside"
         );
-        assert_eq!(other.left_out.len(), 1, "and that is told: {:?}", other.left_out);
+        assert_eq!(other.left_out.len(), 1, "and that is reported: {:?}", other.left_out);
         let single = folder.path().join("rows/single.json");
         let whole = std::fs::read_to_string(&single).expect("a file");
         let edited = whole.replace("\"variation\": \"a\"", "\"variation\": \"b\"");
@@ -98,7 +98,11 @@ mod tests {
         std::fs::write(&single, edited).expect("written");
         let got = keep("p", std::slice::from_ref(&b));
         assert_eq!(got.rows, other.rows, "law: an edited row enters no table");
-        assert!(got.left_out[0].contains("single.json"), "law: it is told, got {:?}", got.left_out);
+        assert!(
+            got.left_out[0].contains("single.json"),
+            "law: it is reported, got {:?}",
+            got.left_out
+        );
         assert_eq!(
             keep("p", std::slice::from_ref(&a)).rows.len(),
             2,

@@ -1,7 +1,7 @@
 //! Many variations of one scenario, one table.
 //!
 //! A variation is a name and what it changes in a base scenario. Every
-//! variation is carried out in the same configurations, so that runs can be
+//! variation is run in the same configurations, so that runs can be
 //! compared pair by pair; stages that variations share are done once, and
 //! what is stored is not done again.
 
@@ -126,10 +126,10 @@ pub fn write_variations(out: &Path, runs: &[RunRow]) -> Result<Vec<VariationRow>
     Ok(variations)
 }
 
-/// Carries out every variation in configurations 1 to `configurations` of its
+/// Runs every variation in configurations 1 to `configurations` of its
 /// scenario and gives one row a run. The first configuration of all comes
 /// first, then the second, so that what there is after an interruption is a
-/// whole table. `so_far` is told all rows whenever some are added.
+/// whole table. `so_far` is reported all rows whenever some are added.
 ///
 /// # Errors
 /// When grains cannot be made, files not be written, or everything is stopped.
@@ -293,7 +293,7 @@ fn batches(planned: Vec<Planned>) -> Vec<Vec<Planned>> {
     batches.into_iter().map(|(_, batch)| batch).collect()
 }
 
-/// Carries out runs together and completes their rows.
+/// Runs runs together and completes their rows.
 fn carry_out_batch(
     make_world: WorldMaker,
     runs: &[PlannedRun],
@@ -336,7 +336,7 @@ fn carry_out_batch(
             None => Err(nodes
                 .iter()
                 .find_map(|n| reasons.iter().find(|(failed, _)| failed == n))
-                .map_or_else(|| "a stage was not carried out".to_owned(), |(_, why)| why.clone())),
+                .map_or_else(|| "a stage was not run".to_owned(), |(_, why)| why.clone())),
         };
         rows.push(match result {
             Ok(summary) => row.with_results(&summary),
@@ -363,7 +363,7 @@ fn is_of_the_run(error: &StudyError) -> bool {
 /// Names stages after the first run that needs them.
 pub(super) fn name_stages(plan: &mut Plan, runs: &[PlannedRun]) {
     for (run, nodes) in runs.iter().zip(&plan.runs).rev() {
-        for &node in nodes.stages.iter().chain(&nodes.control) {
+        for &node in nodes.stages.iter().chain(&nodes.rest_test) {
             let node = &mut plan.nodes[node];
             node.label = format!("{}, {}", run.name, stage_label(&node.stage));
         }

@@ -24,7 +24,7 @@ fn varied(folder: &Path, variations: &[(&str, &[&str])]) -> Result<Varied, Scena
             "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
         },
         "stages": [{ "stage": "fill_funnel" }],
-        "control_s": 0.1
+        "rest_test_s": 0.1
     });
     fs::write(&base, scenario.to_string()).expect("a scenario");
     let of = |(name, changes): &(&str, &[&str])| Variation {
@@ -94,7 +94,7 @@ fn a_run_that_fails_is_a_row_and_the_others_go_on() {
         .expect("the study goes on");
     assert_eq!(rows.len(), 8, "law: one row a run, failed or not");
     // Another contact threshold cannot live in the process at the same time.
-    assert_eq!(told, [3, 4, 7, 8], "law: rows are told as they come");
+    assert_eq!(told, [3, 4, 7, 8], "law: rows are reported as they come");
     for row in &rows {
         let blown = row.variation == "blown";
         assert_eq!(row.failure.is_some(), blown, "law: only the blown run fails: {row:?}");

@@ -141,7 +141,7 @@ impl ApproachArrested {
                     let piled = if self.caught_by == Catch::Piles { 2.0 * SIDE } else { 0.0 };
                     let at = Vector::new(side * ENDS, 0.0, gap - piled - THICK / 2.0);
                     let sides = Vector::new(1.2 * SIDE, 2.0 * SIDE, THICK);
-                    hold(scene, wall(sides, at, Motion::Driven)?, -Vector::z())?;
+                    hold(scene, wall(sides, at, Motion::Kinematic)?, -Vector::z())?;
                 }
                 Catch::Clamps => {
                     let lean = from_deg(LEAN_DEG);
@@ -154,7 +154,7 @@ impl ApproachArrested {
                         gap + 0.5 * WEDGE,
                     );
                     let at = face + turn * Vector::x() * (side * THICK / 2.0);
-                    let mut body = wall(sides, Vector::zeros(), Motion::Driven)?;
+                    let mut body = wall(sides, Vector::zeros(), Motion::Kinematic)?;
                     body.state.pose = Pose::from_parts(at.into(), turn);
                     hold(scene, body, Vector::x() * (side * lean.tan()))?;
                 }

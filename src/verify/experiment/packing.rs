@@ -44,7 +44,7 @@ pub enum Quantity {
 }
 
 /// Grains in a box.
-pub(super) struct Heap {
+pub(super) struct Packing {
     pub scene: Scene,
     pub floor: BodyId,
     pub ids: Vec<BodyId>,
@@ -52,7 +52,7 @@ pub(super) struct Heap {
     walls: Vec<(BodyId, Pose)>,
 }
 
-/// Coefficients of a heap; the box's sides are of the plate's material, so
+/// Coefficients of a packing; the box's sides are of the plate's material, so
 /// that they can have a friction of their own.
 pub(super) fn pairs(side_friction: f64) -> crate::world::PairTable {
     let mut pairs = uniform(FRICTION, RESTITUTION);
@@ -61,7 +61,7 @@ pub(super) fn pairs(side_friction: f64) -> crate::world::PairTable {
     pairs
 }
 
-impl Heap {
+impl Packing {
     /// Grains in loose layers above the floor, each turned at random; the
     /// order in which they are added is the `order`-th shuffle.
     pub fn new(
@@ -83,7 +83,7 @@ impl Heap {
         let mut scene = bench.scene(&pairs(side_friction))?;
         let highest = bodies.iter().map(|b| b.state.pose.translation.z).fold(0.0, f64::max);
         let height = highest + 0.05;
-        let base = floor(WIDTH, Motion::Driven)?;
+        let base = floor(WIDTH, Motion::Kinematic)?;
         let floor = scene.add(&base)?;
         let mut walls = vec![(floor, base.state.pose)];
         let off = (WIDTH + WALL) / 2.0;
@@ -98,7 +98,7 @@ impl Heap {
                     Vector::new(0.0, side * off, height / 2.0),
                 ),
             ] {
-                let mut body = wall(sides, at, Motion::Driven)?;
+                let mut body = wall(sides, at, Motion::Kinematic)?;
                 body.material = Material::Plate;
                 walls.push((scene.add(&body)?, body.state.pose));
             }
@@ -205,7 +205,7 @@ pub(super) fn packing(
         Quantity::EnergyGain => energy_gain(bench, count, settle),
         Quantity::OtherOrders => other_orders(bench, count, settle),
         Quantity::MeanHeight => {
-            let (curve, height) = settled(&mut Heap::new(bench, count, 0, FRICTION)?, settle)?;
+            let (curve, height) = settled(&mut Packing::new(bench, count, 0, FRICTION)?, settle)?;
             let mut outcome = Outcome::new("Time (s)", "Mean grain height (mm)");
             outcome.measured("Engine", curve);
             Ok(outcome.got(to_mm(height)))
@@ -213,40 +213,40 @@ pub(super) fn packing(
     }
 }
 
-/// Lets a heap settle; the mean height in mm over time, and in m at the end.
-fn settled(heap: &mut Heap, settle: f64) -> Result<(Vec<(f64, f64)>, f64), VerifyError> {
-    let steps = heap.scene.steps_in(settle);
+/// Lets a packing settle; the mean height in mm over time, and in m at the end.
+fn settled(packing: &mut Packing, settle: f64) -> Result<(Vec<(f64, f64)>, f64), VerifyError> {
+    let steps = packing.scene.steps_in(settle);
     let mut curve = Vec::new();
     for n in 1..=steps {
-        heap.scene.step()?;
+        packing.scene.step()?;
         if n % (steps / 300).max(1) == 0 || n == steps {
-            curve.push((heap.scene.time(), to_mm(heap.mean_height()?)));
+            curve.push((packing.scene.time(), to_mm(packing.mean_height()?)));
         }
     }
-    Ok((curve, heap.mean_height()?))
+    Ok((curve, packing.mean_height()?))
 }
 
-/// The heap with the friction of the gravel on every surface.
-pub(super) fn rough(bench: &Bench, count: usize) -> Result<Heap, VerifyError> {
-    Heap::new(bench, count, 0, FRICTION)
+/// The packing with the friction of the gravel on every surface.
+pub(super) fn rough(bench: &Bench, count: usize) -> Result<Packing, VerifyError> {
+    Packing::new(bench, count, 0, FRICTION)
 }
 
 /// The same from bodies.
-pub(super) fn rough_of(bench: &Bench, bodies: Vec<Body>) -> Result<Heap, VerifyError> {
-    Heap::of(bench, bodies, FRICTION)
+pub(super) fn rough_of(bench: &Bench, bodies: Vec<Body>) -> Result<Packing, VerifyError> {
+    Packing::of(bench, bodies, FRICTION)
 }
 
 fn energy_gain(bench: &Bench, count: usize, settle: f64) -> Result<Outcome, VerifyError> {
-    let mut heap = rough(bench, count)?;
-    let start = heap.energy()?;
+    let mut packing = rough(bench, count)?;
+    let start = packing.energy()?;
     let mut outcome = Outcome::new("Time (s)", "Energy of the grains (J)");
     let (mut curve, mut lowest, mut gain) = (vec![(0.0, start)], start, 0.0_f64);
-    for _ in 0..heap.scene.steps_in(settle) {
-        heap.scene.step()?;
-        let now = heap.energy()?;
+    for _ in 0..packing.scene.steps_in(settle) {
+        packing.scene.step()?;
+        let now = packing.energy()?;
         gain = gain.max(now - lowest);
         lowest = lowest.min(now);
-        curve.push((heap.scene.time(), now));
+        curve.push((packing.scene.time(), now));
     }
     outcome.measured("Kinetic and potential", curve);
     Ok(outcome.got(100.0 * gain / (start - lowest)))
@@ -257,8 +257,8 @@ fn other_orders(bench: &Bench, count: usize, settle: f64) -> Result<Outcome, Ver
     let mut outcome = Outcome::new("Time (s)", "Mean grain height (mm)");
     let mut heights = Vec::new();
     for order in 0..=ORDERS {
-        let mut heap = Heap::new(bench, count, order, FRICTION)?;
-        let (curve, height) = settled(&mut heap, settle)?;
+        let mut packing = Packing::new(bench, count, order, FRICTION)?;
+        let (curve, height) = settled(&mut packing, settle)?;
         let name = if order == 0 { "As cut".into() } else { format!("Order {order}") };
         outcome.measured(name, curve);
         heights.push(height);

@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use super::packing::{FRICTION, Heap, WIDTH, corners, mass, rough, rough_of};
+use super::packing::{FRICTION, Packing, WIDTH, corners, mass, rough, rough_of};
 use super::{Bench, Outcome, VerifyError, largest};
 use crate::units::to_mm;
 
 /// The paper's vibration: 3 Hz, 25 mm to either side (sections 3 and 4).
 const FREQUENCY: f64 = 3.0;
 const AMPLITUDE: f64 = 0.025;
-/// Orders in which the grains of a heap are added.
+/// Orders in which the grains of a packing are added.
 const ORDERS: u64 = 5;
 
 pub(super) fn creep(
@@ -18,16 +18,16 @@ pub(super) fn creep(
     settle: f64,
     duration: f64,
 ) -> Result<Outcome, VerifyError> {
-    let mut heap = rough(bench, count)?;
-    heap.scene.run(settle)?;
-    let start = heap.mean_height()?;
-    let steps = heap.scene.steps_in(duration);
+    let mut packing = rough(bench, count)?;
+    packing.scene.run(settle)?;
+    let start = packing.mean_height()?;
+    let steps = packing.scene.steps_in(duration);
     let (mut curve, mut lost) = (Vec::new(), 0.0);
     for n in 1..=steps {
-        heap.scene.step()?;
+        packing.scene.step()?;
         if n % (steps / 400).max(1) == 0 || n == steps {
-            lost = to_mm(start - heap.mean_height()?);
-            curve.push((n as f64 * heap.scene.time_step(), lost));
+            lost = to_mm(start - packing.mean_height()?);
+            curve.push((n as f64 * packing.scene.time_step(), lost));
         }
     }
     let mut outcome = Outcome::new("Time at rest (s)", "Mean grain height lost (mm)");
@@ -42,50 +42,50 @@ pub(super) fn reload(
     settle: f64,
     duration: f64,
 ) -> Result<Outcome, VerifyError> {
-    let mut heap = rough(bench, count)?;
-    heap.scene.run(settle)?;
-    let mut again = rough_of(bench, heap.as_now()?)?;
-    again.scene.recall(&heap.scene.remember())?;
-    let start = heap.mean_height()?;
+    let mut packing = rough(bench, count)?;
+    packing.scene.run(settle)?;
+    let mut again = rough_of(bench, packing.as_now()?)?;
+    again.scene.recall(&packing.scene.remember())?;
+    let start = packing.mean_height()?;
     let mut outcome = Outcome::new("Time since the restart (s)", "Mean grain height lost (mm)");
     let mut lost = Vec::new();
-    for (name, heap) in [("Went on", &mut heap), ("Restarted", &mut again)] {
-        let steps = heap.scene.steps_in(duration);
+    for (name, packing) in [("Went on", &mut packing), ("Restarted", &mut again)] {
+        let steps = packing.scene.steps_in(duration);
         let mut curve = vec![(0.0, 0.0)];
         for n in 1..=steps {
-            heap.scene.step()?;
+            packing.scene.step()?;
             if n % (steps / 400).max(1) == 0 || n == steps {
-                let time = n as f64 * heap.scene.time_step();
-                curve.push((time, to_mm(start - heap.mean_height()?)));
+                let time = n as f64 * packing.scene.time_step();
+                curve.push((time, to_mm(start - packing.mean_height()?)));
             }
         }
-        lost.push(to_mm(start - heap.mean_height()?));
+        lost.push(to_mm(start - packing.mean_height()?));
         outcome.measured(name, curve);
     }
     Ok(outcome.got(lost[1] - lost[0]))
 }
 
-/// Shakes a settled heap, step by step, and hands on the time and how far in m
+/// Shakes a settled packing, step by step, and hands on the time and how far in m
 /// each grain's furthest vertex lies beyond a wall's or the floor's face.
 fn shake(
-    heap: &mut Heap,
+    packing: &mut Packing,
     settle: f64,
     duration: f64,
-    mut watch: impl FnMut(f64, &[f64], &Heap),
+    mut watch: impl FnMut(f64, &[f64], &Packing),
 ) -> Result<(), VerifyError> {
-    heap.scene.run(settle)?;
-    for n in 1..=heap.scene.steps_in(duration) {
-        let time = n as f64 * heap.scene.time_step();
+    packing.scene.run(settle)?;
+    for n in 1..=packing.scene.steps_in(duration) {
+        let time = n as f64 * packing.scene.time_step();
         let x = AMPLITUDE * (TAU * FREQUENCY * time).sin();
-        heap.drive(x)?;
-        heap.scene.step()?;
-        let beyond = beyond_walls(heap, x)?;
-        watch(time, &beyond, heap);
+        packing.drive(x)?;
+        packing.scene.step()?;
+        let beyond = beyond_walls(packing, x)?;
+        watch(time, &beyond, packing);
     }
     Ok(())
 }
 
-/// Share of grains and mass that stays inside a heap that is shaken.
+/// Share of grains and mass that stays inside a packing that is shaken.
 pub(super) fn kept(
     bench: &Bench,
     count: usize,
@@ -93,15 +93,15 @@ pub(super) fn kept(
     duration: f64,
 ) -> Result<Outcome, VerifyError> {
     let (mut curve, mut share) = (Vec::new(), 1.0_f64);
-    shake(&mut rough(bench, count)?, settle, duration, |time, beyond, heap| {
+    shake(&mut rough(bench, count)?, settle, duration, |time, beyond, packing| {
         // Outside: the grain as a whole has passed a wall.
         let inside: f64 = beyond
             .iter()
-            .zip(&heap.bodies)
+            .zip(&packing.bodies)
             .filter(|(b, body)| **b < 2.0 * body.shape.radius_about_origin())
             .map(|(_, body)| mass(body))
             .sum();
-        share = share.min(inside / heap.mass());
+        share = share.min(inside / packing.mass());
         curve.push((time, share));
     })?;
     let mut outcome = Outcome::new("Time (s)", "Share of the mass inside");
@@ -111,7 +111,7 @@ pub(super) fn kept(
 }
 
 /// How far in mm a vertex gets beyond a wall's or the floor's face, at the worst
-/// of [`ORDERS`] heaps of the same grains: how hard a grain is driven against a wall
+/// of [`ORDERS`] packings of the same grains: how hard a grain is driven against a wall
 /// is chance.
 pub(super) fn beyond(
     bench: &Bench,
@@ -124,8 +124,8 @@ pub(super) fn beyond(
     let (mut furthest, mut notes) = (0.0_f64, Vec::new());
     for order in 0..ORDERS {
         let (mut curve, mut worst) = (Vec::new(), 0.0_f64);
-        let mut heap = Heap::new(bench, count, order, FRICTION)?;
-        shake(&mut heap, settle, duration, |time, beyond, _| {
+        let mut packing = Packing::new(bench, count, order, FRICTION)?;
+        shake(&mut packing, settle, duration, |time, beyond, _| {
             let far = largest(beyond.iter().copied());
             worst = largest([worst, far]);
             curve.push((time, to_mm(far)));
@@ -140,9 +140,9 @@ pub(super) fn beyond(
 
 /// How far in m each grain's furthest vertex lies beyond the inner faces of
 /// the box, which stands at a displacement `x` (m).
-fn beyond_walls(heap: &mut Heap, x: f64) -> Result<Vec<f64>, VerifyError> {
-    let states = heap.states()?;
-    let bodies = heap.bodies.iter().zip(&states);
+fn beyond_walls(packing: &mut Packing, x: f64) -> Result<Vec<f64>, VerifyError> {
+    let states = packing.states()?;
+    let bodies = packing.bodies.iter().zip(&states);
     Ok(bodies
         .map(|(body, state)| {
             largest(corners(&body.shape, &state.pose).map(|c| {

@@ -6,7 +6,7 @@ use super::{Bench, Outcome, RestingBody, VerifyError};
 use crate::geometry::{Pose, Vector};
 use crate::units::to_mm;
 use crate::verify::bench::GRAVITY;
-use crate::verify::experiment::packing::Heap;
+use crate::verify::experiment::packing::Packing;
 use crate::verify::scene::{Scene, block, floor, grain_body, grains, lowest, uniform, wall};
 use crate::world::{BodyId, Motion};
 
@@ -157,27 +157,27 @@ pub(super) fn floor_force(
     settle: f64,
     duration: f64,
 ) -> Result<Outcome, VerifyError> {
-    let mut heap = Heap::new(bench, count, 0, 0.0)?;
-    heap.scene.run(settle)?;
-    let weight = heap.mass() * GRAVITY;
-    let dt = heap.scene.time_step();
-    let steps = heap.scene.steps_in(duration);
+    let mut packing = Packing::new(bench, count, 0, 0.0)?;
+    packing.scene.run(settle)?;
+    let weight = packing.mass() * GRAVITY;
+    let dt = packing.scene.time_step();
+    let steps = packing.scene.steps_in(duration);
     let mut outcome = Outcome::new("Time (s)", "Force on the floor / weight");
     let (mut total, mut curve) = (0.0, Vec::new());
     for n in 1..=steps {
-        heap.scene.step()?;
-        let down: f64 = heap
+        packing.scene.step()?;
+        let down: f64 = packing
             .scene
             .contacts()
             .iter()
-            .map(|c| match (c.a == heap.floor, c.b == heap.floor) {
+            .map(|c| match (c.a == packing.floor, c.b == packing.floor) {
                 (true, _) => -c.impulse.z,
                 (_, true) => c.impulse.z,
                 _ => 0.0,
             })
             .sum();
         total += down;
-        curve.push((heap.scene.time(), total / (n as f64 * dt * weight)));
+        curve.push((packing.scene.time(), total / (n as f64 * dt * weight)));
     }
     if let (Some(first), Some(last)) = (curve.first(), curve.last()) {
         outcome.law("Law", vec![(first.0, 1.0), (last.0, 1.0)]);

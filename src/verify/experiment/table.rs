@@ -73,7 +73,7 @@ pub(super) fn block_on_table(
 ) -> Result<Outcome, VerifyError> {
     let table = Table { amplitude: from_mm(amplitude), omega: TAU * frequency };
     let mut scene = bench.scene(&uniform(friction, 0.0))?;
-    let plate = scene.add(&floor(0.3, Motion::Driven)?)?;
+    let plate = scene.add(&floor(0.3, Motion::Kinematic)?)?;
     let mut body = block(BLOCK, Vector::new(0.0, 0.0, BLOCK.z / 2.0 + START_GAP))?;
     body.state.linear_velocity.x = table.speed(0.0);
     let id = scene.add(&body)?;

@@ -14,7 +14,7 @@ use super::tests::{free_box, shared_turn};
 use super::*;
 
 const STEP: f64 = 1.0 / 480.0;
-const REACH: f64 = 0.5e-3;
+const SPECULATIVE_MARGIN: f64 = 0.5e-3;
 
 fn ball(centre: Vector, velocity: Vector, radius: f64) -> CrowdBody {
     CrowdBody { centre, velocity, radius, turning: 0.0, free: true }
@@ -28,7 +28,7 @@ fn missed(bodies: &[CrowdBody], speeds: &[f64]) -> (Vec<String>, usize) {
         for (j, b) in bodies.iter().enumerate().take(i) {
             let gap = (a.centre - b.centre).norm() - a.radius - b.radius;
             let least = (a.velocity - b.velocity).norm();
-            if gap > STEP * (least + a.turning + b.turning) + REACH {
+            if gap > STEP * (least + a.turning + b.turning) + SPECULATIVE_MARGIN {
                 continue;
             }
             pairs += 1;
@@ -75,7 +75,7 @@ proptest! {
             .into_iter()
             .map(|body| CrowdBody { centre: spread * body.centre, ..body })
             .collect();
-        let speeds = crowd_speeds(&bodies, frame.into(), STEP, REACH);
+        let speeds = crowd_speeds(&bodies, frame.into(), STEP, SPECULATIVE_MARGIN);
         if bodies.iter().all(|body| !body.free) {
             prop_assert!(speeds.is_empty(), "law: nothing to find without a free body");
             return Ok(());
@@ -99,7 +99,7 @@ fn lattice(velocity: impl Fn(Vector) -> Vector) -> Vec<CrowdBody> {
 #[test]
 fn a_crowd_that_falls_together_stands_off_little() {
     let bodies = lattice(|at| Vector::new(0.0, 0.0, -3.0 - 0.2 * at.z));
-    let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, REACH);
+    let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, SPECULATIVE_MARGIN);
     let most = speeds.iter().copied().fold(0.0, f64::max);
     assert!(most < 0.03, "law: by differences of speed, below 0.03 m/s, got {most} m/s of 3");
 }
@@ -108,7 +108,7 @@ fn a_crowd_that_falls_together_stands_off_little() {
 fn crowds_that_meet_stand_off_by_their_speeds() {
     let towards = |at: Vector| Vector::new(if at.x < 0.07 { 3.0 } else { -3.0 }, 0.0, 0.0);
     let bodies = lattice(towards);
-    let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, REACH);
+    let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, SPECULATIVE_MARGIN);
     let (none, pairs) = missed(&bodies, &speeds);
     assert!(none.is_empty() && pairs > 400, "law: no pair is missed of {pairs}, got {none:?}");
     // The check can fail: these speeds are what each has against its own crowd.
@@ -126,7 +126,7 @@ fn what_is_no_number_is_not_sorted_into_a_grid() {
                 1 => bodies[7].velocity[1] = spoilt,
                 _ => bodies[7].turning = spoilt,
             }
-            let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, REACH);
+            let speeds = crowd_speeds(&bodies, Vector::zeros(), STEP, SPECULATIVE_MARGIN);
             assert!(
                 speeds.is_empty() || speeds.iter().all(|speed| !speed.is_nan()),
                 "law: no speed, or one that is a number, for {spoilt} in place {place}"

@@ -3,7 +3,7 @@
 use super::{constants, ffi};
 use crate::geometry::Vector;
 use crate::scale::{self, Scale};
-use crate::scenario::{ContactPath, EngineSettings, InertiaRule, StockSettings};
+use crate::scenario::{ContactSolver, EngineSettings, InertiaRule, StockSettings};
 use crate::units::{from_g, from_mm};
 use crate::world::WorldError;
 
@@ -35,10 +35,10 @@ pub(super) fn definition(
             })
         }
     };
-    if s.contact_path == ContactPath::Manifold && s.bullet != StockSettings::default() {
+    if s.contact_solver == ContactSolver::Native && s.stock != StockSettings::default() {
         return Err(WorldError::BadSetting {
-            setting: "bullet".into(),
-            reason: "these are settings of the contact path `bullet`; the contact path `manifold` \
+            setting: "stock".into(),
+            reason: "these are settings of stock Bullet contacts; the native contact solver \
                      asks for hulls without margin and bodies that never sleep"
                 .into(),
         });
@@ -71,7 +71,7 @@ pub(super) fn definition(
         contact_threshold: from_mm(positive("contact_threshold_mm", s.contact_threshold_mm)?),
         broadphase_margin: scale::BROADPHASE_MARGIN.at(&scale),
         tolerances: tolerances(&scale),
-        error_reduction: s.error_reduction,
+        erp: s.erp,
         warm_start: s.warm_start,
         split_impulse: s.split_impulse,
         restitution_velocity_threshold: s.restitution_velocity_threshold_m_per_s,
@@ -80,50 +80,50 @@ pub(super) fn definition(
         gyroscopic: s.gyroscopic,
         collision_margin: from_mm(zero_or_more(
             "bullet.collision_margin_mm",
-            s.bullet.collision_margin_mm,
+            s.stock.collision_margin_mm,
         )?),
-        inertia: match s.bullet.inertia {
+        inertia: match s.stock.inertia {
             InertiaRule::Exact => ffi::InertiaRule::Exact,
             InertiaRule::BoundingBox => ffi::InertiaRule::BoundingBox,
             InertiaRule::BoundingBoxWithDefaultMargin => {
                 ffi::InertiaRule::BoundingBoxWithDefaultMargin
             }
         },
-        least_mass: from_g(zero_or_more("bullet.least_mass_g", s.bullet.least_mass_g)?),
+        least_mass: from_g(zero_or_more("bullet.least_mass_g", s.stock.least_mass_g)?),
         relative_contact_threshold: zero_or_more(
             "bullet.relative_contact_threshold",
-            s.bullet.relative_contact_threshold,
+            s.stock.relative_contact_threshold,
         )?,
-        deactivation: s.bullet.deactivation,
-        deactivation_speed: zero_or_more(
-            "bullet.deactivation_speed_m_per_s",
-            s.bullet.deactivation_speed_m_per_s,
+        sleeping: s.stock.sleeping,
+        sleeping_speed: zero_or_more(
+            "bullet.sleeping_speed_m_per_s",
+            s.stock.sleeping_speed_m_per_s,
         )?,
-        deactivation_spin: zero_or_more(
-            "bullet.deactivation_spin_rad_per_s",
-            s.bullet.deactivation_spin_rad_per_s,
+        sleeping_spin: zero_or_more(
+            "bullet.sleeping_spin_rad_per_s",
+            s.stock.sleeping_spin_rad_per_s,
         )?,
         materials: 3,
-        own_collision: match s.contact_path {
-            ContactPath::Bullet => false,
-            ContactPath::Manifold => true,
+        own_collision: match s.contact_solver {
+            ContactSolver::Stock => false,
+            ContactSolver::Native => true,
         },
         contact_stiffness: positive(
-            "manifold.contact_stiffness_n_per_m",
-            s.manifold.contact_stiffness_n_per_m,
+            "native.contact_stiffness_n_per_m",
+            s.native.contact_stiffness_n_per_m,
         )?,
-        contact_damping_ratio: s.manifold.contact_damping_ratio,
-        push_out_speed: positive(
-            "manifold.push_out_speed_m_per_s",
-            s.manifold.push_out_speed_m_per_s,
+        contact_damping_ratio: s.native.contact_damping_ratio,
+        max_depenetration_velocity: positive(
+            "native.max_depenetration_velocity_m_per_s",
+            s.native.max_depenetration_velocity_m_per_s,
         )?,
-        substeps: i32::try_from(s.manifold.substeps(s.rate_hz)).unwrap_or(i32::MAX),
-        sweeps: i32::try_from(s.manifold.sweeps.max(1)).unwrap_or(i32::MAX),
-        solver_tolerance: zero_or_more("manifold.solver_tolerance", s.manifold.solver_tolerance)?,
-        threads: i32::try_from(s.manifold.threads.unwrap_or(1).clamp(1, 1024)).unwrap_or(1),
-        may_leave_threads: s.manifold.may_leave_threads,
-        portable: s.manifold.portable,
-        contacts_at_once: s.manifold.contacts_at_once,
+        substeps: i32::try_from(s.native.substeps(s.rate_hz)).unwrap_or(i32::MAX),
+        native_iterations: i32::try_from(s.native.iterations.max(1)).unwrap_or(i32::MAX),
+        solver_tolerance: zero_or_more("native.solver_tolerance", s.native.solver_tolerance)?,
+        threads: i32::try_from(s.native.threads.unwrap_or(1).clamp(1, 1024)).unwrap_or(1),
+        may_leave_threads: s.native.may_leave_threads,
+        portable: s.native.portable,
+        contacts_at_once: s.native.contacts_at_once,
     })
 }
 

@@ -1,4 +1,4 @@
-//! How driven bodies go through a step: their velocity changes steadily, in a new
+//! How kinematic bodies go through a step: their velocity changes steadily, in a new
 //! world that recalls the steps before as well, and a new body begins anew.
 
 use super::probe::ProbeDrive;
@@ -27,7 +27,7 @@ fn drive(world: &mut BulletBackend, id: BodyId, pose: &Pose) {
 
 /// A driven slab somewhere.
 fn table(pose: Pose) -> Body {
-    let mut body = slab(Motion::Driven);
+    let mut body = slab(Motion::Kinematic);
     body.state.pose = pose;
     body
 }
@@ -150,7 +150,7 @@ fn a_new_body_has_no_history_whatever_its_address() {
 }
 
 #[test]
-fn only_driven_bodies_have_been_driven() {
+fn only_kinematic_bodies_have_been_driven() {
     let _turn = shared_turn();
     let mut world = world();
     let table = world.add(&table(Pose::identity())).expect("added");
@@ -158,7 +158,7 @@ fn only_driven_bodies_have_been_driven() {
     let ends = [Pose::identity(); 3];
     assert!(world.recall_drive(table, &ends).is_ok());
     assert!(
-        matches!(world.recall_drive(free, &ends), Err(WorldError::NotDriven(id)) if id == free)
+        matches!(world.recall_drive(free, &ends), Err(WorldError::NotKinematic(id)) if id == free)
     );
     let gone = BodyId(7);
     assert!(

@@ -15,7 +15,7 @@ mod bridge {
     /// How a body moves.
     enum BodyKind {
         Static,
-        Driven,
+        Kinematic,
         Free,
     }
 
@@ -55,7 +55,7 @@ mod bridge {
         /// Growth of the broadphase's leaves in m, of stock worlds.
         broadphase_margin: f64,
         tolerances: Tolerances,
-        error_reduction: f64,
+        erp: f64,
         warm_start: f64,
         split_impulse: bool,
         /// In m/s.
@@ -70,11 +70,11 @@ mod bridge {
         least_mass: f64,
         /// Share of the smaller body's radius; 0 for the absolute threshold.
         relative_contact_threshold: f64,
-        deactivation: bool,
+        sleeping: bool,
         /// In m/s.
-        deactivation_speed: f64,
+        sleeping_speed: f64,
         /// In rad/s.
-        deactivation_spin: f64,
+        sleeping_spin: f64,
         /// Number of materials; the pair table has its square.
         materials: usize,
         /// Contacts of Pluvia's own hull–hull test instead of Bullet's.
@@ -83,11 +83,11 @@ mod bridge {
         contact_stiffness: f64,
         contact_damping_ratio: f64,
         /// In m/s.
-        push_out_speed: f64,
+        max_depenetration_velocity: f64,
         /// Of Pluvia's own solver in a step.
         substeps: i32,
         /// Over all contacts in a sub-step, at least.
-        sweeps: i32,
+        native_iterations: i32,
         /// Share of what contacts change of a body in a sub-step by which the last round
         /// may change a contact.
         solver_tolerance: f64,
@@ -135,15 +135,15 @@ mod bridge {
         angular_velocity: [f64; 3],
     }
 
-    /// Where a driven body was.
-    struct DrivenPose {
+    /// Where a kinematic body was.
+    struct KinematicPose {
         /// In m.
         position: [f64; 3],
         /// x, y, z, w.
         rotation: [f64; 4],
     }
 
-    /// How a driven body goes through a step: velocities in its middle, and how
+    /// How a kinematic body goes through a step: velocities in its middle, and how
     /// they change all the way.
     struct DriveRead {
         id: u32,
@@ -265,27 +265,28 @@ mod bridge {
             position: &[f64; 3],
             rotation: &[f64; 4],
         ) -> Result<()>;
-        /// Tells a new world, before its first step, where a driven body was at the
+        /// Tells a new world, before its first step, where a kinematic body was at the
         /// ends of the last three, the last one last.
-        fn recall_drive(self: Pin<&mut BulletWorld>, id: u32, ends: &[DrivenPose]) -> Result<()>;
+        fn recall_drive(self: Pin<&mut BulletWorld>, id: u32, ends: &[KinematicPose])
+        -> Result<()>;
         fn step(self: Pin<&mut BulletWorld>) -> Result<()>;
         fn read_bodies(self: &BulletWorld, out: &mut Vec<BodyRead>);
         /// Corners of the hulls that contacts are found with, in m: how many
         /// each body has, and x, y, z of each; none for a removed body.
         fn read_corners(self: &BulletWorld, counts: &mut Vec<u32>, coordinates: &mut Vec<f64>);
-        /// How each driven body went through the last step. Empty with Bullet's own
+        /// How each kinematic body went through the last step. Empty with Bullet's own
         /// contacts, and once a body came or went.
         fn read_drives(self: &BulletWorld, out: &mut Vec<DriveRead>);
         fn read_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
         /// Finds the contact points with what they carry, without a step.
         fn find_contacts(self: Pin<&mut BulletWorld>) -> Result<()>;
-        /// Points that bear something, where they are now. Empty with Bullet's own contacts.
+        /// Points that bear something, where they are now. Empty with stock Bullet contacts.
         fn remember_contacts(self: &BulletWorld, out: &mut Vec<ContactRead>);
         /// Hands a new world, before its first step, what another remembered.
         fn recall_contacts(self: Pin<&mut BulletWorld>, contacts: &[ContactRead]) -> Result<()>;
         fn pair_value(self: &BulletWorld, a: u32, b: u32) -> Result<PairValue>;
         fn phases(self: &BulletWorld) -> PhaseTimes;
-        /// See `World::solver_residual`; negative with Bullet's own contacts.
+        /// See `World::solver_residual`; negative with stock Bullet contacts.
         fn solver_residual(self: &BulletWorld) -> f64;
         fn record_substeps(self: Pin<&mut BulletWorld>, on: bool);
         /// The last sub-step recorded: numbers of `SubstepRecord` in cpp/contact_look.h.
@@ -346,7 +347,7 @@ mod bridge {
             bodies: &[CrowdProbeBody],
             frame: &[f64; 3],
             step: f64,
-            reach: f64,
+            speculative_margin: f64,
         ) -> Vec<f64>;
     }
 }

@@ -79,7 +79,8 @@ fn arrested(gap: f64, restitution: f64, rate_hz: f64) -> f64 {
     world.add(&slab(Motion::Static)).expect("added");
     let ledges = [-0.022, 0.022].map(|x| {
         let at = Vector::new(x, 0.0, gap - 0.005);
-        let ledge = Body { motion: Motion::Driven, ..free_box(Vector::new(0.004, 0.02, 0.01), at) };
+        let ledge =
+            Body { motion: Motion::Kinematic, ..free_box(Vector::new(0.004, 0.02, 0.01), at) };
         (world.add(&ledge).expect("added"), at)
     });
     let block = free_box(Vector::new(0.06, 0.01, 0.01), Vector::new(0.0, 0.0, gap + 0.025));

@@ -4,11 +4,11 @@
 use super::tests::{free_box, shared_turn, slab};
 use super::*;
 use crate::grains::{Grain, generate, streams};
-use crate::scenario::{CellShape, ManifoldSettings, SieveFraction, SievedGrains};
+use crate::scenario::{CellShape, NativeSettings, SieveFraction, SievedGrains};
 
-fn world(gravity: f64, manifold: ManifoldSettings) -> BulletBackend {
+fn world(gravity: f64, native: NativeSettings) -> BulletBackend {
     let pairs = PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.3 });
-    let settings = EngineSettings { manifold, ..Default::default() };
+    let settings = EngineSettings { native, ..Default::default() };
     BulletBackend::new(&settings, Vector::new(0.0, 0.0, -gravity), &pairs).expect("a world")
 }
 
@@ -26,8 +26,8 @@ fn depth(world: &BulletBackend, id: BodyId, body: &Body, height: f64) -> f64 {
 /// have been at rest, two corners of the box on it and two higher by `lift` (mm).
 fn started(lift: f64) -> f64 {
     const SPEED: f64 = 0.47;
-    let mut world = world(0.0, ManifoldSettings::default());
-    let table = world.add(&slab(Motion::Driven)).expect("added");
+    let mut world = world(0.0, NativeSettings::default());
+    let table = world.add(&slab(Motion::Kinematic)).expect("added");
     let mut body = free_box(Vector::new(0.016, 0.008, 0.004), Vector::zeros());
     let lean = 1e-3 * lift / 0.016;
     body.state.pose.rotation = UnitQuaternion::from_scaled_axis(Vector::new(0.0, lean, 0.0));
@@ -73,7 +73,7 @@ fn grains() -> Vec<Grain> {
 /// How deep in mm a tumbling grain gets into the floor at the worst of 0.2 s.
 fn tumbled(grain: &Grain, number: u64) -> f64 {
     let mut draw = streams::stream(number, "tumbling");
-    let mut world = world(9.81, ManifoldSettings::default());
+    let mut world = world(9.81, NativeSettings::default());
     world.add(&slab(Motion::Static)).expect("added");
     let at = Pose::from_parts(Vector::new(0.0, 0.0, 0.009).into(), streams::rotation(&mut draw));
     let mut body = Body {
@@ -112,7 +112,7 @@ fn a_body_that_rolls_lands_on_the_corners_that_come_down() {
 
 /// The solver's residual after sixteen piles of twenty boxes have rested for 10 ms.
 fn residual(solver_tolerance: f64) -> f64 {
-    let mut world = world(9.81, ManifoldSettings { solver_tolerance, ..Default::default() });
+    let mut world = world(9.81, NativeSettings { solver_tolerance, ..Default::default() });
     world.record_substeps(); // every step is looked at
     world.add(&slab(Motion::Static)).expect("added");
     for n in 0..320 {

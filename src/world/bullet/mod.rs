@@ -4,7 +4,7 @@
 //! setting is read back from the engine ([`World::effective`]).
 //!
 //! What finds contacts and what solves them is chosen in one place: `make_world` of
-//! `BulletWorld::Impl` in `cpp/world.cpp`, by [`crate::scenario::ContactPath`].
+//! `BulletWorld::Impl` in `cpp/world.cpp`, by [`crate::scenario::ContactSolver`].
 
 mod constants;
 #[cfg(test)]
@@ -18,7 +18,7 @@ mod impact_tests;
 #[cfg(test)]
 mod landing_tests;
 #[cfg(test)]
-mod manifold_tests;
+mod native_tests;
 pub mod probe;
 #[cfg(test)]
 mod recall_tests;
@@ -128,9 +128,12 @@ impl BulletBackend {
         // One variable of Bullet's holds whichever of the two thresholds is used; a native
         // world has none, and boxes that stand off in place of the tree's margin.
         let margin = ("broadphase_margin_m", d.broadphase_margin);
-        let reach = d.contact_threshold.min(d.tolerances.contact_margin);
+        let speculative_margin = d.contact_threshold.min(d.tolerances.contact_margin);
         let (threshold, margin) = match (d.own_collision, d.relative_contact_threshold > 0.0) {
-            (true, _) => (("manifold_reach_m", reach), ("box_slack_m", d.tolerances.box_slack)),
+            (true, _) => (
+                ("native_speculative_margin_m", speculative_margin),
+                ("box_slack_m", d.tolerances.box_slack),
+            ),
             (false, true) => (("relative_contact_threshold", d.relative_contact_threshold), margin),
             (false, false) => (("contact_breaking_threshold_m", d.contact_threshold), margin),
         };
@@ -143,7 +146,7 @@ impl BulletBackend {
             margin,
             ("iterations", f64::from(d.iterations)),
             ("solver_mode", f64::from(d.solver_mode)),
-            ("erp2", d.error_reduction),
+            ("erp2", d.erp),
             ("warm_starting_factor", d.warm_start),
             ("split_impulse", f64::from(u8::from(d.split_impulse))),
             ("restitution_velocity_threshold_m_per_s", d.restitution_velocity_threshold),
@@ -160,10 +163,10 @@ impl BulletBackend {
         Ok(())
     }
 
-    fn check_driven(&self, id: BodyId) -> Result<(), WorldError> {
+    fn check_kinematic(&self, id: BodyId) -> Result<(), WorldError> {
         match self.driven.get(id.0 as usize) {
             None => Err(WorldError::NoSuchBody(id)),
-            Some(false) => Err(WorldError::NotDriven(id)),
+            Some(false) => Err(WorldError::NotKinematic(id)),
             Some(true) => Ok(()),
         }
     }
@@ -211,7 +214,7 @@ impl World for BulletBackend {
         let shape = self.shape(&body.shape)?;
         let (kind, mass, inertia) = match body.motion {
             Motion::Static => (ffi::BodyKind::Static, 0.0, Vector::zeros()),
-            Motion::Driven => (ffi::BodyKind::Driven, 0.0, Vector::zeros()),
+            Motion::Kinematic => (ffi::BodyKind::Kinematic, 0.0, Vector::zeros()),
             Motion::Free { mass, inertia } => (ffi::BodyKind::Free, mass, inertia),
         };
         let id = self
@@ -229,7 +232,7 @@ impl World for BulletBackend {
                 angular_velocity: body.state.angular_velocity.into(),
             })
             .map_err(engine)?;
-        self.driven.push(matches!(body.motion, Motion::Driven));
+        self.driven.push(matches!(body.motion, Motion::Kinematic));
         Ok(BodyId(id))
     }
 
@@ -238,7 +241,7 @@ impl World for BulletBackend {
     }
 
     fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
-        self.check_driven(id)?;
+        self.check_kinematic(id)?;
         self.world
             .pin_mut()
             .drive_body(id.0, &pose.translation.vector.into(), &rotation_array(pose))
@@ -246,8 +249,8 @@ impl World for BulletBackend {
     }
 
     fn recall_drive(&mut self, id: BodyId, ends: &[Pose; 3]) -> Result<(), WorldError> {
-        self.check_driven(id)?;
-        let ends = ends.map(|pose| ffi::DrivenPose {
+        self.check_kinematic(id)?;
+        let ends = ends.map(|pose| ffi::KinematicPose {
             position: pose.translation.vector.into(),
             rotation: rotation_array(&pose),
         });

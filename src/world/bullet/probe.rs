@@ -1,4 +1,4 @@
-//! One pair of hulls outside any world: what the manifold contact path finds
+//! One pair of hulls outside any world: what the native contact solver finds
 //! for given poses, step after step.
 //!
 //! For tests, which compare it with exact references, and for benchmarks. And the
@@ -16,14 +16,14 @@ pub struct ProbeSettings {
     /// Engine length units in a metre.
     pub length_scale: f64,
     /// Gap in m up to which contact points are kept.
-    pub reach: f64,
+    pub speculative_margin: f64,
     /// Use the code that runs on every processor instead of the fastest.
     pub portable: bool,
 }
 
 impl Default for ProbeSettings {
     fn default() -> Self {
-        Self { length_scale: 100.0, reach: 0.5e-3, portable: false }
+        Self { length_scale: 100.0, speculative_margin: 0.5e-3, portable: false }
     }
 }
 
@@ -78,7 +78,10 @@ impl HullPair {
     ) -> Result<Self, WorldError> {
         ffi::new_hull_probe(
             settings.length_scale,
-            &ffi::Tolerances { contact_margin: settings.reach, ..tolerances(&Scale::PAPER) },
+            &ffi::Tolerances {
+                contact_margin: settings.speculative_margin,
+                ..tolerances(&Scale::PAPER)
+            },
             settings.portable,
             &flat(a),
             &flat(b),
@@ -177,7 +180,7 @@ pub fn shared_time(
 
 /// Which of as many steps of a world a single thread does, where a shared one takes
 /// `shared_s` seconds and one of a single thread `alone_s`. `may_leave`:
-/// [`ManifoldSettings::may_leave_threads`](crate::scenario::ManifoldSettings::may_leave_threads).
+/// [`NativeSettings::may_leave_threads`](crate::scenario::NativeSettings::may_leave_threads).
 pub fn steps_alone(may_leave: bool, shared_s: &[f64], alone_s: &[f64]) -> Vec<bool> {
     ffi::steps_alone(may_leave, shared_s, alone_s)
 }
@@ -189,7 +192,7 @@ pub fn bytes_handed_out() -> Option<i64> {
     (bytes >= 0).then_some(bytes)
 }
 
-/// How a driven body goes through a step, in SI units and world axes.
+/// How a kinematic body goes through a step, in SI units and world axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProbeDrive {
     /// Which body.
@@ -214,7 +217,7 @@ impl BulletBackend {
         self.world.pin_mut().find_contacts().map_err(engine)
     }
 
-    /// How each driven body went through the last step; empty with Bullet's own
+    /// How each kinematic body went through the last step; empty with Bullet's own
     /// contacts, and once a body came or went.
     pub fn drives(&self) -> Vec<ProbeDrive> {
         let mut drives = Vec::new();
@@ -247,9 +250,14 @@ pub struct CrowdBody {
 
 /// The speed in m/s by which the box of each body stands off within a step of
 /// `step` s, in worlds of many bodies (`cpp/crowd.h`). `frame`: velocity in m/s of
-/// the place that boxes are counted from; `reach`: gap in m up to which contact
+/// the place that boxes are counted from; `speculative_margin`: gap in m up to which contact
 /// points are kept. Empty where a number is not finite or no body is free.
-pub fn crowd_speeds(bodies: &[CrowdBody], frame: Vector, step: f64, reach: f64) -> Vec<f64> {
+pub fn crowd_speeds(
+    bodies: &[CrowdBody],
+    frame: Vector,
+    step: f64,
+    speculative_margin: f64,
+) -> Vec<f64> {
     let told = |body: &CrowdBody| ffi::CrowdProbeBody {
         centre: body.centre.into(),
         velocity: body.velocity.into(),
@@ -258,5 +266,5 @@ pub fn crowd_speeds(bodies: &[CrowdBody], frame: Vector, step: f64, reach: f64) 
         free: body.free,
     };
     let bodies: Vec<_> = bodies.iter().map(told).collect();
-    ffi::crowd_speeds(&bodies, &frame.into(), step, reach)
+    ffi::crowd_speeds(&bodies, &frame.into(), step, speculative_margin)
 }

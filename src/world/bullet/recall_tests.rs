@@ -4,7 +4,7 @@
 use super::tests::{free_box, shared_turn, slab};
 use super::*;
 use crate::grains::generate;
-use crate::scenario::{ManifoldSettings, SievedGrains};
+use crate::scenario::{NativeSettings, SievedGrains};
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
@@ -14,15 +14,15 @@ const HALF_WIDTH: f64 = 0.03;
 fn world() -> BulletBackend {
     let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.3 });
     // Sweeps that go on until forces are found would hide that one was not recalled.
-    let manifold = ManifoldSettings { solver_tolerance: 1.0, ..Default::default() };
-    let settings = EngineSettings { manifold, ..Default::default() };
+    let native = NativeSettings { solver_tolerance: 1.0, ..Default::default() };
+    let settings = EngineSettings { native, ..Default::default() };
     BulletBackend::new(&settings, GRAVITY, &pairs).expect("a world")
 }
 
 /// A floor and four walls, then some seventy grains and cubes above one another,
 /// turned every which way; `seed` decides what grains they are.
 pub(super) fn bodies(seed: u64) -> Vec<Body> {
-    let mut bodies = vec![slab(Motion::Driven)];
+    let mut bodies = vec![slab(Motion::Kinematic)];
     for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
         let mut wall = slab(Motion::Static);
         let out = Vector::new(x, y, 0.0);

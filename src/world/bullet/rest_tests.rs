@@ -56,7 +56,7 @@ fn a_heap_comes_to_rest() {
         assert!(worst.0 > 0.0, "and that they move at all");
         assert!(
             worst.0 < 5e-3,
-            "law: a body on three points or more is at rest after 5 s; heap {seed}, body {}: \
+            "law: a body on three points or more is at rest after 5 s; packing {seed}, body {}: \
              expected at most 0.005 rad/s, got {:.1e} rad/s",
             worst.1,
             worst.0

@@ -6,23 +6,23 @@ use super::probe::{shared_sum, shared_time, steps_alone};
 use super::tests::{exclusive_turn, free_box, shared_turn, slab};
 use super::*;
 use crate::scale::Scale;
-use crate::scenario::ContactPath;
+use crate::scenario::ContactSolver;
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
-const PATHS: [ContactPath; 2] = [ContactPath::Bullet, ContactPath::Manifold];
+const PATHS: [ContactSolver; 2] = [ContactSolver::Stock, ContactSolver::Native];
 
 /// An empty world, past all that Rust checks.
-fn bare(path: ContactPath) -> cxx::UniquePtr<ffi::BulletWorld> {
+fn bare(path: ContactSolver) -> cxx::UniquePtr<ffi::BulletWorld> {
     made(path, |_| {}, 9).expect("a world")
 }
 
 fn made(
-    path: ContactPath,
+    path: ContactSolver,
     change: impl FnOnce(&mut ffi::WorldDefinition),
     pairs: usize,
 ) -> Result<cxx::UniquePtr<ffi::BulletWorld>, cxx::Exception> {
-    let settings = EngineSettings { contact_path: path, ..Default::default() };
+    let settings = EngineSettings { contact_solver: path, ..Default::default() };
     let mut definition = definition(&settings, GRAVITY).expect("settings");
     change(&mut definition);
     let pair = || ffi::PairValue { friction: 0.5, restitution: 0.0 };
@@ -164,7 +164,7 @@ fn worlds_that_cannot_be_come_back_as_errors() {
         }
         let first = bare(path);
         let second = made(path, |d| d.broadphase_margin *= 2.0, 9);
-        if path == ContactPath::Bullet {
+        if path == ContactSolver::Stock {
             assert_thrown(second, "whole process", "another margin");
         } else {
             assert!(second.is_ok(), "law: a native world reads nothing of the process");

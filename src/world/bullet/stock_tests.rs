@@ -1,12 +1,12 @@
-//! What only Bullet's own contacts can be told, against what it must do.
+//! What only stock Bullet contacts can be told, against what it must do.
 
 use super::tests::{exclusive_turn, free_box, shared_turn, slab};
 use super::*;
-use crate::scenario::{ContactPath, InertiaRule, StockSettings};
+use crate::scenario::{ContactSolver, InertiaRule, StockSettings};
 use crate::units::from_mm;
 
-fn on(bullet: StockSettings) -> EngineSettings {
-    EngineSettings { contact_path: ContactPath::Bullet, bullet, ..Default::default() }
+fn on(stock: StockSettings) -> EngineSettings {
+    EngineSettings { contact_solver: ContactSolver::Stock, stock, ..Default::default() }
 }
 
 fn world(settings: &EngineSettings) -> BulletBackend {
@@ -17,8 +17,8 @@ fn world(settings: &EngineSettings) -> BulletBackend {
 /// A cube of 10 mm on a driven slab.
 fn cube_on_slab(settings: &EngineSettings) -> (BulletBackend, BodyId, BodyId) {
     let mut world = world(settings);
-    let floor = world.add(&slab(Motion::Driven)).expect("added");
-    let margin = from_mm(settings.bullet.collision_margin_mm);
+    let floor = world.add(&slab(Motion::Kinematic)).expect("added");
+    let margin = from_mm(settings.stock.collision_margin_mm);
     let at = Vector::new(0.0, 0.0, 0.0051 + 2.0 * margin);
     let cube = world.add(&free_box(Vector::repeat(0.01), at)).expect("added");
     (world, floor, cube)
@@ -58,17 +58,17 @@ fn a_margin_keeps_both_surfaces_apart() {
 #[test]
 fn slow_bodies_sleep_after_two_seconds_and_wake_with_the_table() {
     let _turn = shared_turn();
-    for deactivation in [false, true] {
-        let settings = on(StockSettings { deactivation, ..Default::default() });
+    for sleeping in [false, true] {
+        let settings = on(StockSettings { sleeping, ..Default::default() });
         let (mut world, floor, cube) = cube_on_slab(&settings);
         // ISLAND_SLEEPING is 2 (btCollisionObject.h).
         let asleep = |world: &BulletBackend| world.effective()["activation_state"] == 2.0;
         steps(&mut world, 480);
         assert!(!asleep(&world), "law: nothing sleeps within the two seconds");
         steps(&mut world, 3 * 480);
-        assert_eq!(asleep(&world), deactivation, "law: it sleeps where that is asked for");
+        assert_eq!(asleep(&world), sleeping, "law: it sleeps where that is asked for");
         let at_rest = state(&world, cube);
-        if deactivation {
+        if sleeping {
             assert_eq!(at_rest.linear_velocity, Vector::zeros(), "law: what sleeps is at rest");
         }
         // The table shakes: x = A sin 2πft at 3 Hz and 25 mm for a quarter of a cycle.
@@ -82,7 +82,7 @@ fn slow_bodies_sleep_after_two_seconds_and_wake_with_the_table() {
         }
         assert!(
             furthest > 0.005,
-            "law: friction takes it along whether it slept or not (deactivation {deactivation}): \
+            "law: friction takes it along whether it slept or not (sleeping {sleeping}): \
              it went {furthest} m, expected more than 0.005 m"
         );
     }
@@ -140,13 +140,13 @@ fn a_relative_threshold_is_held_as_one() {
 fn our_own_contacts_refuse_all_of_it() {
     let _turn = shared_turn();
     let settings = EngineSettings {
-        contact_path: ContactPath::Manifold,
+        contact_solver: ContactSolver::Native,
         ..on(StockSettings { collision_margin_mm: 0.1, ..Default::default() })
     };
     let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.0 });
     let refused = BulletBackend::new(&settings, Vector::zeros(), &pairs);
     assert!(
-        matches!(refused, Err(WorldError::BadSetting { ref setting, .. }) if setting == "bullet"),
-        "law: a margin on the contact path manifold is refused"
+        matches!(refused, Err(WorldError::BadSetting { ref setting, .. }) if setting == "stock"),
+        "law: a margin on the native contact solver is refused"
     );
 }

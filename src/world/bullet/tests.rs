@@ -4,7 +4,7 @@ use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use super::*;
 use crate::geometry::MassProperties;
-use crate::scenario::ContactPath;
+use crate::scenario::ContactSolver;
 use crate::world::Material;
 
 /// Bullet keeps the contact threshold once a process: tests with the default
@@ -27,10 +27,10 @@ fn pairs() -> PairTable {
     PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.0 })
 }
 
-const PATHS: [ContactPath; 2] = [ContactPath::Bullet, ContactPath::Manifold];
+const PATHS: [ContactSolver; 2] = [ContactSolver::Stock, ContactSolver::Native];
 
-fn on(contact_path: ContactPath) -> EngineSettings {
-    EngineSettings { contact_path, ..Default::default() }
+fn on(contact_solver: ContactSolver) -> EngineSettings {
+    EngineSettings { contact_solver, ..Default::default() }
 }
 
 fn world(settings: &EngineSettings) -> BulletBackend {
@@ -109,10 +109,10 @@ fn free_fall_is_the_discrete_solution_at_every_length_scale() {
     let cases = [1.0, 10.0, 100.0, 1000.0].map(|scale| PATHS.map(|path| (scale, path)));
     for (length_scale, path) in cases.into_iter().flatten() {
         let settings = EngineSettings { length_scale, ..on(path) };
-        let moves = if path == ContactPath::Bullet {
+        let moves = if path == ContactSolver::Stock {
             1
         } else {
-            settings.manifold.substeps(settings.rate_hz)
+            settings.native.substeps(settings.rate_hz)
         };
         let mut world = world(&settings);
         let id =
@@ -180,11 +180,11 @@ fn a_pair_gets_the_coefficients_of_its_materials() {
 }
 
 #[test]
-fn a_driven_body_is_where_it_was_driven_and_carries_by_friction() {
+fn a_kinematic_body_is_where_it_was_driven_and_carries_by_friction() {
     let _turn = shared_turn();
     for path in PATHS {
         let mut world = world(&on(path));
-        let table = world.add(&slab(Motion::Driven)).expect("added");
+        let table = world.add(&slab(Motion::Kinematic)).expect("added");
         let grain = world
             .add(&free_box(Vector::new(0.02, 0.02, 0.01), Vector::new(0.0, 0.0, 0.005)))
             .expect("added");
@@ -252,7 +252,7 @@ fn a_removed_body_is_gone_and_its_number_stays_unused() {
     assert!(snapshot[0].is_none() && snapshot[1].is_some());
     assert!(matches!(world.remove(first), Err(WorldError::NoSuchBody(id)) if id == first));
     let nowhere = Pose::identity();
-    assert!(matches!(world.drive(second, &nowhere), Err(WorldError::NotDriven(_))));
+    assert!(matches!(world.drive(second, &nowhere), Err(WorldError::NotKinematic(_))));
     assert!(matches!(world.drive(BodyId(9), &nowhere), Err(WorldError::NoSuchBody(_))));
     assert!(world.pair_coefficients(first, second).is_err());
 }
@@ -280,8 +280,8 @@ fn refuses_what_no_engine_should_see() {
 #[test]
 fn worlds_with_different_process_wide_settings_do_not_live_together() {
     let _turn = exclusive_turn();
-    let first = world(&on(ContactPath::Bullet));
-    let other = EngineSettings { contact_threshold_mm: 0.5, ..on(ContactPath::Bullet) };
+    let first = world(&on(ContactSolver::Stock));
+    let other = EngineSettings { contact_threshold_mm: 0.5, ..on(ContactSolver::Stock) };
     assert!(matches!(
         BulletBackend::new(&other, GRAVITY, &pairs()),
         Err(WorldError::Engine(text)) if text.contains("whole process")
@@ -331,7 +331,7 @@ fn two_worlds_in_two_threads_give_the_bits_of_one() {
 #[test]
 fn the_manifold_path_holds_a_box_at_its_four_corners() {
     let _turn = shared_turn();
-    let mut world = world(&on(ContactPath::Manifold));
+    let mut world = world(&on(ContactSolver::Native));
     let floor = world.add(&slab(Motion::Static)).expect("added");
     let grain =
         world.add(&free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.005))).expect("added");
@@ -350,6 +350,9 @@ fn the_manifold_path_holds_a_box_at_its_four_corners() {
     world.contacts(&mut contacts);
     assert!(contacts.is_empty(), "law: contacts go with their body, left are {contacts:?}");
     let held = world.effective();
-    let reach = held["manifold_reach_m"].as_f64().expect("a number");
-    assert!((reach - 0.2e-3).abs() < 1e-9, "reach: expected 0.2e-3 m, got {reach}");
+    let speculative_margin = held["native_speculative_margin_m"].as_f64().expect("a number");
+    assert!(
+        (speculative_margin - 0.2e-3).abs() < 1e-9,
+        "speculative_margin: expected 0.2e-3 m, got {speculative_margin}"
+    );
 }

@@ -4,19 +4,19 @@
 use super::recall_tests::bodies;
 use super::tests::{free_box, precision, shared_turn, slab};
 use super::*;
-use crate::scenario::ManifoldSettings;
+use crate::scenario::NativeSettings;
 
 const GRAVITY: f64 = 9.81;
 
 /// `at_once`: 1 for double precision. `tolerance`: 1 ends iterations early.
 fn world(rate_hz: f64, restitution: f64, at_once: u32, tolerance: f64) -> BulletBackend {
     let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution });
-    let manifold = ManifoldSettings {
+    let native = NativeSettings {
         contacts_at_once: at_once,
         solver_tolerance: tolerance,
         ..Default::default()
     };
-    let settings = EngineSettings { manifold, rate_hz, ..Default::default() };
+    let settings = EngineSettings { native, rate_hz, ..Default::default() };
     BulletBackend::new(&settings, Vector::new(0.0, 0.0, -GRAVITY), &pairs).expect("a world")
 }
 

@@ -10,7 +10,7 @@ use nalgebra::UnitQuaternion;
 
 use super::*;
 use crate::geometry::MassProperties;
-use crate::scenario::ContactPath;
+use crate::scenario::ContactSolver;
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
@@ -25,10 +25,10 @@ fn each(test: impl Fn(&Engine)) {
     // Bullet holds settings for the whole process: take a turn with those who
     // use the defaults.
     let _turn = shared_turn();
-    let manifold = EngineSettings::default();
-    let bullets_own = EngineSettings { contact_path: ContactPath::Bullet, ..manifold.clone() };
-    let rapier = EngineSettings { backend: Backend::Rapier, ..manifold.clone() };
-    for settings in [bullets_own, manifold, rapier] {
+    let native = EngineSettings::default();
+    let bullets_own = EngineSettings { contact_solver: ContactSolver::Stock, ..native.clone() };
+    let rapier = EngineSettings { backend: Backend::Rapier, ..native.clone() };
+    for settings in [bullets_own, native, rapier] {
         if built_in().contains(&settings.backend) {
             test(&Engine { backend: settings.backend, settings });
         }
@@ -46,10 +46,10 @@ impl Engine {
 
     /// Bullet's own solver moves bodies once a step, the others once a sub-step.
     fn moves_a_step(&self) -> u32 {
-        match (self.backend, self.settings.contact_path) {
-            (Backend::Bullet, ContactPath::Bullet) => 1,
-            (Backend::Bullet, ContactPath::Manifold) => {
-                self.settings.manifold.substeps(self.settings.rate_hz)
+        match (self.backend, self.settings.contact_solver) {
+            (Backend::Bullet, ContactSolver::Stock) => 1,
+            (Backend::Bullet, ContactSolver::Native) => {
+                self.settings.native.substeps(self.settings.rate_hz)
             }
             (Backend::Rapier, _) => self.settings.rapier.substeps,
         }
@@ -66,7 +66,7 @@ impl Engine {
             (got - expected).abs() <= tolerance,
             "{:?} {:?}, law: {law}: expected {expected}, got {got}, tolerance {tolerance}",
             self.backend,
-            self.settings.contact_path
+            self.settings.contact_solver
         );
     }
 }
@@ -183,7 +183,7 @@ fn pairs_that_cannot_be_are_refused() {
 fn walls_do_not_meet_each_other() {
     each(|engine| {
         let mut world = engine.world(&uniform(0.5, 0.0));
-        for motion in [Motion::Static, Motion::Driven, Motion::Static] {
+        for motion in [Motion::Static, Motion::Kinematic, Motion::Static] {
             world.add(&slab(motion)).expect("added");
         }
         steps(world.as_mut(), 10);
@@ -220,7 +220,7 @@ fn a_removed_body_is_gone_and_its_number_stays_unused() {
         assert_eq!(present, [false, true, true], "{:?}", engine.backend);
         assert!(matches!(world.remove(floor), Err(WorldError::NoSuchBody(id)) if id == floor));
         let nowhere = Pose::identity();
-        assert!(matches!(world.drive(second, &nowhere), Err(WorldError::NotDriven(_))));
+        assert!(matches!(world.drive(second, &nowhere), Err(WorldError::NotKinematic(_))));
         assert!(matches!(world.drive(BodyId(9), &nowhere), Err(WorldError::NoSuchBody(_))));
         assert!(world.pair_coefficients(floor, second).is_err());
     });

@@ -22,10 +22,10 @@ fn a_body_falls_as_the_discrete_solution_says() {
 }
 
 #[test]
-fn a_driven_wall_gives_its_velocity_to_what_lies_on_it() {
+fn a_kinematic_wall_gives_its_velocity_to_what_lies_on_it() {
     each(|engine| {
         let mut world = engine.world(&uniform(0.5, 0.0));
-        let table = world.add(&slab(Motion::Driven)).expect("added");
+        let table = world.add(&slab(Motion::Kinematic)).expect("added");
         let body = free_box(Vector::new(0.02, 0.02, 0.01), Vector::new(0.0, 0.0, 0.005));
         let grain = world.add(&body).expect("added");
         let velocity = Vector::new(0.1, 0.0, 0.05);
@@ -44,7 +44,7 @@ fn a_driven_wall_gives_its_velocity_to_what_lies_on_it() {
         // What the solver leaves at a contact: below 1 % of the speed.
         engine.expect("carried by friction", velocity.x, grain_now.linear_velocity.x, 1e-3);
         engine.expect("lifted by the contact", velocity.z, grain_now.linear_velocity.z, 1e-3);
-        // The blow that lifts it, w in speed, gives it μ w along the table at
+        // The impact that lifts it, w in speed, gives it μ w along the table at
         // once; it then slides until it has the table's speed, by
         // (v - μ w)² / 2μg, give or take a step's way.
         let slid = velocity.x * time - grain_now.pose.translation.x;
@@ -54,7 +54,7 @@ fn a_driven_wall_gives_its_velocity_to_what_lies_on_it() {
         // Nothing drives it any more: it stays, and so does what lies on it.
         steps(world.as_mut(), 240);
         engine.expect(
-            "a driven body stays where it was driven",
+            "a kinematic body stays where it was driven",
             velocity.x * time,
             state(world.as_ref(), table).pose.translation.x,
             exact,
@@ -73,7 +73,7 @@ fn a_sliding_block_stops_by_coulombs_law() {
             let mut world = engine.world(&uniform(friction, 0.0));
             world.add(&slab(Motion::Static)).expect("added");
             // A micrometre up: faces that touch to the last bit are a case of
-            // the verification, which Bullet's own contacts fail.
+            // the verification, which stock Bullet contacts fail.
             let at = Vector::new(0.0, 0.0, 0.005 + 1e-6);
             let mut body = free_box(Vector::new(0.03, 0.03, 0.01), at);
             let direction = Vector::new(heading.cos(), heading.sin(), 0.0);
@@ -114,7 +114,7 @@ fn a_body_rebounds_with_the_pairs_restitution() {
         // Bullet lets a body that comes near close the gap in one step and
         // takes restitution from what is left of the approach: up to one
         // step's way over the gap at which contacts are made too much or too
-        // little. Rapier takes the speed of approach itself, and sweeps once
+        // little. Rapier takes the speed of approach itself, and iterations once
         // over the four corners, of which the later take from the earlier.
         let tolerance = match engine.backend {
             Backend::Bullet => 0.25,

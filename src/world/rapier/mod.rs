@@ -134,7 +134,7 @@ impl RapierBackend {
     fn rigid_body(&self, body: &Body) -> RigidBodyBuilder {
         let builder = match body.motion {
             Motion::Static => RigidBodyBuilder::fixed(),
-            Motion::Driven => RigidBodyBuilder::kinematic_position_based(),
+            Motion::Kinematic => RigidBodyBuilder::kinematic_position_based(),
             Motion::Free { mass, inertia } => RigidBodyBuilder::dynamic()
                 .additional_mass_properties(MassProperties::new(
                     convert::vector(&Vector::zeros()),
@@ -172,7 +172,7 @@ impl World for RapierBackend {
         let shape = self.shape(&body.shape)?;
         let (own, meets) = match body.motion {
             Motion::Free { .. } => (FREE, FREE | WALL),
-            Motion::Static | Motion::Driven => (WALL, FREE),
+            Motion::Static | Motion::Kinematic => (WALL, FREE),
         };
         // The mass is the body's, given exactly: the collider adds none.
         let collider = self
@@ -181,7 +181,7 @@ impl World for RapierBackend {
             .collision_groups(InteractionGroups::new(own, meets, InteractionTestMode::And));
         let id = BodyId(u32::try_from(self.bodies.len()).unwrap_or(u32::MAX));
         let (body_handle, collider) = self.world.insert(self.rigid_body(body), collider);
-        let driven = matches!(body.motion, Motion::Driven);
+        let driven = matches!(body.motion, Motion::Kinematic);
         self.bodies.push(Some(Present { body: body_handle, collider, driven }));
         Ok(id)
     }
@@ -196,7 +196,7 @@ impl World for RapierBackend {
     fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
         let present = self.present(id)?;
         if !present.driven {
-            return Err(WorldError::NotDriven(id));
+            return Err(WorldError::NotKinematic(id));
         }
         let (handle, pose) = (present.body, self.units.pose(pose));
         // Rapier takes the velocity that contacts feel from the difference to

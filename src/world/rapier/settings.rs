@@ -93,14 +93,14 @@ pub(super) fn integration_parameters(
         length_unit,
         normalized_max_corrective_velocity: normalised(correction),
         normalized_prediction_distance: normalised(prediction),
-        // A limit of speed would be a force that is not there; the guards
+        // A limit of speed would be a force that is not there; the checks
         // stop a run that is too fast.
         normalized_max_linear_velocity: f64::MAX,
         num_solver_iterations: count("rapier.substeps", r.substeps, 1)?,
-        num_internal_pgs_iterations: count("rapier.sweeps", r.sweeps, 1)?,
+        num_internal_pgs_iterations: count("rapier.iterations", r.iterations, 1)?,
         num_internal_stabilization_iterations: count(
-            "rapier.relaxing_sweeps",
-            r.relaxing_sweeps,
+            "rapier.relaxing_iterations",
+            r.relaxing_iterations,
             0,
         )?,
         contact_recycling: r.contact_recycling,
@@ -142,8 +142,8 @@ pub(super) fn effective(
         ("gravity_y_m_per_s2", json!(gravity.y)),
         ("gravity_z_m_per_s2", json!(gravity.z)),
         ("substeps", json!(p.num_solver_iterations)),
-        ("sweeps", json!(p.num_internal_pgs_iterations)),
-        ("relaxing_sweeps", json!(p.num_internal_stabilization_iterations)),
+        ("iterations", json!(p.num_internal_pgs_iterations)),
+        ("relaxing_iterations", json!(p.num_internal_stabilization_iterations)),
         ("contact_frequency_hz", json!(p.contact_softness.natural_frequency)),
         ("contact_damping_ratio", json!(p.contact_softness.damping_ratio)),
         ("wall_contact_frequency_hz", json!(p.static_contact_softness.natural_frequency)),

@@ -72,8 +72,8 @@ fn every_setting_is_read_back_from_the_engine() {
     // Each value unlike its default, so that none can pass by chance.
     let chosen = RapierSettings {
         substeps: 7,
-        sweeps: 3,
-        relaxing_sweeps: 5,
+        iterations: 3,
+        relaxing_iterations: 5,
         contact_frequency_hz: 123.0,
         contact_damping_ratio: 0.7,
         wall_contact_frequency_hz: 234.0,
@@ -102,8 +102,8 @@ fn every_setting_is_read_back_from_the_engine() {
         ("time_step_s", 1.0 / 960.0),
         ("gravity_z_m_per_s2", -9.81),
         ("substeps", 7.0),
-        ("sweeps", 3.0),
-        ("relaxing_sweeps", 5.0),
+        ("iterations", 3.0),
+        ("relaxing_iterations", 5.0),
         ("contact_frequency_hz", 123.0),
         ("contact_damping_ratio", 0.7),
         ("wall_contact_frequency_hz", 234.0),
@@ -146,7 +146,7 @@ fn settings_out_of_range_are_refused() {
     type Change = fn(&mut EngineSettings);
     let changes: [(&str, Change); 8] = [
         ("rapier.substeps", |s| s.rapier.substeps = 0),
-        ("rapier.sweeps", |s| s.rapier.sweeps = 0),
+        ("rapier.iterations", |s| s.rapier.iterations = 0),
         ("rapier.contact_frequency_hz", |s| s.rapier.contact_frequency_hz = 0.0),
         ("rapier.wall_contact_damping_ratio", |s| s.rapier.wall_contact_damping_ratio = -1.0),
         ("rapier.warm_start", |s| s.rapier.warm_start = 1.1),

@@ -11,7 +11,7 @@ pub struct Import {
     pub line: usize,
 }
 
-/// The module that a file is: `src/world/guard.rs` is `world`, `guard`;
+/// The module that a file is: `src/world/run_time_check.rs` is `world`, `run_time_check`;
 /// `src/lib.rs` is the root, which has no name.
 pub fn module_path(path: &str) -> Vec<String> {
     let inside = path.trim_start_matches("src/").trim_end_matches(".rs");
@@ -142,7 +142,7 @@ mod tests {
     fn paths_are_followed_from_where_they_stand() {
         let code = "use super::a; mod tests { use super::b; use super::super::c; } use super::d;";
         assert_eq!(found("src/world/mod.rs", code), ["a", "world", "c", "d"]);
-        assert_eq!(found("src/world/guard.rs", code), ["world"; 4]);
+        assert_eq!(found("src/world/run_time_check.rs", code), ["world"; 4]);
         assert_eq!(
             found("src/main.rs", "use ::pluvia::a; pluvia::b(); x::pluvia::c()"),
             ["a", "b"]

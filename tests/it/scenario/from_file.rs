@@ -84,7 +84,7 @@ fn impossible_apparatus_and_steps_are_refused() {
 fn unsuitable_values_are_warned_of() {
     let folder = folder();
     let spoil = |s: &mut Value| {
-        s["engine"] = json!({ "manifold": { "contact_stiffness_n_per_m": 200 } });
+        s["engine"] = json!({ "native": { "contact_stiffness_n_per_m": 200 } });
         s["apparatus"] = json!({ "cylinder": { "height_mm": 36 },
             "funnel": { "opening_diameter_mm": 40 } });
     };

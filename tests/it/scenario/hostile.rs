@@ -47,7 +47,7 @@ fn bad_numbers(all: &mut Vec<Hostile>) {
         "gravity_m_per_s2",
         "seed",
         "configuration",
-        "control_s",
+        "rest_test_s",
         "grains.total_mass_g",
         "grains.density_kg_per_m3",
         "grains.sieve_table.0.passing_mm",
@@ -61,7 +61,7 @@ fn bad_numbers(all: &mut Vec<Hostile>) {
         "engine.rate_hz",
         "engine.iterations",
         "engine.length_scale",
-        "engine.manifold.checkpoint_every_s",
+        "engine.native.checkpoint_every_s",
         "settle.hold_s",
         "stages.1.falling_height_mm",
         "stages.3.frequency_hz",
@@ -145,8 +145,8 @@ fn bad_sizes(all: &mut Vec<Hostile>) {
     let of = [
         ("a name of a megabyte", twice("name", &format!("\"{long}\""))),
         ("a field's name of a megabyte", twice("engine", &format!("{{\"{long}\":1}}"))),
-        ("a number of a megabyte", twice("control_s", &"9".repeat(1_000_000))),
-        ("decimals of a megabyte", twice("control_s", &format!("0.{}", "3".repeat(1_000_000)))),
+        ("a number of a megabyte", twice("rest_test_s", &"9".repeat(1_000_000))),
+        ("decimals of a megabyte", twice("rest_test_s", &format!("0.{}", "3".repeat(1_000_000)))),
         ("twenty thousand sieves", twice("grains.sieve_table", &many(row, 20_000))),
         ("no sieve", twice("grains.sieve_table", "[]")),
         ("no stage", twice("stages", "[]")),
@@ -282,7 +282,7 @@ fn every_hostile_scenario_has_its_answer_and_soon() {
         assert!(took < Duration::from_secs(10), "law: `{name}` is answered soon, took {took:?}");
         assert!(
             said.len() < 60_000,
-            "law: a hundred faults at most are told, each in a line, `{name}`: {} bytes: {}",
+            "law: a hundred faults at most are reported, each in a line, `{name}`: {} bytes: {}",
             said.len(),
             said.chars().take(300).collect::<String>()
         );

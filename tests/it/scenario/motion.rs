@@ -124,7 +124,7 @@ fn rows_are_told_by_their_numbers() {
 fn of_file(path: &std::path::Path, changes: &[Override]) -> Vec<Fault> {
     match load_scenario(path, changes) {
         Err(ScenarioErrors::Faults(faults)) => faults,
-        other => panic!("law: faults are told, got {other:?}"),
+        other => panic!("law: faults are reported, got {other:?}"),
     }
 }
 

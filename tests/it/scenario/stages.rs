@@ -48,12 +48,12 @@ fn stages_have_their_order() {
 fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
     // 250 mm of fall: v = √(2·9.81·0.25) = 2.215 m/s, 8 mm in a step at 276.8 Hz.
     expect_one(
-        |s| s["engine"] = json!({ "contact_path": "bullet", "rate_hz": 276 }),
+        |s| s["engine"] = json!({ "contact_solver": "stock", "rate_hz": 276 }),
         "engine.rate_hz",
         &["cannot resolve the motion", "250 mm", "found 276", "at least 277 Hz"],
     );
     let mut enough = sound();
-    enough["engine"] = json!({ "contact_path": "bullet", "rate_hz": 277 });
+    enough["engine"] = json!({ "contact_solver": "stock", "rate_hz": 277 });
     assert_eq!(faults(&enough), [], "277 Hz resolve the fall");
     // What foresees contacts may take steps of twice the size.
     expect_one(
@@ -77,7 +77,7 @@ fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
     expect_one(
         |s| {
             with_stages(&["fill_funnel", "pour", "vibrate"])(s);
-            s["engine"] = json!({ "contact_path": "bullet", "rate_hz": 480 });
+            s["engine"] = json!({ "contact_solver": "stock", "rate_hz": 480 });
             s["stages"][2]["frequency_hz"] = json!(6);
             s["stages"][2]["amplitude_mm"] = json!(200);
         },
@@ -86,7 +86,7 @@ fn a_time_step_that_cannot_resolve_the_motion_is_refused() {
     );
     expect_one(
         |s| {
-            s["engine"] = json!({ "contact_path": "bullet" });
+            s["engine"] = json!({ "contact_solver": "stock" });
             s["apparatus"] = json!({ "cylinder": { "wall_thickness_mm": 5 } });
         },
         "apparatus.cylinder.wall_thickness_mm",

@@ -21,7 +21,7 @@ use tempfile::TempDir;
 use super::{
     super::{interruption::copy, small},
     Ground,
-    trials::{PATIENCE, Trial, ended, legs, message, program, spawned, sweep},
+    trials::{PATIENCE, Trial, ended, message, program, segments, spawned, sweep},
 };
 
 #[path = "../../../src/study/crafts.rs"]
@@ -55,14 +55,14 @@ fn slippery() -> &'static Path {
     let (_, out) = MADE.get_or_init(|| {
         let folder = tempfile::tempdir().expect("a folder");
         let mut scenario = small::scenario(40.0, 0.5, 0.2);
-        scenario["engine"] = json!({ "manifold": { "checkpoint_every_s": 0.1 } });
+        scenario["engine"] = json!({ "native": { "checkpoint_every_s": 0.1 } });
         scenario["contact"] = json!({ "grain_grain_friction": 0.2 });
-        let (path, out) = (folder.path().join("legs.json"), folder.path().join("out"));
+        let (path, out) = (folder.path().join("segments.json"), folder.path().join("out"));
         fs::write(&path, scenario.to_string()).expect("a scenario");
         let mut command = std::process::Command::new(program());
         command.arg("run").arg(&path).arg("--out").arg(&out).arg("--quiet");
         let done = command.stdout(Stdio::null()).status().expect("started");
-        assert!(done.success(), "law: it can be carried out");
+        assert!(done.success(), "law: it can be run");
         (folder, out)
     });
     out
@@ -120,8 +120,8 @@ fn swapped(trial: &Trial, ground: &mut Ground) {
 
 /// `make soak`: one of either.
 pub fn round(ground: &mut Ground) {
-    crafted_pour(legs(), None, ground);
-    let trial = if ground.rng.random() { legs() } else { sweep() };
+    crafted_pour(segments(), None, ground);
+    let trial = if ground.rng.random() { segments() } else { sweep() };
     swapped(trial, ground);
 }
 

@@ -14,7 +14,7 @@ use super::{
     durable::strace,
     image::Mounted,
     log::SKIPPED,
-    trials::{PATIENCE, Trial, ended, legs, spawned, sweep, verdict},
+    trials::{PATIENCE, Trial, ended, segments, spawned, sweep, verdict},
 };
 
 const CLASS: &str = "disk";
@@ -42,7 +42,7 @@ fn full(kib: u64, ground: &mut Ground) {
 
 /// A disk that breaks down and is read-only from then on.
 fn read_only(after: f64, ground: &mut Ground) {
-    let (trial, place) = (legs(), ground.place());
+    let (trial, place) = (segments(), ground.place());
     let phase = format!("{}, read-only", trial.name);
     let Some(disk) = Mounted::ext4(&place, "errors=remount-ro") else {
         return skipped(ground, &phase, "no ext4 can be mounted");
@@ -116,7 +116,7 @@ pub fn round(ground: &mut Ground) {
     full(kib, ground);
     let (one, other) = (ground.rng.random(), ground.rng.random());
     read_only(one, ground);
-    renamed_away(legs(), other, ground);
+    renamed_away(segments(), other, ground);
     let calls = ["fsync", "renameat", "rename", "linkat", "mkdir", "openat"];
     let call = calls[ground.rng.random_range(0..calls.len())];
     let error = ["ENOSPC", "EIO"][ground.rng.random_range(0..2)];
@@ -124,7 +124,7 @@ pub fn round(ground: &mut Ground) {
     let first = if call == "openat" { 40 } else { 1 };
     let n: u32 = ground.rng.random_range(first..first + 60);
     let when = if ground.rng.random() { n.to_string() } else { format!("{n}+") };
-    let trial = if ground.rng.random() { legs() } else { sweep() };
+    let trial = if ground.rng.random() { segments() } else { sweep() };
     refused(trial, call, error, &when, ground);
 }
 

@@ -14,7 +14,7 @@ use super::{
     super::same::assert_whole_files,
     Ground,
     log::{KILLED, SKIPPED},
-    trials::{PATIENCE, Trial, assert_whole_store, ended, legs, message, spawned, sweep},
+    trials::{PATIENCE, Trial, assert_whole_store, ended, message, segments, spawned, sweep},
 };
 
 const CLASS: &str = "durable points";
@@ -68,7 +68,7 @@ pub fn round(ground: &mut Ground) {
         ground.log.case(CLASS, "-", &format!("{SKIPPED}no strace"));
         return;
     }
-    let trials = [sweep(), legs()];
+    let trials = [sweep(), segments()];
     for _ in 0..8 {
         let (trial, call, n) = *NEXT.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(of_round) = trials.get(trial) else {

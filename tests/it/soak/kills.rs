@@ -9,7 +9,7 @@ use super::{
     Ground,
     log::KILLED,
     trials::{
-        PATIENCE, Trial, assert_whole_store, ended, legs, message, reproduce, spawned, sweep,
+        PATIENCE, Trial, assert_whole_store, ended, message, reproduce, segments, spawned, sweep,
     },
 };
 
@@ -55,7 +55,7 @@ pub fn survives(trial: &Trial, kills: usize, ground: &mut Ground) {
 /// `make soak`: one command, killed a few times on its way.
 pub fn round(ground: &mut Ground) {
     let trial = match ground.rng.random_range(0..8) {
-        0..2 => legs(),
+        0..2 => segments(),
         2..7 => sweep(),
         _ => reproduce(),
     };

@@ -15,7 +15,7 @@ use super::{
     super::same::assert_whole_files,
     Ground,
     log::{KILLED, SKIPPED},
-    trials::{PATIENCE, Trial, ended, legs, message, spawned, sweep, verdict},
+    trials::{PATIENCE, Trial, ended, message, segments, spawned, sweep, verdict},
 };
 
 const CLASS: &str = "limits";
@@ -137,14 +137,14 @@ fn memory(trial: &Trial, mib: u64, ground: &mut Ground) {
 
 /// `make soak`: one of each.
 pub fn round(ground: &mut Ground) {
-    let pick = |ground: &mut Ground| if ground.rng.random() { legs() } else { sweep() };
+    let pick = |ground: &mut Ground| if ground.rng.random() { segments() } else { sweep() };
     let (trial, most) = (pick(ground), ground.rng.random_range(1..13));
     threads(trial, most, ground);
     // In a sweep a run that fails is a row that says so, and the table is another.
     let (addresses_mib, memory_mib) =
         (ground.rng.random_range(50..401), ground.rng.random_range(4..40));
-    addresses(legs(), addresses_mib, ground);
-    memory(legs(), memory_mib, ground);
+    addresses(segments(), addresses_mib, ground);
+    memory(segments(), memory_mib, ground);
 }
 
 #[test]
@@ -153,6 +153,6 @@ fn limits_end_in_the_same_bytes_or_one_message() {
     for most in [1, 3] {
         threads(sweep(), most, &mut ground);
     }
-    addresses(legs(), 60, &mut ground);
+    addresses(segments(), 60, &mut ground);
     assert_eq!(ground.log.of_class(CLASS), 3, "law: each is noted");
 }

@@ -1,4 +1,4 @@
-//! The same bits whatever it is carried out with: jobs, threads, instructions, killed or not.
+//! The same bits whatever it is run with: jobs, threads, instructions, killed or not.
 
 use std::{
     fs,
@@ -13,18 +13,18 @@ use rand::RngExt;
 use super::{
     Ground,
     log::{ENDED, KILLED},
-    trials::{PATIENCE, ended, legs, message, program, spawned},
+    trials::{PATIENCE, ended, message, program, segments, spawned},
 };
 
 const CLASS: &str = "determinism";
 
-/// What must have the same bytes; the other files say what a run was carried out with.
-const FILES: [&str; 4] = ["specimen.json", "series.csv", "grains.csv", "control.csv"];
+/// What must have the same bytes; the other files say what a run was run with.
+const FILES: [&str; 4] = ["specimen.json", "series.csv", "grains.csv", "rest_test.csv"];
 
 /// Where a sweep of one point has its run.
 const RUN: &str = "runs/point-0001-c1";
 
-/// How a run is carried out.
+/// How a run is run.
 #[derive(Debug, Clone, Copy)]
 struct With {
     jobs: u32,
@@ -35,13 +35,13 @@ struct With {
 
 impl With {
     fn command(self, out: &Path) -> Command {
-        let scenario = legs().whole.with_file_name("legs.json");
+        let scenario = segments().whole.with_file_name("segments.json");
         let mut command = Command::new(program());
         // A sweep draws no pictures, which take longer than all stages.
         command.arg("sweep").arg(scenario).arg("--out").arg(out);
         command.args(["--over", "seed=1", "--jobs", &self.jobs.to_string()]);
-        command.args(["--set", &format!("engine.manifold.threads={}", self.threads)]);
-        command.args(["--set", &format!("engine.manifold.portable={}", self.portable)]);
+        command.args(["--set", &format!("engine.native.threads={}", self.threads)]);
+        command.args(["--set", &format!("engine.native.portable={}", self.portable)]);
         command.stdout(Stdio::null()).stderr(Stdio::piped());
         command
     }
@@ -49,7 +49,7 @@ impl With {
     fn differs(self, out: &Path) -> Vec<&'static str> {
         let differs = |name: &&str| {
             fs::read(out.join(RUN).join(name)).expect("law: it is there")
-                != fs::read(legs().whole.join(name)).expect("a file")
+                != fs::read(segments().whole.join(name)).expect("a file")
         };
         FILES.into_iter().filter(differs).collect()
     }
@@ -61,12 +61,12 @@ impl With {
         if self.kill {
             let mut run = spawned(self.command(&out));
             // Pictures, which this draws none of, take two thirds of the time.
-            sleep(legs().takes.mul_f64(0.3 * ground.rng.random::<f64>()));
+            sleep(segments().takes.mul_f64(0.3 * ground.rng.random::<f64>()));
             let _ = run.kill();
             killed = ended(run, PATIENCE, &what).status.signal() == Some(9);
         }
         let output = ended(spawned(self.command(&out)), PATIENCE, &what);
-        assert!(output.status.success(), "law: {what} is carried out: {}", message(&output));
+        assert!(output.status.success(), "law: {what} is run: {}", message(&output));
         let differs = self.differs(&out);
         assert!(differs.is_empty(), "law: {what}: the same bytes, got others in {differs:?}");
         let Self { jobs, threads, portable, .. } = self;
@@ -101,6 +101,6 @@ fn jobs_threads_instructions_and_kills_change_no_byte() {
     let out = ground.place();
     let mut other = with.command(&out);
     other.args(["--set", "contact.grain_wall_friction=0.4"]);
-    assert!(other.status().expect("started").success(), "law: it is carried out");
+    assert!(other.status().expect("started").success(), "law: it is run");
     assert!(!with.differs(&out).is_empty(), "law: another friction, other bytes");
 }

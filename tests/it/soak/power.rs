@@ -17,7 +17,7 @@ use super::{
     durable::strace,
     image::Mounted,
     log::SKIPPED,
-    trials::{PATIENCE, Trial, assert_whole_store, ended, legs, message, spawned, sweep},
+    trials::{PATIENCE, Trial, assert_whole_store, ended, message, segments, spawned, sweep},
 };
 
 const CLASS: &str = "power cut";
@@ -67,7 +67,7 @@ fn cut_after(trial: &Trial, after: Duration, ground: &mut Ground) {
 
 /// `make soak`: one cut.
 pub fn round(ground: &mut Ground) {
-    let trial = if ground.rng.random() { legs() } else { sweep() };
+    let trial = if ground.rng.random() { segments() } else { sweep() };
     let after = trial.takes.mul_f64(1.1 * ground.rng.random::<f64>());
     cut_after(trial, after, ground);
 }

@@ -14,7 +14,7 @@ use serde_json::Value;
 use super::{
     Ground,
     log::{ENDED, KILLED},
-    trials::{PATIENCE, Trial, ended, legs, message, program, reproduce, spawned, sweep},
+    trials::{PATIENCE, Trial, ended, message, program, reproduce, segments, spawned, sweep},
 };
 
 const CLASS: &str = "several processes";
@@ -70,7 +70,7 @@ fn pluvia(args: &[&str], out: &Path) -> Command {
     command
 }
 
-/// A sweep whose stages are carried out by processes of their own, each twice at once, with a
+/// A sweep whose stages are run by processes of their own, each twice at once, with a
 /// `sweep` beside them.
 fn stage_by_stage(kill: bool, ground: &mut Ground) {
     let (trial, out) = (sweep(), ground.place());
@@ -108,7 +108,7 @@ fn stage_by_stage(kill: bool, ground: &mut Ground) {
 pub fn round(ground: &mut Ground) {
     let kill = ground.rng.random();
     match ground.rng.random_range(0..8) {
-        0..3 => together(legs(), ground.rng.random_range(2..9), kill, ground),
+        0..3 => together(segments(), ground.rng.random_range(2..9), kill, ground),
         3..5 => together(sweep(), ground.rng.random_range(2..9), kill, ground),
         5 => together(reproduce(), ground.rng.random_range(2..5), kill, ground),
         _ => stage_by_stage(kill, ground),

@@ -8,7 +8,7 @@ use super::{
     super::same::assert_whole_files,
     Ground,
     log::ENDED,
-    trials::{STOPS_WITHIN, Trial, ended, legs, message, reproduce, send, spawned, sweep},
+    trials::{STOPS_WITHIN, Trial, ended, message, reproduce, segments, send, spawned, sweep},
 };
 
 const CLASS: &str = "signals";
@@ -47,7 +47,7 @@ fn asked_to_stop(trial: &Trial, signal: &str, jobs: u32, after: Duration, ground
 /// `make soak`: one signal.
 pub fn round(ground: &mut Ground) {
     let trial = match ground.rng.random_range(0..7) {
-        0..3 => legs(),
+        0..3 => segments(),
         3..6 => sweep(),
         _ => reproduce(),
     };

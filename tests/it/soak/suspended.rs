@@ -11,7 +11,7 @@ use rand::RngExt;
 use super::{
     Ground,
     log::ENDED,
-    trials::{PATIENCE, STOPS_WITHIN, Trial, code, ended, legs, message, send, spawned, sweep},
+    trials::{PATIENCE, STOPS_WITHIN, Trial, code, ended, message, segments, send, spawned, sweep},
 };
 
 const CLASS: &str = "suspended";
@@ -61,7 +61,7 @@ fn held_up(signal: &str, ground: &mut Ground) {
 
 /// `make soak`: both.
 pub fn round(ground: &mut Ground) {
-    let trial = if ground.rng.random() { legs() } else { sweep() };
+    let trial = if ground.rng.random() { segments() } else { sweep() };
     let after = trial.takes.mul_f64(ground.rng.random::<f64>());
     beside_another(trial, after, ground);
     let signal = if ground.rng.random() { "TERM" } else { "INT" };

@@ -15,8 +15,8 @@ use tempfile::TempDir;
 
 use super::super::{
     interruption::stages,
-    legs::in_legs_timed,
     same::{assert_same_files, half_written},
+    segments::in_segments_timed,
     small,
 };
 
@@ -51,7 +51,7 @@ impl Trial {
         let mut trial = Self { name, args, whole, takes: Duration::ZERO, _folder: Some(folder) };
         let started = Instant::now();
         let done = trial.command(&trial.whole).status().expect("started");
-        assert!(done.success(), "law: {name} can be carried out");
+        assert!(done.success(), "law: {name} can be run");
         trial.takes = started.elapsed();
         trial
     }
@@ -191,15 +191,15 @@ pub fn verdict(output: &Output, codes: &[i32]) -> Result<String, String> {
     }
 }
 
-/// A run of forty grams in legs of a tenth of a second.
-pub fn legs() -> &'static Trial {
+/// A run of forty grams in segments of a tenth of a second.
+pub fn segments() -> &'static Trial {
     static MADE: OnceLock<Trial> = OnceLock::new();
     MADE.get_or_init(|| {
-        let (folder, takes) = in_legs_timed();
-        let scenario = folder.path().join("legs.json");
+        let (folder, takes) = in_segments_timed();
+        let scenario = folder.path().join("segments.json");
         let args = vec!["run".into(), scenario.into(), "--jobs".into(), "1".into()];
         let whole = folder.path().join("out");
-        Trial { name: "run in legs", args, whole, takes: *takes, _folder: None }
+        Trial { name: "run in segments", args, whole, takes: *takes, _folder: None }
     })
 }
 
@@ -232,7 +232,7 @@ pub fn reproduce() -> &'static Trial {
                 "--set",
                 "grains.total_mass_g=30",
                 "--set",
-                "control_s=0.2",
+                "rest_test_s=0.2",
             ];
             args.map(OsString::from).to_vec()
         })

@@ -66,7 +66,7 @@ fn every_case_comes_out_as_it_says_on_every_setting() {
 #[test]
 fn every_known_failure_names_a_setting_that_exists_somewhere() {
     // Names of both precisions and of engines that may be left out of a build.
-    let beginnings = ["bullet", "manifold", "rapier"];
+    let beginnings = ["stock", "native", "rapier"];
     for case in builtin().expect("sound") {
         for known in &case.known_failures {
             let name = known.setting.trim_end_matches('*');
@@ -82,11 +82,11 @@ fn every_known_failure_names_a_setting_that_exists_somewhere() {
 }
 
 /// Expects the case to pass with right physics and to fail with the defect,
-/// on Bullet's own contacts at the default rate or another one.
+/// on stock Bullet contacts at the default rate or another one.
 fn finds(defect: Defect, id: &str, rate: &str) {
     // Where single precision is linked, names say so.
-    let single = settings().iter().any(|s| s.name.starts_with("bullet-single"));
-    let name = if single { format!("bullet-single{rate}") } else { format!("bullet{rate}") };
+    let single = settings().iter().any(|s| s.name.starts_with("stock-single"));
+    let name = if single { format!("stock-single{rate}") } else { format!("stock{rate}") };
     let (case, setting) = (case(id), setting(&name));
     let right = verify(&case, &setting, &pluvia::world::create);
     assert!(right.pass, "{id} passes with right physics, got {:?} {:?}", right.got, right.note);

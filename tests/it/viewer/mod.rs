@@ -178,7 +178,7 @@ fn the_command_serves_until_ctrl_c() {
     for path in ["", "run.bin", "viewer.js"] {
         assert_status(&ask(path), 403, "without the token of the address nothing is read");
     }
-    // A port that is taken is told as such.
+    // A port that is taken is reported as such.
     let port = address.port().to_string();
     let second =
         pluvia().arg("view").arg(small_run()).args(["--no-browser", "--port", &port]).output();

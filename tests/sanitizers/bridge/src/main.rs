@@ -1,4 +1,4 @@
-//! Uses every function of the bridge to the C++ shims, on both contact paths,
+//! Uses every function of the bridge to the C++ shims, with both contact solvers,
 //! soundly and not. The program that looks at it says whether C++ did right;
 //! this one only says how much of it there was.
 //!

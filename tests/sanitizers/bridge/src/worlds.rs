@@ -3,7 +3,7 @@
 use std::thread;
 
 use crate::{
-    BodyDefinition, BodyKind, BulletWorld, CrowdProbeBody, DrivenPose, HullProbePose,
+    BodyDefinition, BodyKind, BulletWorld, CrowdProbeBody, KinematicPose, HullProbePose,
     HullProbeShape, InertiaRule, PairValue, Tolerances, WorldDefinition, crowd_speeds, new_hull_probe,
     new_world,
 };
@@ -12,7 +12,7 @@ use crate::{
 /// contacts at once.
 pub type Kind = (bool, i32, bool, u32);
 
-/// Every contact path, kernel and number of threads that takes a way of its own.
+/// Every contact solver, kernel and number of threads that takes a way of its own.
 pub const KINDS: [Kind; 5] = [
     (true, 1, false, 8),
     (true, 2, false, 8),
@@ -49,7 +49,7 @@ pub fn definition((own_collision, threads, portable, contacts_at_once): Kind) ->
         contact_threshold: 1e-3,
         broadphase_margin: 0.5e-3,
         tolerances: tolerances(),
-        error_reduction: 0.2,
+        erp: 0.2,
         warm_start: 0.85,
         split_impulse: true,
         restitution_velocity_threshold: 0.05,
@@ -60,16 +60,16 @@ pub fn definition((own_collision, threads, portable, contacts_at_once): Kind) ->
         inertia: InertiaRule::Exact,
         least_mass: 0.0,
         relative_contact_threshold: 0.0,
-        deactivation: false,
-        deactivation_speed: 0.0,
-        deactivation_spin: 0.0,
+        sleeping: false,
+        sleeping_speed: 0.0,
+        sleeping_spin: 0.0,
         materials: 3,
         own_collision,
         contact_stiffness: 1e4,
         contact_damping_ratio: 1.0,
-        push_out_speed: 0.3,
+        max_depenetration_velocity: 0.3,
         substeps: 4,
-        sweeps: 5,
+        native_iterations: 5,
         solver_tolerance: 0.0025,
         threads,
         portable,
@@ -123,7 +123,7 @@ fn add(world: &mut World, shape: &HullProbeShape) -> u32 {
 fn with_table(kind: Kind) -> (World, u32, u32) {
     let mut world = new_world(&definition(kind), &pairs()).expect("a world");
     let slab = add(&mut world, &cuboid([0.4, 0.4, 0.02]));
-    let table = table(&mut world, slab, BodyKind::Driven);
+    let table = table(&mut world, slab, BodyKind::Kinematic);
     (world, slab, table)
 }
 
@@ -196,7 +196,7 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
     // Some of them of bodies that this world has not.
     second.pin_mut().recall_contacts(&remembered).expect("told");
     second.pin_mut().find_contacts().expect("found");
-    let at = |x| DrivenPose { position: [x, 0.0, -0.01], rotation: STILL };
+    let at = |x| KinematicPose { position: [x, 0.0, -0.01], rotation: STILL };
     let ends = [at(0.0), at(1e-4), at(3e-4)];
     second.pin_mut().recall_drive(table, &ends).expect("told");
     assert!(second.pin_mut().recall_drive(table, &ends[..2]).is_err(), "law: three or none");
@@ -268,7 +268,7 @@ pub fn all() -> u32 {
         + crowd((true, 2, true, 8), 12)
 }
 
-/// Two worlds in two threads, by each contact path, then one with three
+/// Two worlds in two threads, by each contact solver, then one with three
 /// workers; how many steps.
 pub fn in_threads() -> u32 {
     let mut steps = 0;

@@ -1,0 +1,72 @@
+//! `pluvia interpretations`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{
+    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
+};
+use crate::plain::plain_path;
+use crate::record::read_json;
+use crate::study::{Interpretation, InterpretationsOptions, interpretations};
+
+/// Run the paper's programme under several interpretations of it, side by side
+#[derive(Debug, Args)]
+#[command(after_help = "\
+An interpretation is what the paper's authors may have meant or typed: scenarios/interpretations/ holds them.
+Leaves interpretations.json, interpretations.md, interpretations.html, figures/ and runs/ in DIR. What is already done
+there is not done again, and interpretations run there by earlier commands stay in the table. A
+run that fails is said in the table; the others go on. `bullet_stock` takes hours.
+
+Examples:
+  pluvia interpretations --quick --out out/quick-interpretations
+  pluvia interpretations --only converged,per_body,full_stroke --configurations 1 --out out/interpretations
+  pluvia interpretations --only blender_2014_cm --configurations 1 --out out/interpretations")]
+pub(super) struct InterpretationsArgs {
+    /// A few hundred grains instead of 1456, and shorter vibration
+    #[arg(long)]
+    quick: bool,
+    /// Number of initial configurations [default: 3, with --quick 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    configurations: Option<u32>,
+    /// Only these interpretations [default: all]
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = interpretation)]
+    only: Vec<Interpretation>,
+    #[command(flatten)]
+    jobs: Jobs,
+    #[command(flatten)]
+    changes: Changes,
+    /// Folder for the results; it is made if needed
+    #[arg(long, value_name = "DIR", default_value = "out/interpretations")]
+    out: PathBuf,
+}
+
+/// The interpretation of a name.
+pub(super) fn interpretation(name: &str) -> Result<Interpretation, String> {
+    Interpretation::named(name).map_err(|error| error.to_string())
+}
+
+pub(super) fn run(args: &InterpretationsArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let interpretations_asked =
+        if args.only.is_empty() { Interpretation::all()? } else { args.only.clone() };
+    output_folder::prepare(&args.out)?;
+    context.stop_on_ctrl_c();
+    let outcome = interpretations(&InterpretationsOptions {
+        out: args.out.clone(),
+        quick: args.quick,
+        configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
+        interpretations: interpretations_asked,
+        jobs: args.jobs.cores(),
+        changes: args.changes.overrides(),
+        cancel: context.cancel.clone(),
+        progress: context.progress.clone(),
+    })?;
+    let mut text = table::of_interpretations(&outcome.columns);
+    text += &format!("report in {}\n", plain_path(&outcome.report));
+    let runs = outcome.columns.iter().flat_map(|c| &c.runs);
+    text += &last_line::of_runs(runs.map(|r| (r.name.as_str(), &r.summary)));
+    let value: serde_json::Value = read_json(&args.out.join("interpretations.json"))?;
+    context.print(&text, &value)?;
+    Ok(ExitStatus::Done)
+}

@@ -1,0 +1,195 @@
+//! Curves of several interpretations of the paper in one frame.
+
+use super::{Figure, Table, cell};
+use crate::{
+    measure::statistics::mean,
+    paper::{bands, constants},
+    record::RunKind,
+    report::{
+        InterpretationColumn, InterpretationRun, ReportError,
+        axis::Axis,
+        plot::{BandArea, Look, Plot, Series},
+        style,
+    },
+};
+
+const MM_IN_CM: f64 = 10.0;
+/// What every caption says of runs that do not count.
+const MIND: &str =
+    "Means are of valid runs; “not valid” marks curves of which, in part or in whole, no run is.";
+/// Distance between markers along a curve, in SVG units.
+const MARKER_SPACING: f64 = 230.0;
+/// Curves that colours and markers can tell apart; those after them are dashed.
+const DISTINCT: usize = 6;
+
+/// Figure 7 and the settlements, a line an interpretation.
+///
+/// # Errors
+/// [`ReportError::Figure`].
+pub(in crate::report) fn of_interpretations(
+    columns: &[InterpretationColumn],
+) -> Result<Vec<Figure>, ReportError> {
+    Ok(vec![
+        heights(columns)?,
+        settlement(columns, RunKind::VibrationContinuous, true)?,
+        settlement(columns, RunKind::VibrationContinuous, false)?,
+        settlement(columns, RunKind::VibrationIntermittent, true)?,
+        settlement(columns, RunKind::VibrationIntermittent, false)?,
+    ])
+}
+
+fn look(n: usize, marker_spacing: Option<f64>) -> Look {
+    Look {
+        colour: style::colour(n),
+        line: Some(if n < DISTINCT { style::SOLID } else { style::DASHED }),
+        width: style::CURVE,
+        marker: Some(style::marker(if n < DISTINCT { n } else { n + 1 })),
+        marker_spacing,
+    }
+}
+
+/// Why some interpretations of the table have no line.
+fn missing(columns: &[InterpretationColumn], shown: &[&str]) -> String {
+    let names: Vec<&str> =
+        columns.iter().map(|c| c.name.as_str()).filter(|n| !shown.contains(n)).collect();
+    if names.is_empty() {
+        String::new()
+    } else {
+        format!(" Without a run that kept grains: {}.", names.join(", "))
+    }
+}
+
+fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
+    let mut table = Table::new(&[
+        "interpretation",
+        "configurations",
+        "falling_height_mm",
+        "mean_surface_mm",
+        "valid",
+        "left_out",
+    ]);
+    let mut curves = Vec::new();
+    for (n, column) in columns.iter().enumerate() {
+        let mut points = Vec::new();
+        let mut some_not_valid = false;
+        for fh in constants::FALLING_HEIGHTS_MM {
+            let height = |r: &InterpretationRun| r.summary.standing_height_mm.mean_surface;
+            let from = column
+                .of_kind(RunKind::Pluviation)
+                .filter(|r| (r.falling_height_mm - fh).abs() < 0.5 && height(r).is_finite());
+            let (shown, left_out) = InterpretationColumn::never_mixed(from);
+            let heights: Vec<f64> = shown.into_iter().map(height).collect();
+            if let Some(mean) = mean(&heights) {
+                points.push((fh / MM_IN_CM, mean));
+                some_not_valid |= left_out.all;
+                let count = heights.len().to_string();
+                let valid = (!left_out.all).to_string();
+                let left_out = left_out.runs.to_string();
+                table.row([column.name.clone(), count, cell(fh), cell(mean), valid, left_out]);
+            }
+        }
+        if !points.is_empty() {
+            curves.push((n, column, points, some_not_valid));
+        }
+    }
+    let mut x = Axis::with_ticks("Falling height (cm)", &[0.0, 5.0, 10.0, 15.0, 20.0]);
+    // Markers at the ends stand clear of the frame.
+    (x.from, x.to) = (-1.0, 21.0);
+    let all = curves.iter().flat_map(|(_, _, points, _)| points.iter().map(|p| p.1));
+    let mut plot = Plot::new(x, Axis::linear("Standing height (mm)", all));
+    let shown: Vec<&str> = curves.iter().map(|(_, c, _, _)| c.name.as_str()).collect();
+    let missing = missing(columns, &shown);
+    for (n, column, points, not_valid) in curves {
+        let label = label(column, not_valid);
+        plot.series.push(Series { label, look: look(n, None), points });
+    }
+    let caption = format!(
+        "Mean surface after pluviation over falling height, mean over the configurations. The \
+         laboratory's range stood in the paper's figure, which was not available to us (only its text \
+         was). A height is comparable only where \
+         grains do not overlap: see the table. {MIND}{missing}"
+    );
+    let stem = "interpretations-standing-height";
+    Figure::new(stem, "Figure 7 under each interpretation", caption, &plot, &table)
+}
+
+/// A curve's name in the legend.
+fn label(column: &InterpretationColumn, not_valid: bool) -> String {
+    if not_valid { format!("{} (not valid)", column.name) } else { column.name.clone() }
+}
+
+/// Mean over the runs that count, or else over those that do not, at the times of the first, up
+/// to where the shortest ends; and whether it is of runs that do not count.
+fn mean_curve<'a>(
+    runs: impl Iterator<Item = &'a InterpretationRun>,
+    curve: impl Fn(&'a InterpretationRun) -> &'a [(f64, f64)],
+) -> (Vec<(f64, f64)>, bool) {
+    let (shown, left_out) =
+        InterpretationColumn::never_mixed(runs.filter(|r| !curve(r).is_empty()));
+    let curves: Vec<&[(f64, f64)]> = shown.into_iter().map(curve).collect();
+    let length = curves.iter().map(|c| c.len()).min().unwrap_or(0);
+    let points = (0..length)
+        .filter_map(|i| {
+            Some((curves[0][i].0, mean(&curves.iter().map(|c| c[i].1).collect::<Vec<_>>())?))
+        })
+        .collect();
+    (points, left_out.all)
+}
+
+fn settlement(
+    columns: &[InterpretationColumn],
+    kind: RunKind,
+    plate: bool,
+) -> Result<Figure, ReportError> {
+    let mut table = Table::new(&["interpretation", "time_s", "settlement_mm", "valid"]);
+    let mut curves = Vec::new();
+    for (n, column) in columns.iter().enumerate() {
+        let (points, not_valid) =
+            mean_curve(
+                column.of_kind(kind),
+                |r| {
+                    if plate { &r.plate_curve } else { &r.surface_curve }
+                },
+            );
+        for (time, value) in &points {
+            let valid = (!not_valid).to_string();
+            table.row([column.name.clone(), cell(*time), cell(*value), valid]);
+        }
+        if !points.is_empty() {
+            curves.push((n, column, points, not_valid));
+        }
+    }
+    let continuous = kind == RunKind::VibrationContinuous;
+    let band = (continuous && plate).then(|| bands::final_settlement_mm().read_as);
+    let points = || curves.iter().flat_map(|(_, _, points, _)| points);
+    let depths =
+        points().map(|p| p.1).chain([0.0]).chain(band.into_iter().flat_map(|b| [b.low, b.high]));
+    let x = Axis::linear("Time since vibration began (s)", points().map(|p| p.0).chain([0.0]));
+    let mut plot = Plot::new(x, Axis::linear("Settlement (mm)", depths).reversed());
+    if let Some(band) = band {
+        plot.bands.push(BandArea {
+            label: "Laboratory, range of the final settlement".into(),
+            between: (band.low, band.high),
+        });
+    }
+    let shown: Vec<&str> = curves.iter().map(|(_, c, _, _)| c.name.as_str()).collect();
+    let missing = missing(columns, &shown);
+    for (n, column, points, not_valid) in curves {
+        let look = look(n, Some(MARKER_SPACING));
+        plot.series.push(Series { label: label(column, not_valid), look, points });
+    }
+    let what = if plate { "top plate" } else { "mean surface" };
+    let (number, mode) = if continuous { (9, "continuous") } else { (10, "intermittent") };
+    let caption = format!(
+        "Settlement of the {what} under {mode} vibration, mean over the configurations. {MIND}{}{missing}",
+        if band.is_some() {
+            " Hatched: the laboratory's range of the final settlement; it belongs to the end of the \
+             curves. Grains that sink into each other settle too: see the table."
+        } else {
+            ""
+        }
+    );
+    let stem = format!("interpretations-{mode}-{}", if plate { "plate" } else { "surface" });
+    let title = format!("Figure {number} under each interpretation: {what}");
+    Figure::new(&stem, &title, caption, &plot, &table)
+}

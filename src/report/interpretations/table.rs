@@ -1,0 +1,300 @@
+//! The table of interpretations: its rows, from which every form of it is made.
+
+use serde::Serialize;
+
+use super::{InterpretationColumn, InterpretationRun};
+use crate::{
+    measure::statistics::mean,
+    paper::{
+        Interval, PaperValue, ResultCounts, Verdict, constants,
+        text::{compact, number},
+    },
+    record::{NO_VALID_RUN, RunKind, Settlement},
+};
+
+/// A row of the table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InterpretationRow {
+    /// Which part of the table it stands in.
+    pub part: String,
+    /// What is shown.
+    pub quantity: String,
+    /// Unit of its numbers; empty for pure numbers and words.
+    pub unit: String,
+    /// What the paper's text has for it; empty where it has nothing.
+    pub paper: String,
+    /// One cell an interpretation, in the order of the interpretations.
+    pub cells: Vec<InterpretationCell>,
+}
+
+/// A cell of the table.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct InterpretationCell {
+    /// Mean over the runs that count in means, where it is a number; where none counts, over
+    /// those that do not, and `not_valid` says so.
+    pub value: Option<f64>,
+    /// Smallest and largest, where several make it.
+    pub spread: Option<Interval>,
+    /// Words, where it is none.
+    pub words: String,
+    /// Whether a claim is met.
+    pub verdict: Option<Verdict>,
+    /// Runs that have it and do not count in means.
+    pub left_out: usize,
+    /// Whether the number is of runs that do not count, there being no other.
+    pub not_valid: bool,
+}
+
+impl InterpretationCell {
+    fn words(words: impl Into<String>) -> Self {
+        Self { words: words.into(), ..Self::default() }
+    }
+
+    /// Mean and range of a value over runs, valid ones and others never in one.
+    fn of_runs<'a>(
+        runs: impl Iterator<Item = &'a InterpretationRun>,
+        value: impl Fn(&InterpretationRun) -> Option<f64>,
+    ) -> Self {
+        let finite = |r: &InterpretationRun| value(r).filter(|v| v.is_finite());
+        let (shown, left_out) =
+            InterpretationColumn::never_mixed(runs.filter(|r| finite(r).is_some()));
+        let of = Self::of(shown.into_iter().filter_map(finite));
+        Self { left_out: left_out.runs, not_valid: left_out.all, ..of }
+    }
+
+    /// Mean and range of numbers.
+    fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let values: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
+        let spread = Interval::of(values.iter().copied()).filter(|i| i.high > i.low);
+        Self { value: mean(&values), spread, ..Self::default() }
+    }
+
+    /// For readers.
+    pub(super) fn text(&self, decimals: Option<usize>) -> String {
+        let shown = |v: f64| decimals.map_or_else(|| compact(v), |d| number(v, d));
+        match (self.value, self.spread) {
+            (None, _) if self.words.is_empty() => "–".to_owned(),
+            (None, _) => self.words.clone(),
+            (Some(v), None) => shown(v),
+            (Some(v), Some(s)) => format!("{} [{} … {}]", shown(v), shown(s.low), shown(s.high)),
+        }
+    }
+
+    /// What is to be minded of the runs behind the number; empty where nothing is.
+    pub(super) fn mark(&self) -> String {
+        match (self.value, self.not_valid, self.left_out) {
+            (Some(_), true, _) => "not valid".to_owned(),
+            (Some(_), false, n) if n > 0 => format!("{n} left out"),
+            _ => String::new(),
+        }
+    }
+}
+
+/// Decimals in which a unit's numbers are shown; four digits that count elsewhere.
+pub(super) fn decimals(unit: &str) -> Option<usize> {
+    match unit {
+        "mm" => Some(1),
+        "%" => Some(2),
+        "µm/s" => Some(1),
+        _ => None,
+    }
+}
+
+const OUTCOME: &str = "What became of it";
+const FIGURE_7: &str = "Figure 7: standing height, mean surface";
+const FIGURE_9: &str = "Figure 9: continuous vibration";
+const FIGURE_10: &str = "Figure 10: intermittent vibration";
+const TRUST: &str = "Whether it can be believed";
+/// The one result among what tells whether an interpretation can be believed.
+const VOID_RATIO: &str = "void ratio after pouring";
+const CLAIMS: &str = "The paper's statements";
+
+/// Every row of the table.
+pub(super) fn rows(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
+    let row = |part: &str,
+               quantity: &str,
+               unit: &str,
+               paper: &str,
+               cell: &dyn Fn(&InterpretationColumn) -> InterpretationCell| {
+        InterpretationRow {
+            part: part.to_owned(),
+            quantity: quantity.to_owned(),
+            unit: unit.to_owned(),
+            paper: paper.to_owned(),
+            cells: columns.iter().map(cell).collect(),
+        }
+    };
+    let mut rows = vec![
+        row(OUTCOME, "runs run", "", "", &|c| {
+            InterpretationCell::words(format!("{} of {}", c.runs.len(), c.planned_runs))
+        }),
+        row(OUTCOME, "runs that failed", "", "", &failures),
+        row(OUTCOME, "runs that lost every grain", "", "", &|c| {
+            InterpretationCell::of([c.emptied().count() as f64])
+        }),
+        row(OUTCOME, "steps too coarse for the motion", "", "", &|c| {
+            InterpretationCell::words(if c.warnings.is_empty() { "no" } else { "yes" })
+        }),
+    ];
+    for fh in constants::FALLING_HEIGHTS_MM {
+        let quantity = format!("from {} cm", number(fh / 10.0, 0));
+        rows.push(row(FIGURE_7, &quantity, "mm", "", &|c| {
+            let poured = c.of_kind(RunKind::Pluviation);
+            let from = poured.filter(|r| (r.falling_height_mm - fh).abs() < 0.5);
+            InterpretationCell::of_runs(from, |r| Some(r.summary.standing_height_mm.mean_surface))
+        }));
+    }
+    type Of = fn(&InterpretationRun) -> Option<&Settlement>;
+    let of: [(&str, Of); 2] = [
+        ("plate", |r| r.summary.settlement_mm.as_ref()),
+        ("mean surface", |r| r.summary.surface_settlement_mm.as_ref()),
+    ];
+    for (part, kind) in
+        [(FIGURE_9, RunKind::VibrationContinuous), (FIGURE_10, RunKind::VibrationIntermittent)]
+    {
+        let continuous = kind == RunKind::VibrationContinuous;
+        let first = if continuous { "after 5 s" } else { "after the first period" };
+        let early = move |s: &Settlement| {
+            if continuous { s.after_5_s } else { s.after_each_period.first().copied() }
+        };
+        for (what, settlement) in of {
+            let plate = what == "plate";
+            let stated = |text: &str| if plate { text.to_owned() } else { String::new() };
+            let cell = |c: &InterpretationColumn, value: &dyn Fn(&Settlement) -> Option<f64>| {
+                InterpretationCell::of_runs(c.of_kind(kind), |r| value(settlement(r)?))
+            };
+            rows.push(row(part, &format!("{what}, {first}"), "mm", "", &|c| cell(c, &early)));
+            let lab = if continuous { stated("14 to 19.61") } else { String::new() };
+            rows.push(row(part, &format!("{what}, final"), "mm", &lab, &|c| {
+                cell(c, &|s| Some(s.final_mm))
+            }));
+            let share = stated(if continuous { "about 80" } else { "about 85" });
+            rows.push(row(part, &format!("{what}, share {first}"), "%", &share, &|c| {
+                cell(c, &|s| Some(100.0 * early(s)? / s.final_mm))
+            }));
+        }
+    }
+    rows.extend(trust(columns));
+    rows.extend(claims(columns));
+    rows
+}
+
+/// How many failed; why stands with the interpretation, being long.
+fn failures(c: &InterpretationColumn) -> InterpretationCell {
+    InterpretationCell::words(match c.failures.len() {
+        0 => "none".to_owned(),
+        n => format!("{n}, see {}", c.name),
+    })
+}
+
+/// Overlap, creep and lost grains: what agreement is worth.
+fn trust(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
+    type Of = fn(&InterpretationRun) -> Option<f64>;
+    let quantities: [(&str, &str, Of); 9] = [
+        ("overlap of grains, mean", "%", |r| Some(r.summary.overlap.mean_percent)),
+        ("overlap of grains, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent)),
+        ("largest overlap", "mm", |r| Some(r.summary.overlap.max_mm)),
+        ("creep at rest, unshaken", "µm/s", |r| r.summary.creep_um_per_s),
+        (VOID_RATIO, "", |r| r.summary.void_ratio.filter(|_| r.kind == RunKind::Pluviation)),
+        ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64)),
+        ("grains through walls or floor", "", |r| Some(r.summary.grains.escaped as f64)),
+        ("grains over the rim", "", |r| Some(r.summary.grains.spilled as f64)),
+        ("grains left in the funnel", "", |r| Some(r.summary.grains.left_in_funnel as f64)),
+    ];
+    let mut rows: Vec<InterpretationRow> = quantities
+        .into_iter()
+        .map(|(quantity, unit, value)| InterpretationRow {
+            part: TRUST.to_owned(),
+            quantity: quantity.to_owned(),
+            unit: unit.to_owned(),
+            paper: String::new(),
+            cells: columns
+                .iter()
+                .map(|c| match quantity {
+                    VOID_RATIO => InterpretationCell::of_runs(c.runs.iter(), value),
+                    // Of all runs, by which they are judged, also of those that lost every grain.
+                    _ => InterpretationCell::of(c.runs.iter().filter_map(value)),
+                })
+                .collect(),
+        })
+        .collect();
+    rows.push(InterpretationRow {
+        part: TRUST.to_owned(),
+        quantity: "runs that meet the accuracy standard".to_owned(),
+        unit: String::new(),
+        paper: String::new(),
+        cells: columns
+            .iter()
+            .map(|c| {
+                let met = c.runs.iter().filter(|r| r.summary.meets_standard).count();
+                InterpretationCell::words(format!("{met} of {}", c.runs.len()))
+            })
+            .collect(),
+    });
+    rows.push(InterpretationRow {
+        part: TRUST.to_owned(),
+        quantity: "runs left out of means, not being valid or short of grains".to_owned(),
+        unit: String::new(),
+        paper: String::new(),
+        cells: columns
+            .iter()
+            .map(|c| {
+                let left_out = c.runs.iter().filter(|r| !r.counts_in_means()).count();
+                InterpretationCell::words(format!("{left_out} of {}", c.runs.len()))
+            })
+            .collect(),
+    });
+    rows
+}
+
+/// Every claim of any column, in the order of the first that has it.
+fn claims(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
+    let mut rows: Vec<InterpretationRow> = Vec::new();
+    let mut known: Vec<&str> = Vec::new();
+    for claim in columns.iter().flat_map(|c| &c.claims) {
+        if known.contains(&claim.id.as_str()) {
+            continue;
+        }
+        known.push(&claim.id);
+        let cell = |c: &InterpretationColumn| {
+            let Some(own) = c.claims.iter().find(|other| other.id == claim.id) else {
+                return InterpretationCell::default();
+            };
+            let spread = own.not_valid.map_or(own.spread, |n| n.spread);
+            InterpretationCell {
+                value: own.ours.or(own.not_valid.map(|n| n.value)),
+                spread: spread.filter(|s| s.high > s.low),
+                words: if own.left_out.is_empty() { "not run" } else { NO_VALID_RUN }.to_owned(),
+                verdict: Some(own.verdict),
+                left_out: own.left_out.len(),
+                not_valid: own.not_valid.is_some(),
+            }
+        };
+        rows.push(InterpretationRow {
+            part: CLAIMS.to_owned(),
+            quantity: claim.statement.trim_end_matches('.').to_owned(),
+            unit: if claim.unit == "–" { String::new() } else { claim.unit.clone() },
+            paper: match claim.paper {
+                None => String::new(),
+                Some(PaperValue::Value { value }) => compact(value),
+                Some(PaperValue::Range(i)) => format!("{} to {}", compact(i.low), compact(i.high)),
+            },
+            cells: columns.iter().map(cell).collect(),
+        });
+    }
+    let tally = |c: &InterpretationColumn| {
+        let of = ResultCounts::of(&c.claims);
+        InterpretationCell::words(format!(
+            "{} / {} / {} / {}",
+            of.within, of.outside, of.not_run, of.not_comparable
+        ))
+    };
+    rows.push(InterpretationRow {
+        part: CLAIMS.to_owned(),
+        quantity: "results within / outside / not run / not comparable".to_owned(),
+        unit: String::new(),
+        paper: String::new(),
+        cells: columns.iter().map(tally).collect(),
+    });
+    rows
+}

@@ -1,0 +1,288 @@
+//! The native contact solver: the same bits whoever computes them, and a
+//! restart that goes on.
+
+use std::collections::BTreeSet;
+
+use super::tests::{free_box, shared_turn, slab};
+use super::*;
+use crate::scenario::NativeSettings;
+
+const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
+
+fn world(native: NativeSettings) -> BulletBackend {
+    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.3 });
+    let settings = EngineSettings { native, ..Default::default() };
+    BulletBackend::new(&settings, GRAVITY, &pairs).expect("a world")
+}
+
+/// A table with a packing of boxes of several sizes, turned every which way.
+fn packing(world: &mut BulletBackend) -> BodyId {
+    heap_at(world, 0.0)
+}
+
+/// The same at a place along x.
+fn heap_at(world: &mut BulletBackend, place: f64) -> BodyId {
+    let mut table = slab(Motion::Kinematic);
+    table.state.pose.translation.vector.x += place;
+    let table = world.add(&table).expect("added");
+    for i in 0..120_u32 {
+        let (x, y, z) = (f64::from(i % 5), f64::from(i / 5 % 5), f64::from(i / 25));
+        let side = 0.008 + 0.0005 * f64::from(i % 7);
+        let at = Vector::new(place + 0.013 * (x - 2.0), 0.013 * (y - 2.0), 0.01 + 0.014 * z);
+        let mut body = free_box(Vector::new(side, side * 0.8, side * 1.1), at);
+        let turn = Vector::new(x + 0.3 * z, 0.7 * y, 1.1 * z + 0.2 * x);
+        body.state.pose.rotation = UnitQuaternion::from_scaled_axis(turn);
+        world.add(&body).expect("added");
+    }
+    table
+}
+
+/// Falls for half a second, is shaken for another.
+fn shaken(world: &mut BulletBackend, table: BodyId) -> Snapshot {
+    for step in 0..480 {
+        let time = f64::from(step - 240) * world.time_step();
+        if time > 0.0 {
+            let x = 0.01 * (std::f64::consts::TAU * 3.0 * time).sin();
+            world.drive(table, &Pose::translation(x, 0.0, -0.01)).expect("driven");
+        }
+        world.step().expect("a step");
+    }
+    let mut snapshot = Snapshot::new();
+    world.read(&mut snapshot);
+    snapshot
+}
+
+fn run(native: NativeSettings) -> Snapshot {
+    let mut world = world(native);
+    let table = packing(&mut world);
+    // Packings far apart, so that threads have bodies that do not touch.
+    heap_at(&mut world, 3.0);
+    heap_at(&mut world, 6.0);
+    shaken(&mut world, table)
+}
+
+#[test]
+fn threads_and_instructions_change_no_bit() {
+    let _turn = shared_turn();
+    let reference = run(NativeSettings::default());
+    let all = (1..=4).flat_map(|threads| [(threads, false), (threads, true)]);
+    for (threads, portable) in all {
+        let got = run(NativeSettings { threads: Some(threads), portable, ..Default::default() });
+        let same = reference == got;
+        assert!(same, "law: {threads} threads, portable {portable}: the same bits as one");
+    }
+    // The comparison can fail: another tolerance is another result.
+    let other = NativeSettings { solver_tolerance: 0.02, ..Default::default() };
+    assert!(reference != run(other), "law: other settings, other bits");
+}
+
+/// A plate that has come to rest on 81 boxes: the world's state, and on how many it bears.
+fn plate_on_boxes(native: NativeSettings) -> (Snapshot, usize) {
+    let mut world = world(native);
+    world.add(&slab(Motion::Static)).expect("added");
+    for n in 0..81_u32 {
+        let (x, y) = (f64::from(n % 9) - 4.0, f64::from(n / 9) - 4.0);
+        let at = Vector::new(0.013 * x, 0.013 * y, 0.005);
+        world.add(&free_box(Vector::repeat(0.01), at)).expect("added");
+    }
+    let above = Vector::new(0.0, 0.0, 0.0125);
+    let plate = world.add(&free_box(Vector::new(0.12, 0.12, 0.004), above)).expect("added");
+    for _ in 0..240 {
+        world.step().expect("a step");
+    }
+    let (mut state, mut contacts) = (Snapshot::new(), Vec::new());
+    world.read(&mut state);
+    world.remember(&mut contacts);
+    let with_plate = contacts.iter().filter(|c| c.a == plate || c.b == plate);
+    let bears: BTreeSet<u32> =
+        with_plate.map(|c| if c.a == plate { c.b.0 } else { c.a.0 }).collect();
+    (state, bears.len())
+}
+
+#[test]
+fn a_body_with_more_pairs_than_colours_rests_on_all_of_them() {
+    let _turn = shared_turn();
+    let (state, bears) = plate_on_boxes(NativeSettings::default());
+    assert!(bears > 63, "the check sees more pairs than colours, {bears}");
+    let plate = state.last().expect("bodies").expect("a plate");
+    let height = 1e3 * plate.pose.translation.z;
+    assert!(
+        (height - 12.0).abs() < 0.01,
+        "law: the plate lies on the boxes, at 12 mm to 0.01 mm, got {height:.4} mm"
+    );
+    let speed = 1e3 * plate.linear_velocity.norm();
+    assert!(speed < 0.1, "law: at rest after half a second, to 0.1 mm/s, got {speed:.4} mm/s");
+    for (threads, portable) in [(2, false), (3, true)] {
+        let settings = NativeSettings { threads: Some(threads), portable, ..Default::default() };
+        let same = plate_on_boxes(settings).0 == state;
+        assert!(same, "law: {threads} threads, portable {portable}: the same bits as one");
+    }
+}
+
+#[test]
+fn a_world_told_of_its_contacts_goes_on_without_a_jump() {
+    let _turn = shared_turn();
+    // Sweeps that go on until forces are found need not be told of them.
+    let settings = || NativeSettings { solver_tolerance: 1.0, ..Default::default() };
+    let mut first = world(settings());
+    let table = packing(&mut first);
+    // Shaken together, then left at rest.
+    shaken(&mut first, table);
+    for _ in 0..960 {
+        first.step().expect("a step");
+    }
+    let mut at_rest = Snapshot::new();
+    first.read(&mut at_rest);
+    let mut remembered = Vec::new();
+    first.remember(&mut remembered);
+    let weight: f64 = remembered.iter().filter(|c| c.a == table).map(|c| -c.force.z).sum();
+    let fastest = |world: &mut BulletBackend| {
+        let (mut fastest, mut bodies) = (0.0_f64, Vec::new());
+        for _ in 0..5 {
+            world.step().expect("a step");
+            world.read(&mut bodies);
+            let speeds = bodies.iter().flatten().map(|b| b.linear_velocity.norm());
+            fastest = speeds.fold(fastest, f64::max);
+        }
+        1e3 * fastest
+    };
+    let went_on = fastest(&mut first);
+    let restarted = |told: bool| {
+        let mut world = world(settings());
+        world.add(&slab(Motion::Kinematic)).expect("added");
+        for (i, state) in at_rest.iter().enumerate().skip(1) {
+            let side = 0.008 + 0.0005 * f64::from((i as u32 - 1) % 7);
+            let mut body = free_box(Vector::new(side, side * 0.8, side * 1.1), Vector::zeros());
+            body.state = state.expect("a body");
+            world.add(&body).expect("added");
+        }
+        if told {
+            world.recall(&remembered).expect("recalled");
+        }
+        fastest(&mut world)
+    };
+    let (told, untold) = (restarted(true), restarted(false));
+    assert!(
+        told < went_on + 1.0,
+        "law: a restart goes on as it would have, at most {went_on} mm/s, got {told} mm/s"
+    );
+    assert!(
+        untold > 2.0 * told,
+        "law: without its contacts it jumps: expected more than twice {told} mm/s, got {untold}"
+    );
+    let side = |i: u32| 0.008 + 0.0005 * f64::from(i % 7);
+    let packing = (0..120).map(|i| 9.81 * 2673.9 * 0.88 * side(i).powi(3)).sum::<f64>();
+    assert!(
+        (weight / packing - 1.0).abs() < 0.02,
+        "law: the table carries the packing's weight to 2 %, {packing} N, got {weight} N"
+    );
+}
+
+/// How far in mm a block comes that slides at 0.6 m/s from one floor piece to another
+/// which begins `ahead` (mm) of it and lies higher by `step` (mm); nothing rebounds.
+fn slid_over_a_joint(ahead: f64, step: f64) -> f64 {
+    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.0 });
+    let settings = EngineSettings::default();
+    let mut world = BulletBackend::new(&settings, GRAVITY, &pairs).expect("a world");
+    for (x, raised) in [(-0.2, 0.0), (0.2, 1e-3 * step)] {
+        let mut piece = slab(Motion::Static);
+        piece.state.pose.translation.vector += Vector::new(x, 0.0, raised);
+        world.add(&piece).expect("added");
+    }
+    let start = -0.01 - 1e-3 * ahead;
+    let mut block = free_box(Vector::new(0.02, 0.02, 0.005), Vector::new(start, 0.0, 0.0025));
+    block.state.linear_velocity.x = 0.6;
+    let id = world.add(&block).expect("added");
+    for _ in 0..96 {
+        world.step().expect("a step");
+    }
+    let mut states = Snapshot::new();
+    world.read(&mut states);
+    1e3 * (states[id.0 as usize].expect("a body").pose.translation.x - start)
+}
+
+#[test]
+fn a_joint_is_not_felt_and_a_step_is() {
+    let _turn = shared_turn();
+    let (free, joint) = (slid_over_a_joint(50.0, 0.0), slid_over_a_joint(10.0, 0.0));
+    assert!(free > 20.0, "the check slides past the joint: 20 mm and more, got {free:.2} mm");
+    assert!(
+        (joint - free).abs() < 0.02,
+        "law: as far over a joint as over one floor, {free:.3} mm to 0.02 mm, got {joint:.3} mm"
+    );
+    for step in [0.05, 0.2, 1.0] {
+        let got = slid_over_a_joint(10.0, step);
+        assert!(
+            (got - 10.0).abs() < 0.05,
+            "law: a step of {step} mm stops it at 10 mm to 0.05 mm, got {got:.3} mm"
+        );
+    }
+}
+
+/// The largest velocity that the impulses of a sub-step do not explain, as a share of the largest
+/// velocity.
+fn unexplained(record: &SubstepRecord) -> f64 {
+    const BODY: usize = SubstepRecord::BODY;
+    let mut given = vec![[0.0; 6]; record.bodies.len() / BODY];
+    for c in record.contacts.chunks_exact(SubstepRecord::CONTACT) {
+        for (side, sign) in [(0, 1.0), (1, -1.0)] {
+            let body = c[side] as usize;
+            let inverse_mass = record.bodies[BODY * body];
+            for along in 0..3 {
+                let impulse = sign * c[34 + along];
+                for k in 0..3 {
+                    given[body][k] += inverse_mass * impulse * c[2 + 9 * along + k];
+                    given[body][3 + k] += impulse * c[5 + 9 * along + 3 * side + k];
+                }
+            }
+        }
+    }
+    let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+    for (body, given) in record.bodies.chunks_exact(BODY).zip(&given) {
+        if body[0] > 0.0 {
+            for k in 0..6 {
+                worst = worst.max((body[7 + k] - body[1 + k] - given[k]).abs());
+                largest = largest.max(body[7 + k].abs());
+            }
+        }
+    }
+    worst / largest
+}
+
+#[test]
+fn impulses_explain_velocities_also_where_iterations_run_out() {
+    let _turn = shared_turn();
+    let mut faults = Vec::new();
+    // Rounding of a body's few impulses in single precision, and in double precision.
+    let single = 1e-5;
+    let usual = NativeSettings::default().solver_tolerance;
+    for (solver_tolerance, contacts_at_once, tolerance) in
+        [(usual, 8, single), (usual, 1, 1e-9), (1e-6, 1, 1e-9)]
+    {
+        let settings = NativeSettings { solver_tolerance, contacts_at_once, ..Default::default() };
+        let mut world = world(settings);
+        let table = packing(&mut world);
+        world.record_substeps();
+        let mut worst = 0.0_f64;
+        for step in 0..120 {
+            let x = 0.01 * (std::f64::consts::TAU * 3.0 * f64::from(step) / 480.0).sin();
+            world.drive(table, &Pose::translation(x, 0.0, -0.01)).expect("driven");
+            world.step().expect("a step");
+            let record = world.recorded_substep();
+            if !record.contacts.is_empty() {
+                worst = worst.max(unexplained(&record));
+            }
+        }
+        if worst >= tolerance {
+            faults.push(format!(
+                "solver_tolerance {solver_tolerance}: expected 0, got {worst} of the largest \
+                 velocity, tolerance {tolerance}"
+            ));
+        }
+        // The comparison can fail.
+        let mut record = world.recorded_substep();
+        record.contacts[34] += 0.01;
+        assert!(unexplained(&record) > 10.0 * single, "law: an impulse that was not given is seen");
+    }
+    assert!(faults.is_empty(), "law: what a sub-step changes are its impulses; {faults:?}");
+}

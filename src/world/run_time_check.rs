@@ -1,0 +1,108 @@
+//! Finds states that no real grain can be in.
+
+use super::{Snapshot, WorldError};
+
+/// Limits of a plausible state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CheckLimits {
+    /// Largest speed in m/s.
+    pub speed: f64,
+    /// Largest angular speed in rad/s.
+    pub angular_speed: f64,
+    /// Largest distance from the origin in m.
+    pub distance: f64,
+}
+
+/// Checks snapshots against limits.
+#[derive(Debug, Clone, Copy)]
+pub struct RunTimeCheck {
+    limits: CheckLimits,
+}
+
+impl RunTimeCheck {
+    /// A check with the given limits.
+    pub fn new(limits: CheckLimits) -> Self {
+        Self { limits }
+    }
+
+    /// Checks every body of a snapshot. Comparisons are written so that NaN fails them.
+    ///
+    /// # Errors
+    /// [`WorldError::Unphysical`] naming the first body found at fault, the value and the limit.
+    pub fn check(&self, snapshot: &Snapshot, time_s: f64) -> Result<(), WorldError> {
+        for (index, body) in snapshot.iter().enumerate() {
+            let Some(body) = body else { continue };
+            let at = body.pose.translation.vector;
+            let unphysical = |quantity: &str, value: f64, limit: f64, unit: &str| {
+                Err(WorldError::Unphysical {
+                    time_s,
+                    what: format!(
+                        "body {index} at ({:.4}, {:.4}, {:.4}) m has {quantity} {value:.4e} {unit}, \
+                         allowed is up to {limit:.4e} {unit}",
+                        at.x, at.y, at.z
+                    ),
+                })
+            };
+            let limits = &self.limits;
+            let distance = at.norm();
+            if !(distance <= limits.distance) {
+                return unphysical("a distance from the origin of", distance, limits.distance, "m");
+            }
+            if !body.pose.rotation.coords.iter().all(|c| c.is_finite()) {
+                return unphysical("an orientation with a component of", f64::NAN, 1.0, "");
+            }
+            let speed = body.linear_velocity.norm();
+            if !(speed <= limits.speed) {
+                return unphysical("a speed of", speed, limits.speed, "m/s");
+            }
+            let spin = body.angular_velocity.norm();
+            if !(spin <= limits.angular_speed) {
+                return unphysical("an angular speed of", spin, limits.angular_speed, "rad/s");
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Pose, Vector};
+    use crate::world::BodyState;
+
+    const LIMITS: CheckLimits = CheckLimits { speed: 10.0, angular_speed: 100.0, distance: 2.0 };
+
+    fn body(change: impl Fn(&mut BodyState)) -> Snapshot {
+        let mut state = BodyState::at_rest(Pose::identity());
+        change(&mut state);
+        vec![None, Some(state)]
+    }
+
+    #[test]
+    fn passes_what_is_within_the_limits() {
+        for snapshot in [
+            body(|_| {}),
+            body(|b| b.linear_velocity = Vector::new(10.0, 0.0, 0.0)),
+            body(|b| b.angular_velocity = Vector::new(0.0, 100.0, 0.0)),
+            body(|b| b.pose.translation.vector.z = -2.0),
+        ] {
+            assert!(RunTimeCheck::new(LIMITS).check(&snapshot, 0.0).is_ok(), "{snapshot:?}");
+        }
+    }
+
+    #[test]
+    fn names_body_value_and_limit_of_what_is_not() {
+        for (snapshot, word) in [
+            (body(|b| b.linear_velocity.x = 10.1), "speed"),
+            (body(|b| b.linear_velocity.x = f64::NAN), "speed"),
+            (body(|b| b.angular_velocity.x = 101.0), "angular speed"),
+            (body(|b| b.pose.translation.vector.x = f64::INFINITY), "distance"),
+            (body(|b| b.pose.rotation.as_mut_unchecked().coords.x = f64::NAN), "orientation"),
+        ] {
+            let error =
+                RunTimeCheck::new(LIMITS).check(&snapshot, 1.5).expect_err("beyond the limits");
+            let text = error.to_string();
+            assert!(text.contains(word) && text.contains("body 1"), "{word}: {text}");
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! Long stages in segments: what is simulated does not show where they end.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+    sync::OnceLock,
+    thread,
+    time::{Duration, Instant},
+};
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use super::{
+    interruption::{copy, finished, pluvia, stages, write_scenario_in_segments},
+    same::assert_same_files,
+    small,
+};
+
+/// What an uninterrupted run in segments of a tenth of a second leaves.
+fn in_segments() -> &'static Path {
+    static OUT: OnceLock<PathBuf> = OnceLock::new();
+    OUT.get_or_init(|| in_segments_timed().0.path().join("out"))
+}
+
+/// The folder that holds it in `out`, and how long it took.
+pub fn in_segments_timed() -> &'static (TempDir, Duration) {
+    static MADE: OnceLock<(TempDir, Duration)> = OnceLock::new();
+    MADE.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let scenario = write_scenario_in_segments(folder.path());
+        let started = Instant::now();
+        let done = pluvia(&scenario, &folder.path().join("out")).status().expect("started");
+        assert!(done.success(), "law: the scenario can be run in segments");
+        (folder, started.elapsed())
+    })
+}
+
+/// Rows of a stage that shakes for half a second, until the shaking ends.
+const ROWS_OF_SHAKING: usize = 8;
+
+/// A column of a table, empty cells as NaN.
+fn column(file: &Path, name: &str) -> Vec<f64> {
+    let mut reader = csv::Reader::from_path(file).expect("a table");
+    let at = reader.headers().expect("a head").iter().position(|h| h == name).expect("the column");
+    let cell = |row: csv::StringRecord| row[at].parse().unwrap_or(f64::NAN);
+    reader.records().map(|row| cell(row.expect("a row"))).collect()
+}
+
+#[test]
+fn no_row_is_missing_or_there_twice() {
+    for table in ["series.csv", "rest_test.csv"] {
+        let rows = |out: &Path| {
+            let file = out.join(table);
+            column(&file, "time_s").into_iter().zip(column(&file, "stage")).collect::<Vec<_>>()
+        };
+        for (name, rows) in [("segments", rows(in_segments())), ("one segment", rows(finished()))] {
+            for pair in rows.windows(2) {
+                let ((before, stage), (after, next)) = (pair[0], pair[1]);
+                if stage == next {
+                    let step = after - before;
+                    // Rows are at whole steps of 1/480 s; the last may be sooner.
+                    assert!(
+                        step > 1e-6 && step < 0.08 + 1.01 / 480.0,
+                        "law: rows 0.08 s apart to a step, {name}, {table}: {before} s and then \
+                         {after} s"
+                    );
+                }
+            }
+        }
+    }
+    // Stages of given length have rows at the same times, and the table is where it was.
+    let of = |out: &Path, name| column(&out.join("rest_test.csv"), name).len();
+    assert_eq!(of(in_segments(), "time_s"), of(finished(), "time_s"), "law: as many rows");
+    let shaken = |out: &Path| {
+        let file = out.join("series.csv");
+        let (stage, x) = (column(&file, "stage"), column(&file, "table_x_mm"));
+        let of_last = stage.iter().zip(x).filter(|(s, _)| **s == 3.0).map(|(_, x)| x);
+        // How long everything takes to come to rest is not given.
+        of_last.take(ROWS_OF_SHAKING).collect::<Vec<f64>>()
+    };
+    assert_eq!(shaken(in_segments()), shaken(finished()), "law: the table moves on through seams");
+}
+
+#[test]
+fn what_was_kept_on_the_way_is_gone_at_the_end() {
+    for entry in fs::read_dir(in_segments().join("stages")).expect("stages").flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        assert!(name == ".lock" || !name.starts_with('.'), "law: nothing is left, got {name}");
+    }
+    let manifest = fs::read(in_segments().join("manifest.json")).expect("a manifest");
+    let manifest: Value = serde_json::from_slice(&manifest).expect("JSON");
+    let whole = fs::read(finished().join("manifest.json")).expect("a manifest");
+    let whole: Value = serde_json::from_slice(&whole).expect("JSON");
+    for (segments, one) in
+        [("segments", &manifest), ("one segment", &whole)].map(|(n, m)| (n, &m["stages"]))
+    {
+        assert_eq!(one.as_array().map(Vec::len), Some(4), "law: four stages in {segments}");
+    }
+    let counted = |m: &Value| {
+        let (steps, time) = (&m["stages"][3]["steps"], &m["stages"][3]["simulated_s"]);
+        let rate = &m["scenario"]["engine"]["rate_hz"];
+        let [steps, time, rate] = [steps, time, rate].map(|v| v.as_f64().expect("a number"));
+        (steps, rate * time)
+    };
+    for (steps, expected) in [counted(&manifest), counted(&whole)] {
+        assert!(
+            (steps - expected).abs() < 1e-3,
+            "law: steps are counted once, {expected}, {steps}"
+        );
+    }
+}
+
+/// Three columns of the last stage's rows.
+struct Rows {
+    time: Vec<f64>,
+    energy: Vec<f64>,
+    plate: Vec<f64>,
+    grains: Vec<f64>,
+}
+
+/// Runs a last stage on seventy grains, whole or in segments. The stages
+/// before are shorter than a segment, so that it begins with the same bits.
+fn last_stage(folder: &Path, stage: &Value, every: Option<f64>) -> Rows {
+    let mut scenario = small::scenario(150.0, 0.5, 0.2);
+    scenario["stages"][3] = stage.clone();
+    if let Some(every) = every {
+        scenario["engine"] = json!({ "native": { "checkpoint_every_s": every } });
+    }
+    let name = if every.is_some() { "segments" } else { "whole" };
+    let (file, out) = (folder.join(format!("{name}.json")), folder.join(name));
+    fs::write(&file, scenario.to_string()).expect("a scenario");
+    assert!(pluvia(&file, &out).status().expect("started").success());
+    let table = out.join("series.csv");
+    let of = |what: &str| {
+        let all = column(&table, "stage").into_iter().zip(column(&table, what));
+        all.filter(|(stage, _)| *stage == 3.0).map(|(_, x)| x).collect::<Vec<f64>>()
+    };
+    Rows {
+        time: of("time_s"),
+        energy: of("kinetic_energy_j"),
+        plate: of("plate_height_mm"),
+        grains: of("mean_grain_height_mm"),
+    }
+}
+
+/// The number of the first row after a seam, up to which both are the same.
+fn first_after_seam(whole: &Rows, segments: &Rows, seam_s: f64) -> usize {
+    // What is shaken comes to rest in its own time.
+    let both = whole.time.len().min(segments.time.len()) - 1;
+    assert_eq!(whole.time[..both], segments.time[..both], "law: rows at the same times");
+    let first = whole.time.iter().position(|t| t - whole.time[0] > seam_s).expect("a seam");
+    for (what, a, b) in
+        [("energy", &whole.energy, &segments.energy), ("plate", &whole.plate, &segments.plate)]
+    {
+        assert_eq!(a[..first], b[..first], "law: the same bits before the seam, {what}");
+    }
+    first
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_packing_at_rest_hardly_feels_a_seam() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let stage = json!({ "stage": "rest", "duration_s": 3.5 });
+    let whole = last_stage(folder.path(), &stage, None);
+    let segments = last_stage(folder.path(), &stage, Some(2.5));
+    let first = first_after_seam(&whole, &segments, 2.5);
+    // A grain of 2 g that falls by a micrometre has 2e-8 J.
+    let energy = segments.energy[first..].iter().copied().fold(0.0, f64::max);
+    assert!(
+        energy < 2e-8,
+        "law: a seam gives no energy; expected under 2e-8 J, got up to {energy:.3e} J"
+    );
+    for (what, a, b) in
+        [("plate", &whole.plate, &segments.plate), ("grains", &whole.grains, &segments.grains)]
+    {
+        let jump = largest_difference(&a[first..], &b[first..]);
+        assert!(
+            jump < 1e-3,
+            "law: heights do not jump at a seam; {what}, expected without seam to 0.001 mm, got \
+             {jump:.3e} mm"
+        );
+    }
+}
+
+#[test]
+fn a_shaken_packing_goes_on_through_a_seam() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let stage = json!({
+        "stage": "vibrate", "frequency_hz": 4, "amplitude_mm": 10, "duration_s": 2.75
+    });
+    let whole = last_stage(folder.path(), &stage, None);
+    let segments = last_stage(folder.path(), &stage, Some(2.5));
+    // The first row after the seam: later ones differ as two pours do.
+    let first = first_after_seam(&whole, &segments, 2.5);
+    let largest = whole.energy.iter().copied().fold(0.0, f64::max);
+    let kick = (segments.energy[first] - whole.energy[first]).abs();
+    assert!(
+        kick < 0.3 * largest,
+        "law: a seam is no impact; kinetic energy expected as without it to 30 % of the largest, \
+         {largest:.3e} J, got {kick:.3e} J"
+    );
+    let jump = (segments.grains[first] - whole.grains[first]).abs();
+    assert!(jump < 0.05, "law: no jump in height, expected 0 to 0.05 mm, got {jump:.3e} mm");
+}
+
+/// The checkpoints of a stage that is under way, from the earliest to the latest.
+fn checkpoints(out: &Path) -> Vec<PathBuf> {
+    let below = |path: &Path| {
+        let entries = fs::read_dir(path).into_iter().flatten().flatten();
+        entries.map(|e| e.path()).collect::<Vec<PathBuf>>()
+    };
+    let segments = below(&out.join("stages")).into_iter().filter(|path| {
+        path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(".segments-"))
+    });
+    let mut found: Vec<PathBuf> = segments
+        .flat_map(|folder| below(&folder))
+        .filter(|path| path.extension().is_some_and(|e| e == "segment"))
+        .collect();
+    found.sort();
+    found
+}
+
+/// Runs and kills until a stage has two checkpoints; none if it was too quick.
+fn killed_between_segments(scenario: &Path, out: &Path) -> Option<Vec<PathBuf>> {
+    for _ in 0..20 {
+        let _ = fs::remove_dir_all(out);
+        let mut run = pluvia(scenario, out).spawn().expect("started");
+        let patience = Instant::now();
+        while checkpoints(out).len() < 2 && stages(out) < 5 {
+            assert!(patience.elapsed() < Duration::from_secs(120), "law: it gets on");
+            thread::sleep(Duration::from_millis(2));
+        }
+        let _ = run.kill();
+        run.wait().expect("ended");
+        let found = checkpoints(out);
+        if found.len() == 2 {
+            return Some(found);
+        }
+    }
+    None
+}
+
+#[test]
+fn damaged_checkpoints_are_told_and_those_before_are_used() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario_in_segments(folder.path());
+    let killed = folder.path().join("killed");
+    let found = killed_between_segments(&scenario, &killed).expect("law: segments can be met");
+    // The last is torn; both are; the frames are cut off, which both need.
+    for torn in [1, 2, 3] {
+        let out = folder.path().join(format!("out-{torn}"));
+        copy(&killed, &out);
+        let found: Vec<PathBuf> = found
+            .iter()
+            .map(|file| out.join(file.strip_prefix(&killed).expect("a file of the run")))
+            .collect();
+        if torn < 3 {
+            for file in found.iter().rev().take(torn) {
+                let content = fs::read(file).expect("a checkpoint");
+                fs::write(file, &content[..content.len() / 2]).expect("torn");
+            }
+        } else {
+            fs::write(found[0].with_file_name("frames.bin"), "PLUVFRM1").expect("cut off");
+        }
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+        command.arg("run").arg(&scenario).arg("--out").arg(&out).stdout(Stdio::null());
+        let output = command.output().expect("it starts");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "law: damage does not end a run, got {said}");
+        let told = said.matches("a checkpoint is damaged").count();
+        assert_eq!(told, torn.min(2), "law: as many are reported as are damaged, got {said}");
+        let goes_on = said.contains("goes on from");
+        assert_eq!(goes_on, torn == 1, "law: it goes on where one is sound, got {said}");
+        assert_same_files(in_segments(), &out, &format!("{torn} damaged checkpoints"));
+    }
+}
