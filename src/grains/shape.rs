@@ -2,9 +2,9 @@
 //!
 //! The three dimensions of a grain are the sides of the smallest box that
 //! holds it, longest L, intermediate I, shortest S. From them follow the
-//! ratios of Zingg (1935, "Beitrag zur Schotteranalyse"): elongation I/L and
-//! flatness S/I, 1 for what is as long as it is wide, and as wide as it is
-//! thick. Sphericity is Wadell's (1932, "Volume, shape and roundness of rock
+//! ratios after Zingg (1935, "Beitrag zur Schotteranalyse"): elongation
+//! L/I and flatness I/S as in `cells` of a scenario (Zingg's own are their inverses), 1 for
+//! what is as long as it is wide, and as wide as it is thick. Sphericity is Wadell's (1932, "Volume, shape and roundness of rock
 //! particles"): the surface of the sphere of the grain's volume over the
 //! grain's own, 1 for a sphere, 0.806 for a cube, 0.671 for a regular tetrahedron.
 
@@ -48,9 +48,9 @@ pub struct GrainShape {
 /// A number without unit that tells of shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ShapeRatio {
-    /// I/L (Zingg 1935).
+    /// L/I, at least 1 (after Zingg 1935).
     Elongation,
-    /// S/I (Zingg 1935).
+    /// I/S, at least 1 (after Zingg 1935).
     Flatness,
     /// Surface of the sphere of the same volume over the surface (Wadell 1932).
     Sphericity,
@@ -83,11 +83,12 @@ impl GrainShape {
         set.grains.par_iter().map(|g| Self::of(&g.shape)).collect()
     }
 
-    /// One of the numbers without unit, above 0 and at most 1.
+    /// One of the numbers without unit: elongation and flatness at least 1, sphericity above 0
+    /// and at most 1.
     pub fn ratio(&self, ratio: ShapeRatio) -> f64 {
         match ratio {
-            ShapeRatio::Elongation => self.intermediate / self.longest,
-            ShapeRatio::Flatness => self.shortest / self.intermediate,
+            ShapeRatio::Elongation => self.longest / self.intermediate,
+            ShapeRatio::Flatness => self.intermediate / self.shortest,
             ShapeRatio::Sphericity => {
                 std::f64::consts::PI.cbrt() * (6.0 * self.volume).powf(2.0 / 3.0) / self.surface
             }
@@ -257,10 +258,10 @@ mod tests {
                 for (side, expected) in got.iter().zip(sides) {
                     near(&format!("side of the smallest box of a {name}"), *side, expected, 1e-7);
                 }
-                let expected = sides[1] / sides[0];
-                near("elongation I/L", shape.ratio(ShapeRatio::Elongation), expected, 1e-7);
-                let expected = sides[2] / sides[1];
-                near("flatness S/I", shape.ratio(ShapeRatio::Flatness), expected, 1e-7);
+                let expected = sides[0] / sides[1];
+                near("elongation L/I", shape.ratio(ShapeRatio::Elongation), expected, 1e-7);
+                let expected = sides[1] / sides[2];
+                near("flatness I/S", shape.ratio(ShapeRatio::Flatness), expected, 1e-7);
                 let got = shape.ratio(ShapeRatio::Sphericity);
                 near(&format!("sphericity of a {name}"), got, sphericity, 1e-12);
                 assert_eq!(shape.faces, body.faces().len());
@@ -285,7 +286,11 @@ mod tests {
             assert!(volume > grain.volume, "grain {n}: its box holds it");
             for ratio in ShapeRatio::ALL {
                 let value = shape.ratio(ratio);
-                assert!(value > 0.0 && value <= 1.0, "grain {n}: {ratio:?} is {value}");
+                let range = match ratio {
+                    ShapeRatio::Sphericity => 0.0..=1.0,
+                    _ => 1.0..=f64::MAX,
+                };
+                assert!(range.contains(&value), "grain {n}: {ratio:?} is {value}");
             }
             let corners: Vec<Vector> = grain.shape.vertices().iter().map(|v| v.coords).collect();
             for _ in 0..300 {

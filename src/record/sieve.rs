@@ -182,9 +182,9 @@ impl SecondarySieve {
 /// Shape of the grains (docs/grains.md has the definitions).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ShapeSummary {
-    /// Intermediate over longest side of the smallest box (Zingg 1935).
+    /// Longest over intermediate side of the smallest box, at least 1 (after Zingg 1935).
     pub elongation: Spread,
-    /// Shortest over intermediate side of the smallest box (Zingg 1935).
+    /// Intermediate over shortest side of the smallest box, at least 1 (after Zingg 1935).
     pub flatness: Spread,
     /// Surface of the sphere of the same volume over the surface (Wadell 1932).
     pub sphericity: Spread,

@@ -121,15 +121,19 @@ fn the_readme_scenarios_are_scenarios() {
 }
 
 #[test]
-fn the_gravel_of_the_tutorial_is_a_scenario() {
-    let text = read("docs/tutorial.md");
-    let block = text.split("```json\n").nth(1).and_then(|rest| rest.split("```").next());
+fn gravel_and_pile_of_the_tutorial_are_scenarios_of_the_same_grains() {
+    let scenarios = blocks(&read("docs/tutorial.md"), "json");
     let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("my-gravel.json");
-    std::fs::write(&path, block.expect("the tutorial has a scenario")).expect("it is written");
-    if let Err(faults) = load_scenario(&path, &[]) {
-        panic!("the scenario of docs/tutorial.md is refused: {faults}");
-    }
+    let loaded = ["my-gravel.json", "my-pile.json"].iter().zip(&scenarios).map(|(name, text)| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("it is written");
+        load_scenario(&path, &[])
+            .unwrap_or_else(|faults| panic!("{name} of docs/tutorial.md is refused: {faults}"))
+    });
+    let grains: Vec<_> =
+        loaded.map(|l| serde_json::to_value(&l.scenario.grains).expect("JSON")).collect();
+    assert_eq!(grains.len(), 2, "the tutorial has a gravel and a pile");
+    assert_eq!(grains[0], grains[1], "law: friction is calibrated on the user's own grains");
 }
 
 #[test]
@@ -219,6 +223,38 @@ fn engine_settings_are_explained_with_their_defaults() {
             let row = format!("| `{prefix}{field}` | `{default}` | ");
             assert!(table.contains(&row), "docs/parameters.md has no row that begins {row}");
         }
+    }
+}
+
+#[test]
+fn a_pile_is_explained_with_its_defaults() {
+    let page = read("docs/parameters.md");
+    let typed = r#"{"stage": "slow_pluviation", "base_diameter_mm": 240}"#;
+    let stage: pluvia::scenario::StageSpec = serde_json::from_str(typed).expect("a stage");
+    let stage = serde_json::to_value(&stage).expect("a stage has JSON");
+    for field in ["feed_rate_grains_per_s", "drop_height_mm", "spout_diameter_mm", "time_limit_s"] {
+        let default = stage[field].as_f64().unwrap_or_else(|| panic!("no default of {field}"));
+        let row = format!("| `{field}` | `{default}` | ");
+        assert!(page.contains(&row), "docs/parameters.md has no row that begins {row}");
+    }
+}
+
+#[test]
+fn options_of_pictures_are_explained_with_their_defaults() {
+    let printed = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"))
+        .args(["picture", "--help"])
+        .output()
+        .expect("the program starts");
+    let help = String::from_utf8(printed.stdout).expect("UTF-8");
+    let page = read("docs/pictures.md");
+    for option in ["--cylinder", "--azimuth", "--elevation", "--width", "--background"] {
+        let of_option = help.split(&format!("\n      {option} ")).nth(1).unwrap_or_default();
+        let default = of_option.split("[default: ").nth(1).unwrap_or_default();
+        let default = default.split([';', ']']).next().unwrap_or_default();
+        let row = page.lines().find(|l| l.starts_with(&format!("| `{option}`")));
+        let cell = row.and_then(|r| r.split('|').nth(2)).unwrap_or_default().replace('`', "");
+        let first = cell.trim().split(',').next().unwrap_or_default();
+        assert_eq!(first, default, "default of {option} in docs/pictures.md (left), in its help");
     }
 }
 

@@ -27,6 +27,7 @@ mod picture;
 mod referee;
 mod repose;
 mod reproduce;
+mod results;
 mod same;
 mod scale;
 mod scenario;

@@ -18,15 +18,16 @@ const MARKER_SPACING: f64 = 140.0;
 /// Name, symbol and column of a number.
 fn named(ratio: ShapeRatio) -> (&'static str, &'static str) {
     match ratio {
-        ShapeRatio::Elongation => ("Elongation I/L", "elongation"),
-        ShapeRatio::Flatness => ("Flatness S/I", "flatness"),
+        ShapeRatio::Elongation => ("Elongation L/I", "elongation"),
+        ShapeRatio::Flatness => ("Flatness I/S", "flatness"),
         ShapeRatio::Sphericity => ("Sphericity", "sphericity"),
     }
 }
 
 /// Distribution of the three numbers over the grains, each counted once.
 pub(in crate::report) fn figure(shapes: &[GrainShape]) -> Result<Figure, ReportError> {
-    let x = Axis::with_ticks("Ratio (–)", &[0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
+    let values = shapes.iter().flat_map(|s| ShapeRatio::ALL.map(|ratio| s.ratio(ratio)));
+    let x = Axis::linear("Ratio (–)", values.chain([0.0, 1.0]));
     let y = Axis::with_ticks("Grains with less (%)", &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
     let mut plot = Plot::new(x, y);
     let mut table = Table::new(&["ratio", "value", "grains_with_at_most_percent"]);
@@ -62,8 +63,8 @@ pub(in crate::report) fn figure(shapes: &[GrainShape]) -> Result<Figure, ReportE
     };
     let caption = format!(
         "Shape of the {} grains, by number. L, I and S are the longest, intermediate and shortest \
-         side of the box of the smallest volume that holds the grain; elongation is I/L and \
-         flatness S/I (Zingg 1935), sphericity the surface of the sphere of the grain's volume \
+         side of the box of the smallest volume that holds the grain; elongation is L/I and \
+         flatness I/S (after Zingg 1935), sphericity the surface of the sphere of the grain's volume \
          over the grain's surface (Wadell 1932). Median, and 10th to 90th percentile: {}. A grain \
          has {} faces and {} vertices on average.",
         shapes.len(),
@@ -114,10 +115,10 @@ mod tests {
             .map(|r| r[1].parse().expect("a number"))
             .collect();
         for (n, value) in elongation.iter().enumerate() {
-            let expected = (n + 1) as f64 / 10.0;
-            assert!((value - expected).abs() < 1e-12, "I/L: expected {expected}, got {value}");
+            let expected = 10.0 / (10 - n) as f64;
+            assert!((value - expected).abs() < 1e-12, "L/I: expected {expected}, got {value}");
         }
-        for said in ["Zingg", "Wadell", "10 grains", "elongation 0.50 (0.10 to 0.90)", "6.0 faces"]
+        for said in ["Zingg", "Wadell", "10 grains", "elongation 1.67 (1.00 to 5.00)", "6.0 faces"]
         {
             assert!(figure.caption.contains(said), "{said} is missing: {}", figure.caption);
         }

@@ -1,0 +1,275 @@
+//! What pages quote of tables of many runs: means with intervals, and differences of runs of the
+//! same realisation.
+
+use std::collections::BTreeMap;
+
+use pluvia::measure::inference::MeanTest;
+use serde_json::{Map, Value, json};
+
+use super::value::Results;
+
+type Work = fn(&Results) -> Result<Value, String>;
+
+/// What works out a source of this name.
+pub fn named(name: &str) -> Option<Work> {
+    Some(match name {
+        "engines" => engines,
+        "convergence" => convergence,
+        "settlement" => settlement,
+        "handed" => handed,
+        "twins-means" => twins,
+        "tally" => tally,
+        _ => return None,
+    })
+}
+
+/// Grains of the quick specimen, and how many must lie in the cylinder: with fewer its funnel
+/// has jammed.
+const GRAINS: f64 = 364.0;
+const LEAST: f64 = 350.0;
+
+type Rows = Vec<Map<String, Value>>;
+
+fn rows(results: &Results, source: &str) -> Result<Rows, String> {
+    let value = results.source(source)?;
+    let items = value.as_array().ok_or("a table has rows")?;
+    items.iter().map(|i| i.as_object().cloned().ok_or("a row has fields".to_owned())).collect()
+}
+
+fn number(row: &Map<String, Value>, field: &str) -> Option<f64> {
+    row.get(field).and_then(Value::as_f64)
+}
+
+fn jammed(row: &Map<String, Value>) -> bool {
+    let out: f64 = ["grains.spilled", "grains.left_in_funnel", "grains.escaped"]
+        .iter()
+        .map(|f| number(row, f).unwrap_or(0.0))
+        .sum();
+    GRAINS - out < LEAST
+}
+
+/// Rows by realisation.
+fn by_realisation(rows: &Rows) -> BTreeMap<u64, &Map<String, Value>> {
+    rows.iter().filter_map(|r| Some((number(r, "configuration")? as u64, r))).collect()
+}
+
+fn interval(values: &[f64]) -> Value {
+    MeanTest::of(values, 0.95).map_or(Value::Null, |t| {
+        json!({
+            "mean": t.mean, "half": t.half_width, "sd": t.standard_deviation, "count": t.count,
+            "low": values.iter().copied().fold(f64::INFINITY, f64::min),
+            "high": values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        })
+    })
+}
+
+/// Values of a field.
+fn values(rows: &Rows, field: &str) -> Vec<f64> {
+    rows.iter().filter_map(|r| number(r, field)).collect()
+}
+
+/// How much more a field is than in the rows of another list, realisation by realisation.
+fn pairs(rows: &Rows, other: &Rows, change: impl Fn(f64, f64) -> f64, field: &str) -> Vec<f64> {
+    let other = by_realisation(other);
+    by_realisation(rows)
+        .iter()
+        .filter_map(|(n, row)| Some(change(number(row, field)?, number(other.get(n)?, field)?)))
+        .collect()
+}
+
+/// Percent by which the height of two void ratios differs.
+fn height_percent(a: f64, b: f64) -> f64 {
+    100.0 * ((1.0 + a) / (1.0 + b) - 1.0)
+}
+
+fn percent(a: f64, b: f64) -> f64 {
+    100.0 * (a / b - 1.0)
+}
+
+/// The rows that did not jam, and how many did.
+fn whole(rows: Rows) -> (Rows, usize) {
+    let (jam, whole): (Rows, Rows) = rows.into_iter().partition(jammed);
+    (whole, jam.len())
+}
+
+/// Pours by engine, friction and restitution, for [`engines`].
+const POURS: [(&str, &str, &str); 5] = [
+    ("native", "native", ""),
+    ("native, eight iterations", "native-eight", ""),
+    ("native, older restitution", "native-older", ""),
+    ("rapier, `simplified`", "rapier", "simplified"),
+    ("rapier, `coulomb`", "rapier", "coulomb"),
+];
+
+/// `docs/engines.md`: pours by friction and restitution, their heights over the native one.
+fn engines(results: &Results) -> Result<Value, String> {
+    let mut found = Vec::new();
+    for (friction, restitution) in [(0.0, 0.0), (0.0, 0.315), (0.793, 0.0), (0.793, 0.315)] {
+        let mut native: Option<Rows> = None;
+        for (label, source, model) in POURS {
+            let mut rows = rows(results, source)?;
+            rows.retain(|r| {
+                number(r, "contact.grain_grain_friction") == Some(friction)
+                    && number(r, "contact.restitution") == Some(restitution)
+                    && (model.is_empty()
+                        || r.get("engine.rapier.friction_model").and_then(Value::as_str)
+                            == Some(model))
+            });
+            if rows.is_empty() {
+                continue;
+            }
+            let (rows, jam) = whole(rows);
+            let over =
+                native.as_ref().map(|n| interval(&pairs(&rows, n, height_percent, "void_ratio")));
+            found.push(json!({
+                "name": format!("{label}, {friction}, {restitution}"),
+                "label": label, "friction": friction, "restitution": restitution,
+                "count": rows.len(), "jammed": jam,
+                "void_ratio": interval(&values(&rows, "void_ratio")),
+                "coordination_number": interval(&values(&rows, "coordination_number")),
+                "height_over_native_percent": over,
+            }));
+            native.get_or_insert(rows);
+        }
+    }
+    Ok(found.into())
+}
+
+/// Points of a sweep of one setting at a time, the first of them the default.
+fn points(results: &Results, source: &str) -> Result<Vec<Rows>, String> {
+    let mut points: BTreeMap<String, Rows> = BTreeMap::new();
+    for row in rows(results, source)? {
+        let point = row.get("point").and_then(Value::as_str).unwrap_or_default().to_owned();
+        points.entry(point).or_default().push(row);
+    }
+    Ok(points.into_values().collect())
+}
+
+/// The setting of a point that differs from the first point's, in words.
+fn setting(point: &Rows, first: &Rows) -> String {
+    let fields: [(&str, fn(f64) -> String); 5] = [
+        ("engine.native.solver_tolerance", |v| format!("tolerance {v}")),
+        ("engine.native.iterations", |v| format!("{v} iterations")),
+        ("engine.native.substep_rate_hz", |v| format!("{v} sub-steps a second")),
+        ("engine.rate_hz", |v| format!("{v} Hz")),
+        ("engine.native.contact_stiffness_n_per_m", |v| format!("{} kN/m", v / 1000.0)),
+    ];
+    let mut words = fields.iter().filter_map(|(field, word)| {
+        let (a, b) = (number(point.first()?, field)?, number(first.first()?, field)?);
+        (a != b).then(|| word(a))
+    });
+    words.next().unwrap_or_else(|| "the default then".to_owned())
+}
+
+/// `docs/accuracy.md`: heights of pours against the default's.
+fn convergence(results: &Results) -> Result<Value, String> {
+    let points = points(results, "native-convergence")?;
+    let default = whole(points.first().cloned().unwrap_or_default()).0;
+    let row = |point: &Rows| {
+        let (rows, jam) = whole(point.clone());
+        let name = setting(point, &points[0]);
+        let change = (name != "the default then")
+            .then(|| interval(&pairs(&rows, &default, height_percent, "void_ratio")));
+        json!({
+            "name": name, "count": rows.len(), "jammed": jam,
+            "void_ratio": interval(&values(&rows, "void_ratio")), "height_percent": change,
+            "overlap_p99_percent": interval(&values(&rows, "overlap.p99_percent")),
+        })
+    };
+    Ok(points.iter().map(row).collect())
+}
+
+/// `docs/accuracy.md`: heights and settlements against the default's.
+fn settlement(results: &Results) -> Result<Value, String> {
+    let points = points(results, "native-settlement")?;
+    let default = whole(points.first().cloned().unwrap_or_default()).0;
+    let row = |point: &Rows| {
+        let (rows, jam) = whole(point.clone());
+        let name = setting(point, &points[0]);
+        let change = |field: &str| {
+            (name != "the default then").then(|| interval(&pairs(&rows, &default, percent, field)))
+        };
+        let [height, surface, plate] =
+            ["poured_height_mm.mean_surface", "surface_settlement_mm.final", "settlement_mm.final"];
+        json!({
+            "name": name, "count": rows.len(), "jammed": jam,
+            "height_percent": change(height),
+            "surface_mm": interval(&values(&rows, surface)), "surface_percent": change(surface),
+            "plate_mm": interval(&values(&rows, plate)), "plate_percent": change(plate),
+        })
+    };
+    Ok(points.iter().map(row).collect())
+}
+
+/// `docs/engines.md`: specimens handed over, by who poured and who shook, and differences.
+fn handed(results: &Results) -> Result<Value, String> {
+    let all = rows(results, "handed-over")?;
+    let text = |row: &Map<String, Value>, f: &str| {
+        row.get(f).and_then(Value::as_str).unwrap_or_default().to_owned()
+    };
+    let of = |by: &str, engine: &str| -> Rows {
+        let is =
+            |r: &&Map<String, Value>| text(r, "specimen_by") == by && text(r, "engine") == engine;
+        all.iter().filter(is).cloned().collect()
+    };
+    let less = |a: f64, b: f64| a - b;
+    let surface = "surface_settlement_mm";
+    let mut found = Map::new();
+    for (by, by_name) in [("bullet", "native"), ("rapier", "rapier")] {
+        for (engine, name) in [("bullet", "native"), ("rapier", "rapier")] {
+            let rows = of(by, engine);
+            let creep = values(&rows, "creep_um_per_s").into_iter().map(f64::abs);
+            found.insert(
+                format!("{by_name} {name}"),
+                json!({
+                    "surface_mm": interval(&values(&rows, surface)),
+                    "plate_mm": interval(&values(&rows, "plate_settlement_mm")),
+                    "largest_creep_um_per_s": creep.fold(0.0, f64::max),
+                }),
+            );
+        }
+        let change = pairs(&of(by, "rapier"), &of(by, "bullet"), less, surface);
+        found.insert(format!("{by_name} specimens, rapier less native"), interval(&change));
+    }
+    for (engine, name) in [("bullet", "native"), ("rapier", "rapier")] {
+        let change = pairs(&of("bullet", engine), &of("rapier", engine), less, surface);
+        found.insert(format!("{name} shaking, native less rapier specimens"), interval(&change));
+    }
+    Ok(found.into())
+}
+
+/// `docs/scale.md`: twins by size.
+fn twins(results: &Results) -> Result<Value, String> {
+    let all = rows(results, "twins")?;
+    let mut found = Vec::new();
+    for larger in [0.1, 1.0, 5.0] {
+        let of: Rows =
+            all.iter().filter(|r| number(r, "larger") == Some(larger)).cloned().collect();
+        let (rows, jam) = whole(of);
+        let heights: Vec<f64> =
+            values(&rows, "standing_height_mm.mean_surface").iter().map(|h| h / larger).collect();
+        let creep = values(&rows, "creep_um_per_s").into_iter().map(f64::abs);
+        found.push(json!({
+            "name": larger.to_string(), "larger": larger, "count": rows.len(), "jammed": jam,
+            "void_ratio": interval(&values(&rows, "void_ratio")),
+            "height_over_size_mm": interval(&heights),
+            "coordination_number": interval(&values(&rows, "coordination_number")),
+            "overlap_mean_percent": interval(&values(&rows, "overlap.mean_percent")),
+            "overlap_p99_percent": interval(&values(&rows, "overlap.p99_percent")),
+            "largest_creep_um_per_s": creep.fold(0.0, f64::max),
+            "allowed_creep_um_per_s": 5.0 * larger.sqrt(),
+        }));
+    }
+    Ok(found.into())
+}
+
+/// Verdicts on the statements of the paper's programme.
+fn tally(results: &Results) -> Result<Value, String> {
+    let mut counts = Map::new();
+    for claim in rows(results, "claims")? {
+        let verdict = claim.get("verdict").and_then(Value::as_str).unwrap_or_default();
+        let before = counts.get(verdict).and_then(Value::as_u64).unwrap_or(0);
+        counts.insert(verdict.to_owned(), (before + 1).into());
+    }
+    Ok(counts.into())
+}

@@ -1,0 +1,302 @@
+//! The one table of results: what was computed, by which command and which build, into which
+//! files of `docs/results/`. Pages quote these files by the names here; to rename a file, change
+//! it here.
+
+/// A result, kept in files of `docs/results/`.
+pub struct Kept {
+    /// Under which `--only` finds it.
+    pub name: &'static str,
+    /// What it is.
+    pub what: &'static str,
+    /// Files in `docs/results/`, each with where the command leaves it in its output folder. Empty
+    /// where nothing makes the file from there.
+    pub files: &'static [(&'static str, &'static str)],
+    /// What computes it. `OUT` stands for the output folder.
+    pub made: Made,
+    /// Of which build the kept files are: the day and `FORMAT` of `src/study/plan.rs` then.
+    pub build: Build,
+    /// About how long it takes on two cores.
+    pub takes: &'static str,
+}
+
+/// What computes a result.
+pub enum Made {
+    /// Commands of `pluvia`, in order.
+    Pluvia(&'static [&'static str]),
+    /// A make target and its variables. It writes into `docs/results/` by itself or is too long
+    /// for `make results` to start unasked.
+    Make(&'static str),
+    /// By a build that today's code cannot repeat, with the command of then.
+    Once(&'static str),
+}
+
+/// A build of the program.
+pub struct Build {
+    /// When the files were added.
+    pub day: &'static str,
+    /// `FORMAT` of `src/study/plan.rs` then: it rises whenever results change.
+    pub format: &'static str,
+}
+
+const fn build(day: &'static str, format: &'static str) -> Build {
+    Build { day, format }
+}
+
+/// All results, in the order in which they are made.
+pub const KEPT: &[Kept] = &[
+    Kept {
+        name: "quick-vibration",
+        what: "The quick specimen poured from 5 cm and shaken for 2 s, ten realisations, native \
+               contacts",
+        files: &[("quick/vibration.csv", "sweep.csv")],
+        made: Made::Pluvia(&["sweep scenarios/quick/vibration.json --configurations 10 \
+                              --over engine.rate_hz=480 --out OUT"]),
+        build: build("2026-11-25", "13"),
+        takes: "4 minutes",
+    },
+    Kept {
+        name: "quick-stock",
+        what: "The quick specimen poured and shaken likewise, three realisations, stock Bullet \
+               contacts",
+        files: &[("quick/stock-vibration.csv", "sweep.csv")],
+        made: Made::Pluvia(&["sweep scenarios/quick/vibration.json --configurations 3 \
+                              --over engine.contact_solver=\"stock\" --out OUT"]),
+        build: build("2026-11-25", "13"),
+        takes: "4 minutes",
+    },
+    Kept {
+        name: "grains",
+        what: "The paper's grains in the virtual sieve, and their shape",
+        files: &[("grains.json", "printed.json")],
+        made: Made::Pluvia(&["grains scenarios/paper/pluviation.json --json --out OUT"]),
+        build: build("2026-11-25", "13"),
+        takes: "seconds",
+    },
+    Kept {
+        name: "programme",
+        what: "The paper's programme with ten realisations, 70 runs: statements, intervals and \
+               tests, figures",
+        files: &[
+            ("claims.json", "claims.json"),
+            ("uncertainty.json", "uncertainty.json"),
+            (
+                "figure-01-grain-size-distribution.svg",
+                "figures/figure-01-grain-size-distribution.svg",
+            ),
+            ("figure-07-standing-height.svg", "figures/figure-07-standing-height.svg"),
+            ("figure-09-continuous-vibration.svg", "figures/figure-09-continuous-vibration.svg"),
+            (
+                "figure-10-intermittent-vibration.svg",
+                "figures/figure-10-intermittent-vibration.svg",
+            ),
+            ("quality-creep.svg", "figures/quality-creep.svg"),
+            ("quality-overlap.svg", "figures/quality-overlap.svg"),
+            ("uncertainty-standing-height.svg", "figures/uncertainty-standing-height.svg"),
+        ],
+        made: Made::Pluvia(&["reproduce --configurations 10 --out OUT"]),
+        build: build("2026-11-22", "2"),
+        takes: "an hour",
+    },
+    Kept {
+        name: "interpretations",
+        what: "The programme under four interpretations of the paper, one realisation",
+        files: &[
+            ("interpretations.md", ""),
+            (
+                "interpretations-continuous-plate.svg",
+                "figures/interpretations-continuous-plate.svg",
+            ),
+        ],
+        made: Made::Pluvia(&["interpretations --configurations 1 \
+                              --only converged,per_body,full_stroke,blender_2014_cm --out OUT"]),
+        build: build("2026-11-22", "2"),
+        takes: "half an hour",
+    },
+    Kept {
+        name: "stock",
+        what: "The paper's specimen with stock Bullet contacts, 480 steps of 20 iterations, three \
+               realisations",
+        files: &[("stock-contacts.csv", "")],
+        made: Made::Once("pluvia reproduce --set engine.contact_solver=stock"),
+        build: build("2026-11-21", "1"),
+        takes: "hours",
+    },
+    Kept {
+        name: "sensitivity",
+        what: "What each choice moves, on the quick specimen, two realisations",
+        files: &[("sensitivity-quick.md", "")],
+        made: Made::Pluvia(&["sensitivity --quick --out OUT"]),
+        build: build("2026-11-22", "2"),
+        takes: "half an hour",
+    },
+    Kept {
+        name: "convergence",
+        what: "Heights and settlements of ever finer settings, the paper's specimen, three \
+               realisations",
+        files: &[
+            ("convergence/convergence-height.svg", "figures/convergence-height.svg"),
+            (
+                "convergence/convergence-plate-settlement.svg",
+                "figures/convergence-plate-settlement.svg",
+            ),
+            (
+                "convergence/convergence-surface-settlement.svg",
+                "figures/convergence-surface-settlement.svg",
+            ),
+        ],
+        made: Made::Pluvia(&["converge --out OUT"]),
+        build: build("2026-11-22", "1"),
+        takes: "two hours",
+    },
+    Kept {
+        name: "native",
+        what: "Pours of the quick specimen by friction and restitution, 20 realisations, native \
+               contacts",
+        files: &[("engines/native.csv", "sweep.csv")],
+        made: Made::Pluvia(&["sweep scenarios/quick/pluviation.json --configurations 20 \
+                              --over contact.grain_grain_friction=0,0.793 \
+                              --over contact.restitution=0,0.315 --out OUT"]),
+        build: build("2026-11-23", "8"),
+        takes: "15 minutes",
+    },
+    Kept {
+        name: "rapier",
+        what: "The same pours by rapier, with both of its models of friction",
+        files: &[("engines/rapier.csv", "sweep.csv")],
+        made: Made::Pluvia(&["sweep scenarios/quick/pluviation.json --configurations 20 \
+                              --backend rapier \
+                              --over engine.rapier.friction_model=\"simplified\",\"coulomb\" \
+                              --over contact.grain_grain_friction=0,0.793 \
+                              --over contact.restitution=0,0.315 --out OUT"]),
+        build: build("2026-11-23", "5"),
+        takes: "half an hour",
+    },
+    Kept {
+        name: "native-eight",
+        what: "The same pours with eight iterations in each sub-step",
+        files: &[("engines/native-eight-iterations.csv", "")],
+        made: Made::Once("as `native`"),
+        build: build("2026-11-23", "5"),
+        takes: "",
+    },
+    Kept {
+        name: "native-older",
+        what: "The same pours with friction under an older rule of restitution",
+        files: &[("engines/native-older-restitution.csv", "")],
+        made: Made::Once("as `native`"),
+        build: build("2026-11-23", "before 5"),
+        takes: "",
+    },
+    Kept {
+        name: "native-convergence",
+        what: "Pours of the quick specimen, one setting of the solver changed at a time, 12 \
+               realisations",
+        files: &[("engines/native-convergence.csv", "")],
+        made: Made::Once("pluvia sweep scenarios/quick/pluviation.json --one-at-a-time"),
+        build: build("2026-11-23", "5"),
+        takes: "",
+    },
+    Kept {
+        name: "native-settlement",
+        what: "The quick specimen poured and shaken, one setting of the solver changed at a time, \
+               seven realisations",
+        files: &[("engines/native-settlement.csv", "sweep.csv")],
+        made: Made::Pluvia(&["sweep scenarios/quick/vibration.json --one-at-a-time \
+                              --configurations 7 \
+                              --over engine.native.solver_tolerance=0.05,0.0005 \
+                              --over engine.native.substep_rate_hz=960,2880 \
+                              --over engine.rate_hz=240,960 \
+                              --over engine.native.contact_stiffness_n_per_m=5000,20000 \
+                              --out OUT"]),
+        build: build("2026-11-23", "8"),
+        takes: "half an hour",
+    },
+    Kept {
+        name: "handed-over",
+        what: "Quick specimens poured by one engine and shaken by another, eight realisations",
+        files: &[("engines/handed-over.csv", "")],
+        made: Made::Once(
+            "pluvia compare scenarios/quick/vibration.json, once for each \
+                          realisation and order of engines",
+        ),
+        build: build("2026-11-23", "8"),
+        takes: "",
+    },
+    Kept {
+        name: "twins",
+        what: "The quick specimen 0.1, 1 and 5 times as large, 20 realisations",
+        files: &[("scale/twins.csv", "")],
+        made: Made::Make("twins"),
+        build: build("2026-11-23", "8"),
+        takes: "10 minutes",
+    },
+    Kept {
+        name: "robustness",
+        what: "Faults of every class, and what became of them",
+        files: &[("robustness.json", "")],
+        made: Made::Make("soak"),
+        build: build("2026-11-24", "11"),
+        takes: "as long as one likes",
+    },
+];
+
+/// Files of `docs/results/` that hold no result.
+pub const OTHERS: &[(&str, &str)] = &[
+    ("README.md", "says what each file is"),
+    ("unmarked.csv", "where pages may quote numbers without a mark, and why"),
+];
+
+/// A picture of `docs/pictures/`, the scenario whose run it shows and the command that draws it,
+/// as `docs/gallery.md` has it. `RUN` stands for the folder of the run.
+pub const PICTURES: &[(&str, &str, &str)] = &[
+    ("grains.png", SHAKEN, "picture RUN --grains --width 1200 --out PICTURE"),
+    (
+        "funnel.png",
+        SHAKEN,
+        "picture RUN --stage fill_funnel --cylinder cut --width 900 --out PICTURE",
+    ),
+    ("pour.png", SHAKEN, "picture RUN --stage pour --width 320 --animate PICTURE"),
+    ("pouring.png", SHAKEN, "picture RUN --stage pour --time 0.9 --width 900 --out PICTURE"),
+    (
+        "displacement.png",
+        SHAKEN,
+        "picture RUN --stage vibrate --colour-by displacement --cylinder cut --width 900 \
+         --out PICTURE",
+    ),
+    ("specimen-cut-away.png", SHAKEN, "picture RUN --cylinder cut --width 900 --out PICTURE"),
+    ("pile-on-its-base.png", PILE, "picture RUN --width 900 --out PICTURE"),
+];
+
+const SHAKEN: &str = "scenarios/paper/vibration-continuous.json";
+const PILE: &str = "scenarios/paper/repose.json";
+
+/// Sources that pages quote by name: a file above or something worked out from such files
+/// (`derived.rs`).
+pub const SOURCES: &[(&str, &str)] = &[
+    ("grains", "grains.json"),
+    ("claims", "claims.json"),
+    ("uncertainty", "uncertainty.json"),
+    ("interpretations", "interpretations.md"),
+    ("stock", "stock-contacts.csv"),
+    ("quick", "quick/vibration.csv"),
+    ("quick-stock", "quick/stock-vibration.csv"),
+    ("native", "engines/native.csv"),
+    ("rapier", "engines/rapier.csv"),
+    ("native-eight", "engines/native-eight-iterations.csv"),
+    ("native-older", "engines/native-older-restitution.csv"),
+    ("native-convergence", "engines/native-convergence.csv"),
+    ("native-settlement", "engines/native-settlement.csv"),
+    ("handed-over", "engines/handed-over.csv"),
+    ("twins", "scale/twins.csv"),
+    ("robustness", "robustness.json"),
+    ("sensitivity", "sensitivity-quick.md"),
+];
+
+/// The folder of all result files.
+pub const FOLDER: &str = "docs/results";
+
+/// Where the pages are: Markdown files of these, and of folders in them.
+pub const PAGES: &[&str] = &["README.md", "docs"];
+
+/// Pages that a command of the tree prints as they are; they are compared by other tests.
+pub const PRINTED: &[&str] = &["docs/scenario.md"];

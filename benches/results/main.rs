@@ -1,0 +1,93 @@
+//! Results that pages quote: computes what is missing, keeps it in `docs/results/`, draws pictures
+//! anew and fills numbers and tables into the pages. `make results` runs it; `--check` computes
+//! nothing and fails where a page quotes another number than its results file gives.
+
+mod derived;
+mod list;
+mod make;
+mod marks;
+mod pages;
+mod scan;
+mod tables;
+mod value;
+
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+use clap::Parser;
+
+/// Results that pages quote, from the files of docs/results/.
+#[derive(Debug, Parser)]
+#[command(name = "make results ARGS=...")]
+struct Options {
+    /// List results, with the command, the build and whether the files are there
+    #[arg(long)]
+    list: bool,
+    /// Compare pages and files; compute and write nothing
+    #[arg(long, conflicts_with_all = ["list", "only", "pictures"])]
+    check: bool,
+    /// Fill the pages; compute nothing
+    #[arg(long)]
+    fill: bool,
+    /// Compute these anew, with commas between, also where their files are there
+    #[arg(long, value_delimiter = ',', value_name = "NAME,NAME")]
+    only: Vec<String>,
+    /// Draw the pictures of docs/pictures/ anew that a command of the tree makes
+    #[arg(long)]
+    pictures: bool,
+    /// Where runs are kept; the same command resumes them
+    #[arg(long, default_value = "out/results", value_name = "DIR")]
+    out: PathBuf,
+    /// The program that computes
+    #[arg(long, default_value = "target/release/pluvia", value_name = "FILE")]
+    program: PathBuf,
+    /// What cargo adds to every benchmark.
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+fn main() -> ExitCode {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    match run(&Options::parse(), root) {
+        Ok(code) => code,
+        Err(fault) => {
+            eprintln!("error: {fault}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(options: &Options, root: &Path) -> Result<ExitCode, String> {
+    if options.list {
+        make::list(root);
+        return Ok(ExitCode::SUCCESS);
+    }
+    if options.check {
+        let faults = pages::faults(root)?;
+        for fault in &faults {
+            eprintln!("{fault}");
+        }
+        println!("{} faults", faults.len());
+        return Ok(if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE });
+    }
+    if !options.fill {
+        let to_make = make::chosen(root, &options.only)?;
+        let maker = make::Maker { root, out: &options.out, program: &options.program };
+        for kept in to_make {
+            maker.make(kept)?;
+        }
+        if options.pictures {
+            maker.pictures()?;
+        }
+    }
+    for page in pages::fill(root)? {
+        println!("{page}: filled");
+    }
+    let faults = pages::faults(root)?;
+    for fault in &faults {
+        eprintln!("{fault}");
+    }
+    Ok(if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}

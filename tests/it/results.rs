@@ -1,0 +1,167 @@
+//! Pages quote what the files of `docs/results/` give (`benches/results/`), and say nothing
+//! measured outside of marks but where the list allows it.
+
+use std::{fs, path::Path};
+
+#[path = "../../benches/results/derived.rs"]
+mod derived;
+#[allow(dead_code)] // commands are for the generator
+#[path = "../../benches/results/list.rs"]
+mod list;
+#[path = "../../benches/results/marks.rs"]
+mod marks;
+#[allow(dead_code)] // the test writes nothing
+#[path = "../../benches/results/pages.rs"]
+mod pages;
+#[allow(dead_code)]
+#[path = "../../benches/results/scan.rs"]
+mod scan;
+#[path = "../../benches/results/tables.rs"]
+mod tables;
+#[path = "../../benches/results/value.rs"]
+mod value;
+
+use scan::{Allowed, Kind};
+use value::Results;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn pages_quote_their_results() {
+    let faults = pages::faults(root()).expect("pages and results can be read");
+    assert!(
+        faults.is_empty(),
+        "law: pages quote what docs/results/ holds, measured numbers have marks, every results file \
+         is listed. `make results ARGS=--fill` fills marks; benches/results/scan.rs says what needs \
+         one.\n{}",
+        faults.join("\n")
+    );
+}
+
+/// A tree with one results file.
+fn tree() -> (tempfile::TempDir, Results) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let results = folder.path().join(list::FOLDER).join("quick");
+    fs::create_dir_all(&results).expect("made");
+    let rows = "run,settlement_mm.final,engine\na,7.04,bullet\nb,8.36,rapier\n";
+    fs::write(results.join("vibration.csv"), rows).expect("written");
+    let results = Results::of(folder.path());
+    (folder, results)
+}
+
+/// Law: another number in the page is found, and so is another number in the file.
+#[test]
+fn a_page_that_differs_from_its_file_is_found_whichever_changed() {
+    const KEY: &str = "quick:a/settlement_mm.final:.1";
+    let page = |number: &str| format!("# A\n\nIt is <!--r {KEY}-->{number}<!--/r--> mm.\n");
+    let (folder, results) = tree();
+    let (same, faults) = marks::filled(&page("7.0"), &results);
+    assert_eq!((same, faults.len()), (page("7.0"), 0), "law: what agrees stays as it is");
+
+    let (filled, faults) = marks::filled(&page("7.1"), &results);
+    assert_eq!(filled, page("7.0"), "law: the file's number is filled in");
+    let said: Vec<String> = faults.iter().map(ToString::to_string).collect();
+    assert_eq!(said, [format!("3: `{KEY}`: expected `7.0`, got `7.1`")], "law: line, key, both");
+
+    let file = folder.path().join(list::FOLDER).join("quick/vibration.csv");
+    fs::write(&file, "run,settlement_mm.final\na,7.14\n").expect("written");
+    let faults = marks::filled(&page("7.0"), &Results::of(folder.path())).1;
+    assert_eq!(faults.len(), 1, "law: a changed file is found: {faults:?}");
+    fs::remove_file(&file).expect("removed");
+    let faults = marks::filled(&page("7.0"), &Results::of(folder.path())).1;
+    assert!(faults[0].expected.is_err(), "law: a missing file is found: {faults:?}");
+}
+
+#[test]
+fn marks_that_lead_nowhere_or_do_not_end_are_faults() {
+    let (_folder, results) = tree();
+    for mark in [
+        "It is <!--r quick:c/settlement_mm.final:.1-->7.0<!--/r-->",
+        "It is <!--r quick:a/other:.1-->7.0<!--/r-->",
+        "It is <!--r nowhere:a:.1-->7.0<!--/r-->",
+        "It is <!--r quick:a/settlement_mm.final:often-->7.0<!--/r-->",
+        "It is <!--r quick:a/settlement_mm.final:.1-->7.0",
+        "It is\n<!--r quick:a/settlement_mm.final:.1-->7.0<!--/r-->",
+        "<!-- results: nothing -->\n| a |\n<!-- /results -->",
+    ] {
+        let (page, faults) = marks::filled(mark, &results);
+        assert_eq!(faults.len(), 1, "law: `{mark}` is a fault");
+        assert!(faults[0].expected.is_err(), "law: with its reason: {faults:?}");
+        assert!(page.contains("7.0") || page.contains("| a |"), "law: the page keeps its text");
+    }
+}
+
+#[test]
+fn values_are_written_as_their_formats_say() {
+    let (_folder, results) = tree();
+    for (key, expected) in [
+        ("quick:b/settlement_mm.final:.0", "8"),
+        ("quick:b/settlement_mm.final:+.1", "+8.4"),
+        ("quick:b/settlement_mm.final:.1*-1", "−8.4"),
+        ("quick:b/settlement_mm.final:.3*0.001", "0.008"),
+        ("quick:*settlement_mm.final:range.1", "7.0 to 8.4"),
+        ("quick:*settlement_mm.final:mean.2", "7.70"),
+        // Student's t of two values: 12.706 · 0.66.
+        ("quick:*settlement_mm.final:±.1", "7.7 ± 8.4"),
+        ("quick:engine=rapier/*settlement_mm.final:list.1", "8.4"),
+        ("quick:engine=rapier:count", "1"),
+        ("quick:a/engine:text", "bullet"),
+    ] {
+        assert_eq!(results.quote(key).as_deref(), Ok(expected), "law: {key}");
+    }
+}
+
+#[test]
+fn measured_numbers_without_a_mark_are_found() {
+    let count = |line: &str| scan::unmarked(line).values().map(Vec::len).sum::<usize>();
+    for line in [
+        "It settles by 7.6 mm.",
+        "It settles by 7.6 to 8 mm.",
+        "It creeps by 12 µm/s.",
+        "A share of 63 % remains.",
+        "The void ratio is 0.91.",
+        "It takes 13 minutes.",
+        "| poured | 161.1 |",
+        "4 ± 2 mm",
+    ] {
+        assert!(count(line) > 0, "law: `{line}` quotes a result");
+        assert_eq!(count(&format!("```text\n{line}\n```")), 0, "law: code quotes none");
+    }
+    for line in [
+        "The table moves by 25 mm at 3 Hz for 5 s.",
+        "The paper has 14 to 19.61 mm.",
+        "Friction 0.793, restitution 0.315, confidence 95 %.",
+        "It settles by <!--r a:b:c-->7.6 to 8.1<!--/r--> mm.",
+        "<!-- results: x -->\n| poured | 161.1 |\n<!-- /results -->",
+        "`7.6 mm` and [text](page-7.6 mm.md)",
+        "Bullet 3.24, section 2.",
+    ] {
+        assert_eq!(count(line), 0, "law: `{line}` quotes no result: {:?}", scan::unmarked(line));
+    }
+}
+
+#[test]
+fn the_list_allows_no_more_than_it_says() {
+    let page = "# A\n\n7.6 mm\n\n# B\n\nNumbers of an earlier build: 7.6 mm\n";
+    let pages = [("p.md".to_owned(), page.to_owned())];
+    let row = |section: &str, most, kind| Allowed {
+        page: "p.md".to_owned(),
+        section: section.to_owned(),
+        most,
+        kind,
+        why: String::new(),
+    };
+    let good = [row("A", 1, Kind::Input), row("B", 1, Kind::Earlier)];
+    assert_eq!(scan::faults(&pages, &good), Vec::<String>::new(), "law: as listed is well");
+    for (bad, law) in [
+        ([row("A", 0, Kind::Input), row("B", 1, Kind::Earlier)], "one too many"),
+        ([row("A", 1, Kind::Earlier), row("B", 1, Kind::Earlier)], "A does not say earlier"),
+    ] {
+        assert_eq!(scan::faults(&pages, &bad).len(), 1, "law: {law}");
+    }
+    let gone = [&good[..], &[row("C", 1, Kind::Input)]].concat();
+    assert_eq!(scan::faults(&pages, &gone).len(), 1, "law: a section that is gone is a fault");
+    assert_eq!(scan::lowered(&pages, &gone), good, "law: the list is lowered to what is there");
+}
