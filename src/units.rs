@@ -28,6 +28,11 @@ pub fn to_cm3(m3: f64) -> f64 {
     m3 * 1e6
 }
 
+/// Cubic metres to cubic millimetres.
+pub fn to_mm3(m3: f64) -> f64 {
+    m3 * 1e9
+}
+
 /// Degrees to radians.
 pub fn from_deg(deg: f64) -> f64 {
     deg.to_radians()

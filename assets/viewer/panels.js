@@ -17,7 +17,7 @@ export function showFacts(run) {
   const mass = Array.from({ length: run.grains }, (_, n) => run.constants[5 * n + 2]).reduce((a, b) => a + b, 0);
   const stages = run.stages.length === 1 ? "1 stage" : `${run.stages.length} stages`;
   const seen = run.noneKept ? `the end of ${stages}` : `${run.frames.length} frames of ${stages}`;
-  at("facts").textContent = `${run.grains} grains, ${mass.toFixed(0)} g; ${seen}`;
+  at("facts").textContent = `${run.grains} grains, ${mass < 100 ? Number(mass.toPrecision(3)) : mass.toFixed(0)} g; ${seen}`;
   const note = at("frames-note");
   note.hidden = run.kept;
   const ends = run.stages.filter((stage) => !stage.kept).map((stage) => stage.name).join(", ");

@@ -14,7 +14,8 @@ export class Playback {
     this.positions = new Float32Array(3 * run.grains);
     this.turns = new Float32Array(4 * run.grains);
     this.present = new Uint8Array(run.grains);
-    this.seek(this.start);
+    // It opens on the finished specimen.
+    this.seek(this.end);
   }
 
   // At the border of two stages this shows the end of the first.

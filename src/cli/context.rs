@@ -13,6 +13,8 @@ use crate::protocol::{Progress, Silent};
 
 /// How to tell of progress, print results, and stop.
 pub struct Context {
+    /// Print nothing but errors, and what `json` asks for.
+    pub quiet: bool,
     /// Print results as JSON.
     pub json: bool,
     /// Becomes true when the user asks to stop.
@@ -33,7 +35,7 @@ impl Context {
         } else {
             Arc::new(lines::Lines::new(io::stderr()))
         };
-        Self { json, cancel: Arc::new(AtomicBool::new(false)), progress }
+        Self { quiet, json, cancel: Arc::new(AtomicBool::new(false)), progress }
     }
 
     /// From here on, Ctrl-C sets [`Context::cancel`].
@@ -41,12 +43,24 @@ impl Context {
         stop::on_ctrl_c(self.cancel.clone(), self.progress.clone());
     }
 
-    /// Prints a result: the text, or the value as JSON where that was asked for.
+    /// Prints a result: the text, or the value as JSON where that was asked for. Quietly, the
+    /// text is left out.
     ///
     /// # Errors
     /// When the standard output cannot be written; a reader that closed it
     /// early, as `head` does, is no error.
     pub fn print(&self, text: &str, value: &impl Serialize) -> io::Result<()> {
+        if self.quiet && !self.json {
+            return Ok(());
+        }
+        self.print_asked(text, value)
+    }
+
+    /// The same of what a command is there to print, which is printed quietly, too.
+    ///
+    /// # Errors
+    /// As [`Context::print`].
+    pub fn print_asked(&self, text: &str, value: &impl Serialize) -> io::Result<()> {
         let mut out = if self.json {
             serde_json::to_string_pretty(value).map_err(io::Error::other)?
         } else {

@@ -8,7 +8,8 @@ use serde::Serialize;
 use super::{CliError, Context, ExitStatus, output_folder};
 use crate::export::{
     DEFAULT_EVERY, ExportError, Exported, StageMoments, apparatus_obj, contacts_csv, glb,
-    grains_csv, grains_obj, grains_ply, grains_stl, pairs_csv, read_moments, read_run, write_vtk,
+    grains_csv, grains_obj, grains_ply, grains_stl, pairs_csv, read_at_rest, read_moments,
+    read_run, stage_at_rest, write_vtk,
 };
 use crate::plain::plain_path;
 use crate::record::{FileError, write_file};
@@ -17,7 +18,7 @@ use crate::specimen::Fate;
 /// Write a run's specimen, or how it moved, for other programs
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Leaves in DIR, in SI units:
+Leaves in DIR, in SI units; tables in mm, g, N and what their headers say:
   json  scene.json: all that another engine needs to carry on (docs/exchange.md)
   csv   grains.csv, contacts.csv (loaded contacts), pairs.csv (touching grains with their gaps)
   obj   grains.obj, apparatus.obj: one object a body, in world coordinates
@@ -40,7 +41,8 @@ pub(super) struct ExportArgs {
     #[arg(long, value_enum)]
     format: Format,
     /// The stage to take, at its end: its number from 0, its name, or `rest_test`; if left out the
-    /// last one, and every one with vtk and --animate
+    /// specimen at rest, which is that of the rest test where the run has one and else of
+    /// the last stage, and every stage with vtk and --animate
     #[arg(long)]
     stage: Option<String>,
     /// Least time between two frames in simulated seconds, for vtk and --animate [default: 0.4 for
@@ -131,7 +133,10 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
 
 /// The specimen at the end of a stage, whole files at once.
 fn specimen(args: &ExportArgs) -> Result<Written, CliError> {
-    let run = read_run(&args.run, args.stage.as_deref())?;
+    let run = match args.stage.as_deref() {
+        Some(asked) => read_run(&args.run, Some(asked))?,
+        None => read_at_rest(&args.run)?,
+    };
     output_folder::prepare(&args.out)?;
     let mut files = Vec::new();
     let mut bytes = 0;
@@ -219,7 +224,8 @@ fn frames(args: &ExportArgs, context: &Context) -> Result<Written, CliError> {
 /// One glTF file.
 fn scene(args: &ExportArgs) -> Result<Written, CliError> {
     // A still picture shows one end alone.
-    let mut moments = read_moments(&args.run, args.stage.as_deref())?;
+    let at_rest = if args.animate { None } else { stage_at_rest(&args.run)? };
+    let mut moments = read_moments(&args.run, args.stage.as_deref().or(at_rest))?;
     let every = args.animate.then_some(args.every.unwrap_or(0.0));
     if !args.animate {
         moments.stages.drain(..moments.stages.len().saturating_sub(1));

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
-use super::{CliError, Context, ExitStatus, output_folder};
-use crate::grains::load_scenario;
+use super::{CliError, Context, ExitStatus, output_folder, table};
+use crate::grains::load_grains;
 use crate::grains::{
     GrainShape, ParticleSizeDistribution, SieveAnalysis, StoneRecord, write_obj, write_ply,
     write_stl,
@@ -17,7 +17,7 @@ use crate::scenario::{GrainsSpec, Scenario};
 use crate::study::{make_grains, write_grains};
 use crate::units::{to_cm3, to_g};
 
-/// Make only the grains of a scenario
+/// Make only the grains of a scenario; what else it says is not looked at
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Leaves grains.json in DIR, for grains made by sieve fractions sieve.csv, for grains made from
@@ -66,7 +66,7 @@ struct Made {
 }
 
 pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let scenario = load_scenario(&args.scenario, &[])?.scenario;
+    let scenario = load_grains(&args.scenario)?.scenario;
     output_folder::prepare(&args.out)?;
     let set = make_grains(&scenario)?;
     write_grains(&args.out, &scenario, &set)?;
@@ -101,8 +101,12 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         files,
     };
     let mut text = format!(
-        "{}: {} grains, {:.1} g, {:.1} cm³ of solids, {:.1} grains in 100 g\n",
-        made.scenario, made.grains, made.mass_g, made.solids_volume_cm3, made.grains_in_100_g
+        "{}: {} grains, {} g, {} cm³ of solids, {:.1} grains in 100 g\n",
+        made.scenario,
+        made.grains,
+        table::grams(made.mass_g),
+        table::grams(made.solids_volume_cm3),
+        made.grains_in_100_g
     );
     if let Some(specified) = &made.sieve_analysis.specified {
         text += &format!("specified: {}\n", in_words(specified));

@@ -52,6 +52,6 @@ pub(super) fn run(_: &InfoArgs, context: &Context) -> Result<ExitStatus, CliErro
     }
     let features = if info.features.is_empty() { "none".into() } else { info.features.join(", ") };
     text += &format!("features  {features}\ncores     {}\n", info.cores);
-    context.print(&text, &info)?;
+    context.print_asked(&text, &info)?;
     Ok(ExitStatus::Done)
 }

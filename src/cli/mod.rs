@@ -8,6 +8,7 @@ mod completions;
 mod context;
 mod converge;
 mod designed;
+mod earlier_run;
 mod error;
 mod export;
 mod field_page;
@@ -69,7 +70,7 @@ struct Cli {
 /// Options of every subcommand.
 #[derive(Debug, Clone, Copy, Args)]
 struct Global {
-    /// Show no progress
+    /// Print nothing but errors and what --json asks for
     #[arg(long, global = true)]
     quiet: bool,
     /// Print results as JSON

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::{CliError, Context, ExitStatus, output_folder, table};
-use crate::export::{Playback, read_playback};
+use crate::export::{Playback, read_playback, read_playback_for};
 use crate::grains;
 use crate::picture::{
     Animation, Background, ColourBy, LOOSE_VIEW, Shot, View, Walls, animate, at, loose_grains,
@@ -30,13 +30,16 @@ pub(super) struct PictureArgs {
     /// Folder of a run, as `pluvia run` and `pluvia reproduce` leave it, or a file `grains.json`
     #[arg(value_name = "RUN_DIR|GRAINS.json")]
     subject: PathBuf,
-    /// File for the picture; its folder is made if needed
+    /// File for the picture; its folder is made if needed, and a file that is there is kept
     #[arg(long, value_name = "FILE.png", required_unless_present = "animate")]
     out: Option<PathBuf>,
     /// File for an animation instead
     #[arg(long, value_name = "FILE.png", conflicts_with_all = ["out", "time", "grains"])]
     animate: Option<PathBuf>,
-    /// The stage: its number from 0 or its name. Its end is shown; animated, all of it
+    /// Replace the file where it is there already
+    #[arg(long)]
+    force: bool,
+    /// The stage: its number from 0, its name, or `rest_test`. Its end is shown; animated, all of it
     #[arg(long)]
     stage: Option<String>,
     /// The time to show, in s since the run began (of each stage that kept no frames only the end
@@ -205,10 +208,15 @@ fn ends_in(file: &Path, option: &str, allowed: &[&str]) -> Result<(), CliError> 
     )))
 }
 
-/// The folder of a file, made and tried before the work.
-fn prepare(file: &Path) -> Result<(), FileError> {
+/// The folder of a file, made and tried before the work; a file that is there is refused unless
+/// it may be replaced.
+fn prepare(file: &Path, force: bool) -> Result<(), FileError> {
     if file.is_dir() {
         return Err(FileError::new("write", file, "it is a folder"));
+    }
+    if file.exists() && !force {
+        let reason = "it is there already; name another, or give --force to replace it";
+        return Err(FileError { refused: true, ..FileError::new("write", file, reason) });
     }
     let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     output_folder::prepare(folder)
@@ -220,9 +228,9 @@ fn still(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
     }
     let shot = args.shot(View::default(), 0.75);
     shot.check()?;
-    let run = read_playback(&args.subject)?;
+    let run = read_playback_for(&args.subject, args.stage.as_deref())?;
     let shown = at(&run, args.stage.as_deref(), args.time)?;
-    prepare(file)?;
+    prepare(file, args.force)?;
     let png = picture(&run, shown, &shot)?.to_png(shot.background).map_err(drawing)?;
     write_file(file, &png)?;
     let stage = &run.stages[shown.stage];
@@ -248,7 +256,7 @@ fn alone(args: &PictureArgs, file: &Path) -> Result<Made, CliError> {
         let Playback { grains, .. } = read_playback(&args.subject)?;
         (*grains).clone()
     };
-    prepare(file)?;
+    prepare(file, args.force)?;
     let png = loose_grains(&set, &shot)?.to_png(shot.background).map_err(drawing)?;
     write_file(file, &png)?;
     Ok(made(None, file, &png))
@@ -262,8 +270,8 @@ fn animation(args: &PictureArgs, context: &Context, file: &Path) -> Result<Made,
         frames_per_second: args.frames_per_second,
         limit_mb: args.limit_mb,
     };
-    let run = read_playback(&args.subject)?;
-    prepare(file)?;
+    let run = read_playback_for(&args.subject, args.stage.as_deref())?;
+    prepare(file, args.force)?;
     let film = animate(&run, &animation, context.progress.as_ref())?;
     write_file(file, &film.png)?;
     Ok(Made { frames: Some(film.frames), ..made(Some(run.scenario), file, &film.png) })

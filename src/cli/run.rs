@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{
-    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
+    CliError, Context, ExitStatus, changes::Changes, earlier_run, jobs::Jobs, last_line,
+    output_folder, table,
 };
 use crate::grains::load_scenario;
 use crate::plain::plain_path;
@@ -15,7 +16,8 @@ use crate::study::{RunOptions, run_scenario, tell_warnings};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Leaves manifest.json, summary.json, series.csv, grains.csv, grains.json, specimen.json and figures
-in DIR. Interrupted, the same command goes on where it stopped.
+in DIR. Interrupted, the same command goes on where it stopped. A folder that holds the results of
+another scenario or command is refused, unless --force replaces them.
 
 Examples:
   pluvia run scenarios/quick/pluviation.json --out out/first
@@ -30,6 +32,9 @@ pub(super) struct RunArgs {
     /// Folder for the results; it is made if needed
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Replace the results of another run in that folder
+    #[arg(long)]
+    force: bool,
     #[command(flatten)]
     jobs: Jobs,
 }
@@ -39,6 +44,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     tracing::info!(files = ?loaded.files, "the scenario `{}` is sound", loaded.scenario.name);
     tell_warnings([&loaded.scenario], context.progress.as_ref());
     output_folder::prepare(&args.out)?;
+    earlier_run::begin(&args.out, &loaded.scenario, args.force)?;
     context.stop_on_ctrl_c();
     let options = RunOptions {
         out: args.out.clone(),
@@ -48,6 +54,7 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
         progress: context.progress.clone(),
     };
     let record = run_scenario(&loaded.scenario, &options)?;
+    earlier_run::finished(&args.out);
     let mut text = table::of_summary(&record.summary);
     text += &format!("results in {}\n", plain_path(&args.out));
     text += &last_line::of_run(&record.summary);

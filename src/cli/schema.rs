@@ -67,9 +67,9 @@ pub(super) fn run(args: &SchemaArgs, context: &Context) -> Result<ExitStatus, Cl
     };
     if args.page {
         let (title, introduction) = args.of.heading();
-        context.print(page(title, introduction, &schema).trim_end(), &schema)?;
+        context.print_asked(page(title, introduction, &schema).trim_end(), &schema)?;
         return Ok(ExitStatus::Done);
     }
-    context.print(&format!("{schema:#}"), &schema)?;
+    context.print_asked(&format!("{schema:#}"), &schema)?;
     Ok(ExitStatus::Done)
 }

@@ -17,6 +17,16 @@ pub(super) fn duration(seconds: f64) -> String {
     }
 }
 
+/// A mass in g for people: to a tenth, or of small ones to three digits.
+pub(super) fn grams(mass: f64) -> String {
+    if !(mass > 0.0 && mass < 10.0) {
+        return format!("{mass:.1}");
+    }
+    let digits = (2 - mass.log10().floor() as i32).max(0) as usize;
+    let text = format!("{mass:.digits$}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// Rows of a name and what is to be said of it.
 #[derive(Default)]
 struct Rows(Vec<(String, String)>);
@@ -85,11 +95,19 @@ pub(super) fn of_summary(summary: &Summary) -> String {
             summary.contact_solver
         ),
     );
-    rows.add("grains", format!("{}, {:.1} g", grains.count, grains.mass_g));
+    rows.add("grains", format!("{}, {} g", grains.count, grams(grains.mass_g)));
     // A pile has no walls: its grains lie, but in no cylinder and with no void ratio.
-    let pile = summary.void_ratio.is_none() && grains.in_cylinder > 0;
+    let is_withheld = |field: &str| summary.withheld.iter().any(|w| w.field == field);
+    let pile = summary.void_ratio.is_none() && grains.in_cylinder > 0 && !is_withheld("void_ratio");
     let places = if pile {
-        format!("{} on the base, {} fallen off", grains.in_cylinder, grains.spilled)
+        let mut text = format!("{} on the base, {} fallen off", grains.in_cylinder, grains.spilled);
+        if grains.left_in_funnel + grains.escaped > 0 {
+            text += &format!(
+                ", {} not fed, {} escaped through the base",
+                grains.left_in_funnel, grains.escaped
+            );
+        }
+        text
     } else {
         format!(
             "{} in the cylinder, {} spilled, {} left in the funnel, {} escaped through walls",
@@ -97,12 +115,13 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         )
     };
     rows.add("", places);
-    if let (Some(poured), Some(void_ratio)) = (&summary.poured_height_mm, summary.poured_void_ratio)
-    {
+    if let Some(poured) = &summary.poured_height_mm {
         rows.add("poured height", height(poured));
+    }
+    if let Some(void_ratio) = summary.poured_void_ratio {
         rows.add("poured void ratio", format!("{void_ratio:.3}"));
     }
-    if !pile {
+    if !pile && !is_withheld("standing_height_mm") {
         rows.add("standing height", height(&summary.standing_height_mm));
     }
     if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {
@@ -322,6 +341,15 @@ mod tests {
             [(0.4, "0 s"), (59.6, "1 min 0 s"), (125.0, "2 min 5 s"), (7384.0, "2 h 3 min")]
         {
             assert_eq!(duration(seconds), expected, "law: {seconds} s in words");
+        }
+    }
+
+    #[test]
+    fn small_masses_keep_their_digits() {
+        for (mass, expected) in
+            [(2343.0, "2343.0"), (12.34, "12.3"), (0.6, "0.6"), (0.0437, "0.0437"), (0.0, "0.0")]
+        {
+            assert_eq!(grams(mass), expected, "law: {mass} g to three digits");
         }
     }
 

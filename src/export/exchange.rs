@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::apparatus::{Carrier, standing};
 use crate::apparatus::ApparatusError;
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::grains::grain_name;
 use crate::motion::{Start, TableMotion, Waveform};
 use crate::protocol::Setup;
 use crate::specimen::{Other, Party, Specimen, SpecimenState};
@@ -391,7 +392,7 @@ pub(super) fn party_name(setup: &Setup, party: Party) -> String {
     // first, and the lid is the last.
     let funnel = setup.funnel.wall_pieces as usize;
     match party {
-        Party::Grain(n) => format!("grain_{n:05}"),
+        Party::Grain(n) => grain_name(n),
         Party::Other(Other::TopPlate) => "top_plate".to_owned(),
         Party::Other(Other::Cylinder(n)) if n == walls => "floor".to_owned(),
         Party::Other(Other::Cylinder(n)) => format!("cylinder_{n:02}"),

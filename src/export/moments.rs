@@ -4,13 +4,11 @@
 use std::{path::Path, sync::Arc};
 
 use super::parts::{Part, parts};
-use super::run_folder::{
-    ExportError, Manifest, REST_TEST, StageEntry, beside, grains_of, setup_of,
-};
+use super::run_folder::{ExportError, Manifest, REST_TEST, StageEntry, grains_of, setup_of};
 use crate::geometry::{Pose, Vector};
 use crate::grains::GrainSet;
 use crate::protocol::Setup;
-use crate::record::{FileError, Frame, StageStore};
+use crate::record::{FileError, Frame, StageStore, run_file};
 use crate::scale;
 use crate::specimen::{Fate, GrainState, Specimen, SpecimenState};
 use crate::world::BodyState;
@@ -83,7 +81,7 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
     };
     let setup = setup_of(&manifest, &path)?;
     let grains = Arc::new(grains_of(folder, &manifest)?);
-    let root = beside(folder, "stages");
+    let root = run_file(folder, "stages");
     let state_of = |entry: &StageEntry| -> Result<SpecimenState, FileError> {
         let (state, path) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
         let sound = state.check(grains.grains.len());

@@ -6,6 +6,7 @@ use std::fmt::Write;
 use super::apparatus::standing;
 use crate::apparatus::ApparatusError;
 use crate::geometry::{ConvexPolyhedron, Pose};
+use crate::grains::grain_name;
 use crate::protocol::Setup;
 use crate::specimen::Specimen;
 
@@ -44,7 +45,7 @@ pub fn grains_obj(specimen: &Specimen) -> String {
     let mut objects = Objects::new(&format!("{} grains", specimen.present().count()));
     for n in specimen.present() {
         let pose = &specimen.state.bodies[n].body.pose;
-        objects.add(&format!("grain_{n:05}"), &specimen.grains.grains[n].shape, pose);
+        objects.add(&grain_name(n), &specimen.grains.grains[n].shape, pose);
     }
     objects.text
 }

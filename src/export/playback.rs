@@ -5,10 +5,10 @@ use std::{
     sync::Arc,
 };
 
-use super::run_folder::{ExportError, Manifest, beside, grains_of, setup_of};
+use super::run_folder::{ExportError, Manifest, REST_TEST, grains_of, setup_of};
 use crate::grains::GrainSet;
 use crate::protocol::Setup;
-use crate::record::{FileError, Frame, StageStore};
+use crate::record::{FileError, Frame, StageStore, run_file};
 
 /// A run from its first stage to its last.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +40,16 @@ pub struct PlayedStage {
 /// # Errors
 /// [`ExportError`], naming the file.
 pub fn read_playback(folder: &Path) -> Result<Playback, ExportError> {
-    read(folder, StageStore::frames_in)
+    read(folder, StageStore::frames_in, None)
+}
+
+/// The same for somebody who asked for a stage, by the names and numbers of [`super::read_run`]:
+/// where it is the rest test, that is the last of the stages.
+///
+/// # Errors
+/// [`ExportError`], naming the file or the stages there are.
+pub fn read_playback_for(folder: &Path, asked: Option<&str>) -> Result<Playback, ExportError> {
+    read(folder, StageStore::frames_in, asked)
 }
 
 /// The same with the first frame of every stage and the last two alone, so that a
@@ -49,19 +58,27 @@ pub fn read_playback(folder: &Path) -> Result<Playback, ExportError> {
 /// # Errors
 /// [`ExportError`], naming the file.
 pub fn read_playback_ends(folder: &Path) -> Result<Playback, ExportError> {
-    read(folder, StageStore::frame_ends_in)
+    read(folder, StageStore::frame_ends_in, None)
 }
 
 /// Reads frames of a stage from a store, by its name; none where none were kept.
 type FrameReader = fn(&Path, &str) -> Result<Option<(Vec<Frame>, PathBuf)>, FileError>;
 
-fn read(folder: &Path, frames_in: FrameReader) -> Result<Playback, ExportError> {
+fn read(
+    folder: &Path,
+    frames_in: FrameReader,
+    asked: Option<&str>,
+) -> Result<Playback, ExportError> {
     let (manifest, path) = Manifest::of(folder)?;
+    let asked = asked.map(|asked| manifest.find(&path, asked)).transpose()?;
+    let rest_test = asked.filter(|(number, _)| number.is_none());
     let setup = setup_of(&manifest, &path)?;
     let grains = Arc::new(grains_of(folder, &manifest)?);
-    let root = beside(folder, "stages");
+    let root = run_file(folder, "stages");
     let mut stages = Vec::new();
-    for entry in &manifest.stages {
+    let of_scenario = manifest.stages.iter().map(|entry| (entry.stage.clone(), entry));
+    let rest_test = rest_test.into_iter().map(|(_, entry)| (REST_TEST.to_owned(), entry));
+    for (name, entry) in of_scenario.chain(rest_test) {
         let (end, end_file) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
         let sound = end.check(grains.grains.len());
         sound.map_err(|reason| FileError::unfit(&end_file, reason))?;
@@ -78,7 +95,7 @@ fn read(folder: &Path, frames_in: FrameReader) -> Result<Playback, ExportError> 
                 format!("it has {} grains, and grains.json {expected}", frame.grains.len());
             return Err(FileError::unfit(&path, reason).into());
         }
-        stages.push(PlayedStage { name: entry.stage.clone(), frames, kept: is_kept });
+        stages.push(PlayedStage { name, frames, kept: is_kept });
     }
     Ok(Playback { scenario: manifest.scenario.name, setup, grains, stages })
 }

@@ -15,7 +15,7 @@ use crate::grains::{self, GrainSet};
 use crate::input::{self, Refusal};
 use crate::motion::TableMotion;
 use crate::protocol::Setup;
-use crate::record::{FileError, StageStore, read_json, read_unchanged};
+use crate::record::{FileError, StageStore, read_json, read_unchanged, run_file};
 use crate::scenario::{self, Scenario, StageSpec};
 use crate::specimen::{Specimen, SpecimenState};
 
@@ -116,6 +116,27 @@ pub fn read_run(folder: &Path, stage: Option<&str>) -> Result<Exported, ExportEr
     Ok(Exported { setup, specimen, next_motion, made_by })
 }
 
+/// The run's specimen at rest: at the end of its rest test or, where it has none, of its
+/// last stage. The run's own specimen must be as it was written either way.
+///
+/// # Errors
+/// [`ExportError`], naming the file.
+pub fn read_at_rest(folder: &Path) -> Result<Exported, ExportError> {
+    let last = read_run(folder, None)?;
+    let (manifest, _) = Manifest::of(folder)?;
+    if manifest.rest_test.is_some() { read_run(folder, Some(REST_TEST)) } else { Ok(last) }
+}
+
+/// How the stage is asked for at whose end a run's specimen is at rest, where that is not its
+/// last.
+///
+/// # Errors
+/// [`ExportError`], naming the file.
+pub fn stage_at_rest(folder: &Path) -> Result<Option<&'static str>, ExportError> {
+    let (manifest, _) = Manifest::of(folder)?;
+    Ok(manifest.rest_test.is_some().then_some(REST_TEST))
+}
+
 /// The laboratory that a manifest describes.
 pub(super) fn setup_of(manifest: &Manifest, path: &Path) -> Result<Setup, ExportError> {
     Setup::new(&manifest.scenario)
@@ -124,17 +145,9 @@ pub(super) fn setup_of(manifest: &Manifest, path: &Path) -> Result<Setup, Export
 
 /// The grains of a run.
 pub(super) fn grains_of(folder: &Path, manifest: &Manifest) -> Result<GrainSet, FileError> {
-    let path = beside(folder, "grains.json");
+    let path = run_file(folder, "grains.json");
     let json = manifest.read(&path)?;
     grains::from_json(&json).map_err(|e| FileError::unfit(&path, e))
-}
-
-/// A file or folder that several runs of one command share: in the run's
-/// folder, or in the one that holds `runs/`.
-pub(super) fn beside(folder: &Path, name: &str) -> PathBuf {
-    let own = folder.join(name);
-    let shared = folder.join("../..").join(name);
-    if !own.exists() && shared.exists() { shared } else { own }
 }
 
 /// Number (none for the rest test) and name of a stage, the state at its end, and
@@ -152,7 +165,7 @@ fn locate(
         let file = folder.join("specimen.json");
         return Ok((Some(last), name, manifest.read(&file)?, file));
     };
-    let root = beside(folder, "stages");
+    let root = run_file(folder, "stages");
     let (number, entry) = manifest.find(path, asked)?;
     let name = if number.is_some() { entry.stage.clone() } else { REST_TEST.to_owned() };
     let (state, file) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;

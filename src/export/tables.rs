@@ -1,31 +1,34 @@
-//! Tables of a specimen in SI units: grains, loaded contacts, touching pairs.
+//! Tables of a specimen: grains, loaded contacts, touching pairs. Grains are named and quantities
+//! have the units as in the run's own tables: mm, mm³, g, mm/s, and N.
 
 use serde::Serialize;
 
 use super::exchange::party_name;
+use crate::grains::grain_name;
 use crate::measure::{pairs_within, touching_gap};
 use crate::protocol::Setup;
 use crate::record::to_csv;
 use crate::specimen::{Fate, SavedContact, Specimen};
+use crate::units::{to_g, to_mm, to_mm3};
 
 /// One grain.
 #[derive(Debug, Serialize)]
 struct GrainRow {
-    grain: usize,
+    grain: String,
     fate: Fate,
-    mass_kg: f64,
-    volume_m3: f64,
-    equivalent_diameter_m: f64,
-    x_m: f64,
-    y_m: f64,
-    z_m: f64,
-    quaternion_x: f64,
-    quaternion_y: f64,
-    quaternion_z: f64,
-    quaternion_w: f64,
-    velocity_x_m_per_s: f64,
-    velocity_y_m_per_s: f64,
-    velocity_z_m_per_s: f64,
+    mass_g: f64,
+    volume_mm3: f64,
+    equivalent_diameter_mm: f64,
+    x_mm: f64,
+    y_mm: f64,
+    z_mm: f64,
+    rotation_x: f64,
+    rotation_y: f64,
+    rotation_z: f64,
+    rotation_w: f64,
+    velocity_x_mm_per_s: f64,
+    velocity_y_mm_per_s: f64,
+    velocity_z_mm_per_s: f64,
     angular_velocity_x_rad_per_s: f64,
     angular_velocity_y_rad_per_s: f64,
     angular_velocity_z_rad_per_s: f64,
@@ -36,9 +39,9 @@ struct GrainRow {
 struct ContactRow {
     first: String,
     second: String,
-    x_m: f64,
-    y_m: f64,
-    z_m: f64,
+    x_mm: f64,
+    y_mm: f64,
+    z_mm: f64,
     normal_x: f64,
     normal_y: f64,
     normal_z: f64,
@@ -50,16 +53,16 @@ struct ContactRow {
 /// Two grains that touch.
 #[derive(Debug, Serialize)]
 struct PairRow {
-    first: usize,
-    second: usize,
-    gap_m: f64,
+    first: String,
+    second: String,
+    gap_mm: f64,
     overlap_percent: f64,
 }
 
 /// Columns of the tables that may have no rows.
-const CONTACT_COLUMNS: &str = "first,second,x_m,y_m,z_m,normal_x,normal_y,normal_z,\
+const CONTACT_COLUMNS: &str = "first,second,x_mm,y_mm,z_mm,normal_x,normal_y,normal_z,\
                                force_x_n,force_y_n,force_z_n";
-const PAIR_COLUMNS: &str = "first,second,gap_m,overlap_percent";
+const PAIR_COLUMNS: &str = "first,second,gap_mm,overlap_percent";
 
 /// Rows as CSV; where there are none, the header alone.
 fn with_header<T: Serialize>(
@@ -83,21 +86,21 @@ pub fn grains_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
         let (at, q) = (body.pose.translation.vector, body.pose.rotation.coords);
         let (v, w) = (body.linear_velocity, body.angular_velocity);
         GrainRow {
-            grain: n,
+            grain: grain_name(n),
             fate: state.fate,
-            mass_kg: grain.mass,
-            volume_m3: grain.volume,
-            equivalent_diameter_m: grain.equivalent_diameter,
-            x_m: at.x,
-            y_m: at.y,
-            z_m: at.z,
-            quaternion_x: q.x,
-            quaternion_y: q.y,
-            quaternion_z: q.z,
-            quaternion_w: q.w,
-            velocity_x_m_per_s: v.x,
-            velocity_y_m_per_s: v.y,
-            velocity_z_m_per_s: v.z,
+            mass_g: to_g(grain.mass),
+            volume_mm3: to_mm3(grain.volume),
+            equivalent_diameter_mm: to_mm(grain.equivalent_diameter),
+            x_mm: to_mm(at.x),
+            y_mm: to_mm(at.y),
+            z_mm: to_mm(at.z),
+            rotation_x: q.x,
+            rotation_y: q.y,
+            rotation_z: q.z,
+            rotation_w: q.w,
+            velocity_x_mm_per_s: to_mm(v.x),
+            velocity_y_mm_per_s: to_mm(v.y),
+            velocity_z_mm_per_s: to_mm(v.z),
             angular_velocity_x_rad_per_s: w.x,
             angular_velocity_y_rad_per_s: w.y,
             angular_velocity_z_rad_per_s: w.z,
@@ -115,9 +118,9 @@ pub fn contacts_csv(setup: &Setup, specimen: &Specimen) -> Result<Vec<u8>, csv::
     let row = |c: &SavedContact| ContactRow {
         first: party_name(setup, c.between[0]),
         second: party_name(setup, c.between[1]),
-        x_m: c.point_m.x,
-        y_m: c.point_m.y,
-        z_m: c.point_m.z,
+        x_mm: to_mm(c.point_m.x),
+        y_mm: to_mm(c.point_m.y),
+        z_mm: to_mm(c.point_m.z),
         normal_x: c.normal.x,
         normal_y: c.normal.y,
         normal_z: c.normal.z,
@@ -142,7 +145,12 @@ pub fn pairs_csv(specimen: &Specimen) -> Result<Vec<u8>, csv::Error> {
     let rows = touching.iter().map(|p| {
         let sizes = grains[p.a].equivalent_diameter + grains[p.b].equivalent_diameter;
         let overlap_percent = 100.0 * (-p.gap).max(0.0) / (sizes / 2.0);
-        PairRow { first: p.a, second: p.b, gap_m: p.gap, overlap_percent }
+        PairRow {
+            first: grain_name(p.a),
+            second: grain_name(p.b),
+            gap_mm: to_mm(p.gap),
+            overlap_percent,
+        }
     });
     with_header(PAIR_COLUMNS, rows)
 }
@@ -154,11 +162,11 @@ mod tests {
     #[test]
     fn a_table_without_rows_has_the_header_of_one_with_them() {
         let contact = ContactRow {
-            first: "grain_0".into(),
+            first: grain_name(0),
             second: "floor".into(),
-            x_m: 1.0,
-            y_m: 2.0,
-            z_m: 3.0,
+            x_mm: 1.0,
+            y_mm: 2.0,
+            z_mm: 3.0,
             normal_x: 0.0,
             normal_y: 0.0,
             normal_z: 1.0,
@@ -166,7 +174,12 @@ mod tests {
             force_y_n: 0.0,
             force_z_n: 0.1,
         };
-        let pair = PairRow { first: 0, second: 1, gap_m: 0.0, overlap_percent: 0.0 };
+        let pair = PairRow {
+            first: grain_name(0),
+            second: grain_name(1),
+            gap_mm: 0.0,
+            overlap_percent: 0.0,
+        };
         let header = |table: Vec<u8>| {
             let text = String::from_utf8(table).expect("UTF-8");
             text.lines().next().expect("a header").to_owned()

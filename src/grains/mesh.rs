@@ -3,7 +3,7 @@
 
 use std::io::{BufWriter, Write};
 
-use super::GrainSet;
+use super::{GrainSet, grain_name};
 use crate::geometry::{ConvexPolyhedron, Point};
 
 fn cells(grains: &GrainSet) -> impl Iterator<Item = &ConvexPolyhedron> + Clone + '_ {
@@ -20,7 +20,7 @@ pub fn write_obj(grains: &GrainSet, into: impl Write) -> std::io::Result<()> {
     // OBJ numbers vertices from 1, through the whole file.
     let mut first = 1;
     for (index, cell) in cells(grains).enumerate() {
-        writeln!(out, "o grain_{index:05}")?;
+        writeln!(out, "o {}", grain_name(index))?;
         for v in cell.vertices() {
             writeln!(out, "v {} {} {}", v.x, v.y, v.z)?;
         }

@@ -40,10 +40,15 @@ pub use shape::{GrainShape, ShapeRatio};
 pub use sieve::{Passage, SIEVE_TOLERANCE, sieve_size};
 pub use sieve_memory::sieve_size_of;
 pub use sieve_table::{sieve_csv, sieve_table};
-pub use sizes::load_scenario;
+pub use sizes::{load_grains, load_scenario};
 pub use stones::{StoneRecord, from_meshes, stones_csv};
 
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+
+/// Name of a grain by its number, the same in every file and message: `grain_00012`.
+pub fn grain_name(number: usize) -> String {
+    format!("grain_{number:05}")
+}
 
 /// The grains of an experiment, in the order in which the tessellation made them.
 #[derive(Debug, Clone, PartialEq)]

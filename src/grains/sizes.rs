@@ -70,6 +70,14 @@ impl GrainSet {
     }
 }
 
+/// Loads a scenario for its grains alone, as [`scenario::load_grains_with`].
+///
+/// # Errors
+/// As [`scenario::load_grains_with`].
+pub fn load_grains(path: &Path) -> Result<Loaded, ScenarioErrors> {
+    scenario::load_grains_with(path, grading_of)
+}
+
 /// Loads a scenario with what follows from its grains, also where these stand in a file or
 /// are meshes in their own size: then they are read to find out.
 ///

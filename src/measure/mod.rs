@@ -19,6 +19,7 @@ mod inverse;
 pub mod nested;
 mod overlap;
 mod pairs;
+mod places;
 mod plate;
 mod raster;
 mod repose;
@@ -40,6 +41,7 @@ pub use hull::WorldHull;
 pub use inverse::{InversePrediction, bend_pattern, inverse_prediction};
 pub use overlap::{OverlapStatistics, overlap_statistics};
 pub use pairs::{PairGap, pairs_within, pairs_within_of, touching_gap};
+pub use places::{Place, Places, places};
 pub use plate::{PlatePosition, plate_position};
 pub use repose::{
     FLANK, NoPile, PileSurface, Repose, Sector, base_level, over, pile_surface, pile_top,

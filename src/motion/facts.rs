@@ -1,5 +1,6 @@
 //! What a motion asks of a specimen: peaks and jumps, for manifests, summaries and people.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Start, TableMotion, Waveform};
@@ -16,7 +17,7 @@ const POINTS_A_CYCLE: f64 = 1000.0;
 const MOST_POINTS: f64 = 1e6;
 
 /// Peaks and jumps of a motion, as an engine is told of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MotionFacts {
     /// The waveform in words.
     pub waveform: String,

@@ -348,6 +348,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         },
         sieve_analysis: Some(sieve_summary()),
         shape: None,
+        withheld: Vec::new(),
         standing_height_mm: heights(height),
         poured_height_mm: None,
         void_ratio: Some(height / SOLIDS_MM - 1.0),

@@ -1,5 +1,6 @@
 //! What the checks of a stage and of a run found (docs/accuracy.md).
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::protocol::{Watch, Watched};
@@ -52,7 +53,7 @@ impl StageChecks {
 
 /// `checks` of `summary.json`: what every check watched during a run, and
 /// whether the run passed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Checks {
     /// Whether every check passed; null where a stage was stored before checks were.
     pub passed: Option<bool>,
@@ -115,7 +116,7 @@ impl Checks {
 }
 
 /// One check of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CheckSummary {
     /// What it watches.
     pub watches: String,

@@ -3,7 +3,7 @@
 //! A run is left out of means where it is not valid (`docs/accuracy.md`), or where too many
 //! of its grains are not where they were poured. What is left out is counted, and said.
 
-use super::{RunRecord, RunRow, Summary};
+use super::{GrainsSummary, RunRecord, RunRow, Summary};
 
 /// Largest share of the grains that may be missing at the end of a run that counts in means:
 /// left in the funnel or the spout, spilled or escaped; of a pile what rolled off its base
@@ -25,26 +25,28 @@ impl Summary {
             None if !self.valid => Some("it does not say that it is valid".to_owned()),
             why => why,
         };
-        not_valid.into_iter().chain(self.too_few_in_place()).collect()
+        not_valid.into_iter().chain(self.grains.too_few_in_place()).collect()
     }
 
     /// Whether the run counts in means.
     pub fn counts_in_means(&self) -> bool {
         self.why_left_out().is_empty()
     }
+}
 
-    fn too_few_in_place(&self) -> Option<String> {
-        let grains = &self.grains;
-        let missing = grains.missing?;
-        (missing as f64 > MOST_MISSING * grains.count as f64).then(|| {
+impl GrainsSummary {
+    /// That too many grains are missing in a specimen, for a reader.
+    pub fn too_few_in_place(&self) -> Option<String> {
+        let missing = self.missing?;
+        (missing as f64 > MOST_MISSING * self.count as f64).then(|| {
             format!(
                 "{missing} of {} grains are missing in the specimen, of which {:.0} % may be: {} left \
                  in the funnel, {} spilled, {} escaped",
-                grains.count,
+                self.count,
                 100.0 * MOST_MISSING,
-                grains.left_in_funnel,
-                grains.spilled,
-                grains.escaped
+                self.left_in_funnel,
+                self.spilled,
+                self.escaped
             )
         })
     }
@@ -87,7 +89,7 @@ pub fn left_out_in_words(left_out: usize, with_result: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{GrainsSummary, VariationRow, summary::tests::summary};
+    use super::super::{VariationRow, summary::tests::summary};
     use super::*;
 
     /// A run that meets everything, of which so many of its 1456 grains are missing.

@@ -29,7 +29,7 @@ pub use frames::{FRAMES_FILE, Frame, FrameWriter};
 pub use hash::{hash_bytes, hash_json};
 pub use identity::{AskedStage, StageEnd, StageIdentity};
 pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words};
-pub use run::{RunKind, RunRecord};
+pub use run::{RunKind, RunRecord, run_file};
 pub use sealed::{Beside, keep_beside};
 pub use sieve::{
     GradationSummary, NotSieved, SecondarySieve, ShapeSummary, SieveSummary, SievedFraction,

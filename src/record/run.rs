@@ -1,8 +1,18 @@
 //! A finished run as claims and reports see it.
 
+use std::path::{Path, PathBuf};
+
 use serde::{Deserialize, Serialize};
 
 use super::{SeriesRow, Summary};
+
+/// A file or folder that several runs of one command share: in the run's folder, or in the one
+/// that holds `runs/`.
+pub fn run_file(folder: &Path, name: &str) -> PathBuf {
+    let own = folder.join(name);
+    let shared = folder.join("../..").join(name);
+    if !own.exists() && shared.exists() { shared } else { own }
+}
 
 /// What a run is in the paper's programme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

@@ -1,5 +1,6 @@
 //! Sieve analysis and shape of the grains, as `summary.json` has them.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::grains::{
@@ -14,7 +15,7 @@ use crate::units::{from_mm, to_mm};
 pub const UNCHANGED: f64 = 1e-6;
 
 /// What soil mechanics reads off a grain size distribution curve.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GradationSummary {
     /// Size that 10 % of the mass is finer than, in mm.
     pub d10_mm: f64,
@@ -47,7 +48,7 @@ impl From<Gradation> for GradationSummary {
 }
 
 /// The grains in the virtual sieve.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SieveSummary {
     /// Of the grains as generated.
     #[serde(flatten)]
@@ -61,7 +62,7 @@ pub struct SieveSummary {
 }
 
 /// What passes one sieve and stays on the next.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SievedFraction {
     /// Opening of the sieve it passes, in mm; null for what stays on the coarsest.
     pub passing_mm: Option<f64>,
@@ -112,7 +113,7 @@ fn fractions(sieved: &SieveAnalysis, psd: &ParticleSizeDistribution) -> Vec<Siev
 
 /// The grains sieved anew, with the shapes that the engine held at the end of
 /// a run, against the grains as generated.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SecondarySieve {
     /// Grains that were sieved.
     pub grains: usize,
@@ -180,7 +181,7 @@ impl SecondarySieve {
 }
 
 /// Shape of the grains (docs/grains.md has the definitions).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ShapeSummary {
     /// Longest over intermediate side of the smallest box, at least 1 (after Zingg 1935).
     pub elongation: Spread,
@@ -195,7 +196,7 @@ pub struct ShapeSummary {
 }
 
 /// How a number is spread over grains, each counted once.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Spread {
     /// Mean.
     pub mean: f64,

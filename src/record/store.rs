@@ -15,8 +15,8 @@ use super::{
     lock::{Asked, ask_alone, wait_alone, wait_shared},
     read_json,
     stage::{
-        RECORD_FILE, SERIES_FILE, STATE_FILE, StoredStage, read_record, read_record_of, read_stage,
-        read_state,
+        RECORD_FILE, SERIES_FILE, STATE_FILE, StageRecord, StoredStage, read_record,
+        read_record_of, read_stage, read_state,
     },
     to_csv,
     unfinished::remove_abandoned_in,
@@ -156,13 +156,27 @@ impl StageStore {
         key: &str,
         sha256: &str,
     ) -> Result<(SpecimenState, PathBuf), FileError> {
+        let (_, state, file) = Self::stage_in(root, key, sha256)?;
+        Ok((state, file))
+    }
+
+    /// The same with what the stage says of itself.
+    ///
+    /// # Errors
+    /// As [`Self::state_in`].
+    pub fn stage_in(
+        root: &Path,
+        key: &str,
+        sha256: &str,
+    ) -> Result<(StageRecord, SpecimenState, PathBuf), FileError> {
         let folder = Self::folder_in(root, key);
         let file = folder.join(STATE_FILE);
         let record = read_record_of(&folder, key)?;
         if !sha256.is_empty() && sha256 != record.specimen_sha256 {
             return Err(FileError::changed(&file));
         }
-        Ok((read_state(&folder, &record)?, file))
+        let state = read_state(&folder, &record)?;
+        Ok((record, state, file))
     }
 
     /// The frames of a stage of a store that is only to be read, and the file

@@ -1,5 +1,6 @@
 //! `summary.json` and the rows of `series.csv`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Checks, ShapeSummary, SieveSummary};
@@ -8,7 +9,7 @@ use crate::protocol::Settling;
 use crate::world::BackendInfo;
 
 /// One row of `series.csv`: the state of the experiment at one moment.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SeriesRow {
     /// Simulated time since the beginning of the run's first stage, in s.
     pub time_s: f64,
@@ -48,7 +49,7 @@ pub struct SeriesRow {
 }
 
 /// `summary.json`: the figures of one run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Summary {
     /// Name of the scenario.
     pub scenario: String,
@@ -70,12 +71,15 @@ pub struct Summary {
     /// Elongation, flatness and sphericity of the grains.
     #[serde(default)]
     pub shape: Option<ShapeSummary>,
+    /// Figures that are not given because they would make no sense, each with the reason.
+    #[serde(default)]
+    pub withheld: Vec<Withheld>,
     /// Standing height of the specimen at the end.
     pub standing_height_mm: StandingHeight,
     /// Standing height at the end of pouring, before plate and vibration.
     pub poured_height_mm: Option<StandingHeight>,
-    /// Volume of voids over volume of solids, to the mean surface; none of a pile
-    /// or where nothing is.
+    /// Volume of voids over volume of solids, to the mean surface; none of a pile,
+    /// where nothing is, or where it is withheld.
     pub void_ratio: Option<f64>,
     /// Void ratio at the end of pouring.
     pub poured_void_ratio: Option<f64>,
@@ -165,7 +169,7 @@ impl Summary {
 
 /// Residual of the contact solver: the natural map of the laws of contact and
 /// friction over the impulses found, both in the kinetic norm. 0 is exact.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SolverResidual {
     /// Median of the samples.
     pub median: f64,
@@ -187,7 +191,7 @@ impl SolverResidual {
 }
 
 /// One stage that vibrates.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VibrationSummary {
     /// Which stage of the run, counted from 0.
     pub stage: u32,
@@ -199,8 +203,17 @@ pub struct VibrationSummary {
     pub settling: Option<Settling>,
 }
 
+/// A figure that is not given because it would make no sense.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct Withheld {
+    /// Field of the summary, which is null.
+    pub field: String,
+    /// Why.
+    pub reason: String,
+}
+
 /// Number, mass and whereabouts of the grains.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GrainsSummary {
     /// Number of grains generated.
     pub count: usize,
@@ -208,15 +221,17 @@ pub struct GrainsSummary {
     pub mass_g: f64,
     /// Their solid volume in cm³.
     pub solids_volume_cm3: f64,
-    /// Grains inside the cylinder at the end.
+    /// Grains inside the cylinder at the end, or on a pile's base. With `escaped`, `spilled` and
+    /// `left_in_funnel` they are all: `count`.
     pub in_cylinder: usize,
     /// Mass of the grains inside the cylinder in g.
     pub mass_in_cylinder_g: f64,
-    /// Grains that passed a wall or the floor: an engine failure.
+    /// Grains that passed a wall or the floor, or lie with their centroid in one: an engine
+    /// failure.
     pub escaped: usize,
-    /// Grains that fell outside over the rim.
+    /// Grains that fell outside over the rim, or off a pile's base.
     pub spilled: usize,
-    /// Grains left hanging in the funnel.
+    /// Grains left in the funnel, or never fed.
     pub left_in_funnel: usize,
     /// Grains that were to lie in the specimen at the end and do not: left in the funnel or
     /// the spout, spilled or escaped. What rolled off a pile's base is not missing. Null where
@@ -225,19 +240,39 @@ pub struct GrainsSummary {
     pub missing: Option<usize>,
 }
 
-/// Height of the specimen above the floor, by three definitions, in mm.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// Height of the specimen above the floor, by three definitions, in mm; NaN, and null in files,
+/// where the summary says in `withheld` why it is not given.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StandingHeight {
     /// Mean of the height map over the cylinder's area.
+    #[serde(deserialize_with = "nan_where_null")]
     pub mean_surface: f64,
     /// 95th percentile of the height map.
+    #[serde(deserialize_with = "nan_where_null")]
     pub p95: f64,
     /// Highest point of any grain.
+    #[serde(deserialize_with = "nan_where_null")]
     pub highest: f64,
 }
 
+impl StandingHeight {
+    /// What stands in the place of heights that are withheld.
+    pub fn withheld() -> Self {
+        Self { mean_surface: f64::NAN, p95: f64::NAN, highest: f64::NAN }
+    }
+
+    /// The mean of the height map; none where it is withheld.
+    pub fn mean(&self) -> Option<f64> {
+        Some(self.mean_surface).filter(|height| height.is_finite())
+    }
+}
+
+fn nan_where_null<'de, D: serde::Deserializer<'de>>(file: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(file)?.unwrap_or(f64::NAN))
+}
+
 /// Settlement by vibration.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Settlement {
     /// At the end of the run's last stage, with the table at rest, in mm.
     #[serde(rename = "final")]
@@ -255,7 +290,7 @@ pub struct Settlement {
 }
 
 /// Slope of a pile, measured as `docs/repose.md` says.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AngleOfRepose {
     /// That of the mean slope of straight lines fitted to the flank in sectors about the axis.
     pub degrees: f64,
@@ -284,7 +319,7 @@ pub struct AngleOfRepose {
 }
 
 /// The slope of one sector of a pile.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AzimuthAngle {
     /// Direction of the sector's middle, counter-clockwise from x.
     pub azimuth_degrees: f64,
@@ -295,7 +330,7 @@ pub struct AzimuthAngle {
 }
 
 /// Penetration depth over the mean equivalent diameter of the two grains, in percent.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Overlap {
     /// Number of touching pairs of grains.
     pub pairs: usize,
@@ -310,7 +345,7 @@ pub struct Overlap {
 }
 
 /// The rest test: the finished specimen left alone.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RestTest {
     /// Length in s.
     pub duration_s: f64,

@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::SeriesRow;
-use crate::grains::{GrainShape, ShapeRatio, Sieved};
+use crate::grains::{GrainShape, ShapeRatio, Sieved, grain_name};
 use crate::specimen::{Fate, Specimen};
-use crate::units::{to_g, to_mm};
+use crate::units::{to_g, to_mm, to_mm3};
 
 /// Rows as CSV with a header of field names, which carry their units.
 ///
@@ -46,7 +46,7 @@ pub fn series_from_csv(content: &[u8]) -> Result<Vec<SeriesRow>, csv::Error> {
 /// One row of `grains.csv`.
 #[derive(Debug, Serialize)]
 struct GrainRow {
-    grain: usize,
+    grain: String,
     passing_mm: f64,
     retained_mm: f64,
     volume_mm3: f64,
@@ -95,10 +95,10 @@ pub fn grains_csv(
             let at = state.body.pose.translation.vector;
             let q = state.body.pose.rotation.coords;
             GrainRow {
-                grain: index,
+                grain: grain_name(index),
                 passing_mm: to_mm(block.passing),
                 retained_mm: to_mm(block.retained),
-                volume_mm3: grain.volume * 1e9,
+                volume_mm3: to_mm3(grain.volume),
                 mass_g: to_g(grain.mass),
                 equivalent_diameter_mm: to_mm(grain.equivalent_diameter),
                 vertices: grain.shape.vertices().len(),

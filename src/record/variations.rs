@@ -134,7 +134,7 @@ impl RunRow {
         Self {
             grains: Some(s.grains.count),
             grains_outside: Some(s.grains.count.saturating_sub(s.grains.in_cylinder)),
-            poured_height_mm: Some(s.poured_height_mm.unwrap_or(s.standing_height_mm).mean_surface),
+            poured_height_mm: s.poured_height_mm.unwrap_or(s.standing_height_mm).mean(),
             void_ratio: s.poured_void_ratio.or(s.void_ratio),
             plate_settlement_mm: plate.map(|p| p.final_mm),
             plate_settlement_after_5_s_mm: plate.and_then(|p| p.after_5_s),

@@ -6,6 +6,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use strsim::levenshtein;
+
 use crate::input::Refusal;
 use crate::plain::plain;
 
@@ -133,39 +135,13 @@ impl std::error::Error for ScenarioErrors {}
 /// The entry of `known` that `word` is most likely a misspelling of: at most
 /// a third of its letters, and at least one, may differ.
 pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
-    let (distance, best) = known.iter().map(|k| (edit_distance(word, k), *k)).min()?;
+    let (distance, best) = known.iter().map(|k| (levenshtein(word, k), *k)).min()?;
     (distance <= (word.chars().count() / 3).max(1)).then_some(best)
-}
-
-/// Number of letters to insert, delete or replace to turn one word into the other (Levenshtein).
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &y) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn edit_distances() {
-        for (a, b, expected) in
-            [("", "abc", 3), ("kitten", "sitting", 3), ("rate_hz", "rate_hz", 0), ("ab", "ba", 2)]
-        {
-            let got = edit_distance(a, b);
-            assert_eq!(got, expected, "law: edits from {a:?} to {b:?} are {expected}, got {got}");
-        }
-    }
 
     #[test]
     fn only_near_spellings_are_suggested() {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::{
-    Fault, Grading, GrainsSpec, Override, Scenario, ScenarioErrors, automatic, motion_file,
+    Fault, Grading, GrainsSpec, Override, Scenario, ScenarioErrors, automatic, begin, motion_file,
     source::{self, Document, Origin},
     structure, validate,
 };
@@ -28,7 +28,7 @@ pub type GradingOf = fn(&GrainsSpec) -> Option<Grading>;
 /// spelling to whether the time step can resolve the motion. `grading` is asked about
 /// grains without a sieve table.
 ///
-/// Relative paths in `extends`, `grains.file`, `grains.meshes` and `motion_file` begin at the file that gives
+/// Relative paths in `extends`, `begin.specimen`, `grains.file`, `grains.meshes` and `motion_file` begin at the file that gives
 /// them, those of overrides at the working directory.
 ///
 /// # Errors
@@ -39,13 +39,46 @@ pub fn load_with(
     overrides: &[Override],
     grading: GradingOf,
 ) -> Result<Loaded, ScenarioErrors> {
+    load_document_with(source::read(path)?, overrides, grading)
+}
+
+/// What a scenario says beside its grains.
+const BESIDE_GRAINS: [&str; 7] =
+    ["apparatus", "contact", "engine", "settle", "gravity_m_per_s2", "stages", "rest_test_s"];
+
+/// Loads a scenario for its grains alone: apparatus, contacts, engine and stages are left as if
+/// nothing had been typed, whatever stands there.
+///
+/// # Errors
+/// As [`load_with`], of what is left.
+pub fn load_grains_with(path: &Path, grading: GradingOf) -> Result<Loaded, ScenarioErrors> {
     let mut document = source::read(path)?;
+    if let Value::Object(fields) = &mut document.value {
+        fields.retain(|name, _| !BESIDE_GRAINS.contains(&name.as_str()));
+        // Any will do that may follow.
+        let any = match fields.contains_key("begin") {
+            true => serde_json::json!([{ "stage": "rest", "duration_s": 1 }]),
+            false => serde_json::json!([{ "stage": "fill_funnel" }]),
+        };
+        fields.insert("stages".to_owned(), any);
+    }
+    let of_grains = |path: &str| !BESIDE_GRAINS.iter().any(|name| path.starts_with(name));
+    document.faults.retain(|fault| of_grains(&fault.path));
+    load_document_with(document, &[], grading)
+}
+
+fn load_document_with(
+    mut document: Document,
+    overrides: &[Override],
+    grading: GradingOf,
+) -> Result<Loaded, ScenarioErrors> {
     let mut faults = std::mem::take(&mut document.faults);
     for change in overrides {
         if let Err(fault) = change.apply(&mut document) {
             faults.push(fault);
         }
     }
+    faults.extend(begin::read(&mut document));
     let unread = motion_file::read(&mut document);
     let grading = grading_of(&document, grading);
     if let Some(grading) = &grading {
@@ -65,6 +98,9 @@ pub fn load_with(
     match scenario {
         Some(mut scenario) if faults.is_empty() => {
             place_grains_files(&mut scenario.grains, &document);
+            if let Some(begin) = &mut scenario.begin {
+                begin::place(begin, &document);
+            }
             scenario.found = grading.filter(|_| scenario.grading_by_sieves().is_none());
             Ok(Loaded { scenario, files: document.files })
         }
@@ -90,6 +126,9 @@ pub fn gathered(path: &Path) -> Result<Value, ScenarioErrors> {
         }
         Origin::Set(_) => PathBuf::new(),
     };
+    if let Some(Value::String(specimen)) = value.pointer_mut("/begin/specimen") {
+        *specimen = folder("begin.specimen").join(&*specimen).to_string_lossy().into_owned();
+    }
     if let Some(Value::String(file)) = value.pointer_mut("/grains/file") {
         *file = folder("grains.file").join(&*file).to_string_lossy().into_owned();
     }

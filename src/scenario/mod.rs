@@ -7,6 +7,7 @@
 
 mod accessors;
 mod automatic;
+mod begin;
 mod cells;
 mod document;
 mod engine;
@@ -28,11 +29,12 @@ mod unusual;
 mod validate;
 
 pub use automatic::Grading;
+pub use begin::BeginSpec;
 pub use cells::CellShape;
 pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactSolver, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
-pub use load::{GradingOf, Loaded, check, gathered, load_with};
+pub use load::{GradingOf, Loaded, check, gathered, load_grains_with, load_with};
 pub use meshes::{MeshGrains, MeshUnit};
 pub use native::{NativeSettings, automatic_threads};
 pub use overrides::{NotAnOverride, Override};
@@ -62,6 +64,11 @@ pub struct Scenario {
     /// Why values that the source does not give were chosen; for the reader, shown in the report.
     #[serde(default)]
     pub notes: Vec<String>,
+    /// A specimen of another run that the stages begin with. Everything but name, description,
+    /// notes and stages may be left out then, and is as in that run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "BeginSpec")]
+    pub begin: Option<BeginSpec>,
     /// The grains.
     pub grains: GrainsSpec,
     /// Funnel, cylinder, top plate.

@@ -45,9 +45,16 @@ pub fn schema() -> Value {
         properties.insert("extends".into(), extends);
     }
     root.insert("if".into(), json!({ "not": { "required": ["extends"] } }));
+    // What begins with another run's specimen has its grains.
+    let begun: Vec<&Value> =
+        required.iter().filter_map(Value::as_array).flatten().filter(|r| *r != "grains").collect();
     let complete = json!({
-        "required": required,
-        "properties": { "grains": { "$ref": "#/$defs/GrainsSpec" } },
+        "if": { "required": ["begin"] },
+        "then": { "required": begun },
+        "else": {
+            "required": required,
+            "properties": { "grains": { "$ref": "#/$defs/GrainsSpec" } },
+        },
     });
     root.insert("then".into(), complete);
     schema

@@ -1,12 +1,15 @@
 //! From files to one JSON value: reading, duplicate keys, `extends`.
 
 use std::{
+    borrow::Cow,
     cell::RefCell,
     collections::HashMap,
     fmt,
+    io::Read,
     path::{Path, PathBuf},
 };
 
+use json_comments::CommentSettings;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Number, Value};
 
@@ -218,7 +221,7 @@ pub(super) fn shown(value: &Value) -> String {
 /// Lays what a file says over what it extends: objects field by field, all
 /// else replaced. Grains from a file, from meshes and from sieve data replace
 /// each other whole.
-fn merge(base: &mut Value, over: Value, path: &str) {
+pub(super) fn merge(base: &mut Value, over: Value, path: &str) {
     match (base, over) {
         (Value::Object(base), Value::Object(over)) => {
             let other_source = path == "grains"
@@ -253,11 +256,32 @@ fn is_other_mesh_source(base: &Map<String, Value>, over: &Map<String, Value>) ->
     base.contains_key("meshes") && complete.iter().all(|field| over.contains_key(*field))
 }
 
+/// A text with its comments, `// ...` and `/* ... */`, replaced by blanks: everything else stands
+/// where it stood, so that lines and columns of faults are those of the file. A text whose
+/// comments do not end is left as it is, for the parser to say where.
+fn without_comments(text: &[u8]) -> Cow<'_, [u8]> {
+    if !text.contains(&b'/') {
+        return Cow::Borrowed(text);
+    }
+    let mut bare = Vec::with_capacity(text.len());
+    let mut stripped = CommentSettings::c_style().strip_comments(text);
+    if stripped.read_to_end(&mut bare).is_err() || bare.len() != text.len() {
+        return Cow::Borrowed(text);
+    }
+    for (bare, &byte) in bare.iter_mut().zip(text) {
+        if byte == b'\n' {
+            *bare = byte;
+        }
+    }
+    Cow::Owned(bare)
+}
+
 /// Parses JSON; keys given twice become faults.
 fn parse(file: &Path, text: &[u8], faults: &mut Vec<Fault>) -> Result<Value, ScenarioErrors> {
     let label = file.display().to_string();
     // Some editors put a byte order mark before the text.
     let text = text.strip_prefix("\u{feff}".as_bytes()).unwrap_or(text);
+    let text = &*without_comments(text);
     let found = RefCell::new(Vec::new());
     let mut parser = serde_json::Deserializer::from_slice(text);
     let node = Node { path: String::new(), file: &label, faults: &found };
@@ -366,5 +390,39 @@ impl<'de> Visitor<'de> for Node<'_> {
             }
         }
         Ok(Value::Object(object))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str) -> Result<Value, String> {
+        let mut faults = Vec::new();
+        let value = parse(Path::new("a.json"), text.as_bytes(), &mut faults);
+        value.map_err(|error| error.to_string())
+    }
+
+    /// Law: comments say nothing, and text that only looks like one is no comment.
+    #[test]
+    fn comments_are_left_out() {
+        let text =
+            "// first\n{ /* two\nlines */ \"a\": 1, // b\n \"c\": \"http://d /* e */\" }\n// last";
+        let expected = serde_json::json!({ "a": 1, "c": "http://d /* e */" });
+        assert_eq!(parsed(text), Ok(expected), "law: as without its comments");
+    }
+
+    /// Law: a fault stands where an editor shows it.
+    #[test]
+    fn faults_after_comments_keep_their_places() {
+        for (text, place) in [
+            ("{ /* a\nb\n*/ \"c\": x }", "line 3, column 9"),
+            ("// a\n{ \"c\": // b\n }", "line 3, column 2"),
+            ("{ \"a\": 1 / 2 }", "line 1, column 10"),
+            ("{ \"a\": 1 } /* without an end", "line 1, column 12"),
+        ] {
+            let said = parsed(text).expect_err("it is not JSON");
+            assert!(said.contains(place), "law: {text:?} has a fault at {place}, got `{said}`");
+        }
     }
 }

@@ -26,7 +26,7 @@ const OVERLAP_ALLOWED: f64 = 0.03;
 /// Void ratio of a very loose specimen: more than the cylinder holds then may go over its rim.
 const LOOSE: f64 = 1.1;
 
-/// Opening of a funnel in median grain sizes below which it jams now and then.
+/// Opening of a funnel or a cylinder in median grain sizes below which it jams now and then.
 const JAMS_BELOW: f64 = 5.0;
 
 /// What is typed in a scenario, of which `value` is the JSON, and does not suit its grains.
@@ -298,6 +298,17 @@ fn unusual_apparatus(scenario: &Scenario, grading: &Grading, found: &mut Vec<Fau
         ));
     }
     let least = JAMS_BELOW * to_mm(grading.sizes.median);
+    if cylinder.inner_diameter_mm < least {
+        found.push(fault(
+            "apparatus.cylinder.inner_diameter_mm",
+            short(cylinder.inner_diameter_mm),
+            format!("at least {} mm", short(least)),
+            format!(
+                "grains may bridge the cylinder or lie over its rim: it is narrower than \
+                 {JAMS_BELOW} median grain sizes"
+            ),
+        ));
+    }
     if funnel.opening_diameter_mm < least {
         found.push(fault(
             "apparatus.funnel.opening_diameter_mm",

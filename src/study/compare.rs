@@ -193,7 +193,7 @@ const QUANTITIES: [Compared; 13] = [
         unit: "mm",
         value: |r| {
             let s = &r.summary;
-            Some(s.poured_height_mm.unwrap_or(s.standing_height_mm).mean_surface)
+            s.poured_height_mm.unwrap_or(s.standing_height_mm).mean()
         },
         band: Some(Band::Relative(HEIGHT_BAND)),
     },
@@ -206,7 +206,7 @@ const QUANTITIES: [Compared; 13] = [
     Compared {
         name: "standing height at the end, mean surface",
         unit: "mm",
-        value: |r| Some(r.summary.standing_height_mm.mean_surface),
+        value: |r| r.summary.standing_height_mm.mean(),
         band: None,
     },
     Compared {

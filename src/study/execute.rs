@@ -215,14 +215,17 @@ impl Shop<'_> {
         cores: usize,
     ) -> Result<StoredStage, StudyError> {
         let Self { store, progress, .. } = self;
-        let before = match parent {
-            Some(parent) => parent.state.clone(),
+        let begun = node.begun.as_ref();
+        let before_it = parent.map(|parent| (&parent.record, &parent.state));
+        let before_it = before_it.or_else(|| begun.map(|begun| (&begun.record, &begun.state)));
+        let before = match before_it {
+            Some((_, state)) => state.clone(),
             None => SpecimenState::before_everything(node.grains.grains.len()),
         };
         let plausible = |stored: &StoredStage| believed::stage(node, &before, stored);
         let asked = AskedStage {
             identity: &node.identity,
-            began_with: parent.map(|parent| parent.record.specimen_sha256.as_str()),
+            began_with: before_it.map(|(record, _)| record.specimen_sha256.as_str()),
             plausible: &plausible,
         };
         let (stored, damaged) = store.load(&asked);
@@ -256,7 +259,7 @@ impl Shop<'_> {
             progress.update(id, time, &note(row));
         });
         recorder.begin_at(began);
-        recorder.count_from(parent.and_then(|parent| parent.record.before_vibration_mm));
+        recorder.count_from(before_it.and_then(|(record, _)| record.before_vibration_mm));
         recorder.tell(&tell);
         recorder.keep_in(checkpoints.as_ref());
         if let (Some(midway), Some(observed)) = (&midway, observed) {

@@ -1,5 +1,6 @@
 //! Many runs, one answer.
 
+mod begin;
 mod believed;
 mod beside;
 mod calibrate;
@@ -14,6 +15,7 @@ mod interpretations;
 mod pile;
 mod plan;
 mod presets;
+mod pressed;
 mod recorder;
 mod reproduce;
 mod run;
@@ -26,6 +28,7 @@ mod sweep;
 mod tests;
 mod told;
 mod variations;
+mod withheld;
 
 pub use calibrate::{
     CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,

@@ -9,7 +9,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use serde::Serialize;
 
-use super::{StudyError, summarise::grains_hash};
+use super::{StudyError, begin::Begun, summarise::grains_hash};
 use crate::grains::GrainSet;
 use crate::protocol::{Setup, segments};
 use crate::record::{RunKind, StageIdentity};
@@ -55,6 +55,8 @@ pub struct Node {
     pub identity: StageIdentity,
     /// Index of the stage before; `None` for the first of a run.
     pub parent: Option<usize>,
+    /// The specimen of another run that the first stage of a run begins with.
+    pub begun: Option<Arc<Begun>>,
     /// What is done.
     pub stage: StageSpec,
     /// The laboratory.
@@ -126,6 +128,12 @@ struct Laboratory {
     setup: Arc<Setup>,
 }
 
+/// What the first stage of a run begins with.
+struct Start<'a> {
+    grains_hash: &'a str,
+    begun: Option<&'a Arc<Begun>>,
+}
+
 impl Laboratory {
     fn new(scenario: &Scenario) -> Result<Self, StudyError> {
         let setup = Arc::new(Setup::new(scenario).map_err(StudyError::apparatus)?);
@@ -156,19 +164,25 @@ impl Plan {
                 Some((stages, laboratory)) if index < *stages => laboratory,
                 _ => &own,
             };
+            let begin = run.scenario.begin.as_ref();
+            let begun = begin
+                .map(|spec| Begun::read(spec, &run.grains, grains_hash, &by(0).setup))
+                .transpose()?;
+            let start = Start { grains_hash, begun: begun.as_ref() };
             let mut parent = None;
             let mut stages = Vec::new();
             for (index, stage) in run.scenario.stages.iter().enumerate() {
-                let node = plan.add(&mut known, run, by(index), grains_hash, parent, stage);
+                let node = plan.add(&mut known, run, by(index), &start, parent, stage);
                 stages.push(node);
                 parent = Some(node);
             }
             let rest_test = (run.scenario.rest_test_s > 0.0).then(|| {
                 let rest = StageSpec::Rest { duration_s: run.scenario.rest_test_s };
-                plan.add(&mut known, run, &own, grains_hash, parent, &rest)
+                plan.add(&mut known, run, &own, &start, parent, &rest)
             });
             plan.runs.push(RunNodes { stages, rest_test });
         }
+        plan.name_engines();
         for index in (0..plan.nodes.len()).rev() {
             let remaining = plan.nodes[index].remaining;
             if let Some(parent) = plan.nodes[index].parent {
@@ -177,6 +191,18 @@ impl Plan {
             }
         }
         Ok(plan)
+    }
+
+    /// Where several engines take part, a stage's label says which carries it out.
+    fn name_engines(&mut self) {
+        let first = self.nodes.first().map(|node| node.setup.engine.backend);
+        if self.nodes.iter().all(|node| Some(node.setup.engine.backend) == first) {
+            return;
+        }
+        for node in &mut self.nodes {
+            let engine = crate::world::info(node.setup.engine.backend).name;
+            node.label = format!("{engine}, {}", node.label);
+        }
     }
 
     /// The plan of one of its runs alone, and which of the nodes its nodes are.
@@ -203,13 +229,15 @@ impl Plan {
         known: &mut HashMap<String, usize>,
         run: &PlannedRun,
         laboratory: &Laboratory,
-        grains_hash: &str,
+        start: &Start,
         parent: Option<usize>,
         stage: &StageSpec,
     ) -> usize {
         let scenario = &laboratory.scenario;
         let segment_steps = segments(&laboratory.setup, run.grains.grains.len(), stage);
+        let begun = start.begun.filter(|_| parent.is_none());
         let before = parent.map(|p| self.nodes[p].key().to_owned());
+        let before = before.or_else(|| begun.map(|begun| begun.key.clone()));
         let determinants = Determinants {
             format: FORMAT,
             version: env!("CARGO_PKG_VERSION"),
@@ -222,11 +250,11 @@ impl Plan {
             scale: (laboratory.setup.scale, run.grains.sizes()),
             seed: scenario.seed,
             configuration: scenario.configuration,
-            parent: before.as_deref().unwrap_or(grains_hash),
+            parent: before.as_deref().unwrap_or(start.grains_hash),
             stage,
             segment_steps,
         };
-        let grains = (run.grains.grains.len(), grains_hash);
+        let grains = (run.grains.grains.len(), start.grains_hash);
         let name = stage_name(stage);
         let identity = StageIdentity::new(name, grains, before.as_deref(), &determinants);
         if let Some(&node) = known.get(&identity.key) {
@@ -237,6 +265,7 @@ impl Plan {
         self.nodes.push(Node {
             identity,
             parent,
+            begun: begun.cloned(),
             stage: stage.clone(),
             setup: laboratory.setup.clone(),
             grains: run.grains.clone(),

@@ -9,11 +9,12 @@ use std::{
 use serde_json::json;
 
 use super::{
-    StudyError,
+    StudyError, begin,
     described::described,
     execute::{Executed, execute, execute_each},
     plan::{Plan, PlannedRun, RunNodes},
     summarise::{Summarised, summarise},
+    told::of_grains,
 };
 use crate::grains::{self, GrainSet, ParticleSizeDistribution};
 use crate::motion::MotionFacts;
@@ -55,6 +56,9 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
     create_folder(&options.out)?;
     let grains = Arc::new(make_grains(scenario)?);
     write_grains(&options.out, scenario, &grains)?;
+    for warning in of_grains(scenario, &grains) {
+        options.progress.message(&format!("warning: {warning}"));
+    }
     let run = PlannedRun {
         name: scenario.name.clone(),
         kind: kind_of(scenario),
@@ -170,12 +174,15 @@ pub(super) fn carry_out_each(
     Ok(each)
 }
 
-/// The grains of a scenario: cut from its sieve data, read from its file, or
-/// with the shapes of its meshes.
+/// The grains of a scenario: cut from its sieve data, read from its file, with the shapes of its
+/// meshes, or those of the run that it begins with.
 ///
 /// # Errors
 /// When they cannot be made or read.
 pub fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
+    if let Some(begin) = &scenario.begin {
+        return begin::grains_of(begin);
+    }
     match &scenario.grains {
         GrainsSpec::Sieved(sieved) => {
             grains::generate(sieved, scenario.seed).map_err(StudyError::grains)
@@ -332,6 +339,7 @@ fn manifest(
         "backend": crate::world::info(run.scenario.engine.backend),
         "target": format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS),
         "scenario": run.scenario,
+        "began_with": begin::in_manifest(run.scenario.begin.as_ref()),
         "scale": scale::read_back(&run.grains.scale(run.scenario.gravity_m_per_s2)),
         "engine_settings_read_back": effective,
         "vibrations": vibrations(&run.scenario),

@@ -6,23 +6,26 @@ use super::{
     StudyError, checks,
     described::{described, secondary_sieve},
     plan::{PlannedRun, RunNodes},
+    pressed::{pressed_through, wall},
     recorder::container,
+    told::of_grains,
+    withheld::{height_unless, no_height, no_voids, withheld},
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution, StoneRecord};
 use crate::measure::{
-    self, Container, HeightMap, HeightSample, Period, coordination, height_cell,
-    overlap_statistics, pairs_within, touching_gap, void_ratio,
+    self, Container, HeightMap, HeightSample, Period, Places, coordination, height_cell,
+    overlap_statistics, pairs_within, places, touching_gap, void_ratio,
 };
 use crate::motion::MotionFacts;
 use crate::protocol::Setup;
 use crate::record::{
     GrainsSummary, Overlap, RestTest, SeriesRow, Settlement, ShapeSummary, SieveSummary,
-    SolverResidual, StandingHeight, StoredStage, Summary, VibrationSummary, hash_json,
+    SolverResidual, StandingHeight, StoredStage, Summary, VibrationSummary, Withheld, hash_json,
 };
 use crate::report::Standard;
 use crate::scale::{self, Scale};
 use crate::scenario::{self, Backend, EngineSettings, Scenario, StageSpec};
-use crate::specimen::{Fate, Specimen, SpecimenState};
+use crate::specimen::{Specimen, SpecimenState};
 use crate::units::{from_mm, to_cm3, to_g, to_mm};
 
 /// The accuracy standard at a scale (docs/accuracy.md): 0.5 % of the equivalent
@@ -70,7 +73,8 @@ pub fn summarise(
     let specimen = Specimen { grains: run.grains.clone(), state };
     let container = container(setup, &specimen);
     let series = series(&stages);
-    let end = Standing::of(&specimen, &container)?;
+    let is_poured = scenario.stages.iter().any(|s| matches!(s, StageSpec::Pour { .. }));
+    let end = Standing::of(&specimen, &container, is_poured)?;
     let poured = scenario
         .stages
         .iter()
@@ -78,7 +82,7 @@ pub fn summarise(
         .find(|(spec, _)| matches!(spec, StageSpec::Pour { .. }))
         .map(|(_, stage)| {
             let poured = Specimen { grains: run.grains.clone(), state: stage.state.clone() };
-            Standing::of(&poured, &self::container(setup, &poured))
+            Standing::of(&poured, &self::container(setup, &poured), true)
         })
         .transpose()?;
 
@@ -102,6 +106,7 @@ pub fn summarise(
     let mut warnings: Vec<String> =
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
     warnings.extend(scenario::warnings(scenario).iter().map(ToString::to_string));
+    warnings.extend(of_grains(scenario, &run.grains));
     warnings.extend(StoneRecord::notes(&run.grains.stones));
     let angle_of_repose = match super::pile::angle_of_repose(&specimen)? {
         Some(Ok(angle)) => Some(angle),
@@ -124,7 +129,14 @@ pub fn summarise(
             overlap.mean_percent, overlap.p99_percent
         ));
     }
-    let checks = checks::of_run(all.clone().map(|s| &s.record));
+    let pressed = pressed_through(&run.grains, all.clone(), setup);
+    if pressed > 0 {
+        warnings.push(format!(
+            "{pressed} grains lie with their centroid below the floor or in a wall: something \
+             pressed them through it"
+        ));
+    }
+    let checks = checks::of_run(all.clone().map(|s| &s.record), pressed);
     if let Some(g) = checks.solver_residual.as_ref().filter(|g| g.passed == Some(false)) {
         warnings.push(format!(
             "the contacts were not solved well enough: the 99th percentile of the residual is \
@@ -146,7 +158,12 @@ pub fn summarise(
             s.changed, s.grains, s.largest_change_percent, s.lost
         ));
     }
-    let grains = grains_summary(scenario, &run.grains, &specimen, &container);
+    let grains = grains_summary(scenario, &run.grains, &specimen, &container, setup);
+    warnings.extend(grains.too_few_in_place());
+    let withheld = withheld_figures(&end, poured.as_ref());
+    for Withheld { field, reason } in &withheld {
+        warnings.push(format!("{field} is withheld: {reason}"));
+    }
     let summary = Summary {
         scenario: scenario.name.clone(),
         backend: crate::world::info(scenario.engine.backend),
@@ -160,8 +177,9 @@ pub fn summarise(
         grains,
         sieve_analysis: Some(sieve),
         shape: ShapeSummary::of(&known.shapes),
-        standing_height_mm: end.height,
-        poured_height_mm: poured.as_ref().map(|p| p.height),
+        withheld,
+        standing_height_mm: height_unless(end.height, end.no_height.as_deref()),
+        poured_height_mm: poured.as_ref().filter(|p| p.no_height.is_none()).map(|p| p.height),
         void_ratio: end.void_ratio,
         poured_void_ratio: poured.as_ref().and_then(|p| p.void_ratio),
         porosity: end.porosity,
@@ -203,12 +221,17 @@ pub fn grains_hash(grains: &GrainSet) -> String {
 /// Standing height and void ratio of a specimen.
 struct Standing {
     height: StandingHeight,
+    /// Why the height is withheld.
+    no_height: Option<String>,
+    /// Why void ratio and porosity are withheld.
+    no_voids: Option<String>,
     void_ratio: Option<f64>,
     porosity: Option<f64>,
 }
 
 impl Standing {
-    fn of(specimen: &Specimen, container: &Container) -> Result<Self, StudyError> {
+    /// Of a specimen that was poured into a cylinder, or was not.
+    fn of(specimen: &Specimen, container: &Container, is_poured: bool) -> Result<Self, StudyError> {
         let height = HeightMap::of(specimen, container, height_cell(&specimen.grains))
             .map_err(StudyError::measure)?
             .standing_height();
@@ -217,7 +240,16 @@ impl Standing {
             Some(_) => None,
             None => void_ratio(specimen, container, height.mean_surface),
         };
+        let inside = container.members(specimen).len();
+        let no_height =
+            is_poured.then(|| no_height(inside, specimen.grains.grains.len())).flatten();
+        let no_voids = no_height
+            .clone()
+            .or_else(|| voids.and_then(|_| no_voids(specimen, container, height.mean_surface)));
+        let voids = voids.filter(|_| no_voids.is_none());
         Ok(Self {
+            no_height,
+            no_voids,
             height: StandingHeight {
                 mean_surface: to_mm(height.mean_surface),
                 p95: to_mm(height.p95),
@@ -227,6 +259,21 @@ impl Standing {
             porosity: voids.map(|v| v.porosity),
         })
     }
+}
+
+/// What is not given of the end and of the end of pouring.
+fn withheld_figures(end: &Standing, poured: Option<&Standing>) -> Vec<Withheld> {
+    let of = |fields: &[&str], why: Option<&String>| match why {
+        Some(why) => withheld(fields, why),
+        None => Vec::new(),
+    };
+    [
+        of(&["standing_height_mm"], end.no_height.as_ref()),
+        of(&["void_ratio", "porosity"], end.no_voids.as_ref()),
+        of(&["poured_height_mm"], poured.and_then(|p| p.no_height.as_ref())),
+        of(&["poured_void_ratio"], poured.and_then(|p| p.no_voids.as_ref())),
+    ]
+    .concat()
 }
 
 fn series(stages: &[&StoredStage]) -> Vec<SeriesRow> {
@@ -334,24 +381,25 @@ fn grains_summary(
     grains: &GrainSet,
     specimen: &Specimen,
     container: &Container,
+    setup: &Setup,
 ) -> GrainsSummary {
     let content = measure::content(specimen, container);
-    let fates = |fate| specimen.state.bodies.iter().filter(|g| g.fate == fate).count();
+    let places = Places::of(&places(specimen, container, wall(setup)));
     let poured = scenario.stages.iter().find_map(|stage| match stage {
-        StageSpec::Pour { .. } => Some(content.grains),
+        StageSpec::Pour { .. } => Some(places.in_cylinder),
         // What rolls off the base was part of the pile.
-        StageSpec::SlowPluviation { .. } => Some(content.grains + fates(Fate::Spilled)),
+        StageSpec::SlowPluviation { .. } => Some(places.in_cylinder + places.spilled),
         _ => None,
     });
     GrainsSummary {
         count: grains.grains.len(),
         mass_g: to_g(grains.grains.iter().map(|g| g.mass).sum()),
         solids_volume_cm3: to_cm3(grains.grains.iter().map(|g| g.volume).sum()),
-        in_cylinder: content.grains,
+        in_cylinder: places.in_cylinder,
         mass_in_cylinder_g: to_g(content.mass),
-        escaped: fates(Fate::ThroughWall),
-        spilled: fates(Fate::Spilled),
-        left_in_funnel: fates(Fate::LeftInFunnel),
+        escaped: places.escaped,
+        spilled: places.spilled,
+        left_in_funnel: places.left_in_funnel,
         missing: poured.map(|there| grains.grains.len().saturating_sub(there)),
     }
 }

@@ -193,6 +193,54 @@ fn a_summary_tells_where_every_grain_is() {
     assert_eq!(result.series.last().map(|r| r.stage), Some(1), "the rest test is kept apart");
 }
 
+/// Law: a grain that was pressed through the floor has escaped, and its run is not valid; heights
+/// and void ratio of what was mostly spilled are withheld, with the reason.
+#[test]
+fn grains_below_the_floor_and_spilled_specimens_are_no_result() {
+    let run = planned(scenario(50.0));
+    let plan = plan(std::slice::from_ref(&run));
+    let folder = tempfile::tempdir().expect("folder");
+    let done = carry_out(&plan, folder.path(), 2).expect("done");
+    let setup = &plan.nodes[0].setup;
+    let with = |change: &dyn Fn(&mut crate::specimen::SpecimenState)| {
+        let mut done = done.clone();
+        for stage in &mut done[1..] {
+            let mut changed = StoredStage::clone(stage);
+            change(&mut changed.state);
+            *stage = Arc::new(changed);
+        }
+        summarise(&run, setup, &plan.runs[0], &done).expect("measured").summary
+    };
+    let sum =
+        |g: &crate::record::GrainsSummary| g.in_cylinder + g.left_in_funnel + g.spilled + g.escaped;
+    let pressed = with(&|state| {
+        for grain in &mut state.bodies[..2] {
+            grain.body.pose.translation.vector = Vector::new(0.0, 0.0, -0.001);
+        }
+    });
+    assert_eq!((pressed.grains.escaped, sum(&pressed.grains)), (2, pressed.grains.count));
+    let checks = pressed.checks.as_ref().expect("checks");
+    assert_eq!(checks.through_walls.worst, Some(2.0), "law: counted once in all stages");
+    assert_eq!(checks.through_walls.passed, Some(false), "law: the check failed");
+    assert!(!pressed.valid, "law: and the run is not valid");
+
+    let spilled = with(&|state| {
+        for grain in state.bodies.iter_mut().skip(3) {
+            grain.fate = crate::specimen::Fate::Spilled;
+        }
+    });
+    assert_eq!(sum(&spilled.grains), spilled.grains.count, "law: every grain is somewhere");
+    assert_eq!((spilled.void_ratio, spilled.porosity), (None, None), "law: they make no sense");
+    assert_eq!(spilled.standing_height_mm.mean(), None, "law: nor do heights");
+    for field in ["standing_height_mm", "void_ratio", "porosity", "poured_void_ratio"] {
+        let why = spilled.withheld.iter().find(|w| w.field == field);
+        let why = why.unwrap_or_else(|| panic!("law: `{field}` is withheld: {spilled:?}"));
+        assert!(why.reason.contains("only 3 of"), "law: with the reason, got {}", why.reason);
+    }
+    let told = spilled.warnings.iter().any(|w| w.contains("are missing in the specimen"));
+    assert!(told, "law: and a warning says what is missing: {:?}", spilled.warnings);
+}
+
 /// Runs a run whose engine is given other grains than those of the run,
 /// and sieves them anew.
 fn sieved_anew(

@@ -2,8 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use crate::grains::{Grain, GrainSet};
 use crate::protocol::Progress;
 use crate::scenario::{Scenario, warnings};
+use crate::units::to_mm;
 
 /// Reports what is typed in scenarios and does not suit their grains: each distinct warning once,
 /// in the order of the scenarios, however many of them share it.
@@ -18,6 +20,30 @@ pub fn tell_warnings<'a>(
             progress.message(&text);
         }
     }
+}
+
+/// What a reader should know of a scenario once its grains are there: openings that are shorter
+/// than the longest of them.
+pub(super) fn of_grains(scenario: &Scenario, grains: &GrainSet) -> Vec<String> {
+    if !scenario.stages.iter().any(|s| s.name() == "pour") {
+        return Vec::new();
+    }
+    let radius = |g: &Grain| g.shape.radius_about_origin();
+    let longest = 2.0 * to_mm(grains.grains.iter().map(radius).fold(0.0, f64::max));
+    let apparatus = &scenario.apparatus;
+    [
+        ("apparatus.funnel.opening_diameter_mm", apparatus.funnel.opening_diameter_mm),
+        ("apparatus.cylinder.inner_diameter_mm", apparatus.cylinder.inner_diameter_mm),
+    ]
+    .into_iter()
+    .filter(|(_, opening)| *opening < longest)
+    .map(|(field, opening)| {
+        format!(
+            "{field}: {opening} mm are less than the longest grain, which is up to {longest:.1} mm \
+             long: grains may not get through"
+        )
+    })
+    .collect()
 }
 
 #[cfg(test)]
@@ -68,5 +94,24 @@ mod tests {
         let heard = Heard::default();
         tell_warnings([&plain], &heard);
         assert!(heard.0.into_inner().expect("held by none").is_empty(), "law: nothing to tell");
+    }
+
+    /// Law: an opening shorter than the longest grain is reported once the grains are there.
+    #[test]
+    fn openings_shorter_than_the_longest_grain_are_told() {
+        let mut pour = scenario(serde_json::json!({}), 0.5);
+        pour.stages = serde_json::from_value(serde_json::json!([
+            { "stage": "fill_funnel" }, { "stage": "pour", "falling_height_mm": 0 }
+        ]))
+        .expect("stages");
+        let crate::scenario::GrainsSpec::Sieved(sieved) = &pour.grains else { panic!("sieved") };
+        let grains = crate::grains::generate(sieved, 1).expect("grains");
+        assert!(of_grains(&pour, &grains).is_empty(), "law: the paper's openings are wide enough");
+        pour.apparatus.funnel.opening_diameter_mm = 10.0;
+        let told = of_grains(&pour, &grains);
+        assert!(
+            told.len() == 1 && told[0].contains("funnel.opening_diameter_mm: 10 mm"),
+            "law: it is reported with its field, got {told:?}"
+        );
     }
 }

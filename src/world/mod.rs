@@ -18,6 +18,7 @@ pub use run_time_check::{CheckLimits, RunTimeCheck};
 
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
@@ -347,7 +348,7 @@ pub struct PhaseTimes {
 }
 
 /// Name, version and precision of an engine, as written into every result.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct BackendInfo {
     /// `bullet`, ...
     pub name: String,

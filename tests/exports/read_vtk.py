@@ -95,6 +95,11 @@ def table(path):
         return list(csv.DictReader(file))
 
 
+def number(name):
+    """The number of a grain by its name in the tables."""
+    return int(name.removeprefix("grain_"))
+
+
 def grains(folder, tables):
     """Every grain file, and the last one against the table of grains."""
     last = None
@@ -109,14 +114,16 @@ def grains(folder, tables):
         count += 1
     data, cells = last
     rows = [row for row in tables["grains"] if row["fate"] == "present"]
-    check("grains at the end", {int(row["grain"]) for row in rows}, set(cells["grain"].tolist()))
-    expected = sum(float(row["volume_m3"]) for row in rows)
+    check("grains at the end", {number(row["grain"]) for row in rows}, set(cells["grain"].tolist()))
+    expected = sum(1e-9 * float(row["volume_mm3"]) for row in rows)
     bodies, got = solids(data)
     check("closed bodies", len(rows), bodies)
     check("volume of the grains in m3", expected, got, 1e-5 * expected)
-    mass_of = {int(row["grain"]): float(row["mass_kg"]) for row in rows}
+    mass_of = {number(row["grain"]): 1e-3 * float(row["mass_g"]) for row in rows}
     speed_of = {
-        int(row["grain"]): math.hypot(*(float(row[f"velocity_{a}_m_per_s"]) for a in "xyz"))
+        number(row["grain"]): math.hypot(
+            *(1e-3 * float(row[f"velocity_{a}_mm_per_s"]) for a in "xyz")
+        )
         for row in rows
     }
     for grain, mass, speed in zip(cells["grain"], cells["mass_kg"], cells["speed_m_per_s"]):

@@ -126,6 +126,12 @@ fn what_cannot_be_is_told_with_what_was_measured() {
 fn a_result_that_is_not_measured_is_told_with_what_is() {
     let folder = tempfile::tempdir().expect("a folder");
     let (scenario, out) = (write(folder.path()), folder.path().join("out"));
+    let misspelt = ["--target", "settlement_mm.finel=3", "--unknown", "contact.restitution"];
+    let misspelt = [&misspelt[..], &["--between", "0..1"]].concat();
+    let (code, _, said) = calibrate(&scenario, &out, &misspelt);
+    assert_eq!(code, Some(2), "law: a misspelt result is refused: {said}");
+    assert!(said.contains("did you mean `settlement_mm.final`"), "law: with what is meant: {said}");
+    assert!(!out.exists(), "law: before anything runs");
     for (more, words) in [
         (
             [

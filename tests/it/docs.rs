@@ -120,6 +120,20 @@ fn the_readme_scenarios_are_scenarios() {
     }
 }
 
+/// Law: what a reader copies can be run: with its comments.
+#[test]
+fn the_readme_scenarios_load_as_they_stand() {
+    let readme = read("README.md");
+    let folder = tempfile::tempdir().expect("a folder");
+    for language in ["json", "jsonc"] {
+        let path = folder.path().join(format!("{language}.json"));
+        fs::write(&path, &blocks(&readme, language)[0]).expect("it is written");
+        if let Err(faults) = load_scenario(&path, &[]) {
+            panic!("the {language} of README.md is refused: {faults}");
+        }
+    }
+}
+
 #[test]
 fn gravel_and_pile_of_the_tutorial_are_scenarios_of_the_same_grains() {
     let scenarios = blocks(&read("docs/tutorial.md"), "json");

@@ -56,10 +56,10 @@ fn the_scene_is_the_specimen() {
     let folder = tempfile::tempdir().expect("a folder");
     done(small_run(), &["--format", "json"], folder.path());
     let got = scene(folder.path());
-    let run = read_run(small_run(), None).expect("the run can be read");
+    let run = read_run(small_run(), Some("rest_test")).expect("the run can be read");
     assert_eq!(got, run.scene().expect("a scene"), "law: the file holds every bit");
-    assert_eq!(got.made_by.stage, "vibrate", "law: the last stage is taken");
-    assert!(got.table.motion.is_none(), "law: nothing follows the last stage");
+    assert_eq!(got.made_by.stage, "rest_test", "law: the specimen at rest is taken");
+    assert!(got.table.motion.is_none(), "law: nothing follows it");
     assert_eq!(got.apparatus.len(), 49, "48 walls and the floor; the funnel is gone");
     assert!(got.apparatus.iter().all(|p| p.motion == Carrier::Table), "law: they shake");
     let plate = got.top_plate.as_ref().expect("the plate lies on the grains");
@@ -131,16 +131,31 @@ fn a_run_of_many_shares_grains_and_stages_with_the_others() {
 fn tables_have_a_row_each_and_meshes_lie_in_the_cylinder() {
     let folder = tempfile::tempdir().expect("a folder");
     done(small_run(), &["--format", "csv"], folder.path());
-    let run = read_run(small_run(), None).expect("the run can be read");
+    let run = read_run(small_run(), Some("rest_test")).expect("the run can be read");
     let rows = |name: &str| -> Vec<String> {
         let text = fs::read_to_string(folder.path().join(name)).expect(name);
         text.lines().map(str::to_owned).collect()
     };
     let grains = rows("grains.csv");
-    assert!(grains[0].contains("mass_kg,volume_m3"), "{}", grains[0]);
+    assert!(grains[0].contains("mass_g,volume_mm3"), "{}", grains[0]);
+    // One name for a grain, and one unit for a quantity, in all tables of a run.
+    let own = fs::read_to_string(small_run().join("grains.csv")).expect("grains.csv");
+    let own: Vec<&str> = own.lines().collect();
+    for table in [&grains[1], own[1]] {
+        assert!(table.starts_with("grain_00000,"), "law: grains go by their names, got {table}");
+    }
+    for column in ["mass_g", "volume_mm3", "equivalent_diameter_mm", "x_mm", "rotation_w"] {
+        for header in [&*grains[0], own[0]] {
+            assert!(header.split(',').any(|c| c == column), "law: `{column}` in {header}");
+        }
+    }
+    for row in &rows("pairs.csv")[1..] {
+        let named = row.split(',').take(2).all(|name| name.starts_with("grain_"));
+        assert!(named, "law: pairs name their grains as contacts do, got {row}");
+    }
     assert_eq!(grains.len() - 1, run.specimen.grains.grains.len(), "law: a row a grain");
     assert_eq!(rows("contacts.csv").len() - 1, run.specimen.state.contacts.len());
-    assert!(rows("pairs.csv")[0].ends_with("gap_m,overlap_percent"));
+    assert!(rows("pairs.csv")[0].ends_with("gap_mm,overlap_percent"));
 
     done(small_run(), &["--format", "obj"], folder.path());
     let mesh = rows("grains.obj");
@@ -270,7 +285,7 @@ fn a_scene_for_blender_stands_still_or_moves() {
 #[test]
 fn solids_lie_where_the_grains_lie() {
     let folder = tempfile::tempdir().expect("a folder");
-    let run = read_run(small_run(), None).expect("the run can be read");
+    let run = read_run(small_run(), Some("rest_test")).expect("the run can be read");
     let present: Vec<usize> = run.specimen.present().collect();
     let grains = &run.specimen.grains.grains;
     done(small_run(), &["--format", "ply"], folder.path());

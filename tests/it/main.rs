@@ -1,6 +1,7 @@
 //! Tests of the crate as a whole: its source, its documents, its files.
 
 mod architecture;
+mod begin;
 mod bits;
 mod calibrate;
 mod checks;
@@ -17,6 +18,7 @@ mod files;
 mod fuzz;
 mod interpretations;
 mod interruption;
+mod kept;
 mod leaks;
 #[cfg(target_os = "linux")]
 mod limits;

@@ -22,7 +22,8 @@ fn said(output: &Output) -> String {
 
 /// Makes a picture and gives its file.
 fn done(subject: &Path, more: &[&str], out: &Path) -> Vec<u8> {
-    let output = pluvia(subject, more).arg("--out").arg(out).output().expect("it starts");
+    let mut command = pluvia(subject, more);
+    let output = command.arg("--force").arg("--out").arg(out).output().expect("it starts");
     assert_eq!(output.status.code(), Some(0), "{more:?}: {}", said(&output));
     fs::read(out).expect("the picture")
 }
@@ -48,6 +49,7 @@ fn every_moment_and_manner_makes_another_picture() {
         &["--stage", "3", "--colour-by", "displacement", "--cylinder", "hidden"],
         &["--colour-by", "coordination", "--cylinder", "cut"],
         &["--colour-by", "plain", "--no-key", "--azimuth", "-30", "--elevation", "60"],
+        &["--stage", "rest_test"],
         &["--time", "0.1"],
         &["--grains"],
     ] {
@@ -117,7 +119,13 @@ fn what_cannot_be_shown_is_said_in_one_line() {
     };
     let run = small_run();
     let to = |more: &[&'static str]| -> Vec<&'static str> { [more, &["--out"]].concat() };
-    refused(run, &to(&["--stage", "melt"]), &picture, 2, &["melt", "0 fill_funnel, 1 pour"]);
+    refused(
+        run,
+        &to(&["--stage", "melt"]),
+        &picture,
+        2,
+        &["melt", "0 fill_funnel, 1 pour", "rest_test"],
+    );
     refused(run, &to(&["--time", "-1"]), &picture, 2, &["-1 s", "vibrate"]);
     refused(run, &to(&["--time", "900"]), &picture, 2, &["900 s", "fill_funnel"]);
     refused(run, &to(&["--elevation", "120"]), &picture, 2, &["elevation", "120", "-89 to 89"]);
@@ -131,6 +139,27 @@ fn what_cannot_be_shown_is_said_in_one_line() {
     refused(run, &to(&[]), &below_a_file, 4, &["file"]);
     refused(&folder.path().join("none"), &to(&[]), &picture, 4, &["none", "manifest.json"]);
     refused(&run.join("summary.json"), &to(&[]), &picture, 2, &["summary.json"]);
+}
+
+/// Law: a picture that is there is kept, unless `--force` replaces it.
+#[test]
+fn a_picture_that_is_there_is_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for option in ["--out", "--animate"] {
+        let file = folder.path().join(format!("{option}.png"));
+        fs::write(&file, "mine").expect("a file");
+        let make = |more: &[&str]| {
+            let mut command = pluvia(small_run(), &[&["--stage", "vibrate"], more].concat());
+            command.arg(option).arg(&file).output().expect("it starts")
+        };
+        let output = make(&[]);
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(2), "law: {option} is refused, got {said}");
+        assert!(said.contains("--force"), "law: and says how to go on, got {said}");
+        assert_eq!(fs::read(&file).expect("a file"), b"mine", "law: it is as it was");
+        assert_eq!(make(&["--force"]).status.code(), Some(0), "law: --force replaces it");
+        assert_ne!(fs::read(&file).expect("a file"), b"mine", "law: it is another");
+    }
 }
 
 #[test]

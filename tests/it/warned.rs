@@ -311,3 +311,24 @@ fn fields_that_nothing_reads_are_not_warned_of() {
         assert!(said.is_empty(), "law: {engine} changes nothing: {said:?}");
     }
 }
+
+/// Law: openings of less than five grain diameters are warned of before the run.
+#[test]
+fn openings_that_are_narrow_for_the_grains_are_warned_of() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let said = |cylinder: f64, opening: f64| -> Vec<String> {
+        let mut scenario = small::layer(30.0);
+        scenario["apparatus"]["cylinder"]["inner_diameter_mm"] = json!(cylinder);
+        scenario["apparatus"]["funnel"]["opening_diameter_mm"] = json!(opening);
+        let path = write(folder.path(), "s.json", &scenario);
+        let loaded = load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+        warnings(&loaded.scenario).iter().map(ToString::to_string).collect()
+    };
+    // Grains of 10 to 12.5 mm.
+    assert!(said(75.0, 72.0).is_empty(), "law: six grains are wide enough");
+    let narrow = said(45.0, 40.0);
+    for field in ["cylinder.inner_diameter_mm", "funnel.opening_diameter_mm"] {
+        let told = narrow.iter().filter(|w| w.contains(field)).count();
+        assert_eq!(told, 1, "law: `{field}` of four grains is warned of once: {narrow:?}");
+    }
+}

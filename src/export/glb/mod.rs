@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 use super::moments::{Moment, Moments};
 use super::vtk::sieve_sizes;
 use crate::geometry::Pose;
+use crate::grains::grain_name;
 use animation::Animation;
 use buffers::{Buffers, number, numbers};
 use materials::materials;
@@ -145,7 +146,7 @@ impl File<'_> {
             }
             let mesh = self.meshes.of_shape(&grain.shape, grain.fraction, &mut self.buffers);
             let node = json!({
-                "name": format!("grain_{n:05}"),
+                "name": grain_name(n),
                 "mesh": mesh,
                 "extras": {
                     "grain": n,

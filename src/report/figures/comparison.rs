@@ -23,7 +23,7 @@ pub(in crate::report) fn of_comparison(of: &Comparison) -> Result<Vec<Figure>, R
             "Mean height of the grains",
             "Mean height of the grains in the cylinder over the time of each run; dashed where the \
              specimen came from another engine.",
-            ("Time (s)", "Mean grain height (mm)"),
+            ("Time (s)", "Mean grain height (mm)", "mean_grain_height_mm"),
             false,
             |r| (r.grains_in_cylinder > 0).then_some((r.time_s, r.mean_grain_height_mm)),
         )?,
@@ -32,7 +32,7 @@ pub(in crate::report) fn of_comparison(of: &Comparison) -> Result<Vec<Figure>, R
             "compare-energy",
             "Kinetic energy",
             "Kinetic energy of grains and plate relative to the table.",
-            ("Time (s)", "Kinetic energy (J)"),
+            ("Time (s)", "Kinetic energy (J)", "kinetic_energy_j"),
             true,
             |r| Some((r.time_s, r.kinetic_energy_j)),
         )?,
@@ -43,7 +43,7 @@ pub(in crate::report) fn of_comparison(of: &Comparison) -> Result<Vec<Figure>, R
             "compare-settlement",
             "Settlement of the mean surface",
             "Drop of the mean surface since the vibration began, at the times of each run.",
-            ("Time (s)", "Settlement of the surface (mm)"),
+            ("Time (s)", "Settlement of the surface (mm)", "surface_settlement_mm"),
             false,
             |r| r.surface_settlement_mm.map(|s| (r.time_s, s)),
         )?);
@@ -52,7 +52,7 @@ pub(in crate::report) fn of_comparison(of: &Comparison) -> Result<Vec<Figure>, R
             "compare-plate",
             "Settlement of the top plate",
             "Drop of the plate's centre since the vibration began, at the times of each run.",
-            ("Time (s)", "Settlement of the plate (mm)"),
+            ("Time (s)", "Settlement of the plate (mm)", "settlement_mm"),
             false,
             |r| r.settlement_mm.map(|s| (r.time_s, s)),
         )?);
@@ -65,7 +65,7 @@ fn overlaid(
     stem: &str,
     title: &str,
     caption: &str,
-    (x, y): (&str, &str),
+    (x, y, column): (&str, &str, &'static str),
     decades: bool,
     point: impl Fn(&SeriesRow) -> Option<(f64, f64)>,
 ) -> Result<Figure, ReportError> {
@@ -75,7 +75,7 @@ fn overlaid(
     let values = all().map(|p| p.1).chain((!decades).then_some(0.0));
     let vertical = if decades { Axis::logarithmic(y, values) } else { Axis::linear(y, values) };
     let mut plot = Plot::new(Axis::linear(x, all().map(|p| p.0)), vertical);
-    let mut table = Table::new(&["run", "time_s", "value"]);
+    let mut table = Table::new(&["run", "time_s", column]);
     for (n, (run, points)) in curves.into_iter().enumerate() {
         for (time, value) in &points {
             table.row([run.record.name.clone(), cell(*time), cell(*value)]);

@@ -141,7 +141,7 @@ pub(super) fn rows(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
         rows.push(row(FIGURE_7, &quantity, "mm", "", &|c| {
             let poured = c.of_kind(RunKind::Pluviation);
             let from = poured.filter(|r| (r.falling_height_mm - fh).abs() < 0.5);
-            InterpretationCell::of_runs(from, |r| Some(r.summary.standing_height_mm.mean_surface))
+            InterpretationCell::of_runs(from, |r| r.summary.standing_height_mm.mean())
         }));
     }
     type Of = fn(&InterpretationRun) -> Option<&Settlement>;

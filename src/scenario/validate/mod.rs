@@ -21,8 +21,8 @@ use serde_json::{Map, Value};
 use crate::units::to_mm;
 
 use super::{
-    CylinderSpec, EngineSettings, Fault, FunnelSpec, Grading, MeshGrains, Scenario, SettleSpec,
-    SievedGrains, StageSpec, TopPlateSpec, accessors::field, source::shown, unusual,
+    BeginSpec, CylinderSpec, EngineSettings, Fault, FunnelSpec, Grading, MeshGrains, Scenario,
+    SettleSpec, SievedGrains, StageSpec, TopPlateSpec, accessors::field, source::shown, unusual,
 };
 use crate::plain::misleads;
 
@@ -42,6 +42,8 @@ struct Parts {
     settle: Option<SettleSpec>,
     gravity: Option<f64>,
     rest_test_s: Option<f64>,
+    /// Stages that a specimen of another run has been through, where one is begun with.
+    begun_after: Option<Vec<String>>,
     stages: Vec<Stage>,
 }
 
@@ -80,6 +82,7 @@ impl Parts {
             settle: read_or_default(value, "/settle"),
             gravity: number("gravity_m_per_s2", super::default_gravity()),
             rest_test_s: number("rest_test_s", super::default_rest_test()),
+            begun_after: read::<BeginSpec>(field(value, "/begin")).map(|begin| begin.after),
             stages: field(value, "/stages").as_array().into_iter().flatten().map(stage).collect(),
         }
     }

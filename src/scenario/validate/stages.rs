@@ -95,7 +95,11 @@ fn check_piles(parts: &Parts, faults: &mut Vec<Fault>) {
 
 fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
     // Names of stages that cannot be read could be any: what follows one is not judged.
-    let known = |end: usize| parts.stages[..end].iter().all(|stage| stage.name.is_some());
+    let begun = parts.begun_after.as_deref();
+    // Where it is not known what a specimen has been through, everything may have been done.
+    let unknown = begun.is_some_and(<[String]>::is_empty);
+    let known =
+        |end: usize| !unknown && parts.stages[..end].iter().all(|stage| stage.name.is_some());
     for (i, stage) in parts.stages.iter().enumerate() {
         let Some(name) = stage.name.as_deref() else { continue };
         let mut add = |allowed: &str, message: String| {
@@ -103,16 +107,23 @@ fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
             faults.push(fault(&path, Value::from(name), allowed.into(), message));
         };
         let before = |other: &str| {
-            parts.stages[..i].iter().any(|stage| stage.name.as_deref() == Some(other))
+            let own = parts.stages[..i].iter().any(|s| s.name.as_deref() == Some(other));
+            own || begun.into_iter().flatten().any(|name| name == other)
         };
-        if i == 0 && !matches!(name, "fill_funnel" | "slow_pluviation") {
+        if name == "fill_funnel" && begun.is_some() {
+            let message =
+                "`fill_funnel` begins with loose grains, and this scenario with a specimen";
+            add("another stage, or `begin` left out", message.to_owned());
+            continue;
+        }
+        if i == 0 && begun.is_none() && !matches!(name, "fill_funnel" | "slow_pluviation") {
             add(
                 "\"fill_funnel\" or \"slow_pluviation\"",
                 "the first stage fills the funnel, or builds a pile".into(),
             );
             continue;
         }
-        if name == "slow_pluviation" && i > 0 {
+        if name == "slow_pluviation" && (i > 0 || begun.is_some()) {
             add(
                 "it as the first stage",
                 "`slow_pluviation` begins with an empty base and all grains at hand".into(),

@@ -5,6 +5,7 @@ mod concluded;
 mod kept;
 mod line;
 mod question;
+mod root;
 mod search;
 #[cfg(test)]
 mod tests;
@@ -73,6 +74,7 @@ impl<'a> CalibrationStudy<'a> {
     /// [`StudyError::Faults`] of the scenario, [`StudyError::Scenario`] else.
     pub fn new(options: &'a CalibrationOptions) -> Result<Self, StudyError> {
         let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
+        question::known(&options.target)?;
         let unknown = question::unknown(&options.unknown, &scenario)?;
         let CalibrationRange { low, high } = options.between;
         if unknown.whole && (low.fract() != 0.0 || high.fract() != 0.0) {

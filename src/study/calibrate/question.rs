@@ -6,6 +6,7 @@ use std::str::FromStr;
 use serde_json::Value;
 
 use super::super::StudyError;
+use crate::record::Summary;
 use crate::scenario::{Override, Scenario};
 
 /// A result of a run that is to have a value: a number of its `summary.json`.
@@ -203,6 +204,77 @@ pub(super) fn unknown(field: &str, scenario: &Scenario) -> Result<Unknown, Study
     }
 }
 
+/// Checks that a summary may hold the target.
+///
+/// # Errors
+/// With the number that was meant, where one is near.
+pub(super) fn known(target: &CalibrationTarget) -> Result<(), StudyError> {
+    let numbers = summary_numbers();
+    let asked = numbered(target.field());
+    if numbers.contains(&asked) {
+        return Ok(());
+    }
+    let near = numbers.iter().map(|known| (strsim::levenshtein(known, &asked), known)).min();
+    let near = near.filter(|(distance, _)| *distance <= (asked.chars().count() / 3).max(1));
+    let meant = match near {
+        Some((_, known)) => format!("; did you mean `{known}`?"),
+        None => format!("; it has {} and {} more", SHOWN.join(", "), numbers.len() - SHOWN.len()),
+    };
+    let field = target.field();
+    Err(StudyError::Scenario(format!("--target {field}: no summary.json has such a number{meant}")))
+}
+
+/// Numbers that are named where nothing is near.
+const SHOWN: [&str; 5] = [
+    "standing_height_mm.mean_surface",
+    "void_ratio",
+    "settlement_mm.final",
+    "angle_of_repose.degrees",
+    "coordination_number",
+];
+
+/// A path whose elements of lists are all alike: `a[2].b` and `a.2.b` are `a[0].b`.
+fn numbered(path: &str) -> String {
+    let steps = path.split(['.', '[', ']']).map(str::trim).filter(|step| !step.is_empty());
+    steps.fold(String::new(), |path, step| match step.parse::<usize>() {
+        Ok(_) => path + "[0]",
+        Err(_) if path.is_empty() => step.to_owned(),
+        Err(_) => path + "." + step,
+    })
+}
+
+/// The path of every number that a summary may hold, in their order.
+fn summary_numbers() -> Vec<String> {
+    let schema = schemars::schema_for!(Summary).to_value();
+    let mut numbers = Vec::new();
+    add_numbers(&schema, &schema, String::new(), &mut numbers);
+    numbers
+}
+
+fn add_numbers(schema: &Value, root: &Value, path: String, numbers: &mut Vec<String>) {
+    if let Some(name) = schema["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) {
+        add_numbers(&root["$defs"][name], root, path, numbers);
+        return;
+    }
+    for choice in ["anyOf", "oneOf"].iter().filter_map(|of| schema[of].as_array()).flatten() {
+        add_numbers(choice, root, path.clone(), numbers);
+    }
+    let is = |kind: &str| match &schema["type"] {
+        Value::Array(kinds) => kinds.iter().any(|k| k == kind),
+        one => one == kind,
+    };
+    if (is("number") || is("integer")) && !numbers.contains(&path) {
+        numbers.push(path.clone());
+    }
+    for (field, of) in schema["properties"].as_object().into_iter().flatten() {
+        let path = if path.is_empty() { field.clone() } else { format!("{path}.{field}") };
+        add_numbers(of, root, path, numbers);
+    }
+    if schema["items"].is_object() {
+        add_numbers(&schema["items"], root, format!("{path}[0]"), numbers);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,6 +290,38 @@ mod tests {
         assert!(CalibrationTarget::angle_of_repose(38.4).is_ok());
         for degrees in [0.0, 90.0, -3.0, f64::NAN] {
             assert!(CalibrationTarget::angle_of_repose(degrees).is_err(), "{degrees}");
+        }
+    }
+
+    /// Law: a misspelt result is reported before anything runs, one that a summary may hold is not.
+    #[test]
+    fn results_that_no_summary_has_are_refused() {
+        let of = |field: &str| format!("{field}=1").parse::<CalibrationTarget>().expect("a target");
+        for field in [
+            ANGLE_OF_REPOSE,
+            "standing_height_mm.mean_surface",
+            "settlement_mm.final",
+            "settlement_mm.after_each_period[3]",
+            "settlement_mm.after_each_period.3",
+            "grains.in_cylinder",
+            "void_ratio",
+            "vibrations[0].settling.time_s",
+            "solver_residual.p99",
+        ]
+        .into_iter()
+        .chain(SHOWN)
+        {
+            assert!(known(&of(field)).is_ok(), "law: `{field}` is a number of summaries");
+        }
+        for (field, meant) in [
+            ("standing_height_mm.mean_surfase", "`standing_height_mm.mean_surface`"),
+            ("void-ratio", "`void_ratio`"),
+            ("settlement_mm", "settlement_mm"),
+            ("scenario", "it has"),
+            ("colour", "it has"),
+        ] {
+            let said = known(&of(field)).expect_err("no number").to_string();
+            assert!(said.contains(field) && said.contains(meant), "law: `{field}`, got `{said}`");
         }
     }
 

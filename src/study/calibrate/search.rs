@@ -1,20 +1,15 @@
 //! The search for a value at which a scattering result is as wanted.
 //!
 //! First the whole range is looked at, at a few values. Where the means pass
-//! the wanted result, Brent's method on the means closes in until the mean is
+//! the wanted result, a root search on the means (`root`) closes in until the mean is
 //! as close as a single run scatters; nearer it would follow chance. Then a
 //! line is fitted to values on either side, far enough apart that the slope
 //! stands out of the scatter and close enough that the line is straight, and
 //! runs are added until the interval is as narrow as asked.
 
-use std::{cell::RefCell, ops::Range};
+use std::ops::Range;
 
-use argmin::{
-    core::{CostFunction, Error as Stopped, Executor},
-    solver::brent::BrentRoot,
-};
-
-use super::{super::StudyError, kept::Kept, line::in_result};
+use super::{super::StudyError, kept::Kept, line::in_result, root};
 use crate::measure::InversePrediction;
 use crate::report::{CalibrationEnding as Ending, CalibrationRun};
 
@@ -104,8 +99,11 @@ pub(super) struct Search<'a> {
     notes: Vec<String>,
 }
 
-/// Most steps of Brent's method; each halves the range at least every other time.
-const MOST_STEPS: u64 = 10;
+/// Most steps of the root search: those that close the range in to the width below.
+const MOST_STEPS: u32 = 10;
+
+/// Width of the range at which the root search ends, as a share of the question's.
+const NARROW: f64 = 1e-3;
 
 /// Searches.
 ///
@@ -269,20 +267,25 @@ impl Search<'_> {
         self.kept.scatter(values).map_or(0.0, |s| s.deviation)
     }
 
-    /// Brent's method on the means.
+    /// The root search on the means.
     fn close_in(&mut self, (low, high): (f64, f64)) -> Going<()> {
-        let q = self.question;
-        let solver = BrentRoot::new(low, high, 1e-3 * q.width());
-        let held = RefCell::new((&mut *self, None));
-        let run = Executor::new(Means { search: &held }, solver)
-            .configure(|state| state.max_iters(MOST_STEPS))
-            .run();
-        // A step without a result ends it; what is known then is enough to go on.
-        drop(run);
-        match held.into_inner().1 {
-            Some(halt) => Err(halt),
-            None => Ok(()),
+        let width = NARROW * self.question.width();
+        match root::narrow((low, high), width, MOST_STEPS, |value| self.off_or_close(value)) {
+            Ok(_) | Err(None) => Ok(()),
+            Err(Some(halt)) => Err(halt),
         }
+    }
+
+    /// Mean result less the wanted one of a value, which is run; 0 where it is closer than
+    /// a single run scatters, for its sign is chance there. A value without a result ends the
+    /// search without a fault: what is known then is enough to go on.
+    fn off_or_close(&mut self, value: f64) -> Result<f64, Option<Halt>> {
+        let value = self.question.rounded(value);
+        self.evaluate(&[value], self.question.replicates).map_err(Some)?;
+        let usable = self.kept.usable();
+        let off = self.off(value).filter(|_| usable.contains(&value)).ok_or(None)?;
+        let close = self.scatter(&usable).max(self.question.tolerance.unwrap_or(0.0));
+        Ok(if off.abs() <= close { 0.0 } else { off })
     }
 
     /// What the runs so far amount to, where no more are allowed.
@@ -342,31 +345,5 @@ impl Search<'_> {
             notes: self.notes,
             kept: self.kept,
         }
-    }
-}
-
-/// The means as a function whose root is sought.
-struct Means<'a, 'b, 'c> {
-    search: &'a RefCell<(&'b mut Search<'c>, Option<Halt>)>,
-}
-
-impl CostFunction for Means<'_, '_, '_> {
-    type Param = f64;
-    type Output = f64;
-
-    fn cost(&self, value: &f64) -> Result<f64, Stopped> {
-        let mut held = self.search.borrow_mut();
-        let (search, halted) = &mut *held;
-        let value = search.question.rounded(*value);
-        if let Err(halt) = search.evaluate(&[value], search.question.replicates) {
-            *halted = Some(halt);
-            return Err(Stopped::msg("stopped"));
-        }
-        let usable = search.kept.usable();
-        let off = search.off(value).filter(|_| usable.contains(&value));
-        let off = off.ok_or_else(|| Stopped::msg("too few runs of the value have results"))?;
-        // Closer than a single run scatters the sign is chance.
-        let close = search.scatter(&usable).max(search.question.tolerance.unwrap_or(0.0));
-        Ok(if off.abs() <= close { 0.0 } else { off })
     }
 }

@@ -244,7 +244,7 @@ pub(super) struct GrainSets(Vec<(String, Arc<GrainSet>)>);
 
 impl GrainSets {
     pub(super) fn of(&mut self, scenario: &Scenario) -> Result<Arc<GrainSet>, StudyError> {
-        let key = hash_json(&(&scenario.grains, scenario.seed));
+        let key = hash_json(&(&scenario.grains, scenario.seed, &scenario.begin));
         if let Some((_, set)) = self.0.iter().find(|(known, _)| *known == key) {
             return Ok(set.clone());
         }

@@ -76,6 +76,8 @@ fn a_run_plays_in_a_browser() {
     assert_eq!(browser.number("pluvia.frames"), frames as f64, "law: every frame is there");
     assert_eq!(browser.evaluate("pluvia.kept"), json!(true), "law: this run kept its frames");
     assert!(browser.evaluate("document.getElementById('frames-note').hidden") == json!(true));
+    let at_end = browser.evaluate("pluvia.time === pluvia.end");
+    assert_eq!(at_end, json!(true), "law: it opens on the finished specimen");
     browser.keep_picture("begin-1200.png");
 
     plays(&mut browser);
@@ -241,6 +243,7 @@ fn what_cannot_be_shown_is_said() {
     let server = serve(&run);
     browser.open(&server.url());
     assert_eq!(browser.evaluate("[pluvia.kept, pluvia.frames]"), json!([false, 4]));
+    browser.evaluate("pluvia.seek(pluvia.start)");
     let note = browser.evaluate("document.getElementById('frames-note').innerText");
     assert!(
         note.as_str().is_some_and(|text| text.contains("kept no frames")),

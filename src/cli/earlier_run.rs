@@ -1,0 +1,205 @@
+//! Results of another run in the folder for results: they are kept unless `--force` says otherwise.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+use serde_json::{Value, json};
+
+use super::CliError;
+use crate::record::{FileError, read_json, write_json};
+use crate::scenario::Scenario;
+
+/// Says which scenario a folder's unfinished run is of; removed once the run is finished.
+const UNFINISHED: &str = "unfinished.json";
+
+/// What says which scenario a folder's finished run is of.
+const MANIFEST: &str = "manifest.json";
+
+/// Files by which results of other commands are known, and runs that say of no scenario.
+const RESULTS: [&str; 12] = [
+    "summary.json",
+    "series.csv",
+    "specimen.json",
+    "grains.json",
+    "report.html",
+    "claims.json",
+    "interpretations.json",
+    "compare.json",
+    "calibrate.json",
+    "verify.json",
+    "plan.json",
+    "scene.json",
+];
+
+/// Files of a run that the next one may not write again: `--force` removes them. Grains stay,
+/// which the scenario may be read from; the run writes its own over them.
+const REMOVED: [&str; 8] = [
+    MANIFEST,
+    "summary.json",
+    "series.csv",
+    "rest_test.csv",
+    "grains.csv",
+    "specimen.json",
+    "sieve.csv",
+    "stones.csv",
+];
+
+/// Fields of a scenario for the reader alone.
+const WORDS: [&str; 2] = ["description", "notes"];
+
+/// Begins a run of a scenario in a folder, unless this holds what would be written over: the
+/// results of another scenario, finished or not, or of another command. A run of the same
+/// scenario goes on, or is done again from its stored stages.
+///
+/// # Errors
+/// [`FileError`], refused, that says what the folder holds; the system's where it does not let
+/// the folder be written.
+pub(super) fn begin(folder: &Path, scenario: &Scenario, force: bool) -> Result<(), CliError> {
+    let own = serde_json::to_value(scenario).map_err(std::io::Error::other)?;
+    if force {
+        remove(folder)?;
+    } else if let Some(held) = held(folder, &own) {
+        let reason = format!("{held}; name another folder, or give --force to replace them");
+        let error = FileError::new("write results into", folder, reason);
+        return Err(FileError { refused: true, ..error }.into());
+    }
+    write_json(&folder.join(UNFINISHED), &json!({ "scenario": own }))?;
+    Ok(())
+}
+
+/// Says that the run of a folder is finished.
+pub(super) fn finished(folder: &Path) {
+    // Where it stays, the manifest beside it says the same.
+    let _ = fs::remove_file(folder.join(UNFINISHED));
+}
+
+/// What a folder holds that a run of a scenario would write over; none where it may write.
+fn held(folder: &Path, own: &Value) -> Option<String> {
+    for (file, what) in [(MANIFEST, "a run"), (UNFINISHED, "an unfinished run")] {
+        let path = folder.join(file);
+        if !path.is_file() {
+            continue;
+        }
+        let Ok(Value::Object(mut of)) = read_json::<Value>(&path) else {
+            return Some(format!("it holds {what} whose {file} cannot be read"));
+        };
+        let other = of.remove("scenario").unwrap_or_default();
+        return match first_difference("", &other, own) {
+            None => None,
+            Some(field) if field == "name" => {
+                let name = other["name"].as_str().unwrap_or_default();
+                Some(format!("it holds the results of {what} of another scenario, `{name}`"))
+            }
+            Some(field) => Some(format!(
+                "it holds the results of {what} of another scenario: `{field}` differs"
+            )),
+        };
+    }
+    let there = RESULTS.iter().find(|name| folder.join(name).is_file())?;
+    Some(format!("it holds the results of another command ({there})"))
+}
+
+/// The first field in which two values differ; text for the reader does not count.
+fn first_difference(path: &str, a: &Value, b: &Value) -> Option<String> {
+    let within = |field: &str| match path {
+        "" => field.to_owned(),
+        path => format!("{path}.{field}"),
+    };
+    match (a, b) {
+        (Value::Object(one), Value::Object(two)) => {
+            let fields = one.keys().chain(two.keys().filter(|key| !one.contains_key(*key)));
+            let mut fields = fields.filter(|f| !path.is_empty() || !WORDS.contains(&f.as_str()));
+            // What is not there is as good as null.
+            let of = |value: &serde_json::Map<String, Value>, field: &str| {
+                value.get(field).cloned().unwrap_or_default()
+            };
+            fields.find_map(|f| first_difference(&within(f), &of(one, f), &of(two, f)))
+        }
+        (Value::Array(one), Value::Array(two)) if one.len() == two.len() => {
+            let mut pairs = one.iter().zip(two).enumerate();
+            pairs.find_map(|(n, (a, b))| first_difference(&format!("{path}[{n}]"), a, b))
+        }
+        // 20 and 20.0 are one number.
+        (Value::Number(one), Value::Number(two)) if one.as_f64() == two.as_f64() => None,
+        (a, b) => (a != b).then(|| path.to_owned()),
+    }
+}
+
+/// Removes what another run left that the next one may not write again.
+fn remove(folder: &Path) -> Result<(), FileError> {
+    let figures = fs::read_dir(folder.join("figures")).into_iter().flatten().flatten();
+    let drawn = figures.map(|entry| entry.path()).filter(|path| {
+        path.extension().is_some_and(|e| ["svg", "png", "csv"].iter().any(|of| e == *of))
+    });
+    let files = REMOVED.iter().map(|name| folder.join(name)).chain(drawn);
+    for path in files.collect::<Vec<PathBuf>>() {
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(FileError::new("remove", &path, error));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scenario(name: &str, rate_hz: f64) -> Scenario {
+        let value = json!({
+            "name": name,
+            "grains": { "total_mass_g": 30, "density_kg_per_m3": 2673.9, "sieve_table":
+                [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
+            "engine": { "rate_hz": rate_hz },
+            "stages": [{ "stage": "fill_funnel" }]
+        });
+        serde_json::from_value(value).expect("a scenario")
+    }
+
+    fn said(folder: &Path, scenario: &Scenario) -> String {
+        begin(folder, scenario, false).err().map(|e| e.to_string()).unwrap_or_default()
+    }
+
+    /// Law: what another run left is written over by `--force` alone; the same run goes on.
+    #[test]
+    fn results_of_another_run_are_kept() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path();
+        let own = scenario("a", 480.0);
+        assert_eq!(said(out, &own), "", "law: an empty folder");
+        assert_eq!(said(out, &own), "", "law: an unfinished run goes on");
+        let told = Scenario { description: "in other words".into(), ..own.clone() };
+        assert_eq!(said(out, &told), "", "law: words change no result");
+        assert!(said(out, &scenario("b", 480.0)).contains("`a`"), "law: an unfinished run is kept");
+        write_json(&out.join(MANIFEST), &json!({ "scenario": own })).expect("written");
+        fs::write(out.join("rest_test.csv"), "").expect("written");
+        finished(out);
+        assert!(!out.join(UNFINISHED).exists(), "law: it is finished");
+        assert_eq!(said(out, &own), "", "law: the same run may be done again");
+        let said = said(out, &scenario("a", 240.0));
+        for words in ["engine.rate_hz", "--force", "another scenario"] {
+            assert!(said.contains(words), "law: `{words}` is said, got `{said}`");
+        }
+        assert!(out.join("rest_test.csv").exists(), "law: nothing is removed by a refusal");
+        begin(out, &scenario("a", 240.0), true).expect("law: --force replaces them");
+        assert!(!out.join("rest_test.csv").exists(), "law: nothing of the other run stays");
+    }
+
+    #[test]
+    fn results_of_another_command_are_kept() {
+        for file in ["report.html", "grains.json"] {
+            let folder = tempfile::tempdir().expect("a folder");
+            fs::write(folder.path().join(file), "").expect("written");
+            let said = said(folder.path(), &scenario("a", 480.0));
+            assert!(said.contains(file), "law: `{file}` is named, got `{said}`");
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join(MANIFEST), "torn").expect("written");
+        let said = said(folder.path(), &scenario("a", 480.0));
+        assert!(said.contains("cannot be read"), "law: it may be anything, got `{said}`");
+    }
+}

@@ -1,0 +1,229 @@
+//! Scenarios that begin with a specimen of another run.
+//!
+//! What the file leaves out is as in that run: its scenario is laid under the file's, stages,
+//! name and words aside. Which stage of it is meant is looked up in the run's `manifest.json` and
+//! noted in the scenario, so that a run folder says what it began with.
+
+use std::path::{Path, PathBuf};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+
+use super::{
+    Fault,
+    fault::nearest,
+    source::{Document, Origin, merge},
+};
+use crate::input;
+
+/// The specimen that a scenario begins with, in place of its first stages.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BeginSpec {
+    /// Folder of a run, as `pluvia run` leaves it, or the `specimen.json` in it, or that of one of
+    /// its stored stages; relative to the scenario file that names it, once loaded to the working
+    /// directory.
+    #[schemars(length(min = 1))]
+    pub specimen: String,
+    /// The stage at whose end the specimen is taken: its number from 0, its name, or `rest_test`;
+    /// left out, the last one of the scenario.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String", length(min = 1))]
+    pub stage: Option<String>,
+    /// Stages that the specimen has been through, in order. Filled in when the scenario is loaded.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 200))]
+    pub after: Vec<String>,
+    /// Key of the last of them in the run's store. Filled in when the scenario is loaded; where it
+    /// is given, no other stage is taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String")]
+    pub key: Option<String>,
+    /// SHA-256 of the specimen, likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String")]
+    pub specimen_sha256: Option<String>,
+}
+
+/// Fields of a run's scenario that are not taken from it.
+const OWN: [&str; 5] = ["name", "description", "notes", "stages", "begin"];
+
+/// Largest manifest in bytes, scenario with a recorded motion included.
+const LARGEST_MANIFEST: u64 = 64 << 20;
+
+impl BeginSpec {
+    /// Folder of the run.
+    pub fn folder(&self) -> PathBuf {
+        run_folder(Path::new(&self.specimen)).0
+    }
+}
+
+/// Folder of a run from a folder or file that names it, and the stage that a stored stage's file
+/// means, by the beginning of its key.
+fn run_folder(named: &Path) -> (PathBuf, Option<String>) {
+    if named.is_dir() {
+        return (named.to_owned(), None);
+    }
+    let folder = named.parent().unwrap_or(Path::new(""));
+    if folder.join("stage.json").is_file() {
+        let stored = folder.file_name().map(|name| name.to_string_lossy().into_owned());
+        return (folder.join("../.."), stored);
+    }
+    (folder.to_owned(), None)
+}
+
+/// Looks up what a document begins with, where it does: fills in what it leaves out from that
+/// run, and which stage it is; the faults of what cannot be begun with.
+pub(super) fn read(document: &mut Document) -> Vec<Fault> {
+    let Some(begin) = document.value.get("begin") else { return Vec::new() };
+    // Faults of form are told by the schema.
+    let Ok(mut spec) = BeginSpec::deserialize(begin) else { return Vec::new() };
+    match found(document, &mut spec) {
+        Ok(scenario) => {
+            take_over(document, scenario, &spec);
+            Vec::new()
+        }
+        Err(fault) => {
+            let origin = document.origin(&fault.path).to_string();
+            // A scenario without grains is no second fault.
+            let from_nowhere = json!({ "file": "grains.json" });
+            if let Value::Object(fields) = &mut document.value {
+                fields.entry("grains").or_insert(from_nowhere);
+            }
+            vec![Fault { file: origin, ..fault }]
+        }
+    }
+}
+
+/// The run's scenario; the stage is noted in the specification.
+fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>, Fault> {
+    let fault = |field: &str, found: &str, allowed: &str, message: String| Fault {
+        file: String::new(),
+        path: format!("begin.{field}"),
+        found: Value::from(found).to_string(),
+        allowed: allowed.to_owned(),
+        message,
+    };
+    let named = placed(&spec.specimen, document);
+    let (folder, stored) = run_folder(&named);
+    let file = folder.join("manifest.json");
+    let runs = "a folder of a finished run, as `pluvia run` leaves it, or its specimen.json";
+    let of_specimen = |message: String| fault("specimen", &spec.specimen, runs, message);
+    if !named.exists() {
+        return Err(of_specimen(format!("{} is not there", named.display())));
+    }
+    let manifest = input::read(&file, LARGEST_MANIFEST).map_err(|e| e.to_string());
+    let manifest: Value = manifest
+        .and_then(|text| serde_json::from_slice(&text).map_err(|e| e.to_string()))
+        .map_err(|why| of_specimen(format!("{} cannot be used: {why}", file.display())))?;
+    let scenario = manifest["scenario"].as_object().cloned();
+    let scenario =
+        scenario.ok_or_else(|| of_specimen(format!("{} has no scenario in it", file.display())))?;
+    let entries: Vec<&Value> = manifest["stages"].as_array().into_iter().flatten().collect();
+    let rest_test = Some(&manifest["rest_test"]).filter(|rest_test| rest_test.is_object());
+    let name = |entry: &&Value| entry["stage"].as_str().unwrap_or_default().to_owned();
+    let mut after: Vec<String> = entries.iter().map(name).collect();
+    let key = |entry: &Value| entry["key"].as_str().unwrap_or_default().to_owned();
+    let asked = match (&spec.stage, &stored) {
+        (Some(asked), None) => Some(asked.clone()),
+        (None, Some(stored)) => {
+            let all = entries.iter().copied().map(Some).chain([rest_test]);
+            let place = all.into_iter().position(|e| e.is_some_and(|e| key(e).starts_with(stored)));
+            let place = place.ok_or_else(|| {
+                of_specimen(format!("the run in {} has no such stage", folder.display()))
+            })?;
+            Some(if place == entries.len() { "rest_test".to_owned() } else { place.to_string() })
+        }
+        (None, None) => None,
+        (Some(asked), Some(_)) => {
+            let message = "`specimen` is the file of one stage already".to_owned();
+            return Err(fault("stage", asked, "the field left out", message));
+        }
+    };
+    let number = match asked.as_deref() {
+        None => entries.len().checked_sub(1),
+        Some("rest_test") if rest_test.is_some() => None,
+        Some(asked) => {
+            let number = asked.parse().ok().filter(|n: &usize| *n < entries.len());
+            let number = number.or_else(|| after.iter().position(|name| name == asked));
+            Some(number.ok_or_else(|| {
+                let mut known: Vec<&str> = after.iter().map(String::as_str).collect();
+                known.extend(rest_test.map(|_| "rest_test"));
+                let near = nearest(asked, &known);
+                let meant = near.map(|near| format!(", did you mean `{near}`?"));
+                let message = format!("the run has no such stage{}", meant.unwrap_or_default());
+                fault("stage", asked, &format!("one of {}", known.join(", ")), message)
+            })?)
+        }
+    };
+    let entry = match number {
+        Some(number) => {
+            after.truncate(number + 1);
+            entries.get(number).copied()
+        }
+        None => {
+            after.push("rest".to_owned());
+            rest_test
+        }
+    };
+    let entry = entry.ok_or_else(|| of_specimen("the run has no stage".to_owned()))?;
+    // What a specimen began with itself has been done, too.
+    let earlier = scenario.get("begin").and_then(|begin| begin["after"].as_array());
+    let earlier = earlier.into_iter().flatten().filter_map(Value::as_str).map(str::to_owned);
+    spec.after = earlier.chain(after).collect();
+    for (field, own, typed) in [
+        ("key", key(entry), &mut spec.key),
+        (
+            "specimen_sha256",
+            entry["specimen_sha256"].as_str().unwrap_or_default().to_owned(),
+            &mut spec.specimen_sha256,
+        ),
+    ] {
+        if let Some(typed) = typed.as_ref().filter(|typed| **typed != own) {
+            let message = "the run holds another specimen by now".to_owned();
+            return Err(fault(field, typed, &format!("{own}, or the field left out"), message));
+        }
+        *typed = Some(own);
+    }
+    Ok(scenario)
+}
+
+/// A path of a document from here.
+fn placed(path: &str, document: &Document) -> PathBuf {
+    match document.origin("begin.specimen") {
+        Origin::File(given_in) => given_in.parent().unwrap_or(Path::new("")).join(path),
+        Origin::Set(_) => PathBuf::from(path),
+    }
+}
+
+/// Lays a document over the scenario of the run that it begins with.
+fn take_over(document: &mut Document, mut scenario: Map<String, Value>, spec: &BeginSpec) {
+    scenario.retain(|field, _| !OWN.contains(&field.as_str()));
+    // The run's grains lie in it, wherever it took them from itself.
+    let is_sieved = scenario
+        .get("grains")
+        .is_some_and(|grains| grains.get("file").is_none() && grains.get("meshes").is_none());
+    if !is_sieved {
+        let (named, _) = run_folder(Path::new(&spec.specimen));
+        let (here, _) = run_folder(&placed(&spec.specimen, document));
+        let shared = !here.join("grains.json").is_file();
+        let folder = if shared { named.join("../..") } else { named };
+        let file = folder.join("grains.json").to_string_lossy().into_owned();
+        let grains = json!({ "file": file });
+        let origin = document.origin("begin.specimen");
+        document.set_origin("grains", &grains, origin);
+        scenario.insert("grains".to_owned(), grains);
+    }
+    let mut value = Value::Object(scenario);
+    merge(&mut value, document.value.take(), "");
+    if let Ok(begin) = serde_json::to_value(spec) {
+        value["begin"] = begin;
+    }
+    document.value = value;
+}
+
+/// Makes the path of a loaded specification one that can be opened from here.
+pub(super) fn place(spec: &mut BeginSpec, document: &Document) {
+    spec.specimen = placed(&spec.specimen, document).to_string_lossy().into_owned();
+}

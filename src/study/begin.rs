@@ -1,0 +1,79 @@
+//! The specimen of another run that a run begins with: read from that run's store, and checked as
+//! a stored stage is before it is used.
+
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+
+use super::{StudyError, believed::end_of};
+use crate::grains::{self, GrainSet};
+use crate::protocol::{Setup, plausible};
+use crate::record::{FileError, StageRecord, StageStore, read_json, run_file};
+use crate::scenario::BeginSpec;
+use crate::specimen::{Specimen, SpecimenState};
+
+/// File of a run's grains.
+const GRAINS_FILE: &str = "grains.json";
+
+/// A specimen that a run begins with.
+#[derive(Debug, PartialEq)]
+pub struct Begun {
+    /// Key of the stage at whose end it was.
+    pub key: String,
+    /// What that stage says of itself.
+    pub record: StageRecord,
+    /// Its state.
+    pub state: SpecimenState,
+}
+
+impl Begun {
+    /// Reads what a scenario begins with; `grains_sha256` is the hash of its grains.
+    ///
+    /// # Errors
+    /// [`FileError`], refused, where the stored specimen is not as it was written, is of other
+    /// grains, or cannot be one of this laboratory.
+    pub(super) fn read(
+        spec: &BeginSpec,
+        grains: &Arc<GrainSet>,
+        grains_sha256: &str,
+        setup: &Setup,
+    ) -> Result<Arc<Self>, StudyError> {
+        let root = run_file(&spec.folder(), "stages");
+        let key = spec.key.clone().unwrap_or_default();
+        let noted = spec.specimen_sha256.as_deref().unwrap_or_default();
+        let (record, state, file) = StageStore::stage_in(&root, &key, noted)?;
+        let unfit = |why: String| FileError::unfit(&file, why);
+        let identity = record.identity.as_ref().filter(|identity| identity.key == key);
+        let identity = identity.ok_or_else(|| unfit("it does not say which stage it is".into()))?;
+        if identity.grains_sha256 != grains_sha256 {
+            return Err(unfit("it is a specimen of other grains".to_owned()).into());
+        }
+        state.check(grains.grains.len()).map_err(unfit)?;
+        let specimen = Specimen { grains: grains.clone(), state };
+        plausible(setup, &specimen, 0.0, 0.0).map_err(unfit)?;
+        let recorded = record.end.ok_or_else(|| unfit("it does not say how it ended".into()))?;
+        end_of(setup, &specimen).is(&recorded).map_err(unfit)?;
+        Ok(Arc::new(Self { key, record, state: specimen.state }))
+    }
+}
+
+/// The grains of the run that a scenario begins with.
+///
+/// # Errors
+/// When they cannot be read.
+pub(super) fn grains_of(spec: &BeginSpec) -> Result<GrainSet, StudyError> {
+    let file = run_file(&spec.folder(), GRAINS_FILE);
+    let json = read_json(&file)?;
+    Ok(grains::from_json(&json).map_err(|e| FileError::unfit(&file, e))?)
+}
+
+/// What a run began with, for its manifest; null where it began with loose grains.
+pub(super) fn in_manifest(spec: Option<&BeginSpec>) -> Value {
+    let Some(spec) = spec else { return Value::Null };
+    json!({
+        "run": spec.folder(),
+        "after": spec.after,
+        "key": spec.key,
+        "specimen_sha256": spec.specimen_sha256,
+    })
+}

@@ -1,0 +1,208 @@
+//! Scenarios that begin with a specimen of another run.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+    sync::OnceLock,
+};
+
+use pluvia::grains::load_scenario;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use super::{interruption::copy, small};
+
+fn pluvia(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pluvia")).args(args).output().expect("it starts")
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+fn write(folder: &Path, name: &str, value: &Value) -> PathBuf {
+    let path = folder.join(name);
+    fs::write(&path, value.to_string()).expect("a scenario file");
+    path
+}
+
+fn read(path: &Path) -> Value {
+    let content = fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    serde_json::from_slice(&content).expect("JSON")
+}
+
+fn run(scenario: &Path, out: &Path) -> Output {
+    pluvia(&["run", text(scenario), "--out", text(out), "--quiet"])
+}
+
+/// Thirty grams poured, put under a plate and shaken, without an interruption.
+fn whole() -> &'static Path {
+    static RUN: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
+    let (_, out) = RUN.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path().join("whole");
+        let scenario = write(folder.path(), "whole.json", &small::scenario(30.0, 0.25, 0.1));
+        let output = run(&scenario, &out);
+        assert!(output.status.success(), "{}", said(&output));
+        (folder, out)
+    });
+    out
+}
+
+/// The stages of the whole run after the first two.
+fn last_two() -> Value {
+    let stages = small::scenario(30.0, 0.25, 0.1)["stages"].clone();
+    json!(stages.as_array().expect("stages")[2..])
+}
+
+/// Law: what is begun with a stored specimen is what one run would have done. Poured once and
+/// shaken twice from it, the specimen, the series and the key of every stage are those of the run
+/// that was not interrupted.
+#[test]
+fn shaken_from_a_stored_specimen_is_as_shaken_at_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut poured = small::scenario(30.0, 0.25, 0.1);
+    poured["stages"] = json!(poured["stages"].as_array().expect("stages")[..2]);
+    let poured = write(folder.path(), "poured.json", &poured);
+    let from = folder.path().join("poured");
+    let output = run(&poured, &from);
+    assert!(output.status.success(), "{}", said(&output));
+    let keys = |out: &Path| -> Vec<Value> {
+        let manifest = read(&out.join("manifest.json"));
+        let stages = manifest["stages"].as_array().expect("stages").iter();
+        stages.map(|stage| stage["key"].clone()).collect()
+    };
+    let ways = [
+        ("folder", json!({ "specimen": "poured" })),
+        ("named", json!({ "specimen": "poured", "stage": "pour" })),
+    ];
+    for (name, begin) in ways {
+        let scenario = json!({ "name": "shaken", "begin": begin, "stages": last_two() });
+        let scenario = write(folder.path(), &format!("{name}.json"), &scenario);
+        let out = folder.path().join(name);
+        let output = run(&scenario, &out);
+        assert!(output.status.success(), "{name}: {}", said(&output));
+        for file in ["specimen.json", "grains.csv", "grains.json"] {
+            let [one, two] = [&out, whole()].map(|out| fs::read(out.join(file)).expect(file));
+            assert!(one == two, "law: {name}: the same bytes of {file}");
+        }
+        assert_eq!(keys(&out), keys(whole())[2..], "law: {name}: the same stages in the store");
+        let summary = read(&out.join("summary.json"));
+        assert_eq!(summary["falling_height_mm"], Value::Null, "law: nothing fell in this run");
+        assert_eq!(
+            summary["settlement_mm"],
+            read(&whole().join("summary.json"))["settlement_mm"],
+            "law: {name}: the same settlement"
+        );
+        let manifest = read(&out.join("manifest.json"));
+        assert_eq!(manifest["began_with"]["after"], json!(["fill_funnel", "pour"]), "law: it says");
+        assert_eq!(manifest["began_with"]["key"], keys(&from)[1], "law: which specimen it was");
+        let exported = folder.path().join(format!("{name}-exported"));
+        let args = ["export", text(&out), "--format", "csv", "--out", text(&exported)];
+        assert!(pluvia(&args).status.success(), "law: such a run is read as any other");
+    }
+}
+
+/// Law: the file of a stored stage means that stage, and the grains are those of the run.
+#[test]
+fn the_file_of_a_stage_means_that_stage() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let manifest = read(&whole().join("manifest.json"));
+    let key = manifest["stages"][1]["key"].as_str().expect("a key");
+    let stored = whole().join("stages").join(&key[..24]).join("specimen.json");
+    let begun = |specimen: &Path, more: &[(&str, Value)]| {
+        let mut begin = json!({ "specimen": specimen });
+        for (field, value) in more {
+            begin[*field] = value.clone();
+        }
+        let stages = json!([{ "stage": "rest", "duration_s": 0.1 }]);
+        let scenario = json!({ "name": "rests", "begin": begin, "stages": stages });
+        write(folder.path(), "rests.json", &scenario)
+    };
+    let after = |scenario: &Path| {
+        let loaded = load_scenario(scenario, &[]).unwrap_or_else(|e| panic!("{e}")).scenario;
+        loaded.begin.expect("it begins with a specimen").after
+    };
+    assert_eq!(after(&begun(&stored, &[])), ["fill_funnel", "pour"], "law: the stage of the file");
+    let all = ["fill_funnel", "pour", "place_top_plate", "vibrate"];
+    assert_eq!(after(&begun(&whole().join("specimen.json"), &[])), all, "law: the run's own");
+    let rest_test = [("stage", json!("rest_test"))];
+    assert_eq!(after(&begun(whole(), &rest_test)).last().map(String::as_str), Some("rest"));
+
+    let scenario = begun(whole(), &[("stage", json!("pour"))]);
+    let out = folder.path().join("grains");
+    let output = pluvia(&["grains", text(&scenario), "--out", text(&out), "--json"]);
+    assert!(output.status.success(), "law: it has grains: {}", said(&output));
+    let [one, two] = [&out, whole()].map(|out| fs::read(out.join("grains.json")).expect("grains"));
+    assert!(one == two, "law: those of the run");
+}
+
+#[test]
+fn what_cannot_be_begun_with_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rest = json!([{ "stage": "rest", "duration_s": 0.1 }]);
+    let refused = |begin: &Value, stages: &Value, words: &[&str]| {
+        let scenario = json!({ "name": "begun", "begin": begin, "stages": stages });
+        let scenario = write(folder.path(), "begun.json", &scenario);
+        let out = folder.path().join("out");
+        let output = run(&scenario, &out);
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(2), "law: {begin} is refused, got {said}");
+        for word in words {
+            assert!(said.contains(word), "`{word}` is missing in: {said}");
+        }
+        assert!(!out.join("summary.json").exists(), "law: nothing is run");
+    };
+    refused(&json!({ "specimen": "none" }), &rest, &["begin.specimen", "is not there"]);
+    refused(&json!({ "specimen": "." }), &rest, &["begin.specimen", "manifest.json"]);
+    let whole_run = text(whole());
+    let melt = json!({ "specimen": whole_run, "stage": "poor" });
+    refused(&melt, &rest, &["begin.stage", "did you mean `pour`", "vibrate"]);
+    let pour = json!([{ "stage": "pour", "falling_height_mm": 0 }]);
+    refused(&json!({ "specimen": whole_run }), &pour, &["stages[0]", "twice"]);
+    let fill = json!([{ "stage": "fill_funnel" }]);
+    refused(&json!({ "specimen": whole_run }), &fill, &["stages[0]", "fill_funnel"]);
+    let pinned = json!({ "specimen": whole_run, "specimen_sha256": "00" });
+    refused(&pinned, &rest, &["begin.specimen_sha256", "another specimen"]);
+
+    // A stored specimen that was changed, and one that is too large for the laboratory.
+    let changed = folder.path().join("changed");
+    copy(whole(), &changed);
+    for stage in fs::read_dir(changed.join("stages")).expect("stages").flatten() {
+        let file = stage.path().join("specimen.json");
+        if let Ok(content) = fs::read_to_string(&file) {
+            fs::write(&file, content.replacen("0.0", "0.1", 1)).expect("changed");
+        }
+    }
+    refused(&json!({ "specimen": text(&changed) }), &rest, &["specimen.json", "not what was"]);
+    let narrow = json!({
+        "name": "begun", "begin": { "specimen": whole_run, "stage": "pour" }, "stages": rest,
+        "apparatus": { "cylinder": { "inner_diameter_mm": 60, "wall_thickness_mm": 5 },
+            "funnel": { "opening_diameter_mm": 55, "wall_thickness_mm": 5 },
+            "top_plate": { "diameter_mm": 50 } }
+    });
+    let narrow = write(folder.path(), "narrow.json", &narrow);
+    let output = run(&narrow, &folder.path().join("narrow"));
+    assert_eq!(output.status.code(), Some(2), "law: it cannot stand there: {}", said(&output));
+    assert!(said(&output).contains("outside of the apparatus"), "law: got {}", said(&output));
+}
+
+/// Law: the shipped example begins with what the README's first run leaves.
+#[test]
+fn the_example_is_sound() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let example = fs::read_to_string(root.join("scenarios/begin/shaken-again.json"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let example = example.expect("the example").replace("../../out/first", text(whole()));
+    let path = folder.path().join("example.json");
+    fs::write(&path, example).expect("a scenario");
+    let loaded = load_scenario(&path, &[]).unwrap_or_else(|e| panic!("{e}")).scenario;
+    assert_eq!(loaded.stages.len(), 3, "law: nothing is poured again");
+    let begin = loaded.begin.expect("it begins with a specimen");
+    assert_eq!(begin.after, ["fill_funnel", "pour"], "law: poured before");
+}

@@ -1,0 +1,91 @@
+//! What a command finds in its way is kept, unless `--force` says otherwise.
+
+use std::{fs, path::Path, process::Command};
+
+use super::interruption::{copy, finished, write_scenario};
+
+fn run(scenario: &Path, out: &Path, more: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+    let output = command.arg("run").arg(scenario).arg("--out").arg(out).args(more).output();
+    let output = output.expect("it starts");
+    let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code(), text(&output.stdout), text(&output.stderr))
+}
+
+/// Law: the results of another scenario are kept; those of the same may be made again; `--force`
+/// replaces them.
+#[test]
+fn a_run_does_not_write_over_another() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let out = folder.path().join("out");
+    copy(finished(), &out);
+    let summary = || fs::read(out.join("summary.json")).expect("a summary");
+    let was = summary();
+    let other = ["--set", "contact.restitution=0.1", "--set", "rest_test_s=0"];
+    let (code, printed, said) = run(&scenario, &out, &other);
+    assert_eq!(code, Some(2), "law: another scenario is refused, got {said}");
+    for words in ["contact.restitution", "--force", "out"] {
+        assert!(said.contains(words), "`{words}` is missing in: {said}");
+    }
+    assert!(printed.is_empty() && summary() == was, "law: nothing is written");
+    let (code, _, said) = run(&scenario, &out, &["--quiet"]);
+    assert_eq!(code, Some(0), "law: the same run may be made again, got {said}");
+    let (code, printed, said) = run(&scenario, &out, &[&other[..], &["--force"]].concat());
+    assert_eq!(code, Some(0), "law: --force replaces it, got {said}");
+    assert!(printed.contains("NOT VALID"), "law: with what the other gives, got {printed}");
+    assert!(!out.join("rest_test.csv").exists(), "law: nothing of the first run stays");
+    assert!(!out.join("unfinished.json").exists(), "law: it is finished");
+}
+
+/// Law: quietly, nothing is printed but errors, and what `--json` asks for.
+#[test]
+fn quiet_commands_print_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write_scenario(folder.path());
+    let out = folder.path().join("out");
+    copy(finished(), &out);
+    let (code, printed, said) = run(&scenario, &out, &["--quiet"]);
+    assert_eq!((code, &*printed, &*said), (Some(0), "", ""), "law: nothing at all");
+    let (code, printed, said) = run(&scenario, &out, &["--quiet", "--json"]);
+    assert_eq!((code, &*said), (Some(0), ""), "law: no progress");
+    let summary: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
+    assert_eq!(summary["scenario"], "small", "law: what --json asks for");
+    let (code, printed, said) = run(&folder.path().join("none.json"), &out, &["--quiet"]);
+    assert_eq!((code, &*printed), (Some(4), ""), "law: an error is one");
+    assert!(said.contains("none.json"), "law: and is said, got {said}");
+}
+
+/// Law: grains need no engine, apparatus or stages: faults there do not keep them from being made.
+#[test]
+fn grains_are_made_whatever_else_a_scenario_says() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let grains = serde_json::json!({
+        "total_mass_g": 30, "density_kg_per_m3": 2673.9,
+        "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+    });
+    let path = folder.path().join("s.json");
+    let make = |scenario: serde_json::Value| {
+        fs::write(&path, scenario.to_string()).expect("a scenario");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
+        command.arg("grains").arg(&path).arg("--out").arg(folder.path().join("out"));
+        let output = command.output().expect("it starts");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, said) = make(serde_json::json!({
+        "name": "s", "grains": grains, "engine": { "rate_hz": -1, "colour": 1 },
+        "apparatus": { "funnel": { "opening_diameter_mm": 1 } },
+        "stages": [{ "stage": "melt" }]
+    }));
+    assert_eq!(code, Some(0), "law: only the grains count, got {said}");
+    let (code, said) = make(serde_json::json!({ "name": "s", "grains": grains }));
+    assert_eq!(code, Some(0), "law: nothing else is needed, got {said}");
+    let (code, said) = make(serde_json::json!({
+        "name": "s", "grains": { "total_mass_g": -1 }, "sead": 2, "engine": { "rate_hz": -1 }
+    }));
+    assert_eq!(code, Some(2), "law: faults of the grains are faults, got {said}");
+    for words in ["grains.total_mass_g", "sead"] {
+        assert!(said.contains(words), "`{words}` is missing in: {said}");
+    }
+    assert!(!said.contains("rate_hz"), "law: of the grains alone, got {said}");
+}
