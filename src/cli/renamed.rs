@@ -19,7 +19,7 @@ pub(super) fn refused<S: AsRef<OsStr>>(words: &[S]) -> Option<String> {
     OPTIONS.iter().filter(|(of, ..)| *of == command).find_map(|(of, old, new)| {
         let asked = |word: &&str| word.split('=').next() == Some(*old);
         let text = format!("`{old}` of `pluvia {of}` is now called `{new}`");
-        options.iter().any(|word| asked(word)).then_some(text)
+        options.iter().any(asked).then_some(text)
     })
 }
 
