@@ -54,8 +54,33 @@ pub struct SpecimenState {
     /// The same along z.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub table_z: f64,
+    /// The pieces of a laboratory, in the order of the scenario; none where it has the
+    /// built-in apparatus, and before its first stage.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pieces: Vec<PieceState>,
     /// Simulated time since the first stage began, in s.
     pub time: f64,
+}
+
+/// Where a piece of a laboratory is, and what the grains do to it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PieceState {
+    /// Whether it stands; false once it was removed.
+    pub present: bool,
+    /// Where its own frame is, in m.
+    pub pose: Pose,
+    /// Force of the grains on it in N, mean since the sample before.
+    pub force_n: Vector,
+    /// Moment of that force about the origin of its frame in N m, world axes.
+    pub moment_n_m: Vector,
+}
+
+impl PieceState {
+    /// One that stands, with nothing on it.
+    pub fn standing(pose: Pose) -> Self {
+        let (force_n, moment_n_m) = (Vector::zeros(), Vector::zeros());
+        Self { present: true, pose, force_n, moment_n_m }
+    }
 }
 
 /// A contact that bears something.
@@ -105,6 +130,8 @@ pub enum Other {
     Funnel(usize),
     /// A piece of a pile's base, by its number; the floor is the last.
     Base(usize),
+    /// A part of a piece of a laboratory, both by their numbers.
+    Piece(usize, usize),
 }
 
 /// One grain's state.
@@ -261,13 +288,16 @@ impl SpecimenState {
         let moving = moving.flat_map(|b| [&b.linear_velocity, &b.angular_velocity]);
         let touching = self.contacts.iter().flat_map(|c| [&c.point_m, &c.normal, &c.force_n]);
         let vectors = moving.chain(touching).flat_map(|vector| vector.iter().copied());
+        let loads = self.pieces.iter().flat_map(|p| [&p.force_n, &p.moment_n_m]);
+        let vectors = vectors.chain(loads.flat_map(|vector| vector.iter().copied()));
         let others = [self.table_x, self.time, self.funnel.map_or(0.0, |f| f.opening_height)];
         if let Some(number) = vectors.chain(others).find(|number| !(number.abs() <= LARGEST)) {
             return Err(format!("a velocity, contact, height or time is {number:e}"));
         }
         let present = self.bodies.iter().filter(|g| g.fate == Fate::Present).map(|g| &g.body.pose);
         let plate = self.top_plate.iter().map(|plate| &plate.pose);
-        let poses = present.chain(plate).chain(fixed.map(|fixed| &fixed.pose));
+        let pieces = self.pieces.iter().map(|piece| &piece.pose);
+        let poses = present.chain(plate).chain(fixed.map(|fixed| &fixed.pose)).chain(pieces);
         for pose in poses {
             let place = pose.translation.vector;
             if !(place.norm() <= FARTHEST) {
@@ -295,6 +325,7 @@ impl SpecimenState {
             table_x: 0.0,
             table_y: 0.0,
             table_z: 0.0,
+            pieces: Vec::new(),
             time: 0.0,
         }
     }

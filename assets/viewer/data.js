@@ -42,7 +42,7 @@ export function parseRun(buffer) {
     stages[n].first = frames.length;
     for (let k = 0; k < stage.frames.count; k++) {
       const at = base + stage.frames.offset + k * header.frame_bytes;
-      frames.push(readFrame(buffer, at, header.grains, n));
+      frames.push(readFrame(buffer, at, header.grains, n, header.pieces.length));
     }
     stages[n].last = frames.length - 1;
   });
@@ -65,7 +65,7 @@ export function parseRun(buffer) {
   };
 }
 
-function readFrame(buffer, at, grains, stage) {
+function readFrame(buffer, at, grains, stage, pieces) {
   const view = new DataView(buffer, at);
   return {
     stage,
@@ -73,11 +73,11 @@ function readFrame(buffer, at, grains, stage) {
     flags: view.getUint32(8, true),
     table: view.getFloat32(12, true),
     opening: view.getFloat32(16, true),
-    // Places: the plate's, then the grains'; positions in steps of five 32-bit
+    // Places: the plate's, then the grains', then the pieces'; positions in steps of five 32-bit
     // words, quaternions in steps of ten 16-bit ones.
-    positions: new Float32Array(buffer, at + 20, (5 * (grains + 1))),
-    turns: new Int16Array(buffer, at + 20, (10 * (grains + 1))),
-    bytes: BEFORE_GRAINS + PLACE * grains,
+    positions: new Float32Array(buffer, at + 20, 5 * (grains + pieces + 1)),
+    turns: new Int16Array(buffer, at + 20, 10 * (grains + pieces + 1)),
+    bytes: BEFORE_GRAINS + PLACE * (grains + pieces),
   };
 }
 

@@ -186,6 +186,12 @@ class Viewer {
       if (frame.flags & FUNNEL) hold(frame.opening, frame.opening + funnel.height_m, funnel.top_radius_m);
     }
     for (const frame of [first, last]) {
+      this.run.header.piece_radii_m.forEach((radius, k) => {
+        const place = placeOf(frame, this.run.grains + 1 + k);
+        if (place) hold(place[2] - radius, place[2] + radius, Math.hypot(place[0], place[1]) + radius);
+      });
+    }
+    for (const frame of [first, last]) {
       for (let n = 1; n <= this.run.grains; n++) {
         const place = placeOf(frame, n);
         // Spilled grains may lie anywhere.
@@ -295,7 +301,13 @@ class Viewer {
     const plate = now.flags & PLATE ? now.plate : null;
     const at = plate ? [plate.position[0] + shift, plate.position[1], plate.position[2]] : null;
     renderer.setBody(body("top_plate"), plate !== null, at, plate?.turn, colourOf("plate", PLATE_COLOUR));
-    renderer.setBody(grains + header.apparatus.length, true, [table, 0, 0], UPRIGHT, linear(TABLE[this.theme]));
+    now.pieces.forEach((place, k) => {
+      const at = place && [place[0] + shift, place[1], place[2]];
+      renderer.setBody(body(`piece_${k}`), place !== null, at, place?.slice(3), colourOf("cylinder", METAL));
+    });
+    // The table is that of the cylinder.
+    const tableSeen = header.pieces.length === 0;
+    renderer.setBody(grains + header.apparatus.length, tableSeen, [table, 0, 0], UPRIGHT, linear(TABLE[this.theme]));
   }
 
   // The colours of forces end at this many newtons: a few carry far more than the others.
@@ -337,7 +349,7 @@ class Viewer {
 
   draw() {
     const { grains, header } = this.run;
-    const how = (name) => (name === "base" ? "solid" : name === "lid" ? $("funnel").value : name === "top_plate" ? $("plate").value : $(name).value);
+    const how = (name) => (name === "base" ? "solid" : name === "lid" ? $("funnel").value : name === "top_plate" ? $("plate").value : name.startsWith("piece_") ? $("cylinder").value : $(name).value);
     const apparatus = header.apparatus.map((name, n) => ({ body: grains + n, how: how(name), shadow: true }));
     apparatus.push({ body: grains + apparatus.length, how: "solid", shadow: false });
     const dark = this.theme === "dark";

@@ -49,6 +49,8 @@ export class Playback {
       this.positions.set(place.slice(0, 3), 3 * n);
       this.turns.set(place.slice(3), 4 * n);
     }
+    const { grains, header } = this.run;
+    this.pieces = header.pieces.map((_, k) => this.place(a, b, grains + 1 + k, share));
     this.flags = a.flags;
     this.table = a.table + share * (b.table - a.table);
     this.opening = a.opening;

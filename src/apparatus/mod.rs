@@ -1,10 +1,14 @@
-//! Cylinder, funnel, lid and top plate as pure geometry.
+//! Cylinder, funnel, lid and top plate, and pieces of other laboratories, as pure geometry.
 //!
 //! Coordinates: the cylinder's axis is z, its floor lies at z = 0, gravity
 //! acts along -z, the table shakes along x.
 
+mod overlap;
+mod pieces;
 mod walls;
 
+pub use overlap::overlapping;
+pub use pieces::RigidPiece;
 pub use walls::{Cylinder, Funnel, TopPlate, round_floor};
 
 use std::sync::Arc;
@@ -27,5 +31,16 @@ pub struct ApparatusError {
     /// Which part.
     pub part: &'static str,
     /// What is wrong with it.
-    pub reason: PolyhedronError,
+    pub reason: ApparatusFault,
+}
+
+/// What can be wrong with an apparatus.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ApparatusFault {
+    /// A part is no convex solid.
+    #[error(transparent)]
+    Shape(#[from] PolyhedronError),
+    /// Pieces stand within each other.
+    #[error("pieces overlap: {0}")]
+    Overlap(String),
 }

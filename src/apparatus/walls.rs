@@ -14,13 +14,13 @@ use crate::units::{from_deg, from_g, from_mm};
 
 /// Distance from the axis to the flats of a regular polygon with the area of
 /// the circle of the given radius.
-fn half_width(radius: f64, sides: u32) -> f64 {
+pub(super) fn half_width(radius: f64, sides: u32) -> f64 {
     let n = f64::from(sides);
     radius * (PI / (n * (PI / n).tan())).sqrt()
 }
 
 /// Corners of a regular polygon with the circle's area, counter-clockwise, first flat along +x.
-fn polygon(radius: f64, sides: u32) -> Vec<(f64, f64)> {
+pub(super) fn polygon(radius: f64, sides: u32) -> Vec<(f64, f64)> {
     let half = PI / f64::from(sides);
     let corner = half_width(radius, sides) / half.cos();
     (0..sides)
@@ -32,7 +32,7 @@ fn polygon(radius: f64, sides: u32) -> Vec<(f64, f64)> {
 }
 
 /// A piece around its own centroid, so that engines see coordinates of its own size.
-fn piece(shape: ConvexPolyhedron) -> Piece {
+pub(super) fn piece(shape: ConvexPolyhedron) -> Piece {
     let centroid = MassProperties::of(&shape).centroid;
     let pose = Pose::translation(centroid.x, centroid.y, centroid.z);
     Piece { shape: Arc::new(shape.transformed(&pose.inverse())), pose }
@@ -41,7 +41,7 @@ fn piece(shape: ConvexPolyhedron) -> Piece {
 /// A ring of `sides` solid pieces whose inner radius goes linearly from
 /// `radii.0` at height `heights.0` to `radii.1` at `heights.1`, with the given
 /// horizontal thickness, all in m.
-fn ring(
+pub(super) fn ring(
     sides: u32,
     heights: (f64, f64),
     radii: (f64, f64),
@@ -73,7 +73,7 @@ fn ring(
 pub fn round_floor(radius: f64, thickness: f64) -> Result<Piece, ApparatusError> {
     ConvexPolyhedron::prism(&polygon(radius, FLOOR_SIDES), -thickness, 0.0)
         .map(piece)
-        .map_err(|reason| ApparatusError { part: "base", reason })
+        .map_err(|reason| ApparatusError { part: "base", reason: reason.into() })
 }
 
 /// Sides of a round floor: those of the paper's cylinder here.
@@ -104,7 +104,10 @@ impl Cylinder {
             pieces.push(piece(ConvexPolyhedron::prism(&floor, -thickness, 0.0)?));
             Ok(pieces)
         };
-        let pieces = build().map_err(|reason| ApparatusError { part: "cylinder", reason })?;
+        let pieces = build().map_err(|reason: PolyhedronError| ApparatusError {
+            part: "cylinder",
+            reason: reason.into(),
+        })?;
         Ok(Self { radius, height, pieces })
     }
 
@@ -168,7 +171,10 @@ impl Funnel {
             let lid = ConvexPolyhedron::prism(&lid, opening_height - thickness, opening_height)?;
             Ok((pieces, piece(lid)))
         };
-        let (pieces, lid) = build().map_err(|reason| ApparatusError { part: "funnel", reason })?;
+        let (pieces, lid) = build().map_err(|reason: PolyhedronError| ApparatusError {
+            part: "funnel",
+            reason: reason.into(),
+        })?;
         Ok(Self { opening_height, top_height, opening_radius: opening, top_radius, pieces, lid })
     }
 
@@ -203,7 +209,7 @@ impl TopPlate {
         let (radius, thickness) = (from_mm(spec.diameter_mm) / 2.0, from_mm(spec.thickness_mm));
         let outline = polygon(radius, spec.sides);
         let shape = ConvexPolyhedron::prism(&outline, -thickness / 2.0, thickness / 2.0)
-            .map_err(|reason| ApparatusError { part: "top plate", reason })?;
+            .map_err(|reason| ApparatusError { part: "top plate", reason: reason.into() })?;
         let mass = from_g(spec.mass_g);
         let properties = MassProperties::of(&shape);
         // The prism is symmetric about its axes: the tensor is diagonal already.

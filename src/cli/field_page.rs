@@ -120,9 +120,11 @@ impl<'a> Page<'a> {
                 let things = match items["type"].as_str() {
                     Some("string") => "texts",
                     Some("number" | "integer") => "numbers",
+                    _ if !words(items).is_empty() => "texts",
                     _ => "objects",
                 };
                 match (of["minItems"].as_u64(), of["maxItems"].as_u64()) {
+                    (Some(low), Some(high)) if low == high => format!("{low} {things}"),
                     (Some(low), Some(high)) => format!("{low} to {high} {things}"),
                     _ => format!("list of {things}"),
                 }

@@ -2,7 +2,10 @@
 
 use super::paint;
 use crate::paper::ResultCounts;
-use crate::record::{AngleOfRepose, Settlement, StandingHeight, Summary, VibrationSummary};
+use crate::record::{
+    AngleOfRepose, Balance, LaboratorySummary, Settlement, StandingHeight, Summary,
+    VibrationSummary,
+};
 use crate::report::{Calibration, InterpretationColumn, calibration_rows};
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
@@ -81,6 +84,26 @@ fn angle_of_repose(of: &AngleOfRepose) -> String {
     )
 }
 
+/// Loads, flows and void ratios.
+fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
+    for piece in of.pieces.iter().filter(|piece| piece.present) {
+        let [x, y, z] = piece.force_n;
+        rows.add(&format!("force on {}", piece.name), format!("({x:.3}, {y:.3}, {z:.3}) N"));
+    }
+    let Balance { weight_n, carried_n, difference_percent, .. } = of.balance;
+    let off = difference_percent.map_or(String::new(), |off| format!(", {off:+.2} %"));
+    rows.add("balance", format!("{carried_n:.3} N carried of {weight_n:.3} N of grains{off}"));
+    for opening in &of.openings {
+        let rate = opening.rate_g_per_s.map_or(String::new(), |rate| format!(" at {rate:.0} g/s"));
+        let passed = opening.passed_g;
+        rows.add(&format!("flow, {}", opening.name), format!("{passed:.1} g{rate}"));
+    }
+    for region in &of.regions {
+        let ratio = region.void_ratio.map_or("no grains".to_owned(), |e| format!("{e:.3}"));
+        rows.add(&format!("void ratio, {}", region.name), ratio);
+    }
+}
+
 /// The figures of a run.
 pub(super) fn of_summary(summary: &Summary) -> String {
     let grains = &summary.grains;
@@ -97,9 +120,15 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     );
     rows.add("grains", format!("{}, {} g", grains.count, grams(grains.mass_g)));
     // A pile has no walls: its grains lie, but in no cylinder and with no void ratio.
+    let laboratory = summary.laboratory.as_ref();
     let is_withheld = |field: &str| summary.withheld.iter().any(|w| w.field == field);
     let pile = summary.void_ratio.is_none() && grains.in_cylinder > 0 && !is_withheld("void_ratio");
-    let places = if pile {
+    let places = if laboratory.is_some() {
+        format!(
+            "{} in the laboratory, {} fallen out of it, {} escaped through walls",
+            grains.in_cylinder, grains.spilled, grains.escaped
+        )
+    } else if pile {
         let mut text = format!("{} on the base, {} fallen off", grains.in_cylinder, grains.spilled);
         if grains.left_in_funnel + grains.escaped > 0 {
             text += &format!(
@@ -126,6 +155,9 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     }
     if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {
         rows.add("void ratio", format!("{void_ratio:.3} (porosity {porosity:.3})"));
+    }
+    if let Some(laboratory) = laboratory {
+        of_laboratory(laboratory, &mut rows);
     }
     for of in &summary.vibrations {
         rows.add("vibration", vibration(of));

@@ -16,13 +16,16 @@ pub enum Carrier {
     Fixed,
     /// It goes with the shaking table.
     Table,
+    /// It moves as a stage of its laboratory prescribes.
+    Kinematic,
 }
 
 /// A piece of the apparatus where it is now.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StandingPiece {
     /// `cylinder_00` and so on, `floor`, `funnel_00` and so on, `lid`;
-    /// `base_0000` and so on, the last of them the floor under a pile.
+    /// `base_0000` and so on, the last of them the floor under a pile; of a piece of a
+    /// laboratory its own with the number of the part.
     pub name: String,
     /// What carries it.
     pub carrier: Carrier,
@@ -56,6 +59,14 @@ pub fn standing(
             let mut piece = piece.clone();
             piece.pose.translation.vector += state.table();
             let (carrier, material) = (Carrier::Table, Material::Wall);
+            found.push(StandingPiece { name, carrier, material, piece });
+        }
+    }
+    for (n, (piece, at)) in setup.pieces.iter().zip(&state.pieces).enumerate() {
+        for (k, part) in piece.parts.iter().enumerate().filter(|_| at.present) {
+            let name = piece.part_name(k);
+            let (carrier, material) = (Carrier::Kinematic, setup.piece_materials[n]);
+            let piece = Piece { pose: at.pose * part.pose, ..part.clone() };
             found.push(StandingPiece { name, carrier, material, piece });
         }
     }

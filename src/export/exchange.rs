@@ -377,7 +377,9 @@ fn pose(position: &Vector, xyzw: [f64; 4]) -> Pose {
 fn pairs(setup: &Setup) -> Vec<PairValue> {
     use Material::{Grain, Plate, Wall};
     let all = [[Grain, Grain], [Grain, Wall], [Grain, Plate], [Plate, Wall]];
+    let pieces = setup.pairs.materials().into_iter().skip(3).map(|piece| [Grain, piece]);
     all.into_iter()
+        .chain(pieces)
         .map(|between| {
             let value = setup.pairs.get(between[0], between[1]);
             PairValue { between, friction: value.friction, restitution: value.restitution }
@@ -400,6 +402,10 @@ pub(super) fn party_name(setup: &Setup, party: Party) -> String {
         Party::Other(Other::Funnel(n)) if n < 2 * funnel => format!("collar_{:02}", n - funnel),
         Party::Other(Other::Funnel(_)) => "lid".to_owned(),
         Party::Other(Other::Base(n)) => format!("base_{n:04}"),
+        Party::Other(Other::Piece(piece, part)) => match setup.pieces.get(piece) {
+            Some(piece) => piece.part_name(part),
+            None => format!("piece_{piece}_{part:02}"),
+        },
     }
 }
 

@@ -10,7 +10,7 @@ use crate::grains::GrainSet;
 use crate::protocol::Setup;
 use crate::record::{FileError, Frame, StageStore, run_file};
 use crate::scale;
-use crate::specimen::{Fate, GrainState, Specimen, SpecimenState};
+use crate::specimen::{Fate, GrainState, PieceState, Specimen, SpecimenState};
 use crate::world::BodyState;
 
 /// Least time in s between two frames where nothing else is asked for: every
@@ -195,6 +195,14 @@ fn state_of(frame: &Frame) -> SpecimenState {
         cylinder: frame.cylinder,
         top_plate: frame.top_plate.map(BodyState::at_rest),
         table_x: frame.table_x,
+        pieces: frame
+            .pieces
+            .iter()
+            .map(|pose| PieceState {
+                present: pose.is_some(),
+                ..PieceState::standing(pose.unwrap_or_else(Pose::identity))
+            })
+            .collect(),
         time: frame.time,
         ..SpecimenState::before_everything(0)
     }

@@ -25,10 +25,12 @@ pub enum PartKind {
     TopPlate,
     /// The floor under a pile with the grains fixed to it.
     Base,
+    /// A piece of a laboratory, by its number.
+    Piece(usize),
 }
 
 impl PartKind {
-    /// Its name in files.
+    /// Its name in files; pieces of a laboratory have their own.
     pub fn name(self) -> &'static str {
         match self {
             Self::CylinderWall => "cylinder",
@@ -37,6 +39,7 @@ impl PartKind {
             Self::Lid => "lid",
             Self::TopPlate => "top_plate",
             Self::Base => "base",
+            Self::Piece(_) => "piece",
         }
     }
 }
@@ -46,6 +49,8 @@ impl PartKind {
 pub struct Part {
     /// What it is.
     pub kind: PartKind,
+    /// Its name in files.
+    pub name: String,
     /// The outer surface: polygons, counter-clockwise seen from outside, in m
     /// in the part's own frame. Faces where pieces of a wall meet are left out.
     pub faces: Vec<Vec<Point>>,
@@ -64,6 +69,7 @@ impl Part {
             }
             PartKind::TopPlate => frame.top_plate,
             PartKind::Base => frame.base.is_some().then(Pose::identity),
+            PartKind::Piece(n) => frame.pieces.get(n).copied().flatten(),
         }
     }
 }
@@ -84,7 +90,18 @@ pub fn parts(
     };
     let funnel = Funnel::new(&setup.funnel, 0.0, 0.0)?;
     let plate = Piece { shape: setup.plate.shape.clone(), pose: Pose::identity() };
-    let part = |kind, pieces: &[Piece]| Part { kind, faces: surface(pieces) };
+    let part = |kind: PartKind, pieces: &[Piece]| Part {
+        kind,
+        name: kind.name().to_owned(),
+        faces: surface(pieces),
+    };
+    if !setup.pieces.is_empty() {
+        let pieces = setup.pieces.iter().enumerate().map(|(n, piece)| Part {
+            name: piece.name.clone(),
+            ..part(PartKind::Piece(n), &piece.parts)
+        });
+        return Ok(pieces.collect());
+    }
     let mut found = vec![
         part(PartKind::CylinderWall, wall),
         part(PartKind::Floor, floor),
@@ -166,7 +183,9 @@ mod tests {
         let moments = testing::moments(&[3], 0.08);
         let mut frame = moments.stages[0].frames[1].clone();
         let at = |kind, frame: &Frame| {
-            Part { kind, faces: Vec::new() }.pose(frame).map(|pose| pose.translation.vector)
+            Part { kind, name: String::new(), faces: Vec::new() }
+                .pose(frame)
+                .map(|pose| pose.translation.vector)
         };
         frame.table_x = 0.02;
         frame.funnel = None;

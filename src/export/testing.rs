@@ -96,6 +96,7 @@ fn state(time: f64, stage: usize, grains: usize) -> SpecimenState {
         table_x,
         table_y: 0.0,
         table_z: 0.0,
+        pieces: Vec::new(),
         time,
     }
 }

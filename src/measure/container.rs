@@ -19,6 +19,20 @@ pub struct Container {
 }
 
 impl Container {
+    /// The smallest about the z axis that holds every grain present, for a laboratory without
+    /// a cylinder; grains below z = 0 do not count.
+    pub fn around(specimen: &Specimen) -> Self {
+        let (mut radius, mut height) = (0.0_f64, 0.0_f64);
+        for i in specimen.present() {
+            let reach = specimen.grains.grains[i].shape.radius_about_origin();
+            let at = specimen.state.bodies[i].body.pose.translation.vector;
+            radius = radius.max(at.xy().norm() + reach);
+            height = height.max(at.z + reach);
+        }
+        let or_any = |length: f64| if length > 0.0 { length } else { 1.0 };
+        Self { centre_x: 0.0, radius: or_any(radius), height: or_any(height) }
+    }
+
     /// Inner cross-section in m².
     pub fn area(&self) -> f64 {
         std::f64::consts::PI * self.radius * self.radius

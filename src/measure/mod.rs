@@ -10,7 +10,7 @@ mod container;
 mod coordination;
 mod energy;
 mod estimate;
-
+mod flow;
 mod height_map;
 mod heights;
 mod hull;
@@ -22,6 +22,7 @@ mod pairs;
 mod places;
 mod plate;
 mod raster;
+mod region;
 mod repose;
 mod separation;
 mod settlement;
@@ -35,6 +36,7 @@ pub use container::Container;
 pub use coordination::{Coordination, coordination};
 pub use energy::{Energy, body_energy, grain_energy, largest_speed};
 pub use estimate::{Estimate, change_for_one_unit, paired_difference};
+pub use flow::{Opening, places, steady_rate};
 pub use height_map::{HeightMap, StandingHeight, height_cell};
 pub use heights::{Content, content, mean_grain_height};
 pub use hull::WorldHull;
@@ -43,6 +45,7 @@ pub use overlap::{OverlapStatistics, overlap_statistics};
 pub use pairs::{PairGap, pairs_within, pairs_within_of, touching_gap};
 pub use places::{Place, Places, places};
 pub use plate::{PlatePosition, plate_position};
+pub use region::{Region, void_ratio_in};
 pub use repose::{
     FLANK, NoPile, PileSurface, Repose, Sector, base_level, over, pile_surface, pile_top,
 };

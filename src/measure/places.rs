@@ -75,6 +75,21 @@ impl Places {
             escaped: count(Place::Escaped),
         }
     }
+
+    /// Counted by what became of the grains alone, as in a laboratory of named pieces, which has
+    /// no cylinder: what takes part counts as in it.
+    pub fn by_fate(specimen: &Specimen) -> Self {
+        let mut places = Self::default();
+        for grain in &specimen.state.bodies {
+            *match grain.fate {
+                Fate::Present => &mut places.in_cylinder,
+                Fate::Spilled => &mut places.spilled,
+                Fate::ThroughWall => &mut places.escaped,
+                Fate::LeftInFunnel | Fate::Waiting => &mut places.left_in_funnel,
+            } += 1;
+        }
+        places
+    }
 }
 
 #[cfg(test)]

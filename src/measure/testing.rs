@@ -206,6 +206,7 @@ pub fn specimen_of(parts: Vec<(ConvexPolyhedron, Pose)>) -> Specimen {
             table_x: 0.0,
             table_y: 0.0,
             table_z: 0.0,
+            pieces: Vec::new(),
             time: 0.0,
         },
     }

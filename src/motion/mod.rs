@@ -6,12 +6,14 @@
 //! may move it along y and z, too. SI units.
 
 mod facts;
+mod pieces;
 mod recorded;
 #[cfg(test)]
 mod tests;
 mod waveform;
 
 pub use facts::{MotionFacts, STANDARD_GRAVITY};
+pub use pieces::{Path, PieceMotion};
 pub use recorded::{Interpolation, MOST_ROWS, RecordedMotion, RowFault, Rows, rows_from_csv};
 pub use waveform::{LARGEST_CRANK, Start, Waveform};
 

@@ -358,6 +358,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         surface_settlement_mm: None,
         vibrations: Vec::new(),
         angle_of_repose: None,
+        laboratory: None,
         overlap: Overlap {
             pairs: 4000,
             mean_percent: if bad { 0.9 } else { 0.21 },

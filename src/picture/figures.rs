@@ -91,14 +91,16 @@ fn apparatus(run: &Playback) -> Result<Picture, PictureError> {
     let poured = run.stages.iter().flat_map(|s| &s.frames).filter(|f| f.cylinder);
     let hung = poured.filter_map(|f| f.funnel).map(|f| f.opening_height).next();
     let opening_height = hung.unwrap_or(run.setup.cylinder.height + LIFTED);
+    let built_in = run.setup.pieces.is_empty();
     let frame = Frame {
         base: None,
         time: 0.0,
-        cylinder: true,
-        funnel: Some(FunnelState { opening_height, lid: true }),
+        cylinder: built_in,
+        funnel: built_in.then_some(FunnelState { opening_height, lid: true }),
         table_x: 0.0,
         top_plate: None,
         grains: Vec::new(),
+        pieces: run.setup.pieces.iter().map(|piece| Some(piece.at)).collect(),
     };
     let notes = Notes {
         things: vec![

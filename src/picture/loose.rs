@@ -46,6 +46,7 @@ pub fn loose_grains(grains: &GrainSet, shot: &Shot) -> Result<Image, PictureErro
         table_x: 0.0,
         top_plate: None,
         grains: vec![Some(Pose::identity()); grains.grains.len()],
+        pieces: Vec::new(),
     };
     let by = match shot.colour_by {
         by @ (ColourBy::Fraction | ColourBy::Plain) => by,

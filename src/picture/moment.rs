@@ -113,6 +113,7 @@ pub(super) mod tests {
                 table_x: 0.0,
                 top_plate: None,
                 grains,
+                pieces: Vec::new(),
             }
         };
         let frames = (0..4).map(|n| frame(0.08 * f64::from(n), 0.02 - 1e-3 * f64::from(n)));

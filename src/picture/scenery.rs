@@ -6,12 +6,12 @@ use super::colour::Colour;
 use super::scene::{Body, Scene};
 use super::solid::{Plane, Solid};
 use crate::apparatus::Piece;
-use crate::export::{StandingPiece, standing};
-use crate::geometry::{Point, Vector};
+use crate::export::{Carrier, StandingPiece, standing};
+use crate::geometry::{Point, Pose, Vector};
 use crate::grains::GrainSet;
 use crate::protocol::Setup;
 use crate::record::Frame;
-use crate::specimen::SpecimenState;
+use crate::specimen::{PieceState, SpecimenState};
 
 /// How cylinder and funnel are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -90,6 +90,10 @@ pub fn scene_of(
                 ground = Some(ground.map_or(whole.low.z, |low: f64| low.min(whole.low.z)));
                 bodies.push(Body::new(whole, Colour::FLOOR));
             }
+            // Which side of a piece is inside is not known: its parts are drawn whole.
+            _ if standing.carrier == Carrier::Kinematic => {
+                bodies.extend(of_piece(whole, &standing.piece, walls, view));
+            }
             _ if walls == Walls::Hidden => {}
             _ => bodies.extend(wall(&standing.piece, whole, &axis, thickness, walls, view)),
         }
@@ -105,7 +109,31 @@ fn pieces(
     let mut state = SpecimenState::before_everything(0);
     (state.cylinder, state.funnel, state.table_x) = (frame.cylinder, frame.funnel, frame.table_x);
     state.base = frame.base.as_deref().cloned();
+    state.pieces = frame
+        .pieces
+        .iter()
+        .map(|pose| PieceState {
+            present: pose.is_some(),
+            ..PieceState::standing(pose.unwrap_or_else(Pose::identity))
+        })
+        .collect();
     standing(setup, grains, &state).map_err(PictureError::Apparatus)
+}
+
+/// A part of a piece of a laboratory; none where it is cut away, being nearer to the camera
+/// than the middle of everything.
+fn of_piece(whole: Solid, piece: &Piece, walls: Walls, view: &View) -> Option<Body> {
+    match walls {
+        Walls::Hidden => None,
+        Walls::Transparent => Some(Body { glass: true, ..Body::new(whole, Colour::WALL) }),
+        Walls::Cut => {
+            let near = view.level().dot(&piece.pose.translation.vector) > 0.0;
+            let size = whole.high - whole.low;
+            // A floor stays: it hides nothing.
+            let floor = size.z < size.x.min(size.y);
+            (floor || !near).then(|| Body::new(whole, Colour::WALL))
+        }
+    }
 }
 
 /// A piece of a round wall, thinned from outside; none where it is cut away.

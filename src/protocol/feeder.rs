@@ -1,12 +1,13 @@
 //! The spout: when the next grain of a pile is let go, and where.
 
+use nalgebra::UnitQuaternion;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Pose, Vector};
 use crate::grains::{
     self, Mixing,
-    streams::{in_unit_disc, stream},
+    streams::{in_unit_disc, stream, uniform},
 };
 use crate::scale;
 use crate::specimen::Specimen;
@@ -19,22 +20,91 @@ const TRIES: usize = 16;
 const FALLS: f64 = 2.0;
 
 /// How grains are fed, in SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Feed {
-    /// Grains a second.
-    pub rate: f64,
-    /// From the top of the pile to the sphere around a grain let go, in m.
-    pub drop_height: f64,
-    /// Radius in m of the disc in which centres of grains are let go.
-    pub spout_radius: f64,
+    /// How fast.
+    pub rate: Rate,
+    /// Where they are let go.
+    pub outlet: Outlet,
+    /// Which grains, in their order; left out, all of them as they are mixed.
+    pub grains: Option<Vec<usize>>,
     /// Gravitational acceleration in m/s².
     pub gravity: f64,
+}
+
+/// How fast grains are fed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Rate {
+    /// Grains per second.
+    Grains(f64),
+    /// kg/s.
+    Mass(f64),
+}
+
+/// Where grains are let go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Outlet {
+    /// From a spout that rises with the pile.
+    Spout {
+        /// From the top of the pile to the sphere around a grain let go, in m.
+        drop_height: f64,
+        /// Radius in m of the disc in which centres of grains are let go.
+        radius: f64,
+    },
+    /// From an area that stays where it is.
+    Area(Area),
+}
+
+/// An area from which grains are let go, in m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Area {
+    /// Its middle.
+    pub middle: Vector,
+    /// Half of its sizes along x and y.
+    pub half: [f64; 2],
+    /// Whether it is an ellipse, not a rectangle.
+    pub round: bool,
+}
+
+impl Area {
+    /// A place in it for the centre of a ball of a radius in m that stays within it.
+    fn place(&self, radius: f64, rng: &mut Pcg64) -> Vector {
+        let half = self.half.map(|half| (half - radius).max(0.0));
+        let (x, y) = match self.round {
+            true => {
+                let (x, y, _) = in_unit_disc(rng);
+                (x, y)
+            }
+            false => (2.0 * uniform(rng) - 1.0, 2.0 * uniform(rng) - 1.0),
+        };
+        self.middle + Vector::new(x * half[0], y * half[1], 0.0)
+    }
+
+    /// Places for balls of a radius in m side by side, from its height upwards without end.
+    pub(super) fn lattice(&self, radius: f64) -> impl Iterator<Item = Vector> + use<> {
+        let Self { middle, half, round } = *self;
+        let counts = half.map(|half| ((half / radius).floor() as i64).max(1));
+        (0..i64::MAX).flat_map(move |level| {
+            (0..counts[0] * counts[1]).filter_map(move |n| {
+                let along = |k: i64, count: i64| (2 * k + 1 - count) as f64 * radius;
+                let x = along(n % counts[0], counts[0]);
+                let y = along(n / counts[0], counts[1]);
+                let room = half.map(|half| (half - radius).max(radius / 2.0));
+                let within = (x / room[0]).powi(2) + (y / room[1]).powi(2) <= 1.0;
+                let up = (2 * level + 1) as f64 * radius;
+                (within || !round).then(|| middle + Vector::new(x, y, up))
+            })
+        })
+    }
 }
 
 /// Grains waiting in the spout.
 pub(super) struct Feeder {
     feed: Feed,
-    mixing: Mixing,
+    order: Vec<usize>,
+    orientations: Vec<UnitQuaternion<f64>>,
+    /// Mass in kg of the first grains of the order, by their number.
+    masses: Vec<f64>,
     /// Radius of the sphere around each grain with its clearance, in m.
     radii: Vec<f64>,
     /// How long after its fall a grain counts as landed, in s.
@@ -84,10 +154,19 @@ impl Feeder {
             .fold(0.0, f64::max);
         let clearance = set.rain_clearance();
         let radius = |g: &grains::Grain| g.shape.radius_about_origin() + clearance;
+        let Mixing { order, orientations, .. } = grains::mix(set, seed, configuration);
+        let order = feed.grains.clone().unwrap_or(order);
+        let mut mass = 0.0;
+        let masses = order.iter().map(|&grain| {
+            let before = mass;
+            mass += set.grains[grain].mass;
+            before
+        });
         Self {
-            feed,
+            masses: masses.collect(),
+            order,
+            orientations,
             landed_after: scale::LANDED_AFTER.at(&set.scale(feed.gravity)),
-            mixing: grains::mix(set, seed, configuration),
             radii: set.grains.iter().map(radius).collect(),
             base_top,
             so_far: so_far.unwrap_or_else(|| Fed {
@@ -95,6 +174,7 @@ impl Feeder {
                 falling: Vec::new(),
                 rng: stream(seed, &format!("places under the spout of mixing {configuration}")),
             }),
+            feed,
         }
     }
 
@@ -105,32 +185,53 @@ impl Feeder {
 
     /// Whether every grain has been let go.
     pub(super) fn is_empty(&self) -> bool {
-        self.so_far.count == self.mixing.order.len()
+        self.so_far.count == self.order.len()
     }
 
     /// Number of grains not let go yet.
     pub(super) fn waiting(&self) -> usize {
-        self.mixing.order.len() - self.so_far.count
+        self.order.len() - self.so_far.count
     }
 
     /// The grains to let go at a time, in s since feeding began, with their poses.
     /// A grain that is due waits while others are where it would begin.
-    pub(super) fn due(&mut self, specimen: &Specimen, time: f64) -> Vec<(usize, Pose)> {
+    /// `clear` tells of a ball whether it would not touch the apparatus.
+    pub(super) fn due(
+        &mut self,
+        specimen: &Specimen,
+        time: f64,
+        clear: &dyn Fn(&Vector, f64) -> bool,
+    ) -> Vec<(usize, Pose)> {
         self.so_far.falling.retain(|(_, landed)| *landed > time);
         let mut released: Vec<(usize, Pose)> = Vec::new();
         let mut top = None;
-        while !self.is_empty() && self.so_far.count as f64 <= time * self.feed.rate {
-            let top = *top.get_or_insert_with(|| self.top_of_pile(specimen));
-            let grain = self.mixing.order[self.so_far.count];
-            let Some(place) = self.find_room(grain, top, specimen, &released) else { break };
-            let pose = Pose::from_parts(place.into(), self.mixing.orientations[grain]);
-            let fall =
-                (2.0 * (self.feed.drop_height + self.radii[grain]) / self.feed.gravity).sqrt();
+        while !self.is_empty() && self.is_due(time) {
+            let grain = self.order[self.so_far.count];
+            let drop_height = match self.feed.outlet {
+                Outlet::Spout { drop_height, .. } => drop_height,
+                Outlet::Area(_) => 0.0,
+            };
+            let top = match self.feed.outlet {
+                Outlet::Spout { .. } => *top.get_or_insert_with(|| self.top_of_pile(specimen)),
+                Outlet::Area(area) => area.middle.z,
+            };
+            let room = self.find_room(grain, top, specimen, &released, clear);
+            let Some(place) = room else { break };
+            let pose = Pose::from_parts(place.into(), self.orientations[grain]);
+            let fall = (2.0 * (drop_height + self.radii[grain]) / self.feed.gravity).sqrt();
             self.so_far.falling.push((grain, time + FALLS * fall + self.landed_after));
             released.push((grain, pose));
             self.so_far.count += 1;
         }
         released
+    }
+
+    /// Whether the next grain is due at a time in s.
+    fn is_due(&self, time: f64) -> bool {
+        match self.feed.rate {
+            Rate::Grains(rate) => self.so_far.count as f64 <= time * rate,
+            Rate::Mass(rate) => self.masses[self.so_far.count] <= time * rate,
+        }
     }
 
     /// Highest point in m of the base and of the grains that have landed.
@@ -147,12 +248,17 @@ impl Feeder {
         top: f64,
         specimen: &Specimen,
         released: &[(usize, Pose)],
+        clear_of_apparatus: &dyn Fn(&Vector, f64) -> bool,
     ) -> Option<Vector> {
-        let z = top + self.feed.drop_height + self.radii[grain];
         let radius = self.radii[grain];
         (0..TRIES).find_map(|_| {
-            let (x, y, _) = in_unit_disc(&mut self.so_far.rng);
-            let place = Vector::new(x * self.feed.spout_radius, y * self.feed.spout_radius, z);
+            let place = match self.feed.outlet {
+                Outlet::Spout { drop_height, radius: spout } => {
+                    let (x, y, _) = in_unit_disc(&mut self.so_far.rng);
+                    Vector::new(x * spout, y * spout, top + drop_height + radius)
+                }
+                Outlet::Area(area) => area.place(radius, &mut self.so_far.rng),
+            };
             let clear = |other: usize, at: &Vector| {
                 (at - place).norm_squared() > (radius + self.radii[other]).powi(2)
             };
@@ -161,7 +267,7 @@ impl Feeder {
                 .all(|i| clear(i, &specimen.state.bodies[i].body.pose.translation.vector));
             let place_is_clear =
                 present && released.iter().all(|(i, pose)| clear(*i, &pose.translation.vector));
-            place_is_clear.then_some(place)
+            (place_is_clear && clear_of_apparatus(&place, radius)).then_some(place)
         })
     }
 }

@@ -8,6 +8,10 @@
 mod base;
 mod bodies;
 mod feeder;
+mod laboratory;
+#[cfg(test)]
+mod laboratory_tests;
+mod pieces;
 #[cfg(test)]
 mod pile_tests;
 mod placing;
@@ -107,7 +111,7 @@ pub enum StageError {
     #[error(transparent)]
     Apparatus(#[from] ApparatusError),
     /// Grains could not be placed.
-    #[error("the grains could not be placed above the funnel: {0}")]
+    #[error("the grains could not be placed: {0}")]
     Placing(String),
     /// The stage does not fit the specimen it was given.
     #[error("stage `{stage}` cannot follow here: {reason}")]

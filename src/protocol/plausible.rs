@@ -52,13 +52,22 @@ pub fn plausible(
         Funnel::new(&setup.funnel, f.opening_height, collar_m).map_err(|e| e.to_string())
     };
     let funnel = state.funnel.map(funnel).transpose()?;
-    let walls = Whereabouts::new(
+    let pieces = setup.pieces.len();
+    if !state.pieces.is_empty() && state.pieces.len() != pieces {
+        let found = state.pieces.len();
+        return Err(format!("it has {found} pieces of apparatus, and the scenario {pieces}"));
+    }
+    let mut walls = Whereabouts::new(
         grains,
         state.cylinder.then_some(&setup.cylinder),
         funnel.as_ref(),
         state.base.as_ref().map(|b| b.radius),
         from_mm(setup.funnel.wall_thickness_mm),
     );
+    if pieces > 0 {
+        // They may be anywhere: a stage that moves them knows how low they reach.
+        walls.floor_at(-f64::MAX);
+    }
     for index in specimen.present() {
         let body = &state.bodies[index].body;
         let at = level(body.pose.translation.vector, state);

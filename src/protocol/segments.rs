@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::{Setup, Watch, feeder::Fed};
 use crate::scale;
 use crate::scenario::{Backend, ContactSolver, StageSpec};
-use crate::specimen::SpecimenState;
+use crate::specimen::{PieceState, SpecimenState};
 
 /// What a segment should take one core, in s: so much work is lost at most when a
 /// run is killed, and it is long enough that storing costs nothing beside it.
@@ -58,6 +58,9 @@ pub struct Midway {
     /// Steps that had been taken when that part began.
     #[serde(default)]
     pub part_began: u64,
+    /// Where the pieces of a laboratory were when the stage began.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pieces_began: Vec<PieceState>,
 }
 
 impl Midway {
@@ -75,6 +78,9 @@ impl Midway {
         if self.steps > u64::from(u32::MAX) {
             return Err(format!("`steps` is {}", self.steps));
         }
+        if self.pieces_began.len() != self.state.pieces.len() {
+            return Err("`pieces_began` is of other pieces than `state`".to_owned());
+        }
         if self.part_began > self.steps {
             return Err(format!("`part_began` is {}, after `steps`", self.part_began));
         }
@@ -85,6 +91,7 @@ impl Midway {
     pub(super) fn at_start(state: SpecimenState, collar_m: f64, setup: &Setup) -> Self {
         Self {
             began_s: state.time,
+            pieces_began: state.pieces.clone(),
             state,
             steps: 0,
             collar_m,

@@ -1,8 +1,8 @@
 //! Everything a stage needs to know about the laboratory, in SI units.
 
-use crate::apparatus::{ApparatusError, Cylinder, TopPlate};
+use crate::apparatus::{self, ApparatusError, Cylinder, RigidPiece, TopPlate};
 use crate::scale::Scale;
-use crate::scenario::{ContactSpec, EngineSettings, FunnelSpec, Scenario};
+use crate::scenario::{ContactSpec, EngineSettings, FunnelSpec, MeasuresSpec, Scenario};
 use crate::units::from_mm;
 use crate::world::{Material, PairCoefficients, PairTable};
 
@@ -27,6 +27,12 @@ pub struct Setup {
     pub funnel: FunnelSpec,
     /// The top plate.
     pub plate: TopPlate,
+    /// The pieces that stand in place of these; none where these do.
+    pub pieces: Vec<RigidPiece>,
+    /// What each of the pieces is made of.
+    pub piece_materials: Vec<Material>,
+    /// What is measured of them beside their forces.
+    pub measures: MeasuresSpec,
     /// When a specimen counts as settled.
     pub settle: SettleCriterion,
     /// Seed of the random streams.
@@ -55,14 +61,27 @@ impl Setup {
     /// When a dimension makes a piece of the apparatus impossible.
     pub fn new(scenario: &Scenario) -> Result<Self, ApparatusError> {
         let settle = &scenario.settle;
+        let mut pairs = pair_table(&scenario.contact);
+        let restitution = scenario.contact.restitution;
+        let materials = scenario.pieces.iter().map(|piece| {
+            let own = piece.friction.map(|friction| PairCoefficients { friction, restitution });
+            own.and_then(|own| pairs.add_piece(own)).unwrap_or(Material::Wall)
+        });
+        let piece_materials = materials.collect();
+        let pieces: Vec<RigidPiece> =
+            scenario.pieces.iter().map(RigidPiece::new).collect::<Result<_, _>>()?;
+        apparatus::overlapping(&pieces)?;
         Ok(Self {
             gravity: scenario.gravity_m_per_s2,
             scale: scenario.scale(),
             engine: scenario.engine.clone(),
-            pairs: pair_table(&scenario.contact),
+            pairs,
             cylinder: Cylinder::new(&scenario.apparatus.cylinder)?,
             funnel: scenario.apparatus.funnel.clone(),
             plate: TopPlate::new(&scenario.apparatus.top_plate)?,
+            pieces,
+            piece_materials,
+            measures: scenario.measures.clone(),
             settle: SettleCriterion {
                 rms_speed: from_mm(settle.rms_speed_mm_per_s),
                 largest_speed: from_mm(settle.largest_speed_mm_per_s),

@@ -4,7 +4,9 @@ use std::{ops::ControlFlow, sync::atomic::AtomicBool};
 
 use super::{
     Midway, Observer, Settling, Setup, StageError, StageOutcome, base,
-    feeder::{Feed, Feeder},
+    feeder::{Feed, Feeder, Outlet, Rate},
+    laboratory,
+    pieces::Drive,
     placing::Placing,
     stand::{LegEnd, Stand, Until, WorldMaker},
 };
@@ -31,6 +33,7 @@ pub fn run(
     observer: &mut dyn Observer,
     cancel: &AtomicBool,
 ) -> Result<StageOutcome, StageError> {
+    let specimen = laboratory::begun(setup, specimen);
     let lab = Laboratory { setup, make_world, cancel, midway };
     match *stage {
         StageSpec::FillFunnel { time_limit_s } => lab.fill(specimen, time_limit_s, observer),
@@ -40,12 +43,17 @@ pub fn run(
         }
         StageSpec::PlaceTopPlate { .. } => lab.place_top_plate(specimen, stage, observer),
         StageSpec::Vibrate { .. } => lab.vibrate(specimen, stage, observer),
+        StageSpec::Deposit { .. } => lab.deposit(specimen, stage, observer),
+        StageSpec::Move { .. } => lab.move_pieces(specimen, stage, observer),
+        StageSpec::Remove { ref pieces, time_limit_s } => {
+            lab.remove(specimen, pieces, time_limit_s, observer)
+        }
         StageSpec::Rest { duration_s } => lab.rest(specimen, duration_s, observer),
     }
 }
 
-struct Laboratory<'a> {
-    setup: &'a Setup,
+pub(super) struct Laboratory<'a> {
+    pub(super) setup: &'a Setup,
     make_world: WorldMaker<'a>,
     cancel: &'a AtomicBool,
     /// Where the stage was interrupted.
@@ -53,23 +61,25 @@ struct Laboratory<'a> {
 }
 
 /// How a stage goes.
-struct Course {
+pub(super) struct Course {
     until: Until,
     motion: Option<TableMotion>,
-    feed: Option<Feed>,
+    pub(super) feed: Option<Feed>,
     placing: Option<Placing>,
+    /// The pieces of a laboratory that move.
+    pub(super) drive: Option<Drive>,
 }
 
 impl Course {
-    fn until(until: Until) -> Self {
-        Self { until, motion: None, feed: None, placing: None }
+    pub(super) fn until(until: Until) -> Self {
+        Self { until, motion: None, feed: None, placing: None, drive: None }
     }
 
-    fn until_settled(limit: f64) -> Self {
+    pub(super) fn until_settled(limit: f64) -> Self {
         Self::until(Until { limit, calm_from: Some(0.0) })
     }
 
-    fn of_length(limit: f64) -> Self {
+    pub(super) fn of_length(limit: f64) -> Self {
         Self::until(Until { limit, calm_from: None })
     }
 
@@ -80,16 +90,16 @@ impl Course {
 }
 
 /// A stage that has run its course.
-struct Ended<'a> {
-    stand: Stand<'a>,
-    settled: bool,
-    feeder: Option<Feeder>,
+pub(super) struct Ended<'a> {
+    pub(super) stand: Stand<'a>,
+    pub(super) settled: bool,
+    pub(super) feeder: Option<Feeder>,
 }
 
 impl<'a> Laboratory<'a> {
     /// Carries a stage out segment by segment, from where it was interrupted or else from
     /// the specimen, with a funnel's collar of the given height in m.
-    fn carry_out(
+    pub(super) fn carry_out(
         &self,
         specimen: Specimen,
         collar: f64,
@@ -109,9 +119,12 @@ impl<'a> Laboratory<'a> {
                 Some(placing) => placing.plate(&self.setup.plate, part),
                 None => self.setup.plate.clone(),
             };
-            let mut stand = Stand::new(self.setup, self.make_world, grains.clone(), plate, midway)?;
+            let mut stand = {
+                let drive = course.drive.clone();
+                Stand::new(self.setup, self.make_world, grains.clone(), plate, drive, midway)?
+            };
             let begin = |feed| Feeder::new(stand.specimen(), feed, seed, configuration, fed);
-            let mut feeder = course.feed.map(begin);
+            let mut feeder = course.feed.clone().map(begin);
             let motion = course.motion.as_ref();
             match stand.segment(&course.until, motion, feeder.as_mut(), observer, self.cancel)? {
                 LegEnd::OfPart { settled } if part < course.last_part() => {
@@ -200,9 +213,12 @@ impl<'a> Laboratory<'a> {
         let radius = from_mm(base_diameter_mm) / 2.0;
         state.base = Some(base::build(base, radius, &specimen.grains, seed, configuration));
         let feed = Feed {
-            rate: feed_rate_grains_per_s,
-            drop_height: from_mm(drop_height_mm),
-            spout_radius: from_mm(spout_diameter_mm) / 2.0,
+            rate: Rate::Grains(feed_rate_grains_per_s),
+            outlet: Outlet::Spout {
+                drop_height: from_mm(drop_height_mm),
+                radius: from_mm(spout_diameter_mm) / 2.0,
+            },
+            grains: None,
             gravity,
         };
         let course = Course { feed: Some(feed), ..Course::until_settled(time_limit_s) };
@@ -336,6 +352,6 @@ impl<'a> Laboratory<'a> {
     }
 }
 
-fn not_settled(what: &str, limit: f64) -> String {
+pub(super) fn not_settled(what: &str, limit: f64) -> String {
     format!("after {limit} s of {what} the grains had not settled by the stated criterion")
 }

@@ -1,5 +1,7 @@
 //! The test stand: a world built from a specimen, and the one loop that steps it.
 
+mod driven;
+
 use std::{
     collections::HashMap,
     sync::{
@@ -13,6 +15,7 @@ use super::{
     Midway, Moment, Observer, Setup, StageError, StageOutcome, base,
     bodies::{free_grain, level, moved, remembered, wall_piece},
     feeder::Feeder,
+    pieces::{Drive, Pieces},
     plausible::check,
     segments::{segment_steps, steps_a_check},
     watch::{Finding, Tally, steps_a_look},
@@ -51,6 +54,7 @@ pub(super) struct Stand<'a> {
     parties: HashMap<Party, BodyId>,
     /// Bodies standing on the table, with their poses at rest.
     on_table: Vec<(BodyId, Pose)>,
+    pieces: Pieces,
     whereabouts: Whereabouts,
     check: RunTimeCheck,
     snapshot: Snapshot,
@@ -86,6 +90,7 @@ impl<'a> Stand<'a> {
         make_world: WorldMaker,
         grains: Arc<GrainSet>,
         of_plate: TopPlate,
+        drive: Option<Drive>,
         mut midway: Midway,
     ) -> Result<Self, StageError> {
         let nothing = SpecimenState::before_everything(0);
@@ -112,7 +117,7 @@ impl<'a> Stand<'a> {
 
         let mut on_table = Vec::new();
         let mut parties = HashMap::new();
-        let mut build = || -> Result<_, WorldError> {
+        let build = || -> Result<_, WorldError> {
             if state.cylinder {
                 for (n, piece) in setup.cylinder.pieces.iter().enumerate() {
                     let mut body = wall_piece(piece, Motion::Kinematic);
@@ -154,9 +159,15 @@ impl<'a> Stand<'a> {
                 };
                 grains.push(id);
             }
-            Ok((plate, grains))
+            let began = &midway.pieces_began;
+            let world = world.as_mut();
+            let pieces = Pieces::add(world, setup, state, began, drive, &mut parties)?;
+            if under_way {
+                pieces.recall(world, midway.steps)?;
+            }
+            Ok((plate, grains, pieces))
         };
-        let (plate, grains) = build().map_err(|source| fail(source, &specimen))?;
+        let (plate, grains, pieces) = build().map_err(|source| fail(source, &specimen))?;
         parties.extend(plate.map(|id| (Party::Other(Other::TopPlate), id)));
         let present = grains.iter().enumerate();
         parties.extend(present.filter_map(|(n, id)| Some((Party::Grain(n), (*id)?))));
@@ -169,6 +180,9 @@ impl<'a> Stand<'a> {
             state.base.as_ref().map(|b| b.radius),
             wall,
         );
+        if !setup.pieces.is_empty() {
+            whereabouts.floor_at(pieces.lowest());
+        }
         if under_way {
             // Whoever leaves must have been seen inside.
             for index in specimen.present() {
@@ -185,6 +199,7 @@ impl<'a> Stand<'a> {
             of_plate,
             parties,
             on_table,
+            pieces,
             whereabouts,
             check: check(setup, 0.0),
             snapshot: Snapshot::new(),
@@ -217,7 +232,7 @@ impl<'a> Stand<'a> {
             .filter(|n| *n < check_every);
         let mut settled = false;
         let table_velocity = |time: f64| motion.map_or(Vector::zeros(), |m| m.velocity(time, dt));
-        let peak = motion.map_or(0.0, |m| m.peak_speed_in_steps(dt));
+        let peak = motion.map_or(self.pieces.peak_speed(self.setup), |m| m.peak_speed_in_steps(dt));
         self.check = check(self.setup, peak);
         self.begin_watch((peak, table_velocity(self.midway.steps as f64 * dt)));
         if self.midway.steps == 0 {
@@ -232,11 +247,13 @@ impl<'a> Stand<'a> {
             if let Some(motion) = motion {
                 self.move_table(motion.displacement(time))?;
             }
+            self.move_pieces(time)?;
             let started = Instant::now();
             let stepped = self.world.step();
             self.midway.engine_s += started.elapsed().as_secs_f64();
             self.midway.steps = step;
             stepped.map_err(|source| self.failed(source))?;
+            self.pieces.gather(self.world.as_ref(), &self.specimen.state);
 
             let due = time >= self.midway.next_sample_s - dt / 2.0;
             let sample = due || step == last_step || Some(step) == shaken;
@@ -269,6 +286,7 @@ impl<'a> Stand<'a> {
                 if due {
                     self.midway.next_sample_s += self.setup.sample_interval;
                 }
+                self.pieces.take_loads(&mut self.specimen.state, dt);
                 self.midway.residuals.extend(self.world.solver_residual());
                 let moment = Moment { stage_time: time, table_velocity: table_velocity(time) };
                 observer.observe(&self.specimen, moment);
@@ -277,7 +295,9 @@ impl<'a> Stand<'a> {
                 break;
             }
             if let Some(feeder) = feeder.as_deref_mut().filter(|_| step < last_step) {
-                for (grain, pose) in feeder.due(&self.specimen, time) {
+                let state = &self.specimen.state;
+                let clear = |at: &Vector, r: f64| self.pieces.solids().is_clear(at, r, state);
+                for (grain, pose) in feeder.due(&self.specimen, time, &clear) {
                     self.let_go(grain, pose)?;
                 }
             }
@@ -369,31 +389,6 @@ impl<'a> Stand<'a> {
         StageError::World { source, last_good: Box::new(self.specimen.clone()) }
     }
 
-    fn move_table(&mut self, to: Vector) -> Result<(), StageError> {
-        for (id, at_rest) in &self.on_table {
-            if let Err(source) = self.world.drive(*id, &moved(at_rest, &to)) {
-                return Err(self.failed(source));
-            }
-        }
-        self.specimen.state.set_table(to);
-        Ok(())
-    }
-
-    /// Tells a world in which a shaken stage goes on how the table has moved.
-    fn recall_table(&mut self, motion: &TableMotion) -> Result<(), StageError> {
-        let dt = self.world.time_step();
-        let steps = self.midway.steps;
-        let place = |step: u64| motion.displacement(step as f64 * dt);
-        let ends = [2, 1, 0].map(|ago| steps.checked_sub(ago).map_or(Vector::zeros(), place));
-        for (id, at_rest) in &self.on_table {
-            let ends = ends.map(|at| moved(at_rest, &at));
-            if let Err(source) = self.world.recall_drive(*id, &ends) {
-                return Err(self.failed(source));
-            }
-        }
-        Ok(())
-    }
-
     /// Begins to watch the bodies as the specimen has them; the table's peak
     /// speed and its velocity now in m/s.
     fn begin_watch(&mut self, table: (f64, Vector)) {
@@ -429,6 +424,7 @@ impl<'a> Stand<'a> {
             return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
         }
         let now = self.tally();
+        self.note_work();
         let watch = &mut self.midway.watch;
         watch.checks += 1;
         let finding = match watch.look(&now, table, self.midway.began_s + time) {
@@ -440,16 +436,20 @@ impl<'a> Stand<'a> {
         };
         let mut gone = false;
         let table_x = self.specimen.state.table_x;
-        for (index, slot) in self.grains.iter_mut().enumerate() {
-            let Some(id) = *slot else { continue };
+        for index in 0..self.grains.len() {
+            let Some(id) = self.grains[index] else { continue };
             let Some(body) = self.snapshot[id.0 as usize] else { continue };
             let place = level(body.pose.translation.vector, &self.specimen.state);
             let state = &mut self.specimen.state.bodies[index];
             state.body = body;
-            let fate = self.whereabouts.note(index, &place, table_x);
+            let mut fate = self.whereabouts.note(index, &place, table_x);
+            if fate == Fate::Present && self.is_in_a_piece(&body.pose.translation.vector) {
+                fate = Fate::ThroughWall;
+            }
+            let state = &mut self.specimen.state.bodies[index];
             if fate != Fate::Present {
                 state.fate = fate;
-                *slot = None;
+                self.grains[index] = None;
                 gone = true;
                 if let Err(source) = self.world.remove(id) {
                     return Err(StageError::World {
@@ -477,22 +477,5 @@ impl<'a> Stand<'a> {
             self.midway.watch.taken_away(left);
         }
         Ok(finding)
-    }
-
-    /// Whether every body is slow enough to count as settled just now.
-    fn calm(&self) -> bool {
-        let limits = &self.setup.settle;
-        let state = &self.specimen.state;
-        let present = state.bodies.iter().filter(|g| g.fate == Fate::Present).map(|g| &g.body);
-        let (mut squares, mut count, mut largest) = (0.0, 0u32, 0.0_f64);
-        for body in present.chain(state.top_plate.as_ref()) {
-            let square = body.linear_velocity.norm_squared();
-            squares += square;
-            count += 1;
-            largest = largest.max(square);
-        }
-        count > 0
-            && (squares / f64::from(count)).sqrt() <= limits.rms_speed
-            && largest.sqrt() <= limits.largest_speed
     }
 }

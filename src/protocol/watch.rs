@@ -158,6 +158,13 @@ impl Watch {
         }
     }
 
+    /// Takes work in J into account that pieces did on the bodies.
+    pub(super) fn given(&mut self, work: f64) {
+        if let Some(budget) = &mut self.budget {
+            budget.energy += work;
+        }
+    }
+
     /// Goes on from what there is after bodies were taken away.
     pub(super) fn taken_away(&mut self, left: Tally) {
         if let Some(budget) = &mut self.budget {

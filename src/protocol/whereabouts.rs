@@ -60,6 +60,11 @@ impl Whereabouts {
         }
     }
 
+    /// Lowers the floor to a height in m, that of the pieces of a laboratory.
+    pub(super) fn floor_at(&mut self, height: f64) {
+        self.floor = height;
+    }
+
     /// Height in m below which no grain is seen: it is taken away there.
     pub(super) fn lowest(&self) -> f64 {
         self.floor - self.fall_below

@@ -16,8 +16,8 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{
-    AskedStage, FRAMES_FILE, FileError, FrameWriter, OverlapWatch, SeriesRow, StageIdentity,
-    create_folder,
+    AskedStage, FRAMES_FILE, FileError, FrameWriter, LaboratorySeries, OverlapWatch, SeriesRow,
+    StageIdentity, create_folder,
     frames::FramesSoFar,
     hash_bytes,
     lock::{Asked, ask_alone, has_name},
@@ -51,6 +51,8 @@ pub struct Observed {
     pub reference: Reference,
     /// What was seen of the overlap of grains.
     pub overlap: OverlapWatch,
+    /// What was observed of a laboratory of pieces.
+    pub laboratory: LaboratorySeries,
     /// Wall time in s.
     pub wall_s: f64,
 }
@@ -76,6 +78,8 @@ struct Stored {
     series_csv: String,
     reference: Reference,
     overlap: OverlapWatch,
+    #[serde(default, skip_serializing_if = "LaboratorySeries::is_empty")]
+    laboratory: LaboratorySeries,
     frames: Option<FramesSoFar>,
     wall_s: f64,
 }
@@ -129,8 +133,8 @@ impl Checkpoints {
     ///
     /// # Errors
     /// When it cannot be made.
-    pub fn frames(&self, grains: usize) -> Result<FrameWriter, FileError> {
-        FrameWriter::staying(&self.folder.join(FRAMES_FILE), grains)
+    pub fn frames(&self, grains: usize, pieces: usize) -> Result<FrameWriter, FileError> {
+        FrameWriter::staying(&self.folder.join(FRAMES_FILE), grains, pieces)
     }
 
     /// The last checkpoint that is sound, of this stage and plausible, with its
@@ -185,6 +189,7 @@ impl Checkpoints {
                 rows: rows.map_err(|e| unread(e.to_string()))?,
                 reference: stored.reference,
                 overlap: stored.overlap,
+                laboratory: stored.laboratory,
                 wall_s: stored.wall_s,
             },
             frames,
@@ -211,6 +216,7 @@ impl Checkpoints {
             series_csv: String::from_utf8(series).map_err(|e| refused(e.to_string()))?,
             reference: observed.reference,
             overlap: observed.overlap,
+            laboratory: observed.laboratory.clone(),
             frames: frames.map(FrameWriter::so_far).transpose()?,
             wall_s: observed.wall_s,
         };
@@ -358,6 +364,7 @@ pub(super) mod tests {
             fed: None,
             part: 0,
             part_began: 0,
+            pieces_began: Vec::new(),
         }
     }
 
@@ -372,6 +379,7 @@ pub(super) mod tests {
             rows: Vec::new(),
             reference: Reference::default(),
             overlap: OverlapWatch::default(),
+            laboratory: LaboratorySeries::default(),
             wall_s: 0.0,
         };
         checkpoints.keep(midway, &observed, None).expect("kept");

@@ -12,6 +12,8 @@
 //! | 20 | centroid and orientation of the top plate, as of a grain |
 //! | 20 a grain | centroid in m as three 32-bit floats, NaN for a grain that is no longer there; orientation as a unit quaternion x, y, z, w in 16-bit integers of 1/32767 |
 //!
+//! With pieces it begins `PLUVFRM2`, the highest byte of that integer counts them, and they follow the grains.
+//!
 //! A quaternion's rounding turns a grain by less than 0.003°.
 
 use std::{
@@ -39,6 +41,9 @@ use crate::specimen::{Base, Fate, FunnelState, SpecimenState};
 pub const FRAMES_FILE: &str = "frames.bin";
 
 const MAGIC: &[u8; 8] = b"PLUVFRM1";
+const MAGIC_WITH_PIECES: &[u8; 8] = b"PLUVFRM2";
+/// The bit from which the number of pieces stands.
+const PIECES_FROM: u32 = 24;
 const HEAD: usize = 12;
 const PLACE: usize = 20;
 const BEFORE_GRAINS: usize = 20 + PLACE;
@@ -65,6 +70,8 @@ pub struct Frame {
     pub top_plate: Option<Pose>,
     /// Pose of each grain's principal frame; none where it was no longer there.
     pub grains: Vec<Option<Pose>>,
+    /// Frame of each piece of a laboratory; none where it was removed.
+    pub pieces: Vec<Option<Pose>>,
 }
 
 impl Frame {
@@ -80,6 +87,7 @@ impl Frame {
             table_x: state.table_x,
             top_plate: state.top_plate.map(|plate| plate.pose),
             grains: state.bodies.iter().map(grain).collect(),
+            pieces: state.pieces.iter().map(|p| p.present.then_some(p.pose)).collect(),
         }
     }
 
@@ -103,14 +111,17 @@ impl Frame {
         let opening = self.funnel.map_or(0.0, |f| f.opening_height);
         out.write_all(&(opening as f32).to_le_bytes())?;
         write_place(self.top_plate.as_ref(), out)?;
-        self.grains.iter().try_for_each(|grain| write_place(grain.as_ref(), out))
+        self.grains
+            .iter()
+            .chain(&self.pieces)
+            .try_for_each(|grain| write_place(grain.as_ref(), out))
     }
 
     /// One of which every number can be of a frame.
-    fn sound(bytes: &[u8]) -> Result<Self, String> {
-        let frame = Self::read(bytes);
+    fn sound(bytes: &[u8], grains: usize) -> Result<Self, String> {
+        let frame = Self::read(bytes, grains);
         let opening = frame.funnel.map_or(0.0, |funnel| funnel.opening_height);
-        let poses = frame.grains.iter().flatten().chain(&frame.top_plate);
+        let poses = frame.grains.iter().chain(&frame.pieces).flatten().chain(&frame.top_plate);
         let farthest = poses.map(|pose| pose.translation.vector.amax());
         let mut numbers = farthest.chain([frame.time, frame.table_x, opening]);
         match numbers.find(|number| !(number.abs() <= LARGEST)) {
@@ -119,7 +130,8 @@ impl Frame {
         }
     }
 
-    fn read(bytes: &[u8]) -> Self {
+    fn read(bytes: &[u8], grains: usize) -> Self {
+        let places = || bytes[BEFORE_GRAINS..].chunks_exact(PLACE).map(read_place);
         let there = u32::from_le_bytes(four(bytes, 8));
         let is = |flag| there & flag != 0;
         let mut time = [0; 8];
@@ -134,7 +146,8 @@ impl Frame {
             base: None,
             table_x: f64::from(f32::from_le_bytes(four(bytes, 12))),
             top_plate: is(TOP_PLATE).then(|| read_place(&bytes[20..])).flatten(),
-            grains: bytes[BEFORE_GRAINS..].chunks_exact(PLACE).map(read_place).collect(),
+            grains: places().take(grains).collect(),
+            pieces: places().skip(grains).collect(),
         }
     }
 }
@@ -212,22 +225,22 @@ impl FrameWriter {
     ///
     /// # Errors
     /// When it cannot be made.
-    pub fn new(folder: &Path, grains: usize) -> Result<Self, FileError> {
+    pub fn new(folder: &Path, grains: usize, pieces: usize) -> Result<Self, FileError> {
         let refused = |e| FileError::new("create a file in", folder, e);
         let file =
             tempfile::Builder::new().prefix(".part-").tempfile_in(folder).map_err(refused)?;
         let (file, path) = file.into_parts();
-        Self::begin(file, Place::Temporary(path), grains).map_err(refused)
+        Self::begin(file, Place::Temporary(path), grains, pieces).map_err(refused)
     }
 
     /// Begins a file that stays where it is when the stage is interrupted, in
     /// place of what may be there.
-    pub(super) fn staying(path: &Path, grains: usize) -> Result<Self, FileError> {
+    pub(super) fn staying(path: &Path, grains: usize, pieces: usize) -> Result<Self, FileError> {
         let refused = |e| FileError::new("create", path, e);
         // What is there may be a stored stage's by another name: it is not emptied.
         let _ = fs::remove_file(path);
         let file = File::create(path).map_err(refused)?;
-        Self::begin(file, Place::Staying(path.to_owned()), grains).map_err(refused)
+        Self::begin(file, Place::Staying(path.to_owned()), grains, pieces).map_err(refused)
     }
 
     /// Goes on with such a file where a segment had ended; what was written since is
@@ -250,10 +263,10 @@ impl FrameWriter {
         Self { out, place, hash, length, frame: Vec::new(), fault: None }
     }
 
-    fn begin(file: File, place: Place, grains: usize) -> io::Result<Self> {
+    fn begin(file: File, place: Place, grains: usize, pieces: usize) -> io::Result<Self> {
         let mut writer = Self::of(file, place, Sha256::new(), 0);
-        let mut head = MAGIC.to_vec();
-        head.extend((grains as u32).to_le_bytes());
+        let mut head = if pieces > 0 { MAGIC_WITH_PIECES } else { MAGIC }.to_vec();
+        head.extend((grains as u32 | (pieces as u32) << PIECES_FROM).to_le_bytes());
         writer.write(&head)?;
         Ok(writer)
     }
@@ -339,8 +352,8 @@ pub(super) fn read_frame_ends(path: &Path, sha256: &str) -> Result<Vec<Frame>, F
     let mut head = Vec::new();
     (&mut file).take(HEAD as u64).read_to_end(&mut head).map_err(unread)?;
     let unusable = |why| FileError::unfit(path, why);
-    let length = frame_length(&head).map_err(unusable)? as u64;
-    let body = size.saturating_sub(HEAD as u64);
+    let (frame, grains) = frame_length(&head).map_err(unusable)?;
+    let (length, body) = (frame as u64, size.saturating_sub(HEAD as u64));
     if body % length != 0 {
         return Err(unusable("its last frame is cut off".to_owned()));
     }
@@ -350,30 +363,33 @@ pub(super) fn read_frame_ends(path: &Path, sha256: &str) -> Result<Vec<Frame>, F
     let mut frames = Vec::new();
     for n in wanted.into_iter().filter(|n| *n < count) {
         // Only now is the length that the head gives known to be there.
-        let mut bytes = vec![0; length as usize];
+        let mut bytes = vec![0; frame];
         file.seek(SeekFrom::Start(HEAD as u64 + n * length)).map_err(unread)?;
         file.read_exact(&mut bytes).map_err(unread)?;
-        frames.push(Frame::sound(&bytes).map_err(unusable)?);
+        frames.push(Frame::sound(&bytes, grains).map_err(unusable)?);
     }
     Ok(frames)
 }
 
-/// Bytes of a frame, by the head of its file.
-fn frame_length(head: &[u8]) -> Result<usize, String> {
-    if head.len() < HEAD || &head[..8] != MAGIC {
+/// Bytes of a frame and its number of grains, by the head of its file.
+fn frame_length(head: &[u8]) -> Result<(usize, usize), String> {
+    let with_pieces = head.starts_with(MAGIC_WITH_PIECES);
+    if head.len() < HEAD || !(with_pieces || head.starts_with(MAGIC)) {
         return Err("it does not begin as frames do".to_owned());
     }
-    Ok(BEFORE_GRAINS + PLACE * u32::from_le_bytes(four(head, 8)) as usize)
+    let number = u32::from_le_bytes(four(head, 8));
+    let pieces = if with_pieces { number >> PIECES_FROM } else { 0 };
+    let grains = (number - (pieces << PIECES_FROM)) as usize;
+    Ok((BEFORE_GRAINS + PLACE * (grains + pieces as usize), grains))
 }
 
 fn frames_of(bytes: &[u8]) -> Result<Vec<Frame>, String> {
-    let length = frame_length(bytes)?;
-    let grains = (length - BEFORE_GRAINS) / PLACE;
+    let (length, grains) = frame_length(bytes)?;
     let frames = bytes[HEAD..].chunks_exact(length);
     if !frames.remainder().is_empty() {
         return Err(format!("its last frame of {grains} grains is cut off"));
     }
-    frames.map(Frame::sound).collect()
+    frames.map(|frame| Frame::sound(frame, grains)).collect()
 }
 
 #[cfg(test)]
@@ -391,6 +407,7 @@ mod tests {
             table_x: -0.015625,
             top_plate: Some(pose(0.5)),
             grains: vec![Some(pose(0.031)), None, Some(pose(-0.04))],
+            pieces: Vec::new(),
         }
     }
 

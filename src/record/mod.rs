@@ -6,6 +6,7 @@ mod checks;
 mod frames;
 mod hash;
 mod identity;
+mod laboratory;
 mod left_out;
 mod lock;
 mod run;
@@ -28,6 +29,10 @@ pub use checks::{CheckSummary, Checks, OverlapWatch, StageChecks};
 pub use frames::{FRAMES_FILE, Frame, FrameWriter};
 pub use hash::{hash_bytes, hash_json};
 pub use identity::{AskedStage, StageEnd, StageIdentity};
+pub use laboratory::{
+    Balance, LaboratoryRow, LaboratorySeries, LaboratorySummary, OpeningSummary, PieceRow,
+    PieceSummary, RegionSummary, with_laboratory,
+};
 pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words};
 pub use run::{RunKind, RunRecord, run_file};
 pub use sealed::{Beside, keep_beside};

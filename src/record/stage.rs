@@ -5,8 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    FRAMES_FILE, FileError, SeriesRow, StageChecks, StageEnd, StageIdentity, hash::hash_file,
-    hash_json, identity::short, read_json, read_unchanged, series_from_csv,
+    FRAMES_FILE, FileError, LaboratoryRow, SeriesRow, StageChecks, StageEnd, StageIdentity,
+    hash::hash_file, hash_json, identity::short, read_json, read_unchanged, series_from_csv,
 };
 use crate::protocol::Settling;
 use crate::specimen::SpecimenState;
@@ -62,6 +62,9 @@ pub struct StageRecord {
     /// vibration of the run began; none before.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub before_vibration_mm: Option<(Option<f64>, f64)>,
+    /// What was observed of a laboratory of pieces, beside the rows of the series.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub laboratory: Vec<LaboratoryRow>,
     /// What the specimen was at the end; none where it was stored before this
     /// was recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]

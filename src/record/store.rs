@@ -77,8 +77,8 @@ impl StageStore {
     ///
     /// # Errors
     /// When the file cannot be made.
-    pub fn frames(&self, grains: usize) -> Result<Option<FrameWriter>, FileError> {
-        self.frames.then(|| FrameWriter::new(&self.root, grains)).transpose()
+    pub fn frames(&self, grains: usize, pieces: usize) -> Result<Option<FrameWriter>, FileError> {
+        self.frames.then(|| FrameWriter::new(&self.root, grains, pieces)).transpose()
     }
 
     /// The checkpoints of a stage that is to be run; none where another

@@ -52,7 +52,7 @@ fn made() -> StoredStage {
 fn store_one(root: &Path) -> (StageStore, StoredStage, PathBuf) {
     let store = StageStore::open(root).expect("a store").with_frames(true);
     let stage = made();
-    let mut frames = store.frames(2).expect("a file").expect("frames are kept");
+    let mut frames = store.frames(2, 0).expect("a file").expect("frames are kept");
     frames.add(&stage.state, 0.0);
     frames.add(&stage.state, 0.08);
     let identity = named("rest", 1);

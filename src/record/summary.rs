@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Checks, ShapeSummary, SieveSummary};
+use super::{Checks, LaboratorySummary, ShapeSummary, SieveSummary};
 use crate::motion::MotionFacts;
 use crate::protocol::Settling;
 use crate::world::BackendInfo;
@@ -97,6 +97,9 @@ pub struct Summary {
     /// has no flanks, and `warnings` say why.
     #[serde(default)]
     pub angle_of_repose: Option<AngleOfRepose>,
+    /// Loads, flows and void ratios of a laboratory of pieces; none of the built-in apparatus.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub laboratory: Option<LaboratorySummary>,
     /// Overlap of grains at the end, exact, measured outside the engine.
     pub overlap: Overlap,
     /// Mean number of grains touching a grain.

@@ -2,13 +2,17 @@
 
 use std::sync::Arc;
 
+use nalgebra::Unit;
 use serde_json::Value;
 
 use super::{
     Grading, GrainsSpec, InterpolationKind, Scenario, SieveFraction, StageSpec, StartPoint,
     StrokeKind, WaveformKind, stages::half_turn,
 };
-use crate::motion::{Interpolation, RecordedMotion, Start, TableMotion, Vertical, Waveform};
+use crate::geometry::{Point, Vector};
+use crate::motion::{
+    Interpolation, Path, PieceMotion, RecordedMotion, Start, TableMotion, Vertical, Waveform,
+};
 use crate::scale::Scale;
 use crate::units::{from_g, from_mm};
 
@@ -60,6 +64,9 @@ impl StageSpec {
             Self::Pour { .. } => "pour",
             Self::PlaceTopPlate { .. } => "place_top_plate",
             Self::Vibrate { .. } => "vibrate",
+            Self::Deposit { .. } => "deposit",
+            Self::Move { .. } => "move",
+            Self::Remove { .. } => "remove",
             Self::Rest { .. } => "rest",
         }
     }
@@ -130,11 +137,53 @@ impl StageSpec {
         })
     }
 
+    /// How pieces move in a stage that moves them; `None` of every other stage, and where
+    /// the fields make no motion, which the checks of a scenario refuse.
+    pub fn piece_motion(&self) -> Option<PieceMotion> {
+        let Self::Move {
+            velocity_mm_per_s,
+            rotation,
+            sine,
+            duration_s,
+            travel_mm,
+            travel_deg,
+            ramp_s: ramp,
+            ..
+        } = *self
+        else {
+            return None;
+        };
+        let (path, travel) = match (velocity_mm_per_s, rotation, sine) {
+            (Some(velocity), None, None) => {
+                let velocity = Vector::from(velocity.map(from_mm));
+                (Path::Velocity(velocity), travel_mm.map(|mm| from_mm(mm) / velocity.norm()))
+            }
+            (None, Some(turn), None) => {
+                let axis = Unit::try_new(Vector::from(turn.axis), 0.0)?;
+                let about = Point::from(turn.about_mm.map(from_mm));
+                let speed = turn.deg_per_s.to_radians();
+                let travel = travel_deg.map(|deg| (deg / turn.deg_per_s).abs());
+                (Path::Rotation { axis, about, speed }, travel)
+            }
+            (None, None, Some(sine)) => {
+                let amplitude = Vector::from(sine.amplitude_mm.map(from_mm));
+                (Path::Sine { amplitude, frequency: sine.frequency_hz }, None)
+            }
+            _ => return None,
+        };
+        // While it grows and dies away it covers half as much as at full speed.
+        let duration = duration_s.or(travel.map(|time| time + ramp))?;
+        let sound = duration > 0.0 && duration.is_finite() && 2.0 * ramp <= duration;
+        sound.then_some(PieceMotion { path, duration, ramp })
+    }
+
     /// Longest time in s that a vibration may take to come to rest after its last period; 0 of
     /// every other stage.
     pub fn settle_limit(&self) -> f64 {
         match self {
-            Self::Vibrate { settle_limit_s, .. } => *settle_limit_s,
+            Self::Vibrate { settle_limit_s, .. } | Self::Move { settle_limit_s, .. } => {
+                *settle_limit_s
+            }
             _ => 0.0,
         }
     }
@@ -154,6 +203,10 @@ impl StageSpec {
             | Self::SlowPluviation { time_limit_s, .. }
             | Self::Pour { time_limit_s, .. }
             | Self::PlaceTopPlate { time_limit_s, .. } => self.settlings() * time_limit_s,
+            Self::Deposit { time_limit_s, .. } | Self::Remove { time_limit_s, .. } => time_limit_s,
+            Self::Move { settle_limit_s, .. } => {
+                self.piece_motion().map_or(0.0, |m| m.duration) + settle_limit_s
+            }
             Self::Rest { duration_s } => duration_s,
             Self::Vibrate { settle_limit_s, .. } => {
                 self.motion().map_or(0.0, |m| m.total()) + settle_limit_s

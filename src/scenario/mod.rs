@@ -18,14 +18,17 @@ mod meshes;
 mod motion_file;
 mod native;
 mod overrides;
+mod pieces;
 mod rapier;
 mod renamed;
 mod schema;
+mod sizes_of_pieces;
 mod source;
 mod stages;
 mod stock;
 mod structure;
 mod unusual;
+mod unusual_pieces;
 mod validate;
 
 pub use automatic::Grading;
@@ -38,6 +41,10 @@ pub use load::{GradingOf, Loaded, check, gathered, load_grains_with, load_with};
 pub use meshes::{MeshGrains, MeshUnit};
 pub use native::{NativeSettings, automatic_threads};
 pub use overrides::{NotAnOverride, Override};
+pub use pieces::{
+    BoxSide, BoxSpec, CylinderPieceSpec, DepositKind, DiscSpec, DrumSpec, HopperSpec, MeasuresSpec,
+    OpeningSpec, PieceSpec, PlateSpec, RegionSpec, RotationSpec, ShapeSpec, SineSpec, WedgeSpec,
+};
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
 pub use stages::{
@@ -74,6 +81,13 @@ pub struct Scenario {
     /// Funnel, cylinder, top plate.
     #[serde(default)]
     pub apparatus: ApparatusSpec,
+    /// Pieces of an apparatus of its own, in place of funnel, cylinder and top plate.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 100))]
+    pub pieces: Vec<PieceSpec>,
+    /// What is measured of such an apparatus beside the forces on its pieces.
+    #[serde(default, skip_serializing_if = "MeasuresSpec::is_empty")]
+    pub measures: MeasuresSpec,
     /// Friction and restitution of each pair of surfaces.
     #[serde(default)]
     pub contact: ContactSpec,

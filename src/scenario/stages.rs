@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::pieces::{DepositKind, RotationSpec, SineSpec};
+
 /// What the stated amplitude of a sinusoid means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -260,6 +262,94 @@ pub enum StageSpec {
         #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 600.0))]
         settle_limit_s: f64,
     },
+    /// Let grains that are waiting fall into the laboratory: all of them, or as many as are
+    /// asked for, from above an area. It may be done again and again, in layers.
+    Deposit {
+        /// Whether they rain at a rate, or begin at rest on a lattice.
+        #[serde(default)]
+        how: DepositKind,
+        /// Middle of the area in mm. Grains begin at its height, those of a lattice from
+        /// there upwards.
+        at_mm: [f64; 3],
+        /// Sizes of a rectangular area along x and y in mm.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "[f64; 2]")]
+        area_mm: Option<[f64; 2]>,
+        /// Diameter of a round area in mm, in place of `area_mm`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+        diameter_mm: Option<f64>,
+        /// Mass in g that is let go in a second; rain needs it. A grain waits where others
+        /// are still in its way.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
+        rate_g_per_s: Option<f64>,
+        /// Mass in g of the layer; left out, all that is waiting.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
+        mass_g: Option<f64>,
+        /// Takes only grains of the sieve fractions that lie between these two openings in mm,
+        /// the finer first: a layer of grains of its own.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "[f64; 2]")]
+        sizes_mm: Option<[f64; 2]>,
+        /// Ends when all of them have been let go and everything has settled, at the latest
+        /// after this time.
+        #[serde(default = "deposit_limit")]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
+        time_limit_s: f64,
+    },
+    /// Move pieces as prescribed, then let everything come to rest where that is asked for.
+    Move {
+        /// Names of the pieces that move as one; left out, all that stand.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        pieces: Vec<String>,
+        /// Velocity along x, y and z in mm/s.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "[f64; 3]")]
+        velocity_mm_per_s: Option<[f64; 3]>,
+        /// A turn about an axis, in place of a velocity.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "RotationSpec")]
+        rotation: Option<RotationSpec>,
+        /// A sine, in place of a velocity.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "SineSpec")]
+        sine: Option<SineSpec>,
+        /// How long they move, in s; or `travel_mm`, or `travel_deg`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
+        duration_s: Option<f64>,
+        /// The displacement in mm after which a velocity ends.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 100000.0))]
+        travel_mm: Option<f64>,
+        /// The angle in degrees after which a rotation ends.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
+        travel_deg: Option<f64>,
+        /// Time in s in which the motion grows from nothing along half a cosine, and dies
+        /// away at its end; 0: it starts and stops abruptly.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 1800.0))]
+        ramp_s: f64,
+        /// Longest time in s in which everything comes to rest afterwards; 0: the stage ends
+        /// with the motion.
+        #[serde(default)]
+        #[schemars(range(min = 0.0, max = 600.0))]
+        settle_limit_s: f64,
+    },
+    /// Take pieces away, a gate for instance, and let the grains flow until everything has
+    /// settled.
+    Remove {
+        /// Names of the pieces.
+        #[schemars(length(min = 1, max = 100))]
+        pieces: Vec<String>,
+        /// Ends when everything has settled, at the latest after this time.
+        #[serde(default = "deposit_limit")]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
+        time_limit_s: f64,
+    },
     /// Wait with nothing moving.
     Rest {
         /// Length in s.
@@ -285,6 +375,9 @@ pub(super) fn slow_limit() -> f64 {
 }
 pub(super) fn pour_limit() -> f64 {
     6.0
+}
+pub(super) fn deposit_limit() -> f64 {
+    10.0
 }
 pub(super) fn place_limit() -> f64 {
     1.5

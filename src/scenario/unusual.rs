@@ -8,6 +8,7 @@ use super::{
     Backend, ContactSolver, EngineSettings, Fault, Grading, NativeSettings, Scenario,
     accessors::field as field_at,
     automatic::{self, RATE, STIFFNESS, largest_stress, stiffness},
+    unusual_pieces::unusual_pieces,
     validate::{fault, short},
 };
 use crate::scale::{Law, Scale};
@@ -24,10 +25,10 @@ const OVERLAP_OF_STRESS: f64 = 2.2;
 const OVERLAP_ALLOWED: f64 = 0.03;
 
 /// Void ratio of a very loose specimen: more than the cylinder holds then may go over its rim.
-const LOOSE: f64 = 1.1;
+pub(super) const LOOSE: f64 = 1.1;
 
 /// Opening of a funnel or a cylinder in median grain sizes below which it jams now and then.
-const JAMS_BELOW: f64 = 5.0;
+pub(super) const JAMS_BELOW: f64 = 5.0;
 
 /// What is typed in a scenario, of which `value` is the JSON, and does not suit its grains.
 pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
@@ -43,6 +44,7 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
     if let Some(grading) = grading {
         unusual_load(scenario, value, &grading, &scale, &mut found);
         unusual_apparatus(scenario, &grading, &mut found);
+        unusual_pieces(scenario, &grading, &mut found);
     }
     found
 }

@@ -49,6 +49,10 @@ impl Begun {
             return Err(unfit("it is a specimen of other grains".to_owned()).into());
         }
         state.check(grains.grains.len()).map_err(unfit)?;
+        if state.pieces.len() != setup.pieces.len() {
+            let (there, asked) = (state.pieces.len(), setup.pieces.len());
+            return Err(unfit(format!("it has {there} pieces, the scenario {asked}")).into());
+        }
         let specimen = Specimen { grains: grains.clone(), state };
         plausible(setup, &specimen, 0.0, 0.0).map_err(unfit)?;
         let recorded = record.end.ok_or_else(|| unfit("it does not say how it ended".into()))?;

@@ -66,7 +66,16 @@ pub(super) fn midway(node: &Node, before: &SpecimenState, midway: &Midway) -> Re
 /// Peak speed of the table in a node's stage, in m/s.
 fn table_peak(node: &Node) -> f64 {
     let step = 1.0 / node.setup.engine.rate_hz;
-    node.stage.motion().map_or(0.0, |motion| motion.peak_speed_in_steps(step))
+    let table = node.stage.motion().map_or(0.0, |motion| motion.peak_speed_in_steps(step));
+    let pieces = node.stage.piece_motion().map_or(0.0, |motion| {
+        let farthest = node
+            .setup
+            .pieces
+            .iter()
+            .map(|piece| motion.from_axis(&piece.at.translation.vector.into()) + piece.radius);
+        motion.peak_speed(farthest.fold(0.0, f64::max))
+    });
+    table.max(pieces)
 }
 
 /// When a stage began, in s; slow pluviation begins everything.
@@ -94,7 +103,11 @@ fn stands(stage: &StageSpec, before: &SpecimenState, after: &SpecimenState) -> R
         StageSpec::SlowPluviation { .. } => (None, false, false, true),
         StageSpec::Pour { .. } => (None, true, plate, base),
         StageSpec::PlaceTopPlate { .. } => (funnel, cylinder, true, base),
-        StageSpec::Vibrate { .. } | StageSpec::Rest { .. } => (funnel, cylinder, plate, base),
+        StageSpec::Vibrate { .. }
+        | StageSpec::Deposit { .. }
+        | StageSpec::Move { .. }
+        | StageSpec::Remove { .. }
+        | StageSpec::Rest { .. } => (funnel, cylinder, plate, base),
     };
     if pieces(after) == expected {
         return Ok(());

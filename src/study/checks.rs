@@ -27,6 +27,9 @@ const TYPED: f64 = 1e-3;
 fn judged_throughout(stage: &StageSpec) -> bool {
     match stage {
         StageSpec::FillFunnel { .. }
+        | StageSpec::Deposit { .. }
+        | StageSpec::Move { .. }
+        | StageSpec::Remove { .. }
         | StageSpec::SlowPluviation { .. }
         | StageSpec::Pour { .. } => false,
         StageSpec::PlaceTopPlate { .. } | StageSpec::Vibrate { .. } | StageSpec::Rest { .. } => {

@@ -265,7 +265,8 @@ impl Shop<'_> {
         if let (Some(midway), Some(observed)) = (&midway, observed) {
             let done = midway.steps as f64 / node.setup.engine.rate_hz;
             progress.message(&format!("{}: goes on from {done:.2} s", node.label));
-            recorder.go_on(observed);
+            let specimen = Specimen { grains: node.grains.clone(), state: midway.state.clone() };
+            recorder.go_on(observed, &specimen);
         }
         let mut setup = Setup::clone(&node.setup);
         let automatic = automatic_threads(cores, node.grains.grains.len());
@@ -317,6 +318,7 @@ impl Shop<'_> {
             settling: outcome.settling,
             before_vibration_mm: observed.reference.before_vibration_mm,
             sieved_mm: sieved_mm(&outcome.corners),
+            laboratory: observed.laboratory.rows,
             end: Some(believed::end_of(&node.setup, &outcome.specimen)),
             ..StageRecord::default()
         };
@@ -341,11 +343,13 @@ impl Shop<'_> {
         node: &Node,
         checkpoints: Option<&Checkpoints>,
     ) -> Result<Option<FrameWriter>, FileError> {
-        let grains = node.grains.grains.len();
+        let (grains, pieces) = (node.grains.grains.len(), node.setup.pieces.len());
         match checkpoints {
-            Some(checkpoints) if self.store.keeps_frames() => checkpoints.frames(grains).map(Some),
+            Some(checkpoints) if self.store.keeps_frames() => {
+                checkpoints.frames(grains, pieces).map(Some)
+            }
             Some(_) => Ok(None),
-            None => self.store.frames(grains),
+            None => self.store.frames(grains, pieces),
         }
     }
 }

@@ -12,6 +12,7 @@ mod design;
 mod execute;
 mod held;
 mod interpretations;
+mod laboratory;
 mod pile;
 mod plan;
 mod presets;

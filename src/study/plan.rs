@@ -15,7 +15,8 @@ use crate::protocol::{Setup, segments};
 use crate::record::{RunKind, StageIdentity};
 use crate::scale::{GrainSizes, Scale};
 use crate::scenario::{
-    ApparatusSpec, ContactSpec, EngineSettings, Scenario, SettleSpec, StageSpec,
+    ApparatusSpec, ContactSpec, EngineSettings, MeasuresSpec, PieceSpec, Scenario, SettleSpec,
+    StageSpec,
 };
 use crate::world::BackendInfo;
 
@@ -114,6 +115,10 @@ struct Determinants<'a> {
     scale: (Scale, GrainSizes),
     seed: u64,
     configuration: u32,
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pieces: &'a [PieceSpec],
+    #[serde(skip_serializing_if = "MeasuresSpec::is_empty")]
+    measures: &'a MeasuresSpec,
     parent: &'a str,
     stage: &'a StageSpec,
     /// Steps of a segment; left out where the stage is over within one, whose bits
@@ -250,6 +255,8 @@ impl Plan {
             scale: (laboratory.setup.scale, run.grains.sizes()),
             seed: scenario.seed,
             configuration: scenario.configuration,
+            pieces: &scenario.pieces,
+            measures: &scenario.measures,
             parent: before.as_deref().unwrap_or(start.grains_hash),
             stage,
             segment_steps,
@@ -299,6 +306,10 @@ pub fn stage_label(stage: &StageSpec) -> String {
             let duration = stage.motion().map_or(0.0, |motion| motion.duration);
             format!("vibrate {periods} × {} s", (duration * 100.0).round() / 100.0)
         }
+        StageSpec::Deposit { .. } => "deposit grains".into(),
+        StageSpec::Move { pieces, .. } if pieces.is_empty() => "move everything".into(),
+        StageSpec::Move { pieces, .. } => format!("move {}", pieces.join(", ")),
+        StageSpec::Remove { pieces, .. } => format!("remove {}", pieces.join(", ")),
         StageSpec::Rest { duration_s } => format!("rest test, {duration_s} s"),
     }
 }
@@ -309,9 +320,13 @@ fn expected_time(stage: &StageSpec) -> f64 {
     match *stage {
         StageSpec::FillFunnel { time_limit_s }
         | StageSpec::SlowPluviation { time_limit_s, .. }
+        | StageSpec::Deposit { time_limit_s, .. }
+        | StageSpec::Remove { time_limit_s, .. }
         | StageSpec::Pour { time_limit_s, .. } => time_limit_s / 2.0,
         StageSpec::PlaceTopPlate { .. } => stage.longest() / 2.0,
         StageSpec::Rest { duration_s } => duration_s,
-        StageSpec::Vibrate { .. } => stage.longest() - stage.settle_limit() / 2.0,
+        StageSpec::Vibrate { .. } | StageSpec::Move { .. } => {
+            stage.longest() - stage.settle_limit() / 2.0
+        }
     }
 }

@@ -3,6 +3,7 @@
 use std::{ops::ControlFlow, time::Instant};
 
 use super::checks::{last_look_at_overlap, look_at_overlap};
+use super::laboratory::LaboratoryRecorder;
 use crate::measure::{
     self, Container, HeightMap, body_energy, content, grain_energy, height_cell, largest_speed,
     mean_grain_height, plate_position,
@@ -25,6 +26,7 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     reference: Reference,
     overlap: OverlapWatch,
     rows: Vec<SeriesRow>,
+    laboratory: LaboratoryRecorder,
     frames: Option<FrameWriter>,
     /// Where checkpoints are kept, in a stage that has segments.
     checkpoints: Option<&'a Checkpoints>,
@@ -39,10 +41,14 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     on_finding: &'a dyn Fn(&str),
 }
 
-/// The cylinder where the specimen has it, or the space over a pile's base.
+/// The cylinder where the specimen has it, the space over a pile's base, or around all grains
+/// of a laboratory of pieces.
 pub fn container(setup: &Setup, specimen: &Specimen) -> Container {
     if let Some(base) = &specimen.state.base {
         return measure::over(base, &specimen.grains);
+    }
+    if !setup.pieces.is_empty() {
+        return Container::around(specimen);
     }
     Container {
         centre_x: specimen.state.table_x,
@@ -67,6 +73,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
             reference: Reference::default(),
             overlap: OverlapWatch::default(),
             rows: Vec::new(),
+            laboratory: LaboratoryRecorder::new(setup),
             frames,
             checkpoints: None,
             fault: None,
@@ -116,7 +123,9 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     }
 
     /// Goes on from what was observed before.
-    pub fn go_on(&mut self, observed: Observed) {
+    /// `specimen` is where it goes on.
+    pub fn go_on(&mut self, observed: Observed, specimen: &Specimen) {
+        self.laboratory.go_on(observed.laboratory, specimen);
         self.rows = observed.rows;
         self.reference = observed.reference;
         self.overlap = observed.overlap;
@@ -132,7 +141,8 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     pub fn into_parts(self) -> (Observed, Option<FrameWriter>) {
         let wall_s = self.wall_before + self.began.elapsed().as_secs_f64();
         let Self { rows, reference, overlap, frames, .. } = self;
-        (Observed { rows, reference, overlap, wall_s }, frames)
+        let laboratory = self.laboratory.series;
+        (Observed { rows, reference, overlap, laboratory, wall_s }, frames)
     }
 }
 
@@ -148,6 +158,7 @@ pub fn note(row: &SeriesRow) -> String {
         None if row.mean_surface_mm > 0.0 => {
             format!("{} grains in, surface {:.0} mm", row.grains_in_cylinder, row.mean_surface_mm)
         }
+        None if row.grains_in_cylinder > 0 => format!("{} grains in", row.grains_in_cylinder),
         None => String::new(),
     }
 }
@@ -166,7 +177,8 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
             (surface, content.grains, content.mean_grain_height)
         } else {
             let present: Vec<usize> = specimen.present().collect();
-            (0.0, 0, mean_grain_height(specimen, &present))
+            let inside = if state.pieces.is_empty() { 0 } else { present.len() };
+            (0.0, inside, mean_grain_height(specimen, &present))
         };
         let plate = &self.setup.plate;
         let position = state.top_plate.map(|p| plate_position(&p, plate.thickness));
@@ -203,6 +215,7 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         if let Some(frames) = &mut self.frames {
             frames.add(state, row.time_s);
         }
+        self.laboratory.observe(specimen);
         (self.on_row)(&row);
         self.rows.push(row);
         let at = moment.stage_time;
@@ -218,15 +231,18 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
     }
 
     fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
+        self.laboratory.leg_ends(&midway.state);
         let Some(checkpoints) = self.checkpoints else { return ControlFlow::Continue(()) };
         let observed = Observed {
             rows: std::mem::take(&mut self.rows),
             reference: self.reference,
             overlap: self.overlap,
+            laboratory: std::mem::take(&mut self.laboratory.series),
             wall_s: self.wall_before + self.began.elapsed().as_secs_f64(),
         };
         let kept = checkpoints.keep(midway, &observed, self.frames.as_mut());
         self.rows = observed.rows;
+        self.laboratory.series = observed.laboratory;
         self.fault = kept.err();
         if self.fault.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

@@ -12,6 +12,7 @@ use super::{
     StudyError, begin,
     described::described,
     execute::{Executed, execute, execute_each},
+    laboratory,
     plan::{Plan, PlannedRun, RunNodes},
     summarise::{Summarised, summarise},
     told::of_grains,
@@ -20,8 +21,9 @@ use crate::grains::{self, GrainSet, ParticleSizeDistribution};
 use crate::motion::MotionFacts;
 use crate::protocol::Progress;
 use crate::record::{
-    FileError, RunKind, RunRecord, StageStore, StoredStage, create_folder, grains_csv, hash_bytes,
-    json_text, read_json, series_csv, write_file, write_json,
+    FileError, LaboratoryRow, RunKind, RunRecord, StageStore, StoredStage, create_folder,
+    grains_csv, hash_bytes, json_text, read_json, series_csv, with_laboratory, write_file,
+    write_json,
 };
 use crate::scale;
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
@@ -259,7 +261,7 @@ pub(super) fn write_run(
         .stages
         .last()
         .ok_or_else(|| StudyError::Scenario("a scenario needs at least one stage".to_owned()))?;
-    let Summarised { summary, specimen, series, rest_test } =
+    let Summarised { summary, specimen, series, laboratory, rest_test } =
         summarise(run, &plan.nodes[last].setup, nodes, done)?;
     let mut written = BTreeMap::new();
     let mut write = |name: &str, content: Vec<u8>| {
@@ -269,13 +271,23 @@ pub(super) fn write_run(
     let table = |name: &str, content: Result<Vec<u8>, csv::Error>| {
         content.map_err(|e| FileError::new("write", &out.join(name), e))
     };
-    write("series.csv", table("series.csv", series_csv(&series))?)?;
+    let with_pieces = |csv: Result<Vec<u8>, csv::Error>, rows: &[LaboratoryRow]| match rows {
+        [] => csv,
+        rows => {
+            let names = laboratory::names(&run.scenario);
+            with_laboratory(&csv?, [&names[0], &names[1], &names[2]], rows)
+        }
+    };
+    let content = with_pieces(series_csv(&series), &laboratory);
+    write("series.csv", table("series.csv", content)?)?;
     let known = described(&run.grains);
     let at_end = &done[last].record.sieved_mm;
     let grains = grains_csv(&specimen, known.sieved.grains(), &known.shapes, at_end);
     write("grains.csv", table("grains.csv", grains)?)?;
     if !rest_test.is_empty() {
-        write("rest_test.csv", table("rest_test.csv", series_csv(&rest_test))?)?;
+        let rows = nodes.rest_test.map_or(&[][..], |n| &done[n].record.laboratory);
+        let content = with_pieces(series_csv(&rest_test), rows);
+        write("rest_test.csv", table("rest_test.csv", content)?)?;
     }
     let path = out.join("specimen.json");
     write("specimen.json", json_text(&path, &specimen.state)?)?;

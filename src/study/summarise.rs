@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::{
     StudyError, checks,
     described::{described, secondary_sieve},
+    laboratory::laboratory_summary,
     plan::{PlannedRun, RunNodes},
     pressed::{pressed_through, wall},
     recorder::container,
@@ -19,8 +20,9 @@ use crate::measure::{
 use crate::motion::MotionFacts;
 use crate::protocol::Setup;
 use crate::record::{
-    GrainsSummary, Overlap, RestTest, SeriesRow, Settlement, ShapeSummary, SieveSummary,
-    SolverResidual, StandingHeight, StoredStage, Summary, VibrationSummary, Withheld, hash_json,
+    GrainsSummary, LaboratoryRow, Overlap, RestTest, SeriesRow, Settlement, ShapeSummary,
+    SieveSummary, SolverResidual, StandingHeight, StoredStage, Summary, VibrationSummary, Withheld,
+    hash_json,
 };
 use crate::report::Standard;
 use crate::scale::{self, Scale};
@@ -49,6 +51,8 @@ pub struct Summarised {
     pub specimen: Specimen,
     /// All rows, stage by stage.
     pub series: Vec<SeriesRow>,
+    /// What a laboratory of pieces was at each of the rows; none without pieces.
+    pub laboratory: Vec<LaboratoryRow>,
     /// The rows of the rest test.
     pub rest_test: Vec<SeriesRow>,
 }
@@ -86,7 +90,10 @@ pub fn summarise(
         })
         .transpose()?;
 
-    let members = container.members(&specimen);
+    let members = match setup.pieces.is_empty() {
+        true => container.members(&specimen),
+        false => specimen.present().collect(),
+    };
     let pairs = pairs_within(&specimen, &members, touching_gap(&specimen.grains));
     let overlaps = overlap_statistics(&specimen, &pairs);
     let overlap = Overlap {
@@ -145,6 +152,8 @@ pub fn summarise(
             g.limit.unwrap_or(f64::NAN)
         ));
     }
+    let rows = super::laboratory::rows(&stages);
+    let laboratory = laboratory_summary(setup, &specimen, (&series, &rows), rest_test);
     let known = described(&run.grains);
     let specified = ParticleSizeDistribution::of(&run.grains).ok();
     let mut sieve = SieveSummary::of(&known.sieved, specified.as_ref());
@@ -187,6 +196,7 @@ pub fn summarise(
         surface_settlement_mm: surface,
         vibrations: vibrations(&scenario.stages, &stages, setup),
         angle_of_repose,
+        laboratory,
         overlap,
         coordination_number: coordination(&members, &pairs).mean.unwrap_or(0.0),
         creep_um_per_s: creep,
@@ -208,7 +218,7 @@ pub fn summarise(
     }
     .judged();
     let rest_test = rest_test.map_or_else(Vec::new, |c| c.series.clone());
-    Ok(Summarised { summary, specimen, series, rest_test })
+    Ok(Summarised { summary, specimen, series, laboratory: rows, rest_test })
 }
 
 /// Name of a set of grains: the hash of every vertex.
@@ -238,6 +248,8 @@ impl Standing {
         // A pile has no walls that its voids could be counted within.
         let voids = match specimen.state.base {
             Some(_) => None,
+            // Of a laboratory the void ratio is that of its regions.
+            None if !specimen.state.pieces.is_empty() => None,
             None => void_ratio(specimen, container, height.mean_surface),
         };
         let inside = container.members(specimen).len();
@@ -383,8 +395,14 @@ fn grains_summary(
     container: &Container,
     setup: &Setup,
 ) -> GrainsSummary {
-    let content = measure::content(specimen, container);
-    let places = Places::of(&places(specimen, container, wall(setup)));
+    let mut content = measure::content(specimen, container);
+    let places = if specimen.state.pieces.is_empty() {
+        Places::of(&places(specimen, container, wall(setup)))
+    } else {
+        content.grains = specimen.present().count();
+        content.mass = specimen.present().map(|i| grains.grains[i].mass).sum();
+        Places::by_fate(specimen)
+    };
     let poured = scenario.stages.iter().find_map(|stage| match stage {
         StageSpec::Pour { .. } => Some(places.in_cylinder),
         // What rolls off the base was part of the pile.

@@ -18,7 +18,7 @@ use crate::export::{ExportError, Exported, Playback, PlayedStage, read_playback,
 use crate::grains::sieve_size;
 use crate::measure::{pairs_within, touching_gap};
 use crate::plain::plain;
-use crate::protocol::base_pieces;
+use crate::protocol::{Setup, base_pieces};
 use crate::specimen::{SavedContact, Specimen};
 use crate::units::to_mm;
 
@@ -64,7 +64,11 @@ struct Header {
     base: Option<BaseEntry>,
     /// Names of the shapes after those of the grains; `base` is among them where
     /// there is a pile.
-    apparatus: Vec<&'static str>,
+    apparatus: Vec<String>,
+    /// Names of the pieces of a laboratory; their shapes are the last of `apparatus`.
+    pieces: Vec<String>,
+    /// Of each the radius about the origin of its frame that holds it.
+    piece_radii_m: Vec<f64>,
     constants: Section,
     shapes: ShapeSections,
     stages: Vec<StageEntry>,
@@ -158,12 +162,16 @@ fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> 
     shapes.push(Shape::of_pieces(&funnel.pieces));
     shapes.push(Shape::of_pieces(std::slice::from_ref(&funnel.lid)));
     shapes.push(Shape::of(&setup.plate.shape));
-    let mut apparatus = vec!["cylinder", "funnel", "lid", "top_plate"];
+    let mut apparatus = ["cylinder", "funnel", "lid", "top_plate"].map(str::to_owned).to_vec();
     let base = ends.iter().find_map(|end| end.state.base.as_ref());
     if base.is_some() {
         let pieces = base_pieces(set, base)?.into_iter().map(|(piece, _)| piece);
         shapes.push(Shape::of_pieces(&pieces.collect::<Vec<Piece>>()));
-        apparatus.push("base");
+        apparatus.push("base".to_owned());
+    }
+    for (n, piece) in setup.pieces.iter().enumerate() {
+        shapes.push(Shape::of_pieces(&piece.parts));
+        apparatus.push(format!("piece_{n}"));
     }
     let shapes = body.shapes(&shapes);
 
@@ -189,10 +197,9 @@ fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> 
         grains: set.grains.len(),
         frame_bytes: frame_bytes(run),
         fractions,
-        cylinder: CylinderEntry {
-            radius_m: setup.cylinder.radius,
-            height_m: setup.cylinder.height,
-        },
+        cylinder: cylinder(setup),
+        pieces: setup.pieces.iter().map(|p| plain(&p.name).into_owned()).collect(),
+        piece_radii_m: setup.pieces.iter().map(|p| p.radius).collect(),
         funnel: FunnelEntry { top_radius_m: funnel.top_radius, height_m: funnel.top_height },
         base: base.map(|base| BaseEntry { radius_m: base.radius }),
         apparatus,
@@ -208,6 +215,19 @@ fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> 
         kept: run.stages.iter().all(|s| s.kept),
         bytes: block(&header, &body.bytes),
     })
+}
+
+/// The cylinder, or what holds all pieces of a laboratory about the axis: what a camera must see.
+fn cylinder(setup: &Setup) -> CylinderEntry {
+    if setup.pieces.is_empty() {
+        let cylinder = &setup.cylinder;
+        return CylinderEntry { radius_m: cylinder.radius, height_m: cylinder.height };
+    }
+    let pieces = || setup.pieces.iter().map(|p| (p.at.translation.vector, p.radius));
+    CylinderEntry {
+        radius_m: pieces().map(|(at, radius)| at.xy().norm() + radius).fold(0.0, f64::max) / 1.5,
+        height_m: pieces().map(|(at, radius)| at.z + radius).fold(0.0, f64::max),
+    }
 }
 
 /// Length of a frame, which all of a run share.

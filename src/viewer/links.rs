@@ -23,7 +23,7 @@ pub(super) struct Link {
 pub(super) fn links(contacts: &[SavedContact]) -> Vec<Link> {
     let number = |party: Party| match party {
         Party::Grain(n) => n as i32,
-        Party::Other(Other::Cylinder(_) | Other::Base(_)) => WALL,
+        Party::Other(Other::Cylinder(_) | Other::Base(_) | Other::Piece(..)) => WALL,
         Party::Other(Other::TopPlate) => PLATE,
         Party::Other(Other::Funnel(_)) => FUNNEL,
     };
@@ -31,6 +31,8 @@ pub(super) fn links(contacts: &[SavedContact]) -> Vec<Link> {
     let order = |c: &SavedContact| {
         let piece = c.between.map(|party| match party {
             Party::Other(Other::Cylinder(n) | Other::Funnel(n) | Other::Base(n)) => n,
+            // Walls of one body, too; no scenario has so many parts in a piece.
+            Party::Other(Other::Piece(piece, part)) => 1000 * piece + part,
             _ => 0,
         });
         let parties = c.between.map(number);

@@ -19,6 +19,7 @@ mod fuzz;
 mod interpretations;
 mod interruption;
 mod kept;
+mod laboratory;
 mod leaks;
 #[cfg(target_os = "linux")]
 mod limits;

@@ -168,7 +168,7 @@ impl File<'_> {
             if poses.iter().all(Option::is_none) {
                 continue;
             }
-            let name = part.kind.name();
+            let name = part.name.as_str();
             let mesh = self.meshes.of_faces(name, &part.faces, material, &mut self.buffers);
             nodes.push(self.node(json!({ "name": name, "mesh": mesh }), &poses));
         }

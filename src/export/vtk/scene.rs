@@ -78,7 +78,8 @@ pub fn apparatus(moment: &Moment, parts: &[Part]) -> PolyData {
 }
 
 /// A grain's number, or a negative one for what is no grain: -1 top plate,
-/// -2 cylinder, -3 floor, -4 funnel or lid, -5 a pile's base.
+/// -2 cylinder, -3 floor, -4 funnel or lid, -5 a pile's base; -10 and below the
+/// pieces of a laboratory.
 pub fn party_number(setup: &Setup, party: Party) -> i32 {
     let floor = setup.cylinder.pieces.len().saturating_sub(1);
     match party {
@@ -88,6 +89,7 @@ pub fn party_number(setup: &Setup, party: Party) -> i32 {
         Party::Other(Other::Cylinder(_)) => -2,
         Party::Other(Other::Funnel(_)) => -4,
         Party::Other(Other::Base(_)) => -5,
+        Party::Other(Other::Piece(piece, _)) => -10 - piece as i32,
     }
 }
 
@@ -136,6 +138,7 @@ pub fn chains(setup: &Setup, state: &SpecimenState) -> PolyData {
         Party::Other(Other::Cylinder(n)) => (usize::MAX, 1, n),
         Party::Other(Other::Funnel(n)) => (usize::MAX, 2, n),
         Party::Other(Other::Base(n)) => (usize::MAX, 3, n),
+        Party::Other(Other::Piece(piece, part)) => (usize::MAX, 4 + piece, part),
     };
     let mut bonds: BTreeMap<_, ([Party; 2], Bond)> = BTreeMap::new();
     for contact in &state.contacts {

@@ -12,6 +12,9 @@ use crate::units::from_mm;
 const LONGEST_GRAIN: f64 = 2.4;
 
 pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
+    if parts.has_pieces() {
+        return;
+    }
     check_cylinder(parts, faults);
     check_funnel(parts, faults);
     check_plate(parts, faults);

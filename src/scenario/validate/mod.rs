@@ -8,6 +8,7 @@ mod apparatus;
 mod engine;
 mod grains;
 mod motion;
+mod pieces;
 mod stages;
 mod time_step;
 
@@ -21,8 +22,9 @@ use serde_json::{Map, Value};
 use crate::units::to_mm;
 
 use super::{
-    BeginSpec, CylinderSpec, EngineSettings, Fault, FunnelSpec, Grading, MeshGrains, Scenario,
-    SettleSpec, SievedGrains, StageSpec, TopPlateSpec, accessors::field, source::shown, unusual,
+    BeginSpec, CylinderSpec, EngineSettings, Fault, FunnelSpec, Grading, MeasuresSpec, MeshGrains,
+    PieceSpec, Scenario, SettleSpec, SievedGrains, StageSpec, TopPlateSpec, accessors::field,
+    source::shown, unusual,
 };
 use crate::plain::misleads;
 
@@ -45,6 +47,9 @@ struct Parts {
     /// Stages that a specimen of another run has been through, where one is begun with.
     begun_after: Option<Vec<String>>,
     stages: Vec<Stage>,
+    /// The pieces of a laboratory; none where one could not be read.
+    pieces: Vec<Option<PieceSpec>>,
+    measures: Option<MeasuresSpec>,
 }
 
 /// A stage as far as it could be read.
@@ -84,6 +89,8 @@ impl Parts {
             rest_test_s: number("rest_test_s", super::default_rest_test()),
             begun_after: read::<BeginSpec>(field(value, "/begin")).map(|begin| begin.after),
             stages: field(value, "/stages").as_array().into_iter().flatten().map(stage).collect(),
+            pieces: field(value, "/pieces").as_array().into_iter().flatten().map(read).collect(),
+            measures: read_or_default(value, "/measures"),
         }
     }
 
@@ -135,6 +142,7 @@ pub(super) fn faults(value: &Value, found: Option<&Grading>) -> Vec<Fault> {
     check_name(&parts, &mut faults);
     grains::check(&parts, &mut faults);
     apparatus::check(&parts, &mut faults);
+    pieces::check(&parts, &mut faults);
     stages::check(&parts, &mut faults);
     motion::check(&parts, &mut faults);
     engine::check(&parts, &mut faults);

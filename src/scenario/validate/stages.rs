@@ -94,6 +94,9 @@ fn check_piles(parts: &Parts, faults: &mut Vec<Fault>) {
 }
 
 fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
+    if parts.has_pieces() {
+        return;
+    }
     // Names of stages that cannot be read could be any: what follows one is not judged.
     let begun = parts.begun_after.as_deref();
     // Where it is not known what a specimen has been through, everything may have been done.
@@ -116,7 +119,10 @@ fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
             add("another stage, or `begin` left out", message.to_owned());
             continue;
         }
-        if i == 0 && begun.is_none() && !matches!(name, "fill_funnel" | "slow_pluviation") {
+        if i == 0 && begun.is_none() && !matches!(
+                name,
+                "fill_funnel" | "slow_pluviation" | "deposit" | "move" | "remove"
+            ) {
             add(
                 "\"fill_funnel\" or \"slow_pluviation\"",
                 "the first stage fills the funnel, or builds a pile".into(),
@@ -166,9 +172,14 @@ fn check_time(parts: &Parts, faults: &mut Vec<Fault>) {
                 StageSpec::FillFunnel { time_limit_s }
                 | StageSpec::SlowPluviation { time_limit_s, .. }
                 | StageSpec::Pour { time_limit_s, .. }
+                | StageSpec::Deposit { time_limit_s, .. }
+                | StageSpec::Remove { time_limit_s, .. }
                 | StageSpec::PlaceTopPlate { time_limit_s, .. } => ("time_limit_s", time_limit_s),
                 StageSpec::Vibrate { settle_limit_s, .. } => ("settle_limit_s", settle_limit_s),
-                StageSpec::Rest { .. } => continue,
+                StageSpec::Move { settle_limit_s, .. } if settle_limit_s > 0.0 => {
+                    ("settle_limit_s", settle_limit_s)
+                }
+                StageSpec::Move { .. } | StageSpec::Rest { .. } => continue,
             };
             if limit <= settle.hold_s {
                 faults.push(fault(

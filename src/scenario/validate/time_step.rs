@@ -11,8 +11,10 @@
 use serde_json::Value;
 
 use super::{Parts, fault, short};
+use crate::geometry::Point;
 use crate::motion::TableMotion;
-use crate::scenario::{Backend, ContactSolver, Fault, Grading, StageSpec};
+use crate::scenario::sizes_of_pieces::lowest_mm;
+use crate::scenario::{Backend, ContactSolver, Fault, Grading, PieceSpec, StageSpec};
 use crate::units::{from_deg, from_mm, to_mm};
 
 /// Fewest steps in a cycle of vibration; see the module's text.
@@ -32,8 +34,11 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
 /// `found` is what is known of grains that have no sieve table.
 pub(in crate::scenario) fn least_rate_hz(value: &Value, found: Option<&Grading>) -> Option<f64> {
     let parts = Parts::of(value, found);
-    let vibrations = parts.stages.iter().filter_map(|s| s.spec.as_ref()?.motion());
+    let specs = || parts.stages.iter().filter_map(|s| s.spec.as_ref());
+    let vibrations = specs().filter_map(StageSpec::motion);
     let followed = vibrations.map(|v| STEPS_A_CYCLE * cycles_a_second(&v));
+    let of_pieces = specs().map(cycles_of_pieces).filter(|cycles| *cycles > 0.0);
+    let followed = followed.chain(of_pieces.map(|cycles| STEPS_A_CYCLE * cycles));
     let size = from_mm(parts.finest_mm()?);
     let passed = motions(&parts).into_iter().map(|m| m.speed / size);
     followed.chain(passed).filter(|rate| rate.is_finite()).max_by(f64::total_cmp)
@@ -64,6 +69,7 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Vec<Fault>) {
     };
     for stage in parts.stages.iter().filter_map(|s| s.spec.as_ref()) {
         let frequency = stage.motion().map_or(0.0, |motion| cycles_a_second(&motion));
+        let frequency = frequency.max(cycles_of_pieces(stage));
         if rate < STEPS_A_CYCLE * frequency {
             too_slow(
                 STEPS_A_CYCLE * frequency,
@@ -103,7 +109,7 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Vec<Fault>) {
     for (path, thickness) in walls(parts) {
         if step > from_mm(thickness) / 2.0 {
             faults.push(fault(
-                path,
+                &path,
                 thickness,
                 format!(
                     "at least {} mm, or {RATE} of at least {} Hz",
@@ -125,6 +131,14 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Vec<Fault>) {
 /// speed is judged.
 fn cycles_a_second(motion: &TableMotion) -> f64 {
     motion.frequency.max(motion.vertical.map_or(0.0, |v| v.frequency))
+}
+
+/// Cycles per second of pieces that move in a sine; 0 of every other stage.
+fn cycles_of_pieces(stage: &StageSpec) -> f64 {
+    match stage {
+        StageSpec::Move { sine: Some(sine), .. } => sine.frequency_hz,
+        _ => 0.0,
+    }
 }
 
 /// Tables that are set from frame to frame by more than a grain, in one step of any length.
@@ -149,7 +163,14 @@ fn find_coarse_frames(parts: &Parts, faults: &mut Vec<Fault>) {
     }
 }
 
-fn walls(parts: &Parts) -> Vec<(&'static str, f64)> {
+fn walls(parts: &Parts) -> Vec<(String, f64)> {
+    if parts.has_pieces() {
+        let of_piece = |(i, piece): (usize, &PieceSpec)| {
+            let (field, thickness) = piece.shape.wall_mm()?;
+            Some((format!("pieces[{i}].shape.{field}"), thickness))
+        };
+        return parts.pieces().filter_map(of_piece).collect();
+    }
     let cylinder = parts.cylinder.as_ref().map(|c| c.wall_thickness_mm);
     let funnel = parts.funnel.as_ref().map(|f| f.wall_thickness_mm);
     [
@@ -157,7 +178,7 @@ fn walls(parts: &Parts) -> Vec<(&'static str, f64)> {
         ("apparatus.funnel.wall_thickness_mm", funnel),
     ]
     .into_iter()
-    .filter_map(|(path, thickness)| Some((path, thickness.filter(|t| *t > 0.0)?)))
+    .filter_map(|(path, thickness)| Some((path.to_owned(), thickness.filter(|t| *t > 0.0)?)))
     .collect()
 }
 
@@ -198,6 +219,20 @@ fn motions(parts: &Parts) -> Vec<Fast> {
             // What is set from frame to frame covers that way in a step of whatever length.
             let moves = speed.is_finite() && motion.frames_per_s.is_none();
             moves.then_some(Fast { speed, what })
+        }
+        StageSpec::Deposit { at_mm, .. } => {
+            let lowest = lowest_mm(parts.pieces().map(|(_, piece)| piece))?;
+            fall((at_mm[2] - lowest).max(0.0), "from the deposit to the lowest piece")
+        }
+        StageSpec::Move { .. } => {
+            let motion = stage.piece_motion()?;
+            let farthest = parts.pieces().map(|(_, piece)| {
+                let origin = Point::from(piece.at_mm.map(from_mm));
+                motion.from_axis(&origin) + from_mm(piece.shape.reach_mm())
+            });
+            let speed = motion.peak_speed(farthest.fold(0.0, f64::max));
+            let what = "a piece at its fastest".to_owned();
+            speed.is_finite().then_some(Fast { speed, what })
         }
         _ => None,
     };

@@ -7,13 +7,15 @@ use crate::scenario::{ContactSolver, EngineSettings, InertiaRule, StockSettings}
 use crate::units::{from_g, from_mm};
 use crate::world::WorldError;
 
-/// Everything that is fixed when a world is made; gravity in m/s².
+/// Everything that is fixed when a world is made; gravity in m/s²,
+/// and how many materials bodies are of.
 ///
 /// # Errors
 /// [`WorldError::BadSetting`] for a value that Bullet cannot take.
 pub(super) fn definition(
     s: &EngineSettings,
     gravity: Vector,
+    materials: usize,
 ) -> Result<ffi::WorldDefinition, WorldError> {
     let positive = |setting: &str, value: f64| {
         if value.is_finite() && value > 0.0 {
@@ -103,7 +105,7 @@ pub(super) fn definition(
             "bullet.sleeping_spin_rad_per_s",
             s.stock.sleeping_spin_rad_per_s,
         )?,
-        materials: 3,
+        materials,
         own_collision: match s.contact_solver {
             ContactSolver::Stock => false,
             ContactSolver::Native => true,

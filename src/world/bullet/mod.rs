@@ -88,11 +88,11 @@ impl BulletBackend {
         gravity: Vector,
         pairs: &PairTable,
     ) -> Result<Self, WorldError> {
-        let definition = definition(settings, gravity)?;
-        let pair_values: Vec<ffi::PairValue> = pairs
-            .0
+        let materials = pairs.materials();
+        let definition = definition(settings, gravity, materials.len())?;
+        let pair_values: Vec<ffi::PairValue> = materials
             .iter()
-            .flatten()
+            .flat_map(|a| materials.iter().map(|b| pairs.get(*a, *b)))
             .map(|p| ffi::PairValue { friction: p.friction, restitution: p.restitution })
             .collect();
         if let Some(bad) = pair_values.iter().find(|p| {
@@ -223,7 +223,7 @@ impl World for BulletBackend {
             .add_body(&ffi::BodyDefinition {
                 shape,
                 kind,
-                material: body.material as u32,
+                material: body.material.index() as u32,
                 mass,
                 inertia: inertia.into(),
                 position: body.state.pose.translation.vector.into(),

@@ -23,7 +23,7 @@ fn made(
     pairs: usize,
 ) -> Result<cxx::UniquePtr<ffi::BulletWorld>, cxx::Exception> {
     let settings = EngineSettings { contact_solver: path, ..Default::default() };
-    let mut definition = definition(&settings, GRAVITY).expect("settings");
+    let mut definition = definition(&settings, GRAVITY, 3).expect("settings");
     change(&mut definition);
     let pair = || ffi::PairValue { friction: 0.5, restitution: 0.0 };
     let pairs: Vec<_> = std::iter::repeat_with(pair).take(pairs).collect();

@@ -15,8 +15,6 @@ use rapier3d_f64::prelude::{
 
 use super::super::{Material, PairCoefficients, PairTable, WorldError};
 
-const MATERIALS: [Material; 3] = [Material::Grain, Material::Wall, Material::Plate];
-
 /// How far rounding may take the average from the table's value.
 const ROUNDING: f64 = 1e-14;
 
@@ -29,10 +27,12 @@ impl Pairs {
     /// # Errors
     /// [`WorldError::BadSetting`] for negative friction or restitution outside 0 to 1.
     pub(super) fn new(table: &PairTable) -> Result<Self, WorldError> {
-        let sound = |p: &&PairCoefficients| {
+        let sound = |p: &PairCoefficients| {
             p.friction >= 0.0 && p.friction.is_finite() && (0.0..=1.0).contains(&p.restitution)
         };
-        if let Some(bad) = table.0.iter().flatten().find(|p| !sound(p)) {
+        let all = table.materials();
+        let mut values = all.iter().flat_map(|a| all.iter().map(|b| table.get(*a, *b)));
+        if let Some(bad) = values.find(|p| !sound(p)) {
             return Err(WorldError::BadSetting {
                 setting: "contact".into(),
                 reason: format!(
@@ -56,7 +56,7 @@ impl Pairs {
 
     /// Whether averages fail for a pair of this material with any other.
     fn needs_hook(&self, material: Material) -> bool {
-        MATERIALS.iter().any(|&other| {
+        self.table.materials().into_iter().any(|other| {
             // Two walls never meet.
             if material == Material::Wall && other == Material::Wall {
                 return false;
@@ -84,11 +84,14 @@ impl Pairs {
             } else {
                 ActiveHooks::empty()
             })
-            .user_data(material as u128)
+            .user_data(material.index() as u128)
     }
 
     fn exact(&self, a: &Collider, b: &Collider) -> Option<PairCoefficients> {
-        let material = |c: &Collider| MATERIALS.into_iter().find(|&m| m as u128 == c.user_data);
+        let all = self.table.materials();
+        let material = |c: &Collider| {
+            usize::try_from(c.user_data).ok().and_then(|number| all.get(number).copied())
+        };
         Some(self.table.get(material(a)?, material(b)?))
     }
 

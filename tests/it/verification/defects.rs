@@ -32,9 +32,14 @@ pub fn made_with(
     move |settings, gravity, pairs| {
         let (mut settings, mut pairs) = (settings.clone(), pairs.clone());
         if defect == Defect::ProductRule {
-            for pair in pairs.0.iter_mut().flatten() {
-                pair.friction *= pair.friction;
-                pair.restitution *= pair.restitution;
+            let all = pairs.materials();
+            for (n, a) in all.iter().enumerate() {
+                for b in &all[n..] {
+                    let mut pair = pairs.get(*a, *b);
+                    pair.friction *= pair.friction;
+                    pair.restitution *= pair.restitution;
+                    pairs.set(*a, *b, pair);
+                }
             }
         }
         if defect == Defect::OneFrictionDirection {

@@ -54,6 +54,7 @@ fn pairs_at_end(run: &Path) -> usize {
         Party::Other(Other::Cylinder(n)) => (2, n),
         Party::Other(Other::Funnel(n)) => (3, n),
         Party::Other(Other::Base(n)) => (4, n),
+        Party::Other(Other::Piece(piece, part)) => (5 + piece, part),
     };
     let pairs: HashSet<_> = contacts
         .iter()

@@ -1,0 +1,136 @@
+//! Whether pieces stand within each other.
+
+use super::{ApparatusError, ApparatusFault, RigidPiece};
+use crate::geometry::{ConvexPolyhedron, Point, Vector};
+
+/// Pieces that are less than this deep in each other, in m, touch.
+const TOUCHING: f64 = 1e-6;
+
+/// Refuses pieces that begin within each other.
+///
+/// # Errors
+/// Names every pair of them.
+pub fn overlapping(pieces: &[RigidPiece]) -> Result<(), ApparatusError> {
+    let solids: Vec<Vec<Solid>> = pieces
+        .iter()
+        .map(|piece| {
+            let parts = piece.parts.iter();
+            parts.map(|part| Solid::of(&part.shape.transformed(&(piece.at * part.pose)))).collect()
+        })
+        .collect();
+    let mut found = Vec::new();
+    for (a, one) in solids.iter().enumerate() {
+        for (b, other) in solids.iter().enumerate().skip(a + 1) {
+            if one.iter().any(|x| other.iter().any(|y| x.depth_in(y) > TOUCHING)) {
+                found.push(format!("`{}` and `{}`", pieces[a].name, pieces[b].name));
+            }
+        }
+    }
+    match found.is_empty() {
+        true => Ok(()),
+        false => {
+            let reason = ApparatusFault::Overlap(found.join(", "));
+            Err(ApparatusError { part: "laboratory", reason })
+        }
+    }
+}
+
+/// A convex solid as the separating axis theorem sees it.
+struct Solid {
+    corners: Vec<Point>,
+    normals: Vec<Vector>,
+    edges: Vec<Vector>,
+    low: Point,
+    high: Point,
+}
+
+impl Solid {
+    fn of(shape: &ConvexPolyhedron) -> Self {
+        let corners = shape.vertices().to_vec();
+        let edge = |(a, b): (u32, u32)| corners[b as usize] - corners[a as usize];
+        let (low, high) = shape.bounding_box();
+        Self {
+            normals: (0..shape.faces().len()).filter_map(|f| Some(shape.plane(f)?.0)).collect(),
+            edges: shape.edges().into_iter().map(edge).collect(),
+            corners,
+            low,
+            high,
+        }
+    }
+
+    fn span(&self, axis: &Vector) -> (f64, f64) {
+        let along = self.corners.iter().map(|corner| axis.dot(&corner.coords));
+        along.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)))
+    }
+
+    /// How deep two solids are in each other, in m; not above 0 where they are apart
+    /// (Gottschalk, Lin and Manocha 1996, "OBBTree", on the axes that can separate).
+    fn depth_in(&self, other: &Self) -> f64 {
+        let apart = (0..3).any(|k| self.high[k] <= other.low[k] || other.high[k] <= self.low[k]);
+        if apart {
+            return 0.0;
+        }
+        let crossed = self.edges.iter().flat_map(|a| other.edges.iter().map(move |b| a.cross(b)));
+        let axes = self.normals.iter().chain(&other.normals).copied().chain(crossed);
+        let mut least = f64::MAX;
+        for axis in axes {
+            let length = axis.norm();
+            // Edges side by side separate nothing that faces do not.
+            if length < 1e-12 {
+                continue;
+            }
+            let axis = axis / length;
+            let (a, b) = (self.span(&axis), other.span(&axis));
+            least = least.min((a.1 - b.0).min(b.1 - a.0));
+            if least <= TOUCHING {
+                return least;
+            }
+        }
+        least
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::PieceSpec;
+
+    fn pieces(specs: &[&str]) -> Vec<RigidPiece> {
+        let built = |text: &&str| {
+            let spec: PieceSpec = serde_json::from_str(text).expect("a piece");
+            RigidPiece::new(&spec).expect("built")
+        };
+        specs.iter().map(built).collect()
+    }
+
+    #[test]
+    fn pieces_that_touch_stand_and_pieces_in_each_other_do_not() {
+        let block = r#"{ "name": "box", "shape": { "box": { "inner_mm": [100, 100, 100] } } }"#;
+        let lid = |height: f64| {
+            format!(
+                r#"{{ "name": "lid", "shape": {{ "plate": {{ "size_mm": [120, 120, 10] }} }}, "at_mm": [0, 0, {height}] }}"#
+            )
+        };
+        assert_eq!(overlapping(&pieces(&[block, &lid(105.0)])), Ok(()), "law: it lies on the rim");
+        let error =
+            overlapping(&pieces(&[block, &lid(104.9)])).expect_err("law: it is in the wall");
+        assert!(error.to_string().contains("`box` and `lid`"), "law: both are named, {error}");
+        let inside = r#"{ "name": "in", "shape": { "plate": { "size_mm": [98, 98, 10] } }, "at_mm": [0, 0, 50] }"#;
+        assert_eq!(overlapping(&pieces(&[block, inside])), Ok(()), "law: inside of it is room");
+    }
+
+    #[test]
+    fn a_turned_piece_is_judged_as_it_stands() {
+        let plate = |name: &str, x: f64, turn: f64| {
+            format!(
+                r#"{{ "name": "{name}", "shape": {{ "plate": {{ "size_mm": [20, 20, 20] }} }}, "at_mm": [{x}, 0, 0], "rotation_deg": [0, 0, {turn}] }}"#
+            )
+        };
+        // Corner to face: half a diagonal and half a side.
+        let touching = 10.0 + 200_f64.sqrt();
+        for (x, sound) in [(touching + 0.01, true), (touching - 0.01, false)] {
+            let got = overlapping(&pieces(&[&plate("a", 0.0, 0.0), &plate("b", x, 45.0)]));
+            assert_eq!(got.is_ok(), sound, "law: they touch at {touching} mm, tried {x} mm");
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! Pieces of a laboratory as solid convex parts in a frame of their own.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use nalgebra::{Translation3, UnitQuaternion};
+
+use super::walls::{half_width, piece, polygon, ring};
+use super::{ApparatusError, Piece};
+use crate::geometry::{ConvexPolyhedron, Point, PolyhedronError, Pose, Vector};
+use crate::scenario::{
+    BoxSide, BoxSpec, CylinderPieceSpec, DiscSpec, DrumSpec, HopperSpec, PieceSpec, ShapeSpec,
+};
+use crate::units::{from_deg, from_mm};
+
+type Parts = Result<Vec<Piece>, PolyhedronError>;
+
+/// A rigid piece.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RigidPiece {
+    /// Its name in the scenario.
+    pub name: String,
+    /// Its convex parts, placed in its own frame.
+    pub parts: Vec<Piece>,
+    /// Where its frame is at the beginning.
+    pub at: Pose,
+    /// Largest distance in m of a corner from the origin of its frame.
+    pub radius: f64,
+}
+
+impl RigidPiece {
+    /// Builds a piece.
+    ///
+    /// # Errors
+    /// When it has no shape, or one that its dimensions make impossible.
+    pub fn new(spec: &PieceSpec) -> Result<Self, ApparatusError> {
+        let parts = parts_of(&spec.shape).map_err(|reason| ApparatusError {
+            part: "piece of the laboratory",
+            reason: reason.into(),
+        })?;
+        let [x, y, z] = spec.rotation_deg.map(from_deg);
+        let turn = UnitQuaternion::from_euler_angles(x, y, z);
+        let at = Pose::from_parts(Translation3::from(spec.at_mm.map(from_mm)), turn);
+        let corners = parts.iter().flat_map(|p| p.shape.vertices().iter().map(|v| p.pose * v));
+        let radius = corners.map(|corner| corner.coords.norm()).fold(0.0, f64::max);
+        Ok(Self { name: spec.name.clone(), parts, at, radius })
+    }
+
+    /// Name of one of its parts in files.
+    pub fn part_name(&self, part: usize) -> String {
+        format!("{}_{part:02}", self.name)
+    }
+}
+
+fn parts_of(shape: &ShapeSpec) -> Parts {
+    if let Some(spec) = &shape.r#box {
+        return walls_of_box(spec);
+    }
+    if let Some(spec) = &shape.cylinder {
+        return cylinder(spec);
+    }
+    if let Some(spec) = &shape.plate {
+        return Ok(vec![piece(ConvexPolyhedron::cuboid(Vector::from(spec.size_mm.map(from_mm)))?)]);
+    }
+    if let Some(spec) = &shape.disc {
+        return disc(spec);
+    }
+    if let Some(spec) = &shape.hopper {
+        return hopper(spec);
+    }
+    if let Some(spec) = &shape.wedge {
+        let [x, y, z] = spec.size_mm.map(from_mm);
+        return Ok(vec![piece(wedge(x, y, z)?)]);
+    }
+    match &shape.drum {
+        Some(spec) => drum(spec),
+        None => Err(PolyhedronError::TooSmall { vertices: 0, faces: 0 }),
+    }
+}
+
+/// A block between two corners.
+fn block(low: [f64; 3], high: [f64; 3]) -> Result<Piece, PolyhedronError> {
+    let outline = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])];
+    ConvexPolyhedron::prism(&outline, low[2], high[2]).map(piece)
+}
+
+fn walls_of_box(spec: &BoxSpec) -> Parts {
+    let [x, y, h] = spec.inner_mm.map(from_mm);
+    let (x, y, t) = (x / 2.0, y / 2.0, from_mm(spec.wall_mm));
+    let all = [
+        (BoxSide::Bottom, [-x - t, -y - t, -t], [x + t, y + t, 0.0]),
+        (BoxSide::LowX, [-x - t, -y - t, 0.0], [-x, y + t, h]),
+        (BoxSide::HighX, [x, -y - t, 0.0], [x + t, y + t, h]),
+        (BoxSide::LowY, [-x, -y - t, 0.0], [x, -y, h]),
+        (BoxSide::HighY, [-x, y, 0.0], [x, y + t, h]),
+        (BoxSide::Top, [-x - t, -y - t, h], [x + t, y + t, h + t]),
+    ];
+    let closed = all.iter().filter(|(side, ..)| !spec.open.contains(side));
+    closed.map(|(_, low, high)| block(*low, *high)).collect()
+}
+
+fn cylinder(spec: &CylinderPieceSpec) -> Parts {
+    let (radius, height) = (from_mm(spec.inner_diameter_mm) / 2.0, from_mm(spec.height_mm));
+    let t = from_mm(spec.wall_mm);
+    let mut parts = ring(spec.sides, (0.0, height), (radius, radius), t)?;
+    let across = polygon(radius + t, spec.sides);
+    if !spec.open_bottom {
+        parts.push(piece(ConvexPolyhedron::prism(&across, -t, 0.0)?));
+    }
+    if !spec.open_top {
+        parts.push(piece(ConvexPolyhedron::prism(&across, height, height + t)?));
+    }
+    Ok(parts)
+}
+
+fn disc(spec: &DiscSpec) -> Parts {
+    let outline = polygon(from_mm(spec.diameter_mm) / 2.0, spec.sides);
+    let half = from_mm(spec.thickness_mm) / 2.0;
+    Ok(vec![piece(ConvexPolyhedron::prism(&outline, -half, half)?)])
+}
+
+fn hopper(spec: &HopperSpec) -> Parts {
+    let opening = from_mm(spec.opening_diameter_mm) / 2.0;
+    let top = from_mm(spec.top_diameter_mm) / 2.0;
+    let (angle, t) = (from_deg(spec.half_angle_deg), from_mm(spec.wall_mm));
+    // The angle is that of the flats, which are nearer to the axis than the circle.
+    let share = half_width(1.0, spec.sides);
+    let height = share * (top - opening) / angle.tan();
+    let mut parts = ring(spec.sides, (0.0, height), (opening, top), t / angle.cos())?;
+    let collar = from_mm(spec.collar_mm);
+    if collar > 0.0 {
+        parts.extend(ring(spec.sides, (height, height + collar), (top, top), t)?);
+    }
+    Ok(parts)
+}
+
+/// A triangle in x and z, with its right angle at high x, drawn along y.
+fn wedge(length: f64, width: f64, height: f64) -> Result<ConvexPolyhedron, PolyhedronError> {
+    let (x, y) = (length / 2.0, width / 2.0);
+    let triangle =
+        |y: f64| [Point::new(-x, y, 0.0), Point::new(x, y, height), Point::new(x, y, 0.0)];
+    // Counter-clockwise seen from high y.
+    ConvexPolyhedron::frustum(triangle(-y).to_vec(), triangle(y).to_vec())
+}
+
+fn drum(spec: &DrumSpec) -> Parts {
+    let (radius, t) = (from_mm(spec.inner_diameter_mm) / 2.0, from_mm(spec.wall_mm));
+    let half = from_mm(spec.length_mm) / 2.0;
+    let mut parts = ring(spec.sides, (-half, half), (radius, radius), t)?;
+    let across = polygon(radius + t, spec.sides);
+    parts.push(piece(ConvexPolyhedron::prism(&across, -half - t, -half)?));
+    parts.push(piece(ConvexPolyhedron::prism(&across, half, half + t)?));
+    let high = from_mm(spec.lifter_mm);
+    // Their outer side lies within the wall, however its flats lie.
+    let (inner, outer) = (radius - high, radius + t / 2.0);
+    for n in 0..spec.lifters {
+        let bar = block([inner, -high / 2.0, -half], [outer, high / 2.0, half])?;
+        let angle = 2.0 * PI * f64::from(n) / f64::from(spec.lifters);
+        let turn = UnitQuaternion::from_axis_angle(&Vector::z_axis(), angle);
+        parts.push(Piece {
+            pose: Pose::from_parts(Translation3::identity(), turn) * bar.pose,
+            ..bar
+        });
+    }
+    // From an upright axis to one along y.
+    let lie = UnitQuaternion::from_axis_angle(&Vector::x_axis(), -FRAC_PI_2);
+    let lie = Pose::from_parts(Translation3::identity(), lie);
+    Ok(parts.into_iter().map(|p| Piece { pose: lie * p.pose, ..p }).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn built(shape: &str) -> RigidPiece {
+        let text = format!(r#"{{ "name": "a", "shape": {shape} }}"#);
+        let spec: PieceSpec = serde_json::from_str(&text).expect("a piece");
+        RigidPiece::new(&spec).expect("it can be built")
+    }
+
+    fn volume(piece: &RigidPiece) -> f64 {
+        piece.parts.iter().map(|p| p.shape.signed_volume()).sum::<f64>() * 1e9
+    }
+
+    fn is_solid_at(piece: &RigidPiece, [x, y, z]: [f64; 3]) -> bool {
+        let place = Point::new(x, y, z) * 1e-3;
+        piece.parts.iter().any(|part| {
+            let at = part.pose.inverse() * place;
+            (0..part.shape.faces().len())
+                .all(|f| part.shape.plane(f).is_some_and(|(n, offset)| n.dot(&at.coords) < offset))
+        })
+    }
+
+    #[test]
+    fn walls_of_a_box_fill_what_lies_between_inside_and_outside() {
+        let inner = 100.0 * 60.0 * 80.0;
+        for (open, expected) in [
+            ("[]", 120.0 * 80.0 * 100.0 - inner),
+            (r#"["top"]"#, 120.0 * 80.0 * 90.0 - inner),
+            (r#"["top", "bottom"]"#, 120.0 * 80.0 * 80.0 - inner),
+        ] {
+            let of = format!(r#"{{ "box": {{ "inner_mm": [100, 60, 80], "open": {open} }} }}"#);
+            let got = volume(&built(&of));
+            assert!((got / expected - 1.0).abs() < 1e-12, "law: {expected} mm³, got {got}");
+        }
+        let without = built(r#"{ "box": { "inner_mm": [100, 60, 80], "open": ["high_x"] } }"#);
+        assert!(!is_solid_at(&without, [55.0, 0.0, 40.0]), "law: that side is open");
+        assert!(is_solid_at(&without, [-55.0, 0.0, 40.0]), "law: the other is not");
+    }
+
+    #[test]
+    fn a_drum_lies_along_y_and_is_closed() {
+        let drum = built(
+            r#"{ "drum": { "inner_diameter_mm": 100, "length_mm": 40, "lifters": 4, "lifter_mm": 8 } }"#,
+        );
+        for (at, solid) in [
+            ([0.0, 0.0, 0.0], false),
+            ([0.0, 25.0, 0.0], true),
+            ([0.0, -25.0, 0.0], true),
+            ([0.0, 0.0, 55.0], true),
+            ([55.0, 19.0, 0.0], true),
+            ([45.0, 0.0, 0.0], true),
+            ([0.0, 0.0, -45.0], true),
+            ([32.0, 0.0, 32.0], false),
+        ] {
+            assert_eq!(is_solid_at(&drum, at), solid, "law: walls and bars at {at:?} mm");
+        }
+    }
+
+    #[test]
+    fn a_hopper_with_four_sides_is_a_pyramid_of_its_angle() {
+        let hopper = built(
+            r#"{ "hopper": { "opening_diameter_mm": 40, "top_diameter_mm": 120, "half_angle_deg": 30, "sides": 4 } }"#,
+        );
+        assert_eq!(hopper.parts.len(), 4);
+        // Half of the side of the square of the circle's area, a tangent of 30° higher up.
+        let half = |diameter: f64| diameter / 2.0 * (PI / 4.0).sqrt();
+        let height = (half(120.0) - half(40.0)) / 30_f64.to_radians().tan();
+        let side = |z: f64| half(40.0) + (half(120.0) - half(40.0)) * z / height;
+        for z in [1.0, 0.5 * height, height - 1.0] {
+            assert!(!is_solid_at(&hopper, [side(z) - 0.1, 0.0, z]), "law: open inside, at {z} mm");
+            assert!(is_solid_at(&hopper, [side(z) + 0.1, 0.0, z]), "law: a wall, at {z} mm");
+        }
+        assert!(!is_solid_at(&hopper, [side(height) + 1.0, 0.0, height + 0.1]), "law: its top");
+    }
+
+    #[test]
+    fn solids_have_their_volumes() {
+        for (shape, expected) in [
+            (r#"{ "plate": { "size_mm": [10, 20, 30] } }"#, 6000.0),
+            (r#"{ "wedge": { "size_mm": [10, 20, 30] } }"#, 3000.0),
+            (r#"{ "disc": { "diameter_mm": 20, "thickness_mm": 5 } }"#, 500.0 * PI),
+        ] {
+            let got = volume(&built(shape));
+            assert!((got / expected - 1.0).abs() < 1e-12, "law: {expected} mm³, got {got}");
+        }
+        let ramp = built(r#"{ "wedge": { "size_mm": [10, 20, 30] } }"#);
+        assert!(is_solid_at(&ramp, [4.0, 0.0, 20.0]), "law: high at high x");
+        assert!(!is_solid_at(&ramp, [-4.0, 0.0, 20.0]), "law: low at low x");
+    }
+
+    #[test]
+    fn a_piece_stands_where_it_is_put() {
+        let spec: PieceSpec = serde_json::from_str(
+            r#"{ "name": "a", "shape": { "plate": { "size_mm": [6, 0.1, 8] } },
+                "at_mm": [1, 2, 3], "rotation_deg": [0, 0, 90] }"#,
+        )
+        .expect("a piece");
+        let piece = RigidPiece::new(&spec).expect("built");
+        let got = piece.at * Point::new(1.0, 0.0, 0.0);
+        assert!((got - Point::new(0.001, 1.002, 0.003)).norm() < 1e-12, "law: x to y, got {got}");
+        assert!((piece.radius - 5e-3).abs() < 1e-6, "law: half of its diagonal");
+    }
+}

@@ -1,0 +1,161 @@
+//! Void ratio within a box, exact: grains that reach over its sides count with what lies inside.
+
+use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::specimen::Specimen;
+
+/// A box along the axes, in m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Region {
+    /// Its lowest corner.
+    pub low: Vector,
+    /// Its highest corner.
+    pub high: Vector,
+}
+
+impl Region {
+    /// Its volume in m³.
+    pub fn volume(&self) -> f64 {
+        let sides = self.high - self.low;
+        sides.x * sides.y * sides.z
+    }
+
+    /// Volume in m³ of the part of a solid that lies in it.
+    pub fn volume_of(&self, shape: &ConvexPolyhedron, pose: &Pose) -> f64 {
+        let corners: Vec<Vector> = shape.vertices().iter().map(|v| (pose * v).coords).collect();
+        let inside = |c: &Vector| (0..3).all(|k| self.low[k] <= c[k] && c[k] <= self.high[k]);
+        if corners.iter().all(inside) {
+            return shape.signed_volume();
+        }
+        let beyond = |k: usize| {
+            corners.iter().all(|c| c[k] >= self.high[k])
+                || corners.iter().all(|c| c[k] <= self.low[k])
+        };
+        if (0..3).any(beyond) {
+            return 0.0;
+        }
+        let faces = shape.faces().iter();
+        let mut faces: Vec<Vec<Vector>> =
+            faces.map(|face| face.iter().map(|&c| corners[c as usize]).collect()).collect();
+        for k in 0..3 {
+            faces = cut(faces, k, 1.0, self.high[k]);
+            faces = cut(faces, k, -1.0, -self.low[k]);
+        }
+        // Divergence theorem about a corner of the region, near enough for rounding.
+        let triple = |a: &Vector, b: &Vector, c: &Vector| {
+            (a - self.low).dot(&(b - self.low).cross(&(c - self.low)))
+        };
+        let fans = faces
+            .iter()
+            .flat_map(|f| (1..f.len().max(2) - 1).map(move |i| triple(&f[0], &f[i], &f[i + 1])));
+        fans.sum::<f64>() / 6.0
+    }
+}
+
+/// What of a closed surface lies where sign · x[axis] <= offset, closed again.
+fn cut(faces: Vec<Vec<Vector>>, axis: usize, sign: f64, offset: f64) -> Vec<Vec<Vector>> {
+    let height = |p: &Vector| sign * p[axis] - offset;
+    let mut kept = Vec::new();
+    // Where faces leave and enter again: the rim of the cut, the other way round.
+    let mut rim: Vec<(Vector, Vector)> = Vec::new();
+    for face in faces {
+        let mut inside = Vec::new();
+        let (mut leaves, mut enters) = (None, None);
+        for (i, p) in face.iter().enumerate() {
+            let q = &face[(i + 1) % face.len()];
+            let (a, b) = (height(p), height(q));
+            if a <= 0.0 {
+                inside.push(*p);
+            }
+            if (a <= 0.0) != (b <= 0.0) {
+                let mut at = p + (q - p) * (a / (a - b));
+                at[axis] = sign * offset;
+                inside.push(at);
+                match a <= 0.0 {
+                    true => leaves = Some(at),
+                    false => enters = Some(at),
+                }
+            }
+        }
+        rim.extend(enters.zip(leaves));
+        if inside.len() >= 3 {
+            kept.push(inside);
+        }
+    }
+    if let Some(&(middle, _)) = rim.first() {
+        // Triangles of a convex cap; where it has been cut before, inner edges cancel.
+        kept.extend(rim.into_iter().map(|(enters, leaves)| vec![middle, enters, leaves]));
+    }
+    kept
+}
+
+/// Void ratio e = V/Vₛ − 1 of the grains present within a region; `None` where no grain is.
+pub fn void_ratio_in(specimen: &Specimen, region: &Region) -> Option<f64> {
+    let solids: f64 = specimen
+        .present()
+        .map(|i| {
+            let pose = &specimen.state.bodies[i].body.pose;
+            region.volume_of(&specimen.grains.grains[i].shape, pose)
+        })
+        .sum();
+    // What is left of rounding is no grain.
+    (solids > 1e-9 * region.volume()).then(|| region.volume() / solids - 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{assert_near, cube, random, random_pose, specimen_of};
+    use super::*;
+
+    const UNIT: Region =
+        Region { low: Vector::new(0.0, 0.0, 0.0), high: Vector::new(1.0, 1.0, 1.0) };
+
+    #[test]
+    fn a_cube_at_a_corner_an_edge_and_a_side_is_cut_as_it_should() {
+        for (at, expected) in [
+            ([0.5, 0.5, 0.5], 0.064),
+            ([0.0, 0.5, 0.5], 0.032),
+            ([0.0, 0.0, 0.5], 0.016),
+            ([0.0, 0.0, 0.0], 0.008),
+            ([1.0, 1.0, 1.0], 0.008),
+            ([1.2, 0.5, 0.5], 0.0),
+            ([3.0, 0.5, 0.5], 0.0),
+            ([0.9, 0.5, 0.5], 0.048),
+        ] {
+            let pose = Pose::translation(at[0], at[1], at[2]);
+            let got = UNIT.volume_of(&cube(0.4), &pose);
+            assert_near("what lies inside of a cube of side 0.4", expected, got, 1e-15);
+        }
+    }
+
+    /// Law: the parts of a solid in boxes that fill space are the solid.
+    #[test]
+    fn turned_solids_lose_nothing_between_boxes() {
+        let mut rng = random(3);
+        let shape = ConvexPolyhedron::cuboid(Vector::new(0.5, 0.8, 1.1)).expect("a block");
+        for _ in 0..50 {
+            let pose = random_pose(&mut rng, 0.4);
+            let mut sum = 0.0;
+            for n in 0..64_u32 {
+                let low = Vector::new(f64::from(n % 4), f64::from(n / 4 % 4), f64::from(n / 16))
+                    - Vector::repeat(2.0);
+                sum += Region { low, high: low + Vector::repeat(1.0) }.volume_of(&shape, &pose);
+            }
+            assert_near("volume of all parts", 0.44, sum, 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_lattice_of_cubes_has_its_void_ratio() {
+        let grains = (0..27_u32).map(|n| {
+            let k = |m: u32| 0.02 * f64::from(n / m % 3);
+            (cube(0.01), Pose::translation(k(1), k(3), k(9)))
+        });
+        let specimen = specimen_of(grains.collect());
+        // Between the middles of the outer cubes: eight cells of (20 mm)³ with 1 cm³ each.
+        let region = Region { low: Vector::zeros(), high: Vector::repeat(0.04) };
+        let got = void_ratio_in(&specimen, &region).expect("a void ratio");
+        assert_near("e = 8/1 − 1", 7.0, got, 1e-9);
+        let empty = Region { low: Vector::repeat(1.0), high: Vector::repeat(2.0) };
+        assert_eq!(void_ratio_in(&specimen, &empty), None, "law: no solids, no ratio");
+    }
+}

@@ -1,0 +1,232 @@
+//! Stages of a laboratory of pieces: deposit, move, remove.
+
+use super::{
+    Observer, Setup, StageError, StageOutcome,
+    feeder::{Area, Feed, Outlet, Rate},
+    pieces::{Drive, Solids},
+    stages::{Course, Ended, Laboratory, not_settled},
+    stand::Until,
+};
+use crate::geometry::{Pose, Vector};
+use crate::grains;
+use crate::scenario::{DepositKind, StageSpec};
+use crate::specimen::{Fate, PieceState, Specimen};
+use crate::units::{from_g, from_mm};
+use crate::world::BodyState;
+
+/// Places of a lattice that are tried for each grain before there counts as no room.
+const TRIES: usize = 1000;
+
+/// A specimen with its laboratory: at the beginning pieces are put up, and every grain waits.
+pub(super) fn begun(setup: &Setup, mut specimen: Specimen) -> Specimen {
+    let state = &mut specimen.state;
+    if state.pieces.len() < setup.pieces.len() {
+        state.pieces = setup.pieces.iter().map(|p| PieceState::standing(p.at)).collect();
+        for grain in &mut state.bodies {
+            grain.fate = Fate::Waiting;
+        }
+    }
+    specimen
+}
+
+impl Laboratory<'_> {
+    /// Lets grains that wait fall from an area.
+    pub(super) fn deposit(
+        &self,
+        mut specimen: Specimen,
+        stage: &StageSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        let refused = |reason| StageError::OutOfOrder { stage: "deposit", reason };
+        let StageSpec::Deposit {
+            how,
+            at_mm,
+            area_mm,
+            diameter_mm,
+            rate_g_per_s,
+            mass_g,
+            sizes_mm,
+            time_limit_s,
+        } = *stage
+        else {
+            return Err(refused("it needs an area"));
+        };
+        let area = Area {
+            middle: Vector::from(at_mm.map(from_mm)),
+            half: match (area_mm, diameter_mm) {
+                (Some(sides), _) => sides.map(|side| from_mm(side) / 2.0),
+                (None, Some(diameter)) => [from_mm(diameter) / 2.0; 2],
+                (None, None) => return Err(refused("it needs an area")),
+            },
+            round: area_mm.is_none(),
+        };
+        let sizes = sizes_mm.map(|sizes| sizes.map(from_mm));
+        let chosen = self.waiting(&specimen, sizes, mass_g.map(from_g));
+        if chosen.is_empty() {
+            return Err(refused("no grains of that kind are waiting any more"));
+        }
+        let mut course = Course::until_settled(time_limit_s);
+        match (how, rate_g_per_s) {
+            (DepositKind::Lattice, _) => self.lay_out(&mut specimen, &area, &chosen)?,
+            (DepositKind::Rain, Some(rate)) => {
+                course.feed = Some(Feed {
+                    rate: Rate::Mass(from_g(rate)),
+                    outlet: Outlet::Area(area),
+                    grains: Some(chosen),
+                    gravity: self.setup.gravity,
+                });
+            }
+            (DepositKind::Rain, None) => return Err(refused("rain needs a rate")),
+        }
+        let Ended { mut stand, settled, feeder } =
+            self.carry_out(specimen, 0.0, &course, observer)?;
+        let waiting = feeder.map_or(0, |feeder| feeder.waiting());
+        if waiting > 0 {
+            stand.warn(format!(
+                "after {time_limit_s} s {waiting} grains of the deposit had not been let go: each \
+                 waits until others and the pieces are out of its way"
+            ));
+        } else if !settled {
+            stand.warn(not_settled("depositing", time_limit_s));
+        }
+        Ok(stand.finish())
+    }
+
+    /// Grains that wait, of sieve fractions between two openings in m, up to a mass in kg, in
+    /// the order in which they are mixed.
+    fn waiting(
+        &self,
+        specimen: &Specimen,
+        sizes: Option<[f64; 2]>,
+        mass: Option<f64>,
+    ) -> Vec<usize> {
+        let set = &specimen.grains;
+        let mixing = grains::mix(set, self.setup.seed, self.setup.configuration);
+        let fits = |grain: usize| {
+            let block = &set.blocks[set.grains[grain].fraction];
+            // Openings are typed in mm, and may be a rounding off in m.
+            sizes.is_none_or(|[low, high]| {
+                block.retained >= low * (1.0 - 1e-9) && block.passing <= high * (1.0 + 1e-9)
+            })
+        };
+        let mut taken = 0.0;
+        let waits = |grain: &usize| specimen.state.bodies[*grain].fate == Fate::Waiting;
+        let chosen = mixing.order.into_iter().filter(waits).filter(|grain| fits(*grain));
+        let enough = |grain: &usize| {
+            let more = mass.is_none_or(|mass| taken < mass);
+            taken += set.grains[*grain].mass;
+            more
+        };
+        chosen.take_while(enough).collect()
+    }
+
+    /// Puts grains at rest on a lattice, clear of pieces and of grains that are there.
+    fn lay_out(
+        &self,
+        specimen: &mut Specimen,
+        area: &Area,
+        chosen: &[usize],
+    ) -> Result<(), StageError> {
+        let set = specimen.grains.clone();
+        let mixing = grains::mix(&set, self.setup.seed, self.setup.configuration);
+        let clearance = set.rain_clearance();
+        let radius = |grain: usize| set.grains[grain].shape.radius_about_origin() + clearance;
+        let largest = chosen.iter().map(|&grain| radius(grain)).fold(0.0, f64::max);
+        let solids = Solids::of(self.setup);
+        let there: Vec<(Vector, f64)> = specimen
+            .present()
+            .map(|n| (specimen.state.bodies[n].body.pose.translation.vector, radius(n)))
+            .collect();
+        let state = &specimen.state;
+        let free = |place: &Vector| {
+            solids.is_clear(place, largest, state)
+                && there.iter().all(|(at, r)| (at - place).norm() > r + largest)
+        };
+        let places: Vec<Vector> = area
+            .lattice(largest)
+            .take(TRIES * chosen.len())
+            .filter(free)
+            .take(chosen.len())
+            .collect();
+        if places.len() < chosen.len() {
+            return Err(StageError::Placing(format!(
+                "the area of the deposit has room for {} of {} grains, clear of the pieces",
+                places.len(),
+                chosen.len()
+            )));
+        }
+        for (&grain, place) in chosen.iter().zip(places) {
+            let pose = Pose::from_parts(place.into(), mixing.orientations[grain]);
+            let state = &mut specimen.state.bodies[grain];
+            (state.body, state.fate) = (BodyState::at_rest(pose), Fate::Present);
+        }
+        Ok(())
+    }
+
+    /// Moves pieces as prescribed.
+    pub(super) fn move_pieces(
+        &self,
+        specimen: Specimen,
+        stage: &StageSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        let refused = |reason| StageError::OutOfOrder { stage: "move", reason };
+        let (StageSpec::Move { pieces: names, .. }, Some(motion)) = (stage, stage.piece_motion())
+        else {
+            return Err(refused("it needs a motion"));
+        };
+        let stands = |n: &usize| specimen.state.pieces[*n].present;
+        let pieces: Vec<usize> = match names.is_empty() {
+            true => (0..specimen.state.pieces.len()).filter(stands).collect(),
+            false => self.numbers(names).filter(|p| p.iter().all(stands)).unwrap_or_default(),
+        };
+        if pieces.is_empty() {
+            return Err(refused("its pieces do not stand"));
+        }
+        let limit = stage.settle_limit();
+        let mut course = match limit > 0.0 {
+            true => Course::until(Until {
+                limit: motion.duration + limit,
+                calm_from: Some(motion.duration),
+            }),
+            false => Course::of_length(motion.duration),
+        };
+        course.drive = Some(Drive { pieces, motion });
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
+        if limit > 0.0 && !settled {
+            stand.warn(not_settled("rest after the motion", limit));
+        }
+        Ok(stand.finish())
+    }
+
+    /// Takes pieces away.
+    pub(super) fn remove(
+        &self,
+        mut specimen: Specimen,
+        names: &[String],
+        limit: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        let refused = |reason| StageError::OutOfOrder { stage: "remove", reason };
+        let pieces = self.numbers(names).ok_or_else(|| refused("there is no such piece"))?;
+        for n in pieces {
+            let piece = &mut specimen.state.pieces[n];
+            if !piece.present {
+                return Err(refused("its pieces do not stand"));
+            }
+            *piece = PieceState { present: false, ..PieceState::standing(piece.pose) };
+        }
+        let course = Course::until_settled(limit);
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
+        if !settled {
+            stand.warn(not_settled("flow", limit));
+        }
+        Ok(stand.finish())
+    }
+
+    /// Numbers of pieces by their names; none where one is not known.
+    fn numbers(&self, names: &[String]) -> Option<Vec<usize>> {
+        let number = |name: &String| self.setup.pieces.iter().position(|p| &p.name == name);
+        names.iter().map(number).collect()
+    }
+}

@@ -1,0 +1,207 @@
+//! Laboratories of pieces: on a world that does what it is reported, and in the engine.
+
+use std::sync::{Arc, atomic::AtomicBool};
+
+use super::*;
+use crate::geometry::Pose;
+use crate::grains::{GrainSet, generate};
+use crate::scenario::{GrainsSpec, Scenario, StageSpec};
+use crate::specimen::{Fate, SpecimenState};
+use crate::world::{World, scripted::ScriptedWorld};
+
+const STEP: f64 = 1.0 / 480.0;
+
+fn scenario() -> Scenario {
+    serde_json::from_value(serde_json::json!({
+        "name": "test",
+        "grains": {
+            "total_mass_g": 40, "density_kg_per_m3": 2673.9,
+            "sieve_table": [
+                { "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 50 },
+                { "passing_mm": 10, "retained_mm": 8, "mass_percent": 50 }
+            ]
+        },
+        "pieces": [
+            { "name": "box", "shape": { "box": { "inner_mm": [60, 60, 60] } } },
+            { "name": "gate", "shape": { "plate": { "size_mm": [10, 10, 10] } }, "at_mm": [200, 0, 0] }
+        ],
+        "stages": []
+    }))
+    .expect("a scenario")
+}
+
+fn grains() -> Arc<GrainSet> {
+    let GrainsSpec::Sieved(spec) = scenario().grains else { panic!("sieved") };
+    Arc::new(generate(&spec, 1).expect("grains"))
+}
+
+fn specimen() -> Specimen {
+    let grains = grains();
+    let state = SpecimenState::before_everything(grains.grains.len());
+    Specimen { grains, state }
+}
+
+fn stage(value: serde_json::Value) -> StageSpec {
+    serde_json::from_value(value).expect("a stage")
+}
+
+struct Nobody;
+
+impl Observer for Nobody {
+    fn observe(&mut self, _: &Specimen, _: Moment) {}
+}
+
+fn carry_out(specimen: Specimen, stage: &StageSpec) -> Result<StageOutcome, StageError> {
+    let setup = Setup::new(&scenario()).expect("a laboratory");
+    run(
+        &setup,
+        &|_, _, _| Ok(Box::new(ScriptedWorld::still(STEP)) as Box<dyn World + Send>),
+        specimen,
+        stage,
+        None,
+        &mut Nobody,
+        &AtomicBool::new(false),
+    )
+}
+
+fn in_engine(specimen: Specimen, stage: &StageSpec) -> StageOutcome {
+    let setup = Setup::new(&scenario()).expect("a laboratory");
+    let make = &crate::world::create;
+    run(&setup, make, specimen, stage, None, &mut Nobody, &AtomicBool::new(false)).expect("it runs")
+}
+
+fn present(specimen: &Specimen) -> Vec<usize> {
+    specimen.present().collect()
+}
+
+#[test]
+fn a_layer_takes_its_own_sieve_fraction_and_the_rest_waits() {
+    let lattice = |sizes: [f64; 2]| {
+        stage(serde_json::json!({ "stage": "deposit", "how": "lattice", "at_mm": [0, 0, 100],
+            "area_mm": [50, 50], "sizes_mm": sizes, "time_limit_s": 1 }))
+    };
+    let fine = carry_out(specimen(), &lattice([8.0, 10.0])).expect("a layer").specimen;
+    let set = fine.grains.clone();
+    let of = |n: &usize| set.grains[*n].fraction;
+    assert!(present(&fine).iter().all(|n| of(n) == 1), "law: the finer fraction alone");
+    let waiting = fine.state.bodies.iter().filter(|g| g.fate == Fate::Waiting).count();
+    assert_eq!(present(&fine).len() + waiting, set.grains.len(), "law: the others wait");
+    let refused = carry_out(fine.clone(), &lattice([8.0, 10.0])).expect_err("law: none is left");
+    assert!(refused.to_string().contains("waiting"), "{refused}");
+    let both = carry_out(fine, &lattice([10.0, 12.5])).expect("a second layer").specimen;
+    assert_eq!(present(&both).len(), set.grains.len(), "law: now all of them are there");
+    let places: Vec<_> = both.state.bodies.iter().map(|g| g.body.pose.translation.vector).collect();
+    for (a, at) in places.iter().enumerate() {
+        for (b, other) in places.iter().enumerate().skip(a + 1) {
+            let apart = set.grains[a].shape.radius_about_origin()
+                + set.grains[b].shape.radius_about_origin();
+            assert!((at - other).norm() > apart, "law: grains {a} and {b} begin apart");
+        }
+    }
+}
+
+#[test]
+fn rain_falls_at_its_rate_and_only_as_much_as_is_asked_for() {
+    let rain = stage(serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 100],
+        "diameter_mm": 10000, "rate_g_per_s": 20, "mass_g": 15, "time_limit_s": 5 }));
+    let outcome = carry_out(specimen(), &rain).expect("rain");
+    let set = &outcome.specimen.grains;
+    let mass = |n: &usize| set.grains[*n].mass * 1e3;
+    let fallen: f64 = present(&outcome.specimen).iter().map(mass).sum();
+    let heaviest = set.grains.iter().map(|g| g.mass * 1e3).fold(0.0, f64::max);
+    assert!((15.0..15.0 + heaviest).contains(&fallen), "law: 15 g and no grain more, {fallen} g");
+    let settle = scenario().settle.hold_s;
+    // The last grain is let go at the first check after its time.
+    let expected = (fallen - heaviest) / 20.0 + settle;
+    assert!(
+        (expected..expected + heaviest / 20.0 + 0.2).contains(&outcome.simulated),
+        "law: 20 g/s, then at rest for {settle} s; {fallen} g took {} s",
+        outcome.simulated
+    );
+}
+
+#[test]
+fn pieces_move_as_prescribed_stay_there_and_are_removed() {
+    let turn = stage(serde_json::json!({ "stage": "move", "pieces": ["box"], "travel_deg": 90,
+        "rotation": { "axis": [0, 0, 2], "about_mm": [100, 0, 0], "deg_per_s": 90 } }));
+    let turned = carry_out(specimen(), &turn).expect("it moves");
+    assert!((turned.simulated - 1.0).abs() < 1e-9, "law: 90° at 90°/s, {} s", turned.simulated);
+    let pieces = &turned.specimen.state.pieces;
+    let at = pieces[0].pose * crate::geometry::Point::origin();
+    assert!((at.coords - crate::geometry::Vector::new(0.1, -0.1, 0.0)).norm() < 1e-12, "{at}");
+    assert_eq!(pieces[1].pose, Pose::translation(0.2, 0.0, 0.0), "law: the other one stays");
+    let remove =
+        stage(serde_json::json!({ "stage": "remove", "pieces": ["gate"], "time_limit_s": 1 }));
+    let without = carry_out(turned.specimen, &remove).expect("removed").specimen;
+    assert_eq!(without.state.pieces.iter().map(|p| p.present).collect::<Vec<_>>(), [true, false]);
+    let again = carry_out(without, &remove).expect_err("law: it is gone");
+    assert!(again.to_string().contains("do not stand"), "{again}");
+}
+
+#[test]
+fn at_rest_the_box_carries_the_weight_of_the_grains() {
+    let rain = stage(serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 90],
+        "area_mm": [50, 50], "rate_g_per_s": 80 }));
+    let poured = in_engine(specimen(), &rain).specimen;
+    assert_eq!(present(&poured).len(), poured.grains.grains.len(), "law: nothing gets lost");
+    let rested = in_engine(poured, &StageSpec::Rest { duration_s: 1.0 }).specimen;
+    let weight = rested.grains.total_mass() * scenario().gravity_m_per_s2;
+    let force = rested.state.pieces[0].force_n;
+    assert!(
+        (-force.z / weight - 1.0).abs() < 0.01 && force.xy().norm() < 0.01 * weight,
+        "law: {weight} N downwards, expected within 1 %, got {force:?}"
+    );
+    assert_eq!(rested.state.pieces[1].force_n, crate::geometry::Vector::zeros(), "law: untouched");
+    // A box in which they are carried up at a constant speed carries the same.
+    let lift = stage(serde_json::json!({ "stage": "move", "pieces": ["box"],
+        "velocity_mm_per_s": [0, 0, 100], "duration_s": 0.8, "ramp_s": 0.1 }));
+    let outcome = in_engine(rested, &lift);
+    let (lifted, watch) = (outcome.specimen, outcome.watch);
+    assert_eq!(present(&lifted).len(), lifted.grains.grains.len(), "law: all come along");
+    let way = lifted.state.pieces[0].pose.translation.z;
+    assert!((way - 0.07).abs() < 1e-9, "law: v (T − r), got {way} m");
+    let lost = watch.energy.worst;
+    assert!(lost < 0.05 * weight * way, "law: the box gives the energy, {lost} J unexplained");
+}
+
+/// Keeps where a stage could go on.
+struct Seams(Vec<Midway>);
+
+impl Observer for Seams {
+    fn observe(&mut self, _: &Specimen, _: Moment) {}
+
+    fn seam(&mut self, midway: &Midway) -> std::ops::ControlFlow<()> {
+        self.0.push(midway.clone());
+        std::ops::ControlFlow::Continue(())
+    }
+}
+
+/// Law: a stage that goes on from a checkpoint ends as one that was never interrupted, grains
+/// that are still to be let go and pieces on their way included.
+#[test]
+fn rain_and_motion_go_on_from_a_checkpoint_with_the_same_bits() {
+    let mut scenario = scenario();
+    scenario.engine.native.checkpoint_every_s = Some(0.2);
+    let setup = Setup::new(&scenario).expect("a laboratory");
+    let go = |specimen: Specimen, stage: &StageSpec, midway: Option<Midway>| {
+        let mut seams = Seams(Vec::new());
+        let stop = AtomicBool::new(false);
+        let outcome =
+            run(&setup, &crate::world::create, specimen, stage, midway, &mut seams, &stop);
+        (outcome.expect("it runs").specimen, seams.0)
+    };
+    let rain = stage(serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 90],
+        "area_mm": [50, 50], "rate_g_per_s": 60 }));
+    let turn = stage(serde_json::json!({ "stage": "move", "pieces": ["box"], "travel_deg": 20,
+        "rotation": { "axis": [0, 1, 0], "deg_per_s": 30 }, "ramp_s": 0.1, "settle_limit_s": 1 }));
+    let mut before = specimen();
+    for stage in [&rain, &turn] {
+        let (whole, seams) = go(before.clone(), stage, None);
+        assert!(seams.len() >= 2, "law: it has segments, {}", seams.len());
+        for midway in [&seams[0], &seams[seams.len() - 1]] {
+            let (resumed, _) = go(before.clone(), stage, Some(midway.clone()));
+            assert_eq!(resumed.state, whole.state, "law: the same from {} steps", midway.steps);
+        }
+        before = whole;
+    }
+}

@@ -1,0 +1,254 @@
+//! Pieces of a laboratory in a world: where they are, how they are moved, what the grains do
+//! to them.
+
+use std::collections::HashMap;
+
+use super::{Setup, bodies::wall_piece};
+use crate::geometry::{Point, Pose, Vector};
+use crate::motion::PieceMotion;
+use crate::specimen::{Other, Party, PieceState, SpecimenState};
+use crate::world::{Body, BodyId, Contact, Motion, World, WorldError};
+
+/// Pieces that move as one in a stage.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Drive {
+    /// Their numbers.
+    pub pieces: Vec<usize>,
+    /// How they move.
+    pub motion: PieceMotion,
+}
+
+impl Drive {
+    /// Largest speed in m/s of any point of them, from where they begin.
+    pub(super) fn peak_speed(&self, setup: &Setup, began: &[PieceState]) -> f64 {
+        let farthest = self.pieces.iter().map(|&n| {
+            let origin = Point::from(began[n].pose.translation.vector);
+            self.motion.from_axis(&origin) + setup.pieces[n].radius
+        });
+        self.motion.peak_speed(farthest.fold(0.0, f64::max))
+    }
+}
+
+/// Impulse and its moment since a sample, in N s and N m s.
+#[derive(Debug, Clone, Copy, Default)]
+struct Load {
+    impulse: Vector,
+    moment: Vector,
+}
+
+/// The bodies of the pieces that stand.
+pub(super) struct Pieces {
+    /// Of each piece its parts with their places in its frame; none of one that is removed.
+    parts: Vec<Vec<(BodyId, Pose)>>,
+    solids: Solids,
+    of_body: HashMap<BodyId, usize>,
+    drive: Option<Drive>,
+    /// Where the pieces were when the stage began.
+    began: Vec<PieceState>,
+    /// Where each was at the beginning of the last step.
+    before: Vec<Pose>,
+    loads: Vec<Load>,
+    steps: u32,
+    /// Work of the pieces on the grains since somebody asked, in J.
+    work: f64,
+    contacts: Vec<Contact>,
+}
+
+impl Pieces {
+    /// Puts the pieces that stand into a world, as kinematic bodies; `began` is where they were
+    /// when the stage began.
+    pub(super) fn add(
+        world: &mut dyn World,
+        setup: &Setup,
+        state: &SpecimenState,
+        began: &[PieceState],
+        drive: Option<Drive>,
+        parties: &mut HashMap<Party, BodyId>,
+    ) -> Result<Self, WorldError> {
+        let mut parts = Vec::new();
+        let mut of_body = HashMap::new();
+        for (n, (piece, at)) in setup.pieces.iter().zip(&state.pieces).enumerate() {
+            let mut bodies = Vec::new();
+            for (k, part) in piece.parts.iter().enumerate().filter(|_| at.present) {
+                let mut body = wall_piece(part, Motion::Kinematic);
+                body.state.pose = at.pose * part.pose;
+                let id = world.add(&Body { material: setup.piece_materials[n], ..body })?;
+                parties.insert(Party::Other(Other::Piece(n, k)), id);
+                of_body.insert(id, n);
+                bodies.push((id, part.pose));
+            }
+            parts.push(bodies);
+        }
+        Ok(Self {
+            parts,
+            solids: Solids::of(setup),
+            of_body,
+            drive,
+            began: began.to_vec(),
+            before: state.pieces.iter().map(|piece| piece.pose).collect(),
+            loads: vec![Load::default(); state.pieces.len()],
+            steps: 0,
+            work: 0.0,
+            contacts: Vec::new(),
+        })
+    }
+
+    /// Height in m below which nothing of the pieces reaches in this stage.
+    pub(super) fn lowest(&self) -> f64 {
+        let still = self.began.iter().zip(&self.solids.radii).enumerate();
+        let low = still.filter(|(_, (piece, _))| piece.present).map(|(n, (piece, radius))| {
+            let ways = self.drive.iter().filter(|drive| drive.pieces.contains(&n));
+            let ways = ways.flat_map(|drive| {
+                (0..=SAMPLES_OF_WAY).map(|k| {
+                    let time = drive.motion.duration * f64::from(k) / f64::from(SAMPLES_OF_WAY);
+                    (drive.motion.displacement(time) * piece.pose).translation.z
+                })
+            });
+            ways.fold(piece.pose.translation.z, f64::min) - radius
+        });
+        low.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Largest speed in m/s of any point of the pieces in this stage.
+    pub(super) fn peak_speed(&self, setup: &Setup) -> f64 {
+        self.drive.as_ref().map_or(0.0, |drive| drive.peak_speed(setup, &self.began))
+    }
+
+    /// Says where the pieces that move are at the end of the next step, at a time in s.
+    pub(super) fn advance(
+        &mut self,
+        world: &mut dyn World,
+        state: &mut SpecimenState,
+        time: f64,
+    ) -> Result<(), WorldError> {
+        let Some(drive) = &self.drive else { return Ok(()) };
+        let by = drive.motion.displacement(time);
+        for &n in &drive.pieces {
+            self.before[n] = state.pieces[n].pose;
+            state.pieces[n].pose = by * self.began[n].pose;
+            for (id, part) in &self.parts[n] {
+                world.drive(*id, &(state.pieces[n].pose * part))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells a world in which the stage goes on how the pieces moved in its last steps.
+    pub(super) fn recall(&self, world: &mut dyn World, steps: u64) -> Result<(), WorldError> {
+        let Some(drive) = &self.drive else { return Ok(()) };
+        let dt = world.time_step();
+        let place = |step: u64| drive.motion.displacement(step as f64 * dt);
+        let ends = [2, 1, 0].map(|ago| steps.checked_sub(ago).map_or(Pose::identity(), place));
+        for &n in &drive.pieces {
+            for (id, part) in &self.parts[n] {
+                world.recall_drive(*id, &ends.map(|by| by * self.began[n].pose * part))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds up what grains and pieces did to each other in the last step.
+    pub(super) fn gather(&mut self, world: &dyn World, state: &SpecimenState) {
+        if self.of_body.is_empty() {
+            return;
+        }
+        let dt = world.time_step();
+        let mut contacts = std::mem::take(&mut self.contacts);
+        world.contacts(&mut contacts);
+        for contact in &contacts {
+            for (body, impulse) in [(contact.a, contact.impulse), (contact.b, -contact.impulse)] {
+                let Some(&n) = self.of_body.get(&body) else { continue };
+                let now = state.pieces[n].pose;
+                self.loads[n].add(&contact.point, &now.translation.vector, impulse);
+                let moves = self.drive.as_ref().is_some_and(|drive| drive.pieces.contains(&n));
+                if moves {
+                    let point = Point::from(contact.point);
+                    let velocity = (point - self.before[n] * now.inverse() * point) / dt;
+                    self.work -= velocity.dot(&impulse);
+                }
+            }
+        }
+        self.contacts = contacts;
+        self.steps += 1;
+    }
+
+    /// Writes the mean force and moment since the sample before into a state, and begins anew.
+    pub(super) fn take_loads(&mut self, state: &mut SpecimenState, step: f64) {
+        let time = f64::from(self.steps) * step;
+        for (piece, load) in state.pieces.iter_mut().zip(&mut self.loads) {
+            let load = std::mem::take(load);
+            if time > 0.0 {
+                (piece.force_n, piece.moment_n_m) = (load.impulse / time, load.moment / time);
+            }
+        }
+        self.steps = 0;
+    }
+
+    /// Work of the pieces on the grains since this was asked, in J.
+    pub(super) fn take_work(&mut self) -> f64 {
+        std::mem::take(&mut self.work)
+    }
+
+    /// The space that they take.
+    pub(super) fn solids(&self) -> &Solids {
+        &self.solids
+    }
+}
+
+/// The space that pieces take.
+#[derive(Debug, Clone)]
+pub(super) struct Solids {
+    /// The half-spaces of each part in the frame of its piece: outward normal and offset.
+    parts: Vec<Vec<Vec<(Vector, f64)>>>,
+    /// Radius in m about the origin of that frame that holds the piece.
+    radii: Vec<f64>,
+}
+
+impl Solids {
+    /// That of the pieces of a laboratory.
+    pub(super) fn of(setup: &Setup) -> Self {
+        Self {
+            parts: setup.pieces.iter().map(|p| p.parts.iter().map(planes).collect()).collect(),
+            radii: setup.pieces.iter().map(|piece| piece.radius).collect(),
+        }
+    }
+
+    /// Whether a place lies within a part: no grain's centroid can.
+    pub(super) fn holds(&self, place: &Vector, state: &SpecimenState) -> bool {
+        state.pieces.iter().enumerate().filter(|(_, piece)| piece.present).any(|(n, piece)| {
+            let at = piece.pose.inverse() * Point::from(*place);
+            at.coords.norm() < self.radii[n]
+                && self.parts[n].iter().any(|part| depth(part, &at) > 0.0)
+        })
+    }
+
+    /// Whether a ball is clear of every part; it may be called not clear near an edge.
+    pub(super) fn is_clear(&self, centre: &Vector, radius: f64, state: &SpecimenState) -> bool {
+        state.pieces.iter().enumerate().filter(|(_, piece)| piece.present).all(|(n, piece)| {
+            let at = piece.pose.inverse() * Point::from(*centre);
+            at.coords.norm() > self.radii[n] + radius
+                || self.parts[n].iter().all(|part| depth(part, &at) < -radius)
+        })
+    }
+}
+
+/// Moments at which the way of a piece is looked at for its lowest place.
+const SAMPLES_OF_WAY: u32 = 64;
+
+impl Load {
+    fn add(&mut self, point: &Vector, origin: &Vector, impulse: Vector) {
+        self.impulse += impulse;
+        self.moment += (point - origin).cross(&impulse);
+    }
+}
+
+/// The half-spaces of a part in the frame of its piece.
+fn planes(part: &crate::apparatus::Piece) -> Vec<(Vector, f64)> {
+    let shape = part.shape.transformed(&part.pose);
+    (0..shape.faces().len()).filter_map(|face| shape.plane(face)).collect()
+}
+
+/// How deep a point lies within half-spaces, in m; negative outside.
+fn depth(planes: &[(Vector, f64)], at: &Point) -> f64 {
+    planes.iter().map(|(normal, offset)| offset - normal.dot(&at.coords)).fold(f64::MAX, f64::min)
+}

@@ -1,0 +1,66 @@
+//! What of the stand moves as prescribed, and whether the rest still does.
+
+use super::{Fate, StageError, Stand, TableMotion, Vector, moved};
+
+impl Stand<'_> {
+    pub(super) fn move_table(&mut self, to: Vector) -> Result<(), StageError> {
+        for (id, at_rest) in &self.on_table {
+            if let Err(source) = self.world.drive(*id, &moved(at_rest, &to)) {
+                return Err(self.failed(source));
+            }
+        }
+        self.specimen.state.set_table(to);
+        Ok(())
+    }
+
+    /// Tells a world in which a shaken stage goes on how the table has moved.
+    pub(super) fn recall_table(&mut self, motion: &TableMotion) -> Result<(), StageError> {
+        let dt = self.world.time_step();
+        let steps = self.midway.steps;
+        let place = |step: u64| motion.displacement(step as f64 * dt);
+        let ends = [2, 1, 0].map(|ago| steps.checked_sub(ago).map_or(Vector::zeros(), place));
+        for (id, at_rest) in &self.on_table {
+            let ends = ends.map(|at| moved(at_rest, &at));
+            if let Err(source) = self.world.recall_drive(*id, &ends) {
+                return Err(self.failed(source));
+            }
+        }
+        Ok(())
+    }
+
+    /// Moves the pieces of a laboratory to where they are at a time in s.
+    pub(super) fn move_pieces(&mut self, time: f64) -> Result<(), StageError> {
+        let moved = self.pieces.advance(self.world.as_mut(), &mut self.specimen.state, time);
+        moved.map_err(|source| self.failed(source))
+    }
+
+    /// Tells the watch what the pieces have done to the grains.
+    pub(super) fn note_work(&mut self) {
+        let work = self.pieces.take_work();
+        if work != 0.0 {
+            self.midway.watch.given(work);
+        }
+    }
+
+    /// Whether a grain has got into a piece, which none should.
+    pub(super) fn is_in_a_piece(&self, place: &Vector) -> bool {
+        self.pieces.solids().holds(place, &self.specimen.state)
+    }
+
+    /// Whether every body is slow enough to count as settled just now.
+    pub(super) fn calm(&self) -> bool {
+        let limits = &self.setup.settle;
+        let state = &self.specimen.state;
+        let present = state.bodies.iter().filter(|g| g.fate == Fate::Present).map(|g| &g.body);
+        let (mut squares, mut count, mut largest) = (0.0, 0u32, 0.0_f64);
+        for body in present.chain(state.top_plate.as_ref()) {
+            let square = body.linear_velocity.norm_squared();
+            squares += square;
+            count += 1;
+            largest = largest.max(square);
+        }
+        count > 0
+            && (squares / f64::from(count)).sqrt() <= limits.rms_speed
+            && largest.sqrt() <= limits.largest_speed
+    }
+}

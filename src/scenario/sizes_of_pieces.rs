@@ -1,0 +1,87 @@
+//! How large pieces are, as far as checks ask.
+
+use std::f64::consts::PI;
+
+use super::{BoxSide, PieceSpec, ShapeSpec};
+
+impl ShapeSpec {
+    /// Names of the kinds that are given; one of a sound shape.
+    pub fn kinds(&self) -> Vec<&'static str> {
+        let given = [
+            ("box", self.r#box.is_some()),
+            ("cylinder", self.cylinder.is_some()),
+            ("plate", self.plate.is_some()),
+            ("disc", self.disc.is_some()),
+            ("hopper", self.hopper.is_some()),
+            ("wedge", self.wedge.is_some()),
+            ("drum", self.drum.is_some()),
+        ];
+        given.into_iter().filter(|(_, is)| *is).map(|(name, _)| name).collect()
+    }
+
+    /// Thickness of its walls in mm, with the path of the field; none of a solid.
+    pub(super) fn wall_mm(&self) -> Option<(&'static str, f64)> {
+        let of_box = self.r#box.as_ref().map(|b| ("box.wall_mm", b.wall_mm));
+        let of_cylinder = self.cylinder.as_ref().map(|c| ("cylinder.wall_mm", c.wall_mm));
+        let of_hopper = self.hopper.as_ref().map(|h| ("hopper.wall_mm", h.wall_mm));
+        let of_drum = self.drum.as_ref().map(|d| ("drum.wall_mm", d.wall_mm));
+        of_box.or(of_cylinder).or(of_hopper).or(of_drum)
+    }
+
+    /// A length in mm from its origin that nothing of it exceeds.
+    pub(super) fn reach_mm(&self) -> f64 {
+        let sizes: Vec<f64> = match self {
+            Self { r#box: Some(b), .. } => {
+                let [x, y, z] = b.inner_mm;
+                vec![x / 2.0 + b.wall_mm, y / 2.0 + b.wall_mm, z + b.wall_mm]
+            }
+            Self { cylinder: Some(c), .. } => {
+                vec![c.inner_diameter_mm + c.wall_mm, c.height_mm + c.wall_mm]
+            }
+            Self { plate: Some(p), .. } => p.size_mm.map(|size| size / 2.0).to_vec(),
+            Self { disc: Some(d), .. } => vec![d.diameter_mm, d.thickness_mm],
+            Self { hopper: Some(h), .. } => {
+                vec![h.top_diameter_mm + h.wall_mm, h.height_mm() + h.collar_mm]
+            }
+            Self { wedge: Some(w), .. } => w.size_mm.to_vec(),
+            Self { drum: Some(d), .. } => {
+                vec![d.inner_diameter_mm + d.wall_mm, d.length_mm / 2.0 + d.wall_mm]
+            }
+            _ => Vec::new(),
+        };
+        sizes.iter().map(|size| size * size).sum::<f64>().sqrt()
+    }
+
+    /// What it holds in mm³, filled to its rim and as it stands upright; none of what holds
+    /// nothing.
+    pub(super) fn holds_mm3(&self) -> Option<f64> {
+        let round = |diameter: f64, height: f64| PI / 4.0 * diameter * diameter * height;
+        match self {
+            Self { r#box: Some(b), .. } => {
+                let walls =
+                    [BoxSide::Bottom, BoxSide::LowX, BoxSide::HighX, BoxSide::LowY, BoxSide::HighY];
+                let whole = walls.iter().all(|side| !b.open.contains(side));
+                whole.then(|| b.inner_mm.iter().product())
+            }
+            Self { cylinder: Some(c), .. } => {
+                (!c.open_bottom).then(|| round(c.inner_diameter_mm, c.height_mm))
+            }
+            Self { drum: Some(d), .. } => Some(round(d.inner_diameter_mm, d.length_mm)),
+            _ => None,
+        }
+    }
+}
+
+impl super::HopperSpec {
+    /// Height of its slope in mm.
+    fn height_mm(&self) -> f64 {
+        (self.top_diameter_mm - self.opening_diameter_mm).max(0.0)
+            / 2.0
+            / self.half_angle_deg.to_radians().tan()
+    }
+}
+
+/// The lowest height in mm that pieces may reach where they begin.
+pub(super) fn lowest_mm<'a>(pieces: impl Iterator<Item = &'a PieceSpec>) -> Option<f64> {
+    pieces.map(|piece| piece.at_mm[2] - piece.shape.reach_mm()).min_by(f64::total_cmp)
+}

@@ -1,0 +1,326 @@
+//! Pieces of a laboratory, the stages that speak of them, and what is measured there.
+
+use std::collections::HashSet;
+
+use serde_json::Value;
+
+use super::{Parts, fault, short};
+use crate::scenario::{DepositKind, Fault, MeasuresSpec, PieceSpec, ShapeSpec, StageSpec};
+
+/// Stages of the built-in apparatus.
+const BUILT_IN: [&str; 5] =
+    ["fill_funnel", "slow_pluviation", "pour", "place_top_plate", "vibrate"];
+
+/// Stages of a laboratory of pieces.
+const OF_PIECES: [&str; 3] = ["deposit", "move", "remove"];
+
+pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
+    check_pieces(parts, faults);
+    check_names_of_stages(parts, faults);
+    if let Some(measures) = parts.measures.as_ref() {
+        check_measures(parts, measures, faults);
+    }
+    let specs = parts.stages.iter().enumerate().filter_map(|(i, s)| Some((i, s.spec.as_ref()?)));
+    for (i, spec) in specs {
+        let mut add = |field: &str, found: String, allowed: &str, message: &str| {
+            let path = format!("stages[{i}].{field}");
+            faults.push(fault(&path, found, allowed.into(), message.into()));
+        };
+        match spec {
+            StageSpec::Deposit { .. } => check_deposit(spec, &mut add),
+            StageSpec::Move { .. } => check_move(spec, &mut add),
+            _ => {}
+        }
+    }
+    check_who_stands(parts, faults);
+}
+
+fn check_pieces(parts: &Parts, faults: &mut Vec<Fault>) {
+    let mut known = HashSet::new();
+    for (i, piece) in parts.pieces() {
+        let mut add = |field: &str, found: String, allowed: &str, message: &str| {
+            let path = format!("pieces[{i}].{field}");
+            faults.push(fault(&path, found, allowed.into(), message.into()));
+        };
+        let name = &piece.name;
+        let shown = || Value::from(name.as_str()).to_string();
+        if !name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_')) {
+            add(
+                "name",
+                shown(),
+                "letters, digits, `-` and `_`",
+                "the name cannot be that of columns",
+            );
+        } else if !known.insert(name) {
+            add("name", shown(), "a name of its own", "two pieces have this name");
+        }
+        check_shape(&piece.shape, &mut add);
+    }
+}
+
+fn check_shape(shape: &ShapeSpec, add: &mut impl FnMut(&str, String, &str, &str)) {
+    let given = shape.kinds().len();
+    if given != 1 {
+        add(
+            "shape",
+            format!("{given} shapes"),
+            "one of `box`, `cylinder`, `plate`, `disc`, `hopper`, `wedge` and `drum`",
+            "a piece has one shape",
+        );
+    }
+    if let Some(hopper) = &shape.hopper
+        && hopper.top_diameter_mm <= hopper.opening_diameter_mm
+    {
+        add(
+            "shape.hopper.top_diameter_mm",
+            hopper.top_diameter_mm.to_string(),
+            &format!("more than the diameter of its opening, {} mm", hopper.opening_diameter_mm),
+            "the hopper is no wider at the top than at its opening",
+        );
+    }
+    if let Some(drum) = &shape.drum
+        && drum.lifters > 0
+        && drum.lifter_mm >= drum.inner_diameter_mm / 2.0
+    {
+        add(
+            "shape.drum.lifter_mm",
+            drum.lifter_mm.to_string(),
+            &format!("less than {} mm, the inner radius", drum.inner_diameter_mm / 2.0),
+            "the bars reach the axis of the drum",
+        );
+    }
+    if shape.r#box.as_ref().is_some_and(|b| b.open.len() == 6) {
+        add("shape.box.open", "6 sides".into(), "fewer than 6", "nothing is left of the box");
+    }
+}
+
+/// Which stages go with the apparatus.
+fn check_names_of_stages(parts: &Parts, faults: &mut Vec<Fault>) {
+    let own = parts.has_pieces();
+    for (i, stage) in parts.stages.iter().enumerate() {
+        let Some(name) = stage.name.as_deref() else { continue };
+        let path = format!("stages[{i}].stage");
+        if own && BUILT_IN.contains(&name) {
+            faults.push(fault(
+                &path,
+                Value::from(name),
+                "`deposit`, `move`, `remove` and `rest`".into(),
+                format!(
+                    "`{name}` is done with the built-in apparatus, in whose place `pieces` stand"
+                ),
+            ));
+        }
+        if !own && OF_PIECES.contains(&name) {
+            faults.push(fault(
+                &path,
+                Value::from(name),
+                "it in a scenario with `pieces`".into(),
+                format!("`{name}` is done with pieces, and there are none"),
+            ));
+        }
+    }
+    if own && !parts.has_stage("deposit") && parts.stages.iter().all(|s| s.name.is_some()) {
+        faults.push(fault(
+            "stages",
+            "no `deposit`",
+            "at least one".into(),
+            "no grain would get into the laboratory".into(),
+        ));
+    }
+}
+
+fn check_deposit(spec: &StageSpec, add: &mut impl FnMut(&str, String, &str, &str)) {
+    let StageSpec::Deposit { how, area_mm, diameter_mm, rate_g_per_s, sizes_mm, .. } = spec else {
+        return;
+    };
+    if area_mm.is_some() == diameter_mm.is_some() {
+        add("area_mm", String::new(), "`area_mm` or `diameter_mm`", "a deposit has one area");
+    }
+    if let Some(sides) = area_mm.filter(|sides| !sides.iter().all(|side| *side > 0.0)) {
+        add("area_mm", format!("{sides:?}"), "numbers above 0", "the area is none");
+    }
+    match (how, rate_g_per_s) {
+        (DepositKind::Rain, None) => {
+            add("rate_g_per_s", String::new(), "a number above 0", "rain needs its rate");
+        }
+        (DepositKind::Lattice, Some(rate)) => add(
+            "rate_g_per_s",
+            rate.to_string(),
+            "the field left out",
+            "grains of a lattice begin all at once",
+        ),
+        _ => {}
+    }
+    if let Some([low, high]) = sizes_mm.filter(|[low, high]| !(*low >= 0.0 && low < high)) {
+        add(
+            "sizes_mm",
+            format!("[{low}, {high}]"),
+            "two openings, the finer first",
+            "no grain is of that size",
+        );
+    }
+}
+
+fn check_move(spec: &StageSpec, add: &mut impl FnMut(&str, String, &str, &str)) {
+    let StageSpec::Move {
+        velocity_mm_per_s,
+        rotation,
+        sine,
+        duration_s,
+        travel_mm,
+        travel_deg,
+        ramp_s,
+        ..
+    } = spec
+    else {
+        return;
+    };
+    let motions = [velocity_mm_per_s.is_some(), rotation.is_some(), sine.is_some()];
+    if motions.iter().filter(|given| **given).count() != 1 {
+        let allowed = "one of `velocity_mm_per_s`, `rotation` and `sine`";
+        return add("velocity_mm_per_s", String::new(), allowed, "pieces move in one way");
+    }
+    let (travel, name) = match () {
+        () if velocity_mm_per_s.is_some() => (*travel_mm, "travel_mm"),
+        () if rotation.is_some() => (*travel_deg, "travel_deg"),
+        () => (None, ""),
+    };
+    for (field, other) in [("travel_mm", travel_mm), ("travel_deg", travel_deg)] {
+        if let Some(other) = other.filter(|_| field != name) {
+            add(field, other.to_string(), "the field left out", "it is no end of this motion");
+        }
+    }
+    if duration_s.is_some() == travel.is_some() {
+        let allowed = match name {
+            "" => "a number above 0".to_owned(),
+            name => format!("`duration_s` or `{name}`"),
+        };
+        return add("duration_s", String::new(), &allowed, "a motion has one end");
+    }
+    let still = match (velocity_mm_per_s, rotation, sine) {
+        (Some(v), ..) => v.iter().all(|v| *v == 0.0).then_some("velocity_mm_per_s"),
+        (_, Some(turn), _) if turn.deg_per_s == 0.0 => Some("rotation.deg_per_s"),
+        (_, Some(turn), _) => turn.axis.iter().all(|x| *x == 0.0).then_some("rotation.axis"),
+        (.., Some(sine)) => {
+            sine.amplitude_mm.iter().all(|a| *a == 0.0).then_some("sine.amplitude_mm")
+        }
+        _ => None,
+    };
+    if let Some(field) = still {
+        return add(field, "0".into(), "not all of it 0", "nothing would move");
+    }
+    let Some(duration) = duration_s.filter(|duration| 2.0 * ramp_s > *duration) else {
+        if let (Some(sine), Some(duration)) = (sine, duration_s)
+            && *ramp_s == 0.0
+            && ((sine.frequency_hz * duration).round() - sine.frequency_hz * duration).abs() > 1e-6
+        {
+            add(
+                "duration_s",
+                duration.to_string(),
+                "a whole number of cycles, or `ramp_s` above 0",
+                "the sine would stop abruptly, away from its place",
+            );
+        }
+        return;
+    };
+    let allowed = format!("at most {} s, half of the duration", short(duration / 2.0));
+    add(
+        "ramp_s",
+        ramp_s.to_string(),
+        &allowed,
+        "the motion would not have grown when it dies away",
+    );
+}
+
+/// Whether the pieces that stages speak of stand then.
+fn check_who_stands(parts: &Parts, faults: &mut Vec<Fault>) {
+    let known: Vec<&str> = parts.pieces().map(|(_, piece)| piece.name.as_str()).collect();
+    // A piece that cannot be read may have any name.
+    if !parts.has_pieces() || known.len() < parts.pieces.len() {
+        return;
+    }
+    let mut removed: HashSet<&str> = HashSet::new();
+    for (i, stage) in parts.stages.iter().enumerate() {
+        let (names, takes) = match &stage.spec {
+            Some(StageSpec::Move { pieces, .. }) => (pieces, false),
+            Some(StageSpec::Remove { pieces, .. }) => (pieces, true),
+            _ => continue,
+        };
+        for (k, name) in names.iter().enumerate() {
+            let message = match () {
+                () if !known.contains(&name.as_str()) => "there is no such piece",
+                () if removed.contains(name.as_str()) => "the piece was removed before",
+                () => continue,
+            };
+            let standing: Vec<&str> =
+                known.iter().filter(|name| !removed.contains(**name)).copied().collect();
+            faults.push(fault(
+                &format!("stages[{i}].pieces[{k}]"),
+                Value::from(name.as_str()),
+                standing.join(", "),
+                message.into(),
+            ));
+        }
+        if takes {
+            removed.extend(names.iter().map(String::as_str));
+        }
+    }
+}
+
+fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Vec<Fault>) {
+    if !measures.is_empty() && !parts.has_pieces() {
+        faults.push(fault(
+            "measures",
+            "regions or openings",
+            "the field left out".into(),
+            "regions and openings are measured in a laboratory of `pieces`".into(),
+        ));
+    }
+    for (i, region) in measures.regions.iter().enumerate() {
+        if !region.low_mm.iter().zip(&region.high_mm).all(|(low, high)| low < high) {
+            faults.push(fault(
+                &format!("measures.regions[{i}].high_mm"),
+                format!("{:?}", region.high_mm),
+                "a corner above and beyond `low_mm` in every direction".into(),
+                "the region holds nothing".into(),
+            ));
+        }
+    }
+    for (i, opening) in measures.openings.iter().enumerate() {
+        if opening.direction.iter().all(|x| *x == 0.0) {
+            faults.push(fault(
+                &format!("measures.openings[{i}].direction"),
+                "0",
+                "not all of it 0".into(),
+                "the opening has no direction".into(),
+            ));
+        }
+    }
+    let regions = measures.regions.iter().map(|r| ("regions", &r.name));
+    let openings = measures.openings.iter().map(|o| ("openings", &o.name));
+    let mut known = HashSet::new();
+    for (list, name) in regions.chain(openings) {
+        if !known.insert(name)
+            || !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c))
+        {
+            faults.push(fault(
+                &format!("measures.{list}"),
+                Value::from(name.as_str()),
+                "names of their own, of letters, digits, `-` and `_`".into(),
+                "results could not be told apart by this name".into(),
+            ));
+        }
+    }
+}
+
+impl Parts {
+    /// Whether the scenario has an apparatus of its own.
+    pub(super) fn has_pieces(&self) -> bool {
+        !self.pieces.is_empty()
+    }
+
+    /// The pieces that could be read, with their numbers.
+    pub(super) fn pieces(&self) -> impl Iterator<Item = (usize, &PieceSpec)> {
+        self.pieces.iter().enumerate().filter_map(|(i, piece)| Some((i, piece.as_ref()?)))
+    }
+}

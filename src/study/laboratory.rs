@@ -1,0 +1,200 @@
+//! Observes and sums up a laboratory of pieces.
+
+use std::sync::Arc;
+
+use crate::geometry::Vector;
+use crate::grains::GrainSet;
+use crate::measure::{Opening, Region, places, steady_rate, void_ratio_in};
+use crate::protocol::Setup;
+use crate::record::{
+    Balance, LaboratoryRow, LaboratorySeries, LaboratorySummary, OpeningSummary, PieceRow,
+    PieceSummary, RegionSummary, SeriesRow, StoredStage,
+};
+use crate::scenario::Scenario;
+use crate::specimen::{PieceState, Specimen, SpecimenState};
+use crate::units::{from_mm, to_g, to_mm};
+
+/// Writes rows of what the pieces carry, what flows, and how dense regions are.
+#[derive(Debug, Default)]
+pub(super) struct LaboratoryRecorder {
+    regions: Vec<Region>,
+    openings: Vec<Opening>,
+    pub(super) series: LaboratorySeries,
+    /// Where the grains were when flow was last looked at.
+    before: Vec<Option<Vector>>,
+    observes: bool,
+    grains: Option<Arc<GrainSet>>,
+}
+
+impl LaboratoryRecorder {
+    /// Of a laboratory; one without pieces writes nothing.
+    pub(super) fn new(setup: &Setup) -> Self {
+        let mm = |place: [f64; 3]| Vector::from(place.map(from_mm));
+        let measures = &setup.measures;
+        Self {
+            regions: measures
+                .regions
+                .iter()
+                .map(|r| Region { low: mm(r.low_mm), high: mm(r.high_mm) })
+                .collect(),
+            openings: measures
+                .openings
+                .iter()
+                .map(|o| Opening {
+                    middle: mm(o.at_mm),
+                    radius: from_mm(o.diameter_mm) / 2.0,
+                    direction: Vector::from(o.direction).normalize(),
+                })
+                .collect(),
+            series: LaboratorySeries::default(),
+            before: Vec::new(),
+            grains: None,
+            observes: !setup.pieces.is_empty(),
+        }
+    }
+
+    /// Adds a row.
+    pub(super) fn observe(&mut self, specimen: &Specimen) {
+        if !self.observes {
+            return;
+        }
+        self.grains.get_or_insert_with(|| specimen.grains.clone());
+        self.look_at_flow(specimen);
+        let row = LaboratoryRow {
+            pieces: specimen.state.pieces.iter().map(piece_row).collect(),
+            passed_g: std::mem::take(&mut self.series.pending_g),
+            void_ratios: self.regions.iter().map(|r| void_ratio_in(specimen, r)).collect(),
+        };
+        self.series.rows.push(row);
+    }
+
+    /// Adds up what has passed since it last looked.
+    pub(super) fn look_at_flow(&mut self, specimen: &Specimen) {
+        if !self.observes || self.openings.is_empty() {
+            return;
+        }
+        self.series.pending_g.resize(self.openings.len(), 0.0);
+        for (opening, sum) in self.openings.iter().zip(&mut self.series.pending_g) {
+            *sum += to_g(opening.mass_passed(&self.before, specimen));
+        }
+        self.before = places(specimen);
+    }
+
+    /// Looks at flow where a segment ends, so that a stage that goes on there misses none of it.
+    pub(super) fn leg_ends(&mut self, state: &SpecimenState) {
+        if let Some(grains) = self.grains.clone() {
+            self.look_at_flow(&Specimen { grains, state: state.clone() });
+        }
+    }
+
+    /// Goes on from what was observed before, with grains where they are now.
+    pub(super) fn go_on(&mut self, series: LaboratorySeries, specimen: &Specimen) {
+        self.series = series;
+        self.before = places(specimen);
+        self.grains = self.observes.then(|| specimen.grains.clone());
+    }
+}
+
+fn piece_row(piece: &PieceState) -> Option<PieceRow> {
+    piece.present.then(|| PieceRow {
+        at_mm: piece.pose.translation.vector.map(to_mm).into(),
+        force_n: piece.force_n.into(),
+        moment_n_m: piece.moment_n_m.into(),
+    })
+}
+
+/// Names of pieces, openings and regions.
+pub(super) fn names(scenario: &Scenario) -> [Vec<String>; 3] {
+    let measures = &scenario.measures;
+    [
+        scenario.pieces.iter().map(|piece| piece.name.clone()).collect(),
+        measures.openings.iter().map(|opening| opening.name.clone()).collect(),
+        measures.regions.iter().map(|region| region.name.clone()).collect(),
+    ]
+}
+
+/// The rows of all stages, and those of the rest at the end.
+pub(super) fn rows(stages: &[&StoredStage]) -> Vec<LaboratoryRow> {
+    stages.iter().flat_map(|stage| stage.record.laboratory.iter().cloned()).collect()
+}
+
+/// Sums a laboratory up; none where there are no pieces.
+pub(super) fn laboratory_summary(
+    setup: &Setup,
+    specimen: &Specimen,
+    (series, rows): (&[SeriesRow], &[LaboratoryRow]),
+    rest_test: Option<&StoredStage>,
+) -> Option<LaboratorySummary> {
+    if setup.pieces.is_empty() {
+        return None;
+    }
+    let rest_test = rest_test.map_or(&[][..], |stage| &stage.record.laboratory);
+    let at_rest = match rest_test.len() {
+        0 | 1 => &rows[rows.len().saturating_sub(1)..],
+        count => &rest_test[count / 2..],
+    };
+    let mean = |n: usize, of: fn(&PieceRow) -> [f64; 3]| {
+        let found = at_rest.iter().filter_map(|row| row.pieces.get(n)?.as_ref());
+        let (sum, count) = found.fold((Vector::zeros(), 0.0), |(sum, count), row| {
+            (sum + Vector::from(of(row)), count + 1.0)
+        });
+        if count > 0.0 { sum / count } else { sum }
+    };
+    let pieces: Vec<PieceSummary> = setup
+        .pieces
+        .iter()
+        .zip(&specimen.state.pieces)
+        .enumerate()
+        .map(|(n, (piece, state))| PieceSummary {
+            name: piece.name.clone(),
+            present: state.present,
+            force_n: mean(n, |row| row.force_n).into(),
+            moment_n_m: mean(n, |row| row.moment_n_m).into(),
+            at_mm: state.pose.translation.vector.map(to_mm).into(),
+        })
+        .collect();
+    let mass: f64 = specimen.present().map(|i| specimen.grains.grains[i].mass).sum();
+    let force: Vector = pieces.iter().map(|piece| Vector::from(piece.force_n)).sum();
+    let balance = balance(mass * setup.gravity, &force);
+    let flow = |n: usize| -> Vec<(f64, f64)> {
+        let passed = rows.iter().map(|row| row.passed_g.get(n).copied().unwrap_or(0.0));
+        series.iter().map(|row| row.time_s).zip(passed).collect()
+    };
+    let measures = &setup.measures;
+    let openings = measures.openings.iter().enumerate().map(|(n, opening)| OpeningSummary {
+        name: opening.name.clone(),
+        passed_g: flow(n).iter().map(|(_, mass)| mass).sum(),
+        rate_g_per_s: steady_rate(&flow(n)),
+    });
+    let ends = rows.last().map_or(&[][..], |row| &row.void_ratios);
+    let regions = measures.regions.iter().zip(ends);
+    Some(LaboratorySummary {
+        balance,
+        openings: openings.collect(),
+        regions: regions
+            .map(|(r, e)| RegionSummary { name: r.name.clone(), void_ratio: *e })
+            .collect(),
+        pieces,
+    })
+}
+
+/// Weight in N against the force of grains on all pieces in N.
+fn balance(weight_n: f64, force: &Vector) -> Balance {
+    let carried_n = -force.z;
+    let difference_percent = (weight_n > 0.0).then(|| 100.0 * (carried_n / weight_n - 1.0));
+    Balance { weight_n, carried_n, sideways_n: force.xy().norm(), difference_percent }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_balance_tells_what_is_missing() {
+        let of = balance(20.0, &Vector::new(3.0, -4.0, -19.0));
+        assert_eq!((of.carried_n, of.sideways_n), (19.0, 5.0), "law: down is positive");
+        let off = of.difference_percent.expect("a difference");
+        assert!((off + 5.0).abs() < 1e-12, "law: 5 % too little, got {off} %");
+        assert_eq!(balance(0.0, &Vector::zeros()).difference_percent, None, "law: no grains");
+    }
+}

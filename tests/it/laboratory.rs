@@ -1,0 +1,156 @@
+//! Laboratories of pieces: the shipped scenarios, and what is answered where one makes no sense.
+
+use std::path::Path;
+
+use pluvia::grains::load_scenario;
+use pluvia::protocol::Setup;
+use pluvia::scenario::{Scenario, ScenarioErrors, schema, warnings};
+use serde_json::{Value, json};
+
+fn sound() -> Value {
+    json!({
+        "name": "laboratory",
+        "grains": {
+            "total_mass_g": 100, "density_kg_per_m3": 2650,
+            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
+        },
+        "pieces": [
+            { "name": "box", "shape": { "box": { "inner_mm": [100, 100, 100] } } },
+            { "name": "lid", "shape": { "plate": { "size_mm": [120, 120, 10] } }, "at_mm": [0, 0, 205] }
+        ],
+        "stages": [
+            { "stage": "deposit", "at_mm": [0, 0, 90], "area_mm": [80, 80], "rate_g_per_s": 50 },
+            { "stage": "move", "pieces": ["lid"], "velocity_mm_per_s": [0, 0, 20], "travel_mm": 10 },
+            { "stage": "remove", "pieces": ["lid"] },
+            { "stage": "rest", "duration_s": 1 }
+        ]
+    })
+}
+
+/// Paths and texts of the faults of a scenario's file.
+fn faults(value: &Value) -> Vec<(String, String)> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scenario.json");
+    std::fs::write(&path, value.to_string()).expect("written");
+    match load_scenario(&path, &[]) {
+        Ok(_) => Vec::new(),
+        Err(ScenarioErrors::Faults(faults)) => {
+            faults.into_iter().map(|f| (f.path.clone(), f.to_string())).collect()
+        }
+        Err(other) => panic!("{other}"),
+    }
+}
+
+fn changed(pointer: &str, to: Value) -> Value {
+    let mut value = sound();
+    *value.pointer_mut(pointer).unwrap_or_else(|| panic!("there is {pointer}")) = to;
+    value
+}
+
+#[test]
+fn the_shipped_laboratories_load_can_be_built_and_are_short() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/laboratory");
+    let validator = jsonschema::validator_for(&schema()).expect("a sound schema");
+    let mut found = 0;
+    for entry in std::fs::read_dir(folder).expect("the folder") {
+        let file = entry.expect("an entry").path();
+        let scenario = load_scenario(&file, &[]).unwrap_or_else(|e| panic!("{e}")).scenario;
+        Setup::new(&scenario).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        let text = std::fs::read_to_string(&file).expect("read");
+        assert!(validator.is_valid(&serde_json::from_str(&text).expect("JSON")), "{file:?}");
+        assert!(warnings(&scenario).is_empty(), "law: nothing unusual in {file:?}");
+        assert!(!scenario.notes.is_empty(), "law: {file:?} says its choices");
+        let stem = file.file_stem().and_then(|s| s.to_str()).expect("a name");
+        assert_eq!(scenario.name, stem, "law: a scenario has the name of its file");
+        found += 1;
+    }
+    assert!(found >= 6, "expected the six scenarios of docs/laboratory.md, found {found}");
+}
+
+#[test]
+fn faults_name_the_field_and_what_is_allowed() {
+    assert_eq!(faults(&sound()), [], "law: the sound one is sound");
+    for (pointer, to, path, words) in [
+        ("/pieces/1/name", json!("box"), "pieces[1].name", "two pieces"),
+        ("/pieces/1/name", json!("a b"), "pieces[1].name", "letters, digits"),
+        ("/pieces/1/shape", json!({}), "pieces[1].shape", "one of `box`"),
+        ("/pieces/1/shape", json!({ "cube": 1 }), "pieces[1].shape.cube", "there is no such field"),
+        (
+            "/pieces/0/shape/box/inner_mm",
+            json!([0, 1, 1]),
+            "pieces[0].shape.box.inner_mm[0]",
+            "out of range",
+        ),
+        ("/stages/0/rate_g_per_s", Value::Null, "stages[0].rate_g_per_s", "type"),
+        ("/stages/0/area_mm", json!([0, 80]), "stages[0].area_mm", "above 0"),
+        ("/stages/1/travel_mm", json!(0), "stages[1].travel_mm", "out of range"),
+        (
+            "/stages/1/velocity_mm_per_s",
+            json!([0, 0, 0]),
+            "stages[1].velocity_mm_per_s",
+            "nothing would move",
+        ),
+        ("/stages/1/pieces", json!(["door"]), "stages[1].pieces[0]", "no such piece"),
+        (
+            "/stages/2/pieces",
+            json!(["lid", "box", "gate"]),
+            "stages[2].pieces[2]",
+            "allowed: box, lid",
+        ),
+        (
+            "/stages/3",
+            json!({ "stage": "remove", "pieces": ["lid"] }),
+            "stages[3].pieces[0]",
+            "removed before",
+        ),
+        ("/stages/3", json!({ "stage": "fill_funnel" }), "stages[3].stage", "built-in"),
+        (
+            "/stages/1",
+            json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 5000000], "duration_s": 1 }),
+            "engine.rate_hz",
+            "a piece at its fastest",
+        ),
+        (
+            "/stages/1",
+            json!({ "stage": "move", "sine": { "amplitude_mm": [0, 0, 1], "frequency_hz": 10 }, "duration_s": 0.55 }),
+            "stages[1].duration_s",
+            "whole number of cycles",
+        ),
+        (
+            "/stages/1",
+            json!({ "stage": "move", "rotation": { "axis": [0, 1, 0], "deg_per_s": 10 }, "travel_mm": 5 }),
+            "stages[1].travel_mm",
+            "no end of this motion",
+        ),
+    ] {
+        let found = faults(&changed(pointer, to));
+        assert!(
+            found.iter().any(|(p, text)| p == path && text.contains(words)),
+            "law: {pointer} is answered at {path} with `{words}`, got {found:#?}"
+        );
+    }
+    let mut without = sound();
+    without.as_object_mut().expect("an object").remove("pieces");
+    let found = faults(&without);
+    assert!(found.iter().any(|(path, _)| path == "stages[0].stage"), "law: no pieces, {found:?}");
+}
+
+#[test]
+fn what_does_not_suit_is_reported_and_pieces_in_each_other_are_refused() {
+    let of = |value: Value| -> Scenario { serde_json::from_value(value).expect("a scenario") };
+    let narrow = changed(
+        "/pieces/1/shape",
+        json!({ "hopper": { "opening_diameter_mm": 40, "top_diameter_mm": 90, "half_angle_deg": 30 } }),
+    );
+    let told: Vec<String> = warnings(&of(narrow)).iter().map(ToString::to_string).collect();
+    assert!(told.iter().any(|text| text.contains("may jam")), "law: 40 mm < 5 × 9 mm, {told:?}");
+    let heavy = changed("/grains/total_mass_g", json!(2000));
+    let told: Vec<String> = warnings(&of(heavy)).iter().map(ToString::to_string).collect();
+    assert!(
+        told.iter().any(|text| text.contains("over the rims")),
+        "law: 1.6 of 1 litre, {told:?}"
+    );
+    let within = changed("/pieces/1/at_mm", json!([0, 0, 100]));
+    let error = Setup::new(&of(within)).expect_err("law: the lid is in the walls").to_string();
+    assert!(error.contains("`box` and `lid`"), "{error}");
+}
