@@ -147,7 +147,8 @@ fn points(results: &Results, source: &str) -> Result<Vec<Rows>, String> {
 
 /// The setting of a point that differs from the first point's, in words.
 fn setting(point: &Rows, first: &Rows) -> String {
-    let fields: [(&str, fn(f64) -> String); 5] = [
+    type Written = fn(f64) -> String;
+    let fields: [(&str, Written); 5] = [
         ("engine.native.solver_tolerance", |v| format!("tolerance {v}")),
         ("engine.native.iterations", |v| format!("{v} iterations")),
         ("engine.native.substep_rate_hz", |v| format!("{v} sub-steps a second")),

@@ -44,7 +44,7 @@ impl Opening {
 }
 
 /// Where the centroids of the grains are that are present, in m.
-pub fn places(specimen: &Specimen) -> Vec<Option<Vector>> {
+pub fn centroids(specimen: &Specimen) -> Vec<Option<Vector>> {
     let mut places = vec![None; specimen.state.bodies.len()];
     for i in specimen.present() {
         places[i] = Some(specimen.state.bodies[i].body.pose.translation.vector);
@@ -114,7 +114,7 @@ mod tests {
             (cube(0.02), at(0.45)),
             (cube(0.01), at(0.3)),
         ]);
-        let got = MOUTH.mass_passed(&places(&before), &after);
+        let got = MOUTH.mass_passed(&centroids(&before), &after);
         assert_near("8 cm³ of grains", 8e-6 * DENSITY, got, 1e-15);
         assert_eq!(MOUTH.mass_passed(&[], &after), 0.0, "law: who was not there did not pass");
     }

@@ -1,5 +1,6 @@
 //! What is recorded of a laboratory of pieces: loads, flows, void ratios.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One moment of a laboratory, beside a row of the series.
@@ -41,7 +42,7 @@ impl LaboratorySeries {
 }
 
 /// `laboratory` in `summary.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LaboratorySummary {
     /// The pieces, in the order of the scenario.
     pub pieces: Vec<PieceSummary>,
@@ -54,7 +55,7 @@ pub struct LaboratorySummary {
 }
 
 /// A piece at the end.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PieceSummary {
     /// Its name.
     pub name: String,
@@ -70,7 +71,7 @@ pub struct PieceSummary {
 }
 
 /// Whether forces are complete: at rest the pieces carry the weight of the grains.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Balance {
     /// Weight of the grains that are present, in N.
     pub weight_n: f64,
@@ -83,7 +84,7 @@ pub struct Balance {
 }
 
 /// Flow through an opening.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OpeningSummary {
     /// Its name.
     pub name: String,
@@ -95,7 +96,7 @@ pub struct OpeningSummary {
 }
 
 /// A region at the end.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RegionSummary {
     /// Its name.
     pub name: String,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::geometry::Vector;
 use crate::grains::GrainSet;
-use crate::measure::{Opening, Region, places, steady_rate, void_ratio_in};
+use crate::measure::{Opening, Region, centroids, steady_rate, void_ratio_in};
 use crate::protocol::Setup;
 use crate::record::{
     Balance, LaboratoryRow, LaboratorySeries, LaboratorySummary, OpeningSummary, PieceRow,
@@ -77,7 +77,7 @@ impl LaboratoryRecorder {
         for (opening, sum) in self.openings.iter().zip(&mut self.series.pending_g) {
             *sum += to_g(opening.mass_passed(&self.before, specimen));
         }
-        self.before = places(specimen);
+        self.before = centroids(specimen);
     }
 
     /// Looks at flow where a segment ends, so that a stage that goes on there misses none of it.
@@ -90,7 +90,7 @@ impl LaboratoryRecorder {
     /// Goes on from what was observed before, with grains where they are now.
     pub(super) fn go_on(&mut self, series: LaboratorySeries, specimen: &Specimen) {
         self.series = series;
-        self.before = places(specimen);
+        self.before = centroids(specimen);
         self.grains = self.observes.then(|| specimen.grains.clone());
     }
 }

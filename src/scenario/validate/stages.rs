@@ -119,10 +119,10 @@ fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
             add("another stage, or `begin` left out", message.to_owned());
             continue;
         }
-        if i == 0 && begun.is_none() && !matches!(
-                name,
-                "fill_funnel" | "slow_pluviation" | "deposit" | "move" | "remove"
-            ) {
+        if i == 0
+            && begun.is_none()
+            && !matches!(name, "fill_funnel" | "slow_pluviation" | "deposit" | "move" | "remove")
+        {
             add(
                 "\"fill_funnel\" or \"slow_pluviation\"",
                 "the first stage fills the funnel, or builds a pile".into(),
