@@ -116,7 +116,7 @@ impl Stage {
         for piece in &scene.apparatus {
             let mut pose = piece.pose();
             let motion = match piece.motion {
-                Carrier::Table => Motion::Kinematic,
+                Carrier::Table | Carrier::Kinematic => Motion::Kinematic,
                 Carrier::Fixed => Motion::Static,
             };
             let state = BodyState::at_rest(pose);
