@@ -7,7 +7,7 @@ use std::{
 
 use serde::Serialize;
 
-use super::{lines, paint, progress, stop};
+use super::{last_line, lines, paint, progress, stop};
 use crate::plain::plain_lines;
 use crate::protocol::{Progress, Silent};
 
@@ -44,13 +44,14 @@ impl Context {
     }
 
     /// Prints a result: the text, or the value as JSON where that was asked for. Quietly, the
-    /// text is left out.
+    /// text is left out, but for a last line that says what is not valid: the standard error has it.
     ///
     /// # Errors
     /// When the standard output cannot be written; a reader that closed it
     /// early, as `head` does, is no error.
     pub fn print(&self, text: &str, value: &impl Serialize) -> io::Result<()> {
         if self.quiet && !self.json {
+            text.lines().last().filter(|line| last_line::warns(line)).into_iter().for_each(say);
             return Ok(());
         }
         self.print_asked(text, value)

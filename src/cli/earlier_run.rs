@@ -82,6 +82,9 @@ fn held(folder: &Path, own: &Value) -> Option<String> {
         if !path.is_file() {
             continue;
         }
+        if file == UNFINISHED && !has_stages(folder) {
+            return None;
+        }
         let Ok(Value::Object(mut of)) = read_json::<Value>(&path) else {
             return Some(format!("it holds {what} whose {file} cannot be read"));
         };
@@ -99,6 +102,13 @@ fn held(folder: &Path, own: &Value) -> Option<String> {
     }
     let there = RESULTS.iter().find(|name| folder.join(name).is_file())?;
     Some(format!("it holds the results of another command ({there})"))
+}
+
+/// Whether a stage is stored in a folder: a run that ended before, as for a fault in its grains,
+/// left nothing to lose.
+fn has_stages(folder: &Path) -> bool {
+    let entries = fs::read_dir(folder.join("stages")).into_iter().flatten().flatten();
+    entries.into_iter().any(|entry| entry.path().is_dir())
 }
 
 /// The first field in which two values differ; text for the reader does not count.
@@ -174,6 +184,9 @@ mod tests {
         assert_eq!(said(out, &own), "", "law: an unfinished run goes on");
         let told = Scenario { description: "in other words".into(), ..own.clone() };
         assert_eq!(said(out, &told), "", "law: words change no result");
+        assert_eq!(said(out, &scenario("b", 480.0)), "", "law: without a stage nothing is lost");
+        assert_eq!(said(out, &own), "", "law: that one, too");
+        fs::create_dir_all(out.join("stages/0123456789abcdef")).expect("made");
         assert!(said(out, &scenario("b", 480.0)).contains("`a`"), "law: an unfinished run is kept");
         write_json(&out.join(MANIFEST), &json!({ "scenario": own })).expect("written");
         fs::write(out.join("rest_test.csv"), "").expect("written");

@@ -3,6 +3,15 @@
 use super::paint;
 use crate::record::{Summary, left_out_in_words};
 
+/// How a last line begins that says of results that they are none to quote.
+const WARNINGS: [&str; 2] = ["NOT VALID", "LEFT OUT OF MEANS"];
+
+/// Whether a line is a last line that warns: also those read it who asked for no output.
+pub(super) fn warns(line: &str) -> bool {
+    let shown = anstream::adapter::strip_str(&paint::shown(line)).to_string();
+    WARNINGS.iter().any(|words| shown.starts_with(words))
+}
+
 /// The last line of a run: why it is not valid or left out of means; nothing where it is neither.
 pub(super) fn of_run(summary: &Summary) -> String {
     let why = summary.why_left_out();
@@ -55,6 +64,14 @@ mod tests {
     use super::*;
     use crate::paper::canned;
     use crate::record::RunRecord;
+
+    /// Law: what is not valid warns, whatever its colour; what is valid does not.
+    #[test]
+    fn only_what_is_not_valid_warns() {
+        assert!(warns(&format!("{}: the standard is missed", paint::bad("NOT VALID"))));
+        assert!(warns("LEFT OUT OF MEANS: 3 grains are missing"));
+        assert!(!warns("runs that are valid: 3 of 3") && !warns("results in NOT VALID"));
+    }
 
     /// Law: the last line says of every command whether its runs are valid, and why not.
     #[test]

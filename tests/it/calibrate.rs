@@ -153,7 +153,7 @@ fn a_result_that_is_not_measured_is_told_with_what_is() {
                 "--between",
                 "0..1",
             ],
-            ["does not measure it", "void_ratio"],
+            ["does not measure it", "coordination_number"],
         ),
     ] {
         let (code, printed, said) = calibrate(&scenario, &out, &more);

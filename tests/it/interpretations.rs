@@ -95,8 +95,7 @@ fn interpretations_of_one_programme_accumulate() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().to_str().expect("UTF-8");
     let run = |only: &str, more: &[&str]| {
-        let args =
-            ["interpretations", "--quick", "--quiet", "--jobs", "1", "--out", out, "--only", only];
+        let args = ["interpretations", "--quick", "--jobs", "1", "--out", out, "--only", only];
         let small = ["--set", "grains.total_mass_g=40", "--set", "rest_test_s=0.2"];
         let (code, text, err) = pluvia(&[&args[..], &small, more].concat());
         assert_eq!(code, Some(0), "{only}: {err}");

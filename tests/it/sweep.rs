@@ -149,7 +149,7 @@ fn where_no_run_is_valid_there_is_no_mean() {
         .arg(&out)
         .output()
         .expect("the program starts");
-    let text = String::from_utf8_lossy(&output.stdout);
+    let text = String::from_utf8_lossy(&output.stderr);
     let last = text.lines().last().unwrap_or_default();
     assert!(last.contains("NOT VALID") && last.contains("2 of 2"), "law: got `{last}`");
 }
