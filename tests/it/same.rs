@@ -141,15 +141,16 @@ pub fn assert_same_files(a: &Path, b: &Path, what: &str) {
 }
 
 /// What is there is whole: the same bytes as in the finished folder; of a stage that failed on the
-/// way, which is not there, its last good state.
+/// way, which is not there, its last good state; and which scenario the unfinished run is of.
 pub fn assert_whole_files(part: &Path, finished: &Path, what: &str) {
-    let failed = |f: &PathBuf| {
+    let on_the_way = |f: &PathBuf| {
         let name = f.file_name().unwrap_or_default().to_string_lossy();
         let kept = fs::read(part.join(f)).unwrap_or_default();
-        name.starts_with("failed-") && serde_json::from_slice::<serde_json::Value>(&kept).is_ok()
+        (name.starts_with("failed-") || name == "unfinished.json")
+            && serde_json::from_slice::<serde_json::Value>(&kept).is_ok()
     };
     let mut differ = differences(part, finished);
-    differ.retain(|f| !failed(f));
+    differ.retain(|f| !on_the_way(f));
     assert!(differ.is_empty(), "law: {what}: every file there is whole, not so {differ:?}");
 }
 

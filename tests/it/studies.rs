@@ -39,7 +39,7 @@ fn convergence() -> Value {
                 { "name": "240", "title": "240 Hz", "changes": ["engine.rate_hz=240"] },
                 { "name": "480", "title": "480 Hz", "changes": ["engine.rate_hz=480"] },
             ] },
-            { "name": "bullet", "title": "Bullet", "changes": ["engine.contact_solver=stock"],
+            { "name": "stock", "title": "Stock", "changes": ["engine.contact_solver=stock"],
               "configurations": 1, "rungs": [
                 { "name": "10", "title": "10 iterations", "changes": ["engine.iterations=10"] },
                 { "name": "20", "title": "20 iterations" },
