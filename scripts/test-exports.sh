@@ -41,7 +41,7 @@ out=$folder/out
 rm -rf "$out" "$run"
 "$program" run "$checks/small.json" --quiet --out "$run"
 "$program" export "$run" --format vtk --every 0.08 --out "$out/vtk"
-"$program" export "$run" --format csv --out "$out/csv"
+"$program" export "$run" --format csv --stage vibrate --out "$out/csv"
 "$program" export "$run" --format glb --out "$out/still"
 "$program" export "$run" --format glb --animate --out "$out/moving"
 "$program" export "$run" --format glb --stage fill_funnel --out "$out/filled"
