@@ -27,7 +27,7 @@ pub(super) fn refused<S: AsRef<OsStr>>(words: &[S]) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// Law: old names are refused with the new ones; others are none of ours.
+    /// Law: old names are refused with the new ones; others are left alone.
     #[test]
     fn old_commands_and_options_are_refused_with_the_new_name() {
         let said = |line: &str| refused(&line.split(' ').collect::<Vec<_>>());

@@ -39,7 +39,7 @@ pub struct Places {
 pub fn places(specimen: &Specimen, container: &Container, wall: f64) -> Vec<Place> {
     let specimen = specimen.on_level_table();
     let state = &specimen.state;
-    // Half of a wall deep, as grains on their way are told to have passed it.
+    // Half of a wall deep, from which grains on their way count as having passed it.
     let deep = wall / 2.0;
     let place = |(n, grain): (usize, &crate::specimen::GrainState)| {
         match grain.fate {

@@ -16,7 +16,7 @@
 //!   slopes, not of angles: these grow more slowly than slopes, so that their
 //!   mean falls short by what the sectors scatter.
 //! - *By volume.* The circular cone of the pile's volume V and height h has the
-//!   base radius r = √(3V / πh) and the slope h/r. It hangs on one grain, the
+//!   base radius r = √(3V / πh) and the slope h/r. It depends on one grain, the
 //!   highest, and is there as a check.
 //!
 //! Sectors side by side share grains, so that their angles are no independent

@@ -16,7 +16,7 @@ use super::Watched;
 use crate::geometry::Vector;
 use crate::world::BodyState;
 
-/// A stage is warned of when the energy from nowhere exceeds this share of what
+/// A stage is warned of when the unexplained energy gain exceeds this share of what
 /// gravity and table could give together.
 const ENERGY_SHARE: f64 = 0.05;
 
@@ -43,7 +43,7 @@ pub struct Watch {
     pub through_walls: u32,
     /// Largest speed of grains and plate in m/s.
     pub speed: Watched,
-    /// Energy from nowhere in J.
+    /// Unexplained energy gain in J.
     pub energy: Watched,
     /// None before the stage has begun.
     budget: Option<Budget>,
@@ -68,7 +68,7 @@ struct Budget {
     mass: f64,
     table: Vector,
     time: f64,
-    /// Energy from nowhere.
+    /// Unexplained energy gain.
     gained: f64,
 }
 
@@ -194,7 +194,7 @@ impl Watch {
         let energetic = self.energy.note(gained, ENERGY_SHARE * available, time);
         let energy = || {
             format!(
-                "energy from nowhere: {gained:.3e} J more than contacts can give, {:.1} % of the \
+                "unexplained energy gain: {gained:.3e} J more than contacts can give, {:.1} % of the \
                  {available:.3e} J of gravity and table",
                 100.0 * gained / available
             )

@@ -1,4 +1,4 @@
-//! Energy from nowhere and impossible speeds are found; what falls, lies or is
+//! Unexplained energy gains and impossible speeds are found; what falls, lies or is
 //! shaken is not taken for them.
 
 use std::sync::{Arc, atomic::AtomicBool};
@@ -68,15 +68,15 @@ fn a_fall_and_a_blow_of_the_table_cost_nothing() {
 }
 
 #[test]
-fn energy_from_nowhere_is_told_and_then_ends_it() {
+fn unexplained_energy_is_told_and_then_ends_it() {
     let available = MASS * GRAVITY * 0.05;
     let rising = |share: f64| moving(share * 0.05, 0.0);
     let at = |share| (rising(share), 0.0);
     let (watch, findings) = watched(&[at(0.0), at(0.04), at(0.06), at(0.07), at(1.01)], 0.0);
     assert_eq!(findings[0], Finding::Nothing, "law: up to 5 %");
-    assert!(matches!(&findings[1], Finding::Warning(t) if t.contains("from nowhere")));
+    assert!(matches!(&findings[1], Finding::Warning(t) if t.contains("unexplained energy gain")));
     assert_eq!(findings[2], Finding::Nothing, "law: told once");
-    assert!(matches!(&findings[3], Finding::Runaway(t) if t.contains("from nowhere")));
+    assert!(matches!(&findings[3], Finding::Runaway(t) if t.contains("unexplained energy gain")));
     let share = watch.energy.worst / available;
     assert!((share - 1.01).abs() < 1e-12, "law: m g z of the rise, expected 1.01, got {share}");
     assert_eq!(watch.energy.first_beyond_s, Some(1.0));
@@ -181,7 +181,7 @@ fn grains_that_rise_by_themselves_end_the_stage_with_the_last_good_state() {
     });
     let error = outcome.expect_err("law: no stage in which grains rise for ever");
     let StageError::World { source, last_good } = error else { panic!("{error}") };
-    assert!(source.to_string().contains("energy from nowhere"), "{source}");
+    assert!(source.to_string().contains("unexplained energy gain"), "{source}");
     let height = last_good.state.bodies[0].body.pose.translation.z;
     assert!((0.05..0.2).contains(&height), "law: kept from before, got {height} m");
     assert_eq!(heard.0.len(), 1, "law: it was told once before, got {:?}", heard.0);

@@ -15,7 +15,7 @@ pub struct StageChecks {
     pub through_walls: u32,
     /// Largest speed in m/s.
     pub speed: Watched,
-    /// Energy from nowhere in J.
+    /// Unexplained energy gain in J.
     pub energy: Watched,
     /// Overlap of grains.
     pub overlap: OverlapWatch,
@@ -68,7 +68,7 @@ pub struct Checks {
     pub through_walls: CheckSummary,
     /// Speeds.
     pub speed: CheckSummary,
-    /// Energy from nowhere.
+    /// Unexplained energy gain.
     pub energy: CheckSummary,
     /// Mean overlap.
     pub overlap_mean: CheckSummary,

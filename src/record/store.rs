@@ -181,7 +181,7 @@ impl StageStore {
 
     /// The frames of a stage of a store that is only to be read, and the file
     /// they stand in; none where none were kept, or where the file was removed to
-    /// make room: no number hangs on it.
+    /// make room: no number depends on it.
     ///
     /// # Errors
     /// When they are not as they were written.

@@ -77,7 +77,7 @@ fn run_folder(named: &Path) -> (PathBuf, Option<String>) {
 /// run, and which stage it is; the faults of what cannot be begun with.
 pub(super) fn read(document: &mut Document) -> Vec<Fault> {
     let Some(begin) = document.value.get("begin") else { return Vec::new() };
-    // Faults of form are told by the schema.
+    // The schema reports faults of form.
     let Ok(mut spec) = BeginSpec::deserialize(begin) else { return Vec::new() };
     match found(document, &mut spec) {
         Ok(scenario) => {

@@ -42,7 +42,7 @@ pub struct RapierSettings {
     /// same cost; more: slower.
     #[schemars(range(min = 1, max = 1000))]
     pub iterations: u32,
-    /// Sweeps a sub-step that take the speed of that pushing away again and
+    /// Iterations a sub-step that take the speed of that pushing away again and
     /// solve friction (`num_internal_stabilization_iterations`). 0: that speed
     /// stays; 1: the packing sinks by 10 µm/s, with 2 by 1 µm/s; more: slower.
     #[schemars(range(min = 0, max = 1000))]

@@ -136,7 +136,7 @@ pub(super) fn warnings(checks: &StageChecks) -> Vec<String> {
     };
     [
         of("speed beyond what fall and table can give", "m/s", &checks.speed),
-        of("energy from nowhere", "J", &checks.energy),
+        of("unexplained energy gain", "J", &checks.energy),
         of("mean overlap of grains", "%", &checks.overlap.mean),
         of("99th percentile of the overlap of grains", "%", &checks.overlap.p99),
         of("creep at rest", "µm/s", &checks.creep),
@@ -190,7 +190,7 @@ pub(super) fn of_run<'a>(
             &watched(|g| g.speed),
         ),
         energy: CheckSummary::of(
-            "energy from nowhere, against 5 % of what gravity and table can give; as much ends the run",
+            "unexplained energy gain, against 5 % of what gravity and table can give; as much ends the run",
             "J",
             &watched(|g| g.energy),
         ),

@@ -227,5 +227,8 @@ fn plates_are_laid_anew_on_the_same_specimen_and_seated_on_demand() {
         "law: a weight of 20 N presses the plate down, from {axis} to {seated} mm"
     );
     let warnings = seated_run["warnings"].to_string();
-    assert!(!warnings.contains("energy"), "law: the weight is no energy from nowhere, {warnings}");
+    assert!(
+        !warnings.contains("energy"),
+        "law: the weight is no unexplained energy gain, {warnings}"
+    );
 }

@@ -125,7 +125,7 @@ pub(super) fn rows(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
         }
     };
     let mut rows = vec![
-        row(OUTCOME, "runs run", "", "", &|c| {
+        row(OUTCOME, "runs made", "", "", &|c| {
             InterpretationCell::words(format!("{} of {}", c.runs.len(), c.planned_runs))
         }),
         row(OUTCOME, "runs that failed", "", "", &failures),

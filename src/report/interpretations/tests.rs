@@ -73,7 +73,7 @@ fn cells_are_means_and_ranges_of_the_runs() {
     for n in [2, 3] {
         assert_eq!(from_ten.cells[n].value, None, "law: no height without grains");
     }
-    assert_eq!(row("runs run").cells[2].words, "0 of 18");
+    assert_eq!(row("runs made").cells[2].words, "0 of 18");
     assert_eq!(row("runs that failed").cells[2].words, "1, see failed");
     assert_eq!(row("runs that lost every grain").cells[3].value, Some(18.0));
     assert_eq!(row("grains through walls or floor").cells[3].value, Some(1456.0));

@@ -5,12 +5,11 @@ use crate::measure::{Estimate, paired_difference};
 use crate::record::{RunRow, VariationRow};
 use crate::report::{Cheapest, ConvergenceRow, Deviation, Deviations, Standard};
 
-/// The precision that others are held against where it is there.
+/// The precision that others are compared with where it is there.
 const FINEST_PRECISION: &str = "double";
 
-/// Judges the rungs of ladders in every precision in which they were run
-/// . A rung is held against the finest of its ladder and against that of
-/// the ladder `reference`, both in double precision where that is there.
+/// Judges the rungs of ladders in every precision in which they were run. A rung is compared with
+/// the finest of its ladder and with that of the ladder `reference`, both in double precision where that is there.
 pub(super) fn judge(
     runs: &[RunRow],
     ladders: &[Ladder],
