@@ -17,8 +17,8 @@ use crate::study::{RunOptions, compare};
 #[command(after_help = "\
 Every engine gets the same grains in the same places; then the specimen of the first is handed to
 the others. Leaves compare.json, report.html, figures/ and runs/ in DIR. Exit code 1 means that the
-engines differ by more than the stated bands. Interrupted, the same command goes on where it
-stopped.
+engines differ by more than the stated bands, or that a run is not valid or lacks grains, so that
+the bands are not judged. Interrupted, the same command goes on where it stopped.
 
 Examples:
   pluvia compare scenarios/quick/vibration.json --out out/compare
@@ -61,8 +61,14 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
     };
     let record = compare(&loaded.scenario, &distinct, &options)?;
     let mut text = table::of_comparison(&record);
+    if let Some(why) = &record.not_judged {
+        text += &format!("bands are not judged: {why}\n");
+    }
     text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
     text += &last_line::of_runs(record.runs.iter().map(|r| (r.name.as_str(), &r.summary)));
     context.print(&text, &record)?;
-    if record.within_bands { Ok(ExitStatus::Done) } else { Ok(ExitStatus::ExpectationMissed) }
+    match record.within_bands {
+        Some(true) => Ok(ExitStatus::Done),
+        Some(false) | None => Ok(ExitStatus::ExpectationMissed),
+    }
 }

@@ -19,7 +19,11 @@ pub(super) fn of(card: &Scorecard) -> String {
             row.statement.to_owned(),
             row.paper.clone(),
             format!("{}{left_out}", row.in_words),
-            verdict(row.verdict),
+            format!(
+                "{}{}",
+                verdict(row.verdict),
+                if row.is_undecided() { ", not decided" } else { "" }
+            ),
         ]);
     }
     let mut text = wrapped(&card.paragraph);
@@ -82,7 +86,10 @@ mod tests {
         let row = text.lines().find(|l| l.starts_with("Settlement of the plate after 20 s"));
         let row = row.expect("a row");
         assert!(row.contains("  14 to 19.61 mm  18.0 mm [13.0 … 23.0]  "), "got {row}");
-        assert!(row.ends_with("  within"), "got {row}");
+        assert!(
+            row.ends_with("  within, not decided"),
+            "law: 13 to 23 holds 14 and 19.61, got {row}"
+        );
         assert!(text.lines().all(|l| paint::width(l) <= 160), "law: lines are short:\n{text}");
     }
 

@@ -148,6 +148,9 @@ fn lead(of: &Comparison) -> String {
             "NOT valid or short of grains, and no result to quote: {}.",
             against.join(", ")
         ));
+        if of.quantities.iter().all(|q| q.within_band.is_none()) {
+            sentences.push("So the bands are not judged.".to_owned());
+        }
     }
     sentences.join(" ")
 }

@@ -25,14 +25,18 @@ pub(super) fn section(card: &Scorecard) -> Markup {
                     (glue(&row.in_words))
                     @if row.left_out > 0 { " " span.unit { "(left out: " (row.left_out) ")" } }
                 }
-                td { (verdict_badge(row.verdict, &row.reason)) }
+                td {
+                    (verdict_badge(row.verdict, &row.reason))
+                    @if row.is_undecided() { " " span.soft { "not decided" } }
+                }
             } } }
         }
         p.soft {
             "Means over the configurations, each the same grains mixed anew, with the 95 % confidence "
             "interval of the mean in brackets. “Within”: the mean lies where the paper's number is read to "
-            "lie; of a count: all show it; of the angle: the interval holds the paper's. Every statement "
-            "by itself: " a href="#claims" { "table" } "."
+            "lie; of a count: all show it; of the angle: the interval holds the paper's. “Not decided”: the "
+            "interval reaches across an end of the paper's range. Every statement by itself: "
+             a href="#claims" { "table" } "."
         }
     }
 }

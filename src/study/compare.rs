@@ -45,8 +45,10 @@ pub struct CompareRecord {
     pub runs: Vec<CompareRun>,
     /// One entry a quantity: the first engine's value and the others'.
     pub quantities: Vec<ComparedQuantity>,
-    /// Whether every quantity with a band lies within it.
-    pub within_bands: bool,
+    /// Whether every quantity with a band lies within it; null where the bands are not judged.
+    pub within_bands: Option<bool>,
+    /// Why the bands are not judged: the runs that are left out of means, with the reasons.
+    pub not_judged: Option<String>,
 }
 
 /// One run of a comparison.
@@ -100,6 +102,7 @@ pub fn compare(
         })
         .collect();
     let quantities = quantities(&compared);
+    let not_judged = not_judged(&compared);
     let within = quantities.iter().all(|q| q.within_band != Some(false));
     let record = CompareRecord {
         scenario: scenario.name.clone(),
@@ -107,7 +110,8 @@ pub fn compare(
         handed_on_after_stages: handed_on,
         runs: compared.iter().map(compare_run).collect(),
         quantities: quantities.clone(),
-        within_bands: within,
+        within_bands: not_judged.is_none().then_some(within),
+        not_judged,
     };
     write_json(&options.out.join("compare.json"), &record)?;
     report::write_comparison(
@@ -271,7 +275,21 @@ const QUANTITIES: [Compared; 13] = [
     },
 ];
 
+/// Why engines cannot be held against each other: a run from grains of its own that is not
+/// valid, or lacks grains, shows its fault and not its engine. What is handed on decides no band.
+fn not_judged(runs: &[ComparedRun]) -> Option<String> {
+    let against: Vec<String> = runs
+        .iter()
+        .filter(|r| r.specimen_by.is_none())
+        .map(|r| (&r.record.name, r.record.summary.why_left_out()))
+        .filter(|(_, why)| !why.is_empty())
+        .map(|(name, why)| format!("{name} ({})", why.join("; ")))
+        .collect();
+    (!against.is_empty()).then(|| against.join(", "))
+}
+
 fn quantities(runs: &[ComparedRun]) -> Vec<ComparedQuantity> {
+    let judged = not_judged(runs).is_none();
     QUANTITIES
         .iter()
         .map(|q| {
@@ -288,9 +306,10 @@ fn quantities(runs: &[ComparedRun]) -> Vec<ComparedQuantity> {
                 (Some(Band::Absolute(band)), _) => Some(*band),
                 _ => None,
             };
-            let within = band.zip(own.split_first()).map(|(band, (first, others))| {
-                others.iter().all(|other| (other - first).abs() <= band)
-            });
+            let within =
+                band.filter(|_| judged).zip(own.split_first()).map(|(band, (first, others))| {
+                    others.iter().all(|other| (other - first).abs() <= band)
+                });
             ComparedQuantity {
                 quantity: q.name.to_owned(),
                 unit: q.unit.to_owned(),
@@ -300,4 +319,48 @@ fn quantities(runs: &[ComparedRun]) -> Vec<ComparedQuantity> {
             }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paper::canned;
+
+    /// Two engines' own runs, and one from the first's specimen.
+    fn three() -> Vec<ComparedRun> {
+        let record = canned::valid_runs()[0].clone();
+        let run = |backend: &str, by: Option<&str>| ComparedRun {
+            backend: backend.to_owned(),
+            specimen_by: by.map(str::to_owned),
+            record: RunRecord { name: backend.to_owned(), ..record.clone() },
+        };
+        vec![run("bullet", None), run("rapier", None), run("rapier-from-bullet", Some("bullet"))]
+    }
+
+    fn verdicts(runs: &[ComparedRun]) -> Vec<bool> {
+        quantities(runs).iter().filter_map(|q| q.within_band).collect()
+    }
+
+    /// Law: bands are judged between runs that count, in both directions; with a run that lacks
+    /// grains, or is not valid, they are not.
+    #[test]
+    fn bands_are_judged_between_runs_that_count() {
+        let mut runs = three();
+        assert_eq!(not_judged(&runs), None);
+        let same = verdicts(&runs);
+        assert!(!same.is_empty() && same.iter().all(|within| *within), "law: the same agree");
+        let mut higher = runs[1].record.summary.standing_height_mm;
+        higher.mean_surface *= 2.0;
+        runs[1].record.summary.poured_height_mm = Some(higher);
+        assert!(verdicts(&runs).contains(&false), "law: twice the height does not agree");
+
+        // Handed on: no band is judged by it.
+        runs[2].record.summary.grains.missing = Some(1000);
+        assert!(verdicts(&runs).contains(&false) && not_judged(&runs).is_none());
+
+        runs[1].record.summary.grains.missing = Some(1000);
+        assert!(verdicts(&runs).is_empty(), "law: nothing is judged by a jammed run");
+        let why = not_judged(&runs).expect("law: and it says why");
+        assert!(why.starts_with("rapier (1000 of "), "law: with the run named: {why}");
+    }
 }

@@ -32,16 +32,19 @@ pub(super) fn paragraph(
         sentences.push("No run is finished yet; only what needs no run is shown.".to_owned());
         return sentences.join(" ");
     }
-    let of = |verdict| rows.iter().filter(move |r| r.verdict == verdict);
+    let of = |verdict| rows.iter().filter(move |r| r.verdict == verdict && !r.is_undecided());
     let reproduced: Vec<String> =
         of(Verdict::Within).map(|r| format!("{} ({})", lower(r.statement), r.in_words)).collect();
     sentences.extend(said("Reproduced", &reproduced));
     let missed: Vec<String> = of(Verdict::Outside).map(missed).collect();
     sentences.extend(said("Not reproduced", &missed));
-    if !reproduced.is_empty() && missed.is_empty() {
+    let open: Vec<String> = rows.iter().filter(|r| r.is_undecided()).map(undecided).collect();
+    sentences.extend(said("Not decided, as the interval reaches across the paper's range", &open));
+    if !reproduced.is_empty() && missed.is_empty() && open.is_empty() {
         sentences.push("Nothing that could be compared is missed.".to_owned());
     }
-    sentences.extend(why(counting, of(Verdict::Outside)));
+    let outside = |row: &&ScoreRow| row.verdict == Verdict::Outside;
+    sentences.extend(why(counting, rows.iter().filter(outside)));
     for (verdict, what) in [(Verdict::NotComparable, "Not compared"), (Verdict::NotRun, "Not run")]
     {
         sentences.extend(by_reason(what, of(verdict)));
@@ -60,6 +63,11 @@ fn said(what: &str, items: &[String]) -> Option<String> {
 fn lower(statement: &str) -> String {
     let mut letters = statement.chars();
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
+}
+
+/// Ours beside the paper's where the runs are too few, or scatter too much, to say more.
+fn undecided(row: &ScoreRow) -> String {
+    format!("{} ({}; the paper's {})", lower(row.statement), row.in_words, row.paper)
 }
 
 fn missed(row: &ScoreRow) -> String {

@@ -68,6 +68,10 @@ pub struct ScoreRow {
     /// Of the mean: whether it lies where the paper's number is read to lie; of a count: whether
     /// all show it; of the angle of repose: whether our interval holds the paper's number.
     pub verdict: Verdict,
+    /// Of a mean that was judged by a range: whether its whole interval lies on the same side of
+    /// the range's ends, so that the verdict is more than chance. One run decides nothing. Null of
+    /// what is not judged so.
+    pub decided: Option<bool>,
     /// Why it was not run or cannot be compared; empty with every other verdict.
     pub reason: String,
     /// Runs left out, being not valid or short of grains.
@@ -76,6 +80,13 @@ pub struct ScoreRow {
     pub claims: Vec<String>,
     /// How far ours lies beyond the paper's interval: below it negative; 0 within.
     pub beyond: f64,
+}
+
+impl ScoreRow {
+    /// Whether runs speak for a verdict that more of them could turn.
+    pub fn is_undecided(&self) -> bool {
+        self.decided == Some(false)
+    }
 }
 
 /// What a row is of.
@@ -221,6 +232,10 @@ impl Row<'_> {
             if matches!(row.verdict, Verdict::Within | Verdict::Outside) {
                 let within = band.contains(ours);
                 row.verdict = if within { Verdict::Within } else { Verdict::Outside };
+                row.decided = Some(interval.is_some_and(|i| match within {
+                    true => band.contains(i.low) && band.contains(i.high),
+                    false => i.high < band.low || i.low > band.high,
+                }));
             }
         }
         // The angle of repose has no band: it is compared by our own interval.
@@ -278,6 +293,7 @@ impl Row<'_> {
             unit: unit.to_owned(),
             in_words: String::new(),
             verdict: speaks.verdict,
+            decided: None,
             reason: speaks.reason.clone(),
             left_out: left_out.len(),
             claims: self.claims.iter().map(|c| c.id.clone()).collect(),

@@ -24,6 +24,7 @@ fn rows_are_means_with_intervals() {
     let interval = settled.interval.expect("three values");
     assert!((interval.high - 18.0 - half).abs() < 1e-4, "law: 18 ± {half}, got {interval:?}");
     assert_eq!(settled.verdict, Verdict::Within, "14 ≤ 18 ≤ 19.61: {settled:?}");
+    assert_eq!(settled.decided, Some(false), "law: 13 to 23 reaches across 14 and 19.61");
     assert_eq!(settled.paper, "14 to 19.61 mm");
     assert_eq!(settled.in_words, "18.0 mm [13.0 … 23.0]");
     let falls = row(&card, "standing-height-falls");
@@ -58,6 +59,40 @@ fn inputs_are_not_counted() {
         "{}",
         before.paragraph
     );
+}
+
+/// Law: a verdict by a range is decided where the whole interval lies on its side, within and
+/// outside; one run decides nothing, and what is not decided is neither reproduced nor missed.
+#[test]
+fn a_wide_interval_decides_nothing() {
+    let of = |settled: &[f64]| {
+        let mut runs = canned::valid_runs();
+        let mut given = settled.iter();
+        runs.retain_mut(|run| {
+            if run.kind != RunKind::VibrationContinuous {
+                return true;
+            }
+            let Some(&mm) = given.next() else { return false };
+            run.summary.settlement_mm.as_mut().expect("vibrated").final_mm = mm;
+            true
+        });
+        let card = card(&canned::study(&runs));
+        let settled = row(&card, "continuous-final-settlement").clone();
+        (settled.verdict, settled.decided, card.paragraph)
+    };
+    for (settled, verdict, decided, list) in [
+        (&[16.9, 17.0, 17.1][..], Verdict::Within, true, "Reproduced"),
+        (&[12.0, 17.0, 22.0], Verdict::Within, false, "Not decided"),
+        (&[17.0], Verdict::Within, false, "Not decided"),
+        (&[11.9, 12.0, 12.1], Verdict::Outside, true, "Not reproduced"),
+        (&[8.0, 13.0, 18.0], Verdict::Outside, false, "Not decided"),
+    ] {
+        let got = of(settled);
+        assert_eq!((got.0, got.1), (verdict, Some(decided)), "law: of {settled:?} mm");
+        let sentence = got.2.split(". ").find(|s| s.contains("settlement of the plate after 20 s"));
+        let sentence = sentence.unwrap_or_else(|| panic!("it is said: {}", got.2));
+        assert!(sentence.starts_with(list), "law: {settled:?} mm under {list}, got {sentence}");
+    }
 }
 
 /// Law: what misses is said with its side and what the runs say of why.
