@@ -84,14 +84,21 @@ fn angle_of_repose(of: &AngleOfRepose) -> String {
     )
 }
 
+/// A number to so many decimals; what rounds to zero has no sign.
+fn rounded(value: f64, decimals: i32) -> f64 {
+    let scale = 10f64.powi(decimals);
+    (value * scale).round() / scale + 0.0
+}
+
 /// Loads, flows and void ratios.
 fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
     for piece in of.pieces.iter().filter(|piece| piece.present) {
-        let [x, y, z] = piece.force_n;
+        let [x, y, z] = piece.force_n.map(|force| rounded(force, 3));
         rows.add(&format!("force on {}", piece.name), format!("({x:.3}, {y:.3}, {z:.3}) N"));
     }
     let Balance { weight_n, carried_n, difference_percent, .. } = of.balance;
-    let off = difference_percent.map_or(String::new(), |off| format!(", {off:+.2} %"));
+    let off =
+        difference_percent.map_or(String::new(), |off| format!(", {:+.2} %", rounded(off, 2)));
     rows.add("balance", format!("{carried_n:.3} N carried of {weight_n:.3} N of grains{off}"));
     for opening in &of.openings {
         let rate = opening.rate_g_per_s.map_or(String::new(), |rate| format!(" at {rate:.0} g/s"));
@@ -373,6 +380,15 @@ mod tests {
             [(0.4, "0 s"), (59.6, "1 min 0 s"), (125.0, "2 min 5 s"), (7384.0, "2 h 3 min")]
         {
             assert_eq!(duration(seconds), expected, "law: {seconds} s in words");
+        }
+    }
+
+    #[test]
+    fn what_rounds_to_zero_has_no_sign() {
+        for (value, expected) in
+            [(-0.0004, "+0.00"), (0.0, "+0.00"), (-0.006, "-0.01"), (1.235, "+1.24")]
+        {
+            assert_eq!(format!("{:+.2}", rounded(value, 2)), expected, "law: of {value}");
         }
     }
 

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::{
     StudyError, believed, checks,
-    plan::{Node, Plan, stage_name},
+    plan::{Node, Plan},
     recorder::{Recorder, note},
 };
 use crate::caught::caught;
@@ -306,7 +306,7 @@ impl Shop<'_> {
         let mut warnings = outcome.warnings;
         warnings.extend(checks::warnings(&checks));
         let record = StageRecord {
-            stage: stage_name(&node.stage).into(),
+            stage: node.stage.name().into(),
             steps: outcome.steps,
             simulated_s: outcome.simulated,
             wall_s: observed.wall_s,

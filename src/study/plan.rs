@@ -262,8 +262,7 @@ impl Plan {
             segment_steps,
         };
         let grains = (run.grains.grains.len(), start.grains_hash);
-        let name = stage_name(stage);
-        let identity = StageIdentity::new(name, grains, before.as_deref(), &determinants);
+        let identity = StageIdentity::new(stage.name(), grains, before.as_deref(), &determinants);
         if let Some(&node) = known.get(&identity.key) {
             return node;
         }
@@ -283,11 +282,6 @@ impl Plan {
         });
         self.nodes.len() - 1
     }
-}
-
-/// Name of a stage as in the scenario file.
-pub fn stage_name(stage: &StageSpec) -> &'static str {
-    stage.name()
 }
 
 /// A stage in words: `pour from 50 mm`.
