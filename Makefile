@@ -19,7 +19,7 @@ TABLE ?= docs/results/scale/twins.csv
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce convergence sensitivity twins test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep referee results clean
+.PHONY: help setup setup-lint build reproduce convergence sensitivity twins test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep referee results deb test-deb archive clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -120,6 +120,18 @@ results: build ## compute what docs/results/ misses and fill the pages' numbers 
 
 bench-sweep: build ## what a sweep costs beside its runs (a few minutes)
 	bash scripts/sweep-overhead.sh
+
+deb: build ## pack the program for Debian 12, in target/package (docs/install.md)
+	@bash scripts/setup.sh package
+	bash scripts/package.sh deb
+
+test-deb: deb ## install that package on a bare Debian 12 and run it; as root
+	@bash scripts/setup.sh bare
+	bash scripts/test-deb.sh
+
+archive: build ## pack the program with manual pages, scenarios and docs, in target/package
+	@bash scripts/setup.sh package
+	bash scripts/package.sh archive
 
 clean: ## remove what was built; results in out/ stay
 	cargo clean

@@ -12,6 +12,8 @@
 #   scripts/setup.sh referee  also what `make referee` needs
 #   scripts/setup.sh soak   also strace and ext4's tools, without which `make soak`
 #                           skips the classes that need them
+#   scripts/setup.sh package  also what `make deb` and `make archive` need
+#   scripts/setup.sh bare   also what `make test-deb` needs
 #   scripts/setup.sh snakemake   also what `make test-snakemake` needs
 #
 # Several of these words may stand together.
@@ -88,6 +90,13 @@ if wanted soak; then
     have strace || missing+=(strace)
     have mkfs.ext4 || [ -x /sbin/mkfs.ext4 ] || missing+=(e2fsprogs)
     have python3 || missing+=(python3)
+fi
+if wanted package; then
+    have dpkg-shlibdeps || missing+=(dpkg-dev)
+    have xz || missing+=(xz-utils)
+fi
+if wanted bare; then
+    have debootstrap || missing+=(debootstrap)
 fi
 if wanted exports; then
     have node && have npm || missing+=(nodejs npm)

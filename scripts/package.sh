@@ -1,0 +1,144 @@
+#!/usr/bin/env bash
+# Packs the release program for people who do not build it.
+#
+#   scripts/package.sh deb        target/package/pluvia_VERSION-1_ARCHITECTURE.deb
+#   scripts/package.sh archive    target/package/pluvia-VERSION-MACHINE-linux.tar.xz
+#   scripts/package.sh checksums  target/package/SHA256SUMS of what is there
+#
+# Both hold the stripped program, the manual pages and completions that it prints itself,
+# scenarios and documentation. Neither holds Bullet: the package depends on Debian's, the archive
+# says what to install. PLUVIA is the program, target/release/pluvia unless given; MAINTAINER who
+# answers for the package.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+program=${PLUVIA:-target/release/pluvia}
+out=target/package
+version=$(sed -n 's/^version = "\(.*\)"$/\1/p' Cargo.toml | head -1)
+
+fail() {
+    printf 'error: %s. Try: %s\n' "$1" "$2" >&2
+    exit 1
+}
+
+[ -x "$program" ] || fail "there is no program $program" "make build"
+if [ "$("$program" --version)" != "pluvia $version" ]; then
+    fail "$program is $("$program" --version), Cargo.toml has $version" "make build"
+fi
+
+# The same bytes from the same commit: the time of files is that of the commit.
+SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s)}
+export SOURCE_DATE_EPOCH
+
+# What both hold, as under /usr: PROGRAM MAN COMPLETIONS SHARE DOC
+fill() {
+    local bin=$1 man=$2 share=$3 doc=$4
+    mkdir -p "$bin" "$man" "$share" "$doc"
+    install -m 755 "$program" "$bin/pluvia"
+    strip "$bin/pluvia"
+    "$program" man --out "$man" >/dev/null
+    gzip -9n "$man"/*.1
+    cp -r scenarios "$share/scenarios"
+    cp README.md CHANGELOG.md CITATION.cff "$doc/"
+    cp -r docs "$doc/docs"
+}
+
+completions() { # ROOT
+    mkdir -p "$1/bash-completion/completions" "$1/zsh/vendor-completions" \
+        "$1/fish/vendor_completions.d"
+    "$program" completions bash >"$1/bash-completion/completions/pluvia"
+    "$program" completions zsh >"$1/zsh/vendor-completions/_pluvia"
+    "$program" completions fish >"$1/fish/vendor_completions.d/pluvia.fish"
+}
+
+same_time() { # FOLDER
+    find "$1" -exec touch -h --date="@$SOURCE_DATE_EPOCH" {} +
+    chmod -R u=rwX,go=rX "$1"
+}
+
+deb() {
+    for tool in dpkg-deb dpkg-shlibdeps; do
+        command -v $tool >/dev/null ||
+            fail "$tool is not installed" "apt-get install dpkg-dev"
+    done
+    local architecture root depends file
+    architecture=$(dpkg --print-architecture)
+    root=$out/deb
+    rm -rf "$root"
+    fill "$root/usr/bin" "$root/usr/share/man/man1" "$root/usr/share/pluvia" \
+        "$root/usr/share/doc/pluvia"
+    completions "$root/usr/share"
+    {
+        printf 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\n'
+        printf 'Upstream-Name: pluvia\n\nFiles: *\nCopyright: the Pluvia authors\n'
+        printf 'License: Expat or Apache-2.0\n\nLicense: Expat\n'
+        sed 's/^$/./; s/^/ /' LICENSE-MIT
+        printf '\nLicense: Apache-2.0\n On Debian systems, see /usr/share/common-licenses/Apache-2.0.\n'
+    } >"$root/usr/share/doc/pluvia/copyright"
+    gzip -9n "$root/usr/share/doc/pluvia/CHANGELOG.md"
+
+    # What the program is linked to, by Debian's own tool; it wants a debian/control.
+    mkdir -p "$out/shlibs/debian"
+    printf 'Source: pluvia\n\nPackage: pluvia\nArchitecture: any\n' >"$out/shlibs/debian/control"
+    depends=$(cd "$out/shlibs" && dpkg-shlibdeps -O -e"$OLDPWD/$root/usr/bin/pluvia") ||
+        fail "dpkg-shlibdeps does not know what the program needs" "apt-get install libbullet-dev"
+    depends=${depends#shlibs:Depends=}
+
+    mkdir -p "$root/DEBIAN"
+    cat >"$root/DEBIAN/control" <<END
+Package: pluvia
+Version: $version-1
+Architecture: $architecture
+Maintainer: ${MAINTAINER:-The Pluvia authors <pluvia@example.org>}
+Installed-Size: $(du -sk "$root" | cut -f1)
+Depends: $depends
+Section: science
+Priority: optional
+Description: granular soil as rigid convex polyhedra
+ Pluvia makes grains from a sieve analysis, pours them, shakes them and measures
+ what a laboratory measures: standing height, void ratio, settlement, angle of
+ repose. The Bullet physics library carries the grains.
+ .
+ Scenarios are in /usr/share/pluvia/scenarios, documentation in
+ /usr/share/doc/pluvia.
+END
+    same_time "$root"
+    file=$out/pluvia_$version-1_$architecture.deb
+    dpkg-deb --root-owner-group -Zxz --build "$root" "$file" >/dev/null
+    echo "$file, $(du -h "$file" | cut -f1)"
+}
+
+archive() {
+    local name file
+    name=pluvia-$version-$(uname -m)-linux
+    rm -rf "${out:?}/$name"
+    fill "$out/$name" "$out/$name/man" "$out/$name" "$out/$name"
+    completions "$out/$name/completions"
+    cp LICENSE-MIT LICENSE-APACHE "$out/$name/"
+    cat >"$out/$name/INSTALL" <<'END'
+Built on Debian 12 for Bullet 3.24 in double precision. Install that first:
+
+    apt-get install libbullet3.24
+
+then run ./pluvia, or copy it to a folder of PATH, man/ to a MANPATH, and completions/ to where
+your shell looks for them.
+END
+    same_time "$out/$name"
+    file=$out/$name.tar.xz
+    tar --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$SOURCE_DATE_EPOCH" \
+        -C "$out" -cJf "$file" "$name"
+    echo "$file, $(du -h "$file" | cut -f1)"
+}
+
+checksums() {
+    (cd "$out" && find . -maxdepth 1 -type f \( -name '*.deb' -o -name '*.tar.xz' -o -name '*.whl' \) \
+        -printf '%P\n' | sort | xargs -r sha256sum >SHA256SUMS && cat SHA256SUMS)
+}
+
+mkdir -p "$out"
+case ${1:-} in
+deb) deb ;;
+archive) archive ;;
+checksums) checksums ;;
+*) fail "scripts/package.sh ${1:-} is not known" "scripts/package.sh deb, archive or checksums" ;;
+esac
