@@ -77,11 +77,11 @@ impl With {
 
 /// Every combination.
 fn all() -> impl Iterator<Item = With> {
-    (0..32).map(|n| With {
+    (0..16).map(|n| With {
         jobs: 1 + (n & 1),
-        threads: 1 + ((n >> 1) & 3),
-        portable: n & 8 != 0,
-        kill: n & 16 != 0,
+        threads: 1 + ((n >> 1) & 1),
+        portable: n & 4 != 0,
+        kill: n & 8 != 0,
     })
 }
 
@@ -96,7 +96,7 @@ fn jobs_threads_instructions_and_kills_change_no_byte() {
     let with = With { jobs: 2, threads: 2, portable: true, kill: true };
     with.carried_out(&mut ground);
     assert_eq!(ground.log.of_class(CLASS), 1, "law: it is noted");
-    assert_eq!(all().count(), 32);
+    assert_eq!(all().count(), 16);
     // The comparison can fail: another friction is another result.
     let out = ground.place();
     let mut other = with.command(&out);
