@@ -19,7 +19,7 @@ TABLE ?= docs/results/scale/twins.csv
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: help setup setup-lint build reproduce convergence sensitivity twins test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep referee results deb test-deb archive clean
+.PHONY: docs help setup setup-lint build reproduce convergence sensitivity twins test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep referee results deb test-deb archive clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -104,6 +104,9 @@ lint: setup-lint ## check formatting, lints and documentation
 format: setup-lint ## format all source
 	cargo fmt
 	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
+
+docs: ## the documentation as a site, in target/site/ (MkDocs in target/mkdocs/)
+	@bash scripts/docs.sh $(ARGS)
 
 bench: setup ## what a step costs, by engine and by number of grains: out/bench.json (ARGS=--quick)
 	cargo bench --locked --bench pour --bench growth -- $(ARGS)

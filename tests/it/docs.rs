@@ -19,10 +19,10 @@ fn read(path: &str) -> String {
     fs::read_to_string(root().join(path)).unwrap_or_else(|e| panic!("{path} cannot be read: {e}"))
 }
 
-/// Paths of the Markdown files at the root and in `docs/`.
+/// Paths of the Markdown files at the root and in the folders of the documentation.
 fn documents() -> Vec<String> {
     let mut found = Vec::new();
-    for folder in ["", "docs/"] {
+    for folder in ["", "docs/", "docs/concepts/", "docs/results/"] {
         for entry in fs::read_dir(root().join(folder)).expect("the crate's folders can be listed") {
             let name = entry.expect("a folder entry can be read").file_name();
             let name = name.to_string_lossy();
@@ -79,7 +79,7 @@ fn links_resolve() {
         assert!(broken.is_empty(), "{document} has links to nowhere: {broken:?}");
     }
     let text =
-        "[a](README.md#two-commands) [b](nowhere.md) [c](README.md#nowhere) [d](https://x.y/z)";
+        "[a](README.md#first-run) [b](nowhere.md) [c](README.md#nowhere) [d](https://x.y/z)";
     let found = broken("README.md", text);
     assert_eq!(found, ["nowhere.md", "README.md#nowhere"], "the check finds faults");
 }
@@ -98,38 +98,45 @@ fn changelog_and_citation_have_the_crate_version() {
     assert_eq!(cited, Some(version), "version in CITATION.cff (left), of the crate (right)");
 }
 
-/// The README's scenarios, without comments: the short one, the complete one.
-fn readme_scenarios() -> [Value; 2] {
-    let readme = read("README.md");
-    let parse = |language: &str| -> Value {
-        let found = blocks(&readme, language);
-        assert_eq!(found.len(), 1, "README.md has one block of {language}");
+/// Pages with a scenario that readers copy, and the language of its block: the short one, the
+/// complete one.
+const SHOWN: [(&str, &str); 2] = [("README.md", "json"), ("docs/scenario-files.md", "jsonc")];
+
+/// The one block of a page in a language.
+fn shown(page: &str, language: &str) -> String {
+    let mut found = blocks(&read(page), language);
+    assert_eq!(found.len(), 1, "{page} has one block of {language}");
+    found.remove(0)
+}
+
+/// The scenarios of [`SHOWN`], without comments.
+fn shown_scenarios() -> [Value; 2] {
+    SHOWN.map(|(page, language)| {
+        let block = shown(page, language);
         let bare: String =
-            found[0].lines().map(|l| l.split(" //").next().unwrap_or_default()).collect();
+            block.lines().map(|l| l.split(" //").next().unwrap_or_default()).collect();
         serde_json::from_str(&bare)
-            .unwrap_or_else(|e| panic!("the {language} of README.md is not JSON: {e}"))
-    };
-    [parse("json"), parse("jsonc")]
+            .unwrap_or_else(|e| panic!("the {language} of {page} is not JSON: {e}"))
+    })
 }
 
 #[test]
-fn the_readme_scenarios_are_scenarios() {
-    for value in readme_scenarios() {
+fn the_shown_scenarios_are_scenarios() {
+    for value in shown_scenarios() {
         let parsed: Result<Scenario, _> = serde_json::from_value(value);
-        assert!(parsed.is_ok(), "a scenario of README.md is refused: {:?}", parsed.err());
+        assert!(parsed.is_ok(), "a shown scenario is refused: {:?}", parsed.err());
     }
 }
 
 /// Law: what a reader copies can be run: with its comments.
 #[test]
-fn the_readme_scenarios_load_as_they_stand() {
-    let readme = read("README.md");
+fn the_shown_scenarios_load_as_they_stand() {
     let folder = tempfile::tempdir().expect("a folder");
-    for language in ["json", "jsonc"] {
+    for (page, language) in SHOWN {
         let path = folder.path().join(format!("{language}.json"));
-        fs::write(&path, &blocks(&readme, language)[0]).expect("it is written");
+        fs::write(&path, shown(page, language)).expect("it is written");
         if let Err(faults) = load_scenario(&path, &[]) {
-            panic!("the {language} of README.md is refused: {faults}");
+            panic!("the {language} of {page} is refused: {faults}");
         }
     }
 }
@@ -152,13 +159,13 @@ fn gravel_and_pile_of_the_tutorial_are_scenarios_of_the_same_grains() {
 
 #[test]
 fn the_complete_scenario_shows_every_field_and_default() {
-    let [_, complete] = readme_scenarios();
+    let [_, complete] = shown_scenarios();
     let scenario: Scenario = serde_json::from_value(complete.clone()).expect("it is a scenario");
     let fields = |value: &Value| -> BTreeSet<String> { paths("", value).collect() };
     let known = fields(&serde_json::to_value(&scenario).expect("a scenario has a JSON form"));
     let shown = fields(&complete);
     let missing: Vec<_> = known.difference(&shown).collect();
-    assert!(missing.is_empty(), "README.md's complete scenario does not show {missing:?}");
+    assert!(missing.is_empty(), "the complete scenario of docs/scenario-files.md does not show {missing:?}");
 
     let mut required = complete;
     required
@@ -168,7 +175,7 @@ fn the_complete_scenario_shows_every_field_and_default() {
     let bare: Scenario = serde_json::from_value(required).expect("nothing else is required");
     let (shown, default) = (format!("{scenario:#?}"), format!("{bare:#?}"));
     for (shown, default) in shown.lines().zip(default.lines()) {
-        assert_eq!(shown, default, "value in README.md (left) and default in the code (right)");
+        assert_eq!(shown, default, "value in docs/scenario-files.md (left) and default in the code (right)");
     }
 }
 
@@ -274,7 +281,7 @@ fn options_of_pictures_are_explained_with_their_defaults() {
 
 #[test]
 fn fields_of_results_are_explained() {
-    let readme = read("README.md");
+    let page = read("docs/files.md");
     let source = read("src/record/summary.rs");
     let mut count = 0;
     let mut renamed = None;
@@ -289,8 +296,84 @@ fn fields_of_results_are_explained() {
             continue;
         }
         let name = renamed.take().unwrap_or(field);
-        assert!(readme.contains(&format!("`{name}`")), "README.md does not explain `{name}`");
+        assert!(page.contains(&format!("`{name}`")), "docs/files.md does not explain `{name}`");
         count += 1;
     }
     assert!(count > 40, "expected the fields of summary.json and series.csv, found {count}");
+}
+
+/// Law: the README is one page: at most 9 KB.
+#[test]
+fn the_readme_is_one_page() {
+    let bytes = read("README.md").len();
+    assert!(bytes <= 9216, "law: README.md has at most 9216 bytes, got {bytes}");
+}
+
+/// Law: every page is in the site's contents, and the contents name no page that is not there.
+#[test]
+fn every_page_is_in_the_contents_of_the_site() {
+    let contents = read("mkdocs.yml");
+    let (_, nav) = contents.split_once("\nnav:\n").expect("mkdocs.yml has a nav");
+    let named: BTreeSet<String> = nav
+        .lines()
+        .filter_map(|l| l.split(' ').next_back().filter(|word| word.ends_with(".md")))
+        .map(str::to_owned)
+        .collect();
+    // README, tour and history are added by scripts/site.py.
+    let added = ["about.md", "architecture.md", "changelog.md"];
+    let mut there = BTreeSet::from(added.map(str::to_owned));
+    there.extend(documents().iter().filter_map(|d| d.strip_prefix("docs/")).map(str::to_owned));
+    assert_eq!(named, there, "law: pages in mkdocs.yml (left) and in docs/ (right)");
+}
+
+/// Help of the program or of one of its commands, 100 columns wide.
+fn help(arguments: &[&str]) -> String {
+    let printed = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"))
+        .args(arguments)
+        .arg("--help")
+        .env("COLUMNS", "100")
+        .env("NO_COLOR", "1")
+        .output()
+        .expect("the program starts");
+    String::from_utf8(printed.stdout).expect("UTF-8")
+}
+
+/// The page of commands, from the program's own help.
+fn commands_page() -> String {
+    let all = help(&[]);
+    let mut page = "# Commands\n\nThe program's own help. `PLUVIA_WRITE=1 cargo test --test it docs` \
+                    writes this page. [Files of a run](files.md) says what each command leaves, \
+                    [exit codes](faq.md#exit-codes) how it ends.\n"
+        .to_owned();
+    let mut section = |title: &str, text: &str| {
+        let text: Vec<&str> = text.lines().map(str::trim_end).collect();
+        page.push_str(&format!("\n## {title}\n\n```text\n{}\n```\n", text.join("\n").trim_end()));
+    };
+    section("pluvia", &all);
+    let (_, list) = all.split_once("\nCommands:\n").expect("the help lists commands");
+    for line in list.lines().take_while(|line| line.starts_with("  ")) {
+        // Lines that go on are indented further.
+        if let Some(name) = line[2..].split(' ').next().filter(|n| !n.is_empty() && *n != "help") {
+            section(&format!("pluvia {name}"), &help(&[name]));
+        }
+    }
+    page
+}
+
+/// `PLUVIA_WRITE=1` writes the page anew.
+#[test]
+fn every_command_is_on_its_page() {
+    let page = commands_page();
+    assert!(page.matches("\n## pluvia ").count() >= 15, "law: all commands are found");
+    if std::env::var_os("PLUVIA_WRITE").is_some() {
+        fs::write(root().join("docs/commands.md"), page).expect("written");
+        return;
+    }
+    let kept = read("docs/commands.md");
+    let differs = page.lines().zip(kept.lines()).find(|(new, old)| new != old);
+    assert!(
+        page == kept,
+        "law: docs/commands.md is the program's help; PLUVIA_WRITE=1 writes it anew. \
+         First difference (help, kept): {differs:?}"
+    );
 }
