@@ -341,9 +341,9 @@ fn help(arguments: &[&str]) -> String {
 /// The page of commands, from the program's own help.
 fn commands_page() -> String {
     let all = help(&[]);
-    let mut page = "# Commands\n\nThe program's own help. `PLUVIA_WRITE=1 cargo test --test it docs` \
-                    writes this page. [Files of a run](files.md) says what each command leaves, \
-                    [exit codes](faq.md#exit-codes) how it ends.\n"
+    let mut page = "# Commands\n\nThe program's own help. `PLUVIA_WRITE=1 cargo test --test it \
+                    docs` writes this page. [Files of a run](files.md) says what each command \
+                    leaves, [exit codes](faq.md#exit-codes) how it ends.\n"
         .to_owned();
     let mut section = |title: &str, text: &str| {
         let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
