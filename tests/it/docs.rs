@@ -78,8 +78,7 @@ fn links_resolve() {
         let broken = broken(&document, &read(&document));
         assert!(broken.is_empty(), "{document} has links to nowhere: {broken:?}");
     }
-    let text =
-        "[a](README.md#first-run) [b](nowhere.md) [c](README.md#nowhere) [d](https://x.y/z)";
+    let text = "[a](README.md#first-run) [b](nowhere.md) [c](README.md#nowhere) [d](https://x.y/z)";
     let found = broken("README.md", text);
     assert_eq!(found, ["nowhere.md", "README.md#nowhere"], "the check finds faults");
 }
