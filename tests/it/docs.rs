@@ -78,8 +78,7 @@ fn links_resolve() {
         let broken = broken(&document, &read(&document));
         assert!(broken.is_empty(), "{document} has links to nowhere: {broken:?}");
     }
-    let text =
-        "[a](README.md#first-run) [b](nowhere.md) [c](README.md#nowhere) [d](https://x.y/z)";
+    let text = "[a](README.md#first-run) [b](nowhere.md) [c](README.md#nowhere) [d](https://x.y/z)";
     let found = broken("README.md", text);
     assert_eq!(found, ["nowhere.md", "README.md#nowhere"], "the check finds faults");
 }
@@ -165,7 +164,7 @@ fn the_complete_scenario_shows_every_field_and_default() {
     let known = fields(&serde_json::to_value(&scenario).expect("a scenario has a JSON form"));
     let shown = fields(&complete);
     let missing: Vec<_> = known.difference(&shown).collect();
-    assert!(missing.is_empty(), "the complete scenario of docs/scenario-files.md does not show {missing:?}");
+    assert!(missing.is_empty(), "docs/scenario-files.md does not show {missing:?}");
 
     let mut required = complete;
     required
@@ -175,7 +174,7 @@ fn the_complete_scenario_shows_every_field_and_default() {
     let bare: Scenario = serde_json::from_value(required).expect("nothing else is required");
     let (shown, default) = (format!("{scenario:#?}"), format!("{bare:#?}"));
     for (shown, default) in shown.lines().zip(default.lines()) {
-        assert_eq!(shown, default, "value in docs/scenario-files.md (left) and default in the code (right)");
+        assert_eq!(shown, default, "docs/scenario-files.md (left), default in the code (right)");
     }
 }
 
@@ -341,13 +340,14 @@ fn help(arguments: &[&str]) -> String {
 /// The page of commands, from the program's own help.
 fn commands_page() -> String {
     let all = help(&[]);
-    let mut page = "# Commands\n\nThe program's own help. `PLUVIA_WRITE=1 cargo test --test it docs` \
-                    writes this page. [Files of a run](files.md) says what each command leaves, \
-                    [exit codes](faq.md#exit-codes) how it ends.\n"
+    let mut page = "# Commands\n\nThe program's own help. `PLUVIA_WRITE=1 cargo test --test it \
+                    docs` writes this page. [Files of a run](files.md) says what each command \
+                    leaves, [exit codes](faq.md#exit-codes) how it ends.\n"
         .to_owned();
     let mut section = |title: &str, text: &str| {
-        let text: Vec<&str> = text.lines().map(str::trim_end).collect();
-        page.push_str(&format!("\n## {title}\n\n```text\n{}\n```\n", text.join("\n").trim_end()));
+        let lines: Vec<&str> = text.lines().map(str::trim_end).collect();
+        let text = lines.join("\n");
+        page.push_str(&format!("\n## {title}\n\n```text\n{}\n```\n", text.trim_end()));
     };
     section("pluvia", &all);
     let (_, list) = all.split_once("\nCommands:\n").expect("the help lists commands");
