@@ -22,7 +22,11 @@ const CLASS: &str = "determinism";
 const FILES: [&str; 4] = ["specimen.json", "series.csv", "grains.csv", "rest_test.csv"];
 
 /// Where a sweep of one point has its run.
-const RUN: &str = "runs/point-0001-c1";
+const RUN: &str = if cfg!(feature = "double-precision") {
+    "runs/point-0001-c1"
+} else {
+    "runs/point-0001-c1-single"
+};
 
 /// How a run is run.
 #[derive(Debug, Clone, Copy)]
