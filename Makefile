@@ -106,6 +106,7 @@ format: setup-lint ## format all source
 	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
 
 docs: ## the documentation as a site, in target/site/ (MkDocs in target/mkdocs/)
+	@bash scripts/setup.sh venv
 	@bash scripts/docs.sh $(ARGS)
 
 bench: setup ## what a step costs, by engine and by number of grains: out/bench.json (ARGS=--quick)

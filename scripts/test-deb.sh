@@ -32,8 +32,8 @@ inside apt-get update -q >>target/package/bare.log 2>&1
 inside apt-get install -q -y --no-install-recommends /pluvia.deb >>target/package/bare.log 2>&1 ||
     fail "the package cannot be installed, target/package/bare.log says why" "make deb"
 inside pluvia --version
-inside pluvia run /usr/share/pluvia/scenarios/quick/pluviation.json --out /tmp/first --quiet
-[ -s "$bare/tmp/first/summary.json" ] || fail "the run left no summary.json" "make test"
+inside pluvia run /usr/share/pluvia/scenarios/quick/pluviation.json --out /first --quiet
+[ -s "$bare/first/summary.json" ] || fail "the run left no summary.json" "make test"
 for file in usr/share/man/man1/pluvia-run.1.gz usr/share/bash-completion/completions/pluvia; do
     [ -s "$bare/$file" ] || fail "/$file is missing" "scripts/package.sh deb"
 done

@@ -275,7 +275,7 @@ const QUANTITIES: [Compared; 13] = [
     },
 ];
 
-/// Why engines cannot be held against each other: a run from grains of its own that is not
+/// Why engines cannot be compared: a run from grains of its own that is not
 /// valid, or lacks grains, shows its fault and not its engine. What is handed on decides no band.
 fn not_judged(runs: &[ComparedRun]) -> Option<String> {
     let against: Vec<String> = runs
