@@ -161,4 +161,20 @@ void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gy
     body.clearForces();
 }
 
+SolverBody pressed_body(const btRigidBody &body, const Press &press) {
+    SolverBody out;
+    const Three<double> direction = three(press.direction);
+    out.press = direction * std::sqrt(press.inverse_mass);
+    out.velocity = direction * direction.dot(three(body.getLinearVelocity()));
+    out.acceleration = direction * (press.force * press.inverse_mass);
+    return out;
+}
+
+void move_pressed(btRigidBody &body, const SolverBody &solved) {
+    btTransform end = body.getWorldTransform();
+    end.setOrigin(end.getOrigin() + vector(solved.shift));
+    body.setWorldTransform(end);
+    body.setLinearVelocity(vector(solved.velocity));
+}
+
 } // namespace pluvia

@@ -49,4 +49,17 @@ Drive recalled_drive(const std::array<btTransform, 3> &ends, double step);
 // the step, as it has changed in the last two; where it did jump, it jumps.
 SolverBody kinematic_body(const btRigidBody &body, double step, Drive &drive);
 
+// How a body moves that is pressed: along one direction, by a force along it and by its contacts
+// alone; its weight is part of that force.
+struct Press {
+    btVector3 direction{0, 0, 1}; // a unit vector
+    double inverse_mass = 0;
+    double force = 0; // along the direction, in engine units
+};
+
+SolverBody pressed_body(const btRigidBody &body, const Press &press);
+
+// Moves it by what was solved in a step.
+void move_pressed(btRigidBody &body, const SolverBody &solved);
+
 } // namespace pluvia

@@ -14,6 +14,15 @@ struct PairPlace {
     bool near; // may well bear something in the step
 };
 
+// Which bodies move, by number: from 1 on the free ones, then those that are pressed; what is
+// driven or stands still follows.
+struct Moves {
+    int free, all;
+
+    bool still(int body) const { return body <= 0 || body > all; }
+    bool pressed(int body) const { return body > free && body <= all; }
+};
+
 // Sorts pairs into colours and packs. In a colour no moving body occurs twice,
 // so that its pairs can be solved in any order and at the same time with the
 // same result: side by side in the lanes of a vector, a pack, and on several

@@ -90,7 +90,7 @@ template <class L> class Few {
             const auto b = static_cast<std::size_t>(bodies_[k]);
             if (listed_[b] == BESIDE) {
                 const auto &now = p_.bodies.motion[b];
-                const auto moved = energy(now, start_[k]) * (impacts ? now.at[3] : 1);
+                const auto moved = energy(now, start_[k]) * (impacts ? p_.bodies.root[b].at[6] : 1);
                 p_.active[b] = static_cast<double>(moved) > limit;
             }
             any = any || p_.active[b] != 0;

@@ -38,8 +38,8 @@ template <class N> LaneLaw<N> lane_law(const ContactLaw &law, double step) {
 
 template <class L>
 void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, double step,
-              const Contacts &contacts, int free, std::vector<SolverBody> &bodies, Workers &workers,
-              Look *look) {
+              const Contacts &contacts, Moves moves, std::vector<SolverBody> &bodies,
+              Workers &workers, Look *look) {
     const double substep = step / law.substeps;
     const Colours &colours = contacts.colours;
     const std::size_t packs = colours.packs().size();
@@ -53,7 +53,7 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, doub
     problem.bodies.resize(bodies.size());
     workers.share(packs, PACKS_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            load(contacts.touching, contacts.places, colours, free, law.substeps, i, problem);
+            load(contacts.touching, contacts.places, colours, moves, law.substeps, i, problem);
         }
     });
     workers.share(bodies.size(), BODIES_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
@@ -61,7 +61,7 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, doub
             pack(bodies[i], law.substeps, substep, i, problem.bodies);
         }
     });
-    Run<L> run(problem, kernel, contacts, free, (law.iterations + 1) / 2, workers);
+    Run<L> run(problem, kernel, contacts, moves.all, (law.iterations + 1) / 2, workers);
     if (packs > 0) {
         for (int i = 0; i < law.substeps; ++i) {
             run.substep(i + 1 == law.substeps ? look : nullptr);
@@ -75,7 +75,7 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, doub
     workers.share(bodies.size(), BODIES_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const int body = static_cast<int>(i);
-            if (body > 0 && body <= free && !colours.touched(body)) {
+            if (!moves.still(body) && !colours.touched(body)) {
                 fly(bodies[i], law.substeps, substep);
             } else {
                 unpack(problem.bodies, i, bodies[i]);
@@ -95,9 +95,9 @@ bool has_avx2() {
 }
 
 void Iterations::run(Kernels how, const ContactLaw &law, double step, const Contacts &contacts,
-                     int free, std::vector<SolverBody> &bodies, Workers &workers, Look *look) {
+                     Moves moves, std::vector<SolverBody> &bodies, Workers &workers, Look *look) {
     if (how == Kernels::OneByOne) {
-        run_step(single_, &single, law, step, contacts, free, bodies, workers, look);
+        run_step(single_, &single, law, step, contacts, moves, bodies, workers, look);
         return;
     }
     Kernel<Float8> kernel = &portable;
@@ -106,7 +106,7 @@ void Iterations::run(Kernels how, const ContactLaw &law, double step, const Cont
         kernel = &avx2;
     }
 #endif
-    run_step(eight_, kernel, law, step, contacts, free, bodies, workers, look);
+    run_step(eight_, kernel, law, step, contacts, moves, bodies, workers, look);
 }
 
 } // namespace pluvia

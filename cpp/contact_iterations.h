@@ -30,8 +30,8 @@ bool has_avx2();
 // the way they have gone.
 class Iterations {
   public:
-    // Bodies 1 to `free` move. `look`, or null, is filled in the last sub-step.
-    void run(Kernels how, const ContactLaw &law, double step, const Contacts &contacts, int free,
+    // `look`, or null, is filled in the last sub-step.
+    void run(Kernels how, const ContactLaw &law, double step, const Contacts &contacts, Moves moves,
              std::vector<SolverBody> &bodies, Workers &workers, Look *look);
 
   private:

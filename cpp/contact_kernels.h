@@ -90,6 +90,26 @@ inline constexpr typename Lane<L>::Number TINY = static_cast<typename Lane<L>::N
 template <class L>
 inline constexpr typename Lane<L>::Number UNLIMITED = static_cast<typename Lane<L>::Number>(1e30);
 
+// The Jacobians of lanes whose body is pressed: an impulse acts on its one degree of freedom by
+// its component along the direction. `press`: that over the root of the mass.
+template <class L>
+PLUVIA_INLINE void set_pressed(const Pack<L> &pack, unsigned lanes, const Symmetric<L> &press,
+                               Three<L> &normal, Three<L> &tangent_1, Three<L> &tangent_2) {
+    using N = typename Lane<L>::Number;
+    const Three<L> direction{press.xx, press.yy, press.zz};
+    const L along[3] = {direction.dot(pack.normal), direction.dot(pack.tangent_1),
+                        direction.dot(pack.tangent_2)};
+    Three<L> *const jacobians[3] = {&normal, &tangent_1, &tangent_2};
+    for (; lanes != 0; lanes &= lanes - 1) {
+        const int lane = __builtin_ctz(lanes);
+        for (int i = 0; i < 3; ++i) {
+            Lane<L>::set(jacobians[i]->x, lane, Lane<L>::get(along[i], lane));
+            Lane<L>::set(jacobians[i]->y, lane, N(0));
+            Lane<L>::set(jacobians[i]->z, lane, N(0));
+        }
+    }
+}
+
 // Angular Jacobians and masses that the bodies show at the arms of the sub-step. With
 // those of the step's beginning a body that turns fast, and whose arms have
 // grown, is pushed by more than it needs, the more so in every iteration.
@@ -111,6 +131,10 @@ PLUVIA_INLINE L set_jacobians(const Pack<L> &pack, Point<L> &c, const Sides<L> &
     c.angular_1_b = root_b * arm_b.cross(pack.tangent_1);
     c.angular_2_a = root_a * arm_a.cross(pack.tangent_2);
     c.angular_2_b = root_b * arm_b.cross(pack.tangent_2);
+    if ((pack.pressed_a | pack.pressed_b) != 0) {
+        set_pressed(pack, pack.pressed_a, root_a, c.angular_a, c.angular_1_a, c.angular_2_a);
+        set_pressed(pack, pack.pressed_b, root_b, c.angular_b, c.angular_1_b, c.angular_2_b);
+    }
     const L zero{};
     const L one = zero + 1;
     const L half = zero + typename Lane<L>::Number(0.5);
@@ -254,7 +278,7 @@ template <class N> PLUVIA_INLINE N energy(const Record<N> &now, const Record<N> 
         shift += (now.at[i] - then.at[i]) * (now.at[i] - then.at[i]);
         turn += (now.at[i + 4] - then.at[i + 4]) * (now.at[i + 4] - then.at[i + 4]);
     }
-    return now.at[3] > 0 ? shift / now.at[3] + turn : 0;
+    return now.at[3] > 0 ? shift / now.at[3] + turn : turn;
 }
 
 // What external forces add to the motion of a body.
@@ -289,6 +313,12 @@ template <class N>
 PLUVIA_INLINE void integrate_position(PackedBodies<N> &bodies, std::size_t b, N step) {
     const auto &r = bodies.root[b].at;
     const auto &m = bodies.motion[b].at;
+    if (r[7] > 0) { // pressed
+        for (int i = 0; i < 3; ++i) {
+            bodies.displacement[b].at[i] += r[i] * m[4] * step;
+        }
+        return;
+    }
     const Symmetric<N> root{r[0], r[1], r[2], r[3], r[4], r[5]};
     const Three<N> spin = root * Three<N>{m[4], m[5], m[6]};
     const N motion[8] = {m[0], m[1], m[2], 0, spin.x, spin.y, spin.z, 0};

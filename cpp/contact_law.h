@@ -31,6 +31,11 @@ struct SolverBody {
     // By external forces, or of a kinematic body within the step.
     Three<double> acceleration{0, 0, 0}, spin_up{0, 0, 0};
     Three<double> shift{0, 0, 0}, turn{0, 0, 0}; // gone in the step
+    // Of a pressed body, which moves along one direction alone: its unit vector over the root of
+    // the mass. Else 0.
+    Three<double> press{0, 0, 0};
+
+    bool pressed() const { return press.dot(press) > 0; }
 };
 
 } // namespace pluvia

@@ -65,6 +65,7 @@ template <class L> void clear_pack(Pack<L> &pack, int first, int points) {
     pack.first = first;
     pack.points = points;
     pack.still_a = pack.still_b = (1U << Lane<L>::WIDTH) - 1;
+    pack.pressed_a = pack.pressed_b = 0;
     std::fill(pack.pair, pack.pair + Lane<L>::WIDTH, -1);
 }
 
@@ -92,6 +93,8 @@ template <class L> void copy_lane(const Pack<L> &from, int from_lane, Pack<L> &t
     to.pair[to_lane] = from.pair[from_lane];
     to.still_a = with_bit(to.still_a, to_lane, from.still_a >> from_lane & 1);
     to.still_b = with_bit(to.still_b, to_lane, from.still_b >> from_lane & 1);
+    to.pressed_a = with_bit(to.pressed_a, to_lane, from.pressed_a >> from_lane & 1);
+    to.pressed_b = with_bit(to.pressed_b, to_lane, from.pressed_b >> from_lane & 1);
     constexpr std::size_t COUNT = 3 * 3 + 2; // from the normal to the restitution
     copy_lanes(&from.normal.x, from_lane, &to.normal.x, to_lane, COUNT);
 }
@@ -101,7 +104,7 @@ template <class L> void copy_lane(const Pack<L> &from, int from_lane, Pack<L> &t
 // few iterations, and the packing creeps while it is not.
 template <class L>
 void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &places,
-          const Colours &colours, int free, int substeps, std::size_t i, Problem<L> &problem) {
+          const Colours &colours, Moves moves, int substeps, std::size_t i, Problem<L> &problem) {
     using N = typename Lane<L>::Number;
     const Colours::Pack &plan = colours.packs()[i];
     Pack<L> &pack = problem.all.packs[i];
@@ -128,8 +131,10 @@ void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &p
         pack.a[lane] = place.a;
         pack.b[lane] = place.b;
         pack.pair[lane] = number;
-        pack.still_a = with_bit(pack.still_a, lane, place.a > 0 && place.a <= free ? 0 : 1);
-        pack.still_b = with_bit(pack.still_b, lane, place.b > 0 && place.b <= free ? 0 : 1);
+        pack.still_a = with_bit(pack.still_a, lane, moves.still(place.a));
+        pack.still_b = with_bit(pack.still_b, lane, moves.still(place.b));
+        pack.pressed_a = with_bit(pack.pressed_a, lane, moves.pressed(place.a));
+        pack.pressed_b = with_bit(pack.pressed_b, lane, moves.pressed(place.b));
         set_three(pack.normal, lane, normal);
         set_three(pack.tangent_1, lane, tangent_1);
         set_three(pack.tangent_2, lane, tangent_2);
@@ -185,6 +190,21 @@ void unload(const Problem<L> &problem, const std::vector<Touching> &touching,
 template <class N>
 void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
           PackedBodies<N> &packed) {
+    if (body.pressed()) {
+        const double root = 1 / std::sqrt(body.press.dot(body.press)); // of the mass
+        const Three<double> way = body.press * (root * root);          // times that root
+        const double motion[8] = {0, 0, 0, 0, way.dot(body.velocity), 0, 0, 1};
+        const double press[8] = {
+            body.press.x, body.press.y, body.press.z, 0, 0, 0, 1 / (root * root), 1};
+        const double forced[8] = {0, 0, 0, 0, way.dot(body.acceleration) * substep, 0, 0, 0};
+        for (int k = 0; k < 8; ++k) {
+            packed.motion[i].at[k] = static_cast<N>(motion[k]);
+            packed.root[i].at[k] = static_cast<N>(press[k]);
+            packed.displacement[i].at[k] = 0;
+            packed.forced[i].at[k] = static_cast<N>(forced[k]);
+        }
+        return;
+    }
     const bool moves = body.inverse_mass > 0;
     Three<double> velocity = body.velocity;
     Three<double> spin = body.spin;
@@ -198,7 +218,7 @@ void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
     const double motion[8] = {velocity.x, velocity.y, velocity.z, body.inverse_mass,
                               spin.x,     spin.y,     spin.z,     moves ? 1.0 : 0.0};
     const Symmetric<double> &m = body.inverse_inertia_root;
-    const double root[8] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, 0, 0};
+    const double root[8] = {m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, body.inverse_mass, 0};
     const Three<double> v = body.acceleration * substep;
     const Three<double> w = body.inertia_root * body.spin_up * substep;
     const double forced[8] = {v.x, v.y, v.z, 0, w.x, w.y, w.z, 0};
@@ -223,6 +243,11 @@ inline void fly(SolverBody &body, int substeps, double substep) {
 template <class N> void unpack(const PackedBodies<N> &packed, std::size_t i, SolverBody &body) {
     const auto &m = packed.motion[i].at;
     const auto &w = packed.displacement[i].at;
+    if (body.pressed()) {
+        body.velocity = body.press * m[4];
+        body.shift = {w[0], w[1], w[2]};
+        return;
+    }
     body.velocity = {m[0], m[1], m[2]};
     body.spin = body.inverse_inertia_root * Three<double>{m[4], m[5], m[6]};
     body.shift = {w[0], w[1], w[2]};

@@ -13,9 +13,10 @@ namespace pluvia {
 // far apart to meet: neither does anything.
 template <class L> struct alignas(64) Pack {
     int a[Lane<L>::WIDTH], b[Lane<L>::WIDTH];
-    int pair[Lane<L>::WIDTH];  // its number among those that touch; -1 where there is none
-    int first, points;         // of its points among all, and how many
-    unsigned still_a, still_b; // a bit for each lane whose body does not move
+    int pair[Lane<L>::WIDTH];      // its number among those that touch; -1 where there is none
+    int first, points;             // of its points among all, and how many
+    unsigned still_a, still_b;     // a bit for each lane whose body does not move
+    unsigned pressed_a, pressed_b; // the same for bodies that move along one direction alone
     Three<L> normal, tangent_1, tangent_2;
     L friction, restitution;
 };
@@ -56,9 +57,14 @@ template <class L> struct alignas(64) Search {
 
 // Bodies in records, each kind by itself: what iterations read and write is the
 // motion alone. A body that is driven or stands still keeps its motion.
+//
+// A pressed body has one degree of freedom, its speed along a direction times the root of its
+// mass. It stands where others have the first component of their spin, all else of its motion is
+// 0, and in `root` are the direction over the root of the mass, 0, 0, 0, the inverse mass, 1.
 template <class N> struct PackedBodies {
     UnsetVector<Record<N>> motion; // velocity, inverse mass, inertia root times spin, 1 if it turns
-    UnsetVector<Record<N>> root; // of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz, -
+    // Of the inverse inertia, in the world: xx, yy, zz, xy, xz, yz; the inverse mass, 0.
+    UnsetVector<Record<N>> root;
     UnsetVector<Record<N>>
         displacement; // gone since the step began: shift, -, turn (a rotation vector), -
     UnsetVector<Record<N>> forced; // what external forces add to the motion in a sub-step

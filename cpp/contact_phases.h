@@ -128,7 +128,7 @@ PLUVIA_INLINE void find_change(Problem<L> &p, const Part &part, std::size_t bloc
         const auto &now = p.bodies.motion[b];
         auto one = energy(now, p.bodies.before[b]);
         if (WHAT == Solved::Impacts) {
-            one *= now.at[3];
+            one *= p.bodies.root[b].at[6];
         }
         change.most = std::max(change.most, static_cast<double>(one));
         p.active[b] = one > limit;

@@ -52,15 +52,16 @@ ContactSolver::ContactSolver(const std::vector<Touching> &touching, const Contac
       workers_(workers) {}
 
 void ContactSolver::solve(double step) {
-    const int free = static_cast<int>(moving_.size());
+    const auto free = static_cast<int>(moving_.size());
+    const Moves moves{free, free + static_cast<int>(pressed_.size())};
     take_bodies(step);
     take_pairs(step);
-    colours_.sort(places_, free, kernels_ == Kernels::OneByOne ? 1 : Lane<Float8>::WIDTH);
+    colours_.sort(places_, moves.all, kernels_ == Kernels::OneByOne ? 1 : Lane<Float8>::WIDTH);
     Look look;
     recorded_ = SubstepRecord{};
     look.record = recording_ ? &recorded_ : nullptr;
     const bool looks = recording_ || steps_++ % LOOK_EVERY == 0;
-    iterations_.run(kernels_, law_, step, {touching_, places_, colours_}, free, bodies_, workers_,
+    iterations_.run(kernels_, law_, step, {touching_, places_, colours_}, moves, bodies_, workers_,
                     looks ? &look : nullptr);
     if (looks) {
         const Residual &residual = look.residual;
@@ -87,6 +88,7 @@ void ContactSolver::take_pairs(double step) {
 
 void ContactSolver::bodies_changed() {
     moving_.clear();
+    pressed_.clear();
     driving_.clear();
     bodies_.clear();
     sorted_ = false;
@@ -103,7 +105,9 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         place_.resize(std::max(place_.size(), number + 1));
         place_[number] = 0;
         // What is driven counts as static with Bullet, too.
-        if (body->isKinematicObject()) {
+        if (is_pressed(body->getUserIndex())) {
+            pressed_.push_back({body, number});
+        } else if (body->isKinematicObject()) {
             driving_.push_back(body);
         } else if (!body->isStaticObject()) {
             moving_.push_back({body, number});
@@ -111,7 +115,10 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
     }
     for (std::size_t i = 0; i < driving_.size(); ++i) {
         place_[static_cast<std::size_t>(driving_[i]->getUserIndex())] =
-            static_cast<int>(moving_.size() + 1 + i);
+            static_cast<int>(moving_.size() + pressed_.size() + 1 + i);
+    }
+    for (std::size_t i = 0; i < pressed_.size(); ++i) {
+        place_[pressed_[i].number] = static_cast<int>(moving_.size() + 1 + i);
     }
     sorted_ = true;
 }
@@ -159,7 +166,7 @@ void ContactSolver::sort_places() {
 
 void ContactSolver::take_bodies(double step) {
     sort_places();
-    bodies_.resize(1 + moving_.size() + driving_.size());
+    bodies_.resize(1 + moving_.size() + pressed_.size() + driving_.size());
     bodies_[0] = SolverBody{};
     workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -170,13 +177,19 @@ void ContactSolver::take_bodies(double step) {
                 free_body(*moving_[i].body);
         }
     });
+    for (std::size_t i = 0; i < pressed_.size(); ++i) {
+        const Moving &pressed = pressed_[i];
+        bodies_[moving_.size() + 1 + i] =
+            pressed_body(*pressed.body, presses_.at(static_cast<int>(pressed.number)));
+    }
     drives_now_.clear();
     for (std::size_t i = 0; i < driving_.size(); ++i) {
         const int number = driving_[i]->getUserIndex();
         Drive &drive = drives_now_[number];
         const auto before = drives_.find(number);
         drive = before != drives_.end() ? before->second : Drive{};
-        bodies_[moving_.size() + 1 + i] = kinematic_body(*driving_[i], step, drive);
+        bodies_[moving_.size() + pressed_.size() + 1 + i] =
+            kinematic_body(*driving_[i], step, drive);
     }
     std::swap(drives_, drives_now_);
 }
@@ -185,10 +198,11 @@ void ContactSolver::read_drives(const Units &units, rust::Vec<DriveRead> &out) c
     const auto metres = [&](const Three<double> &v) {
         return std::array<double, 3>{v.x / units.scale(), v.y / units.scale(), v.z / units.scale()};
     };
-    for (std::size_t i = moving_.size() + 1; i < bodies_.size(); ++i) {
+    const std::size_t first = 1 + moving_.size() + pressed_.size();
+    for (std::size_t i = first; i < bodies_.size(); ++i) {
         const SolverBody &body = bodies_[i];
         DriveRead read{};
-        read.id = static_cast<std::uint32_t>(driving_[i - moving_.size() - 1]->getUserIndex());
+        read.id = static_cast<std::uint32_t>(driving_[i - first]->getUserIndex());
         read.velocity = metres(body.velocity);
         read.acceleration = metres(body.acceleration);
         read.spin = {body.spin.x, body.spin.y, body.spin.z};
@@ -207,6 +221,9 @@ void ContactSolver::move_bodies(double step) {
             move_body(*moving_[i].body, bodies_[place], step, gyroscopic_);
         }
     });
+    for (std::size_t i = 0; i < pressed_.size(); ++i) {
+        move_pressed(*pressed_[i].body, bodies_[moving_.size() + 1 + i]);
+    }
 }
 
 } // namespace pluvia

@@ -40,6 +40,13 @@ class ContactSolver {
     // To be called when a body came or went.
     void bodies_changed();
 
+    // A kinematic body that moves along one direction alone from now on, by its number.
+    void press(int number, const Press &press) { presses_[number] = press; }
+    // Sets the force on it, in engine units.
+    void set_force(int number, double force) { presses_.at(number).force = force; }
+    bool is_pressed(int number) const { return presses_.count(number) != 0; }
+    void forget_press(int number) { presses_.erase(number); }
+
     // How a body was driven before the first step of its world, by its number.
     void recall_drive(int number, const Drive &drive) { drives_[number] = drive; }
     // Adds how each kinematic body went through the last step; none once a body came or went.
@@ -65,15 +72,18 @@ class ContactSolver {
         std::size_t number; // in the world
     };
     std::vector<Moving> moving_;         // every free body
-    std::vector<btRigidBody *> driving_; // every kinematic body
+    std::vector<Moving> pressed_;        // every body that is pressed
+    std::vector<btRigidBody *> driving_; // every other kinematic body
     std::vector<int> place_;             // by the body's number: among bodies_
-    std::vector<SolverBody> bodies_;     // the world, free bodies along the specimen, driven ones
-    std::vector<PairPlace> places_;      // of the pairs that touch
+    // The world, free bodies along the specimen, those that are pressed, those that are driven.
+    std::vector<SolverBody> bodies_;
+    std::vector<PairPlace> places_; // of the pairs that touch
     Colours colours_;
     Iterations iterations_;
     bool sorted_ = false; // moving_ and driving_ are the world's bodies
     // By the body's number in its world: a new body may get the address of one that left.
     std::unordered_map<int, Drive> drives_, drives_now_;
+    std::unordered_map<int, Press> presses_; // by the same number
     bool recording_ = false;
     unsigned steps_ = 0;
     double residual_ = 0;

@@ -11,11 +11,13 @@
 
 #include <array>
 #include <chrono>
+#include <stdexcept>
 
 namespace pluvia {
 
 struct ContactRead;
 struct DriveRead;
+struct Press;
 
 // Wall time in s since the world was made.
 struct Phases {
@@ -58,6 +60,12 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     virtual void remove(btRigidBody &body) { removeRigidBody(&body); }
     // Where a kinematic body is at the end of the next step.
     virtual void drive(btRigidBody &body, const btTransform &end) = 0;
+    // Lets a kinematic body move along one direction alone, from the next step on.
+    virtual void press(btRigidBody &, const Press &) {
+        throw std::runtime_error("only native contacts can press a body along one direction");
+    }
+    // Changes the force on it, in engine units.
+    virtual void set_force(btRigidBody &, double) {}
     virtual void step(btScalar length) = 0;
     // Without a step.
     virtual void find_contacts() = 0;

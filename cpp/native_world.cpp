@@ -48,6 +48,7 @@ void NativeWorld::add(btRigidBody &body, BodyKind kind) {
 void NativeWorld::remove(btRigidBody &body) {
     EngineWorld::remove(body);
     solver_.bodies_changed();
+    solver_.forget_press(body.getUserIndex());
     collision_.forget(body);
     if (followed_ == &body) {
         follow(nullptr);
@@ -59,6 +60,15 @@ void NativeWorld::remove(btRigidBody &body) {
 
 void NativeWorld::drive(btRigidBody &body, const btTransform &end) {
     drives_.push_back({&body, end});
+}
+
+void NativeWorld::press(btRigidBody &body, const Press &press) {
+    solver_.press(body.getUserIndex(), press);
+    solver_.bodies_changed();
+}
+
+void NativeWorld::set_force(btRigidBody &body, double force) {
+    solver_.set_force(body.getUserIndex(), force);
 }
 
 void NativeWorld::step(btScalar length) {

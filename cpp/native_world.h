@@ -52,6 +52,8 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void add(btRigidBody &body, BodyKind kind) override;
     void remove(btRigidBody &body) override;
     void drive(btRigidBody &body, const btTransform &end) override;
+    void press(btRigidBody &body, const Press &press) override;
+    void set_force(btRigidBody &body, double force) override;
     void step(btScalar length) override;
     void find_contacts() override;
     void read_contacts(rust::Vec<ContactRead> &out) const override;

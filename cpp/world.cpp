@@ -139,22 +139,41 @@ void BulletWorld::recall_drive(std::uint32_t id, rust::Slice<const KinematicPose
     impl_->world->recall_drive(body, {pose(0), pose(1), pose(2)}, impl_->time_step);
 }
 
+void BulletWorld::press_body(std::uint32_t id, const std::array<double, 3> &direction, double mass,
+                             double speed) {
+    btRigidBody &body = impl_->body(id);
+    if (!body.isKinematicObject() || !(mass > 0)) {
+        throw std::runtime_error("a body that is pressed is kinematic and has a mass");
+    }
+    const btVector3 along = vector(direction).normalized();
+    impl_->world->press(body, Press{along, 1 / mass, 0});
+    body.setLinearVelocity(along * impl_->units.length(speed));
+}
+
+void BulletWorld::set_force(std::uint32_t id, double force) {
+    impl_->world->set_force(impl_->body(id), force * impl_->units.scale());
+}
+
 void BulletWorld::step() { impl_->world->step(impl_->time_step); }
+
+BodyRead BulletWorld::read_one_body(std::uint32_t id) const {
+    const btRigidBody &body = impl_->body(id);
+    const btTransform &pose = body.getWorldTransform();
+    BodyRead read{};
+    read.present = true;
+    read.position = impl_->units.metres(pose.getOrigin());
+    read.rotation = array(pose.getRotation());
+    read.linear_velocity = impl_->units.metres(body.getLinearVelocity());
+    read.angular_velocity = array(body.getAngularVelocity());
+    return read;
+}
 
 void BulletWorld::read_bodies(rust::Vec<BodyRead> &out) const {
     out.clear();
     out.reserve(impl_->bodies.size());
-    for (const auto &body : impl_->bodies) {
-        BodyRead read{};
-        if (body) {
-            const btTransform &pose = body->getWorldTransform();
-            read.present = true;
-            read.position = impl_->units.metres(pose.getOrigin());
-            read.rotation = array(pose.getRotation());
-            read.linear_velocity = impl_->units.metres(body->getLinearVelocity());
-            read.angular_velocity = array(body->getAngularVelocity());
-        }
-        out.push_back(read);
+    for (std::size_t id = 0; id < impl_->bodies.size(); ++id) {
+        out.push_back(impl_->bodies[id] ? read_one_body(static_cast<std::uint32_t>(id))
+                                        : BodyRead{});
     }
 }
 

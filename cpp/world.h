@@ -33,7 +33,11 @@ class BulletWorld {
     void drive_body(std::uint32_t id, const std::array<double, 3> &position,
                     const std::array<double, 4> &rotation);
     void recall_drive(std::uint32_t id, rust::Slice<const KinematicPose> ends);
+    void press_body(std::uint32_t id, const std::array<double, 3> &direction, double mass,
+                    double speed);
+    void set_force(std::uint32_t id, double force);
     void step();
+    BodyRead read_one_body(std::uint32_t id) const;
     void read_bodies(rust::Vec<BodyRead> &out) const;
     void read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<double> &coordinates) const;
     void read_drives(rust::Vec<DriveRead> &out) const;

@@ -73,13 +73,79 @@ pub struct PieceState {
     pub force_n: Vector,
     /// Moment of that force about the origin of its frame in N m, world axes.
     pub moment_n_m: Vector,
+    /// How it is pressed; none of a piece that is fixed or moved as prescribed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub press: Option<PressState>,
+}
+
+/// How a piece is pressed: it moves along one direction alone, by a force along it and by what
+/// the grains do.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PressState {
+    /// A unit vector.
+    pub direction: Vector,
+    /// Its mass in kg; its weight is part of the force.
+    pub mass_kg: f64,
+    /// Area in m² that it shows along the direction.
+    pub area_m2: f64,
+    /// The force in N that is wanted.
+    pub target_n: f64,
+    /// How fast the force grows or falls towards that, in N/s.
+    pub rate_n_per_s: f64,
+    /// Speed in m/s along the direction above which it is not driven on.
+    pub approach_m_per_s: f64,
+    /// The force of the last step in N.
+    pub force_n: f64,
+    /// Its speed along the direction in m/s.
+    pub speed_m_per_s: f64,
+}
+
+impl PressState {
+    /// The force in N of the next step, of a length in s: it grows at its rate from that of the
+    /// last, and drives the piece no faster than it may approach. So a piece that meets nothing
+    /// yet has next to none, and begins to press from nothing.
+    pub fn next_force(&self, step: f64) -> f64 {
+        let change = self.rate_n_per_s * step;
+        let wanted = self.target_n.clamp(self.force_n - change, self.force_n + change);
+        let most = self.mass_kg * (self.approach_m_per_s - self.speed_m_per_s) / step;
+        wanted.min(most.max(0.0))
+    }
+
+    /// Whether the whole force that is wanted is on it.
+    pub fn is_reached(&self) -> bool {
+        (self.force_n - self.target_n).abs() <= 1e-6 * self.target_n
+    }
+
+    /// Its kinetic energy in J.
+    pub fn kinetic_energy(&self) -> f64 {
+        0.5 * self.mass_kg * self.speed_m_per_s * self.speed_m_per_s
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let numbers = [
+            self.mass_kg,
+            self.area_m2,
+            self.target_n,
+            self.rate_n_per_s,
+            self.approach_m_per_s,
+            self.force_n,
+            self.speed_m_per_s,
+        ];
+        let refuse = |what: &str| Err(format!("a piece is pressed {what}"));
+        match () {
+            () if !numbers.iter().all(|x| x.abs() <= LARGEST) => refuse("by what is no number"),
+            () if !(self.mass_kg > 0.0) => refuse("and has no mass"),
+            () if !((self.direction.norm() - 1.0).abs() < 1e-9) => refuse("in no direction"),
+            () => Ok(()),
+        }
+    }
 }
 
 impl PieceState {
     /// One that stands, with nothing on it.
     pub fn standing(pose: Pose) -> Self {
         let (force_n, moment_n_m) = (Vector::zeros(), Vector::zeros());
-        Self { present: true, pose, force_n, moment_n_m }
+        Self { present: true, pose, force_n, moment_n_m, press: None }
     }
 }
 
@@ -284,6 +350,7 @@ impl SpecimenState {
                 return Err(format!("`base.radius` is {:e} m", base.radius));
             }
         }
+        self.pieces.iter().filter_map(|piece| piece.press).try_for_each(|press| press.check())?;
         let moving = self.bodies.iter().map(|g| &g.body).chain(&self.top_plate);
         let moving = moving.flat_map(|b| [&b.linear_velocity, &b.angular_velocity]);
         let touching = self.contacts.iter().flat_map(|c| [&c.point_m, &c.normal, &c.force_n]);

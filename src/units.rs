@@ -23,6 +23,16 @@ pub fn to_g(kg: f64) -> f64 {
     kg * 1e3
 }
 
+/// Kilopascals to pascals.
+pub fn from_kpa(kpa: f64) -> f64 {
+    kpa * 1e3
+}
+
+/// Pascals to kilopascals.
+pub fn to_kpa(pascals: f64) -> f64 {
+    pascals * 1e-3
+}
+
 /// Cubic metres to cubic centimetres.
 pub fn to_cm3(m3: f64) -> f64 {
     m3 * 1e6

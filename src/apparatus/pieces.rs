@@ -45,6 +45,23 @@ impl RigidPiece {
         Ok(Self { name: spec.name.clone(), parts, at, radius })
     }
 
+    /// Volume in m³ of its parts.
+    pub fn volume(&self) -> f64 {
+        self.parts.iter().map(|part| part.shape.signed_volume()).sum()
+    }
+
+    /// Area in m² of the shadow that a piece of one convex part throws along a unit vector in its
+    /// own frame; of several parts, the sum of theirs. Half of what its faces have together
+    /// (Cauchy).
+    pub fn area_along(&self, direction: &Vector) -> f64 {
+        let shadow = |part: &Piece| {
+            let along = part.pose.rotation.inverse() * direction;
+            let areas = part.shape.triangles().map(|[a, b, c]| (b - a).cross(&(c - a)) / 2.0);
+            areas.map(|area| area.dot(&along).abs()).sum::<f64>() / 2.0
+        };
+        self.parts.iter().map(shadow).sum()
+    }
+
     /// Name of one of its parts in files.
     pub fn part_name(&self, part: usize) -> String {
         format!("{}_{part:02}", self.name)

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use crate::apparatus::Piece;
 use crate::geometry::{Pose, Vector};
 use crate::grains::Grain;
+use crate::scenario::EngineSettings;
 use crate::specimen::{Party, SavedContact, SpecimenState};
 use crate::world::{Body, BodyId, BodyState, Material, Motion, RememberedContact};
 
@@ -58,4 +59,11 @@ pub(super) fn moved(at_rest: &Pose, by: &Vector) -> Pose {
 /// A place as it is above a table that is off along x alone.
 pub(super) fn level(place: Vector, state: &SpecimenState) -> Vector {
     place - Vector::new(0.0, state.table_y, state.table_z)
+}
+
+/// Energy in J that loaded contacts hold as springs, ½ f²/k of each normal force; 0 for engines
+/// whose contacts are none.
+pub(super) fn spring_energy(contacts: &[SavedContact], engine: &EngineSettings) -> f64 {
+    let stiffness = engine.native.contact_stiffness_n_per_m;
+    contacts.iter().map(|c| c.force_n.dot(&c.normal).powi(2)).sum::<f64>() / (2.0 * stiffness)
 }

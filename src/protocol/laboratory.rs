@@ -10,12 +10,15 @@ use super::{
 use crate::geometry::{Pose, Vector};
 use crate::grains;
 use crate::scenario::{DepositKind, StageSpec};
-use crate::specimen::{Fate, PieceState, Specimen};
-use crate::units::{from_g, from_mm};
+use crate::specimen::{Fate, PieceState, PressState, Specimen};
+use crate::units::{from_g, from_kpa, from_mm};
 use crate::world::BodyState;
 
 /// Places of a lattice that are tried for each grain before there counts as no room.
 const TRIES: usize = 1000;
+
+/// Density in kg/m³ that pressed pieces have whose mass is not given: that of aluminium.
+const LID_DENSITY: f64 = 2700.0;
 
 /// A specimen with its laboratory: at the beginning pieces are put up, and every grain waits.
 pub(super) fn begun(setup: &Setup, mut specimen: Specimen) -> Specimen {
@@ -166,7 +169,7 @@ impl Laboratory<'_> {
     /// Moves pieces as prescribed.
     pub(super) fn move_pieces(
         &self,
-        specimen: Specimen,
+        mut specimen: Specimen,
         stage: &StageSpec,
         observer: &mut dyn Observer,
     ) -> Result<StageOutcome, StageError> {
@@ -176,12 +179,17 @@ impl Laboratory<'_> {
             return Err(refused("it needs a motion"));
         };
         let stands = |n: &usize| specimen.state.pieces[*n].present;
+        // Those that are pressed go on as they are unless they are named.
+        let held = |n: &usize| stands(n) && specimen.state.pieces[*n].press.is_none();
         let pieces: Vec<usize> = match names.is_empty() {
-            true => (0..specimen.state.pieces.len()).filter(stands).collect(),
+            true => (0..specimen.state.pieces.len()).filter(held).collect(),
             false => self.numbers(names).filter(|p| p.iter().all(stands)).unwrap_or_default(),
         };
         if pieces.is_empty() {
             return Err(refused("its pieces do not stand"));
+        }
+        for &n in &pieces {
+            specimen.state.pieces[n].press = None;
         }
         let limit = stage.settle_limit();
         let mut course = match limit > 0.0 {
@@ -195,6 +203,56 @@ impl Laboratory<'_> {
         let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
         if limit > 0.0 && !settled {
             stand.warn(not_settled("rest after the motion", limit));
+        }
+        Ok(stand.finish())
+    }
+
+    /// Presses pieces, or locks what was pressed.
+    pub(super) fn press(
+        &self,
+        mut specimen: Specimen,
+        stage: &StageSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        let refused = |reason| StageError::OutOfOrder { stage: "press", reason };
+        let StageSpec::Press { loads, ramp_s, approach_mm_per_s, time_limit_s } = stage else {
+            return Err(refused("it needs loads"));
+        };
+        for load in loads {
+            let name = std::slice::from_ref(&load.piece);
+            let number = self.numbers(name).map(|numbers| numbers[0]);
+            let number = number.filter(|n| specimen.state.pieces[*n].present);
+            let n = number.ok_or_else(|| refused("its pieces do not stand"))?;
+            let (piece, state) = (&self.setup.pieces[n], &mut specimen.state.pieces[n]);
+            if load.locked {
+                state.press = None;
+                continue;
+            }
+            let direction = Vector::from(load.direction).normalize();
+            let area = piece.area_along(&(state.pose.rotation.inverse() * direction));
+            let target = match (load.force_n, load.stress_kpa) {
+                (Some(force), _) => force,
+                (None, Some(stress)) => from_kpa(stress) * area,
+                (None, None) => return Err(refused("a load needs a force or a stress")),
+            };
+            let before = state.press.filter(|press| press.direction == direction);
+            let (force, speed) = before.map_or((0.0, 0.0), |p| (p.force_n, p.speed_m_per_s));
+            let mass = load.mass_g.map_or_else(|| piece.volume() * LID_DENSITY, from_g);
+            state.press = Some(PressState {
+                direction,
+                mass_kg: mass,
+                area_m2: area,
+                target_n: target,
+                rate_n_per_s: (target - force).abs() / ramp_s,
+                approach_m_per_s: from_mm(*approach_mm_per_s),
+                force_n: force,
+                speed_m_per_s: speed,
+            });
+        }
+        let course = Course::until_settled(*time_limit_s);
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
+        if !settled {
+            stand.warn(not_settled("pressing", *time_limit_s));
         }
         Ok(stand.finish())
     }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use super::{Setup, bodies::wall_piece};
 use crate::geometry::{Point, Pose, Vector};
 use crate::motion::PieceMotion;
-use crate::specimen::{Other, Party, PieceState, SpecimenState};
+use crate::specimen::{Other, Party, PieceState, PressState, SpecimenState};
 use crate::world::{Body, BodyId, Contact, Motion, World, WorldError};
 
 /// Pieces that move as one in a stage.
@@ -36,6 +36,13 @@ struct Load {
     moment: Vector,
 }
 
+/// A piece that is pressed: its number, its only part, and where that is in its frame.
+struct Pressed {
+    piece: usize,
+    body: BodyId,
+    part: Pose,
+}
+
 /// The bodies of the pieces that stand.
 pub(super) struct Pieces {
     /// Of each piece its parts with their places in its frame; none of one that is removed.
@@ -51,11 +58,14 @@ pub(super) struct Pieces {
     steps: u32,
     /// Work of the pieces on the grains since somebody asked, in J.
     work: f64,
+    /// Those that are pressed, and the work done on them since somebody asked, in J.
+    pressed: Vec<Pressed>,
+    pressed_work: f64,
     contacts: Vec<Contact>,
 }
 
 impl Pieces {
-    /// Puts the pieces that stand into a world, as kinematic bodies; `began` is where they were
+    /// Puts the pieces that stand into a world, as kinematic or pressed bodies; `began` is where they were
     /// when the stage began.
     pub(super) fn add(
         world: &mut dyn World,
@@ -67,12 +77,20 @@ impl Pieces {
     ) -> Result<Self, WorldError> {
         let mut parts = Vec::new();
         let mut of_body = HashMap::new();
+        let mut pressed = Vec::new();
         for (n, (piece, at)) in setup.pieces.iter().zip(&state.pieces).enumerate() {
             let mut bodies = Vec::new();
             for (k, part) in piece.parts.iter().enumerate().filter(|_| at.present) {
-                let mut body = wall_piece(part, Motion::Kinematic);
+                let motion = at.press.map_or(Motion::Kinematic, |press| motion_of(&press));
+                let mut body = wall_piece(part, motion);
                 body.state.pose = at.pose * part.pose;
+                if let Some(press) = at.press {
+                    body.state.linear_velocity = press.direction * press.speed_m_per_s;
+                }
                 let id = world.add(&Body { material: setup.piece_materials[n], ..body })?;
+                if at.press.is_some() {
+                    pressed.push(Pressed { piece: n, body: id, part: part.pose });
+                }
                 parties.insert(Party::Other(Other::Piece(n, k)), id);
                 of_body.insert(id, n);
                 bodies.push((id, part.pose));
@@ -89,6 +107,8 @@ impl Pieces {
             loads: vec![Load::default(); state.pieces.len()],
             steps: 0,
             work: 0.0,
+            pressed,
+            pressed_work: 0.0,
             contacts: Vec::new(),
         })
     }
@@ -111,16 +131,36 @@ impl Pieces {
 
     /// Largest speed in m/s of any point of the pieces in this stage.
     pub(super) fn peak_speed(&self, setup: &Setup) -> f64 {
-        self.drive.as_ref().map_or(0.0, |drive| drive.peak_speed(setup, &self.began))
+        let pressed = self.began.iter().filter_map(|piece| piece.press);
+        let approach = pressed.map(|press| press.approach_m_per_s).fold(0.0, f64::max);
+        let driven = self.drive.as_ref();
+        driven.map_or(0.0, |drive| drive.peak_speed(setup, &self.began)).max(approach)
     }
 
-    /// Says where the pieces that move are at the end of the next step, at a time in s.
+    /// Kinetic energy in J of the pieces that are pressed, and the speed in m/s of the fastest;
+    /// none where none is.
+    pub(super) fn pressed_motion(&self, state: &SpecimenState) -> Option<(f64, f64)> {
+        let of = |pressed: &Pressed| state.pieces[pressed.piece].press;
+        let sums = self.pressed.iter().filter_map(of).fold((0.0, 0.0_f64), |(energy, fast), p| {
+            (energy + p.kinetic_energy(), fast.max(p.speed_m_per_s.abs()))
+        });
+        (!self.pressed.is_empty()).then_some(sums)
+    }
+
+    /// Says where the pieces that move as prescribed are at the end of the next step, at a time
+    /// in s, and by what force the others are pressed in it.
     pub(super) fn advance(
         &mut self,
         world: &mut dyn World,
         state: &mut SpecimenState,
         time: f64,
     ) -> Result<(), WorldError> {
+        let step = world.time_step();
+        for pressed in &self.pressed {
+            let Some(press) = &mut state.pieces[pressed.piece].press else { continue };
+            press.force_n = press.next_force(step);
+            world.press(pressed.body, press.force_n)?;
+        }
         let Some(drive) = &self.drive else { return Ok(()) };
         let by = drive.motion.displacement(time);
         for &n in &drive.pieces {
@@ -147,10 +187,26 @@ impl Pieces {
         Ok(())
     }
 
-    /// Adds up what grains and pieces did to each other in the last step.
-    pub(super) fn gather(&mut self, world: &dyn World, state: &SpecimenState) {
+    /// Reads where the last step left the pieces that are pressed, and adds up what grains and
+    /// pieces did to each other in it.
+    pub(super) fn gather(
+        &mut self,
+        world: &dyn World,
+        state: &mut SpecimenState,
+    ) -> Result<(), WorldError> {
         if self.of_body.is_empty() {
-            return;
+            return Ok(());
+        }
+        for pressed in &self.pressed {
+            let piece = &mut state.pieces[pressed.piece];
+            let Some(press) = &mut piece.press else { continue };
+            let body = world.read_body(pressed.body)?;
+            let now = body.pose.translation.vector
+                - piece.pose.rotation * pressed.part.translation.vector;
+            let way = (now - piece.pose.translation.vector).dot(&press.direction);
+            self.pressed_work += press.force_n * way;
+            piece.pose.translation.vector = now;
+            press.speed_m_per_s = body.linear_velocity.dot(&press.direction);
         }
         let dt = world.time_step();
         let mut contacts = std::mem::take(&mut self.contacts);
@@ -170,6 +226,7 @@ impl Pieces {
         }
         self.contacts = contacts;
         self.steps += 1;
+        Ok(())
     }
 
     /// Writes the mean force and moment since the sample before into a state, and begins anew.
@@ -189,10 +246,20 @@ impl Pieces {
         std::mem::take(&mut self.work)
     }
 
+    /// Work in J done on the pieces that are pressed since this was asked.
+    pub(super) fn take_pressed_work(&mut self) -> f64 {
+        std::mem::take(&mut self.pressed_work)
+    }
+
     /// The space that they take.
     pub(super) fn solids(&self) -> &Solids {
         &self.solids
     }
+}
+
+/// How a body moves that is pressed.
+fn motion_of(press: &PressState) -> Motion {
+    Motion::Pressed { mass: press.mass_kg, direction: press.direction }
 }
 
 /// The space that pieces take.

@@ -45,6 +45,7 @@ pub fn run(
         StageSpec::Vibrate { .. } => lab.vibrate(specimen, stage, observer),
         StageSpec::Deposit { .. } => lab.deposit(specimen, stage, observer),
         StageSpec::Move { .. } => lab.move_pieces(specimen, stage, observer),
+        StageSpec::Press { .. } => lab.press(specimen, stage, observer),
         StageSpec::Remove { ref pieces, time_limit_s } => {
             lab.remove(specimen, pieces, time_limit_s, observer)
         }

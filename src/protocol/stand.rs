@@ -13,7 +13,7 @@ use std::{
 
 use super::{
     Midway, Moment, Observer, Setup, StageError, StageOutcome, base,
-    bodies::{free_grain, level, moved, remembered, wall_piece},
+    bodies::{free_grain, level, moved, remembered, spring_energy, wall_piece},
     feeder::Feeder,
     pieces::{Drive, Pieces},
     plausible::check,
@@ -253,7 +253,9 @@ impl<'a> Stand<'a> {
             self.midway.engine_s += started.elapsed().as_secs_f64();
             self.midway.steps = step;
             stepped.map_err(|source| self.failed(source))?;
-            self.pieces.gather(self.world.as_ref(), &self.specimen.state);
+            let state = &mut self.specimen.state;
+            let gathered = self.pieces.gather(self.world.as_ref(), state);
+            gathered.map_err(|source| self.failed(source))?;
 
             let due = time >= self.midway.next_sample_s - dt / 2.0;
             let sample = due || step == last_step || Some(step) == shaken;
@@ -400,7 +402,12 @@ impl<'a> Stand<'a> {
         let plate = state.top_plate.iter().map(|s| (plate.mass, &plate.inertia, s));
         let lowest = self.whereabouts.lowest();
         let began = self.midway.began_s + self.midway.steps as f64 * self.world.time_step();
-        self.midway.watch.begin(bodies.chain(plate), lowest, self.setup.gravity, table, began);
+        let bodies = bodies.chain(plate);
+        let begins = self.midway.watch.begin(bodies, lowest, self.setup.gravity, table, began);
+        if begins && let Some((kinetic, _)) = self.pieces.pressed_motion(state) {
+            let springs = spring_energy(&state.contacts, &self.setup.engine);
+            self.midway.watch.press(kinetic, springs);
+        }
     }
 
     /// Sums over the bodies of the last snapshot that are still followed.
@@ -410,7 +417,9 @@ impl<'a> Stand<'a> {
         let grains = grains.filter_map(|(g, id)| Some((g.mass, &g.inertia, body(id)?)));
         let plate = &self.of_plate;
         let plate = body(&self.plate).map(|s| (plate.mass, &plate.inertia, s));
-        Tally::of(grains.chain(plate), self.setup.gravity)
+        let free = Tally::of(grains.chain(plate), self.setup.gravity);
+        let pressed = self.pieces.pressed_motion(&self.specimen.state);
+        pressed.map_or(free, |(kinetic, fastest)| free.and(kinetic, fastest))
     }
 
     /// Reads the world, checks it, and only then takes it over into the specimen.

@@ -8,7 +8,8 @@
 //! momentum; along z what gravity has taken is given, too. What rises beyond comes
 //! from nowhere. It is summed up, and the sum falls, to zero at the least,
 //! where more is lost than given: it is the largest rise without a cause from
-//! any earlier moment to now.
+//! any earlier moment to now. Where pieces are pressed, contacts are loaded springs: what pieces
+//! gave them, and what they held when the stage began, may come back.
 
 use serde::{Deserialize, Serialize};
 
@@ -70,6 +71,10 @@ struct Budget {
     time: f64,
     /// Unexplained energy gain.
     gained: f64,
+    /// With pressed pieces, what contacts may have stored as springs and give back: their energy
+    /// at the beginning, and the work of pieces since.
+    #[serde(default)]
+    stored: Option<f64>,
 }
 
 /// A body that moves freely: mass in kg, principal moments of inertia in kg m², state.
@@ -100,6 +105,13 @@ impl Tally {
     }
 }
 
+impl Tally {
+    /// With a kinetic energy in J beside, of what moves at up to a speed in m/s.
+    pub(super) fn and(self, kinetic: f64, fastest: f64) -> Self {
+        Self { energy: self.energy + kinetic, fastest: self.fastest.max(fastest), ..self }
+    }
+}
+
 /// What a look found.
 #[derive(Debug, PartialEq)]
 pub(super) enum Finding {
@@ -114,7 +126,7 @@ pub(super) enum Finding {
 impl Watch {
     /// Begins, where that has not been done, with the bodies of a stage, a table
     /// whose peak speed and velocity are given in m/s, the height in m below which
-    /// nothing is seen, and the time in s since the first stage began.
+    /// nothing is seen, and the time in s since the first stage began. Whether it has.
     pub(super) fn begin<'a>(
         &mut self,
         bodies: impl Iterator<Item = Moving<'a>> + Clone,
@@ -122,9 +134,9 @@ impl Watch {
         gravity: f64,
         table: (f64, Vector),
         time: f64,
-    ) {
+    ) -> bool {
         if self.budget.is_some() {
-            return;
+            return false;
         }
         let (table_peak, table) = table;
         let now = Tally::of(bodies.clone(), gravity);
@@ -140,11 +152,32 @@ impl Watch {
             table,
             time,
             gained: 0.0,
+            stored: None,
         };
         for body in bodies {
             budget.add(body);
         }
         self.budget = Some(budget);
+        true
+    }
+
+    /// Takes pressed pieces into account: their kinetic energy, and what the contacts hold as
+    /// springs, both in J.
+    pub(super) fn press(&mut self, kinetic: f64, springs: f64) {
+        if let Some(budget) = &mut self.budget {
+            budget.energy += kinetic;
+            budget.available += kinetic + springs;
+            budget.stored = Some(springs);
+        }
+    }
+
+    /// Takes work in J into account that was done on pressed pieces.
+    pub(super) fn pressed(&mut self, work: f64) {
+        if let Some(budget) = &mut self.budget {
+            budget.energy += work;
+            budget.available += work.max(0.0);
+            budget.store(work);
+        }
     }
 
     /// Takes a body that is let go into account.
@@ -162,6 +195,7 @@ impl Watch {
     pub(super) fn given(&mut self, work: f64) {
         if let Some(budget) = &mut self.budget {
             budget.energy += work;
+            budget.store(work);
         }
     }
 
@@ -234,11 +268,24 @@ impl Budget {
             + mass * self.gravity * height;
     }
 
+    /// Work in J that may have gone into the springs of contacts.
+    fn store(&mut self, work: f64) {
+        if let Some(stored) = &mut self.stored {
+            *stored += work.max(0.0);
+        }
+    }
+
     fn follow(&mut self, now: &Tally, table: Vector, time: f64) {
         let mut given = now.momentum - self.momentum;
         given.z += self.mass * self.gravity * (time - self.time);
         let work = self.table.component_mul(&given).sup(&table.component_mul(&given)).sum();
-        self.gained = (self.gained + now.energy - self.energy - work).max(0.0);
+        let mut rise = now.energy - self.energy - work;
+        if let Some(stored) = &mut self.stored {
+            let back = rise.clamp(0.0, *stored);
+            *stored -= back;
+            rise -= back;
+        }
+        self.gained = (self.gained + rise).max(0.0);
         (self.energy, self.momentum, self.mass) = (now.energy, now.momentum, now.mass);
         (self.table, self.time) = (table, time);
     }

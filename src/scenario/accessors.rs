@@ -66,6 +66,7 @@ impl StageSpec {
             Self::Vibrate { .. } => "vibrate",
             Self::Deposit { .. } => "deposit",
             Self::Move { .. } => "move",
+            Self::Press { .. } => "press",
             Self::Remove { .. } => "remove",
             Self::Rest { .. } => "rest",
         }
@@ -203,7 +204,9 @@ impl StageSpec {
             | Self::SlowPluviation { time_limit_s, .. }
             | Self::Pour { time_limit_s, .. }
             | Self::PlaceTopPlate { time_limit_s, .. } => self.settlings() * time_limit_s,
-            Self::Deposit { time_limit_s, .. } | Self::Remove { time_limit_s, .. } => time_limit_s,
+            Self::Deposit { time_limit_s, .. }
+            | Self::Press { time_limit_s, .. }
+            | Self::Remove { time_limit_s, .. } => time_limit_s,
             Self::Move { settle_limit_s, .. } => {
                 self.piece_motion().map_or(0.0, |m| m.duration) + settle_limit_s
             }

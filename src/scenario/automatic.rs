@@ -5,8 +5,6 @@
 //! for other grains that default times the law of [`crate::scale`]. A value that is typed
 //! is taken as it is.
 
-use std::f64::consts::PI;
-
 use serde_json::{Map, Number, Value};
 
 use super::{
@@ -17,6 +15,7 @@ use super::{
         drop_height, feed_rate, fill_limit, place_limit, pour_limit, settle_limit, slow_limit,
         spout_diameter,
     },
+    stress::largest_stress,
     validate::least_rate_hz,
 };
 use crate::scale::{GrainSizes, Law, Scale, SieveMass};
@@ -299,26 +298,6 @@ pub(super) fn stiffness(value: &Value, grading: &Grading, scale: &Scale) -> f64 
     rounded(default * Law::Stiffness.factor(scale) * heavier, 2)
 }
 
-/// Largest stress in Pa under weight and plate, arching left out: everything rests on the
-/// floor of the cylinder, or of the pile.
-pub(super) fn largest_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
-    let number = |path: &str, default: f64| number_at(value, path).unwrap_or(default);
-    let area = |diameter_mm: f64| PI / 4.0 * from_mm(diameter_mm).powi(2);
-    let stages = || value["stages"].as_array().into_iter().flatten();
-    let base = stages()
-        .filter(|s| s["stage"] == "slow_pluviation")
-        .find_map(|s| s["base_diameter_mm"].as_f64());
-    let cylinder =
-        number("apparatus.cylinder.inner_diameter_mm", CylinderSpec::default().inner_diameter_mm);
-    let weight = grading.density * grading.solids * gravity / area(base.unwrap_or(cylinder));
-    if !stages().any(|s| s["stage"] == "place_top_plate") {
-        return weight;
-    }
-    let plate = TopPlateSpec::default();
-    let mass = from_g(number("apparatus.top_plate.mass_g", plate.mass_g));
-    weight + mass * gravity / area(number("apparatus.top_plate.diameter_mm", plate.diameter_mm))
-}
-
 /// Sets a field that is left out to its default times a factor; nothing where that is the
 /// default, or where something else stands in the way.
 fn put(value: &mut Value, path: &str, default: f64, factor: f64) {
@@ -335,7 +314,7 @@ fn put(value: &mut Value, path: &str, default: f64, factor: f64) {
     }
 }
 
-fn number_at(value: &Value, path: &str) -> Option<f64> {
+pub(super) fn number_at(value: &Value, path: &str) -> Option<f64> {
     field(value, &format!("/{}", path.replace('.', "/"))).as_f64()
 }
 

@@ -26,6 +26,7 @@ mod sizes_of_pieces;
 mod source;
 mod stages;
 mod stock;
+mod stress;
 mod structure;
 mod unusual;
 mod unusual_pieces;
@@ -42,8 +43,9 @@ pub use meshes::{MeshGrains, MeshUnit};
 pub use native::{NativeSettings, automatic_threads};
 pub use overrides::{NotAnOverride, Override};
 pub use pieces::{
-    BoxSide, BoxSpec, CylinderPieceSpec, DepositKind, DiscSpec, DrumSpec, HopperSpec, MeasuresSpec,
-    OpeningSpec, PieceSpec, PlateSpec, RegionSpec, RotationSpec, ShapeSpec, SineSpec, WedgeSpec,
+    BoxSide, BoxSpec, CylinderPieceSpec, DepositKind, DiscSpec, DrumSpec, HopperSpec, LoadSpec,
+    MeasuresSpec, OpeningSpec, PieceSpec, PlateSpec, RegionSpec, RotationSpec, ShapeSpec, SineSpec,
+    WedgeSpec,
 };
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;

@@ -237,6 +237,34 @@ pub struct SineSpec {
     pub frequency_hz: f64,
 }
 
+/// How a piece is pressed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LoadSpec {
+    /// Name of the piece: a `plate`, a `disc` or a `wedge`.
+    pub piece: String,
+    /// The direction in which it is pressed, and the only one along which it moves; its length
+    /// does not matter.
+    #[serde(default = "down")]
+    pub direction: [f64; 3],
+    /// Force in N, of which the weight of the piece is a part; or `stress_kpa`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", range(min = 0.0, max = 1e9))]
+    pub force_n: Option<f64>,
+    /// The force over the area that the piece shows along the direction, in kPa.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", range(min = 0.0, max = 1e6))]
+    pub stress_kpa: Option<f64>,
+    /// Mass in g that the force accelerates; left out, that of the piece in aluminium,
+    /// 2700 kg/m³.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
+    pub mass_g: Option<f64>,
+    /// In place of a load: the piece stays where it is from now on.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub locked: bool,
+}
+
 /// How grains are deposited.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]

@@ -28,6 +28,22 @@ impl ShapeSpec {
         of_box.or(of_cylinder).or(of_hopper).or(of_drum)
     }
 
+    /// Area in mm² that a solid shows along a unit vector in its own frame, a wedge as much as its
+    /// block at most; none of what has walls.
+    pub(super) fn shows_mm2(&self, along: [f64; 3]) -> Option<f64> {
+        let [x, y, z] = along.map(f64::abs);
+        let block = |[a, b, c]: [f64; 3]| x * b * c + y * a * c + z * a * b;
+        match self {
+            Self { plate: Some(p), .. } => Some(block(p.size_mm)),
+            Self { disc: Some(d), .. } => {
+                let side = d.diameter_mm * d.thickness_mm * x.hypot(y);
+                Some(PI / 4.0 * d.diameter_mm * d.diameter_mm * z + side)
+            }
+            Self { wedge: Some(w), .. } => Some(block(w.size_mm)),
+            _ => None,
+        }
+    }
+
     /// A length in mm from its origin that nothing of it exceeds.
     pub(super) fn reach_mm(&self) -> f64 {
         let sizes: Vec<f64> = match self {

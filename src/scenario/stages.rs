@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::pieces::{DepositKind, RotationSpec, SineSpec};
+use super::pieces::{DepositKind, LoadSpec, RotationSpec, SineSpec};
 
 /// What the stated amplitude of a sinusoid means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -339,6 +339,28 @@ pub enum StageSpec {
         #[schemars(range(min = 0.0, max = 600.0))]
         settle_limit_s: f64,
     },
+    /// Press pieces: each moves along one direction alone, by a force along it and by what the
+    /// grains do, and does so in all later stages until it is pressed otherwise, moved, locked or
+    /// removed. Native contacts of Bullet alone can do this.
+    Press {
+        /// One load a piece.
+        #[schemars(length(min = 1, max = 100))]
+        loads: Vec<LoadSpec>,
+        /// Time in s in which a force grows from what it was to what is wanted, once the piece
+        /// meets grains.
+        #[serde(default = "press_ramp")]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1800.0))]
+        ramp_s: f64,
+        /// Speed in mm/s up to which a piece is driven: that at which it comes to the grains.
+        #[serde(default = "approach")]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+        approach_mm_per_s: f64,
+        /// Ends when the forces are what is wanted and everything has settled, at the latest
+        /// after this time.
+        #[serde(default = "deposit_limit")]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
+        time_limit_s: f64,
+    },
     /// Take pieces away, a gate for instance, and let the grains flow until everything has
     /// settled.
     Remove {
@@ -387,6 +409,12 @@ pub(super) fn settle_limit() -> f64 {
 }
 pub(super) fn half_turn() -> f64 {
     180.0
+}
+fn press_ramp() -> f64 {
+    0.2
+}
+pub(super) fn approach() -> f64 {
+    50.0
 }
 fn half_stroke() -> StrokeKind {
     StrokeKind::HalfStroke

@@ -7,7 +7,8 @@ use serde_json::Value;
 use super::{
     Backend, ContactSolver, EngineSettings, Fault, Grading, NativeSettings, Scenario,
     accessors::field as field_at,
-    automatic::{self, RATE, STIFFNESS, largest_stress, stiffness},
+    automatic::{self, RATE, STIFFNESS, stiffness},
+    stress::largest_stress,
     unusual_pieces::unusual_pieces,
     validate::{fault, short},
 };

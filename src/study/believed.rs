@@ -106,6 +106,7 @@ fn stands(stage: &StageSpec, before: &SpecimenState, after: &SpecimenState) -> R
         StageSpec::Vibrate { .. }
         | StageSpec::Deposit { .. }
         | StageSpec::Move { .. }
+        | StageSpec::Press { .. }
         | StageSpec::Remove { .. }
         | StageSpec::Rest { .. } => (funnel, cylinder, plate, base),
     };

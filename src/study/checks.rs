@@ -29,6 +29,7 @@ fn judged_throughout(stage: &StageSpec) -> bool {
         StageSpec::FillFunnel { .. }
         | StageSpec::Deposit { .. }
         | StageSpec::Move { .. }
+        | StageSpec::Press { .. }
         | StageSpec::Remove { .. }
         | StageSpec::SlowPluviation { .. }
         | StageSpec::Pour { .. } => false,

@@ -303,6 +303,10 @@ pub fn stage_label(stage: &StageSpec) -> String {
         StageSpec::Deposit { .. } => "deposit grains".into(),
         StageSpec::Move { pieces, .. } if pieces.is_empty() => "move everything".into(),
         StageSpec::Move { pieces, .. } => format!("move {}", pieces.join(", ")),
+        StageSpec::Press { loads, .. } => {
+            let names: Vec<&str> = loads.iter().map(|load| load.piece.as_str()).collect();
+            format!("press {}", names.join(", "))
+        }
         StageSpec::Remove { pieces, .. } => format!("remove {}", pieces.join(", ")),
         StageSpec::Rest { duration_s } => format!("rest test, {duration_s} s"),
     }
@@ -315,6 +319,7 @@ fn expected_time(stage: &StageSpec) -> f64 {
         StageSpec::FillFunnel { time_limit_s }
         | StageSpec::SlowPluviation { time_limit_s, .. }
         | StageSpec::Deposit { time_limit_s, .. }
+        | StageSpec::Press { time_limit_s, .. }
         | StageSpec::Remove { time_limit_s, .. }
         | StageSpec::Pour { time_limit_s, .. } => time_limit_s / 2.0,
         StageSpec::PlaceTopPlate { .. } => stage.longest() / 2.0,

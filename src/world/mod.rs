@@ -123,6 +123,14 @@ pub enum Motion {
     Static,
     /// As [`World::drive`] says, unmoved by contacts.
     Kinematic,
+    /// Along one direction, by the force on it ([`World::press`]) and by contacts alone; it
+    /// neither turns nor goes aside, and its weight is part of the force.
+    Pressed {
+        /// Mass in kg.
+        mass: f64,
+        /// A unit vector.
+        direction: Vector,
+    },
     /// By gravity and contacts.
     Free {
         /// Mass in kg.
@@ -157,6 +165,14 @@ impl Body {
         let refuse = |reason: String| Err(WorldError::BadBody { reason });
         if !finite {
             return refuse("its pose or velocity is not finite".into());
+        }
+        if let Motion::Pressed { mass, direction } = self.motion {
+            if !(mass.is_finite() && mass > 0.0) {
+                return refuse(format!("its mass {mass} kg is not positive"));
+            }
+            if !((direction.norm() - 1.0).abs() < 1e-9) {
+                return refuse(format!("its direction {direction:?} is not a unit vector"));
+            }
         }
         if let Motion::Free { mass, inertia } = self.motion {
             if !(mass.is_finite() && mass > 0.0) {
@@ -261,6 +277,9 @@ pub enum WorldError {
     /// Only kinematic bodies can be driven.
     #[error("body {0:?} is not driven")]
     NotKinematic(BodyId),
+    /// Only pressed bodies have a force.
+    #[error("body {0:?} is not pressed")]
+    NotPressed(BodyId),
     /// Settings the engine cannot take, or did not keep.
     #[error("engine setting `{setting}`: {reason}")]
     BadSetting {
@@ -311,6 +330,25 @@ pub trait World {
     /// [`WorldError::NoSuchBody`], [`WorldError::NotKinematic`].
     fn recall_drive(&mut self, _id: BodyId, _ends: &[Pose; 3]) -> Result<(), WorldError> {
         Ok(())
+    }
+
+    /// Sets the force in N on a pressed body along its direction, from the next step on; 0 in
+    /// the beginning.
+    ///
+    /// # Errors
+    /// [`WorldError::NoSuchBody`]; [`WorldError::NotPressed`].
+    fn press(&mut self, id: BodyId, _force: f64) -> Result<(), WorldError> {
+        Err(WorldError::NotPressed(id))
+    }
+
+    /// Reads the state of one body.
+    ///
+    /// # Errors
+    /// [`WorldError::NoSuchBody`].
+    fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError> {
+        let mut all = Vec::new();
+        self.read(&mut all);
+        all.get(id.0 as usize).copied().flatten().ok_or(WorldError::NoSuchBody(id))
     }
 
     /// Advances by one time step.

@@ -40,6 +40,10 @@ impl Stand<'_> {
         if work != 0.0 {
             self.midway.watch.given(work);
         }
+        let pressed = self.pieces.take_pressed_work();
+        if pressed != 0.0 {
+            self.midway.watch.pressed(pressed);
+        }
     }
 
     /// Whether a grain has got into a piece, which none should.
@@ -59,7 +63,12 @@ impl Stand<'_> {
             count += 1;
             largest = largest.max(square);
         }
+        let pressed = state.pieces.iter().filter_map(|piece| piece.press);
+        for press in pressed.clone() {
+            largest = largest.max(press.speed_m_per_s * press.speed_m_per_s);
+        }
         count > 0
+            && pressed.clone().all(|press| press.is_reached())
             && (squares / f64::from(count)).sqrt() <= limits.rms_speed
             && largest.sqrt() <= limits.largest_speed
     }

@@ -7,6 +7,7 @@
 mod apparatus;
 mod engine;
 mod grains;
+mod loads;
 mod motion;
 mod pieces;
 mod stages;

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use serde_json::Value;
 
-use super::{Parts, fault, short};
+use super::{Parts, fault, loads, short};
 use crate::scenario::{DepositKind, Fault, MeasuresSpec, PieceSpec, ShapeSpec, StageSpec};
 
 /// Stages of the built-in apparatus.
@@ -12,7 +12,7 @@ const BUILT_IN: [&str; 5] =
     ["fill_funnel", "slow_pluviation", "pour", "place_top_plate", "vibrate"];
 
 /// Stages of a laboratory of pieces.
-const OF_PIECES: [&str; 3] = ["deposit", "move", "remove"];
+const OF_PIECES: [&str; 4] = ["deposit", "move", "press", "remove"];
 
 pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
     check_pieces(parts, faults);
@@ -29,6 +29,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
         match spec {
             StageSpec::Deposit { .. } => check_deposit(spec, &mut add),
             StageSpec::Move { .. } => check_move(spec, &mut add),
+            StageSpec::Press { loads, .. } => loads::check(parts, loads, &mut add),
             _ => {}
         }
     }
@@ -104,7 +105,7 @@ fn check_names_of_stages(parts: &Parts, faults: &mut Vec<Fault>) {
             faults.push(fault(
                 &path,
                 Value::from(name),
-                "`deposit`, `move`, `remove` and `rest`".into(),
+                "`deposit`, `move`, `press`, `remove` and `rest`".into(),
                 format!(
                     "`{name}` is done with the built-in apparatus, in whose place `pieces` stand"
                 ),
@@ -241,9 +242,15 @@ fn check_who_stands(parts: &Parts, faults: &mut Vec<Fault>) {
     }
     let mut removed: HashSet<&str> = HashSet::new();
     for (i, stage) in parts.stages.iter().enumerate() {
-        let (names, takes) = match &stage.spec {
-            Some(StageSpec::Move { pieces, .. }) => (pieces, false),
-            Some(StageSpec::Remove { pieces, .. }) => (pieces, true),
+        let field = |k: usize| format!("stages[{i}].pieces[{k}]");
+        let of_load = |k: usize| format!("stages[{i}].loads[{k}].piece");
+        let (names, path, takes): (Vec<&String>, &dyn Fn(usize) -> String, bool) = match &stage.spec
+        {
+            Some(StageSpec::Move { pieces, .. }) => (pieces.iter().collect(), &field, false),
+            Some(StageSpec::Remove { pieces, .. }) => (pieces.iter().collect(), &field, true),
+            Some(StageSpec::Press { loads, .. }) => {
+                (loads.iter().map(|load| &load.piece).collect(), &of_load, false)
+            }
             _ => continue,
         };
         for (k, name) in names.iter().enumerate() {
@@ -255,14 +262,14 @@ fn check_who_stands(parts: &Parts, faults: &mut Vec<Fault>) {
             let standing: Vec<&str> =
                 known.iter().filter(|name| !removed.contains(**name)).copied().collect();
             faults.push(fault(
-                &format!("stages[{i}].pieces[{k}]"),
+                &path(k),
                 Value::from(name.as_str()),
                 standing.join(", "),
                 message.into(),
             ));
         }
         if takes {
-            removed.extend(names.iter().map(String::as_str));
+            removed.extend(names.iter().map(|name| name.as_str()));
         }
     }
 }

@@ -173,6 +173,7 @@ fn check_time(parts: &Parts, faults: &mut Vec<Fault>) {
                 | StageSpec::SlowPluviation { time_limit_s, .. }
                 | StageSpec::Pour { time_limit_s, .. }
                 | StageSpec::Deposit { time_limit_s, .. }
+                | StageSpec::Press { time_limit_s, .. }
                 | StageSpec::Remove { time_limit_s, .. }
                 | StageSpec::PlaceTopPlate { time_limit_s, .. } => ("time_limit_s", time_limit_s),
                 StageSpec::Vibrate { settle_limit_s, .. } => ("settle_limit_s", settle_limit_s),

@@ -234,6 +234,10 @@ fn motions(parts: &Parts) -> Vec<Fast> {
             let what = "a piece at its fastest".to_owned();
             speed.is_finite().then_some(Fast { speed, what })
         }
+        StageSpec::Press { approach_mm_per_s, .. } => {
+            let what = "a piece that is pressed on".to_owned();
+            Some(Fast { speed: from_mm(*approach_mm_per_s), what })
+        }
         _ => None,
     };
     parts.stages.iter().filter_map(|s| motion(s.spec.as_ref()?)).collect()

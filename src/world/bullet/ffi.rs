@@ -269,7 +269,19 @@ mod bridge {
         /// ends of the last three, the last one last.
         fn recall_drive(self: Pin<&mut BulletWorld>, id: u32, ends: &[KinematicPose])
         -> Result<()>;
+        /// Lets a kinematic body move along one direction alone from now on, with a mass in kg
+        /// and a speed along it in m/s.
+        fn press_body(
+            self: Pin<&mut BulletWorld>,
+            id: u32,
+            direction: &[f64; 3],
+            mass: f64,
+            speed: f64,
+        ) -> Result<()>;
+        /// Sets the force on it along the direction, in N.
+        fn set_force(self: Pin<&mut BulletWorld>, id: u32, force: f64) -> Result<()>;
         fn step(self: Pin<&mut BulletWorld>) -> Result<()>;
+        fn read_one_body(self: &BulletWorld, id: u32) -> Result<BodyRead>;
         fn read_bodies(self: &BulletWorld, out: &mut Vec<BodyRead>);
         /// Corners of the hulls that contacts are found with, in m: how many
         /// each body has, and x, y, z of each; none for a removed body.

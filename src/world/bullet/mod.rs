@@ -19,6 +19,8 @@ mod impact_tests;
 mod landing_tests;
 #[cfg(test)]
 mod native_tests;
+#[cfg(test)]
+mod press_tests;
 pub mod probe;
 #[cfg(test)]
 mod recall_tests;
@@ -56,6 +58,7 @@ pub struct BulletBackend {
     /// addresses from being used again.
     shapes: HashMap<*const ConvexPolyhedron, (u32, Arc<ConvexPolyhedron>)>,
     driven: Vec<bool>,
+    pressed: Vec<BodyId>,
 }
 
 // SAFETY: the raw pointers are keys that are never followed; the shapes they
@@ -115,6 +118,7 @@ impl BulletBackend {
             time_step: definition.time_step,
             shapes: HashMap::new(),
             driven: Vec::new(),
+            pressed: Vec::new(),
         };
         backend.check_kept(&definition)?;
         Ok(backend)
@@ -208,13 +212,28 @@ fn rotation_array(pose: &Pose) -> [f64; 4] {
     [q.x, q.y, q.z, q.w]
 }
 
+/// A state as it comes over the bridge.
+fn state(read: &ffi::BodyRead) -> BodyState {
+    let [x, y, z, w] = read.rotation;
+    BodyState {
+        pose: Pose::from_parts(
+            Vector::from(read.position).into(),
+            UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
+        ),
+        linear_velocity: read.linear_velocity.into(),
+        angular_velocity: read.angular_velocity.into(),
+    }
+}
+
 impl World for BulletBackend {
     fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
         body.check()?;
         let shape = self.shape(&body.shape)?;
         let (kind, mass, inertia) = match body.motion {
             Motion::Static => (ffi::BodyKind::Static, 0.0, Vector::zeros()),
-            Motion::Kinematic => (ffi::BodyKind::Kinematic, 0.0, Vector::zeros()),
+            Motion::Kinematic | Motion::Pressed { .. } => {
+                (ffi::BodyKind::Kinematic, 0.0, Vector::zeros())
+            }
             Motion::Free { mass, inertia } => (ffi::BodyKind::Free, mass, inertia),
         };
         let id = self
@@ -233,6 +252,14 @@ impl World for BulletBackend {
             })
             .map_err(engine)?;
         self.driven.push(matches!(body.motion, Motion::Kinematic));
+        if let Motion::Pressed { mass, direction } = body.motion {
+            let speed = direction.dot(&body.state.linear_velocity);
+            self.world
+                .pin_mut()
+                .press_body(id, &direction.into(), mass, speed)
+                .map_err(|error| WorldError::BadBody { reason: error.what().to_owned() })?;
+            self.pressed.push(BodyId(id));
+        }
         Ok(BodyId(id))
     }
 
@@ -257,6 +284,17 @@ impl World for BulletBackend {
         self.world.pin_mut().recall_drive(id.0, &ends).map_err(|_| WorldError::NoSuchBody(id))
     }
 
+    fn press(&mut self, id: BodyId, force: f64) -> Result<(), WorldError> {
+        if !self.pressed.contains(&id) {
+            return Err(WorldError::NotPressed(id));
+        }
+        self.world.pin_mut().set_force(id.0, force).map_err(|_| WorldError::NoSuchBody(id))
+    }
+
+    fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError> {
+        self.world.read_one_body(id.0).map(|b| state(&b)).map_err(|_| WorldError::NoSuchBody(id))
+    }
+
     fn step(&mut self) -> Result<(), WorldError> {
         self.world.pin_mut().step().map_err(engine)
     }
@@ -269,19 +307,7 @@ impl World for BulletBackend {
         let mut bodies = Vec::new();
         self.world.read_bodies(&mut bodies);
         into.clear();
-        into.extend(bodies.iter().map(|b| {
-            b.present.then(|| {
-                let [x, y, z, w] = b.rotation;
-                BodyState {
-                    pose: Pose::from_parts(
-                        Vector::from(b.position).into(),
-                        UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
-                    ),
-                    linear_velocity: b.linear_velocity.into(),
-                    angular_velocity: b.angular_velocity.into(),
-                }
-            })
-        }));
+        into.extend(bodies.iter().map(|b| b.present.then(|| state(b))));
     }
 
     fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {

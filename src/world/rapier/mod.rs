@@ -134,7 +134,9 @@ impl RapierBackend {
     fn rigid_body(&self, body: &Body) -> RigidBodyBuilder {
         let builder = match body.motion {
             Motion::Static => RigidBodyBuilder::fixed(),
-            Motion::Kinematic => RigidBodyBuilder::kinematic_position_based(),
+            Motion::Kinematic | Motion::Pressed { .. } => {
+                RigidBodyBuilder::kinematic_position_based()
+            }
             Motion::Free { mass, inertia } => RigidBodyBuilder::dynamic()
                 .additional_mass_properties(MassProperties::new(
                     convert::vector(&Vector::zeros()),
@@ -173,6 +175,10 @@ impl World for RapierBackend {
         let (own, meets) = match body.motion {
             Motion::Free { .. } => (FREE, FREE | WALL),
             Motion::Static | Motion::Kinematic => (WALL, FREE),
+            Motion::Pressed { .. } => {
+                let reason = "rapier cannot press it along one direction".to_owned();
+                return Err(WorldError::BadBody { reason });
+            }
         };
         // The mass is the body's, given exactly: the collider adds none.
         let collider = self

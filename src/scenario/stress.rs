@@ -1,0 +1,60 @@
+//! The largest stress that a scenario puts on its grains, as far as it can be told beforehand.
+
+use std::f64::consts::PI;
+
+use nalgebra::UnitQuaternion;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use super::{CylinderSpec, Grading, LoadSpec, PieceSpec, TopPlateSpec, automatic::number_at};
+use crate::geometry::Vector;
+use crate::units::{from_deg, from_g, from_kpa, from_mm};
+
+/// Largest stress in Pa under weight, plate and pressed pieces, arching left out: everything rests
+/// on the floor of the cylinder, or of the pile.
+pub(super) fn largest_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
+    weight_stress(value, grading, gravity) + pressed_stress(value)
+}
+
+/// The largest stress in Pa of a piece that is pressed; 0 without any.
+fn pressed_stress(value: &Value) -> f64 {
+    let list = |name: &str| value[name].as_array().into_iter().flatten();
+    let pieces: Vec<PieceSpec> = list("pieces").filter_map(typed).collect();
+    let loads = list("stages").filter(|stage| stage["stage"] == "press");
+    let loads = loads.flat_map(|stage| stage["loads"].as_array().into_iter().flatten());
+    let stresses = loads.filter_map(typed::<LoadSpec>).filter_map(|load| {
+        if let Some(stress) = load.stress_kpa {
+            return Some(from_kpa(stress));
+        }
+        let piece = pieces.iter().find(|piece| piece.name == load.piece)?;
+        let [x, y, z] = piece.rotation_deg.map(from_deg);
+        let turn = UnitQuaternion::from_euler_angles(x, y, z);
+        let along = turn.inverse() * Vector::from(load.direction).try_normalize(0.0)?;
+        let area = piece.shape.shows_mm2(along.into())? * 1e-6;
+        Some(load.force_n? / area)
+    });
+    stresses.filter(|stress| stress.is_finite()).fold(0.0, f64::max)
+}
+
+/// A part of a scenario that can be read; others are told of elsewhere.
+fn typed<T: DeserializeOwned>(value: &Value) -> Option<T> {
+    T::deserialize(value).ok()
+}
+
+fn weight_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
+    let number = |path: &str, default: f64| number_at(value, path).unwrap_or(default);
+    let area = |diameter_mm: f64| PI / 4.0 * from_mm(diameter_mm).powi(2);
+    let stages = || value["stages"].as_array().into_iter().flatten();
+    let base = stages()
+        .filter(|s| s["stage"] == "slow_pluviation")
+        .find_map(|s| s["base_diameter_mm"].as_f64());
+    let cylinder =
+        number("apparatus.cylinder.inner_diameter_mm", CylinderSpec::default().inner_diameter_mm);
+    let weight = grading.density * grading.solids * gravity / area(base.unwrap_or(cylinder));
+    if !stages().any(|s| s["stage"] == "place_top_plate") {
+        return weight;
+    }
+    let plate = TopPlateSpec::default();
+    let mass = from_g(number("apparatus.top_plate.mass_g", plate.mass_g));
+    weight + mass * gravity / area(number("apparatus.top_plate.diameter_mm", plate.diameter_mm))
+}
