@@ -105,7 +105,7 @@ format: setup-lint ## format all source
 	cargo fmt
 	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
 
-docs: ## the documentation as a site, in target/site/ (MkDocs in target/mkdocs/)
+docs: ## the documentation as a site, in out/site/ (MkDocs in target/mkdocs/)
 	@bash scripts/setup.sh venv
 	@bash scripts/docs.sh $(ARGS)
 

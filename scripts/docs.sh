@@ -1,5 +1,5 @@
 #!/bin/bash
-# Builds the documentation as a site in target/site/, with MkDocs from PyPI in target/mkdocs/.
+# Builds the documentation as a site in out/site/, with MkDocs from PyPI in target/mkdocs/.
 # Warnings, as of links and anchors that lead nowhere, are errors.
 set -eu
 cd "$(dirname "$0")/.."
@@ -15,4 +15,4 @@ if ! "$venv/bin/mkdocs" --version >/dev/null 2>&1; then
         'mkdocs==1.6.*' 'mkdocs-material==9.*' 'pymdown-extensions>=10'
 fi
 NO_MKDOCS_2_WARNING=1 "$venv/bin/mkdocs" build --strict "$@"
-echo "the site is in target/site/index.html"
+echo "the site is in out/site/index.html"

@@ -23,6 +23,9 @@ pub struct PieceRow {
     pub force_n: [f64; 3],
     /// Moment of that force about the origin of its frame in N m.
     pub moment_n_m: [f64; 3],
+    /// Force in N and stress in kPa by which it is pressed; none where it is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressed: Option<[f64; 2]>,
 }
 
 /// Rows of a stage so far, and what has passed since the last of them.
@@ -116,6 +119,9 @@ pub fn with_laboratory(
     rows: &[LaboratoryRow],
 ) -> Result<Vec<u8>, csv::Error> {
     let [pieces, openings, regions] = names;
+    let pressed_in = |row: &LaboratoryRow, k: usize| row.pieces.get(k).copied().flatten()?.pressed;
+    let presses = |k: usize| rows.iter().any(|row| pressed_in(row, k).is_some());
+    let pressed: Vec<usize> = (0..pieces.len()).filter(|k| presses(*k)).collect();
     let mut reader = csv::Reader::from_reader(table);
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut header = reader.headers()?.clone();
@@ -128,6 +134,10 @@ pub fn with_laboratory(
             header.push_field(&column);
         }
     }
+    for name in pressed.iter().map(|k| &pieces[*k]) {
+        header.push_field(&format!("{name}_pressed_n"));
+        header.push_field(&format!("{name}_pressed_kpa"));
+    }
     openings.iter().for_each(|name| header.push_field(&format!("{name}_passed_g")));
     regions.iter().for_each(|name| header.push_field(&format!("{name}_void_ratio")));
     writer.write_record(&header)?;
@@ -139,6 +149,12 @@ pub fn with_laboratory(
             let numbers = piece.map(|p| [p.at_mm, p.force_n, p.moment_n_m]);
             for k in 0..9 {
                 let number = numbers.map(|n| n[k / 3][k % 3].to_string());
+                record.push_field(&number.unwrap_or_default());
+            }
+        }
+        for k in &pressed {
+            let load = row.and_then(|row| pressed_in(row, *k));
+            for number in [0, 1].map(|i| load.map(|load| load[i].to_string())) {
                 record.push_field(&number.unwrap_or_default());
             }
         }
@@ -182,7 +198,7 @@ mod tests {
     #[test]
     fn columns_are_added_row_by_row_and_what_is_missing_is_empty() {
         let piece =
-            PieceRow { at_mm: [1.0, 2.0, 3.0], force_n: [0.0, 0.0, -5.5], moment_n_m: [0.0; 3] };
+            PieceRow { at_mm: [1.0, 2.0, 3.0], force_n: [0.0, 0.0, -5.5], moment_n_m: [0.0; 3], pressed: None };
         let row = |there: bool| LaboratoryRow {
             pieces: vec![there.then_some(piece)],
             passed_g: vec![2.5],
@@ -195,5 +211,30 @@ mod tests {
              box_moment_x_n_m,box_moment_y_n_m,box_moment_z_n_m,mouth_passed_g,core_void_ratio\n\
              0,1,2,3,0,0,-5.5,0,0,0,2.5,\n1,,,,,,,,,,2.5,\n";
         assert_eq!(String::from_utf8(got).expect("text"), expected);
+    }
+
+    #[test]
+    fn a_piece_that_is_pressed_at_any_time_has_columns_of_its_load() {
+        let row = |pressed| LaboratoryRow {
+            pieces: vec![Some(PieceRow {
+                at_mm: [0.0; 3],
+                force_n: [0.0; 3],
+                moment_n_m: [0.0; 3],
+                pressed,
+            })],
+            passed_g: Vec::new(),
+            void_ratios: Vec::new(),
+        };
+        let name = ["lid".to_owned()];
+        let rows = [row(None), row(Some([80.0, 12.5]))];
+        let got = with_laboratory(b"time_s\n0\n1\n", [&name, &[], &[]], &rows).expect("CSV");
+        let text = String::from_utf8(got).expect("text");
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].ends_with("lid_moment_z_n_m,lid_pressed_n,lid_pressed_kpa"), "{text}");
+        assert!(lines[1].ends_with(",0,,"), "law: empty while it is not pressed, got {text}");
+        assert!(lines[2].ends_with(",0,80,12.5"), "law: force and stress, got {text}");
+        let got = with_laboratory(b"time_s\n0\n", [&name, &[], &[]], &[row(None)]).expect("CSV");
+        let text = String::from_utf8(got).expect("text");
+        assert!(!text.contains("pressed"), "law: no columns of what never is, got {text}");
     }
 }

@@ -12,7 +12,7 @@ use crate::record::{
 };
 use crate::scenario::Scenario;
 use crate::specimen::{PieceState, Specimen, SpecimenState};
-use crate::units::{from_mm, to_g, to_mm};
+use crate::units::{from_mm, to_g, to_kpa, to_mm};
 
 /// Writes rows of what the pieces carry, what flows, and how dense regions are.
 #[derive(Debug, Default)]
@@ -100,6 +100,7 @@ fn piece_row(piece: &PieceState) -> Option<PieceRow> {
         at_mm: piece.pose.translation.vector.map(to_mm).into(),
         force_n: piece.force_n.into(),
         moment_n_m: piece.moment_n_m.into(),
+        pressed: piece.press.map(|p| [p.force_n, to_kpa(p.force_n / p.area_m2)]),
     })
 }
 
