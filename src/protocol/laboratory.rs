@@ -236,7 +236,8 @@ impl Laboratory<'_> {
                 (None, None) => return Err(refused("a load needs a force or a stress")),
             };
             let before = state.press.filter(|press| press.direction == direction);
-            let (force, speed) = before.map_or((0.0, 0.0), |p| (p.force_n, p.speed_m_per_s));
+            let before = before.map(|p| (p.force_n, p.resistance_n, p.speed_m_per_s));
+            let (force, resistance, speed) = before.unwrap_or_default();
             let mass = load.mass_g.map_or_else(|| piece.volume() * LID_DENSITY, from_g);
             state.press = Some(PressState {
                 direction,
@@ -246,6 +247,7 @@ impl Laboratory<'_> {
                 rate_n_per_s: (target - force).abs() / ramp_s,
                 approach_m_per_s: from_mm(*approach_mm_per_s),
                 force_n: force,
+                resistance_n: resistance,
                 speed_m_per_s: speed,
             });
         }

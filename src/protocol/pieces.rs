@@ -206,6 +206,7 @@ impl Pieces {
             let way = (now - piece.pose.translation.vector).dot(&press.direction);
             self.pressed_work += press.force_n * way;
             piece.pose.translation.vector = now;
+            press.resistance_n = 0.0;
             press.speed_m_per_s = body.linear_velocity.dot(&press.direction);
         }
         let dt = world.time_step();
@@ -216,6 +217,9 @@ impl Pieces {
                 let Some(&n) = self.of_body.get(&body) else { continue };
                 let now = state.pieces[n].pose;
                 self.loads[n].add(&contact.point, &now.translation.vector, impulse);
+                if let Some(press) = &mut state.pieces[n].press {
+                    press.resistance_n -= press.direction.dot(&impulse) / dt;
+                }
                 let moves = self.drive.as_ref().is_some_and(|drive| drive.pieces.contains(&n));
                 if moves {
                     let point = Point::from(contact.point);

@@ -197,8 +197,12 @@ mod tests {
 
     #[test]
     fn columns_are_added_row_by_row_and_what_is_missing_is_empty() {
-        let piece =
-            PieceRow { at_mm: [1.0, 2.0, 3.0], force_n: [0.0, 0.0, -5.5], moment_n_m: [0.0; 3], pressed: None };
+        let piece = PieceRow {
+            at_mm: [1.0, 2.0, 3.0],
+            force_n: [0.0, 0.0, -5.5],
+            moment_n_m: [0.0; 3],
+            pressed: None,
+        };
         let row = |there: bool| LaboratoryRow {
             pieces: vec![there.then_some(piece)],
             passed_g: vec![2.5],
