@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Checks, LaboratorySummary, ShapeSummary, SieveSummary};
+use super::{Checks, ContactsSummary, LaboratorySummary, ShapeSummary, SieveSummary, StageSummary};
 use crate::motion::MotionFacts;
 use crate::protocol::Settling;
 use crate::world::BackendInfo;
@@ -85,6 +85,10 @@ pub struct Summary {
     pub poured_void_ratio: Option<f64>,
     /// Volume of voids over total volume, to the mean surface; none as above.
     pub porosity: Option<f64>,
+    /// Void ratio in the middle: in the largest box about the cylinder's axis that keeps two median
+    /// grains off wall, floor and mean surface. None where no such box is left.
+    #[serde(default)]
+    pub core_void_ratio: Option<f64>,
     /// Settlement of the top plate since the first vibration began, where vibrated.
     pub settlement_mm: Option<Settlement>,
     /// Settlement of the mean surface, likewise.
@@ -104,6 +108,15 @@ pub struct Summary {
     pub overlap: Overlap,
     /// Mean number of grains touching a grain.
     pub coordination_number: f64,
+    /// How many grains touch 0, 1, 2, ... others.
+    #[serde(default)]
+    pub coordination_distribution: Vec<usize>,
+    /// Loaded contacts; null of an engine that gives none.
+    #[serde(default)]
+    pub contacts: Option<ContactsSummary>,
+    /// Energy and rotation of the grains, stage by stage.
+    #[serde(default)]
+    pub stages: Vec<StageSummary>,
     /// Sinking rate of the mean grain height in the second half of the rest test, in µm/s; null where none was run.
     pub creep_um_per_s: Option<f64>,
     /// The rest test in full.
