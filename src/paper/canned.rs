@@ -369,7 +369,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         coordination_distribution: Vec::new(),
         contacts: None,
         stages: Vec::new(),
-        core_void_ratio: None,
+        core: None,
         coordination_number: 5.2,
         creep_um_per_s: Some(creep),
         rest_test: Some(RestTest {

@@ -140,6 +140,22 @@ impl StressSummary {
     }
 }
 
+/// `core` in `summary.json`: the largest box about the cylinder's axis that keeps two median grains
+/// off wall, floor and mean surface, at the end of the rest test where one is run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CoreSummary {
+    /// Its lowest corner in mm.
+    pub low_mm: [f64; 3],
+    /// Its highest corner in mm.
+    pub high_mm: [f64; 3],
+    /// Void ratio in it; null where no grain is.
+    pub void_ratio: Option<f64>,
+    /// Mean stress of the contacts in it; null where the engine gave none.
+    pub stress: Option<StressSummary>,
+    /// Fabric of the contacts between grains in it; null where there are none.
+    pub fabric: Option<FabricSummary>,
+}
+
 fn rows(tensor: &Matrix3<f64>, factor: f64) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| factor * tensor[(i, j)]))
 }

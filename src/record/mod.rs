@@ -29,7 +29,7 @@ pub use atomic::{
 };
 pub use checkpoint::{Checkpoints, Observed, Reference, Resumed};
 pub use checks::{CheckSummary, Checks, OverlapWatch, StageChecks};
-pub use contacts::{ContactsSummary, FabricSummary, ForceSummary, StressSummary};
+pub use contacts::{ContactsSummary, CoreSummary, FabricSummary, ForceSummary, StressSummary};
 pub use energy::{EnergyRow, RotationSummary, StageEnergy, StageSummary, with_energy};
 pub use frames::{FRAMES_FILE, Frame, FrameWriter};
 pub use hash::{hash_bytes, hash_json};

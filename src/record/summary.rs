@@ -3,7 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Checks, ContactsSummary, LaboratorySummary, ShapeSummary, SieveSummary, StageSummary};
+use super::{
+    Checks, ContactsSummary, CoreSummary, LaboratorySummary, ShapeSummary, SieveSummary,
+    StageSummary,
+};
 use crate::motion::MotionFacts;
 use crate::protocol::Settling;
 use crate::world::BackendInfo;
@@ -85,10 +88,9 @@ pub struct Summary {
     pub poured_void_ratio: Option<f64>,
     /// Volume of voids over total volume, to the mean surface; none as above.
     pub porosity: Option<f64>,
-    /// Void ratio in the middle: in the largest box about the cylinder's axis that keeps two median
-    /// grains off wall, floor and mean surface. None where no such box is left.
+    /// The middle of what lies in the cylinder; none where it is too small, or no cylinder.
     #[serde(default)]
-    pub core_void_ratio: Option<f64>,
+    pub core: Option<CoreSummary>,
     /// Settlement of the top plate since the first vibration began, where vibrated.
     pub settlement_mm: Option<Settlement>,
     /// Settlement of the mean surface, likewise.

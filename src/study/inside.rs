@@ -6,12 +6,13 @@ use std::sync::Arc;
 use super::laboratory::regions;
 use crate::grains::GrainSet;
 use crate::measure::{
-    Container, LoadedContact, Region, Slice, layers, loaded_contacts, rings, rotations,
-    void_ratio_in,
+    Container, LoadedContact, Region, Slice, contacts_of_grains_in, fabric, layers,
+    loaded_contacts, rings, rotations, stress_in, void_ratio_in,
 };
 use crate::protocol::{Setup, friction_between};
 use crate::record::{
-    ContactsSummary, EnergyRow, ProfileRow, RotationSummary, StageEnergy, StageSummary, StoredStage,
+    ContactsSummary, CoreSummary, EnergyRow, FabricSummary, ProfileRow, RotationSummary,
+    StageEnergy, StageSummary, StoredStage, StressSummary,
 };
 use crate::specimen::{Specimen, SpecimenState};
 use crate::units::{to_mm, to_mm3};
@@ -37,7 +38,8 @@ pub(super) struct AtRest {
 impl AtRest {
     /// Of the state at the end of the last stage, and the rest test.
     pub(super) fn of(setup: &Setup, last: &Specimen, rest_test: Option<&StoredStage>) -> Self {
-        let state = rest_test.map_or(&last.state, |stage| &stage.state).clone();
+        let state = rest_test.map_or(&last.state, |stage| &stage.state);
+        let state = state.on_level_table().into_owned();
         let contacts = loaded_contacts(&state.contacts, friction_between(setup, &state));
         Self { specimen: Specimen { grains: last.grains.clone(), state }, contacts }
     }
@@ -107,16 +109,16 @@ fn slices_of(specimen: &Specimen, grains: &[usize], region: &Region, count: usiz
     (0..count).map(slice).collect()
 }
 
-/// Void ratio in the middle of what lies in the built-in cylinder: in the largest box about its
-/// axis that keeps two median grains off wall, floor and mean surface. `None` where none is left
-/// that is as wide and as high as one grain, and of anything else than a cylinder.
-pub(super) fn core_void_ratio(
+/// The middle of what lies in the built-in cylinder: the largest box about its axis that keeps two
+/// median grains off wall, floor and mean surface, in m. `None` where none is left that is as wide
+/// and as high as one grain, and of anything else than a cylinder.
+pub(super) fn core(
     setup: &Setup,
-    specimen: &Specimen,
+    at_rest: &AtRest,
     container: &Container,
     surface: f64,
-) -> Option<f64> {
-    let specimen = &*specimen.on_level_table();
+) -> Option<CoreSummary> {
+    let specimen = &at_rest.specimen;
     if !specimen.state.cylinder || specimen.state.base.is_some() || !setup.pieces.is_empty() {
         return None;
     }
@@ -129,7 +131,14 @@ pub(super) fn core_void_ratio(
     let x = container.centre_x;
     let region =
         Region { low: [x - half, -half, off].into(), high: [x + half, half, surface - off].into() };
-    void_ratio_in(specimen, &region)
+    let inside = contacts_of_grains_in(&at_rest.contacts, &region);
+    Some(CoreSummary {
+        low_mm: region.low.map(to_mm).into(),
+        high_mm: region.high.map(to_mm).into(),
+        void_ratio: void_ratio_in(specimen, &region),
+        stress: stress_in(specimen, &region).map(|stress| StressSummary::of(&stress)),
+        fabric: fabric(inside).map(|fabric| FabricSummary::of(&fabric)),
+    })
 }
 
 /// Energy at every row of the series of stages; nothing of a stage that was stored before it was

@@ -206,7 +206,7 @@ pub fn summarise(
         angle_of_repose,
         laboratory,
         overlap,
-        core_void_ratio: inside::core_void_ratio(setup, &specimen, &container, surface_m)
+        core: inside::core(setup, &at_rest, &container, surface_m)
             .filter(|_| end.void_ratio.is_some()),
         coordination_number: coordination.mean.unwrap_or(0.0),
         coordination_distribution: coordination.distribution,
