@@ -7,7 +7,7 @@ mod overlap;
 mod pieces;
 mod walls;
 
-pub use overlap::overlapping;
+pub use overlap::{overlapping, stands_in};
 pub use pieces::RigidPiece;
 pub use walls::{Cylinder, Funnel, TopPlate, round_floor};
 

@@ -1,7 +1,7 @@
 //! Whether pieces stand within each other.
 
 use super::{ApparatusError, ApparatusFault, RigidPiece};
-use crate::geometry::{ConvexPolyhedron, Point, Vector};
+use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
 
 /// Pieces that are less than this deep in each other, in m, touch.
 const TOUCHING: f64 = 1e-6;
@@ -33,6 +33,20 @@ pub fn overlapping(pieces: &[RigidPiece]) -> Result<(), ApparatusError> {
             Err(ApparatusError { part: "laboratory", reason })
         }
     }
+}
+
+/// The number of a piece that piece number `one` stands in, with the places in `at` of those that
+/// stand; none where it stands in none.
+pub fn stands_in(pieces: &[RigidPiece], at: &[Option<Pose>], one: usize) -> Option<usize> {
+    let solids = |n: usize, at: Pose| -> Vec<Solid> {
+        let parts = pieces[n].parts.iter();
+        parts.map(|part| Solid::of(&part.shape.transformed(&(at * part.pose)))).collect()
+    };
+    let own = solids(one, at[one]?);
+    (0..pieces.len()).filter(|n| *n != one).find(|&n| {
+        let other = at[n].map_or(Vec::new(), |at| solids(n, at));
+        own.iter().any(|x| other.iter().any(|y| x.depth_in(y) > TOUCHING))
+    })
 }
 
 /// A convex solid as the separating axis theorem sees it.

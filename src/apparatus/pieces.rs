@@ -208,6 +208,28 @@ mod tests {
     }
 
     #[test]
+    fn the_area_along_a_direction_is_that_of_the_shadow() {
+        let plate = built(r#"{ "plate": { "size_mm": [100, 50, 10] } }"#);
+        let wedge = built(r#"{ "wedge": { "size_mm": [100, 50, 20] } }"#);
+        let slanted = Vector::new(0.6, 0.0, 0.8);
+        for (piece, along, expected) in [
+            (&plate, Vector::z(), 5000.0),
+            (&plate, -Vector::z(), 5000.0),
+            (&plate, Vector::x(), 500.0),
+            (&plate, slanted, 0.6 * 500.0 + 0.8 * 5000.0),
+            (&wedge, Vector::z(), 5000.0),
+            (&wedge, Vector::y(), 1000.0),
+        ] {
+            let got = piece.area_along(&along) * 1e6;
+            assert!((got - expected).abs() < 1e-6, "law: {expected} mm², got {got} mm²");
+        }
+        let disc = built(r#"{ "disc": { "diameter_mm": 20, "thickness_mm": 2 } }"#);
+        let (got, expected) = (disc.area_along(&Vector::z()) * 1e6, PI * 100.0);
+        assert!((got / expected - 1.0).abs() < 1e-9, "law: the circle's area, got {got} mm²");
+        assert!((plate.volume() * 1e9 - 5e4).abs() < 1e-6, "law: 50 cm³");
+    }
+
+    #[test]
     fn walls_of_a_box_fill_what_lies_between_inside_and_outside() {
         let inner = 100.0 * 60.0 * 80.0;
         for (open, expected) in [

@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use super::{Setup, bodies::wall_piece};
+use crate::apparatus::stands_in;
 use crate::geometry::{Point, Pose, Vector};
 use crate::motion::PieceMotion;
 use crate::specimen::{Other, Party, PieceState, PressState, SpecimenState};
@@ -248,6 +249,21 @@ impl Pieces {
     /// Work of the pieces on the grains since this was asked, in J.
     pub(super) fn take_work(&mut self) -> f64 {
         std::mem::take(&mut self.work)
+    }
+
+    /// A piece that is pressed and stands in another, which it does not feel: both by number.
+    pub(super) fn pressed_into(
+        &self,
+        setup: &Setup,
+        state: &SpecimenState,
+    ) -> Option<(usize, usize)> {
+        if self.pressed.is_empty() {
+            return None;
+        }
+        let at: Vec<Option<Pose>> =
+            state.pieces.iter().map(|piece| piece.present.then_some(piece.pose)).collect();
+        let into = |p: &Pressed| Some((p.piece, stands_in(&setup.pieces, &at, p.piece)?));
+        self.pressed.iter().find_map(into)
     }
 
     /// Work in J done on the pieces that are pressed since this was asked.

@@ -68,20 +68,17 @@ impl ShapeSpec {
         sizes.iter().map(|size| size * size).sum::<f64>().sqrt()
     }
 
-    /// What it holds in mm³, filled to its rim and as it stands upright; none of what holds
-    /// nothing.
+    /// What it holds in mm³, filled to its rim and as it stands upright, without a floor as well,
+    /// which another piece may be; none of what holds nothing.
     pub(super) fn holds_mm3(&self) -> Option<f64> {
         let round = |diameter: f64, height: f64| PI / 4.0 * diameter * diameter * height;
         match self {
             Self { r#box: Some(b), .. } => {
-                let walls =
-                    [BoxSide::Bottom, BoxSide::LowX, BoxSide::HighX, BoxSide::LowY, BoxSide::HighY];
+                let walls = [BoxSide::LowX, BoxSide::HighX, BoxSide::LowY, BoxSide::HighY];
                 let whole = walls.iter().all(|side| !b.open.contains(side));
                 whole.then(|| b.inner_mm.iter().product())
             }
-            Self { cylinder: Some(c), .. } => {
-                (!c.open_bottom).then(|| round(c.inner_diameter_mm, c.height_mm))
-            }
+            Self { cylinder: Some(c), .. } => Some(round(c.inner_diameter_mm, c.height_mm)),
             Self { drum: Some(d), .. } => Some(round(d.inner_diameter_mm, d.length_mm)),
             _ => None,
         }

@@ -58,3 +58,37 @@ fn weight_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
     let mass = from_g(number("apparatus.top_plate.mass_g", plate.mass_g));
     weight + mass * gravity / area(number("apparatus.top_plate.diameter_mm", plate.diameter_mm))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_force_presses_by_the_area_that_the_piece_shows_along_it() {
+        let stress = |load: Value, turn: [f64; 3]| {
+            pressed_stress(&serde_json::json!({
+                "pieces": [{ "name": "lid", "shape": { "plate": { "size_mm": [100, 50, 10] } },
+                    "rotation_deg": turn }],
+                "stages": [{ "stage": "press", "loads": [load] }, { "stage": "rest" }]
+            }))
+        };
+        let near = |what: &str, got: f64, expected: f64| {
+            assert!(
+                (got / expected - 1.0).abs() < 1e-9,
+                "law: {what}: {expected} Pa, got {got} Pa"
+            );
+        };
+        let down = serde_json::json!({ "piece": "lid", "force_n": 10 });
+        near("10 N on 50 cm²", stress(down.clone(), [0.0; 3]), 2000.0);
+        near("on its edge of 10 cm²", stress(down, [90.0, 0.0, 0.0]), 10_000.0);
+        let aside = serde_json::json!({ "piece": "lid", "force_n": 10, "direction": [-2, 0, 0] });
+        near("along x on 5 cm²", stress(aside, [0.0; 3]), 20_000.0);
+        near(
+            "as typed",
+            stress(serde_json::json!({ "piece": "lid", "stress_kpa": 7 }), [0.0; 3]),
+            7000.0,
+        );
+        let other = serde_json::json!({ "piece": "other", "force_n": 10 });
+        assert_eq!(stress(other, [0.0; 3]), 0.0, "law: what cannot be read counts for nothing");
+    }
+}

@@ -64,7 +64,7 @@ fn the_shipped_laboratories_load_can_be_built_and_are_short() {
         assert_eq!(scenario.name, stem, "law: a scenario has the name of its file");
         found += 1;
     }
-    assert!(found >= 6, "expected the six scenarios of docs/laboratory.md, found {found}");
+    assert!(found >= 9, "expected the nine scenarios of docs/laboratory.md, found {found}");
 }
 
 #[test]
@@ -133,6 +133,52 @@ fn faults_name_the_field_and_what_is_allowed() {
     without.as_object_mut().expect("an object").remove("pieces");
     let found = faults(&without);
     assert!(found.iter().any(|(path, _)| path == "stages[0].stage"), "law: no pieces, {found:?}");
+}
+
+#[test]
+fn loads_are_checked_all_at_once_and_refused_where_no_engine_can_press() {
+    let with = |loads: Value| {
+        let mut value = sound();
+        let stages = value["stages"].as_array_mut().expect("stages");
+        stages.push(json!({ "stage": "press", "loads": loads }));
+        let lid = json!({ "name": "lid", "shape": { "plate": { "size_mm": [20, 20, 5] } },
+            "at_mm": [0, 0, 500] });
+        value["pieces"].as_array_mut().expect("pieces").push(lid);
+        value
+    };
+    let stage = sound()["stages"].as_array().expect("stages").len();
+    let good = with(json!([{ "piece": "lid", "stress_kpa": 5 }]));
+    assert_eq!(faults(&good), [], "law: a good load");
+    let bad = with(json!([
+        { "piece": "lid", "stress_kpa": 5, "force_n": 2 },
+        { "piece": "lid", "direction": [0, 0, 0] },
+        { "piece": "box", "force_n": 2 },
+        { "piece": "nobody", "locked": true }
+    ]));
+    let found = faults(&bad);
+    for (field, words) in [
+        ("loads[0].force_n", "a force, a stress or a lock"),
+        ("loads[1].piece", "two loads"),
+        ("loads[1].direction", "no direction"),
+        ("loads[1].force_n", "a force, a stress or a lock"),
+        ("loads[2].piece", "only solid pieces"),
+        ("loads[3].piece", "no such piece"),
+    ] {
+        let path = format!("stages[{stage}].{field}");
+        let told = found.iter().any(|(at, text)| *at == path && text.contains(words));
+        assert!(told, "law: `{path}` is told with `{words}`, got {found:#?}");
+    }
+    for (engine, words) in [
+        (json!({ "backend": "rapier" }), "rapier cannot press"),
+        (json!({ "contact_solver": "stock" }), "stock contacts cannot press"),
+    ] {
+        let mut value = good.clone();
+        value["engine"] = engine;
+        let found = faults(&value);
+        let path = format!("stages[{stage}].stage");
+        let told = found.iter().any(|(at, text)| *at == path && text.contains(words));
+        assert!(told, "law: told with `{words}`, got {found:#?}");
+    }
 }
 
 #[test]

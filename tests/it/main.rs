@@ -24,6 +24,7 @@ mod leaks;
 #[cfg(target_os = "linux")]
 mod limits;
 mod load;
+mod measures;
 mod memory;
 mod motions;
 mod picture;

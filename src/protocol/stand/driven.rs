@@ -1,6 +1,6 @@
 //! What of the stand moves as prescribed, and whether the rest still does.
 
-use super::{Fate, StageError, Stand, TableMotion, Vector, moved};
+use super::{Fate, StageError, Stand, TableMotion, Vector, WorldError, moved};
 
 impl Stand<'_> {
     pub(super) fn move_table(&mut self, to: Vector) -> Result<(), StageError> {
@@ -44,6 +44,16 @@ impl Stand<'_> {
         if pressed != 0.0 {
             self.midway.watch.pressed(pressed);
         }
+    }
+
+    /// Ends a stage in which a piece was pressed into another: nothing on the way carried it.
+    pub(super) fn look_at_presses(&self, time_s: f64) -> Result<(), StageError> {
+        let into = self.pieces.pressed_into(self.setup, &self.specimen.state);
+        let Some((one, other)) = into else { return Ok(()) };
+        let name = |n: usize| &self.setup.pieces[n].name;
+        let (one, other) = (name(one), name(other));
+        let what = format!("`{one}` was pressed into `{other}`: no grains on its way carried it");
+        Err(self.failed(WorldError::Unphysical { time_s, what }))
     }
 
     /// Whether a grain has got into a piece, which none should.

@@ -1,0 +1,178 @@
+//! Pieces that are pressed, in the engine.
+
+use std::ops::ControlFlow;
+use std::sync::{Arc, atomic::AtomicBool};
+
+use super::*;
+use crate::geometry::Vector;
+use crate::grains::generate;
+use crate::scenario::{GrainsSpec, Scenario, StageSpec};
+use crate::specimen::SpecimenState;
+
+/// A smooth box of 50 mm with a lid that fills it, and a few grains.
+fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
+    let mut scenario: Scenario = serde_json::from_value(serde_json::json!({
+        "name": "test",
+        "grains": {
+            "total_mass_g": 60, "density_kg_per_m3": 2650,
+            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+        },
+        "contact": { "grain_wall_friction": 0.0 },
+        "pieces": [
+            { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 140] } } },
+            { "name": "lid", "shape": { "plate": { "size_mm": [49, 49, 10] } },
+              "at_mm": [0, 0, 130] }
+        ],
+        "stages": []
+    }))
+    .expect("a scenario");
+    scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
+    scenario
+}
+
+fn before_everything() -> Specimen {
+    let GrainsSpec::Sieved(spec) = scenario(None).grains else { panic!("sieved") };
+    let grains = Arc::new(generate(&spec, 1).expect("grains"));
+    let state = SpecimenState::before_everything(grains.grains.len());
+    Specimen { grains, state }
+}
+
+fn stage(value: serde_json::Value) -> StageSpec {
+    serde_json::from_value(value).expect("a stage")
+}
+
+/// Keeps what it is shown.
+#[derive(Default)]
+struct Seen {
+    /// Time in s, speed of the lid downwards in m/s, force on it in N.
+    lid: Vec<(f64, f64, f64)>,
+    seams: Vec<Midway>,
+}
+
+impl Observer for Seen {
+    fn observe(&mut self, specimen: &Specimen, moment: Moment) {
+        if let Some(press) = specimen.state.pieces.get(1).and_then(|piece| piece.press) {
+            self.lid.push((moment.stage_time, press.speed_m_per_s, press.force_n));
+        }
+    }
+
+    fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
+        self.seams.push(midway.clone());
+        ControlFlow::Continue(())
+    }
+}
+
+fn go(
+    every: Option<f64>,
+    specimen: Specimen,
+    midway: Option<Midway>,
+    value: serde_json::Value,
+) -> (StageOutcome, Seen) {
+    let setup = Setup::new(&scenario(every)).expect("a laboratory");
+    let mut seen = Seen::default();
+    let make = &crate::world::create;
+    let never = AtomicBool::new(false);
+    let outcome = run(&setup, make, specimen, &stage(value), midway, &mut seen, &never);
+    (outcome.expect("it runs"), seen)
+}
+
+fn filled() -> Specimen {
+    let rain = serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 85], "area_mm": [10, 10],
+        "rate_g_per_s": 200, "time_limit_s": 4 });
+    go(None, before_everything(), None, rain).0.specimen
+}
+
+fn press(stress_kpa: f64) -> serde_json::Value {
+    serde_json::json!({ "stage": "press", "time_limit_s": 4,
+        "loads": [{ "piece": "lid", "stress_kpa": stress_kpa }] })
+}
+
+fn near(what: &str, got: f64, expected: f64, tolerance: f64) {
+    assert!(
+        (got - expected).abs() <= tolerance,
+        "law: {what}: expected {expected} to {tolerance}, got {got}"
+    );
+}
+
+#[test]
+fn the_floor_bears_the_pressed_stress_and_the_weight_of_the_grains() {
+    let _turn = crate::world::shared_turn();
+    let (outcome, seen) = go(None, filled(), None, press(10.0));
+    let state = &outcome.specimen.state;
+    let force = 10e3 * 0.049 * 0.049;
+    let weight: f64 = {
+        let set = &outcome.specimen.grains.grains;
+        outcome.specimen.present().map(|n| set[n].mass * 9.81).sum()
+    };
+    let [floor, lid] = [state.pieces[0], state.pieces[1]];
+    near("stress times area on the lid, N", lid.force_n.z, force, 0.01 * force);
+    near("all on the box, N", -floor.force_n.z, force + weight, 0.01 * force);
+    let aside = (floor.force_n + lid.force_n).xy().norm();
+    near("nothing sideways together, N", aside, 0.0, 0.01 * force);
+    assert!(
+        outcome.warnings.is_empty(),
+        "law: it settles, and no energy comes from nowhere, {:?}",
+        outcome.warnings
+    );
+    assert_eq!(outcome.watch.energy.beyond, 0, "law: as the watch has it");
+    let fastest = seen.lid.iter().map(|(_, speed, _)| *speed).fold(0.0, f64::max);
+    assert!(fastest < 0.0501, "law: it approaches with 50 mm/s at most, got {fastest} m/s");
+    let moved = lid.pose.translation.vector;
+    assert!(moved.z < 0.13, "law: it came down, {moved:?}");
+    assert_eq!(moved.xy(), Vector::zeros().xy(), "law: and nowhere else");
+}
+
+#[test]
+fn a_lid_that_nothing_carries_is_an_error_that_names_both_pieces() {
+    let _turn = crate::world::shared_turn();
+    let setup = Setup::new(&scenario(None)).expect("a laboratory");
+    let (make, never) = (&crate::world::create, AtomicBool::new(false));
+    let empty = laboratory::begun(&setup, before_everything());
+    let got = run(&setup, make, empty, &stage(press(10.0)), None, &mut Seen::default(), &never);
+    let told = got.expect_err("law: it ends").to_string();
+    assert!(told.contains("`lid` was pressed into `box`"), "law: who and where, got {told}");
+}
+
+#[test]
+fn a_pressed_lid_goes_on_from_a_checkpoint_with_the_same_bits() {
+    let _turn = crate::world::shared_turn();
+    let filled = filled();
+    let (whole, seen) = go(Some(0.25), filled.clone(), None, press(10.0));
+    let [first, later] = [0, seen.seams.len() - 1].map(|n| seen.seams[n].clone());
+    assert!(seen.seams.len() > 2, "the check sees segments, {}", seen.seams.len());
+    for midway in [first, later] {
+        let (got, _) = go(Some(0.25), filled.clone(), Some(midway), press(10.0));
+        let same = got.specimen.state == whole.specimen.state;
+        assert!(same, "law: the same bits from a checkpoint as without a break");
+    }
+    let (other, _) = go(Some(0.25), filled, None, press(11.0));
+    assert!(other.specimen.state != whole.specimen.state, "the comparison can fail");
+}
+
+#[test]
+fn a_lid_stays_pressed_until_it_is_locked_or_moved() {
+    let _turn = crate::world::shared_turn();
+    let pressed = go(None, filled(), None, press(5.0)).0.specimen;
+    let rest = serde_json::json!({ "stage": "rest", "duration_s": 0.2 });
+    let rested = go(None, pressed.clone(), None, rest).0.specimen;
+    let force = 5e3 * 0.049 * 0.049;
+    near("still pressed, N", rested.state.pieces[1].force_n.z, force, 0.01 * force);
+    let more = go(None, rested, None, press(8.0)).0.specimen;
+    let sunk = |s: &Specimen| s.state.pieces[1].pose.translation.z;
+    assert!(sunk(&more) < sunk(&pressed), "law: more stress, deeper");
+    let lock = serde_json::json!({ "stage": "press", "time_limit_s": 2,
+        "loads": [{ "piece": "lid", "locked": true }] });
+    let locked = go(None, more.clone(), None, lock).0.specimen;
+    assert_eq!(locked.state.pieces[1].pose, more.state.pieces[1].pose, "law: it stays");
+    assert_eq!(locked.state.pieces[1].press, None, "law: and is pressed no more");
+    let raise = serde_json::json!({ "stage": "move", "pieces": ["lid"],
+        "velocity_mm_per_s": [0, 0, 20], "travel_mm": 5 });
+    let raised = go(None, more.clone(), None, raise).0.specimen;
+    near("raised by 5 mm", sunk(&raised) - sunk(&more), 0.005, 1e-9);
+    assert_eq!(raised.state.pieces[1].press, None, "law: what is moved is not pressed");
+    let all = serde_json::json!({ "stage": "move", "velocity_mm_per_s": [0, 0, 10],
+        "travel_mm": 1, "settle_limit_s": 2 });
+    let lifted = go(None, more, None, all).0.specimen;
+    assert!(lifted.state.pieces[1].press.is_some(), "law: all that stand, less what is pressed");
+    near("pressed on the way, N", lifted.state.pieces[1].force_n.z, 8e3 * 0.049 * 0.049, 0.2);
+}
