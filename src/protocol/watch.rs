@@ -56,9 +56,9 @@ pub struct Watch {
 /// bodies that leave, and what others bring that are let go, is neither.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyBalance {
-    /// Work of the table and of moving pieces. That of the table is its velocity times the
-    /// momentum given between two looks, sixteen to a cycle at least; that of pieces is summed
-    /// over every contact in every step.
+    /// Work of the table and of moving pieces. That of the table is its mean velocity between two
+    /// looks, sixteen to a cycle at least, times the momentum given between them; that of pieces
+    /// is summed over every contact in every step.
     pub input: f64,
     /// What friction and impacts have taken: input less the gain of kinetic and potential energy.
     pub dissipated: f64,
@@ -83,6 +83,9 @@ struct Budget {
     mass: f64,
     table: Vector,
     time: f64,
+    /// How far the table has moved since then.
+    #[serde(default)]
+    way: Vector,
     /// Unexplained energy gain.
     gained: f64,
 }
@@ -154,6 +157,7 @@ impl Watch {
             mass: now.mass,
             table,
             time,
+            way: Vector::zeros(),
             gained: 0.0,
         };
         for body in bodies {
@@ -170,6 +174,13 @@ impl Watch {
             budget.energy += own.energy;
             budget.momentum += own.momentum;
             budget.mass += own.mass;
+        }
+    }
+
+    /// Takes into account that the table has moved, in m.
+    pub(super) fn table_moved(&mut self, by: Vector) {
+        if let Some(budget) = &mut self.budget {
+            budget.way += by;
         }
     }
 
@@ -254,7 +265,10 @@ impl Budget {
         let mut given = now.momentum - self.momentum;
         given.z += self.mass * self.gravity * (time - self.time);
         let work = self.table.component_mul(&given).sup(&table.component_mul(&given)).sum();
-        let work_of_table = f64::midpoint(self.table.dot(&given), table.dot(&given));
+        // Not the mean of both velocities: the table may jump to a speed, or stop, in between.
+        let way = std::mem::take(&mut self.way);
+        let passed = time - self.time;
+        let work_of_table = if passed > 0.0 { way.dot(&given) / passed } else { 0.0 };
         balance.input += work_of_table;
         balance.dissipated += work_of_table + self.energy - now.energy;
         self.gained = (self.gained + now.energy - self.energy - work).max(0.0);
