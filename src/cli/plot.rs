@@ -26,12 +26,13 @@ Examples:
   pluvia plot out/first --x time_s --y settlement_mm,surface_settlement_mm --out out/settlement.svg
   pluvia plot out/hopper --x time_s --y gate_force_z_n,hopper_force_z_n --stage deposit --out out/force.png
   pluvia plot out/first --file grains --x equivalent_diameter_mm --y sphericity --out out/shape.svg
-  pluvia plot out/first --file void_profile --where by=radius --x from_mm --y void_ratio --out out/e.svg")]
+  pluvia plot out/first --file void_profile --where by=radius --x middle_mm --y void_ratio --out out/e.svg")]
 pub(super) struct PlotArgs {
     /// Folder of a run, or any other with tables of Pluvia (CSV)
     #[arg(value_name = "RUN_DIR")]
     run: PathBuf,
-    /// The table: series, rest_test, grains, void_profile, sieve or another CSV file of the folder
+    /// The table: series, rest_test, grains, void_profile, distributions, sieve or another CSV file of the
+    /// folder
     #[arg(long, value_name = "TABLE", default_value = "series")]
     file: String,
     /// The column along the horizontal axis
@@ -256,7 +257,9 @@ fn chart(args: &PlotArgs, path: &Path, rows: &ColumnTable, x: &str) -> Result<Ch
     let along = column("--x", x);
     let y: Vec<ChartColumn> = args.y.iter().map(|name| column("--y", name)).collect();
     all_at_once(faults)?;
-    let goes_on = rows.find("time_s").is_ok() || increases(&along.numbers);
+    let goes_on = rows.find("time_s").is_ok()
+        || increases(&along.numbers)
+        || y.iter().all(|column| increases(&column.numbers));
     let is_line = goes_on && !args.points;
     Ok(Chart {
         stages: if x == "time_s" { begins(rows) } else { Vec::new() },

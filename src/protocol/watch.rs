@@ -57,9 +57,9 @@ pub struct Watch {
 /// bodies that leave, and what others bring that are let go, is neither.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyBalance {
-    /// Work of the table, of moving pieces and on pressed ones. That of the table is its velocity times the
-    /// momentum given between two looks, sixteen to a cycle at least; that of pieces is summed
-    /// over every contact in every step.
+    /// Work of the table, of moving pieces and on pressed ones. That of the table is its mean
+    /// velocity between two looks, sixteen to a cycle at least, times the momentum given between
+    /// them; that of pieces is summed over every contact in every step.
     pub input: f64,
     /// What friction and impacts have taken: input less the gain of kinetic and potential energy.
     pub dissipated: f64,
@@ -84,6 +84,9 @@ struct Budget {
     mass: f64,
     table: Vector,
     time: f64,
+    /// How far the table has moved since then.
+    #[serde(default)]
+    way: Vector,
     /// Unexplained energy gain.
     gained: f64,
     /// With pressed pieces, what contacts may have stored as springs and give back: their energy
@@ -166,6 +169,7 @@ impl Watch {
             mass: now.mass,
             table,
             time,
+            way: Vector::zeros(),
             gained: 0.0,
             stored: None,
         };
@@ -204,6 +208,13 @@ impl Watch {
             budget.energy += own.energy;
             budget.momentum += own.momentum;
             budget.mass += own.mass;
+        }
+    }
+
+    /// Takes into account that the table has moved, in m.
+    pub(super) fn table_moved(&mut self, by: Vector) {
+        if let Some(budget) = &mut self.budget {
+            budget.way += by;
         }
     }
 
@@ -296,7 +307,10 @@ impl Budget {
         let mut given = now.momentum - self.momentum;
         given.z += self.mass * self.gravity * (time - self.time);
         let work = self.table.component_mul(&given).sup(&table.component_mul(&given)).sum();
-        let work_of_table = f64::midpoint(self.table.dot(&given), table.dot(&given));
+        // Not the mean of both velocities: the table may jump to a speed, or stop, in between.
+        let way = std::mem::take(&mut self.way);
+        let passed = time - self.time;
+        let work_of_table = if passed > 0.0 { way.dot(&given) / passed } else { 0.0 };
         balance.input += work_of_table;
         balance.dissipated += work_of_table + self.energy - now.energy;
         let mut rise = now.energy - self.energy - work;

@@ -42,6 +42,8 @@ fn watched(states: &[(BodyState, f64)], table_peak: f64) -> (Watch, Vec<Finding>
     watch.begin(first_body, -0.05, GRAVITY, (table_peak, along(*table)), -1.0);
     let findings = states[1..].iter().enumerate().map(|(n, (state, table))| {
         let now = Tally::of(std::iter::once(body(state)), GRAVITY);
+        // A second passes between looks.
+        watch.table_moved(along(f64::midpoint(states[n].1, *table)));
         watch.look(&now, along(*table), n as f64)
     });
     let findings = findings.collect();

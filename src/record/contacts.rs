@@ -4,6 +4,7 @@ use nalgebra::Matrix3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Balance;
 use crate::measure::{self, FORCE_CLASS, LoadedContact, force_distribution, sliding_share};
 
 /// `contacts` in `summary.json`: loaded contacts, each pair of bodies once however many points it
@@ -25,11 +26,14 @@ pub struct ContactsSummary {
     pub fabric: Option<FabricSummary>,
     /// Number of grains present that bear no load.
     pub unloaded_grains: usize,
+    /// What all that stands carries in the last step against the weight of grains and plate: at
+    /// rest they are the same.
+    pub balance: Balance,
 }
 
 impl ContactsSummary {
-    /// Of loaded contacts and the number of grains present.
-    pub fn of(contacts: &[LoadedContact], present: usize) -> Self {
+    /// Of loaded contacts, the number of grains present, and what carries them.
+    pub fn of(contacts: &[LoadedContact], present: usize, balance: Balance) -> Self {
         use crate::specimen::Party::Grain;
         let (grains, other): (Vec<LoadedContact>, Vec<LoadedContact>) =
             contacts.iter().copied().partition(LoadedContact::is_of_grains);
@@ -47,6 +51,7 @@ impl ContactsSummary {
             sliding_at_apparatus_percent: percent(sliding_share(&other)),
             fabric: measure::fabric(&grains).map(|fabric| FabricSummary::of(&fabric)),
             unloaded_grains: present.saturating_sub(loaded.len()),
+            balance,
         }
     }
 }
@@ -182,7 +187,13 @@ mod tests {
             of([grain(1), grain(2)], 3.0, false),
             of([wall, grain(1)], 9.0, false),
         ];
-        let got = ContactsSummary::of(&contacts, 5);
+        let balance = Balance {
+            weight_n: 1.0,
+            carried_n: 1.0,
+            sideways_n: 0.0,
+            difference_percent: Some(0.0),
+        };
+        let got = ContactsSummary::of(&contacts, 5, balance);
         assert_eq!((got.between_grains, got.with_apparatus, got.unloaded_grains), (2, 1, 2));
         assert_eq!(
             (got.sliding_percent, got.sliding_at_apparatus_percent),
@@ -191,7 +202,7 @@ mod tests {
         let force = got.normal_force.expect("forces");
         assert_eq!((force.mean_n, force.max_of_mean), (2.0, 1.5), "law: of grains alone");
         assert_eq!(got.fabric.expect("normals").tensor[2], [0.0, 0.0, 1.0]);
-        let none = ContactsSummary::of(&[], 5);
+        let none = ContactsSummary::of(&[], 5, balance);
         assert_eq!(
             (none.unloaded_grains, none.sliding_percent, none.normal_force),
             (5, None, None)

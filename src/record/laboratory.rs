@@ -102,7 +102,7 @@ pub struct GroupSummary {
 /// Whether forces are complete: at rest the pieces carry the weight of the grains.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Balance {
-    /// Weight of the grains that are present, in N.
+    /// Weight of the grains that are present, and of a plate on them, in N.
     pub weight_n: f64,
     /// Downward force on all pieces together, in N.
     pub carried_n: f64,

@@ -39,7 +39,7 @@ pub use laboratory::{
     OpeningSummary, PieceRow, PieceSummary, RegionSummary, of_group, with_laboratory,
 };
 pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words};
-pub use profile::ProfileRow;
+pub use profile::{DistributionRow, ProfileRow, distributions};
 pub use run::{RunKind, RunRecord, run_file};
 pub use sealed::{Beside, keep_beside};
 pub use sieve::{

@@ -44,6 +44,9 @@ pub struct Chart {
 
 const MARKER_SPACING: f64 = 170.0;
 
+/// Characters of an axis' name, at most, where it is made of those of several columns.
+const LONGEST_NAME: usize = 40;
+
 impl Chart {
     /// The figure as SVG.
     ///
@@ -166,7 +169,10 @@ fn in_common(names: &[String]) -> String {
     let begin = (0..first.len()).take_while(|&k| alike(k, false)).count();
     let end = (0..first.len()).take_while(|&k| alike(k, true)).count();
     match (begin, end) {
-        (0, 0) => "value".to_owned(),
+        (0, 0) => {
+            let all = names.join(", ");
+            if all.chars().count() <= LONGEST_NAME { all } else { "value".to_owned() }
+        }
         (begin, end) if begin >= end => first[..begin].join(" "),
         (_, end) => first[first.len() - end..].join(" "),
     }
@@ -196,7 +202,8 @@ mod tests {
             (&["box force z", "gate force z"][..], "force z"),
             (&["box force x", "box force y"], "box force"),
             (&["box force z"], "box force z"),
-            (&["settlement", "table x"], "value"),
+            (&["settlement", "table x"], "settlement, table x"),
+            (&["longest", "shortest", "intermediate", "sphericity"], "value"),
             (&["settlement", "surface settlement"], "settlement"),
         ] {
             let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();

@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use super::laboratory::regions;
+use super::laboratory::{balance, regions};
+use crate::geometry::Vector;
 use crate::grains::GrainSet;
 use crate::measure::{
     Container, LoadedContact, Region, Slice, contacts_of_grains_in, fabric, layers,
@@ -14,7 +15,7 @@ use crate::record::{
     ContactsSummary, CoreSummary, EnergyRow, FabricSummary, ProfileRow, RotationSummary,
     StageEnergy, StageSummary, StoredStage, StressSummary,
 };
-use crate::specimen::{Specimen, SpecimenState};
+use crate::specimen::{Other, Party, SavedContact, Specimen, SpecimenState};
 use crate::units::{to_mm, to_mm3};
 
 /// Layers and rings are at most this share of a median grain wide: voids order themselves along
@@ -45,10 +46,29 @@ impl AtRest {
     }
 
     /// None where the engine gave no contacts.
-    pub(super) fn summary(&self) -> Option<ContactsSummary> {
-        (!self.specimen.state.contacts.is_empty())
-            .then(|| ContactsSummary::of(&self.contacts, self.specimen.present().count()))
+    pub(super) fn summary(&self, setup: &Setup) -> Option<ContactsSummary> {
+        let state = &self.specimen.state;
+        if state.contacts.is_empty() {
+            return None;
+        }
+        let plate = state.top_plate.map_or(0.0, |_| setup.plate.mass);
+        let grains = &self.specimen.grains.grains;
+        let mass: f64 = self.specimen.present().map(|i| grains[i].mass).sum();
+        let balance = balance((mass + plate) * setup.gravity, &force_on_apparatus(state));
+        Some(ContactsSummary::of(&self.contacts, self.specimen.present().count(), balance))
     }
+}
+
+/// Force in N of grains and plate on all that stands.
+fn force_on_apparatus(state: &SpecimenState) -> Vector {
+    let stands = |party: &Party| matches!(party, Party::Other(other) if *other != Other::TopPlate);
+    let on =
+        |contact: &SavedContact| match (stands(&contact.between[0]), stands(&contact.between[1])) {
+            (true, false) => contact.force_n,
+            (false, true) => -contact.force_n,
+            _ => Vector::zeros(),
+        };
+    state.contacts.iter().map(on).sum()
 }
 
 /// Void ratio by height and by radius of what lies in the built-in cylinder, up to its mean
@@ -69,6 +89,7 @@ pub(super) fn void_profile(
             by,
             from_mm: to_mm(slice.from),
             to_mm: to_mm(slice.to),
+            middle_mm: to_mm(f64::midpoint(slice.from, slice.to)),
             void_ratio: slice.void_ratio(),
             solids_mm3: to_mm3(slice.solids),
         };
@@ -191,4 +212,33 @@ pub(super) fn at_end(grains: &Arc<GrainSet>, stages: &[&StoredStage]) -> Specime
         |stage| stage.state.clone(),
     );
     Specimen { grains: grains.clone(), state }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Law: what stands is pressed by what does not, whichever of the two is named first; grains
+    /// and plate among themselves press nothing that stands.
+    #[test]
+    fn the_apparatus_bears_what_presses_it() {
+        let contact = |a: Party, b: Party, force: f64| SavedContact {
+            between: [a, b],
+            point_m: Vector::zeros(),
+            normal: Vector::z(),
+            force_n: Vector::z() * force,
+            warm_start: 1.0,
+            feature: [0, 0],
+        };
+        let other = Party::Other;
+        let mut state = SpecimenState::before_everything(2);
+        state.contacts = vec![
+            contact(Party::Grain(0), other(Other::Cylinder(3)), 1.0),
+            contact(other(Other::Base(0)), Party::Grain(1), -2.0),
+            contact(other(Other::TopPlate), other(Other::Cylinder(1)), 4.0),
+            contact(Party::Grain(0), Party::Grain(1), 8.0),
+            contact(other(Other::TopPlate), Party::Grain(1), 16.0),
+        ];
+        assert_eq!(force_on_apparatus(&state), Vector::z() * -7.0);
+    }
 }

@@ -225,7 +225,7 @@ pub(super) fn laboratory_summary(
 }
 
 /// Weight in N against the force of grains on all pieces in N.
-fn balance(weight_n: f64, force: &Vector) -> Balance {
+pub(super) fn balance(weight_n: f64, force: &Vector) -> Balance {
     let carried_n = -force.z;
     let difference_percent = (weight_n > 0.0).then(|| 100.0 * (carried_n / weight_n - 1.0));
     Balance { weight_n, carried_n, sideways_n: force.xy().norm(), difference_percent }

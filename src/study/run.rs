@@ -22,8 +22,8 @@ use crate::motion::MotionFacts;
 use crate::protocol::Progress;
 use crate::record::{
     FileError, LaboratoryRow, RunKind, RunRecord, StageStore, StoredStage, create_folder,
-    grains_csv, hash_bytes, json_text, read_json, series_csv, to_csv, with_energy, with_laboratory,
-    write_file, write_json,
+    distributions, grains_csv, hash_bytes, json_text, read_json, series_csv, to_csv, with_energy,
+    with_laboratory, write_file, write_json,
 };
 use crate::scale;
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
@@ -303,6 +303,10 @@ pub(super) fn write_run(
     }
     if !void_profile.is_empty() {
         write("void_profile.csv", table("void_profile.csv", to_csv(&void_profile))?)?;
+    }
+    let classes = distributions(&summary);
+    if !classes.is_empty() {
+        write("distributions.csv", table("distributions.csv", to_csv(&classes))?)?;
     }
     let path = out.join("specimen.json");
     write("specimen.json", json_text(&path, &specimen.state)?)?;

@@ -210,7 +210,7 @@ pub fn summarise(
             .filter(|_| end.void_ratio.is_some()),
         coordination_number: coordination.mean.unwrap_or(0.0),
         coordination_distribution: coordination.distribution,
-        contacts: at_rest.summary(),
+        contacts: at_rest.summary(setup),
         stages: inside::stage_summaries(&stages),
         creep_um_per_s: creep,
         rest_test: rest_test_figures,

@@ -181,6 +181,8 @@ fn contacts_and_voids_are_counted_whole() {
     near("every contact has a class, in %", 100.0, classes.iter().sum(), 1e-9);
     assert!(number(&summary, "/contacts/between_grains") > grains / 2.0);
     assert!((0.0..=100.0).contains(&number(&summary, "/contacts/sliding_percent")));
+    let shares: f64 = column("distributions.csv", "share_percent").iter().sum();
+    near("both distributions are whole, in %", 200.0, shares, 1e-9);
     let fabric = list("/contacts/fabric/principal");
     near("trace of the fabric", 1.0, fabric.iter().sum(), 1e-9);
     // All grains lie in the first region; its layers hold all of them.
@@ -223,7 +225,7 @@ fn any_columns_can_be_drawn_and_others_are_refused_with_the_nearest() {
         "--x",
         "void_ratio",
         "--y",
-        "from_mm",
+        "middle_mm",
         "--out",
         &png,
     ]);
@@ -335,4 +337,46 @@ fn groups_that_make_no_sense_are_refused_with_the_field() {
         assert_eq!(ran.status.code(), Some(2), "law: refused, {said}");
         assert!(said.contains(words), "law: `{words}`, got {said}");
     }
+}
+
+/// Law: at rest the cylinder carries the grains and the plate.
+#[test]
+fn the_built_in_cylinder_carries_the_weight() {
+    let text = fs::read(super::interruption::finished().join("summary.json")).expect("a summary");
+    let summary: Value = serde_json::from_slice(&text).expect("JSON");
+    let weight = number(&summary, "/contacts/balance/weight_n");
+    let grains = number(&summary, "/grains/mass_in_cylinder_g") * 1e-3 * GRAVITY;
+    assert!(weight > grains, "law: grains and plate, {weight} N of {grains} N");
+    near("carried in N", weight, number(&summary, "/contacts/balance/carried_n"), 0.01);
+    assert!(number(&summary, "/contacts/balance/sideways_n") < 0.01 * weight, "law: nothing pulls");
+}
+
+/// Law: what friction and impacts have taken does not come back, however the table moves, starts
+/// and stops; the work of the table is what it lets the contacts take and what lifts the grains.
+#[test]
+fn a_table_gives_and_contacts_take() {
+    let out = super::interruption::finished();
+    let mut reader = csv::Reader::from_path(out.join("series.csv")).expect("a table");
+    let headers = reader.headers().expect("a header").clone();
+    let at = |name: &str| headers.iter().position(|h| h == name).expect("the column");
+    let columns = ["stage", "dissipated_j", "work_input_j", "table_x_mm"].map(at);
+    let rows: Vec<[f64; 4]> = reader
+        .records()
+        .map(|row| {
+            row.map(|row| columns.map(|k| row[k].parse().expect("a number"))).expect("a row")
+        })
+        .collect();
+    let shaken = rows.iter().filter(|row| row[3].abs() > 1.0).count();
+    assert!(shaken > 3, "law: the table moved in some rows, got {shaken}");
+    for pair in rows.windows(2).filter(|pair| pair[0][0] == pair[1][0]) {
+        let of_stage = rows.iter().filter(|row| row[0] == pair[0][0]);
+        let all = of_stage.map(|row| row[1]).fold(0.0, f64::max);
+        let fall = pair[0][1] - pair[1][1];
+        assert!(fall <= 0.01 * all, "law: of {all} J dissipated {fall} J came back in {pair:?}");
+    }
+    let put_in =
+        |stage: f64| rows.iter().filter(|r| r[0] == stage).map(|r| r[2]).fold(0.0, f64::max);
+    let last = rows.last().expect("rows")[0];
+    assert!(put_in(last) > 0.0, "law: shaking puts energy in");
+    assert_eq!(put_in(0.0), 0.0, "law: nothing moves while the funnel is filled");
 }

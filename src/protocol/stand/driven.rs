@@ -9,6 +9,7 @@ impl Stand<'_> {
                 return Err(self.failed(source));
             }
         }
+        self.midway.watch.table_moved(to - self.specimen.state.table());
         self.specimen.state.set_table(to);
         Ok(())
     }
