@@ -29,6 +29,7 @@ mod settlement;
 pub mod statistics;
 #[cfg(test)]
 mod testing;
+mod void_profile;
 mod void_ratio;
 
 pub use bootstrap::bootstrap_interval;
@@ -53,6 +54,7 @@ pub use separation::{Separation, penetration_depth, separation, separation_withi
 pub use settlement::{
     HeightSample, Period, Settlement, height_at, mean_height_between, settlement, share_after,
 };
+pub use void_profile::{Layer, void_profile};
 pub use void_ratio::{Voids, void_ratio};
 
 /// Why something could not be measured.
