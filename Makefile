@@ -96,13 +96,16 @@ deny: ## licences, sources and known weaknesses of what is linked (deny.toml)
 
 lint: setup-lint ## check formatting, lints and documentation
 	cargo fmt --check
+	cargo fmt --check --manifest-path python/Cargo.toml
 	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
 	cargo clippy --all-targets --locked -- -D warnings
 	cargo clippy --all-targets --locked --no-default-features -- -D warnings
+	PYO3_NO_PYTHON=1 cargo clippy --manifest-path python/Cargo.toml --target-dir target --locked -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 
 format: setup-lint ## format all source
 	cargo fmt
+	cargo fmt --manifest-path python/Cargo.toml
 	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
 
 docs: ## the documentation as a site, in target/site/ (MkDocs in target/mkdocs/)

@@ -10,7 +10,6 @@ frames with the units in the names of their columns; arrays of positions and hul
 
 from ._command import Progress, info, schema
 from ._errors import Error, FileError, NotValidWarning, ScenarioError, ScenarioWarning, SimulationError
-from ._measures import fabric, force_distribution, stress
 from ._pluvia import __version__
 from ._run import Run, load, run
 from ._scenario import Scenario, example, examples
@@ -36,14 +35,11 @@ __all__ = [
     "calibrate",
     "example",
     "examples",
-    "fabric",
-    "force_distribution",
     "info",
     "load",
     "load_calibration",
     "load_sweep",
     "run",
     "schema",
-    "stress",
     "sweep",
 ]

@@ -59,7 +59,18 @@ def _stages(run: Run, ax: Axes) -> None:
     for number, start in starts.items():
         ax.axvline(start, color="0.85", linewidth=0.8, zorder=0)
         name = run.stages[int(str(number))].replace("_", " ")
-        ax.text(start, 1.0, f" {name}", transform=ax.get_xaxis_transform(), rotation=90, va="top", fontsize=7, color="0.5")
+        ax.annotate(
+            name,
+            (start, 0.98),
+            xycoords=ax.get_xaxis_transform(),
+            xytext=(2, 0),
+            textcoords="offset points",
+            rotation=90,
+            va="top",
+            ha="left",
+            fontsize=7,
+            color="0.4",
+        )
     ax.set_xlabel("Time (s)")
 
 
@@ -70,7 +81,7 @@ def _heights(run: Run, ax: Axes) -> None:
         ax.plot(series["time_s"], series["plate_height_mm"], label="top plate")
     _stages(run, ax)
     ax.set_ylabel("Height (mm)")
-    ax.legend(loc="lower right")
+    ax.legend(loc="center right")
 
 
 def _settlement(run: Run, ax: Axes) -> None:
@@ -93,29 +104,27 @@ def _energy(run: Run, ax: Axes) -> None:
 
 def _void_profile(run: Run, ax: Axes) -> None:
     profile = run.void_profile(12)
-    edges = np.append(profile["low_mm"], profile["high_mm"].iloc[-1])
+    edges = np.append(profile["from_mm"], profile["to_mm"].iloc[-1])
     ax.stairs(profile["void_ratio"], edges, orientation="horizontal", baseline=None)
     ax.set_xlabel("Void ratio")
     ax.set_ylabel("Height above the floor (mm)")
 
 
 def _forces(run: Run, ax: Axes) -> None:
-    forces = run.force_distribution(bins=24)
-    seen = forces[forces["pairs"] > 0]
-    ax.semilogy(seen["middle"], seen["probability_density"], "o", markersize=4)
-    mean = forces.attrs["mean_normal_force_n"]
+    forces = run.force_distribution()
+    seen = forces[(forces["probability_density"] > 0.0)]
+    ax.semilogy((seen["low"] + seen["high"]) / 2.0, seen["probability_density"], "o", markersize=4)
     ax.set_xlabel("Normal force between grains over its mean")
     ax.set_ylabel("Probability density")
+    mean = forces.attrs["mean_normal_force_n"]
     if np.isfinite(mean):
-        ax.set_title(f"mean {mean:.3g} N, {forces['pairs'].sum()} pairs", fontsize="medium")
+        ax.set_title(f"{len(run.specimen.loaded)} contacts, mean {mean:.3g} N", fontsize="medium")
 
 
 def _normals(run: Run, ax: Axes) -> None:
     """Inclinations of the contact normals, beside those of no preferred direction."""
-    contacts = run.contacts
-    both = contacts["first"].str.startswith("grain_") & contacts["second"].str.startswith("grain_")
-    upright = contacts.loc[both, "normal_z"].abs().clip(upper=1.0)
-    ax.hist(np.degrees(np.arccos(upright)), bins=18, range=(0.0, 90.0), density=True, label="contacts")
+    upward = run.specimen.loaded["normal_z"].abs().clip(upper=1.0)
+    ax.hist(np.degrees(np.arccos(upward)), bins=18, range=(0.0, 90.0), density=True, label="contacts")
     angle = np.linspace(0.0, 90.0, 91)
     ax.plot(angle, np.sin(np.radians(angle)) * np.pi / 180.0, color="black", label="no preferred direction")
     ax.set_xlabel("Inclination of the normal from the vertical (degrees)")

@@ -8,15 +8,14 @@ import warnings
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import pandas as pd
 
 from ._command import Shown, command
 from ._errors import FileError, NotValidWarning
-from ._measures import Array
 from ._scenario import Scenario, as_file, options
-from ._specimen import Specimen
+from ._specimen import Array, Specimen
 from ._view import View
 
 if TYPE_CHECKING:
@@ -169,21 +168,28 @@ class Run:
         """Corners of each grain where it is, in m."""
         return self.specimen.hulls
 
-    def void_profile(self, layers: int = 10, *, top_mm: float | None = None) -> pd.DataFrame:
-        """Void ratio of layers from the floor up; see `Specimen.void_profile`."""
-        return self.specimen.void_profile(layers, top_mm=top_mm)
+    def void_profile(
+        self,
+        count: int = 10,
+        *,
+        by: Literal["height", "radius"] = "height",
+        low_mm: float = 0.0,
+        high_mm: float | None = None,
+    ) -> pd.DataFrame:
+        """Void ratio of layers from the floor up, or of rings from the axis; see `Specimen.void_profile`."""
+        return self.specimen.void_profile(count, by=by, low_mm=low_mm, high_mm=high_mm)
 
-    def stress(self, *, low_mm: float | None = None, high_mm: float | None = None) -> Array:
+    def stress(self, *, low_mm: float = 0.0, high_mm: float | None = None) -> Array:
         """Mean stress tensor in Pa, compression positive; see `Specimen.stress`."""
         return self.specimen.stress(low_mm=low_mm, high_mm=high_mm)
 
-    def fabric(self) -> Array:
-        """Fabric tensor of the contacts between grains; see `pluvia.fabric`."""
-        return self.specimen.fabric()
+    def fabric(self, *, low_mm: float | None = None, high_mm: float | None = None) -> Array:
+        """Fabric tensor of the contacts between grains; see `Specimen.fabric`."""
+        return self.specimen.fabric(low_mm=low_mm, high_mm=high_mm)
 
-    def force_distribution(self, *, bins: int = 30) -> pd.DataFrame:
-        """Distribution of the normal forces between grains; see `pluvia.force_distribution`."""
-        return self.specimen.force_distribution(bins=bins)
+    def force_distribution(self) -> pd.DataFrame:
+        """Distribution of the normal forces between grains; see `Specimen.force_distribution`."""
+        return self.specimen.force_distribution()
 
     def plot(self, what: str = "overview", *, ax: Axes | None = None) -> Figure:
         """Draws the run with matplotlib: `overview`, or one of `heights`, `settlement`, `energy`, `void_profile`,

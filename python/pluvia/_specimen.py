@@ -6,12 +6,13 @@ import io
 import os
 from functools import cached_property
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from . import _measures, _pluvia
+from . import _pluvia
 from ._errors import FileError
 
 Array = npt.NDArray[np.float64]
@@ -49,7 +50,9 @@ class Specimen:
             own = pd.read_csv(self.folder / "grains.csv")
         except OSError:
             return here
-        of_grain = own.drop(columns=["speed_mm_per_s", *own.columns.intersection(here.columns).drop("grain")])
+        # What is of another moment is left out.
+        there = own.columns.intersection(["speed_mm_per_s", "turned_deg", *here.columns]).drop("grain")
+        of_grain = own.drop(columns=there)
         return here.merge(of_grain, on="grain", how="left", validate="one_to_one")
 
     @cached_property
@@ -57,7 +60,12 @@ class Specimen:
         """One row a loaded contact point: the two that touch, the point (`x_mm`, ...), the unit normal from the second to
         the first, the force on the first (`force_x_n`, ...), its part along the normal (`normal_force_n`, positive
         where it pushes) and across it. Without rows where the engine gives no contacts."""
-        return _measures.with_parts_of_force(_frame(self._native.contacts_csv()))
+        contacts = _frame(self._native.contacts_csv())
+        force = contacts[["force_x_n", "force_y_n", "force_z_n"]].to_numpy(float)
+        normal = contacts[["normal_x", "normal_y", "normal_z"]].to_numpy(float)
+        along = np.einsum("ij,ij->i", force, normal)
+        across = np.linalg.norm(force - along[:, None] * normal, axis=1)
+        return contacts.assign(normal_force_n=along, tangential_force_n=across)
 
     @cached_property
     def pairs(self) -> pd.DataFrame:
@@ -102,56 +110,94 @@ class Specimen:
     @property
     def area_m2(self) -> float:
         """Cross-section of the container in m²: of the cylinder or, without one, of the space around the grains."""
-        return float(np.pi * self._native.container_m[1] ** 2)
+        return self._native.area_m2
 
     @cached_property
     def mean_surface_mm(self) -> float:
         """Height of the mean surface above the floor, as `standing_height_mm.mean_surface` of the summary."""
         return self._native.mean_surface_m() * 1000.0
 
-    def void_profile(self, layers: int = 10, *, top_mm: float | None = None) -> pd.DataFrame:
-        """Void ratio and porosity of horizontal layers of equal thickness, from the floor to `top_mm` (the mean surface
-        unless given). Grains are cut exactly where layers meet; an empty layer has NaN."""
-        if not 1 <= layers <= 100_000:
-            raise ValueError(f"layers is {layers}, it must be from 1 to 100000")
-        top = self.mean_surface_mm if top_mm is None else top_mm
-        if not (np.isfinite(top) and top > 0.0):
-            raise ValueError(f"top_mm is {top}, it must be a height above 0")
-        low, high, solids, e = np.frombuffer(self._native.void_profile(top / 1000.0, layers)).reshape(-1, 4).T
+    def _between(self, low_mm: float, high_mm: float | None) -> tuple[float, float]:
+        """Two heights in m; the higher that of the mean surface unless given."""
+        high = self.mean_surface_mm if high_mm is None else high_mm
+        if not (np.isfinite(low_mm) and np.isfinite(high) and low_mm < high):
+            raise ValueError(f"low_mm is {low_mm} and high_mm {high}: they must be heights, the second above the first")
+        return low_mm / 1000.0, high / 1000.0
+
+    def void_profile(
+        self,
+        count: int = 10,
+        *,
+        by: Literal["height", "radius"] = "height",
+        low_mm: float = 0.0,
+        high_mm: float | None = None,
+    ) -> pd.DataFrame:
+        """Void ratio and porosity of `count` layers of equal thickness, or by `"radius"` of rings of equal width about the
+        container's axis, between two heights above the floor (up to the mean surface unless given). Grains count in
+        each with the part that lies there, exactly; without grains the void ratio is NaN."""
+        if not 1 <= count <= 100_000:
+            raise ValueError(f"count is {count}, it must be from 1 to 100000")
+        if by not in ("height", "radius"):
+            raise ValueError(f'by is {by!r}, it must be "height" or "radius"')
+        low, high = self._between(low_mm, high_mm)
+        slices = np.frombuffer(self._native.void_profile(by == "radius", low, high, count)).reshape(-1, 4)
+        begin, end, solids, e = slices.T
         return pd.DataFrame(
             {
-                "low_mm": low * 1000.0,
-                "high_mm": high * 1000.0,
-                "middle_mm": (low + high) * 500.0,
-                "solids_cm3": solids * 1e6,
+                "from_mm": begin * 1000.0,
+                "to_mm": end * 1000.0,
+                "middle_mm": (begin + end) * 500.0,
+                "solids_mm3": solids * 1e9,
                 "void_ratio": e,
                 "porosity": e / (1.0 + e),
             }
         )
 
-    def stress(self, *, low_mm: float | None = None, high_mm: float | None = None) -> Array:
-        """Mean stress tensor in Pa, compression positive, by Love and Weber's sum over contact forces.
+    def stress(self, *, low_mm: float = 0.0, high_mm: float | None = None) -> Array:
+        """Mean stress tensor in Pa between two heights above the floor, up to the mean surface unless given; 3 × 3,
+        compression positive.
 
-        Over the whole specimen up to its mean surface; or over a layer of it, between two heights above the floor:
-        then contacts count whose point lies there."""
-        if low_mm is None and high_mm is None:
-            low, high, top = -np.inf, np.inf, self.mean_surface_mm
-            volume = self.area_m2 * top / 1000.0
-        else:
-            low = 0.0 if low_mm is None else low_mm
-            high = self.mean_surface_mm if high_mm is None else high_mm
-            volume = self.area_m2 * (high - low) / 1000.0
-        if not volume > 0.0:
-            raise ValueError(f"there is no volume between low_mm={low} and high_mm={high}")
-        return _measures.stress(self.contacts, self.positions, volume_m3=volume, low_mm=low, high_mm=high)
+        By Love and Weber's sum of contact forces over the lines between centroids and contact points, of which the
+        parts count that lie between the heights. NaN where the engine gives no contacts."""
+        return _tensor(self._native.stress(*self._between(low_mm, high_mm)))
 
-    def fabric(self) -> Array:
-        """Fabric tensor of the contacts between grains; see `pluvia.fabric`."""
-        return _measures.fabric(self.contacts)
+    def fabric(self, *, low_mm: float | None = None, high_mm: float | None = None) -> Array:
+        """Fabric tensor of the contacts between grains, each counted once: the mean of n n^T over their unit normals,
+        3 × 3. Its trace is 1; a third of the unit tensor where no direction is preferred. Of all contacts, or of those
+        between two heights above the floor. NaN without contacts."""
+        low = -np.inf if low_mm is None else low_mm / 1000.0
+        high = np.inf if high_mm is None else high_mm / 1000.0
+        return _tensor(self._native.fabric(low, high))
 
-    def force_distribution(self, *, bins: int = 30) -> pd.DataFrame:
-        """Distribution of the normal forces between grains; see `pluvia.force_distribution`."""
-        return _measures.force_distribution(self.contacts, bins=bins)
+    def force_distribution(self) -> pd.DataFrame:
+        """Distribution of the normal forces between grains, each contact counted once.
+
+        One row a class: it begins and ends at `low` and `high` times the mean (the last has no end), holds the `share`
+        of all contacts, with `probability_density` over the force in means. `attrs` has the mean in N,
+        `mean_normal_force_n`, and the percentiles `p10_of_mean`, `p50_of_mean`, `p90_of_mean`, `p99_of_mean` and
+        `max_of_mean`. Without rows where there are no contacts."""
+        found = self._native.force_distribution()
+        mean, width, classes, percentiles = found or (float("nan"), 1.0, [], [float("nan")] * 5)
+        share = np.array(classes, dtype=float)
+        low = width * np.arange(len(share))
+        high = low + width
+        high[len(share) - 1 :] = np.inf
+        frame = pd.DataFrame({"low": low, "high": high, "share": share, "probability_density": share / (high - low)})
+        names = ("p10_of_mean", "p50_of_mean", "p90_of_mean", "p99_of_mean", "max_of_mean")
+        frame.attrs.update({"mean_normal_force_n": mean, **dict(zip(names, percentiles))})
+        return frame
+
+    @cached_property
+    def loaded(self) -> pd.DataFrame:
+        """The contacts between grains, each counted once however many points it has: its height `z_mm`, the upward part of
+        its unit normal `normal_z`, `normal_force_n`, and whether it `slides`: every point bears as much friction as it
+        can."""
+        z, upward, force, slides = np.frombuffer(self._native.loaded()).reshape(-1, 4).T
+        return pd.DataFrame({"z_mm": z * 1000.0, "normal_z": upward, "normal_force_n": force, "slides": slides > 0.5})
+
+
+def _tensor(numbers: bytes | None) -> Array:
+    return np.full((3, 3), np.nan) if numbers is None else np.frombuffer(numbers).reshape(3, 3)
 
 
 def _frame(table: bytes) -> pd.DataFrame:

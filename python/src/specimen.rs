@@ -5,7 +5,12 @@ use std::path::PathBuf;
 use pluvia::export::{
     ExportError, Exported, contacts_csv, grains_csv, pairs_csv, read_at_rest, read_run,
 };
-use pluvia::measure::{Container, HeightMap, Layer, height_cell, void_profile};
+use pluvia::geometry::Vector;
+use pluvia::measure::{
+    Container, FORCE_CLASS, HeightMap, LoadedContact, Region, Slice, contacts_of_grains_in, fabric,
+    force_distribution, height_cell, layers, loaded_contacts, rings, stress_in,
+};
+use pluvia::protocol::friction_between;
 use pluvia::specimen::Fate;
 use pluvia::study::container;
 use pyo3::{
@@ -18,7 +23,10 @@ use pyo3::{
 #[pyclass(frozen, module = "pluvia._pluvia")]
 pub struct Specimen {
     run: Exported,
+    /// The same with the table brought back along y and z: what is measured is measured there.
+    level: pluvia::specimen::Specimen,
     container: Container,
+    contacts: Vec<LoadedContact>,
 }
 
 fn bytes<'py>(py: Python<'py>, numbers: impl IntoIterator<Item = f64>) -> Bound<'py, PyBytes> {
@@ -29,6 +37,11 @@ fn bytes<'py>(py: Python<'py>, numbers: impl IntoIterator<Item = f64>) -> Bound<
 fn integers<'py>(py: Python<'py>, numbers: impl IntoIterator<Item = usize>) -> Bound<'py, PyBytes> {
     let bytes: Vec<u8> = numbers.into_iter().flat_map(|n| (n as i64).to_ne_bytes()).collect();
     PyBytes::new(py, &bytes)
+}
+
+/// A tensor, row by row.
+fn tensor<'py>(py: Python<'py>, at: impl Fn(usize, usize) -> f64) -> Bound<'py, PyBytes> {
+    bytes(py, (0..9).map(|n| at(n / 3, n % 3)))
 }
 
 /// A value error where what was asked for is not there, else one of the system.
@@ -45,6 +58,19 @@ fn table<E: ToString>(py: Python<'_>, made: Result<Vec<u8>, E>) -> PyResult<Boun
     Ok(PyBytes::new(py, &text))
 }
 
+impl Specimen {
+    /// The box around the container between two heights in m.
+    fn layer(&self, low: f64, high: f64) -> Region {
+        let Container { centre_x, radius, .. } = self.container;
+        // Walls are polygons, whose corners lie beyond the radius.
+        let reach = 2.0 * radius;
+        Region {
+            low: Vector::new(centre_x - reach, -reach, low),
+            high: Vector::new(centre_x + reach, reach, high),
+        }
+    }
+}
+
 #[pymethods]
 impl Specimen {
     /// Reads the specimen of a run folder at the end of a stage: its number from 0, its name, or
@@ -52,13 +78,18 @@ impl Specimen {
     #[staticmethod]
     #[pyo3(signature = (folder, stage=None))]
     fn read(py: Python<'_>, folder: PathBuf, stage: Option<&str>) -> PyResult<Self> {
-        let run = py.detach(|| match stage {
-            Some(stage) => read_run(&folder, Some(stage)),
-            None => read_at_rest(&folder),
-        });
-        let run = run.map_err(|error| raised(&error))?;
-        let container = container(&run.setup, &run.specimen);
-        Ok(Self { run, container })
+        py.detach(|| {
+            let run = match stage {
+                Some(stage) => read_run(&folder, Some(stage))?,
+                None => read_at_rest(&folder)?,
+            };
+            let container = container(&run.setup, &run.specimen);
+            let level = run.specimen.on_level_table().into_owned();
+            let friction = friction_between(&run.setup, &level.state);
+            let contacts = loaded_contacts(&level.state.contacts, friction);
+            Ok(Self { run, level, container, contacts })
+        })
+        .map_err(|error| raised(&error))
     }
 
     /// Name of the stage.
@@ -73,17 +104,16 @@ impl Specimen {
         self.run.made_by.time_s
     }
 
-    /// The container: x of the axis, inner radius and inner height, in m.
+    /// Cross-section of the container in m².
     #[getter]
-    fn container_m(&self) -> (f64, f64, f64) {
-        (self.container.centre_x, self.container.radius, self.container.height)
+    fn area_m2(&self) -> f64 {
+        self.container.area()
     }
 
     /// Height of the mean surface above the floor in m, as in `summary.json`.
     fn mean_surface_m(&self, py: Python<'_>) -> PyResult<f64> {
-        let specimen = &self.run.specimen;
-        let cell = height_cell(&specimen.grains);
-        let map = py.detach(|| HeightMap::of(specimen, &self.container, cell));
+        let cell = height_cell(&self.level.grains);
+        let map = py.detach(|| HeightMap::of(&self.level, &self.container, cell));
         let map = map.map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(map.standing_height().mean_surface)
     }
@@ -152,16 +182,62 @@ impl Specimen {
         })
     }
 
-    /// Layers of equal thickness from the floor to a height in m: lower side and upper side in m,
-    /// volume of solids in m³, void ratio (NaN where no grain is), of each.
+    /// Void ratio in `count` layers between two heights in m or, `by_radius`, in rings about the
+    /// axis: where each begins and ends in m, volume of its solids in m³, void ratio (NaN where
+    /// no grain is).
     fn void_profile<'py>(
         &self,
         py: Python<'py>,
-        height: f64,
-        layers: usize,
+        by_radius: bool,
+        low: f64,
+        high: f64,
+        count: usize,
     ) -> Bound<'py, PyBytes> {
-        let found = py.detach(|| void_profile(&self.run.specimen, &self.container, height, layers));
-        let row = |l: &Layer| [l.low, l.high, l.solids_volume, l.void_ratio.unwrap_or(f64::NAN)];
+        let found = py.detach(|| {
+            let grains = self.container.members(&self.level);
+            let Container { centre_x, radius, .. } = self.container;
+            match by_radius {
+                true => rings(&self.level, &grains, (centre_x, radius), (low, high), count),
+                false => layers(&self.level, &grains, self.container.area(), (low, high), count),
+            }
+        });
+        let row = |s: &Slice| [s.from, s.to, s.solids, s.void_ratio().unwrap_or(f64::NAN)];
         bytes(py, found.iter().flat_map(row).collect::<Vec<_>>())
+    }
+
+    /// Mean stress in Pa between two heights in m, compression positive, row by row; none where
+    /// the engine gave no contacts.
+    fn stress<'py>(&self, py: Python<'py>, low: f64, high: f64) -> Option<Bound<'py, PyBytes>> {
+        let layer = self.layer(low, high);
+        let found = py.detach(|| stress_in(&self.level, &layer))?;
+        // The box is wider than the container.
+        let share = layer.volume() / (self.container.area() * (high - low));
+        Some(tensor(py, |i, j| found.tensor[(i, j)] * share))
+    }
+
+    /// Fabric tensor of the contacts between grains between two heights in m, row by row; none
+    /// where there are none.
+    fn fabric<'py>(&self, py: Python<'py>, low: f64, high: f64) -> Option<Bound<'py, PyBytes>> {
+        let layer = self.layer(low, high);
+        let found = fabric(contacts_of_grains_in(&self.contacts, &layer))?;
+        Some(tensor(py, |i, j| found.tensor[(i, j)]))
+    }
+
+    /// Normal forces between grains: their mean in N; width of the classes in means; share of
+    /// contacts in each, the last open; 10th, 50th, 90th, 99th percentile and largest in means.
+    fn force_distribution(&self) -> Option<(f64, f64, Vec<f64>, [f64; 5])> {
+        let between = self.contacts.iter().filter(|contact| contact.is_of_grains());
+        let found = force_distribution(between.map(|contact| contact.normal_force))?;
+        Some((found.mean, FORCE_CLASS, found.classes, found.percentiles))
+    }
+
+    /// Contacts between grains, each counted once: height in m, upward part of the unit normal,
+    /// normal force in N, whether it slides (1 or 0).
+    fn loaded<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        let between = self.contacts.iter().filter(|contact| contact.is_of_grains());
+        let row = |c: &LoadedContact| {
+            [c.point.z, c.normal.z, c.normal_force, f64::from(u8::from(c.slides))]
+        };
+        bytes(py, between.flat_map(row))
     }
 }

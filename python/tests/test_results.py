@@ -83,72 +83,21 @@ def test_stages_have_specimens_of_their_own(vibrated: pluvia.Run) -> None:
 def test_the_void_profile_adds_up(poured: pluvia.Run) -> None:
     specimen = poured.specimen
     inside = specimen.grains[specimen.present]
-    top = float(max(hull[:, 2].max() for hull in specimen.hulls)) * 1000.0
-    profile = poured.void_profile(7, top_mm=top + 1e-6)
-    assert len(profile) == 7 and profile["high_mm"].iloc[-1] == pytest.approx(top, abs=1e-3)
-    # Grains reach into floor and each other by little, and below the floor nothing counts.
-    assert profile["solids_cm3"].sum() == pytest.approx(inside["volume_mm3"].sum() / 1000.0, rel=2e-3)
-    layer_cm3 = specimen.area_m2 * (profile["high_mm"] - profile["low_mm"]) * 1000.0
-    assert np.allclose(profile["void_ratio"], layer_cm3 / profile["solids_cm3"] - 1.0)
-    assert np.allclose(profile["porosity"], profile["void_ratio"] / (1.0 + profile["void_ratio"]))
-    for bad in ({"layers": 0}, {"top_mm": -1.0}, {"top_mm": float("nan")}):
+    top = float(max(hull[:, 2].max() for hull in specimen.hulls)) * 1000.0 + 1.0
+    # Grains reach into the floor by little.
+    profile = poured.void_profile(7, low_mm=-1.0, high_mm=top)
+    assert len(profile) == 7 and profile["to_mm"].iloc[-1] == pytest.approx(top)
+    assert profile["solids_mm3"].sum() == pytest.approx(inside["volume_mm3"].sum(), rel=1e-9)
+    layer_mm3 = specimen.area_m2 * (profile["to_mm"] - profile["from_mm"]) * 1e6
+    full = profile["solids_mm3"] > 1.0
+    assert np.allclose(profile["void_ratio"][full], (layer_mm3 / profile["solids_mm3"] - 1.0)[full])
+    assert np.allclose(profile["porosity"][full], (1.0 - profile["solids_mm3"] / layer_mm3)[full])
+    rings = poured.void_profile(5, by="radius", low_mm=-1.0, high_mm=top)
+    assert rings["solids_mm3"].sum() == pytest.approx(inside["volume_mm3"].sum(), rel=1e-9)
+    assert rings["to_mm"].iloc[-1] == pytest.approx(37.5)
+    for bad in ({"count": 0}, {"high_mm": -1.0}, {"low_mm": float("nan")}, {"by": "mass"}):
         with pytest.raises(ValueError, match=next(iter(bad))):
             poured.void_profile(**bad)
-
-
-def contacts(*rows: tuple[str, str, tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]) -> pd.DataFrame:
-    """A table of contacts: the two, point in mm, normal, force in N."""
-    names = ["x_mm", "y_mm", "z_mm", "normal_x", "normal_y", "normal_z", "force_x_n", "force_y_n", "force_z_n"]
-    table = [dict(zip(names, [*at, *n, *f]), first=a, second=b) for a, b, at, n, f in rows]
-    return pd.DataFrame(table, columns=["first", "second", *names])
-
-
-def test_stress_of_two_grains_pressed_together() -> None:
-    # Two spheres of 20 mm one above the other, pressed by 3 N between floor and plate.
-    up, force = (0.0, 0.0, 1.0), (0.0, 0.0, 3.0)
-    table = contacts(
-        ("grain_00001", "grain_00000", (0, 0, 20), up, force),
-        ("grain_00000", "floor", (0, 0, 0), up, force),
-        ("top_plate", "grain_00001", (0, 0, 40), up, force),
-    )
-    positions = np.array([[0, 0, 0.01], [0, 0, 0.03]])
-    got = pluvia.stress(table, positions, volume_m3=0.02 * 0.02 * 0.04)
-    expected = np.zeros((3, 3))
-    expected[2, 2] = 3.0 / (0.02 * 0.02)
-    assert np.allclose(got, expected, rtol=1e-12), "law: force over area, compression positive"
-    half = pluvia.stress(table, positions, volume_m3=0.02 * 0.02 * 0.02, low_mm=10, high_mm=30)
-    assert half[2, 2] == pytest.approx(3.0 / (0.02 * 0.02)), "law: the middle contact alone bears its layer"
-    assert not np.allclose(pluvia.stress(table.assign(force_z_n=-3.0), positions, volume_m3=1.6e-5), expected)
-
-
-def test_fabric_of_known_normals() -> None:
-    up, side, none = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    table = contacts(
-        ("grain_00001", "grain_00000", none, up, none),
-        ("grain_00002", "grain_00000", none, (0.0, 0.0, -1.0), none),
-        ("grain_00002", "grain_00001", none, up, none),
-        ("grain_00003", "grain_00000", none, side, none),
-        ("grain_00000", "floor", none, side, none),
-    )
-    assert np.allclose(pluvia.fabric(table), np.diag([0.25, 0.0, 0.75])), "law: mean n n, walls do not count"
-    assert np.isnan(pluvia.fabric(table.iloc[:0])).all()
-
-
-def test_forces_of_pairs_are_distributed() -> None:
-    up, at = (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
-    table = contacts(
-        ("grain_00001", "grain_00000", at, up, (5.0, 0.0, 1.0)),
-        ("grain_00001", "grain_00000", at, up, (0.0, 0.0, 2.0)),
-        ("grain_00002", "grain_00000", at, up, (0.0, 0.0, 1.0)),
-        ("grain_00002", "floor", at, up, (0.0, 0.0, 100.0)),
-    )
-    got = pluvia.force_distribution(table, bins=3)
-    assert got.attrs["mean_normal_force_n"] == pytest.approx(2.0), "law: points of a pair are summed, walls left out"
-    assert got["pairs"].tolist() == [0, 1, 1]
-    assert (got["probability_density"] * (got["high"] - got["low"])).sum() == pytest.approx(1.0)
-    assert len(pluvia.force_distribution(table.iloc[:0])) == 0
-    with pytest.raises(ValueError, match="bins"):
-        pluvia.force_distribution(table, bins=0)
 
 
 def test_contacts_carry_the_weight(poured: pluvia.Run) -> None:
@@ -161,15 +110,35 @@ def test_contacts_carry_the_weight(poured: pluvia.Run) -> None:
     assert (sign * walls["force_z_n"]).sum() == pytest.approx(weight, rel=0.05)
     assert (table["normal_force_n"] >= -1e-9).all() and (table["tangential_force_n"] >= 0.0).all()
     held = (grains["mass_g"] * grains["z_mm"]).sum() * 1e-6 * 9.81 - (sign * walls["force_z_n"] * walls["z_mm"]).sum() / 1000.0
-    volume_m3 = poured.specimen.area_m2 * poured.specimen.mean_surface_mm / 1000.0
-    stress = poured.stress()
-    assert stress[2, 2] * volume_m3 == pytest.approx(held, rel=0.1)
-    assert np.trace(poured.fabric()) == pytest.approx(1.0)
-    # Three quarters of the layer is a layer, too; a layer upside down is none.
-    assert poured.stress(low_mm=0.0, high_mm=poured.specimen.mean_surface_mm * 0.75)[2, 2] > 0.0
-    with pytest.raises(ValueError, match="no volume"):
+    # Above the mean surface there are grains, too: the layer holds them all.
+    top = 200.0
+    stress = poured.stress(low_mm=-1.0, high_mm=top)
+    assert stress.shape == (3, 3) and np.allclose(stress, stress.T)
+    assert stress[2, 2] * poured.specimen.area_m2 * (top + 1.0) / 1000.0 == pytest.approx(held, rel=0.1)
+    middle = poured.specimen.mean_surface_mm / 2.0
+    assert poured.stress(high_mm=middle)[2, 2] > poured.stress(low_mm=middle)[2, 2] > 0.0, "law: deeper, more"
+    with pytest.raises(ValueError, match="low_mm is 10"):
         poured.stress(low_mm=10.0, high_mm=5.0)
-    assert poured.force_distribution(bins=8)["pairs"].sum() > 10
+
+
+def test_fabric_is_the_mean_of_the_normals(poured: pluvia.Run) -> None:
+    """Law: the trace is 1, and the vertical part the mean of n_z squared."""
+    fabric, loaded = poured.fabric(), poured.specimen.loaded
+    assert np.trace(fabric) == pytest.approx(1.0) and np.allclose(fabric, fabric.T)
+    assert fabric[2, 2] == pytest.approx((loaded["normal_z"] ** 2).mean())
+    assert np.isnan(poured.fabric(low_mm=500.0, high_mm=600.0)).all(), "law: no contacts, no fabric"
+    assert poured.record["contacts"]["between_grains"] == len(loaded)
+
+
+def test_forces_are_distributed(poured: pluvia.Run) -> None:
+    got, forces = poured.force_distribution(), poured.specimen.loaded["normal_force_n"]
+    mean = got.attrs["mean_normal_force_n"]
+    assert mean == pytest.approx(forces.mean()) and mean == pytest.approx(poured["contacts.normal_force.mean_n"])
+    assert got["share"].sum() == pytest.approx(1.0)
+    first = ((forces / mean) < got["high"].iloc[0]).mean()
+    assert got["share"].iloc[0] == pytest.approx(first)
+    assert got.attrs["max_of_mean"] == pytest.approx(forces.max() / mean)
+    assert got["high"].iloc[-1] == np.inf and got["probability_density"].iloc[-1] == 0.0
 
 
 @pytest.mark.parametrize("what", ["overview", "heights", "settlement", "energy", "void_profile", "forces", "normals"])

@@ -91,17 +91,13 @@ def test_another_scenario_is_kept_unless_forced(in_folder: Path) -> None:
     assert pluvia.run(layer(16.0), "out", force=True, progress=False)["grains.mass_g"] == pytest.approx(16.0)
 
 
-def test_a_failed_simulation_says_where_its_state_is(in_folder: Path) -> None:
-    # Faster than any grain may be.
-    bad = layer(15.0)
-    bad["stages"][1]["falling_height_mm"] = 80
-    bad["checks"] = {}
-    with pytest.raises(pluvia.ScenarioError, match="checks"):
-        pluvia.run(bad, "out", progress=False)
+def test_errors_are_known_by_the_exit_code() -> None:
     from pluvia._errors import raised
 
-    error = raised(3, "pour: NaN; the last good state is kept in out/bad.json")
-    assert isinstance(error, pluvia.SimulationError) and "out/bad.json" in str(error)
+    for code, kind in ((2, pluvia.ScenarioError), (3, pluvia.SimulationError), (4, pluvia.FileError), (130, KeyboardInterrupt)):
+        error = raised(code, "pour: the last good state is kept in out/bad.json")
+        assert type(error) is kind and "out/bad.json" in str(error)
+    assert issubclass(pluvia.SimulationError, RuntimeError) and issubclass(pluvia.SimulationError, pluvia.Error)
 
 
 def test_a_run_without_rest_test_is_warned_of(in_folder: Path) -> None:

@@ -77,3 +77,16 @@ def test_a_height_that_no_mass_gives_is_no_exception(in_folder: Path) -> None:
 def test_a_target_that_no_summary_has_is_refused(in_folder: Path) -> None:
     with pytest.raises(pluvia.Error, match="heigth"):
         pluvia.calibrate(layer(), "out", target={"heigth": 1}, unknown="seed", between=(1, 2), progress=False)
+
+
+def test_a_result_that_no_run_measures_is_a_failed_study(in_folder: Path) -> None:
+    with pytest.raises(pluvia.SimulationError, match="angle_of_repose"):
+        pluvia.calibrate(
+            layer(15.0),
+            "out",
+            target={"angle_of_repose.degrees": 30},
+            unknown="contact.grain_grain_friction",
+            between=(0.2, 0.8),
+            replicates=2,
+            progress=False,
+        )

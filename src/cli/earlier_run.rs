@@ -35,7 +35,7 @@ const RESULTS: [&str; 12] = [
 
 /// Files of a run that the next one may not write again: `--force` removes them. Grains stay,
 /// which the scenario may be read from; the run writes its own over them.
-const REMOVED: [&str; 8] = [
+const REMOVED: [&str; 9] = [
     MANIFEST,
     "summary.json",
     "series.csv",
@@ -44,6 +44,7 @@ const REMOVED: [&str; 8] = [
     "specimen.json",
     "sieve.csv",
     "stones.csv",
+    "void_profile.csv",
 ];
 
 /// Fields of a scenario for the reader alone.

@@ -24,6 +24,7 @@ mod output_folder;
 mod overall;
 mod paint;
 mod picture;
+mod plot;
 mod progress;
 mod renamed;
 mod reproduce;
@@ -99,6 +100,7 @@ enum Command {
     Verify(verify::VerifyArgs),
     Export(export::ExportArgs),
     Picture(picture::PictureArgs),
+    Plot(plot::PlotArgs),
     View(view::ViewArgs),
     Schema(schema::SchemaArgs),
     Info(info::InfoArgs),
@@ -162,6 +164,7 @@ fn command(cli: &Cli, context: &Context) -> Result<ExitStatus, CliError> {
         Command::Verify(args) => verify::run(args, context),
         Command::Export(args) => export::run(args, context),
         Command::Picture(args) => picture::run(args, context),
+        Command::Plot(args) => plot::run(args, context),
         Command::View(args) => view::run(args, context),
         Command::Schema(args) => schema::run(args, context),
         Command::Info(args) => info::run(args, context),

@@ -196,7 +196,8 @@ fn is_file(subject: &Path) -> bool {
     subject.exists() && !subject.is_dir()
 }
 
-fn ends_in(file: &Path, option: &str, allowed: &[&str]) -> Result<(), CliError> {
+/// Whether the name of a file ends as an option's must.
+pub(super) fn ends_in(file: &Path, option: &str, allowed: &[&str]) -> Result<(), CliError> {
     let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if allowed.contains(&extension.as_str()) {
         return Ok(());
@@ -210,7 +211,7 @@ fn ends_in(file: &Path, option: &str, allowed: &[&str]) -> Result<(), CliError> 
 
 /// The folder of a file, made and tried before the work; a file that is there is refused unless
 /// it may be replaced.
-fn prepare(file: &Path, force: bool) -> Result<(), FileError> {
+pub(super) fn prepare(file: &Path, force: bool) -> Result<(), FileError> {
     if file.is_dir() {
         return Err(FileError::new("write", file, "it is a folder"));
     }

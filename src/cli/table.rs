@@ -63,6 +63,16 @@ fn settlement(of: &Settlement) -> String {
     text
 }
 
+/// How many grains touch a grain, and how the contacts are loaded.
+fn coordination(of: &Summary) -> String {
+    let mut text = format!("{:.2}", of.coordination_number);
+    let contacts = of.contacts.as_ref();
+    if let Some(sliding) = contacts.and_then(|contacts| contacts.sliding_percent) {
+        text += &format!(", {sliding:.0} % of the loaded contacts slide");
+    }
+    text
+}
+
 /// How a vibration moved the table and came to rest.
 fn vibration(of: &VibrationSummary) -> String {
     let mut text = of.motion.line();
@@ -96,6 +106,10 @@ fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
         let [x, y, z] = piece.force_n.map(|force| rounded(force, 3));
         rows.add(&format!("force on {}", piece.name), format!("({x:.3}, {y:.3}, {z:.3}) N"));
     }
+    for group in &of.groups {
+        let [x, y, z] = group.force_n.map(|force| rounded(force, 3));
+        rows.add(&format!("force on {}", group.name), format!("({x:.3}, {y:.3}, {z:.3}) N"));
+    }
     let Balance { weight_n, carried_n, difference_percent, .. } = of.balance;
     let off =
         difference_percent.map_or(String::new(), |off| format!(", {:+.2} %", rounded(off, 2)));
@@ -108,6 +122,12 @@ fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
     for region in &of.regions {
         let ratio = region.void_ratio.map_or("no grains".to_owned(), |e| format!("{e:.3}"));
         rows.add(&format!("void ratio, {}", region.name), ratio);
+        if let Some(stress) = &region.stress {
+            let [[xx, _, _], [_, yy, _], [_, _, zz]] = stress.tensor_kpa;
+            let [xx, yy, zz] = [xx, yy, zz].map(|stress| rounded(stress, 4));
+            let text = format!("xx {xx:.4}, yy {yy:.4}, zz {zz:.4} kPa");
+            rows.add(&format!("stress, {}", region.name), text);
+        }
     }
 }
 
@@ -163,6 +183,9 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {
         rows.add("void ratio", format!("{void_ratio:.3} (porosity {porosity:.3})"));
     }
+    if let Some(core) = summary.core.as_ref().and_then(|core| core.void_ratio) {
+        rows.add("void ratio of the core", format!("{core:.3}"));
+    }
     if let Some(laboratory) = laboratory {
         of_laboratory(laboratory, &mut rows);
     }
@@ -193,7 +216,7 @@ pub(super) fn of_summary(summary: &Summary) -> String {
             overlap.mean_percent, overlap.p99_percent, overlap.max_percent
         ),
     );
-    rows.add("coordination", format!("{:.2}", summary.coordination_number));
+    rows.add("coordination", coordination(summary));
     if let Some(creep) = summary.creep_um_per_s {
         rows.add("creep at rest", format!("{creep:.1} µm/s"));
     }

@@ -16,20 +16,23 @@ mod heights;
 mod hull;
 pub mod inference;
 mod inverse;
+mod loads;
 pub mod nested;
 mod overlap;
 mod pairs;
 mod places;
 mod plate;
+mod profile;
 mod raster;
 mod region;
 mod repose;
+mod rotation;
 mod separation;
 mod settlement;
 pub mod statistics;
+mod stress;
 #[cfg(test)]
 mod testing;
-mod void_profile;
 mod void_ratio;
 
 pub use bootstrap::bootstrap_interval;
@@ -42,19 +45,25 @@ pub use height_map::{HeightMap, StandingHeight, height_cell};
 pub use heights::{Content, content, mean_grain_height};
 pub use hull::WorldHull;
 pub use inverse::{InversePrediction, bend_pattern, inverse_prediction};
+pub use loads::{
+    FORCE_CLASS, Fabric, ForceDistribution, LoadedContact, contacts_of_grains_in, fabric,
+    force_distribution, loaded_contacts, sliding_share,
+};
 pub use overlap::{OverlapStatistics, overlap_statistics};
 pub use pairs::{PairGap, pairs_within, pairs_within_of, touching_gap};
 pub use places::{Place, Places, places};
 pub use plate::{PlatePosition, plate_position};
+pub use profile::{Slice, layers, rings};
 pub use region::{Region, void_ratio_in};
 pub use repose::{
     FLANK, NoPile, PileSurface, Repose, Sector, base_level, over, pile_surface, pile_top,
 };
+pub use rotation::rotations;
 pub use separation::{Separation, penetration_depth, separation, separation_within};
 pub use settlement::{
     HeightSample, Period, Settlement, height_at, mean_height_between, settlement, share_after,
 };
-pub use void_profile::{Layer, void_profile};
+pub use stress::{Stress, stress_in};
 pub use void_ratio::{Voids, void_ratio};
 
 /// Why something could not be measured.

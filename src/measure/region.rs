@@ -19,6 +19,11 @@ impl Region {
         sides.x * sides.y * sides.z
     }
 
+    /// Whether a point lies in it; boxes side by side share none.
+    pub fn holds(&self, point: &Vector) -> bool {
+        (0..3).all(|k| self.low[k] <= point[k] && point[k] < self.high[k])
+    }
+
     /// Volume in m³ of the part of a solid that lies in it.
     pub fn volume_of(&self, shape: &ConvexPolyhedron, pose: &Pose) -> f64 {
         let corners: Vec<Vector> = shape.vertices().iter().map(|v| (pose * v).coords).collect();
@@ -33,27 +38,41 @@ impl Region {
         if (0..3).any(beyond) {
             return 0.0;
         }
-        let faces = shape.faces().iter();
-        let mut faces: Vec<Vec<Vector>> =
-            faces.map(|face| face.iter().map(|&c| corners[c as usize]).collect()).collect();
+        let mut faces = faces_at(shape, &corners);
         for k in 0..3 {
-            faces = cut(faces, k, 1.0, self.high[k]);
-            faces = cut(faces, k, -1.0, -self.low[k]);
+            for (sign, offset) in [(1.0, self.high[k]), (-1.0, -self.low[k])] {
+                let onto = |p: &mut Vector| p[k] = sign * offset;
+                faces = cut(faces, |p| sign * p[k] - offset, onto);
+            }
         }
-        // Divergence theorem about a corner of the region, near enough for rounding.
-        let triple = |a: &Vector, b: &Vector, c: &Vector| {
-            (a - self.low).dot(&(b - self.low).cross(&(c - self.low)))
-        };
-        let fans = faces
-            .iter()
-            .flat_map(|f| (1..f.len().max(2) - 1).map(move |i| triple(&f[0], &f[i], &f[i + 1])));
-        fans.sum::<f64>() / 6.0
+        // About a corner of the region, near enough for rounding.
+        volume(&faces, &self.low)
     }
 }
 
-/// What of a closed surface lies where sign · x[axis] <= offset, closed again.
-fn cut(faces: Vec<Vec<Vector>>, axis: usize, sign: f64, offset: f64) -> Vec<Vec<Vector>> {
-    let height = |p: &Vector| sign * p[axis] - offset;
+/// Corners of the faces of a solid whose corners are where they are.
+pub(super) fn faces_at(shape: &ConvexPolyhedron, corners: &[Vector]) -> Vec<Vec<Vector>> {
+    let faces = shape.faces().iter();
+    faces.map(|face| face.iter().map(|&c| corners[c as usize]).collect()).collect()
+}
+
+/// Volume within a closed surface of flat faces, by the divergence theorem about a point.
+pub(super) fn volume(faces: &[Vec<Vector>], about: &Vector) -> f64 {
+    let triple =
+        |a: &Vector, b: &Vector, c: &Vector| (a - about).dot(&(b - about).cross(&(c - about)));
+    let fans = faces
+        .iter()
+        .flat_map(|f| (1..f.len().max(2) - 1).map(move |i| triple(&f[0], &f[i], &f[i + 1])));
+    fans.sum::<f64>() / 6.0
+}
+
+/// What of a closed convex surface lies where a height over a plane is not above 0, closed again;
+/// `onto` puts a point that is off the plane by a rounding onto it.
+pub(super) fn cut(
+    faces: Vec<Vec<Vector>>,
+    height: impl Fn(&Vector) -> f64,
+    onto: impl Fn(&mut Vector),
+) -> Vec<Vec<Vector>> {
     let mut kept = Vec::new();
     // Where faces leave and enter again: the rim of the cut, the other way round.
     let mut rim: Vec<(Vector, Vector)> = Vec::new();
@@ -68,7 +87,7 @@ fn cut(faces: Vec<Vec<Vector>>, axis: usize, sign: f64, offset: f64) -> Vec<Vec<
             }
             if (a <= 0.0) != (b <= 0.0) {
                 let mut at = p + (q - p) * (a / (a - b));
-                at[axis] = sign * offset;
+                onto(&mut at);
                 inside.push(at);
                 match a <= 0.0 {
                     true => leaves = Some(at),

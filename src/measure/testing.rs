@@ -10,7 +10,7 @@ use rand_pcg::Pcg64Mcg;
 use crate::{
     geometry::{ConvexPolyhedron, MassProperties, Point, Pose, Vector},
     grains::{Block, Grain, GrainSet},
-    specimen::{Fate, GrainState, Specimen, SpecimenState},
+    specimen::{Fate, GrainState, Party, SavedContact, Specimen, SpecimenState},
     world::BodyState,
 };
 
@@ -165,6 +165,18 @@ pub fn grain(shape: &ConvexPolyhedron) -> (Grain, Pose) {
         fraction: 0,
     };
     (grain, frame.pose)
+}
+
+/// A contact that bears a force in N on the first of two, along its own normal.
+pub fn contact(between: [Party; 2], point: Vector, force: Vector) -> SavedContact {
+    SavedContact {
+        between,
+        point_m: point,
+        normal: force.normalize(),
+        force_n: force,
+        warm_start: 1.0,
+        feature: [0, 0],
+    }
 }
 
 /// A block whose sieves are the paper's finest and coarsest.

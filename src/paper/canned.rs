@@ -366,6 +366,10 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
             max_percent: if bad { 9.0 } else { 2.5 },
             max_mm: 0.26,
         },
+        coordination_distribution: Vec::new(),
+        contacts: None,
+        stages: Vec::new(),
+        core: None,
         coordination_number: 5.2,
         creep_um_per_s: Some(creep),
         rest_test: Some(RestTest {

@@ -11,7 +11,7 @@ use crate::grains::{
 };
 use crate::scale;
 use crate::scenario::{BaseKind, BaseSpec};
-use crate::specimen::{Base, FixedGrain, SpecimenState};
+use crate::specimen::{Base, FixedGrain, Other, Party, SpecimenState};
 use crate::world::{Material, PairTable};
 
 /// The base of a scenario, of the given radius in m.
@@ -90,6 +90,25 @@ pub fn base_pieces(
     let material = if base.friction.is_some() { Material::Wall } else { Material::Grain };
     pieces.push((round_floor(base.radius, grains.of_size(&scale::FLOOR_THICKNESS))?, material));
     Ok(pieces)
+}
+
+/// Friction coefficient between two parties of a specimen's contacts.
+pub fn friction_between(setup: &Setup, state: &SpecimenState) -> impl Fn(&[Party; 2]) -> f64 {
+    let pairs = pairs(setup, state);
+    let materials = setup.piece_materials.clone();
+    let base = state.base.as_ref().map(|base| (base.fixed_grains.len(), base.friction.is_some()));
+    let material = move |party: &Party| match party {
+        Party::Grain(_) => Material::Grain,
+        Party::Other(Other::TopPlate) => Material::Plate,
+        Party::Other(Other::Cylinder(_) | Other::Funnel(_)) => Material::Wall,
+        Party::Other(Other::Piece(n, _)) => materials.get(*n).copied().unwrap_or(Material::Wall),
+        // As in [`base_pieces`]: the fixed grains, and the floor last.
+        Party::Other(Other::Base(n)) => match base {
+            Some((fixed, true)) if *n >= fixed => Material::Wall,
+            _ => Material::Grain,
+        },
+    };
+    move |between| pairs.get(material(&between[0]), material(&between[1])).friction
 }
 
 /// The pairs of a laboratory with what the specimen stands on: a plane base has

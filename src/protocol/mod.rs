@@ -32,7 +32,7 @@ mod watch_tests;
 mod watched;
 mod whereabouts;
 
-pub use base::base_pieces;
+pub use base::{base_pieces, friction_between};
 pub use plausible::plausible;
 pub use progress::{Progress, Silent};
 pub use segments::{Midway, segments};
@@ -41,7 +41,7 @@ pub use setup::SettleCriterion;
 pub use setup::Setup;
 pub use stages::run;
 pub use stand::WorldMaker;
-pub use watch::Watch;
+pub use watch::{EnergyBalance, Watch};
 pub use watched::Watched;
 
 use std::{ops::ControlFlow, time::Duration};
@@ -74,6 +74,8 @@ pub struct Moment {
     pub stage_time: f64,
     /// Velocity of the table in m/s.
     pub table_velocity: Vector,
+    /// What was given and taken since the stage began.
+    pub balance: EnergyBalance,
 }
 
 /// What a stage leaves beside its specimen.

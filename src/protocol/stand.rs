@@ -236,7 +236,7 @@ impl<'a> Stand<'a> {
         self.check = check(self.setup, peak);
         self.begin_watch((peak, table_velocity(self.midway.steps as f64 * dt)));
         if self.midway.steps == 0 {
-            let moment = Moment { stage_time: 0.0, table_velocity: table_velocity(0.0) };
+            let moment = self.moment(0.0, table_velocity(0.0));
             observer.observe(&self.specimen, moment);
         }
         if let Some(motion) = motion.filter(|_| self.midway.steps > 0) {
@@ -288,8 +288,8 @@ impl<'a> Stand<'a> {
                 }
                 self.pieces.take_loads(&mut self.specimen.state, dt);
                 self.midway.residuals.extend(self.world.solver_residual());
-                let moment = Moment { stage_time: time, table_velocity: table_velocity(time) };
-                observer.observe(&self.specimen, moment);
+                let moment = self.moment(time, table_velocity(time));
+                self.show(observer, moment);
             }
             if settled {
                 break;
@@ -306,6 +306,22 @@ impl<'a> Stand<'a> {
             }
         }
         Ok(LegEnd::OfPart { settled })
+    }
+
+    fn moment(&self, stage_time: f64, table_velocity: Vector) -> Moment {
+        Moment { stage_time, table_velocity, balance: self.midway.watch.balance }
+    }
+
+    /// Shows the specimen; with the contacts of the moment, where stresses are measured.
+    fn show(&mut self, observer: &mut dyn Observer, moment: Moment) {
+        let stresses = !self.setup.measures.regions.is_empty();
+        if stresses {
+            self.specimen.state.contacts = self.contacts();
+        }
+        observer.observe(&self.specimen, moment);
+        if stresses {
+            self.specimen.state.contacts.clear();
+        }
     }
 
     /// Takes the stage out of the world, to go on in another.

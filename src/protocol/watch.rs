@@ -45,8 +45,23 @@ pub struct Watch {
     pub speed: Watched,
     /// Unexplained energy gain in J.
     pub energy: Watched,
+    /// What was given and taken since the stage began; nothing in a checkpoint of before this was.
+    #[serde(default)]
+    pub balance: EnergyBalance,
     /// None before the stage has begun.
     budget: Option<Budget>,
+}
+
+/// Energy that bodies were given and have lost since a stage began, in J. What is taken off with
+/// bodies that leave, and what others bring that are let go, is neither.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct EnergyBalance {
+    /// Work of the table and of moving pieces. That of the table is its velocity times the
+    /// momentum given between two looks, sixteen to a cycle at least; that of pieces is summed
+    /// over every contact in every step.
+    pub input: f64,
+    /// What friction and impacts have taken: input less the gain of kinetic and potential energy.
+    pub dissipated: f64,
 }
 
 /// What speeds and energies are held against, in SI units.
@@ -162,6 +177,7 @@ impl Watch {
     pub(super) fn given(&mut self, work: f64) {
         if let Some(budget) = &mut self.budget {
             budget.energy += work;
+            self.balance.input += work;
         }
     }
 
@@ -180,7 +196,7 @@ impl Watch {
     /// Notes energy and momentum between two looks, where the table is fast, at a time as in `look`.
     pub(super) fn follow(&mut self, now: &Tally, table: Vector, time: f64) {
         if let Some(budget) = &mut self.budget {
-            budget.follow(now, table, time);
+            budget.follow(now, table, time, &mut self.balance);
         }
     }
 
@@ -188,7 +204,7 @@ impl Watch {
     /// since the first stage began.
     pub(super) fn look(&mut self, now: &Tally, table: Vector, time: f64) -> Finding {
         let Some(budget) = &mut self.budget else { return Finding::Nothing };
-        budget.follow(now, table, time);
+        budget.follow(now, table, time, &mut self.balance);
         let (gained, available, natural) = (budget.gained, budget.available, budget.speed);
         let fast = self.speed.note(now.fastest, SPEED_FACTOR * natural, time);
         let energetic = self.energy.note(gained, ENERGY_SHARE * available, time);
@@ -234,10 +250,13 @@ impl Budget {
             + mass * self.gravity * height;
     }
 
-    fn follow(&mut self, now: &Tally, table: Vector, time: f64) {
+    fn follow(&mut self, now: &Tally, table: Vector, time: f64, balance: &mut EnergyBalance) {
         let mut given = now.momentum - self.momentum;
         given.z += self.mass * self.gravity * (time - self.time);
         let work = self.table.component_mul(&given).sup(&table.component_mul(&given)).sum();
+        let work_of_table = f64::midpoint(self.table.dot(&given), table.dot(&given));
+        balance.input += work_of_table;
+        balance.dissipated += work_of_table + self.energy - now.energy;
         self.gained = (self.gained + now.energy - self.energy - work).max(0.0);
         (self.energy, self.momentum, self.mass) = (now.energy, now.momentum, now.mass);
         (self.table, self.time) = (table, time);

@@ -249,3 +249,47 @@ fn a_grain_that_the_engine_loses_ends_the_stage() {
     let error = outcome.expect_err("law: no grain is lost in silence").to_string();
     assert!(error.contains("no longer in the engine"), "{error}");
 }
+
+/// Law: what falls and comes to rest has dissipated m g h; what a table accelerates to v it has
+/// given ½ m v²; what a piece lifts by h it has given m g h; nothing else is lost.
+#[test]
+fn input_and_dissipation_balance_what_is_stored() {
+    let near = |what: &str, expected: f64, got: f64| {
+        assert!((got - expected).abs() < 1e-12, "law: {what}: expected {expected} J, got {got} J");
+    };
+    let fall = (2.0 * GRAVITY * 0.2_f64).sqrt();
+    let mut landing = moving(0.0, 0.0);
+    landing.linear_velocity.z = -fall;
+    let (watch, _) = watched(&[(moving(0.2, 0.0), 0.0), (landing, 0.0)], 0.0);
+    near("a fall takes nothing", 0.0, watch.balance.dissipated);
+    let states = [(moving(0.2, 0.0), 0.0), (landing, 0.0), (moving(0.0, 0.0), 0.0)];
+    let (watch, _) = watched(&states, 0.0);
+    near("m g h is dissipated", MASS * GRAVITY * 0.2, watch.balance.dissipated);
+    near("nothing was put in", 0.0, watch.balance.input);
+    // A body that goes with the table: its speed is that of the table at every look.
+    let states = [0.0, 0.1, 0.3, 0.4].map(|v| (moving(0.0, v), v));
+    let (watch, _) = watched(&states, 0.4);
+    near("½ m v² is put in", 0.5 * MASS * 0.16, watch.balance.input);
+    near("nothing is dissipated", 0.0, watch.balance.dissipated);
+    // A body hit by a table of 0.4 m/s that it then slides on: half of what is put in is lost.
+    let (watch, _) = watched(&[(moving(0.0, 0.0), 0.4), (moving(0.0, 0.4), 0.4)], 0.4);
+    near("V m V is put in", MASS * 0.16, watch.balance.input);
+    near("½ m V² is dissipated", 0.5 * MASS * 0.16, watch.balance.dissipated);
+    let mut watch = Watch::default();
+    let low = moving(0.0, 0.0);
+    watch.begin(std::iter::once(body(&low)), -0.05, GRAVITY, (0.0, Vector::zeros()), 0.0);
+    let lift = MASS * GRAVITY * 0.1;
+    watch.given(1.5 * lift);
+    let high = moving(0.1, 0.0);
+    watch.look(&Tally::of(std::iter::once(body(&high)), GRAVITY), Vector::zeros(), 1.0);
+    near("work of a piece is put in", 1.5 * lift, watch.balance.input);
+    near("what does not lift is dissipated", 0.5 * lift, watch.balance.dissipated);
+    // Who is let go brings energy, who leaves takes it along: neither is put in or dissipated.
+    watch.let_go(body(&high));
+    let both = [body(&high), body(&high)];
+    watch.look(&Tally::of(both.into_iter(), GRAVITY), Vector::zeros(), 2.0);
+    watch.taken_away(Tally::of(std::iter::once(body(&high)), GRAVITY));
+    watch.look(&Tally::of(std::iter::once(body(&high)), GRAVITY), Vector::zeros(), 3.0);
+    near("letting go is no input", 1.5 * lift, watch.balance.input);
+    near("leaving is no loss", 0.5 * lift, watch.balance.dissipated);
+}

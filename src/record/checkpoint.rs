@@ -16,8 +16,8 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{
-    AskedStage, FRAMES_FILE, FileError, FrameWriter, LaboratorySeries, OverlapWatch, SeriesRow,
-    StageIdentity, create_folder,
+    AskedStage, EnergyRow, FRAMES_FILE, FileError, FrameWriter, LaboratorySeries, OverlapWatch,
+    SeriesRow, StageIdentity, create_folder,
     frames::FramesSoFar,
     hash_bytes,
     lock::{Asked, ask_alone, has_name},
@@ -53,6 +53,8 @@ pub struct Observed {
     pub overlap: OverlapWatch,
     /// What was observed of a laboratory of pieces.
     pub laboratory: LaboratorySeries,
+    /// Energy at the rows; fewer where it went on from a checkpoint of before this was recorded.
+    pub energy: Vec<EnergyRow>,
     /// Wall time in s.
     pub wall_s: f64,
 }
@@ -80,6 +82,8 @@ struct Stored {
     overlap: OverlapWatch,
     #[serde(default, skip_serializing_if = "LaboratorySeries::is_empty")]
     laboratory: LaboratorySeries,
+    #[serde(default)]
+    energy: Vec<EnergyRow>,
     frames: Option<FramesSoFar>,
     wall_s: f64,
 }
@@ -190,6 +194,7 @@ impl Checkpoints {
                 reference: stored.reference,
                 overlap: stored.overlap,
                 laboratory: stored.laboratory,
+                energy: stored.energy,
                 wall_s: stored.wall_s,
             },
             frames,
@@ -217,6 +222,7 @@ impl Checkpoints {
             reference: observed.reference,
             overlap: observed.overlap,
             laboratory: observed.laboratory.clone(),
+            energy: observed.energy.clone(),
             frames: frames.map(FrameWriter::so_far).transpose()?,
             wall_s: observed.wall_s,
         };
@@ -380,6 +386,7 @@ pub(super) mod tests {
             reference: Reference::default(),
             overlap: OverlapWatch::default(),
             laboratory: LaboratorySeries::default(),
+            energy: Vec::new(),
             wall_s: 0.0,
         };
         checkpoints.keep(midway, &observed, None).expect("kept");

@@ -3,6 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::{FabricSummary, StressSummary, tables::with_columns};
+use crate::geometry::Vector;
+use crate::units::from_mm;
+
 /// One moment of a laboratory, beside a row of the series.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LaboratoryRow {
@@ -12,6 +16,10 @@ pub struct LaboratoryRow {
     pub passed_g: Vec<f64>,
     /// Void ratio in each region; null where no grain is.
     pub void_ratios: Vec<Option<f64>>,
+    /// Stress in each region in kPa, compression positive: xx, yy, zz, xy, xz, yz. Null where the
+    /// engine gave no contacts; empty where the stage was stored before this was recorded.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stresses_kpa: Vec<Option<[f64; 6]>>,
 }
 
 /// A piece at a moment.
@@ -46,11 +54,14 @@ impl LaboratorySeries {
 pub struct LaboratorySummary {
     /// The pieces, in the order of the scenario.
     pub pieces: Vec<PieceSummary>,
+    /// Named groups of pieces.
+    #[serde(default)]
+    pub groups: Vec<GroupSummary>,
     /// All that the pieces carry against all that the grains weigh.
     pub balance: Balance,
     /// Flow through openings.
     pub openings: Vec<OpeningSummary>,
-    /// Void ratios of regions at the end.
+    /// Void ratio, stress and fabric of regions at the end.
     pub regions: Vec<RegionSummary>,
 }
 
@@ -68,6 +79,21 @@ pub struct PieceSummary {
     pub moment_n_m: [f64; 3],
     /// Where the origin of its frame is, in mm.
     pub at_mm: [f64; 3],
+}
+
+/// Pieces taken together, at the end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct GroupSummary {
+    /// Its name.
+    pub name: String,
+    /// Names of its pieces.
+    pub pieces: Vec<String>,
+    /// Force of the grains on those that stand, in N, as of a piece.
+    pub force_n: [f64; 3],
+    /// Moment about the mean of their origins in N m, likewise.
+    pub moment_n_m: [f64; 3],
+    /// That mean, in mm; null where none of them stands.
+    pub at_mm: Option<[f64; 3]>,
 }
 
 /// Whether forces are complete: at rest the pieces carry the weight of the grains.
@@ -102,58 +128,99 @@ pub struct RegionSummary {
     pub name: String,
     /// Its void ratio; null where no grain is.
     pub void_ratio: Option<f64>,
+    /// Mean stress of the contacts in it, at the end of the rest test where one is run; null where
+    /// the engine gave no contacts.
+    #[serde(default)]
+    pub stress: Option<StressSummary>,
+    /// Fabric of the contacts between grains in it, likewise; null where there are none.
+    #[serde(default)]
+    pub fabric: Option<FabricSummary>,
+}
+
+/// What the columns of a laboratory are named by, in the order of its rows.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LaboratoryNames {
+    /// Pieces.
+    pub pieces: Vec<String>,
+    /// Groups, with the numbers of their pieces.
+    pub groups: Vec<(String, Vec<usize>)>,
+    /// Openings.
+    pub openings: Vec<String>,
+    /// Regions.
+    pub regions: Vec<String>,
+}
+
+/// Pieces taken together: their mean place, the force on all of them, and its moment about that
+/// place; none where none of them stands.
+pub fn of_group(pieces: &[Option<PieceRow>], numbers: &[usize]) -> Option<PieceRow> {
+    let there: Vec<&PieceRow> = numbers.iter().filter_map(|&n| pieces.get(n)?.as_ref()).collect();
+    if there.is_empty() {
+        return None;
+    }
+    let sum = |of: fn(&PieceRow) -> [f64; 3]| -> Vector {
+        there.iter().map(|piece| Vector::from(of(piece))).sum()
+    };
+    let at_mm = sum(|piece| piece.at_mm) / there.len() as f64;
+    let moment = |piece: &&PieceRow| {
+        let arm = (Vector::from(piece.at_mm) - at_mm).map(from_mm);
+        Vector::from(piece.moment_n_m) + arm.cross(&Vector::from(piece.force_n))
+    };
+    Some(PieceRow {
+        at_mm: at_mm.into(),
+        force_n: sum(|piece| piece.force_n).into(),
+        moment_n_m: there.iter().map(moment).sum::<Vector>().into(),
+    })
 }
 
 /// Adds the columns of a laboratory to a table that has a row for each of its rows: of every
-/// piece place, force and moment, of every opening what passed since the row before, and of
-/// every region the void ratio.
+/// piece and group place, force and moment, of every opening what passed since the row before,
+/// and of every region the void ratio and, where they are known, the stresses.
 ///
 /// # Errors
 /// The reader's and the writer's; there are none of what this program wrote.
 pub fn with_laboratory(
     table: &[u8],
-    names: [&[String]; 3],
+    names: &LaboratoryNames,
     rows: &[LaboratoryRow],
 ) -> Result<Vec<u8>, csv::Error> {
-    let [pieces, openings, regions] = names;
-    let mut reader = csv::Reader::from_reader(table);
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut header = reader.headers()?.clone();
-    for name in pieces {
-        let of = |quantity: &str, unit: &str| {
-            ["x", "y", "z"].map(|k| format!("{name}{quantity}_{k}_{unit}"))
-        };
-        for column in of("", "mm").into_iter().chain(of("_force", "n")).chain(of("_moment", "n_m"))
-        {
-            header.push_field(&column);
+    let stresses = rows.iter().any(|row| !row.stresses_kpa.is_empty());
+    let mut columns = Vec::new();
+    for name in names.pieces.iter().chain(names.groups.iter().map(|(name, _)| name)) {
+        for (quantity, unit) in [("", "mm"), ("_force", "n"), ("_moment", "n_m")] {
+            columns.extend(["x", "y", "z"].map(|k| format!("{name}{quantity}_{k}_{unit}")));
         }
     }
-    openings.iter().for_each(|name| header.push_field(&format!("{name}_passed_g")));
-    regions.iter().for_each(|name| header.push_field(&format!("{name}_void_ratio")));
-    writer.write_record(&header)?;
-    for (n, record) in reader.records().enumerate() {
-        let mut record = record?;
+    columns.extend(names.openings.iter().map(|name| format!("{name}_passed_g")));
+    columns.extend(names.regions.iter().map(|name| format!("{name}_void_ratio")));
+    for name in names.regions.iter().filter(|_| stresses) {
+        columns.extend(STRESSES.map(|ij| format!("{name}_stress_{ij}_kpa")));
+    }
+    let cells = |n: usize| {
         let row = rows.get(n);
-        for k in 0..pieces.len() {
-            let piece = row.and_then(|row| row.pieces.get(k).copied().flatten());
+        let mut cells: Vec<Option<f64>> = Vec::with_capacity(columns.len());
+        let single = (0..names.pieces.len()).map(|k| vec![k]);
+        for numbers in single.chain(names.groups.iter().map(|(_, numbers)| numbers.clone())) {
+            let piece = row.and_then(|row| of_group(&row.pieces, &numbers));
             let numbers = piece.map(|p| [p.at_mm, p.force_n, p.moment_n_m]);
-            for k in 0..9 {
-                let number = numbers.map(|n| n[k / 3][k % 3].to_string());
-                record.push_field(&number.unwrap_or_default());
-            }
+            cells.extend((0..9).map(|k| numbers.map(|n| n[k / 3][k % 3])));
         }
-        for k in 0..openings.len() {
-            let passed = row.and_then(|row| row.passed_g.get(k));
-            record.push_field(&passed.map(f64::to_string).unwrap_or_default());
+        for k in 0..names.openings.len() {
+            cells.push(row.and_then(|row| row.passed_g.get(k).copied()));
         }
-        for k in 0..regions.len() {
-            let ratio = row.and_then(|row| row.void_ratios.get(k).copied().flatten());
-            record.push_field(&ratio.map(|e| e.to_string()).unwrap_or_default());
+        for k in 0..names.regions.len() {
+            cells.push(row.and_then(|row| row.void_ratios.get(k).copied().flatten()));
         }
-        writer.write_record(&record)?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
+        for k in (0..names.regions.len()).filter(|_| stresses) {
+            let stress = row.and_then(|row| row.stresses_kpa.get(k).copied().flatten());
+            cells.extend((0..STRESSES.len()).map(|k| stress.map(|stress| stress[k])));
+        }
+        cells
+    };
+    with_columns(table, &columns, cells)
 }
+
+/// The components of a stress in a row.
+const STRESSES: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
 
 #[cfg(test)]
 mod tests {
@@ -187,13 +254,46 @@ mod tests {
             pieces: vec![there.then_some(piece)],
             passed_g: vec![2.5],
             void_ratios: vec![None],
+            stresses_kpa: Vec::new(),
         };
-        let names = [vec!["box".to_owned()], vec!["mouth".to_owned()], vec!["core".to_owned()]];
-        let names = [&names[0][..], &names[1], &names[2]];
-        let got = with_laboratory(b"time_s\n0\n1\n", names, &[row(true), row(false)]).expect("CSV");
+        let names = LaboratoryNames {
+            pieces: vec!["box".to_owned()],
+            groups: Vec::new(),
+            openings: vec!["mouth".to_owned()],
+            regions: vec!["core".to_owned()],
+        };
+        let text = |rows: &[LaboratoryRow], names: &LaboratoryNames| {
+            let csv = with_laboratory(b"time_s\n0\n1\n", names, rows).expect("CSV");
+            String::from_utf8(csv).expect("text")
+        };
         let expected = "time_s,box_x_mm,box_y_mm,box_z_mm,box_force_x_n,box_force_y_n,box_force_z_n,\
              box_moment_x_n_m,box_moment_y_n_m,box_moment_z_n_m,mouth_passed_g,core_void_ratio\n\
              0,1,2,3,0,0,-5.5,0,0,0,2.5,\n1,,,,,,,,,,2.5,\n";
-        assert_eq!(String::from_utf8(got).expect("text"), expected);
+        assert_eq!(text(&[row(true), row(false)], &names), expected);
+        let stressed =
+            LaboratoryRow { stresses_kpa: vec![Some([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])], ..row(true) };
+        let names = LaboratoryNames { regions: vec!["core".to_owned()], ..Default::default() };
+        let expected = "time_s,core_void_ratio,core_stress_xx_kpa,core_stress_yy_kpa,\
+             core_stress_zz_kpa,core_stress_xy_kpa,core_stress_xz_kpa,core_stress_yz_kpa\n\
+             0,,1,2,3,4,5,6\n1,,,,,,,\n";
+        assert_eq!(text(&[stressed, row(true)], &names), expected);
+    }
+
+    /// Law: two forces of 3 N and 1 N down at x = 0 and x = 1 m are 4 N, with the moment of a lever
+    /// about x = 0.5 m; pieces that are gone do not count.
+    #[test]
+    fn a_group_has_the_force_and_the_moment_of_its_pieces() {
+        let piece = |x: f64, force: f64| PieceRow {
+            at_mm: [x, 0.0, 0.0],
+            force_n: [0.0, 0.0, -force],
+            moment_n_m: [0.0, 0.25, 0.0],
+        };
+        let pieces = [Some(piece(0.0, 3.0)), Some(piece(1000.0, 1.0)), None];
+        let got = of_group(&pieces, &[0, 1, 2]).expect("two of them stand");
+        assert_eq!((got.at_mm, got.force_n), ([500.0, 0.0, 0.0], [0.0, 0.0, -4.0]));
+        // (−0.5, 0, 0) × (0, 0, −3) + (0.5, 0, 0) × (0, 0, −1) = (0, −1.5 + 0.5, 0).
+        assert_eq!(got.moment_n_m, [0.0, 0.5 - 1.0, 0.0]);
+        assert_eq!(of_group(&pieces, &[2]), None);
+        assert_eq!(of_group(&pieces, &[1]), pieces[1], "law: a group of one is that piece");
     }
 }

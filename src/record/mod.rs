@@ -3,12 +3,15 @@
 mod atomic;
 mod checkpoint;
 mod checks;
+mod contacts;
+mod energy;
 mod frames;
 mod hash;
 mod identity;
 mod laboratory;
 mod left_out;
 mod lock;
+mod profile;
 mod run;
 mod sealed;
 mod sieve;
@@ -26,14 +29,17 @@ pub use atomic::{
 };
 pub use checkpoint::{Checkpoints, Observed, Reference, Resumed};
 pub use checks::{CheckSummary, Checks, OverlapWatch, StageChecks};
+pub use contacts::{ContactsSummary, CoreSummary, FabricSummary, ForceSummary, StressSummary};
+pub use energy::{EnergyRow, RotationSummary, StageEnergy, StageSummary, with_energy};
 pub use frames::{FRAMES_FILE, Frame, FrameWriter};
 pub use hash::{hash_bytes, hash_json};
 pub use identity::{AskedStage, StageEnd, StageIdentity};
 pub use laboratory::{
-    Balance, LaboratoryRow, LaboratorySeries, LaboratorySummary, OpeningSummary, PieceRow,
-    PieceSummary, RegionSummary, with_laboratory,
+    Balance, GroupSummary, LaboratoryNames, LaboratoryRow, LaboratorySeries, LaboratorySummary,
+    OpeningSummary, PieceRow, PieceSummary, RegionSummary, of_group, with_laboratory,
 };
 pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words};
+pub use profile::ProfileRow;
 pub use run::{RunKind, RunRecord, run_file};
 pub use sealed::{Beside, keep_beside};
 pub use sieve::{

@@ -5,8 +5,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    FRAMES_FILE, FileError, LaboratoryRow, SeriesRow, StageChecks, StageEnd, StageIdentity,
-    hash::hash_file, hash_json, identity::short, read_json, read_unchanged, series_from_csv,
+    EnergyRow, FRAMES_FILE, FileError, LaboratoryRow, SeriesRow, StageChecks, StageEnd,
+    StageIdentity, hash::hash_file, hash_json, identity::short, read_json, read_unchanged,
+    series_from_csv,
 };
 use crate::protocol::Settling;
 use crate::specimen::SpecimenState;
@@ -65,6 +66,10 @@ pub struct StageRecord {
     /// What was observed of a laboratory of pieces, beside the rows of the series.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub laboratory: Vec<LaboratoryRow>,
+    /// Energy at the rows of the series; empty where the stage was stored before this was
+    /// recorded.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub energy: Vec<EnergyRow>,
     /// What the specimen was at the end; none where it was stored before this
     /// was recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -3,7 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Checks, LaboratorySummary, ShapeSummary, SieveSummary};
+use super::{
+    Checks, ContactsSummary, CoreSummary, LaboratorySummary, ShapeSummary, SieveSummary,
+    StageSummary,
+};
 use crate::motion::MotionFacts;
 use crate::protocol::Settling;
 use crate::world::BackendInfo;
@@ -85,6 +88,9 @@ pub struct Summary {
     pub poured_void_ratio: Option<f64>,
     /// Volume of voids over total volume, to the mean surface; none as above.
     pub porosity: Option<f64>,
+    /// The middle of what lies in the cylinder; none where it is too small, or no cylinder.
+    #[serde(default)]
+    pub core: Option<CoreSummary>,
     /// Settlement of the top plate since the first vibration began, where vibrated.
     pub settlement_mm: Option<Settlement>,
     /// Settlement of the mean surface, likewise.
@@ -104,6 +110,15 @@ pub struct Summary {
     pub overlap: Overlap,
     /// Mean number of grains touching a grain.
     pub coordination_number: f64,
+    /// How many grains touch 0, 1, 2, ... others.
+    #[serde(default)]
+    pub coordination_distribution: Vec<usize>,
+    /// Loaded contacts; null of an engine that gives none.
+    #[serde(default)]
+    pub contacts: Option<ContactsSummary>,
+    /// Energy and rotation of the grains, stage by stage.
+    #[serde(default)]
+    pub stages: Vec<StageSummary>,
     /// Sinking rate of the mean grain height in the second half of the rest test, in µm/s; null where none was run.
     pub creep_um_per_s: Option<f64>,
     /// The rest test in full.

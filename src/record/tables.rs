@@ -19,6 +19,26 @@ pub fn to_csv<T: Serialize>(rows: impl IntoIterator<Item = T>) -> Result<Vec<u8>
     writer.into_inner().map_err(|e| e.into_error().into())
 }
 
+/// Adds columns to a table, by the number of the row; a cell without a number is empty.
+pub(super) fn with_columns(
+    table: &[u8],
+    names: &[String],
+    cells: impl Fn(usize) -> Vec<Option<f64>>,
+) -> Result<Vec<u8>, csv::Error> {
+    let mut reader = csv::Reader::from_reader(table);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut header = reader.headers()?.clone();
+    header.extend(names);
+    writer.write_record(&header)?;
+    for (n, record) in reader.records().enumerate() {
+        let mut record = record?;
+        let text = |cell: Option<f64>| cell.map(|cell| cell.to_string()).unwrap_or_default();
+        record.extend(cells(n).into_iter().map(text));
+        writer.write_record(&record)?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
 /// Rows of a series, which may be of several stages: the table's displacement along y and z has a
 /// column where any stage moves it there.
 ///
@@ -63,6 +83,7 @@ struct GrainRow {
     rotation_z: f64,
     rotation_w: f64,
     speed_mm_per_s: f64,
+    turned_deg: Option<f64>,
     sieve_size_mm: f64,
     sieve_size_at_end_mm: Option<f64>,
     longest_mm: f64,
@@ -76,8 +97,9 @@ struct GrainRow {
 /// One row a grain: what it is, where it is (centroid, m to mm, orientation of
 /// its principal axes as a unit quaternion) and how fast; the smallest square
 /// opening it passes, as generated and with the shape that the engine held at
-/// the end; and its shape. `sieved`, `shapes` and `sieved_at_end_mm` are in the
-/// order of the grains, the last empty where the engine could not be asked.
+/// the end; and its shape. `sieved`, `shapes`, `sieved_at_end_mm` and `turned`, the angles in rad
+/// by which grains turned in the last stage, are in the order of the grains; what is not known of
+/// a grain is empty.
 ///
 /// # Errors
 /// As [`to_csv`].
@@ -86,6 +108,7 @@ pub fn grains_csv(
     sieved: &[Sieved],
     shapes: &[GrainShape],
     sieved_at_end_mm: &[Option<f64>],
+    turned: &[Option<f64>],
 ) -> Result<Vec<u8>, csv::Error> {
     let set = &specimen.grains;
     let known = sieved.iter().zip(shapes);
@@ -112,6 +135,7 @@ pub fn grains_csv(
                 rotation_z: q.z,
                 rotation_w: q.w,
                 speed_mm_per_s: to_mm(state.body.linear_velocity.norm()),
+                turned_deg: turned.get(index).copied().flatten().map(f64::to_degrees),
                 sieve_size_mm: to_mm(sieved.size),
                 sieve_size_at_end_mm: sieved_at_end_mm.get(index).copied().flatten(),
                 longest_mm: to_mm(shape.longest),

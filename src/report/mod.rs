@@ -5,7 +5,9 @@ mod axis;
 mod beside;
 mod calibration;
 mod calibration_page;
+mod chart;
 mod choices;
+mod columns;
 mod comparison;
 mod convergence;
 mod convergence_page;
@@ -54,7 +56,9 @@ pub use calibration::{
     write_calibration_runs,
 };
 pub use calibration_page::found as calibration_rows;
+pub use chart::{Chart, ChartColumn, ChartStyle};
 pub use choices::{Choice, choices};
+pub use columns::{ColumnRange, ColumnTable};
 pub use comparison::{ComparedQuantity, ComparedRun, Comparison, write_comparison};
 pub use convergence::{
     Cheapest, Convergence, ConvergenceRow, Deviation, Deviations, write_convergence,
@@ -68,7 +72,7 @@ pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use mean_settlement::MeanSettlement;
 pub use picture::Picture;
 pub use pile_choices::pile_choices;
-pub use png::draw as draw_svg;
+pub use png::{draw as draw_svg, render as svg_to_png};
 pub use quality::Standard;
 pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};
 pub use sweep::{

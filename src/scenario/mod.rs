@@ -42,8 +42,9 @@ pub use meshes::{MeshGrains, MeshUnit};
 pub use native::{NativeSettings, automatic_threads};
 pub use overrides::{NotAnOverride, Override};
 pub use pieces::{
-    BoxSide, BoxSpec, CylinderPieceSpec, DepositKind, DiscSpec, DrumSpec, HopperSpec, MeasuresSpec,
-    OpeningSpec, PieceSpec, PlateSpec, RegionSpec, RotationSpec, ShapeSpec, SineSpec, WedgeSpec,
+    BoxSide, BoxSpec, CylinderPieceSpec, DepositKind, DiscSpec, DrumSpec, GroupSpec, HopperSpec,
+    MeasuresSpec, OpeningSpec, PieceSpec, PlateSpec, RegionSpec, RotationSpec, ShapeSpec, SineSpec,
+    WedgeSpec,
 };
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;

@@ -252,19 +252,35 @@ pub enum DepositKind {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MeasuresSpec {
-    /// Boxes in which the void ratio is measured.
+    /// Boxes in which void ratio, stress and fabric are measured.
     #[schemars(length(max = 20))]
     pub regions: Vec<RegionSpec>,
     /// Openings through which mass flow is measured.
     #[schemars(length(max = 20))]
     pub openings: Vec<OpeningSpec>,
+    /// Pieces whose forces are also reported together.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 20))]
+    pub groups: Vec<GroupSpec>,
 }
 
 impl MeasuresSpec {
     /// Whether nothing is asked for.
     pub fn is_empty(&self) -> bool {
-        self.regions.is_empty() && self.openings.is_empty()
+        self.regions.is_empty() && self.openings.is_empty() && self.groups.is_empty()
     }
+}
+
+/// Pieces that are taken together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GroupSpec {
+    /// Name in the results.
+    #[schemars(length(min = 1, max = 40))]
+    pub name: String,
+    /// Names of its pieces.
+    #[schemars(length(min = 1, max = 1000))]
+    pub pieces: Vec<String>,
 }
 
 /// A box along the axes. Choose it within the grains, away from walls.

@@ -319,6 +319,12 @@ impl Shop<'_> {
             before_vibration_mm: observed.reference.before_vibration_mm,
             sieved_mm: sieved_mm(&outcome.corners),
             laboratory: observed.laboratory.rows,
+            energy: if observed.energy.len() == observed.rows.len() {
+                observed.energy
+            } else {
+                // It went on from a checkpoint of before it was recorded.
+                Vec::new()
+            },
             end: Some(believed::end_of(&node.setup, &outcome.specimen)),
             ..StageRecord::default()
         };

@@ -4,13 +4,17 @@ use std::sync::Arc;
 
 use crate::geometry::Vector;
 use crate::grains::GrainSet;
-use crate::measure::{Opening, Region, centroids, steady_rate, void_ratio_in};
+use crate::measure::{
+    LoadedContact, Opening, Region, centroids, contacts_of_grains_in, fabric, steady_rate,
+    stress_in, void_ratio_in,
+};
 use crate::protocol::Setup;
 use crate::record::{
-    Balance, LaboratoryRow, LaboratorySeries, LaboratorySummary, OpeningSummary, PieceRow,
-    PieceSummary, RegionSummary, SeriesRow, StoredStage,
+    Balance, FabricSummary, GroupSummary, LaboratoryNames, LaboratoryRow, LaboratorySeries,
+    LaboratorySummary, OpeningSummary, PieceRow, PieceSummary, RegionSummary, SeriesRow,
+    StoredStage, StressSummary, of_group,
 };
-use crate::scenario::Scenario;
+use crate::scenario::{GroupSpec, RegionSpec, Scenario};
 use crate::specimen::{PieceState, Specimen, SpecimenState};
 use crate::units::{from_mm, to_g, to_mm};
 
@@ -32,11 +36,7 @@ impl LaboratoryRecorder {
         let mm = |place: [f64; 3]| Vector::from(place.map(from_mm));
         let measures = &setup.measures;
         Self {
-            regions: measures
-                .regions
-                .iter()
-                .map(|r| Region { low: mm(r.low_mm), high: mm(r.high_mm) })
-                .collect(),
+            regions: regions(setup),
             openings: measures
                 .openings
                 .iter()
@@ -64,6 +64,7 @@ impl LaboratoryRecorder {
             pieces: specimen.state.pieces.iter().map(piece_row).collect(),
             passed_g: std::mem::take(&mut self.series.pending_g),
             void_ratios: self.regions.iter().map(|r| void_ratio_in(specimen, r)).collect(),
+            stresses_kpa: self.regions.iter().map(|r| stress_kpa(specimen, r)).collect(),
         };
         self.series.rows.push(row);
     }
@@ -95,6 +96,20 @@ impl LaboratoryRecorder {
     }
 }
 
+/// The regions of a laboratory, in m.
+pub(super) fn regions(setup: &Setup) -> Vec<Region> {
+    let mm = |place: [f64; 3]| Vector::from(place.map(from_mm));
+    let of = |r: &RegionSpec| Region { low: mm(r.low_mm), high: mm(r.high_mm) };
+    setup.measures.regions.iter().map(of).collect()
+}
+
+/// Stress of a region in kPa, in the order of a row.
+fn stress_kpa(specimen: &Specimen, region: &Region) -> Option<[f64; 6]> {
+    let tensor = stress_in(specimen, region)?.tensor;
+    let components = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+    Some(components.map(|at| 1e-3 * tensor[at]))
+}
+
 fn piece_row(piece: &PieceState) -> Option<PieceRow> {
     piece.present.then(|| PieceRow {
         at_mm: piece.pose.translation.vector.map(to_mm).into(),
@@ -103,14 +118,17 @@ fn piece_row(piece: &PieceState) -> Option<PieceRow> {
     })
 }
 
-/// Names of pieces, openings and regions.
-pub(super) fn names(scenario: &Scenario) -> [Vec<String>; 3] {
+/// What the columns are named by.
+pub(super) fn names(scenario: &Scenario) -> LaboratoryNames {
     let measures = &scenario.measures;
-    [
-        scenario.pieces.iter().map(|piece| piece.name.clone()).collect(),
-        measures.openings.iter().map(|opening| opening.name.clone()).collect(),
-        measures.regions.iter().map(|region| region.name.clone()).collect(),
-    ]
+    let number = |name: &String| scenario.pieces.iter().position(|piece| piece.name == *name);
+    let numbers = |group: &GroupSpec| group.pieces.iter().filter_map(number).collect();
+    LaboratoryNames {
+        pieces: scenario.pieces.iter().map(|piece| piece.name.clone()).collect(),
+        groups: measures.groups.iter().map(|group| (group.name.clone(), numbers(group))).collect(),
+        openings: measures.openings.iter().map(|opening| opening.name.clone()).collect(),
+        regions: measures.regions.iter().map(|region| region.name.clone()).collect(),
+    }
 }
 
 /// The rows of all stages, and those of the rest at the end.
@@ -118,10 +136,12 @@ pub(super) fn rows(stages: &[&StoredStage]) -> Vec<LaboratoryRow> {
     stages.iter().flat_map(|stage| stage.record.laboratory.iter().cloned()).collect()
 }
 
-/// Sums a laboratory up; none where there are no pieces.
+/// Sums a laboratory up; none where there are no pieces. `at_end` is the specimen at rest with its
+/// loaded contacts.
 pub(super) fn laboratory_summary(
     setup: &Setup,
     specimen: &Specimen,
+    (at_end, contacts): (&Specimen, &[LoadedContact]),
     (series, rows): (&[SeriesRow], &[LaboratoryRow]),
     rest_test: Option<&StoredStage>,
 ) -> Option<LaboratorySummary> {
@@ -153,6 +173,26 @@ pub(super) fn laboratory_summary(
             at_mm: state.pose.translation.vector.map(to_mm).into(),
         })
         .collect();
+    let means: Vec<Option<PieceRow>> = pieces
+        .iter()
+        .map(|piece| {
+            let PieceSummary { at_mm, force_n, moment_n_m, .. } = *piece;
+            piece.present.then_some(PieceRow { at_mm, force_n, moment_n_m })
+        })
+        .collect();
+    let group = |group: &GroupSpec| {
+        let number = |name: &String| setup.pieces.iter().position(|piece| piece.name == *name);
+        let numbers: Vec<usize> = group.pieces.iter().filter_map(number).collect();
+        let together = of_group(&means, &numbers);
+        GroupSummary {
+            name: group.name.clone(),
+            pieces: group.pieces.clone(),
+            force_n: together.map_or([0.0; 3], |row| row.force_n),
+            moment_n_m: together.map_or([0.0; 3], |row| row.moment_n_m),
+            at_mm: together.map(|row| row.at_mm),
+        }
+    };
+    let groups = setup.measures.groups.iter().map(group).collect();
     let mass: f64 = specimen.present().map(|i| specimen.grains.grains[i].mass).sum();
     let force: Vector = pieces.iter().map(|piece| Vector::from(piece.force_n)).sum();
     let balance = balance(mass * setup.gravity, &force);
@@ -167,13 +207,18 @@ pub(super) fn laboratory_summary(
         rate_g_per_s: steady_rate(&flow(n)),
     });
     let ends = rows.last().map_or(&[][..], |row| &row.void_ratios);
-    let regions = measures.regions.iter().zip(ends);
+    let regions = measures.regions.iter().zip(regions(setup)).zip(ends);
+    let regions = regions.map(|((spec, region), void_ratio)| RegionSummary {
+        name: spec.name.clone(),
+        void_ratio: *void_ratio,
+        stress: stress_in(at_end, &region).map(|stress| StressSummary::of(&stress)),
+        fabric: fabric(contacts_of_grains_in(contacts, &region)).map(|f| FabricSummary::of(&f)),
+    });
     Some(LaboratorySummary {
         balance,
         openings: openings.collect(),
-        regions: regions
-            .map(|(r, e)| RegionSummary { name: r.name.clone(), void_ratio: *e })
-            .collect(),
+        regions: regions.collect(),
+        groups,
         pieces,
     })
 }

@@ -11,6 +11,7 @@ mod described;
 mod design;
 mod execute;
 mod held;
+mod inside;
 mod interpretations;
 mod laboratory;
 mod pile;
@@ -23,6 +24,7 @@ mod run;
 mod sensitivity;
 mod side_by_side;
 mod slurm;
+mod standing;
 mod summarise;
 mod sweep;
 #[cfg(test)]

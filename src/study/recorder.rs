@@ -4,17 +4,19 @@ use std::{ops::ControlFlow, time::Instant};
 
 use super::checks::{last_look_at_overlap, look_at_overlap};
 use super::laboratory::LaboratoryRecorder;
+use crate::geometry::Vector;
 use crate::measure::{
     self, Container, HeightMap, body_energy, content, grain_energy, height_cell, largest_speed,
     mean_grain_height, plate_position,
 };
 use crate::protocol::{Midway, Moment, Observer, Setup};
 use crate::record::{
-    Checkpoints, FileError, FrameWriter, Observed, OverlapWatch, Reference, SeriesRow,
+    Checkpoints, EnergyRow, FileError, FrameWriter, Observed, OverlapWatch, Reference, SeriesRow,
 };
 use crate::scenario::StageSpec;
 use crate::specimen::Specimen;
 use crate::units::to_mm;
+use crate::world::BodyState;
 
 /// An observer that turns every observation into a row of `series.csv`.
 pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
@@ -27,6 +29,7 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     overlap: OverlapWatch,
     rows: Vec<SeriesRow>,
     laboratory: LaboratoryRecorder,
+    energy: Vec<EnergyRow>,
     frames: Option<FrameWriter>,
     /// Where checkpoints are kept, in a stage that has segments.
     checkpoints: Option<&'a Checkpoints>,
@@ -74,6 +77,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
             overlap: OverlapWatch::default(),
             rows: Vec::new(),
             laboratory: LaboratoryRecorder::new(setup),
+            energy: Vec::new(),
             frames,
             checkpoints: None,
             fault: None,
@@ -104,6 +108,17 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         Some(measure::pile_top(specimen).map_or(0.0, |top| (top - level).max(0.0)))
     }
 
+    /// Potential energy of grains and plate in J.
+    fn potential(&self, specimen: &Specimen) -> f64 {
+        let (gravity, still) = (self.setup.gravity, Vector::zeros());
+        let of_plate = |body: &BodyState| {
+            let plate = &self.setup.plate;
+            body_energy(body, plate.mass, &plate.inertia, gravity, &still).potential
+        };
+        let plate = specimen.state.top_plate.as_ref().map_or(0.0, of_plate);
+        grain_energy(specimen, gravity, &still).potential + plate
+    }
+
     /// Tells somebody of what checks find, at once.
     pub fn tell(&mut self, on_finding: &'a dyn Fn(&str)) {
         self.on_finding = on_finding;
@@ -127,6 +142,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     pub fn go_on(&mut self, observed: Observed, specimen: &Specimen) {
         self.laboratory.go_on(observed.laboratory, specimen);
         self.rows = observed.rows;
+        self.energy = observed.energy;
         self.reference = observed.reference;
         self.overlap = observed.overlap;
         self.wall_before = observed.wall_s;
@@ -140,9 +156,9 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     /// What was observed, and its frames.
     pub fn into_parts(self) -> (Observed, Option<FrameWriter>) {
         let wall_s = self.wall_before + self.began.elapsed().as_secs_f64();
-        let Self { rows, reference, overlap, frames, .. } = self;
+        let Self { rows, reference, overlap, frames, energy, .. } = self;
         let laboratory = self.laboratory.series;
-        (Observed { rows, reference, overlap, laboratory, wall_s }, frames)
+        (Observed { rows, reference, overlap, laboratory, energy, wall_s }, frames)
     }
 }
 
@@ -167,6 +183,7 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
     fn observe(&mut self, specimen: &Specimen, moment: Moment) {
         let table = moment.table_velocity;
         let at = specimen.state.table();
+        let potential = self.potential(specimen);
         let specimen = &*specimen.on_level_table();
         let state = &specimen.state;
         let (surface, inside, grain_height) = if state.cylinder || state.base.is_some() {
@@ -218,6 +235,11 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         self.laboratory.observe(specimen);
         (self.on_row)(&row);
         self.rows.push(row);
+        self.energy.push(EnergyRow {
+            potential_energy_j: potential,
+            work_input_j: moment.balance.input,
+            dissipated_j: moment.balance.dissipated,
+        });
         let at = moment.stage_time;
         let of = (self.stage, &self.setup.scale);
         let found = look_at_overlap(&mut self.overlap, of, specimen, at, row.time_s);
@@ -238,11 +260,13 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
             reference: self.reference,
             overlap: self.overlap,
             laboratory: std::mem::take(&mut self.laboratory.series),
+            energy: std::mem::take(&mut self.energy),
             wall_s: self.wall_before + self.began.elapsed().as_secs_f64(),
         };
         let kept = checkpoints.keep(midway, &observed, self.frames.as_mut());
         self.rows = observed.rows;
         self.laboratory.series = observed.laboratory;
+        self.energy = observed.energy;
         self.fault = kept.err();
         if self.fault.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

@@ -12,7 +12,7 @@ use super::{
     StudyError, begin,
     described::described,
     execute::{Executed, execute, execute_each},
-    laboratory,
+    inside, laboratory,
     plan::{Plan, PlannedRun, RunNodes},
     summarise::{Summarised, summarise},
     told::of_grains,
@@ -22,8 +22,8 @@ use crate::motion::MotionFacts;
 use crate::protocol::Progress;
 use crate::record::{
     FileError, LaboratoryRow, RunKind, RunRecord, StageStore, StoredStage, create_folder,
-    grains_csv, hash_bytes, json_text, read_json, series_csv, with_laboratory, write_file,
-    write_json,
+    grains_csv, hash_bytes, json_text, read_json, series_csv, to_csv, with_energy, with_laboratory,
+    write_file, write_json,
 };
 use crate::scale;
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
@@ -261,8 +261,16 @@ pub(super) fn write_run(
         .stages
         .last()
         .ok_or_else(|| StudyError::Scenario("a scenario needs at least one stage".to_owned()))?;
-    let Summarised { summary, specimen, series, laboratory, rest_test } =
-        summarise(run, &plan.nodes[last].setup, nodes, done)?;
+    let Summarised {
+        summary,
+        specimen,
+        series,
+        laboratory,
+        rest_test,
+        energy,
+        turned,
+        void_profile,
+    } = summarise(run, &plan.nodes[last].setup, nodes, done)?;
     let mut written = BTreeMap::new();
     let mut write = |name: &str, content: Vec<u8>| {
         written.insert(name.to_owned(), hash_bytes(&content));
@@ -275,19 +283,26 @@ pub(super) fn write_run(
         [] => csv,
         rows => {
             let names = laboratory::names(&run.scenario);
-            with_laboratory(&csv?, [&names[0], &names[1], &names[2]], rows)
+            with_laboratory(&csv?, &names, rows)
         }
     };
-    let content = with_pieces(series_csv(&series), &laboratory);
+    let content = series_csv(&series).and_then(|csv| with_energy(&csv, &energy));
+    let content = with_pieces(content, &laboratory);
     write("series.csv", table("series.csv", content)?)?;
     let known = described(&run.grains);
     let at_end = &done[last].record.sieved_mm;
-    let grains = grains_csv(&specimen, known.sieved.grains(), &known.shapes, at_end);
+    let grains = grains_csv(&specimen, known.sieved.grains(), &known.shapes, at_end, &turned);
     write("grains.csv", table("grains.csv", grains)?)?;
     if !rest_test.is_empty() {
-        let rows = nodes.rest_test.map_or(&[][..], |n| &done[n].record.laboratory);
-        let content = with_pieces(series_csv(&rest_test), rows);
+        let stage = nodes.rest_test.map(|n| &*done[n]);
+        let rows = stage.map_or(&[][..], |stage| &stage.record.laboratory);
+        let energy = inside::energy_rows(stage.as_slice());
+        let content = series_csv(&rest_test).and_then(|csv| with_energy(&csv, &energy));
+        let content = with_pieces(content, rows);
         write("rest_test.csv", table("rest_test.csv", content)?)?;
+    }
+    if !void_profile.is_empty() {
+        write("void_profile.csv", table("void_profile.csv", to_csv(&void_profile))?)?;
     }
     let path = out.join("specimen.json");
     write("specimen.json", json_text(&path, &specimen.state)?)?;

@@ -5,29 +5,31 @@ use std::sync::Arc;
 use super::{
     StudyError, checks,
     described::{described, secondary_sieve},
+    inside,
     laboratory::laboratory_summary,
     plan::{PlannedRun, RunNodes},
     pressed::{pressed_through, wall},
     recorder::container,
+    standing::{Standing, withheld_figures},
     told::of_grains,
-    withheld::{height_unless, no_height, no_voids, withheld},
+    withheld::height_unless,
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution, StoneRecord};
 use crate::measure::{
-    self, Container, HeightMap, HeightSample, Period, Places, coordination, height_cell,
-    overlap_statistics, pairs_within, places, touching_gap, void_ratio,
+    self, Container, HeightSample, Period, Places, coordination, overlap_statistics, pairs_within,
+    places, touching_gap,
 };
 use crate::motion::MotionFacts;
 use crate::protocol::Setup;
 use crate::record::{
-    GrainsSummary, LaboratoryRow, Overlap, RestTest, SeriesRow, Settlement, ShapeSummary,
-    SieveSummary, SolverResidual, StandingHeight, StoredStage, Summary, VibrationSummary, Withheld,
+    EnergyRow, GrainsSummary, LaboratoryRow, Overlap, ProfileRow, RestTest, SeriesRow, Settlement,
+    ShapeSummary, SieveSummary, SolverResidual, StoredStage, Summary, VibrationSummary, Withheld,
     hash_json,
 };
 use crate::report::Standard;
 use crate::scale::{self, Scale};
 use crate::scenario::{self, Backend, EngineSettings, Scenario, StageSpec};
-use crate::specimen::{Specimen, SpecimenState};
+use crate::specimen::Specimen;
 use crate::units::{from_mm, to_cm3, to_g, to_mm};
 
 /// The accuracy standard at a scale (docs/accuracy.md): 0.5 % of the equivalent
@@ -55,6 +57,12 @@ pub struct Summarised {
     pub laboratory: Vec<LaboratoryRow>,
     /// The rows of the rest test.
     pub rest_test: Vec<SeriesRow>,
+    /// Energy at the rows of the series.
+    pub energy: Vec<Option<EnergyRow>>,
+    /// By which angle in rad each grain turned in the last stage.
+    pub turned: Vec<Option<f64>>,
+    /// Void ratio by height and by radius at the end.
+    pub void_profile: Vec<ProfileRow>,
 }
 
 /// Puts a run's stages together and measures its end.
@@ -70,11 +78,7 @@ pub fn summarise(
     let scenario = &run.scenario;
     let stages: Vec<&StoredStage> = nodes.stages.iter().map(|&n| &*done[n]).collect();
     let rest_test = nodes.rest_test.map(|n| &*done[n]);
-    let state = stages.last().map_or_else(
-        || SpecimenState::before_everything(run.grains.grains.len()),
-        |s| s.state.clone(),
-    );
-    let specimen = Specimen { grains: run.grains.clone(), state };
+    let specimen = inside::at_end(&run.grains, &stages);
     let container = container(setup, &specimen);
     let series = series(&stages);
     let is_poured = scenario.stages.iter().any(|s| matches!(s, StageSpec::Pour { .. }));
@@ -90,6 +94,7 @@ pub fn summarise(
         })
         .transpose()?;
 
+    let surface_m = end.surface();
     let members = match setup.pieces.is_empty() {
         true => container.members(&specimen),
         false => specimen.present().collect(),
@@ -153,7 +158,10 @@ pub fn summarise(
         ));
     }
     let rows = super::laboratory::rows(&stages);
-    let laboratory = laboratory_summary(setup, &specimen, (&series, &rows), rest_test);
+    let at_rest = inside::AtRest::of(setup, &specimen, rest_test);
+    let end_of = (&at_rest.specimen, &at_rest.contacts[..]);
+    let laboratory = laboratory_summary(setup, &specimen, end_of, (&series, &rows), rest_test);
+    let coordination = coordination(&members, &pairs);
     let known = described(&run.grains);
     let specified = ParticleSizeDistribution::of(&run.grains).ok();
     let mut sieve = SieveSummary::of(&known.sieved, specified.as_ref());
@@ -198,7 +206,12 @@ pub fn summarise(
         angle_of_repose,
         laboratory,
         overlap,
-        coordination_number: coordination(&members, &pairs).mean.unwrap_or(0.0),
+        core: inside::core(setup, &at_rest, &container, surface_m)
+            .filter(|_| end.void_ratio.is_some()),
+        coordination_number: coordination.mean.unwrap_or(0.0),
+        coordination_distribution: coordination.distribution,
+        contacts: at_rest.summary(),
+        stages: inside::stage_summaries(&stages),
         creep_um_per_s: creep,
         rest_test: rest_test_figures,
         meets_standard,
@@ -218,7 +231,17 @@ pub fn summarise(
     }
     .judged();
     let rest_test = rest_test.map_or_else(Vec::new, |c| c.series.clone());
-    Ok(Summarised { summary, specimen, series, laboratory: rows, rest_test })
+    let void_profile = inside::void_profile(setup, &specimen, &container, surface_m);
+    Ok(Summarised {
+        summary,
+        series,
+        laboratory: rows,
+        rest_test,
+        energy: inside::energy_rows(&stages),
+        turned: inside::turned_in_last(&stages),
+        void_profile,
+        specimen,
+    })
 }
 
 /// Name of a set of grains: the hash of every vertex.
@@ -226,66 +249,6 @@ pub fn grains_hash(grains: &GrainSet) -> String {
     let cells: Vec<_> =
         grains.grains.iter().map(|g| (&g.shape, &g.pose_in_block, g.mass, g.inertia)).collect();
     hash_json(&cells)
-}
-
-/// Standing height and void ratio of a specimen.
-struct Standing {
-    height: StandingHeight,
-    /// Why the height is withheld.
-    no_height: Option<String>,
-    /// Why void ratio and porosity are withheld.
-    no_voids: Option<String>,
-    void_ratio: Option<f64>,
-    porosity: Option<f64>,
-}
-
-impl Standing {
-    /// Of a specimen that was poured into a cylinder, or was not.
-    fn of(specimen: &Specimen, container: &Container, is_poured: bool) -> Result<Self, StudyError> {
-        let height = HeightMap::of(specimen, container, height_cell(&specimen.grains))
-            .map_err(StudyError::measure)?
-            .standing_height();
-        // A pile has no walls that its voids could be counted within.
-        let voids = match specimen.state.base {
-            Some(_) => None,
-            // Of a laboratory the void ratio is that of its regions.
-            None if !specimen.state.pieces.is_empty() => None,
-            None => void_ratio(specimen, container, height.mean_surface),
-        };
-        let inside = container.members(specimen).len();
-        let no_height =
-            is_poured.then(|| no_height(inside, specimen.grains.grains.len())).flatten();
-        let no_voids = no_height
-            .clone()
-            .or_else(|| voids.and_then(|_| no_voids(specimen, container, height.mean_surface)));
-        let voids = voids.filter(|_| no_voids.is_none());
-        Ok(Self {
-            no_height,
-            no_voids,
-            height: StandingHeight {
-                mean_surface: to_mm(height.mean_surface),
-                p95: to_mm(height.p95),
-                highest: to_mm(height.highest),
-            },
-            void_ratio: voids.map(|v| v.void_ratio),
-            porosity: voids.map(|v| v.porosity),
-        })
-    }
-}
-
-/// What is not given of the end and of the end of pouring.
-fn withheld_figures(end: &Standing, poured: Option<&Standing>) -> Vec<Withheld> {
-    let of = |fields: &[&str], why: Option<&String>| match why {
-        Some(why) => withheld(fields, why),
-        None => Vec::new(),
-    };
-    [
-        of(&["standing_height_mm"], end.no_height.as_ref()),
-        of(&["void_ratio", "porosity"], end.no_voids.as_ref()),
-        of(&["poured_height_mm"], poured.and_then(|p| p.no_height.as_ref())),
-        of(&["poured_void_ratio"], poured.and_then(|p| p.no_voids.as_ref())),
-    ]
-    .concat()
 }
 
 fn series(stages: &[&StoredStage]) -> Vec<SeriesRow> {

@@ -24,9 +24,11 @@ mod leaks;
 #[cfg(target_os = "linux")]
 mod limits;
 mod load;
+mod measures;
 mod memory;
 mod motions;
 mod picture;
+mod python;
 mod referee;
 mod repose;
 mod reproduce;

@@ -271,9 +271,9 @@ fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Vec<Fault
     if !measures.is_empty() && !parts.has_pieces() {
         faults.push(fault(
             "measures",
-            "regions or openings",
+            "regions, openings or groups",
             "the field left out".into(),
-            "regions and openings are measured in a laboratory of `pieces`".into(),
+            "these are measured in a laboratory of `pieces`".into(),
         ));
     }
     for (i, region) in measures.regions.iter().enumerate() {
@@ -286,6 +286,7 @@ fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Vec<Fault
             ));
         }
     }
+    check_groups(parts, measures, faults);
     for (i, opening) in measures.openings.iter().enumerate() {
         if opening.direction.iter().all(|x| *x == 0.0) {
             faults.push(fault(
@@ -298,9 +299,13 @@ fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Vec<Fault
     }
     let regions = measures.regions.iter().map(|r| ("regions", &r.name));
     let openings = measures.openings.iter().map(|o| ("openings", &o.name));
+    let groups = measures.groups.iter().map(|g| ("groups", &g.name));
     let mut known = HashSet::new();
-    for (list, name) in regions.chain(openings) {
+    // Groups have the columns that pieces have.
+    let pieces: HashSet<&String> = parts.pieces().map(|(_, piece)| &piece.name).collect();
+    for (list, name) in regions.chain(openings).chain(groups) {
         if !known.insert(name)
+            || (list == "groups" && pieces.contains(name))
             || !name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c))
         {
             faults.push(fault(
@@ -308,6 +313,30 @@ fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Vec<Fault
                 Value::from(name.as_str()),
                 "names of their own, of letters, digits, `-` and `_`".into(),
                 "results could not be told apart by this name".into(),
+            ));
+        }
+    }
+}
+
+/// Whether the pieces of groups are there, each once.
+fn check_groups(parts: &Parts, measures: &MeasuresSpec, faults: &mut Vec<Fault>) {
+    let known: Vec<&str> = parts.pieces().map(|(_, piece)| piece.name.as_str()).collect();
+    // A piece that cannot be read may have any name.
+    if !parts.has_pieces() || known.len() < parts.pieces.len() {
+        return;
+    }
+    for (i, group) in measures.groups.iter().enumerate() {
+        for (k, name) in group.pieces.iter().enumerate() {
+            let message = match () {
+                () if !known.contains(&name.as_str()) => "there is no such piece",
+                () if group.pieces[..k].contains(name) => "the piece is in the group already",
+                () => continue,
+            };
+            faults.push(fault(
+                &format!("measures.groups[{i}].pieces[{k}]"),
+                Value::from(name.as_str()),
+                known.join(", "),
+                message.into(),
             ));
         }
     }

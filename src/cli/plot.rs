@@ -1,0 +1,352 @@
+//! `pluvia plot`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+use serde_json::Value;
+
+use super::{
+    CliError, Context, ExitStatus,
+    picture::{ends_in, prepare},
+    table,
+};
+use crate::plain::{plain_lines, plain_path};
+use crate::record::{FileError, read_file, read_json, write_file};
+use crate::report::{Chart, ChartColumn, ChartStyle, ColumnRange, ColumnTable, svg_to_png};
+
+/// Draw any columns of a run's tables over each other
+#[derive(Debug, Args)]
+#[command(after_help = "\
+A row is a point; where the table goes on in time, rows are joined by a line. Columns of different
+units stand in panels of their own. The names and ranges of all columns: --list.
+
+Examples:
+  pluvia plot out/first --list
+  pluvia plot out/first --x time_s --y settlement_mm,surface_settlement_mm --out out/settlement.svg
+  pluvia plot out/hopper --x time_s --y gate_force_z_n,hopper_force_z_n --stage deposit --out out/force.png
+  pluvia plot out/first --file grains --x equivalent_diameter_mm --y sphericity --out out/shape.svg
+  pluvia plot out/first --file void_profile --where by=radius --x from_mm --y void_ratio --out out/e.svg")]
+pub(super) struct PlotArgs {
+    /// Folder of a run, or any other with tables of Pluvia (CSV)
+    #[arg(value_name = "RUN_DIR")]
+    run: PathBuf,
+    /// The table: series, rest_test, grains, void_profile, sieve or another CSV file of the folder
+    #[arg(long, value_name = "TABLE", default_value = "series")]
+    file: String,
+    /// The column along the horizontal axis
+    #[arg(long, value_name = "COLUMN", required_unless_present = "list")]
+    x: Option<String>,
+    /// The columns over it, separated by commas
+    #[arg(
+        long,
+        value_name = "COLUMN,...",
+        value_delimiter = ',',
+        required_unless_present = "list"
+    )]
+    y: Vec<String>,
+    /// Take the rows of one stage: its number from 0, its name (of all stages of that name), or
+    /// `rest_test`
+    #[arg(long)]
+    stage: Option<String>,
+    /// Take the rows where a column has a value; may be given several times
+    #[arg(long = "where", value_name = "COLUMN=VALUE")]
+    conditions: Vec<String>,
+    /// Logarithmic horizontal axis
+    #[arg(long)]
+    log_x: bool,
+    /// Logarithmic vertical axis
+    #[arg(long)]
+    log_y: bool,
+    /// Draw rows as points that are not joined
+    #[arg(long)]
+    points: bool,
+    /// File for the figure; its folder is made if needed, and a file that is there is kept
+    #[arg(long, value_name = "FILE.svg|FILE.png", required_unless_present = "list")]
+    out: Option<PathBuf>,
+    /// Replace the file where it is there already
+    #[arg(long)]
+    force: bool,
+    /// Print the columns of the table with their ranges, and draw nothing
+    #[arg(long, conflicts_with_all = ["x", "y", "out"])]
+    list: bool,
+}
+
+/// What was drawn.
+#[derive(Serialize)]
+struct Drawn {
+    table: PathBuf,
+    rows: usize,
+    x: String,
+    y: Vec<String>,
+    file: PathBuf,
+    bytes: usize,
+}
+
+/// What `--list` prints.
+#[derive(Serialize)]
+struct Listed {
+    table: PathBuf,
+    rows: usize,
+    columns: Vec<ColumnRange>,
+}
+
+pub(super) fn run(args: &PlotArgs, context: &Context) -> Result<ExitStatus, CliError> {
+    let rest_test = args.stage.as_deref() == Some("rest_test") && args.file == "series";
+    let name = if rest_test { "rest_test" } else { &args.file };
+    let path = table_path(&args.run, name)?;
+    let whole = ColumnTable::read(&path, &read_file(&path)?)?;
+    let stage = args.stage.as_deref().filter(|_| !rest_test);
+    let chosen = rows(args, &path, &whole, stage)?;
+    if args.list {
+        return list(context, path, &chosen);
+    }
+    let (Some(x), Some(out)) = (&args.x, &args.out) else {
+        return Err(CliError::Usage("--x, --y and --out are needed".to_owned()));
+    };
+    ends_in(out, "--out", &["svg", "png"])?;
+    let chart = chart(args, &path, &chosen, x)?;
+    let failed = |reason: String| CliError::Usage(format!("{}: {reason}", plain_path(&path)));
+    let svg = chart.svg().map_err(failed)?;
+    let is_svg = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg"));
+    let content = match is_svg {
+        true => svg.into_bytes(),
+        false => svg_to_png(&svg).map_err(failed)?,
+    };
+    prepare(out, args.force)?;
+    write_file(out, &content)?;
+    let drawn = Drawn {
+        table: path,
+        rows: chosen.len(),
+        x: x.clone(),
+        y: args.y.clone(),
+        file: out.clone(),
+        bytes: content.len(),
+    };
+    let text = format!(
+        "{} over {x}, {} rows of {}\n{} ({} kB)\n",
+        drawn.y.join(", "),
+        drawn.rows,
+        plain_path(&drawn.table),
+        plain_path(&drawn.file),
+        drawn.bytes.div_ceil(1000)
+    );
+    context.print(&plain_lines(&text), &drawn)?;
+    Ok(ExitStatus::Done)
+}
+
+/// The file of a table in a folder.
+fn table_path(folder: &Path, name: &str) -> Result<PathBuf, CliError> {
+    let stem = name.strip_suffix(".csv").unwrap_or(name);
+    let path = folder.join(format!("{stem}.csv"));
+    let plain = !stem.is_empty() && !stem.contains(['/', '\\']);
+    if plain && path.exists() {
+        return Ok(path);
+    }
+    let entries = std::fs::read_dir(folder)
+        .map_err(|e| FileError::new("read the folder", folder, e.to_string()))?;
+    let mut there: Vec<String> = entries
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter_map(|name| Some(name.strip_suffix(".csv")?.to_owned()))
+        .collect();
+    there.sort();
+    let there = match there.is_empty() {
+        true => "there is none (CSV) in it".to_owned(),
+        false => format!("it has {}", there.join(", ")),
+    };
+    let what = format!("{}: no table `{stem}`; {there}", plain_path(folder));
+    Err(CliError::Usage(plain_lines(&what).into_owned()))
+}
+
+/// The rows of a stage and of all conditions.
+fn rows(
+    args: &PlotArgs,
+    path: &Path,
+    whole: &ColumnTable,
+    stage: Option<&str>,
+) -> Result<ColumnTable, CliError> {
+    let mut chosen = whole.clone();
+    let mut faults = Vec::new();
+    if let Some(asked) = stage {
+        match whole.find("stage") {
+            Ok(column) => {
+                let numbers = stage_numbers(&args.run, asked)?;
+                chosen = numbers
+                    .iter()
+                    .fold(None, |all: Option<ColumnTable>, number| {
+                        let of = whole.where_is(column, number);
+                        Some(match all {
+                            Some(all) => all.and(of),
+                            None => of,
+                        })
+                    })
+                    .unwrap_or_else(|| whole.clone());
+            }
+            Err(_) => faults.push(format!("--stage {asked}: {} has no stages", plain_path(path))),
+        }
+    }
+    for condition in &args.conditions {
+        let Some((column, value)) = condition.split_once('=') else {
+            faults.push(format!("--where {condition}: expected COLUMN=VALUE, as in by=radius"));
+            continue;
+        };
+        match whole.find(column) {
+            Ok(column) => {
+                let left = chosen.where_is(column, value);
+                if left.is_empty() && !chosen.is_empty() {
+                    let there = chosen.texts(column);
+                    let shown = there.iter().take(8).copied().collect::<Vec<_>>().join(", ");
+                    let more = if there.len() > 8 { ", ..." } else { "" };
+                    faults.push(format!(
+                        "--where {condition}: no row has it; there are {shown}{more}"
+                    ));
+                }
+                chosen = left;
+            }
+            Err(why) => faults.push(format!("--where {condition}: {why}")),
+        }
+    }
+    all_at_once(faults)?;
+    Ok(chosen)
+}
+
+/// Numbers of the stages that are asked for by number or name, as their rows have them.
+fn stage_numbers(folder: &Path, asked: &str) -> Result<Vec<String>, CliError> {
+    let manifest = folder.join("manifest.json");
+    let read: Value = read_json(&manifest)?;
+    let stages = read["stages"].as_array().map_or(&[][..], Vec::as_slice);
+    let names: Vec<&str> = stages.iter().filter_map(|stage| stage["stage"].as_str()).collect();
+    let number = asked.parse().ok().filter(|&n: &usize| n < names.len());
+    let found: Vec<String> = match number {
+        Some(number) => vec![number.to_string()],
+        None => {
+            let named = names.iter().enumerate().filter(|(_, name)| **name == asked);
+            named.map(|(number, _)| number.to_string()).collect()
+        }
+    };
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    let known: Vec<String> =
+        names.iter().enumerate().map(|(number, name)| format!("{number} {name}")).collect();
+    let has = known.join(", ");
+    Err(CliError::Usage(format!("--stage {asked}: no such stage; the run has {has}")))
+}
+
+/// The chosen columns.
+fn chart(args: &PlotArgs, path: &Path, rows: &ColumnTable, x: &str) -> Result<Chart, CliError> {
+    let mut faults = Vec::new();
+    let mut column = |option: &str, name: &str| match rows.find(name) {
+        Ok(found) => {
+            let numbers = rows.numbers(found);
+            if numbers.iter().all(Option::is_none) {
+                let what = match rows.texts(found).first() {
+                    Some(text) => format!("it holds text, such as `{text}`"),
+                    None => "it is empty in the rows that are taken".to_owned(),
+                };
+                faults.push(format!("{option} {name}: there is no number to draw: {what}"));
+            }
+            ChartColumn { name: name.to_owned(), numbers }
+        }
+        Err(why) => {
+            faults.push(format!("{option} {name}: in {} {why}", plain_path(path)));
+            ChartColumn { name: name.to_owned(), numbers: Vec::new() }
+        }
+    };
+    let along = column("--x", x);
+    let y: Vec<ChartColumn> = args.y.iter().map(|name| column("--y", name)).collect();
+    all_at_once(faults)?;
+    let goes_on = rows.find("time_s").is_ok() || increases(&along.numbers);
+    let is_line = goes_on && !args.points;
+    Ok(Chart {
+        stages: if x == "time_s" { begins(rows) } else { Vec::new() },
+        x: along,
+        y,
+        log: [args.log_x, args.log_y],
+        style: if is_line { ChartStyle::Line } else { ChartStyle::Points },
+    })
+}
+
+/// Whether numbers never fall, so that rows have an order.
+fn increases(numbers: &[Option<f64>]) -> bool {
+    let there: Vec<f64> = numbers.iter().copied().flatten().collect();
+    there.windows(2).all(|pair| pair[0] <= pair[1])
+}
+
+/// Times at which the stages but the first begin.
+fn begins(rows: &ColumnTable) -> Vec<f64> {
+    let (Ok(time), Ok(stage)) = (rows.find("time_s"), rows.find("stage")) else {
+        return Vec::new();
+    };
+    let (times, stages) = (rows.numbers(time), rows.numbers(stage));
+    let pairs = stages.windows(2).zip(times.iter().skip(1));
+    pairs.filter(|(pair, _)| pair[0] != pair[1]).filter_map(|(_, time)| *time).collect()
+}
+
+fn all_at_once(faults: Vec<String>) -> Result<(), CliError> {
+    match faults.is_empty() {
+        true => Ok(()),
+        false => Err(CliError::Usage(faults.join("\n"))),
+    }
+}
+
+fn list(context: &Context, path: PathBuf, rows: &ColumnTable) -> Result<ExitStatus, CliError> {
+    let columns = rows.ranges();
+    let mut lines = vec![["column", "rows", "smallest", "largest"].map(str::to_owned)];
+    let number = |n: Option<f64>| n.map_or_else(|| "-".to_owned(), short);
+    for column in &columns {
+        let [smallest, largest] = match column.texts.is_empty() {
+            true => [number(column.smallest), number(column.largest)],
+            false => [column.texts.join(", "), String::new()],
+        };
+        lines.push([column.name.clone(), column.numbers.to_string(), smallest, largest]);
+    }
+    let text = format!("{}, {} rows\n{}", plain_path(&path), rows.len(), table::columns(&lines));
+    context.print(&plain_lines(&text), &Listed { table: path, rows: rows.len(), columns })?;
+    Ok(ExitStatus::Done)
+}
+
+/// A number to five digits.
+fn short(number: f64) -> String {
+    if number != 0.0 && !(1e-3..1e6).contains(&number.abs()) {
+        return format!("{number:.4e}");
+    }
+    let digits = (4 - number.abs().max(1e-3).log10().floor() as i32).clamp(0, 7) as usize;
+    let text = format!("{number:.digits$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (number, expected) in [
+            (0.0, "0"),
+            (1.5, "1.5"),
+            (-123.456_78, "-123.46"),
+            (100.0, "100"),
+            (1e-7, "1.0000e-7"),
+            (0.001_234_567, "0.0012346"),
+        ] {
+            assert_eq!(short(number), expected, "law: {number} to five digits");
+        }
+    }
+
+    #[test]
+    fn stages_begin_where_their_number_changes() {
+        let csv = b"time_s,stage\n0,0\n1,0\n1,1\n2,1\n2,2\n";
+        let rows = ColumnTable::read(Path::new("a.csv"), csv).expect("a table");
+        assert_eq!(begins(&rows), [1.0, 2.0]);
+    }
+
+    #[test]
+    fn what_never_falls_has_an_order() {
+        assert!(increases(&[Some(1.0), None, Some(1.0), Some(2.0)]));
+        assert!(!increases(&[Some(1.0), Some(3.0), Some(2.0)]));
+    }
+}

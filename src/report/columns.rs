@@ -1,0 +1,225 @@
+//! A table of a run by its columns: names with units, ranges, the numbers of chosen rows.
+
+use crate::record::FileError;
+use std::path::Path;
+
+/// A table as it stands in a CSV file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColumnTable {
+    names: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+/// What a column holds.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ColumnRange {
+    /// Its name.
+    pub name: String,
+    /// Number of rows with a number.
+    pub numbers: usize,
+    /// Its smallest number; none of text.
+    pub smallest: Option<f64>,
+    /// Its largest number.
+    pub largest: Option<f64>,
+    /// Up to six different texts where it holds no numbers.
+    pub texts: Vec<String>,
+}
+
+/// Endings of names and what they mean, the longer ones first.
+const UNITS: [(&str, &str); 26] = [
+    ("_mm_per_s2", "mm/s²"),
+    ("_m_per_s2", "m/s²"),
+    ("_mm_per_s", "mm/s"),
+    ("_um_per_s", "µm/s"),
+    ("_rad_per_s", "rad/s"),
+    ("_deg_per_s", "°/s"),
+    ("_g_per_s", "g/s"),
+    ("_m_per_s", "m/s"),
+    ("_n_m", "N m"),
+    ("_percent", "%"),
+    ("_degrees", "°"),
+    ("_kpa", "kPa"),
+    ("_mm3", "mm³"),
+    ("_cm3", "cm³"),
+    ("_deg", "°"),
+    ("_rad", "rad"),
+    ("_mib", "MiB"),
+    ("_mm", "mm"),
+    ("_um", "µm"),
+    ("_hz", "Hz"),
+    ("_kg", "kg"),
+    ("_g", "g"),
+    ("_j", "J"),
+    ("_n", "N"),
+    ("_s", "s"),
+    ("_m", "m"),
+];
+
+/// The words of a column's name, and its unit; empty where it has none.
+pub fn quantity_and_unit(name: &str) -> (String, &'static str) {
+    let found = UNITS.iter().find_map(|(ending, unit)| {
+        let quantity = name.strip_suffix(ending)?;
+        (!quantity.is_empty()).then_some((quantity, *unit))
+    });
+    let (quantity, unit) = found.unwrap_or((name, ""));
+    (quantity.replace('_', " "), unit)
+}
+
+/// The number in a cell; none where it is empty, text, or not finite.
+fn number(cell: &str) -> Option<f64> {
+    cell.trim().parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+impl ColumnTable {
+    /// Reads a table from the content of a CSV file.
+    ///
+    /// # Errors
+    /// [`FileError`] with the line that is none of a table.
+    pub fn read(path: &Path, content: &[u8]) -> Result<Self, FileError> {
+        let mut reader = csv::Reader::from_reader(content);
+        let text = |record: &csv::StringRecord| record.iter().map(str::to_owned).collect();
+        let malformed = |e: csv::Error| FileError::malformed(path, e);
+        let names: Vec<String> = text(reader.headers().map_err(malformed)?);
+        let rows: Result<Vec<Vec<String>>, csv::Error> =
+            reader.records().map(|record| record.map(|record| text(&record))).collect();
+        let table = Self { names, rows: rows.map_err(malformed)? };
+        if table.names.iter().all(String::is_empty) {
+            return Err(FileError::unfit(path, "it has no columns"));
+        }
+        Ok(table)
+    }
+
+    /// Names of the columns, in order.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether it has no rows.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Number of a column by its name.
+    ///
+    /// # Errors
+    /// With the name that was meant, where one is near, and the columns there are.
+    pub fn find(&self, name: &str) -> Result<usize, String> {
+        if let Some(found) = self.names.iter().position(|known| known == name) {
+            return Ok(found);
+        }
+        let near = self.names.iter().map(|known| (strsim::levenshtein(known, name), known)).min();
+        let near = near.filter(|(far, _)| *far <= (name.chars().count() / 3).max(1));
+        let meant = near.map_or(".".to_owned(), |(_, near)| format!("; did you mean `{near}`?"));
+        Err(format!("there is no such column{meant} There are: {}", self.names.join(", ")))
+    }
+
+    /// The rows whose cell in a column is a text, or the number that the text is.
+    #[must_use]
+    pub fn where_is(&self, column: usize, value: &str) -> Self {
+        let asked = number(value);
+        let fits = |cell: &str| cell == value || (asked.is_some() && number(cell) == asked);
+        let rows = self.rows.iter().filter(|row| row.get(column).is_some_and(|cell| fits(cell)));
+        Self { names: self.names.clone(), rows: rows.cloned().collect() }
+    }
+
+    /// These rows, and then others of the same columns.
+    #[must_use]
+    pub fn and(mut self, others: Self) -> Self {
+        self.rows.extend(others.rows);
+        self
+    }
+
+    /// Different texts of a column, in the order in which they come.
+    pub fn texts(&self, column: usize) -> Vec<&str> {
+        let mut seen = Vec::new();
+        for cell in self.rows.iter().filter_map(|row| row.get(column)) {
+            if !cell.is_empty() && !seen.contains(&cell.as_str()) {
+                seen.push(cell);
+            }
+        }
+        seen
+    }
+
+    /// The numbers of a column, row by row.
+    pub fn numbers(&self, column: usize) -> Vec<Option<f64>> {
+        self.rows.iter().map(|row| number(row.get(column)?)).collect()
+    }
+
+    /// What every column holds.
+    pub fn ranges(&self) -> Vec<ColumnRange> {
+        let of = |(column, name): (usize, &String)| {
+            let numbers: Vec<f64> = self.numbers(column).into_iter().flatten().collect();
+            let texts = match numbers.is_empty() {
+                true => self.texts(column).into_iter().take(6).map(str::to_owned).collect(),
+                false => Vec::new(),
+            };
+            ColumnRange {
+                name: name.clone(),
+                numbers: numbers.len(),
+                smallest: numbers.iter().copied().min_by(f64::total_cmp),
+                largest: numbers.iter().copied().max_by(f64::total_cmp),
+                texts,
+            }
+        };
+        self.names.iter().enumerate().map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> ColumnTable {
+        let csv =
+            b"time_s,stage,box_force_z_n,fate\n0,0,,present\n0.5,0,-2,spilled\n1,1,NaN,present\n";
+        ColumnTable::read(Path::new("a.csv"), csv).expect("a table")
+    }
+
+    #[test]
+    fn names_end_in_their_units() {
+        for (name, expected) in [
+            ("time_s", ("time", "s")),
+            ("box_force_z_n", ("box force z", "N")),
+            ("drum_moment_y_n_m", ("drum moment y", "N m")),
+            ("largest_speed_m_per_s", ("largest speed", "m/s")),
+            ("core_stress_xx_kpa", ("core stress xx", "kPa")),
+            ("core_void_ratio", ("core void ratio", "")),
+            ("volume_mm3", ("volume", "mm³")),
+            ("turned_deg", ("turned", "°")),
+            ("grains_in_cylinder", ("grains in cylinder", "")),
+            ("stage", ("stage", "")),
+        ] {
+            let (quantity, unit) = quantity_and_unit(name);
+            assert_eq!((quantity.as_str(), unit), expected, "law: of {name}");
+        }
+    }
+
+    #[test]
+    fn columns_are_found_and_near_names_are_told() {
+        let table = table();
+        assert_eq!(table.find("fate"), Ok(3));
+        let near = table.find("bx_force_z_n").expect_err("law: no such column");
+        assert!(near.contains("did you mean `box_force_z_n`? There are: time_s"), "{near}");
+        let far = table.find("unlikely_quantity").expect_err("law: no such column");
+        assert!(far.starts_with("there is no such column. There are: time_s, stage"), "{far}");
+    }
+
+    #[test]
+    fn cells_without_a_number_have_none_and_rows_are_chosen() {
+        let table = table();
+        assert_eq!(table.numbers(2), [None, Some(-2.0), None], "law: NaN is no number");
+        assert_eq!(table.where_is(3, "present").numbers(0), [Some(0.0), Some(1.0)]);
+        assert_eq!(table.where_is(0, "0.50").len(), 1, "law: 0.50 is 0.5");
+        assert!(table.where_is(3, "lost").is_empty());
+        let ranges = table.ranges();
+        assert_eq!((ranges[0].smallest, ranges[0].largest), (Some(0.0), Some(1.0)));
+        assert_eq!((ranges[2].numbers, ranges[3].texts.len()), (1, 2));
+        let empty = ColumnTable::read(Path::new("a.csv"), b"");
+        assert!(empty.is_err(), "law: nothing is no table, got {empty:?}");
+    }
+}

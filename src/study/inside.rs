@@ -1,0 +1,194 @@
+//! What a specimen is inside: its contacts, its voids by height and by radius, and what became of
+//! energy and orientations from stage to stage.
+
+use std::sync::Arc;
+
+use super::laboratory::regions;
+use crate::grains::GrainSet;
+use crate::measure::{
+    Container, LoadedContact, Region, Slice, contacts_of_grains_in, fabric, layers,
+    loaded_contacts, rings, rotations, stress_in, void_ratio_in,
+};
+use crate::protocol::{Setup, friction_between};
+use crate::record::{
+    ContactsSummary, CoreSummary, EnergyRow, FabricSummary, ProfileRow, RotationSummary,
+    StageEnergy, StageSummary, StoredStage, StressSummary,
+};
+use crate::specimen::{Specimen, SpecimenState};
+use crate::units::{to_mm, to_mm3};
+
+/// Layers and rings are at most this share of a median grain wide: voids order themselves along
+/// walls grain by grain.
+const SLICE: f64 = 0.5;
+
+/// Layers and rings of a profile, at most.
+const MOST_SLICES: usize = 400;
+
+/// Within so many median grains of a wall, a floor or a surface grains lie otherwise than inside.
+const EDGE: f64 = 2.0;
+
+/// The specimen with its contacts at rest: at the end of the rest test where one is run.
+pub(super) struct AtRest {
+    /// It.
+    pub specimen: Specimen,
+    /// Its loaded contacts.
+    pub contacts: Vec<LoadedContact>,
+}
+
+impl AtRest {
+    /// Of the state at the end of the last stage, and the rest test.
+    pub(super) fn of(setup: &Setup, last: &Specimen, rest_test: Option<&StoredStage>) -> Self {
+        let state = rest_test.map_or(&last.state, |stage| &stage.state);
+        let state = state.on_level_table().into_owned();
+        let contacts = loaded_contacts(&state.contacts, friction_between(setup, &state));
+        Self { specimen: Specimen { grains: last.grains.clone(), state }, contacts }
+    }
+
+    /// None where the engine gave no contacts.
+    pub(super) fn summary(&self) -> Option<ContactsSummary> {
+        (!self.specimen.state.contacts.is_empty())
+            .then(|| ContactsSummary::of(&self.contacts, self.specimen.present().count()))
+    }
+}
+
+/// Void ratio by height and by radius of what lies in the built-in cylinder, up to its mean
+/// surface in m; by height of the regions of a laboratory. Nothing of a pile.
+pub(super) fn void_profile(
+    setup: &Setup,
+    specimen: &Specimen,
+    container: &Container,
+    surface: f64,
+) -> Vec<ProfileRow> {
+    let specimen = &*specimen.on_level_table();
+    let grain = setup.scale.sizes.median;
+    let count =
+        |length: f64| ((length / (SLICE * grain)).ceil().max(1.0) as usize).min(MOST_SLICES);
+    let rows = |of: &str, by: &'static str, slices: Vec<Slice>| -> Vec<ProfileRow> {
+        let row = |slice: Slice| ProfileRow {
+            of: of.to_owned(),
+            by,
+            from_mm: to_mm(slice.from),
+            to_mm: to_mm(slice.to),
+            void_ratio: slice.void_ratio(),
+            solids_mm3: to_mm3(slice.solids),
+        };
+        slices.into_iter().map(row).collect()
+    };
+    if !setup.pieces.is_empty() {
+        let named = setup.measures.regions.iter().zip(regions(setup));
+        let of_region = named.flat_map(|(spec, region)| {
+            let present: Vec<usize> = specimen.present().collect();
+            let height = region.high.z - region.low.z;
+            rows(&spec.name, "height", slices_of(specimen, &present, &region, count(height)))
+        });
+        return of_region.collect();
+    }
+    if specimen.state.base.is_some() || !(surface > 0.0) {
+        return Vec::new();
+    }
+    let members = container.members(specimen);
+    let by_height = layers(specimen, &members, container.area(), (0.0, surface), count(surface));
+    // Floor and surface have voids of their own.
+    let off = if surface > 4.0 * grain { grain } else { 0.0 };
+    let axis = (container.centre_x, container.radius);
+    let by_radius = rings(specimen, &members, axis, (off, surface - off), count(container.radius));
+    [rows("specimen", "height", by_height), rows("specimen", "radius", by_radius)].concat()
+}
+
+fn slices_of(specimen: &Specimen, grains: &[usize], region: &Region, count: usize) -> Vec<Slice> {
+    let edge = |n: usize| region.low.z + (region.high.z - region.low.z) * n as f64 / count as f64;
+    let slice = |n: usize| {
+        let (mut part, from, to) = (*region, edge(n), edge(n + 1));
+        (part.low.z, part.high.z) = (from, to);
+        let solid = |&i: &usize| {
+            let pose = &specimen.state.bodies[i].body.pose;
+            part.volume_of(&specimen.grains.grains[i].shape, pose)
+        };
+        Slice { from, to, volume: part.volume(), solids: grains.iter().map(solid).sum() }
+    };
+    (0..count).map(slice).collect()
+}
+
+/// The middle of what lies in the built-in cylinder: the largest box about its axis that keeps two
+/// median grains off wall, floor and mean surface, in m. `None` where none is left that is as wide
+/// and as high as one grain, and of anything else than a cylinder.
+pub(super) fn core(
+    setup: &Setup,
+    at_rest: &AtRest,
+    container: &Container,
+    surface: f64,
+) -> Option<CoreSummary> {
+    let specimen = &at_rest.specimen;
+    if !specimen.state.cylinder || specimen.state.base.is_some() || !setup.pieces.is_empty() {
+        return None;
+    }
+    let grain = setup.scale.sizes.median;
+    let off = EDGE * grain;
+    let half = (container.radius - off) / 2f64.sqrt();
+    if 2.0 * half < grain || surface - 2.0 * off < grain {
+        return None;
+    }
+    let x = container.centre_x;
+    let region =
+        Region { low: [x - half, -half, off].into(), high: [x + half, half, surface - off].into() };
+    let inside = contacts_of_grains_in(&at_rest.contacts, &region);
+    Some(CoreSummary {
+        low_mm: region.low.map(to_mm).into(),
+        high_mm: region.high.map(to_mm).into(),
+        void_ratio: void_ratio_in(specimen, &region),
+        stress: stress_in(specimen, &region).map(|stress| StressSummary::of(&stress)),
+        fabric: fabric(inside).map(|fabric| FabricSummary::of(&fabric)),
+    })
+}
+
+/// Energy at every row of the series of stages; nothing of a stage that was stored before it was
+/// recorded.
+pub(super) fn energy_rows(stages: &[&StoredStage]) -> Vec<Option<EnergyRow>> {
+    let of = |stage: &&StoredStage| -> Vec<Option<EnergyRow>> {
+        let energy = &stage.record.energy;
+        match energy.len() == stage.series.len() {
+            true => energy.iter().copied().map(Some).collect(),
+            false => vec![None; stage.series.len()],
+        }
+    };
+    stages.iter().flat_map(of).collect()
+}
+
+/// What each stage was given and what became of it.
+pub(super) fn stage_summaries(stages: &[&StoredStage]) -> Vec<StageSummary> {
+    let before = std::iter::once(None).chain(stages.iter().map(|stage| Some(&stage.state)));
+    let of = |(stage, before): (&&StoredStage, Option<&SpecimenState>)| {
+        let energy = stage.record.energy.last().zip(stage.series.last());
+        let turned = before.map(|before| rotations(before, &stage.state)).unwrap_or_default();
+        StageSummary {
+            stage: stage.record.stage.clone(),
+            duration_s: stage.record.simulated_s,
+            energy: energy.map(|(energy, row)| StageEnergy {
+                work_input_j: energy.work_input_j,
+                dissipated_j: energy.dissipated_j,
+                potential_energy_j: energy.potential_energy_j,
+                kinetic_energy_j: row.kinetic_energy_j,
+            }),
+            rotation: RotationSummary::of(turned.into_iter().flatten()),
+        }
+    };
+    stages.iter().zip(before).map(of).collect()
+}
+
+/// By which angle in rad each grain turned in the last of the stages; nothing where there is none
+/// before it.
+pub(super) fn turned_in_last(stages: &[&StoredStage]) -> Vec<Option<f64>> {
+    match stages {
+        [.., before, last] => rotations(&before.state, &last.state),
+        _ => Vec::new(),
+    }
+}
+
+/// The grains with the state at the end of the last stage.
+pub(super) fn at_end(grains: &Arc<GrainSet>, stages: &[&StoredStage]) -> Specimen {
+    let state = stages.last().map_or_else(
+        || SpecimenState::before_everything(grains.grains.len()),
+        |stage| stage.state.clone(),
+    );
+    Specimen { grains: grains.clone(), state }
+}

@@ -1,0 +1,338 @@
+//! What is measured of a laboratory, against laws of a specimen at rest, and figures of any of it.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Output},
+    sync::OnceLock,
+};
+
+use serde_json::{Value, json};
+
+const GRAVITY: f64 = 9.81;
+
+/// Grains between smooth walls on a rough floor, lifted by 20 mm.
+fn scenario() -> Value {
+    json!({
+        "name": "measured",
+        "grains": {
+            "total_mass_g": 100, "density_kg_per_m3": 2650,
+            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
+        },
+        "pieces": [
+            { "name": "floor", "shape": { "plate": { "size_mm": [80, 80, 10] } }, "at_mm": [0, 0, -5] },
+            { "name": "walls", "friction": 0,
+              "shape": { "box": { "inner_mm": [50, 50, 150], "open": ["bottom", "top"] } } }
+        ],
+        "stages": [
+            { "stage": "deposit", "at_mm": [0, 0, 20], "area_mm": [50, 50], "how": "lattice" },
+            { "stage": "move", "velocity_mm_per_s": [0, 0, 50], "travel_mm": 20, "ramp_s": 0.1,
+              "settle_limit_s": 3 }
+        ],
+        "measures": {
+            "regions": [
+                { "name": "all", "low_mm": [-26, -26, 19], "high_mm": [26, 26, 119] },
+                { "name": "layer", "low_mm": [-26, -26, 23], "high_mm": [26, 26, 33] }
+            ],
+            "groups": [{ "name": "both", "pieces": ["floor", "walls"] }]
+        },
+        "rest_test_s": 1.0
+    })
+}
+
+fn pluvia(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_pluvia")).args(arguments).output().expect("it starts")
+}
+
+/// The folder of the run, made once.
+fn finished() -> &'static Path {
+    static RUN: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
+    let (_, out) = RUN.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("measured.json");
+        fs::write(&file, scenario().to_string()).expect("written");
+        let out = folder.path().join("out");
+        let text = |path: &Path| path.to_str().expect("UTF-8").to_owned();
+        let ran = pluvia(&["run", &text(&file), "--out", &text(&out), "--quiet"]);
+        assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+        (folder, out)
+    });
+    out
+}
+
+fn summary() -> Value {
+    let text = fs::read(finished().join("summary.json")).expect("a summary");
+    serde_json::from_slice(&text).expect("JSON")
+}
+
+/// A column of a table as numbers; empty cells are NaN.
+fn column(table: &str, name: &str) -> Vec<f64> {
+    let mut reader = csv::Reader::from_path(finished().join(table)).expect("a table");
+    let headers = reader.headers().expect("a header").clone();
+    let at = headers.iter().position(|h| h == name).unwrap_or_else(|| panic!("{table} has {name}"));
+    reader.records().map(|record| record.expect("a row")[at].parse().unwrap_or(f64::NAN)).collect()
+}
+
+fn number(value: &Value, pointer: &str) -> f64 {
+    let found = value.pointer(pointer).and_then(Value::as_f64);
+    found.unwrap_or_else(|| panic!("there is a number at {pointer}"))
+}
+
+#[track_caller]
+fn near(law: &str, expected: f64, got: f64, share: f64) {
+    let tolerance = share * expected.abs();
+    assert!(
+        (got - expected).abs() <= tolerance,
+        "law: {law}: expected {expected}, got {got}, tolerance {tolerance}"
+    );
+}
+
+/// Law: between smooth walls the vertical force at every height is the weight of what lies above;
+/// the region of all grains holds Σ m g (z − floor), a layer its part of that. To 1 %, at rest.
+#[test]
+fn stresses_close_with_the_weight_above() {
+    let summary = summary();
+    let masses: Vec<f64> = column("grains.csv", "mass_g").iter().map(|g| g * 1e-3).collect();
+    let heights: Vec<f64> = column("grains.csv", "z_mm").iter().map(|z| z * 1e-3).collect();
+    for (n, low, high) in [(0, 0.019, 0.119), (1, 0.023, 0.033)] {
+        let floor = 0.02_f64;
+        let area = 0.052 * 0.052;
+        // The weight of a grain is borne from the floor up to its centroid.
+        let borne = |z: f64| (z.min(high) - floor.max(low)).max(0.0);
+        let force_times_height: f64 =
+            masses.iter().zip(&heights).map(|(m, z)| m * GRAVITY * borne(*z)).sum();
+        let expected = 1e-3 * force_times_height / (area * (high - low));
+        let region = format!("/laboratory/regions/{n}/stress");
+        let got = number(&summary, &format!("{region}/tensor_kpa/2/2"));
+        near("σzz in kPa at the end of the rest test", expected, got, 0.01);
+        let name = ["all", "layer"][n];
+        let series = column("rest_test.csv", &format!("{name}_stress_zz_kpa"));
+        near("σzz in kPa in the last row", expected, *series.last().expect("rows"), 0.01);
+        assert!(number(&summary, &format!("{region}/mean_kpa")) > 0.0, "law: pressed");
+    }
+    let all = number(&summary, "/laboratory/regions/0/stress/asymmetry_percent");
+    assert!(all < 1.0, "law: moments of whole grains at rest are balanced, got {all} %");
+}
+
+#[test]
+fn groups_carry_what_their_pieces_carry() {
+    let summary = summary();
+    let force =
+        |list: &str, n: usize| number(&summary, &format!("/laboratory/{list}/{n}/force_n/2"));
+    let (both, floor, walls) = (force("groups", 0), force("pieces", 0), force("pieces", 1));
+    near("force on the group in N", floor + walls, both, 1e-9);
+    near(
+        "force on all pieces is the weight in N",
+        -number(&summary, "/laboratory/balance/weight_n"),
+        both,
+        0.01,
+    );
+    near("smooth walls carry nothing: of N", both, floor, 0.01);
+    let last = |name: &str| *column("rest_test.csv", name).last().expect("rows");
+    near(
+        "column of a group in N",
+        last("floor_force_z_n") + last("walls_force_z_n"),
+        last("both_force_z_n"),
+        1e-9,
+    );
+}
+
+/// Law: lifting everything slowly by h costs m g h; what is put in is stored or dissipated.
+#[test]
+fn lifting_costs_what_it_should_and_energies_balance() {
+    let summary = summary();
+    let mass: f64 = column("grains.csv", "mass_g").iter().map(|g| g * 1e-3).sum();
+    assert_eq!(summary["stages"][1]["stage"], json!("move"));
+    let put_in = number(&summary, "/stages/1/energy/work_input_j");
+    near("work of lifting by 20 mm in J", mass * GRAVITY * 0.02, put_in, 0.02);
+    let potential = |n: usize| number(&summary, &format!("/stages/{n}/energy/potential_energy_j"));
+    let kinetic = number(&summary, "/stages/0/energy/kinetic_energy_j");
+    let lost = number(&summary, "/stages/1/energy/dissipated_j");
+    let stored = potential(1) - potential(0) - kinetic;
+    assert!(
+        (put_in - stored - lost).abs() < 1e-3 * put_in,
+        "law: {put_in} J = {stored} + {lost} J"
+    );
+    let heights = column("grains.csv", "z_mm");
+    let masses = column("grains.csv", "mass_g");
+    let expected: f64 = heights.iter().zip(&masses).map(|(z, m)| 1e-6 * z * m * GRAVITY).sum();
+    near("m g z in J", expected, potential(1), 1e-6);
+    assert!(number(&summary, "/stages/0/energy/dissipated_j") > 0.0, "law: a fall ends in impacts");
+    assert_eq!(number(&summary, "/stages/0/energy/work_input_j"), 0.0, "law: nothing moved");
+    let turned = number(&summary, "/stages/1/rotation/max_deg");
+    assert!((0.0..180.0).contains(&turned), "law: an angle, got {turned}");
+    let largest = column("grains.csv", "turned_deg").iter().copied().fold(0.0, f64::max);
+    near("turned_deg of the grain that turned most", turned, largest, 1e-9);
+}
+
+#[test]
+fn contacts_and_voids_are_counted_whole() {
+    let summary = summary();
+    let grains = number(&summary, "/grains/count");
+    let list = |pointer: &str| -> Vec<f64> {
+        let list = summary.pointer(pointer).and_then(Value::as_array).expect("a list");
+        list.iter().map(|n| n.as_f64().expect("a number")).collect()
+    };
+    let distribution = list("/coordination_distribution");
+    near("every grain is counted once", grains, distribution.iter().sum(), 1e-12);
+    let touched: f64 = distribution.iter().enumerate().map(|(n, count)| n as f64 * count).sum();
+    near("its mean", number(&summary, "/coordination_number"), touched / grains, 1e-9);
+    let classes = list("/contacts/normal_force/classes_percent");
+    near("every contact has a class, in %", 100.0, classes.iter().sum(), 1e-9);
+    assert!(number(&summary, "/contacts/between_grains") > grains / 2.0);
+    assert!((0.0..=100.0).contains(&number(&summary, "/contacts/sliding_percent")));
+    let fabric = list("/contacts/fabric/principal");
+    near("trace of the fabric", 1.0, fabric.iter().sum(), 1e-9);
+    // All grains lie in the first region; its layers hold all of them.
+    let layers = column("void_profile.csv", "solids_mm3");
+    let of_layer =
+        column("void_profile.csv", "to_mm").iter().position(|z| *z > 118.9).expect("all");
+    let solids: f64 = layers[..=of_layer].iter().sum();
+    near("solids in mm³", 1e3 * number(&summary, "/grains/solids_volume_cm3"), solids, 1e-4);
+}
+
+#[test]
+fn any_columns_can_be_drawn_and_others_are_refused_with_the_nearest() {
+    let run = finished().to_str().expect("UTF-8");
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let plot = |arguments: &[&str]| pluvia(&[&["plot", run], arguments].concat());
+    let said = |output: &Output| String::from_utf8_lossy(&output.stderr).into_owned();
+    let (svg, png) = (file("a/forces.svg"), file("profile.png"));
+    let forces =
+        ["--x", "time_s", "--y", "floor_force_z_n,both_force_z_n,all_void_ratio", "--out", &svg];
+    let drawn = plot(&forces);
+    assert!(drawn.status.success(), "{}", said(&drawn));
+    let text = fs::read_to_string(&svg).expect("a figure");
+    for words in
+        ["Time (s)", "Force z (N)", "All void ratio", "Floor force z", "Beginning of a stage"]
+    {
+        assert!(text.contains(words), "law: `{words}` stands in the figure");
+    }
+    let again = plot(&forces);
+    assert_eq!(again.status.code(), Some(2), "law: a file that is there is kept");
+    assert!(said(&again).contains("--force"), "{}", said(&again));
+    assert!(plot(&[&forces[..], &["--force"]].concat()).status.success(), "law: unless asked");
+    let profile = plot(&[
+        "--file",
+        "void_profile",
+        "--where",
+        "of=layer",
+        "--where",
+        "by=height",
+        "--x",
+        "void_ratio",
+        "--y",
+        "from_mm",
+        "--out",
+        &png,
+    ]);
+    assert!(profile.status.success(), "{}", said(&profile));
+    assert_eq!(fs::read(&png).expect("a figure")[1..4], *b"PNG");
+    let at_rest = plot(&[
+        "--stage",
+        "rest_test",
+        "--x",
+        "all_stress_xx_kpa",
+        "--y",
+        "all_stress_zz_kpa",
+        "--out",
+        &file("rest.svg"),
+    ]);
+    assert!(at_rest.status.success(), "{}", said(&at_rest));
+    for (arguments, words) in [
+        (
+            &["--x", "tine_s", "--y", "box_n,floor_force_z", "--out", "x.svg"][..],
+            &[
+                "--x tine_s",
+                "did you mean `time_s`",
+                "--y box_n",
+                "--y floor_force_z",
+                "`floor_force_z_n`",
+                "There are: time_s, stage",
+            ][..],
+        ),
+        (
+            &["--x", "time_s", "--y", "all_void_ratio", "--stage", "shake", "--out", "x.svg"],
+            &["no such stage", "0 deposit, 1 move"],
+        ),
+        (&["--x", "time_s", "--y", "all_void_ratio", "--out", "x.pdf"], &[".svg or .png"]),
+        (
+            &["--file", "grain", "--x", "x_mm", "--y", "z_mm", "--out", "x.svg"],
+            &["no table `grain`", "grains, rest_test, series"],
+        ),
+        (
+            &["--file", "../out/series", "--x", "time_s", "--y", "stage", "--out", "x.svg"],
+            &["no table"],
+        ),
+        (
+            &["--file", "grains", "--x", "x_mm", "--y", "fate", "--out", "x.svg"],
+            &["--y fate", "it holds text, such as `present`"],
+        ),
+        (
+            &[
+                "--file",
+                "grains",
+                "--where",
+                "fate=lost",
+                "--x",
+                "x_mm",
+                "--y",
+                "z_mm",
+                "--out",
+                "x.svg",
+            ],
+            &["fate=lost: no row has it; there are present"],
+        ),
+        (
+            &["--x", "time_s", "--y", "plate_height_mm", "--out", "x.svg"],
+            &["--y plate_height_mm", "empty"],
+        ),
+    ] {
+        let refused = plot(arguments);
+        assert_eq!(
+            refused.status.code(),
+            Some(2),
+            "law: {arguments:?} is refused, {}",
+            said(&refused)
+        );
+        for words in words {
+            assert!(
+                said(&refused).contains(words),
+                "law: `{words}` of {arguments:?}: {}",
+                said(&refused)
+            );
+        }
+    }
+    assert!(!Path::new("x.svg").exists(), "law: nothing is written");
+    let listed = plot(&["--list", "--json"]);
+    let listed: Value = serde_json::from_slice(&listed.stdout).expect("JSON");
+    let columns = listed["columns"].as_array().expect("columns");
+    let time = columns.iter().find(|c| c["name"] == "time_s").expect("time_s");
+    assert_eq!(time["smallest"], json!(0.0), "law: the range of a column");
+    let text = String::from_utf8_lossy(&plot(&["--list"]).stdout).into_owned();
+    assert!(text.contains("floor_force_z_n"), "{text}");
+}
+
+#[test]
+fn groups_that_make_no_sense_are_refused_with_the_field() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (groups, words) in [
+        (json!([{ "name": "floor", "pieces": ["floor"] }]), "measures.groups"),
+        (json!([{ "name": "a", "pieces": ["flor"] }]), "measures.groups[0].pieces[0]"),
+        (json!([{ "name": "a", "pieces": ["floor", "floor"] }]), "in the group already"),
+        (json!([{ "name": "a", "pieces": [] }]), "measures.groups[0].pieces"),
+        (json!([{ "name": "all", "pieces": ["floor"] }]), "of their own"),
+    ] {
+        let mut value = scenario();
+        value["measures"]["groups"] = groups;
+        let file = folder.path().join("s.json");
+        fs::write(&file, value.to_string()).expect("written");
+        let out = folder.path().join("out");
+        let ran =
+            pluvia(&["run", file.to_str().expect("UTF-8"), "--out", out.to_str().expect("UTF-8")]);
+        let said = String::from_utf8_lossy(&ran.stderr);
+        assert_eq!(ran.status.code(), Some(2), "law: refused, {said}");
+        assert!(said.contains(words), "law: `{words}`, got {said}");
+    }
+}
