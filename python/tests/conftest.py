@@ -60,7 +60,7 @@ def installed() -> None:
 @pytest.fixture(scope="session")
 def poured(tmp_path_factory: pytest.TempPathFactory) -> pluvia.Run:
     """A run of a layer."""
-    return pluvia.run(layer(), tmp_path_factory.mktemp("poured") / "run", progress=False)
+    return pluvia.run(layer(100.0), tmp_path_factory.mktemp("poured") / "run", progress=False)
 
 
 @pytest.fixture(scope="session")

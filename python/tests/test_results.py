@@ -37,7 +37,7 @@ def test_the_summary_is_that_of_the_file(poured: pluvia.Run) -> None:
     assert isinstance(row, pd.DataFrame) and len(row) == 1
     assert row["standing_height_mm.mean_surface"].iloc[0] == content["standing_height_mm"]["mean_surface"]
     both = pd.concat([row, row])
-    assert len(both) == 2 and both["void_ratio"].nunique() == 1
+    assert len(both) == 2 and both["standing_height_mm.mean_surface"].nunique() == 1
 
 
 def test_the_series_has_units_in_its_names(vibrated: pluvia.Run) -> None:

@@ -29,7 +29,7 @@ def test_the_version_is_that_of_the_crate() -> None:
 
 
 def test_a_file_and_a_dict_give_the_same_run(in_folder: Path, poured: pluvia.Run) -> None:
-    Path("layer.json").write_text(json.dumps(layer()))
+    Path("layer.json").write_text(json.dumps(layer(100.0)))
     again = pluvia.run("layer.json", out="out", progress=False)
     assert again["void_ratio"] == poured["void_ratio"]
     assert np.array_equal(again.positions, poured.positions), "law: same scenario, same bits"
@@ -247,8 +247,8 @@ def test_examples_come_with_the_package(in_folder: Path) -> None:
     scenario = {
         "extends": pluvia.example("quick/pluviation"),
         "name": "few",
-        "grains": {"total_mass_g": 25},
+        "grains": {"total_mass_g": 60},
     }
     run = pluvia.run(scenario, "out", changes={"rest_test_s": 0.2}, progress=False)
-    assert run["grains.mass_g"] == pytest.approx(25.0)
+    assert run["grains.mass_g"] == pytest.approx(60.0)
     assert "$defs" in pluvia.schema() or "properties" in pluvia.schema()
