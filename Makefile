@@ -19,7 +19,7 @@ TABLE ?= docs/results/scale/twins.csv
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: docs help setup setup-lint build reproduce convergence sensitivity twins test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep referee results deb test-deb archive clean
+.PHONY: docs help setup setup-lint build reproduce convergence sensitivity twins test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep referee results deb test-deb archive wheel test-python test-wheel clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -96,13 +96,16 @@ deny: ## licences, sources and known weaknesses of what is linked (deny.toml)
 
 lint: setup-lint ## check formatting, lints and documentation
 	cargo fmt --check
+	cargo fmt --check --manifest-path python/Cargo.toml
 	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
 	cargo clippy --all-targets --locked -- -D warnings
 	cargo clippy --all-targets --locked --no-default-features -- -D warnings
+	PYO3_NO_PYTHON=1 cargo clippy --manifest-path python/Cargo.toml --target-dir target --locked -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 
 format: setup-lint ## format all source
 	cargo fmt
+	cargo fmt --manifest-path python/Cargo.toml
 	clang-format -i cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
 
 docs: ## the documentation as a site, in out/site/ (MkDocs in target/mkdocs/)
@@ -136,6 +139,17 @@ test-deb: deb ## install that package on a bare Debian 12 and run it; as root
 archive: build ## pack the program with manual pages, scenarios and docs, in target/package
 	@bash scripts/setup.sh package
 	bash scripts/package.sh archive
+
+wheel: setup ## pack the Python package with Bullet inside, in dist/ (docs/python.md)
+	@bash scripts/setup.sh venv
+	bash scripts/wheel.sh
+
+test-python: wheel ## install that wheel in a fresh environment, run its tests and notebooks
+	bash scripts/test-python.sh $(ARGS)
+
+test-wheel: wheel ## install that wheel on a bare Debian 12 without Bullet and run it; as root
+	@bash scripts/setup.sh bare
+	bash scripts/test-wheel.sh
 
 clean: ## remove what was built; results in out/ stay
 	cargo clean

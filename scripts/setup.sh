@@ -13,7 +13,7 @@
 #   scripts/setup.sh soak   also strace and ext4's tools, without which `make soak`
 #                           skips the classes that need them
 #   scripts/setup.sh package  also what `make deb` and `make archive` need
-#   scripts/setup.sh bare   also what `make test-deb` needs
+#   scripts/setup.sh bare   also what `make test-deb` and `make test-wheel` need
 #   scripts/setup.sh snakemake   also what `make test-snakemake` needs
 #
 # Several of these words may stand together.

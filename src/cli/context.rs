@@ -1,8 +1,9 @@
 //! What every subcommand needs beside its own arguments.
 
 use std::{
+    cell::RefCell,
     io::{self, IsTerminal, Write},
-    sync::{Arc, atomic::AtomicBool},
+    sync::{Arc, Mutex, atomic::AtomicBool},
 };
 
 use serde::Serialize;
@@ -21,6 +22,8 @@ pub struct Context {
     pub cancel: Arc<AtomicBool>,
     /// Told of what goes on.
     pub progress: Arc<dyn Progress>,
+    /// What was printed, where it is kept for another program.
+    kept: Option<Arc<Mutex<String>>>,
 }
 
 impl Context {
@@ -35,12 +38,24 @@ impl Context {
         } else {
             Arc::new(lines::Lines::new(io::stderr()))
         };
-        Self { quiet, json, cancel: Arc::new(AtomicBool::new(false)), progress }
+        Self { quiet, json, cancel: Arc::new(AtomicBool::new(false)), progress, kept: None }
+    }
+
+    /// For a command within another program, which sets `cancel` itself, hears of progress and
+    /// gets what is printed: signals and standard streams stay its own.
+    pub(super) fn within(
+        cancel: Arc<AtomicBool>,
+        progress: Arc<dyn Progress>,
+        kept: Arc<Mutex<String>>,
+    ) -> Self {
+        Self { quiet: false, json: true, cancel, progress, kept: Some(kept) }
     }
 
     /// From here on, Ctrl-C sets [`Context::cancel`].
     pub fn stop_on_ctrl_c(&self) {
-        stop::on_ctrl_c(self.cancel.clone(), self.progress.clone());
+        if self.kept.is_none() {
+            stop::on_ctrl_c(self.cancel.clone(), self.progress.clone());
+        }
     }
 
     /// Prints a result: the text, or the value as JSON where that was asked for. Quietly, the
@@ -72,6 +87,10 @@ impl Context {
         }
         // In JSON a code point says the same as the character.
         let out = if self.json { plain_lines(&out).into_owned() } else { paint::shown(&out) };
+        if let Some(kept) = &self.kept {
+            progress::lock(kept).push_str(&out);
+            return Ok(());
+        }
         // Takes colours out where there is no terminal to show them.
         let mut stdout = anstream::stdout().lock();
         match stdout.write_all(out.as_bytes()).and_then(|()| stdout.flush()) {
@@ -81,8 +100,24 @@ impl Context {
     }
 }
 
-/// Writes a line to the standard error; there is nobody left to tell when that fails.
+thread_local! {
+    /// Who hears what commands of this thread would write to the standard error.
+    static LISTENER: RefCell<Option<Arc<dyn Progress>>> = const { RefCell::new(None) };
+}
+
+/// From here on, lines that this thread says go to a listener.
+pub(super) fn listen(listener: Option<Arc<dyn Progress>>) {
+    LISTENER.set(listener);
+}
+
+/// Writes a line to the standard error, or says it to who listens; there is nobody left to tell
+/// when that fails.
 pub(super) fn say(line: &str) {
+    if let Some(listener) = LISTENER.with_borrow(Clone::clone) {
+        let shown = paint::shown(line);
+        listener.message(&anstream::adapter::strip_str(&shown).to_string());
+        return;
+    }
     let _ = writeln!(anstream::stderr(), "{}", paint::shown(line));
 }
 

@@ -1,10 +1,14 @@
 //! How many cores a command may use, and the threads on which it uses them.
 
-use std::{env, sync::mpsc, thread};
+use std::{
+    env,
+    sync::{Mutex, mpsc},
+    thread,
+};
 
 use clap::Args;
 
-use super::{CliError, context::say};
+use super::{CliError, context::say, progress::lock};
 use crate::study::available_cores;
 
 #[derive(Debug, Clone, Copy, Args)]
@@ -34,18 +38,27 @@ pub(super) fn cores_for(jobs: Option<u16>) -> usize {
     asked.min(there)
 }
 
-/// Starts the threads that share work within a command: as many as there are cores, or
-/// fewer where the system gives no more.
+/// Whether the threads of [`start_pool`] are there.
+static STARTED: Mutex<bool> = Mutex::new(false);
+
+/// Starts the threads that share work within commands, unless they are there: as many as there
+/// are cores, or fewer where the system gives no more.
 ///
 /// # Errors
 /// When the system gives none.
 pub(super) fn start_pool() -> Result<(), CliError> {
+    let mut started = lock(&STARTED);
+    if *started {
+        return Ok(());
+    }
     let asked = env::var("RAYON_NUM_THREADS").ok().and_then(|n| n.parse().ok());
     let wanted = asked.filter(|n| *n > 0).unwrap_or_else(available_cores);
     // The pool is started once or never: what it can have is found out before.
     let given = can_be_started(wanted)?;
     let built = rayon::ThreadPoolBuilder::new().num_threads(given).build_global();
-    built.map_err(|e| CliError::Threads(e.to_string()))
+    built.map_err(|e| CliError::Threads(e.to_string()))?;
+    *started = true;
+    Ok(())
 }
 
 /// How many threads of those wanted can be there at the same time.

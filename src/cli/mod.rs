@@ -9,6 +9,7 @@ mod context;
 mod converge;
 mod designed;
 mod earlier_run;
+mod embedded;
 mod error;
 mod export;
 mod field_page;
@@ -40,6 +41,7 @@ mod verify;
 mod view;
 
 pub use context::Context;
+pub use embedded::{Ended, News, embedded};
 pub use error::{CliError, ExitStatus};
 
 use std::process::ExitCode;
@@ -124,9 +126,8 @@ pub fn main() -> ExitCode {
     }
     let cli = Cli::parse();
     note_panics();
-    let whole = |status| output_folder::still_there().map(|()| status).map_err(CliError::from);
-    let done = caught(|| command(&cli)).unwrap_or_else(|what| Err(CliError::Fault(what)));
-    match done.and_then(whole) {
+    let Global { quiet, json, verbose } = cli.global;
+    match carried_out(&cli, || Context::new(quiet, json, verbose)) {
         Ok(status) => status.into(),
         Err(error) => {
             let what = error.to_string();
@@ -136,32 +137,39 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn command(cli: &Cli) -> Result<ExitStatus, CliError> {
-    let context = Context::new(cli.global.quiet, cli.global.json, cli.global.verbose);
+/// Carries a command out, whole: a panic is an error, and results are where they belong.
+fn carried_out(cli: &Cli, context: impl FnOnce() -> Context) -> Result<ExitStatus, CliError> {
+    let done = caught(|| command(cli, &context()));
+    let status = done.unwrap_or_else(|what| Err(CliError::Fault(what)))?;
+    output_folder::still_there()?;
+    Ok(status)
+}
+
+fn command(cli: &Cli, context: &Context) -> Result<ExitStatus, CliError> {
     if cli.command.computes() {
         jobs::start_pool()?;
     }
     match &cli.command {
-        Command::Reproduce(args) => reproduce::run(args, &context),
-        Command::Interpretations(args) => interpretations::run(args, &context),
-        Command::Run(args) => run::run(args, &context),
-        Command::Grains(args) => grains::run(args, &context),
-        Command::Compare(args) => compare::run(args, &context),
-        Command::Calibrate(args) => calibrate::run(args, &context),
-        Command::Converge(args) => converge::run(args, &context),
-        Command::Sensitivity(args) => sensitivity::run(args, &context),
-        Command::Sweep(args) => sweep::run(args, &context),
-        Command::Stage(args) => stage::run(args, &context),
-        Command::Store(args) => store::run(args, &context),
-        Command::Verify(args) => verify::run(args, &context),
-        Command::Export(args) => export::run(args, &context),
-        Command::Picture(args) => picture::run(args, &context),
-        Command::Plot(args) => plot::run(args, &context),
-        Command::View(args) => view::run(args, &context),
-        Command::Schema(args) => schema::run(args, &context),
-        Command::Info(args) => info::run(args, &context),
+        Command::Reproduce(args) => reproduce::run(args, context),
+        Command::Interpretations(args) => interpretations::run(args, context),
+        Command::Run(args) => run::run(args, context),
+        Command::Grains(args) => grains::run(args, context),
+        Command::Compare(args) => compare::run(args, context),
+        Command::Calibrate(args) => calibrate::run(args, context),
+        Command::Converge(args) => converge::run(args, context),
+        Command::Sensitivity(args) => sensitivity::run(args, context),
+        Command::Sweep(args) => sweep::run(args, context),
+        Command::Stage(args) => stage::run(args, context),
+        Command::Store(args) => store::run(args, context),
+        Command::Verify(args) => verify::run(args, context),
+        Command::Export(args) => export::run(args, context),
+        Command::Picture(args) => picture::run(args, context),
+        Command::Plot(args) => plot::run(args, context),
+        Command::View(args) => view::run(args, context),
+        Command::Schema(args) => schema::run(args, context),
+        Command::Info(args) => info::run(args, context),
         Command::Completions(args) => completions::run(args),
-        Command::Man(args) => man::run(args, &context),
+        Command::Man(args) => man::run(args, context),
     }
 }
 

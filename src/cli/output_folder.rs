@@ -1,16 +1,18 @@
 //! The folder for results, tried before anything runs.
 
 use std::{
+    cell::RefCell,
     fs::File,
     path::{Path, PathBuf},
-    sync::{Mutex, PoisonError},
 };
 
 use crate::record::{FileError, begin_file, create_folder, remove_abandoned};
 
-/// Folders in which this command has begun. They are held open, so that no other folder can have
-/// the number of one that was removed.
-static BEGUN: Mutex<Vec<(PathBuf, File)>> = Mutex::new(Vec::new());
+thread_local! {
+    /// Folders in which the command of this thread has begun. They are held open, so that no other
+    /// folder can have the number of one that was removed.
+    static BEGUN: RefCell<Vec<(PathBuf, File)>> = const { RefCell::new(Vec::new()) };
+}
 
 /// Makes the folder and those above it, tries whether a file can be written
 /// into it, and removes what writers that were killed left there.
@@ -24,8 +26,7 @@ pub(super) fn prepare(folder: &Path) -> Result<(), FileError> {
         .map_err(|error| FileError::new("write into the folder", folder, error))?;
     remove_abandoned(folder);
     if let Ok(open) = File::open(folder) {
-        let mut begun = BEGUN.lock().unwrap_or_else(PoisonError::into_inner);
-        begun.push((folder.to_owned(), open));
+        BEGUN.with_borrow_mut(|begun| begun.push((folder.to_owned(), open)));
     }
     Ok(())
 }
@@ -36,13 +37,16 @@ pub(super) fn prepare(folder: &Path) -> Result<(), FileError> {
 /// # Errors
 /// [`FileError`] naming the first folder that is not.
 pub(super) fn still_there() -> Result<(), FileError> {
-    let begun = BEGUN.lock().unwrap_or_else(PoisonError::into_inner);
-    match begun.iter().find(|(path, open)| !is_same(path, open)) {
+    let moved = BEGUN.with_borrow(|begun| {
+        let moved = begun.iter().find(|(path, open)| !is_same(path, open));
+        moved.map(|(path, _)| path.clone())
+    });
+    match moved {
         None => Ok(()),
-        Some((path, _)) => {
+        Some(path) => {
             let why = "it was renamed or removed while results were written, so that they are \
                        split between two folders; run the same command again";
-            Err(FileError::new("use", path, why))
+            Err(FileError::new("use", &path, why))
         }
     }
 }

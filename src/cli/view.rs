@@ -40,6 +40,13 @@ pub(super) struct ViewArgs {
     save: Option<PathBuf>,
 }
 
+impl ViewArgs {
+    /// Whether the page is written into a file, and nothing served.
+    pub(super) fn saves(&self) -> bool {
+        self.save.is_some()
+    }
+}
+
 /// What is shown, and where.
 #[derive(Serialize)]
 struct Shown {

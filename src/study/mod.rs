@@ -44,6 +44,7 @@ pub use design::SpecimenDesign;
 pub use execute::available_cores;
 pub use interpretations::Interpretation;
 pub use presets::preset;
+pub use recorder::container;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
 pub use run::{RunOptions, make_grains, run_scenario, write_grains};
 pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, SensitivityStudy};

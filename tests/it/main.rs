@@ -28,6 +28,7 @@ mod measures;
 mod memory;
 mod motions;
 mod picture;
+mod python;
 mod referee;
 mod repose;
 mod reproduce;
