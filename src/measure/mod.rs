@@ -26,6 +26,7 @@ mod region;
 mod repose;
 mod separation;
 mod settlement;
+pub mod standard_tests;
 pub mod statistics;
 #[cfg(test)]
 mod testing;

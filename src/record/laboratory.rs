@@ -102,6 +102,10 @@ pub struct RegionSummary {
     pub name: String,
     /// Its void ratio; null where no grain is.
     pub void_ratio: Option<f64>,
+    /// Its relative density, 0 of the loosest and 1 of the densest state, where the scenario
+    /// gives `index_densities`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_density: Option<f64>,
 }
 
 /// Adds the columns of a laboratory to a table that has a row for each of its rows: of every

@@ -5,6 +5,7 @@ mod axis;
 mod beside;
 mod calibration;
 mod calibration_page;
+mod chart;
 mod choices;
 mod comparison;
 mod convergence;
@@ -54,6 +55,7 @@ pub use calibration::{
     write_calibration_runs,
 };
 pub use calibration_page::found as calibration_rows;
+pub use chart::{Chart, ChartCurve, ChartStyle};
 pub use choices::{Choice, choices};
 pub use comparison::{ComparedQuantity, ComparedRun, Comparison, write_comparison};
 pub use convergence::{

@@ -172,7 +172,11 @@ pub(super) fn laboratory_summary(
         balance,
         openings: openings.collect(),
         regions: regions
-            .map(|(r, e)| RegionSummary { name: r.name.clone(), void_ratio: *e })
+            .map(|(r, e)| RegionSummary {
+                name: r.name.clone(),
+                void_ratio: *e,
+                relative_density: None,
+            })
             .collect(),
         pieces,
     })
