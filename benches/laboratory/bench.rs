@@ -29,6 +29,8 @@ pub struct Bench {
 pub struct Point {
     pub name: String,
     pub changes: Vec<String>,
+    /// At most so many realisations, of what is only tried.
+    pub most: Option<u32>,
 }
 
 /// A run that came to its end.
@@ -71,7 +73,7 @@ impl Bench {
                 name: point.name.clone(),
                 group: name.to_owned(),
                 changes: point.changes.iter().map(change).collect::<Result<_, String>>()?,
-                configurations: None,
+                configurations: point.most,
             })
         });
         let variations = variations.collect::<Result<Vec<_>, String>>()?;

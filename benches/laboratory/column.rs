@@ -34,7 +34,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     };
     let points: Vec<Point> = aspects
         .iter()
-        .map(|a| Point { name: format!("aspect-{a}"), changes: column(radius_mm, *a) })
+        .map(|a| Point { name: format!("aspect-{a}"), changes: column(radius_mm, *a), most: None })
         .collect();
     let runs = bench.run("column", SCENARIO, &points)?;
     let mut found: Vec<(usize, f64, f64)> = Vec::new();

@@ -62,6 +62,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         let point = |mu: &f64| Point {
             name: format!("friction-{mu}"),
             changes: vec![format!("contact.grain_grain_friction={mu}")],
+            most: None,
         };
         let points: Vec<Point> = frictions.iter().map(point).collect();
         let name = format!("repose-{}", method.id);

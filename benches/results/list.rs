@@ -231,6 +231,19 @@ pub const KEPT: &[Kept] = &[
         takes: "10 minutes",
     },
     Kept {
+        name: "laboratory",
+        what: "Standard tests of granular material against published numbers",
+        files: &[
+            ("laboratory.json", ""),
+            ("laboratory/hopper.svg", ""),
+            ("laboratory/column.svg", ""),
+            ("laboratory/repose.svg", ""),
+        ],
+        made: Made::Make("laboratory"),
+        build: build("2026-11-25", "14"),
+        takes: "15 minutes with --quick, else hours",
+    },
+    Kept {
         name: "robustness",
         what: "Faults of every class, and what became of them",
         files: &[("robustness.json", "")],
@@ -288,6 +301,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("native-settlement", "engines/native-settlement.csv"),
     ("handed-over", "engines/handed-over.csv"),
     ("twins", "scale/twins.csv"),
+    ("laboratory", "laboratory.json"),
     ("robustness", "robustness.json"),
     ("sensitivity", "sensitivity-quick.md"),
 ];
