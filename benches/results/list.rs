@@ -235,8 +235,6 @@ pub const KEPT: &[Kept] = &[
         what: "Standard tests of granular material against published numbers",
         files: &[
             ("laboratory.json", ""),
-            ("laboratory/hopper.svg", ""),
-            ("laboratory/column.svg", ""),
             ("laboratory/repose.svg", ""),
         ],
         made: Made::Make("laboratory"),
@@ -256,6 +254,7 @@ pub const KEPT: &[Kept] = &[
 /// Files of `docs/results/` that hold no result.
 pub const OTHERS: &[(&str, &str)] = &[
     ("README.md", "says what each file is"),
+    ("laboratory.md", "the page of the standard tests"),
     ("unmarked.csv", "where pages may quote numbers without a mark, and why"),
 ];
 
