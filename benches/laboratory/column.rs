@@ -75,13 +75,15 @@ fn column(radius_mm: f64, aspect: f64) -> Vec<String> {
     let area_mm2 = std::f64::consts::PI * radius_mm * radius_mm;
     // 1.45 g/cm³.
     let mass_g = (1.45e-3 * area_mm2 * height_mm).round();
-    let high = height_mm + 45.0;
+    // Loose columns stand higher.
+    let above = 1.15 * height_mm + 50.0;
     vec![
         format!("grains.total_mass_g={mass_g}"),
         format!("pieces.1.shape.cylinder.inner_diameter_mm={}", 2.0 * radius_mm),
-        format!("pieces.1.shape.cylinder.height_mm={}", high.round()),
-        format!("stages.0.at_mm=[0,0,{}]", (height_mm + 30.0).round()),
+        format!("pieces.1.shape.cylinder.height_mm={}", (above + 20.0).round()),
+        format!("stages.0.at_mm=[0,0,{}]", above.round()),
         format!("stages.0.diameter_mm={}", 2.0 * radius_mm - 10.0),
+        "stages.0.time_limit_s=10".to_owned(),
         format!("stages.0.rate_g_per_s={}", (mass_g / 1.5).clamp(400.0, 3000.0).round()),
     ]
 }

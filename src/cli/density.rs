@@ -13,14 +13,16 @@ use crate::study::{DensityOptions, IndexState, RunOptions, index_densities};
 #[command(after_help = "\
 Grains, contact and engine are the scenario's; mould and procedure are those of this command. The
 loosest state is of grains let fall from just above those in the mould (after ASTM D4254), the
-densest of grains vibrated vertically under a surcharge (after ASTM D4253); grains without friction
-are a bound. Leaves density.json, which also says where this is not what the standards ask for, and
+densest of grains vibrated vertically; grains without friction are a bound. ASTM D4253 vibrates for
+8 minutes at 60 Hz and 0.33 mm under 13.8 kPa, of which a few seconds do little: hence other values
+here. Leaves density.json, which also says where this is not what the standards ask for, and
 runs/ in DIR. What is already done there is not done again. Put e_max and e_min into a scenario as
 index_densities, and its summary gives relative densities.
 
 Examples:
   pluvia density scenarios/quick/pluviation.json --configurations 3 --out out/density
-  pluvia density scenarios/quick/pluviation.json --surcharge-kpa 0 --seconds 20 --out out/bare")]
+  pluvia density scenarios/quick/pluviation.json --frequency-hz 60 --double-amplitude-mm 0.33 \\
+      --surcharge-kpa 13.8 --seconds 60 --out out/d4253")]
 pub(super) struct DensityArgs {
     /// The scenario file
     #[arg(value_name = "SCENARIO.json")]
@@ -29,14 +31,14 @@ pub(super) struct DensityArgs {
     #[arg(long, value_name = "N", default_value_t = 3,
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     configurations: u32,
-    /// Surcharge on the vibrated grains in kPa
-    #[arg(long, value_name = "KPA", default_value_t = 13.8, value_parser = from_0_to::<1000>)]
+    /// Surcharge on the vibrated grains in kPa, by a plate; 0: no plate
+    #[arg(long, value_name = "KPA", default_value_t = 0.0, value_parser = from_0_to::<1000>)]
     surcharge_kpa: f64,
     /// Frequency of the vibration in Hz
-    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = from_1_to::<200>)]
+    #[arg(long, value_name = "HZ", default_value_t = 12.0, value_parser = from_1_to::<200>)]
     frequency_hz: f64,
     /// From end to end of the vibration in mm
-    #[arg(long, value_name = "MM", default_value_t = 0.33, value_parser = from_0_to::<100>)]
+    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = from_0_to::<100>)]
     double_amplitude_mm: f64,
     /// How long it is vibrated, in s: a whole number of cycles
     #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = from_1_to::<3600>)]
