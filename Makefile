@@ -19,7 +19,7 @@ TABLE ?= docs/results/scale/twins.csv
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: docs help setup setup-lint build reproduce convergence sensitivity twins test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep referee results deb test-deb archive wheel test-python test-wheel clean
+.PHONY: docs help setup setup-lint build reproduce convergence sensitivity twins test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep laboratory referee results deb test-deb archive wheel test-python test-wheel clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -121,6 +121,9 @@ bench-peers: setup ## other engines on the same specimens: a table, and out/peer
 referee: setup ## the contact problems solved exactly, and what engines make of them: out/referee.json
 	@bash scripts/referee.sh
 	cargo bench --locked --bench referee -- $(ARGS)
+
+laboratory: setup ## standard tests against published numbers: out/laboratory.json (ARGS=--quick: 15 minutes)
+	cargo bench --locked --bench laboratory -- $(ARGS)
 
 results: build ## compute what docs/results/ misses and fill the pages' numbers (ARGS="--check", --list, --only NAME, --pictures)
 	cargo bench --locked --bench results -- $(ARGS)

@@ -231,6 +231,14 @@ pub const KEPT: &[Kept] = &[
         takes: "10 minutes",
     },
     Kept {
+        name: "laboratory",
+        what: "Standard tests of granular material against published numbers",
+        files: &[("laboratory.json", ""), ("laboratory/repose.svg", "")],
+        made: Made::Make("laboratory"),
+        build: build("2026-11-25", "14"),
+        takes: "15 minutes with --quick, else hours",
+    },
+    Kept {
         name: "robustness",
         what: "Faults of every class, and what became of them",
         files: &[("robustness.json", "")],
@@ -243,6 +251,7 @@ pub const KEPT: &[Kept] = &[
 /// Files of `docs/results/` that hold no result.
 pub const OTHERS: &[(&str, &str)] = &[
     ("README.md", "says what each file is"),
+    ("laboratory.md", "the page of the standard tests"),
     ("unmarked.csv", "where pages may quote numbers without a mark, and why"),
 ];
 
@@ -288,6 +297,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("native-settlement", "engines/native-settlement.csv"),
     ("handed-over", "engines/handed-over.csv"),
     ("twins", "scale/twins.csv"),
+    ("laboratory", "laboratory.json"),
     ("robustness", "robustness.json"),
     ("sensitivity", "sensitivity-quick.md"),
 ];

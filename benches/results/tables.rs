@@ -19,6 +19,8 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "settlement" => settlement(&quote, results.source("settlement")?.as_ref()),
         "twins" => twins(&quote),
         "stock" => stock(&quote),
+        "laboratory" => laboratory(&quote, results.source("laboratory")?.as_ref()),
+        "laboratory-sources" => sources(results.source("laboratory")?.as_ref()),
         "grain-sieve" => grain_sieve(&quote, results.source("grains")?.as_ref()),
         "grain-sizes" => grain_sizes(&quote),
         "grain-shape" => grain_shape(&quote),
@@ -426,4 +428,47 @@ fn files() -> String {
             &row(&[format!("[{file}]({file})"), (*what).to_owned(), String::new(), String::new()]);
     }
     text
+}
+
+/// Rows of the standard tests: what is published, ours, and what came of it.
+fn laboratory(quote: Cells, all: &Value) -> Result<String, String> {
+    let mut text = head(&["", "published", "ours, 95 % confidence", "realisations", "verdict"]);
+    for value in all.as_array().into_iter().flatten() {
+        let typed = |field: &str| value[field].as_str().unwrap_or_default().to_owned();
+        let id = typed("id");
+        let decimals = value["decimals"].as_u64().unwrap_or(2);
+        let at = |path: &str| quote(&format!("laboratory:{id}/{path}:.{decimals}"));
+        let published = &value["published"];
+        let published = if published["value"].is_number() {
+            at("published/value")?
+        } else if published["low"].is_number() {
+            format!("{} to {}", at("published/low")?, at("published/high")?)
+        } else {
+            String::new()
+        };
+        let mut ours = match value["ours"].is_number() {
+            true => at("ours")?,
+            false => String::new(),
+        };
+        if value["interval"].is_object() {
+            ours += &format!(" ({} to {})", at("interval/low")?, at("interval/high")?);
+        }
+        let verdict = match typed("verdict").as_str() {
+            "outside" => "**missed**".to_owned(),
+            other => other.replace('_', " "),
+        };
+        let count = value["values"].as_array().map_or(0, Vec::len);
+        text += &row(&[typed("quantity"), published, ours, count.to_string(), verdict]);
+    }
+    Ok(text)
+}
+
+/// Where the published numbers of the standard tests were seen, and what a reader must know.
+fn sources(all: &Value) -> Result<String, String> {
+    let mut text = head(&["", "source", "how it was measured, and what was tried"]);
+    for value in all.as_array().into_iter().flatten() {
+        let typed = |field: &str| value[field].as_str().unwrap_or_default().to_owned();
+        text += &row(&[typed("quantity"), typed("source"), typed("note")]);
+    }
+    Ok(text)
 }

@@ -7,6 +7,7 @@ mod compare;
 mod completions;
 mod context;
 mod converge;
+mod density;
 mod designed;
 mod earlier_run;
 mod embedded;
@@ -92,6 +93,7 @@ enum Command {
     Grains(grains::GrainsArgs),
     Compare(compare::CompareArgs),
     Calibrate(Box<calibrate::CalibrateArgs>),
+    Density(density::DensityArgs),
     Converge(converge::ConvergeArgs),
     Sensitivity(sensitivity::SensitivityArgs),
     Sweep(Box<sweep::SweepArgs>),
@@ -156,6 +158,7 @@ fn command(cli: &Cli, context: &Context) -> Result<ExitStatus, CliError> {
         Command::Grains(args) => grains::run(args, context),
         Command::Compare(args) => compare::run(args, context),
         Command::Calibrate(args) => calibrate::run(args, context),
+        Command::Density(args) => density::run(args, context),
         Command::Converge(args) => converge::run(args, context),
         Command::Sensitivity(args) => sensitivity::run(args, context),
         Command::Sweep(args) => sweep::run(args, context),

@@ -29,6 +29,7 @@ mod repose;
 mod rotation;
 mod separation;
 mod settlement;
+pub mod standard_tests;
 pub mod statistics;
 mod stress;
 #[cfg(test)]

@@ -352,6 +352,7 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         standing_height_mm: heights(height),
         poured_height_mm: None,
         void_ratio: Some(height / SOLIDS_MM - 1.0),
+        relative_density: None,
         poured_void_ratio: None,
         porosity: Some(1.0 - SOLIDS_MM / height),
         settlement_mm: None,

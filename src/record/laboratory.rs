@@ -138,6 +138,10 @@ pub struct RegionSummary {
     /// Fabric of the contacts between grains in it, likewise; null where there are none.
     #[serde(default)]
     pub fabric: Option<FabricSummary>,
+    /// Its relative density, 0 of the loosest and 1 of the densest state, where the scenario
+    /// gives `index_densities`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_density: Option<f64>,
 }
 
 /// What the columns of a laboratory are named by, in the order of its rows.

@@ -84,6 +84,10 @@ pub struct Summary {
     /// Volume of voids over volume of solids, to the mean surface; none of a pile,
     /// where nothing is, or where it is withheld.
     pub void_ratio: Option<f64>,
+    /// Relative density at the end, (e_max − e)/(e_max − e_min): 0 of the loosest, 1 of the densest
+    /// state, where there is a void ratio and the scenario gives `index_densities`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_density: Option<f64>,
     /// Void ratio at the end of pouring.
     pub poured_void_ratio: Option<f64>,
     /// Volume of voids over total volume, to the mean surface; none as above.

@@ -15,6 +15,7 @@ mod dash;
 mod figures;
 mod html;
 mod interpretations;
+mod law_chart;
 mod laws;
 mod mean_settlement;
 mod picture;
@@ -68,6 +69,7 @@ pub use interpretations::{
     InterpretationCell, InterpretationColumn, InterpretationFailure, InterpretationRow,
     InterpretationRun, write_interpretations,
 };
+pub use law_chart::{ChartCurve, CurveStyle, LawChart};
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use mean_settlement::MeanSettlement;
 pub use picture::Picture;

@@ -13,6 +13,7 @@ mod document;
 mod engine;
 mod enlarged;
 mod fault;
+mod index_densities;
 mod load;
 mod meshes;
 mod motion_file;
@@ -38,6 +39,7 @@ pub use cells::CellShape;
 pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactSolver, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
+pub use index_densities::IndexDensitiesSpec;
 pub use load::{GradingOf, Loaded, check, gathered, load_grains_with, load_with};
 pub use meshes::{MeshGrains, MeshUnit};
 pub use native::{NativeSettings, automatic_threads};
@@ -90,6 +92,10 @@ pub struct Scenario {
     /// What is measured of such an apparatus beside the forces on its pieces.
     #[serde(default, skip_serializing_if = "MeasuresSpec::is_empty")]
     pub measures: MeasuresSpec,
+    /// Loosest and densest state of the grains; with them the summary gives relative densities.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "IndexDensitiesSpec")]
+    pub index_densities: Option<IndexDensitiesSpec>,
     /// Friction and restitution of each pair of surfaces.
     #[serde(default)]
     pub contact: ContactSpec,

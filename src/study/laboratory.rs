@@ -212,6 +212,7 @@ pub(super) fn laboratory_summary(
     let regions = regions.map(|((spec, region), void_ratio)| RegionSummary {
         name: spec.name.clone(),
         void_ratio: *void_ratio,
+        relative_density: None,
         stress: stress_in(at_end, &region).map(|stress| StressSummary::of(&stress)),
         fabric: fabric(contacts_of_grains_in(contacts, &region)).map(|f| FabricSummary::of(&f)),
     });

@@ -7,6 +7,7 @@ mod calibrate;
 mod checks;
 mod compare;
 mod converge;
+mod density;
 mod described;
 mod design;
 mod execute;
@@ -40,6 +41,7 @@ pub use compare::{CompareRecord, CompareRun, HEIGHT_BAND, VOID_RATIO_BAND, compa
 pub use converge::{
     ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign, StudyOptions,
 };
+pub use density::{DensityOptions, IndexDensities, IndexState, index_densities};
 pub use design::SpecimenDesign;
 pub use execute::available_cores;
 pub use interpretations::Interpretation;

@@ -160,7 +160,11 @@ pub fn summarise(
     let rows = super::laboratory::rows(&stages);
     let at_rest = inside::AtRest::of(setup, &specimen, rest_test);
     let end_of = (&at_rest.specimen, &at_rest.contacts[..]);
-    let laboratory = laboratory_summary(setup, &specimen, end_of, (&series, &rows), rest_test);
+    let relative = |e: Option<f64>| Some(scenario.index_densities.as_ref()?.relative_density(e?));
+    let mut laboratory = laboratory_summary(setup, &specimen, end_of, (&series, &rows), rest_test);
+    for region in laboratory.iter_mut().flat_map(|laboratory| &mut laboratory.regions) {
+        region.relative_density = relative(region.void_ratio);
+    }
     let coordination = coordination(&members, &pairs);
     let known = described(&run.grains);
     let specified = ParticleSizeDistribution::of(&run.grains).ok();
@@ -198,6 +202,7 @@ pub fn summarise(
         standing_height_mm: height_unless(end.height, end.no_height.as_deref()),
         poured_height_mm: poured.as_ref().filter(|p| p.no_height.is_none()).map(|p| p.height),
         void_ratio: end.void_ratio,
+        relative_density: relative(end.void_ratio),
         poured_void_ratio: poured.as_ref().and_then(|p| p.void_ratio),
         porosity: end.porosity,
         settlement_mm: plate,

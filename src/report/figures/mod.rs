@@ -2,6 +2,7 @@
 //! the runs can be trusted.
 
 mod calibration;
+mod chart;
 mod comparison;
 mod convergence;
 mod grain_size;
@@ -27,6 +28,7 @@ use crate::{
 };
 
 pub(super) use calibration::{capital, of_calibration};
+pub(super) use chart::of_chart;
 pub(super) use comparison::of_comparison;
 pub(super) use convergence::of_convergence;
 pub(super) use grain_size::of_grains;

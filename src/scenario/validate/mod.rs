@@ -23,9 +23,9 @@ use serde_json::{Map, Value};
 use crate::units::to_mm;
 
 use super::{
-    BeginSpec, CylinderSpec, EngineSettings, Fault, FunnelSpec, Grading, MeasuresSpec, MeshGrains,
-    PieceSpec, Scenario, SettleSpec, SievedGrains, StageSpec, TopPlateSpec, accessors::field,
-    source::shown, unusual,
+    BeginSpec, CylinderSpec, EngineSettings, Fault, FunnelSpec, Grading, IndexDensitiesSpec,
+    MeasuresSpec, MeshGrains, PieceSpec, Scenario, SettleSpec, SievedGrains, StageSpec,
+    TopPlateSpec, accessors::field, source::shown, unusual,
 };
 use crate::plain::misleads;
 
@@ -142,6 +142,7 @@ pub(super) fn faults(value: &Value, found: Option<&Grading>) -> Vec<Fault> {
     let mut faults = Vec::new();
     check_name(&parts, &mut faults);
     grains::check(&parts, &mut faults);
+    IndexDensitiesSpec::check(value, &mut faults);
     apparatus::check(&parts, &mut faults);
     pieces::check(&parts, &mut faults);
     stages::check(&parts, &mut faults);

@@ -1,0 +1,150 @@
+//! Runs of a scenario at several points and realisations, and what they leave.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, atomic::AtomicBool},
+};
+
+use pluvia::{
+    export::read_run,
+    protocol::Progress,
+    scenario::Override,
+    specimen::Specimen,
+    study::{RunOptions, Variation, Varied, carry_out_variations},
+};
+
+/// What is to be done.
+pub struct Bench {
+    /// Folder of runs.
+    pub out: PathBuf,
+    /// Whether the smaller designs are meant.
+    pub quick: bool,
+    /// Realisations of each point.
+    pub configurations: u32,
+    /// Stages at a time.
+    pub jobs: usize,
+}
+
+/// A point of a design: its name, and what it changes in the scenario.
+pub struct Point {
+    pub name: String,
+    pub changes: Vec<String>,
+    /// At most so many realisations, of what is only tried.
+    pub most: Option<u32>,
+}
+
+/// A run that came to its end.
+pub struct Run {
+    /// Number of its point.
+    pub point: usize,
+    /// Which realisation, from 1.
+    pub configuration: u32,
+    /// Where its files are.
+    pub folder: PathBuf,
+}
+
+/// The root of the tree.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+impl Bench {
+    /// `quick` or `full`.
+    pub fn design(&self) -> &'static str {
+        if self.quick { "quick" } else { "full" }
+    }
+
+    /// Options of a study in a folder of its own.
+    pub fn options(&self, name: &str) -> RunOptions {
+        RunOptions {
+            out: self.out.join(format!("{name}-{}", self.design())),
+            jobs: self.jobs,
+            frames: false,
+            cancel: Arc::new(AtomicBool::new(false)),
+            progress: Arc::new(Lines),
+        }
+    }
+
+    /// Runs a scenario at all points in all realisations. Runs that fail are told and left out.
+    pub fn run(&self, name: &str, scenario: &str, points: &[Point]) -> Result<Vec<Run>, String> {
+        let change = |text: &String| text.parse::<Override>().map_err(|e| e.to_string());
+        let variations = points.iter().map(|point| {
+            Ok(Variation {
+                name: point.name.clone(),
+                group: name.to_owned(),
+                changes: point.changes.iter().map(change).collect::<Result<_, String>>()?,
+                configurations: point.most,
+            })
+        });
+        let variations = variations.collect::<Result<Vec<_>, String>>()?;
+        let varied = Varied::load(&root().join(scenario), &[], variations)
+            .map_err(|e| format!("{scenario}: {e}"))?;
+        let options = self.options(name);
+        let rows = carry_out_variations(&varied, self.configurations, &options, &mut |_| Ok(()))
+            .map_err(|e| e.to_string())?;
+        let mut runs = Vec::new();
+        for row in rows {
+            let point = points.iter().position(|p| p.name == row.variation);
+            match (&row.failure, point) {
+                (None, Some(point)) => runs.push(Run {
+                    point,
+                    configuration: row.configuration,
+                    folder: options.out.join("runs").join(&row.run),
+                }),
+                (why, _) => eprintln!("{}: {}", row.run, why.as_deref().unwrap_or("unknown")),
+            }
+        }
+        Ok(runs)
+    }
+}
+
+impl Run {
+    /// Columns of `series.csv` by their names.
+    pub fn series<const N: usize>(&self, names: [&str; N]) -> Result<Vec<[f64; N]>, String> {
+        let path = self.folder.join("series.csv");
+        let fault = |e: csv::Error| format!("{}: {e}", path.display());
+        let mut reader = csv::Reader::from_path(&path).map_err(fault)?;
+        let header = reader.headers().map_err(fault)?.clone();
+        let mut columns = [0; N];
+        for (column, name) in columns.iter_mut().zip(names) {
+            *column = header
+                .iter()
+                .position(|h| h == name)
+                .ok_or_else(|| format!("{}: no column {name}", path.display()))?;
+        }
+        let mut rows = Vec::new();
+        for record in reader.records() {
+            let record = record.map_err(fault)?;
+            let cell = |n: usize| record.get(n).and_then(|c| c.parse().ok()).unwrap_or(f64::NAN);
+            rows.push(columns.map(cell));
+        }
+        Ok(rows)
+    }
+
+    /// The specimen at the end of a stage, or of the last one.
+    pub fn specimen(&self, stage: Option<&str>) -> Result<Specimen, String> {
+        Ok(read_run(&self.folder, stage).map_err(|e| e.to_string())?.specimen)
+    }
+
+    /// A number of `summary.json`.
+    pub fn summary(&self, pointer: &str) -> Result<Option<f64>, String> {
+        let path = self.folder.join("summary.json");
+        let summary: serde_json::Value =
+            pluvia::record::read_json(&path).map_err(|e| e.to_string())?;
+        Ok(summary.pointer(pointer).and_then(serde_json::Value::as_f64))
+    }
+}
+
+/// Tells of stages, a line each.
+struct Lines;
+
+impl Progress for Lines {
+    fn begin_stage(&self, _: u64, name: &str, _: f64) {
+        eprintln!("{name}");
+    }
+    fn update(&self, _: u64, _: f64, _: &str) {}
+    fn end_stage(&self, _: u64) {}
+    fn message(&self, text: &str) {
+        eprintln!("{text}");
+    }
+}

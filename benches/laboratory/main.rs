@@ -1,0 +1,140 @@
+//! The laboratory: standard tests of granular material against published numbers.
+//!
+//! `make laboratory` runs it; `docs/results/laboratory.md` shows what came of it. Each test is a
+//! scenario of `scenarios/validation/` at several points, each in several realisations, run through
+//! the store of stages: what is done is not done again.
+
+mod bench;
+mod column;
+mod density;
+mod hopper;
+mod repose;
+mod row;
+
+use std::{path::PathBuf, process::ExitCode};
+
+use clap::{Parser, ValueEnum};
+use pluvia::record::{create_folder, write_json};
+
+use bench::Bench;
+use row::Row;
+
+/// Run the standard tests and compare them with published numbers.
+#[derive(Debug, Parser)]
+#[command(name = "make laboratory ARGS=...")]
+struct Options {
+    /// Smaller specimens, fewer points and realisations: about 15 minutes of one core
+    #[arg(long)]
+    quick: bool,
+    /// Only these tests, with commas between; rows of the others stay in the file
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = Part::ALL)]
+    only: Vec<Part>,
+    /// Realisations of each point [default: 5, quick 3]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100))]
+    configurations: Option<u32>,
+    /// Stages that run at the same time
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
+    jobs: u32,
+    /// File for the rows; runs lie in a folder of its name
+    #[arg(long, default_value = "out/laboratory.json")]
+    out: PathBuf,
+    /// Keep rows and figures in docs/results/ as well, for the pages
+    #[arg(long)]
+    keep: bool,
+    /// Cargo passes it to every benchmark
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// A standard test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// Discharge of a flat-bottomed bin
+    Hopper,
+    /// Collapse of a column
+    Column,
+    /// Angle of repose by three methods
+    Repose,
+    /// Loosest and densest state
+    Density,
+}
+
+impl Part {
+    const ALL: [Self; 4] = [Self::Hopper, Self::Column, Self::Repose, Self::Density];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Hopper => "hopper",
+            Self::Column => "column",
+            Self::Repose => "repose",
+            Self::Density => "density",
+        }
+    }
+}
+
+impl std::fmt::Display for Part {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<(), String> {
+    let bench = Bench {
+        out: options.out.with_extension(""),
+        quick: options.quick,
+        configurations: options.configurations.unwrap_or(if options.quick { 3 } else { 5 }),
+        jobs: options.jobs as usize,
+    };
+    create_folder(&bench.out).map_err(|e| e.to_string())?;
+    let kept = bench::root().join("docs/results");
+    let mut rows = earlier(&options.out)?;
+    for part in Part::ALL.into_iter().filter(|part| options.only.contains(part)) {
+        let found = match part {
+            Part::Hopper => hopper::carry_out(&bench),
+            Part::Column => column::carry_out(&bench),
+            Part::Repose => repose::carry_out(&bench),
+            Part::Density => density::carry_out(&bench),
+        }
+        .map_err(|e| format!("{part}: {e}"))?;
+        rows.retain(|row| row.test != part.name());
+        rows.extend(found.rows);
+        let order = |row: &Row| Part::ALL.iter().position(|part| part.name() == row.test);
+        rows.sort_by_key(order);
+        write_json(&options.out, &rows).map_err(|e| e.to_string())?;
+        for chart in found.charts {
+            let figure = chart.figure().map_err(|e| e.to_string())?;
+            figure.write(&bench.out.join("figures")).map_err(|e| e.to_string())?;
+            if options.keep {
+                let file = kept.join(format!("laboratory/{}.svg", figure.stem));
+                create_folder(&kept.join("laboratory")).map_err(|e| e.to_string())?;
+                pluvia::record::write_file(&file, figure.svg.as_bytes())
+                    .map_err(|e| e.to_string())?;
+            }
+        }
+        print!("{}", row::table(rows.iter().filter(|row| row.test == part.name())));
+    }
+    if options.keep {
+        write_json(&kept.join("laboratory.json"), &rows).map_err(|e| e.to_string())?;
+        println!("kept in docs/results/; `make results ARGS=--fill` fills the pages");
+    }
+    println!("all of it in {}", options.out.display());
+    Ok(())
+}
+
+/// Rows of tests that are not run now.
+fn earlier(file: &std::path::Path) -> Result<Vec<Row>, String> {
+    if !file.exists() {
+        return Ok(Vec::new());
+    }
+    pluvia::record::read_json(file).map_err(|e| format!("{e}; move it away to begin anew"))
+}

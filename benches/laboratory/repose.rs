@@ -1,0 +1,194 @@
+//! The angle of repose of the same grains by three methods, over the friction between them.
+
+use pluvia::{
+    measure::standard_tests::{Tilted, crossing, sliding_tilt},
+    report::{ChartCurve, CurveStyle, LawChart},
+};
+
+use super::{
+    bench::{Bench, Point, Run},
+    row::{Found, Row, Rule},
+};
+
+/// The angle that the paper measured, in degrees.
+const WANTED: f64 = 38.40;
+/// The friction coefficient that it takes from it: its tangent.
+const OF_THE_PAPER: f64 = 0.793;
+/// Mean equivalent diameter of the grains in m.
+const SIZE: f64 = 0.0105;
+/// Share of a grain by which grains have slid where a box is read.
+const SLID: f64 = 0.2;
+/// Tilt in degrees up to which they turn with the box.
+const RIGID: f64 = 10.0;
+/// Axis of the tilting box in m along x.
+const AXIS: f64 = 0.060;
+
+const SEEN: &str = "Izadi & Bezuijen 2014, section 3, text seen: the tangent of 38.40° is taken as the \
+    friction coefficient. No source was seen that gives one for an angle measured by this method";
+
+/// A way of measuring.
+struct Method {
+    id: &'static str,
+    name: &'static str,
+    scenario: &'static str,
+    read: fn(&Run) -> Result<Option<f64>, String>,
+}
+
+const METHODS: [Method; 3] = [
+    Method { id: "pile", name: "Pile", scenario: "scenarios/quick/repose.json", read: pile },
+    Method {
+        id: "tilting-box",
+        name: "Tilting box",
+        scenario: "scenarios/validation/tilting-box.json",
+        read: tilting_box,
+    },
+    Method {
+        id: "drum",
+        name: "Drum, 5 revolutions a minute",
+        scenario: "scenarios/validation/drum.json",
+        read: drum,
+    },
+];
+
+/// Runs the test.
+pub fn carry_out(bench: &Bench) -> Result<Found, String> {
+    let frictions: &[f64] = if bench.quick {
+        &[0.1, 0.3, 0.5, 0.8]
+    } else {
+        &[0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0]
+    };
+    let (mut rows, mut curves) = (Vec::new(), Vec::new());
+    for (kind, method) in METHODS.iter().enumerate() {
+        let point = |mu: &f64| Point {
+            name: format!("friction-{mu}"),
+            changes: vec![format!("contact.grain_grain_friction={mu}")],
+            most: None,
+        };
+        let points: Vec<Point> = frictions.iter().map(point).collect();
+        let name = format!("repose-{}", method.id);
+        let runs = bench.run(&name, method.scenario, &points)?;
+        let mut angles: Vec<(u32, f64, f64)> = Vec::new();
+        for run in &runs {
+            match (method.read)(run)? {
+                Some(angle) => angles.push((run.configuration, frictions[run.point], angle)),
+                None => eprintln!("{}: no angle", run.folder.display()),
+            }
+        }
+        let found = (1..=bench.configurations).filter_map(|configuration| {
+            let own: Vec<(f64, f64)> =
+                angles.iter().filter(|a| a.0 == configuration).map(|a| (a.1, a.2)).collect();
+            crossing(&own, WANTED)
+        });
+        let values: Vec<f64> = found.collect();
+        let highest = angles.iter().map(|a| a.2).fold(f64::NEG_INFINITY, f64::max);
+        let quantity = format!("friction coefficient at 38.40°, {}", method.name.to_lowercase());
+        let note = match values.len() < bench.configurations as usize {
+            true => format!(
+                "{} of {} realisations reach 38.40° between {} and {}; the steepest angle is {highest:.1}°",
+                values.len(),
+                bench.configurations,
+                frictions[0],
+                frictions[frictions.len() - 1]
+            ),
+            false => "On straight lines between frictions, realisation by realisation".to_owned(),
+        };
+        let rule = Rule::Value(OF_THE_PAPER);
+        let id = format!("repose-{}", method.id);
+        let mut row = Row::of("repose", &id, &quantity, rule, &values).seen(SEEN).noted(note);
+        bench.design().clone_into(&mut row.design);
+        rows.push(row);
+        let at = |mu: f64| {
+            let own: Vec<f64> = angles.iter().filter(|a| a.1 == mu).map(|a| a.2).collect();
+            Some((mu, pluvia::measure::statistics::mean(&own)?))
+        };
+        curves.push(ChartCurve {
+            name: method.name.to_owned(),
+            style: CurveStyle::Measured,
+            kind,
+            points: frictions.iter().filter_map(|mu| at(*mu)).collect(),
+        });
+    }
+    let identity = (0..=40).map(|n| 0.025 * f64::from(n)).map(|mu| (mu, mu.atan().to_degrees()));
+    curves.push(ChartCurve {
+        name: "atan μ".into(),
+        style: CurveStyle::Law,
+        kind: 4,
+        points: identity.collect(),
+    });
+    let chart = LawChart {
+        stem: "repose".into(),
+        title: "Angle of repose by three methods".into(),
+        caption: "Angle against the friction between grains, means over realisations.".into(),
+        x: "Friction coefficient between grains".into(),
+        y: "Angle (degrees)".into(),
+        wanted: Some(("38.40°".into(), WANTED)),
+        curves,
+    };
+    Ok(Found { rows, charts: vec![chart] })
+}
+
+/// Slope of a pile, in degrees.
+fn pile(run: &Run) -> Result<Option<f64>, String> {
+    run.summary("/angle_of_repose/degrees")
+}
+
+/// Tilt in degrees at which the grains of a box slide.
+fn tilting_box(run: &Run) -> Result<Option<f64>, String> {
+    let mut names = vec!["stage"];
+    let columns: Vec<String> = ["floor", "walls"]
+        .iter()
+        .flat_map(|piece| {
+            ["x_mm", "z_mm", "force_x_n", "force_z_n", "moment_y_n_m"]
+                .map(|c| format!("{piece}_{c}"))
+        })
+        .collect();
+    names.extend(columns.iter().map(String::as_str));
+    let names: [&str; 11] = names.try_into().map_err(|_| "11 columns")?;
+    let rows = run.series(names)?;
+    let Some(level) = rows.iter().rfind(|row| row[0] == 0.0) else { return Ok(None) };
+    // (r × F)_y of both pieces about the middle of the level floor, with what each place adds.
+    let moment = |row: &[f64; 11]| -> (f64, f64) {
+        let of = |n: usize| {
+            let [x, z, fx, fz, own] = [row[n], row[n + 1], row[n + 2], row[n + 3], row[n + 4]];
+            (own + 1e-3 * (z * fx - x * fz), fz)
+        };
+        let (a, b) = (of(1), of(6));
+        (a.0 + b.0, a.1 + b.1)
+    };
+    let moments: Vec<Tilted> = std::iter::once(level)
+        .chain(rows.iter().filter(|row| row[0] == 1.0))
+        .map(|row| {
+            let (moment, down) = moment(row);
+            // Grains press down with their weight: x of their centre of mass is the moment over it.
+            let downhill = moment / -down - AXIS;
+            // The middle of the floor goes round the axis.
+            let tilt = (1e-3 * row[7]).atan2(AXIS - 1e-3 * row[6]);
+            Tilted { tilt, downhill }
+        })
+        .collect();
+    Ok(sliding_tilt(&moments, RIGID.to_radians(), SLID * SIZE).map(f64::to_degrees))
+}
+
+/// Angle in degrees by which the centre of mass of the grains in a turning drum is carried up,
+/// on average over the second half of the turn.
+fn drum(run: &Run) -> Result<Option<f64>, String> {
+    let rows = run.series([
+        "time_s",
+        "stage",
+        "mean_grain_height_mm",
+        "drum_force_z_n",
+        "drum_moment_y_n_m",
+    ])?;
+    let turning: Vec<&[f64; 5]> = rows.iter().filter(|row| row[1] == 1.0).collect();
+    let later = &turning[turning.len() / 2..];
+    let angles: Vec<f64> = later
+        .iter()
+        .map(|row| {
+            // The axis is the origin; grains lie below it.
+            let sideways = row[4] / row[3];
+            sideways.abs().atan2(-1e-3 * row[2]).to_degrees()
+        })
+        .filter(|angle| angle.is_finite())
+        .collect();
+    Ok(pluvia::measure::statistics::mean(&angles))
+}

@@ -1,0 +1,199 @@
+//! Beverloo's law of the discharge of a hopper, fitted to rates through openings.
+//!
+//! W = C ρ √g (D − k d)^2.5, with W the mass rate, ρ the bulk density, D the diameter of the opening
+//! and d that of a grain. With another exponent n it is written as W = C ρ √g d^2.5 (D/d − k)^n, so
+//! that C has no unit whatever n is. Rates scatter by a share of themselves: the squares that are
+//! least are those of the logarithms.
+
+use crate::measure::statistics::least_squares_slope;
+
+/// Lowest k that is tried. Below zero grains would flow where there is no opening.
+const LEAST_K: f64 = 0.0;
+/// An opening is at least so many grains wider than k of them.
+const LEAST_GAP: f64 = 0.02;
+/// Values of k that are tried before the best one is closed in on.
+const TRIED: usize = 400;
+
+/// A steady flow through an opening.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Discharge {
+    /// Diameter of the opening in m.
+    pub opening: f64,
+    /// Mass rate in kg/s.
+    pub rate: f64,
+    /// Bulk density above the opening in kg/m³.
+    pub bulk_density: f64,
+}
+
+/// What is held while the rest of the law is fitted.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Held {
+    /// The exponent.
+    pub exponent: Option<f64>,
+    /// The share of a grain, k.
+    pub k: Option<f64>,
+}
+
+/// Beverloo's law as fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeverlooFit {
+    /// The coefficient C.
+    pub c: f64,
+    /// Grain diameters by which the opening counts as narrower.
+    pub k: f64,
+    /// The exponent.
+    pub exponent: f64,
+    /// Root mean square of the residuals of ln W.
+    pub residual: f64,
+}
+
+/// Fits the law to discharges of grains of diameter `size` (m) under `gravity` (m/s²), by least
+/// squares of ln W. `None` where there are no more rates than what is fitted, or one is not positive.
+pub fn fit_beverloo(
+    discharges: &[Discharge],
+    size: f64,
+    gravity: f64,
+    held: Held,
+) -> Option<BeverlooFit> {
+    let free = 1 + usize::from(held.exponent.is_none()) + usize::from(held.k.is_none());
+    let unit = gravity.sqrt() * size.powf(2.5);
+    let points: Vec<(f64, f64)> = discharges
+        .iter()
+        .map(|f| (f.opening / size, (f.rate / (f.bulk_density * unit)).ln()))
+        .collect();
+    let sound = points.iter().all(|(d, y)| d.is_finite() && y.is_finite());
+    if points.len() <= free || !sound {
+        return None;
+    }
+    let narrowest = points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
+    let most = narrowest - LEAST_GAP;
+    let with = |k: f64| with_k(&points, k, held.exponent);
+    if let Some(k) = held.k {
+        return (k <= most).then(|| with(k)).flatten();
+    }
+    let at = |n: usize| LEAST_K + (most - LEAST_K) * n as f64 / TRIED as f64;
+    let squares = |k: f64| with(k).map_or(f64::INFINITY, |fit| fit.residual);
+    let best = (0..=TRIED).min_by(|a, b| squares(at(*a)).total_cmp(&squares(at(*b))))?;
+    let (mut low, mut high) = (at(best.saturating_sub(1)), at((best + 1).min(TRIED)));
+    // Golden section.
+    let share = (5f64.sqrt() - 1.0) / 2.0;
+    while high - low > 1e-10 {
+        let (a, b) = (high - share * (high - low), low + share * (high - low));
+        if squares(a) <= squares(b) { high = b } else { low = a }
+    }
+    with((low + high) / 2.0)
+}
+
+/// The law of one k, through D/d and ln W.
+fn with_k(points: &[(f64, f64)], k: f64, exponent: Option<f64>) -> Option<BeverlooFit> {
+    let logs: Vec<(f64, f64)> = points.iter().map(|(d, y)| ((d - k).ln(), *y)).collect();
+    let count = logs.len() as f64;
+    let exponent = match exponent {
+        Some(held) => held,
+        None => least_squares_slope(&logs)?,
+    };
+    let level = logs.iter().map(|(x, y)| y - exponent * x).sum::<f64>() / count;
+    let squares: f64 = logs.iter().map(|(x, y)| (y - exponent * x - level).powi(2)).sum();
+    Some(BeverlooFit { c: level.exp(), k, exponent, residual: (squares / count).sqrt() })
+}
+
+/// Rate in kg/s of a steady outflow: the slope of the straight line through the mass that has
+/// passed, from `settled` s after the opening at `opened` until `most` kg have passed.
+///
+/// `series` holds times in s and the mass in kg passed since the time before. `None` with less than
+/// four times within.
+pub fn steady_outflow(series: &[(f64, f64)], opened: f64, settled: f64, most: f64) -> Option<f64> {
+    let mut sum = 0.0;
+    let all = series.iter().filter(|(time, _)| *time > opened);
+    let passed: Vec<(f64, f64)> = all
+        .map(|(time, mass)| {
+            sum += mass;
+            (*time, sum)
+        })
+        .collect();
+    let within = |p: &&(f64, f64)| p.0 >= opened + settled && p.1 <= most;
+    let steady: Vec<(f64, f64)> = passed.iter().filter(within).copied().collect();
+    if steady.len() < 4 {
+        return None;
+    }
+    least_squares_slope(&steady)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: f64 = 0.009;
+
+    /// Rates by the law itself.
+    fn exact(c: f64, k: f64, exponent: f64) -> Vec<Discharge> {
+        let unit = 9.81f64.sqrt() * SIZE.powf(2.5);
+        [5.0, 6.0, 7.0, 8.0, 10.0]
+            .map(|d: f64| Discharge {
+                opening: d * SIZE,
+                rate: c * 1400.0 * unit * (d - k).powf(exponent),
+                bulk_density: 1400.0,
+            })
+            .to_vec()
+    }
+
+    #[test]
+    fn the_law_is_found_again_in_its_own_rates() {
+        for (c, k, exponent) in [(0.58, 1.4, 2.5), (0.3, 0.2, 2.2), (0.7, 2.9, 2.8)] {
+            let rates = exact(c, k, exponent);
+            let fit = fit_beverloo(&rates, SIZE, 9.81, Held::default()).expect("a fit");
+            for (name, expected, got) in
+                [("C", c, fit.c), ("k", k, fit.k), ("exponent", exponent, fit.exponent)]
+            {
+                assert!(
+                    (got - expected).abs() < 1e-5,
+                    "law: {name} of exact rates, expected {expected}, got {got}, tolerance 1e-5"
+                );
+            }
+            assert!(fit.residual < 1e-7, "law: nothing is left over, got {}", fit.residual);
+        }
+    }
+
+    #[test]
+    fn what_is_held_stays_and_the_rest_follows() {
+        let rates = exact(0.58, 1.4, 2.5);
+        let held = Held { exponent: Some(2.5), k: None };
+        let fit = fit_beverloo(&rates, SIZE, 9.81, held).expect("a fit");
+        assert!((fit.k - 1.4).abs() < 1e-6 && (fit.c - 0.58).abs() < 1e-6, "law: {fit:?}");
+        // A k that is too small asks for a larger exponent.
+        let held = Held { exponent: None, k: Some(0.0) };
+        let fit = fit_beverloo(&rates, SIZE, 9.81, held).expect("a fit");
+        assert!(fit.exponent > 2.8 && fit.residual > 1e-3, "law: not the exponent, got {fit:?}");
+    }
+
+    #[test]
+    fn too_few_rates_and_blocked_openings_give_no_law() {
+        let rates = exact(0.58, 1.4, 2.5);
+        assert_eq!(fit_beverloo(&rates[..3], SIZE, 9.81, Held::default()), None, "law: 3 of 3");
+        let mut blocked = rates.clone();
+        blocked[0].rate = 0.0;
+        assert_eq!(fit_beverloo(&blocked, SIZE, 9.81, Held::default()), None, "law: no flow");
+        let wide = Held { exponent: None, k: Some(6.0) };
+        assert_eq!(fit_beverloo(&rates, SIZE, 9.81, wide), None, "law: k wider than the opening");
+    }
+
+    #[test]
+    fn an_outflow_is_read_where_it_is_steady() {
+        // Opened at 1 s; for 0.2 s it begins, then 0.5 kg/s, from 3 kg on it dies away.
+        let (mut sum, mut series) = (0.0, vec![(1.0, 7.0)]);
+        for n in 1..=100 {
+            let mass = if n <= 2 {
+                0.01
+            } else if sum < 3.0 {
+                0.05
+            } else {
+                0.005
+            };
+            sum += mass;
+            series.push((1.0 + 0.1 * f64::from(n), mass));
+        }
+        let got = steady_outflow(&series, 1.0, 0.25, 2.5).expect("a rate");
+        assert!((got - 0.5).abs() < 1e-9, "law: 0.5 kg/s, got {got}, tolerance 1e-9");
+        assert_eq!(steady_outflow(&series, 1.0, 0.25, 0.1), None, "law: too little has passed");
+    }
+}

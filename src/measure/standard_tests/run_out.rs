@@ -1,0 +1,70 @@
+//! How far a collapsed column has run out.
+
+/// Distance from the axis in m at which a deposit ends: the outermost at which rings of one grain's
+/// width are still covered to `share`, on straight lines between the middles of rings.
+///
+/// `distances` are those of the grains' centroids from the axis in m, `size` their diameter. The
+/// covered share of a ring is the area of as many circles of that diameter as grains lie in it,
+/// over its own. Grains that have rolled further one by one cover less. `None` where no ring is
+/// covered so far.
+pub fn deposit_edge(distances: &[f64], size: f64, share: f64) -> Option<f64> {
+    let furthest = distances.iter().copied().fold(0.0, f64::max);
+    let mut counts = vec![0_u32; (furthest / size) as usize + 2];
+    for distance in distances {
+        counts[(distance / size) as usize] += 1;
+    }
+    // π d²/4 over π d² ((n + 1)² − n²).
+    let covered = |n: usize| f64::from(counts[n]) / (4.0 * (2 * n + 1) as f64);
+    let last = (0..counts.len() - 1).rev().find(|n| covered(*n) >= share)?;
+    let (here, beyond) = (covered(last), covered(last + 1));
+    Some(size * (last as f64 + 0.5 + (here - share) / (here - beyond)))
+}
+
+/// Run-out (r∞ − r₀)/r₀ of a column of aspect ratio a = h₀/r₀ as Lube et al. (2004) state it:
+/// 1.24 a below 1.7, 1.6 √a above.
+pub fn run_out_of_lube(aspect: f64) -> f64 {
+    if aspect < 1.7 { 1.24 * aspect } else { 1.6 * aspect.sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::SQRT_2;
+
+    use super::*;
+
+    /// Where the two laws meet: 1.24 a = 1.6 √a.
+    const MEETING: f64 = (1.6 / 1.24) * (1.6 / 1.24);
+
+    /// Grains in the middles of rings of 10 mm, as many as cover the given shares.
+    fn rings(shares: &[f64]) -> Vec<f64> {
+        let ring = |(n, share): (usize, &f64)| {
+            let count = (share * 4.0 * (2 * n + 1) as f64).round() as usize;
+            vec![0.01 * (n as f64 + 0.5); count]
+        };
+        shares.iter().enumerate().flat_map(ring).collect()
+    }
+
+    #[test]
+    fn a_deposit_ends_where_rings_are_covered_to_the_share() {
+        let mut shares = vec![2.0; 4];
+        shares.extend([1.0, 0.25, 0.25]);
+        // From 1 in the ring about 45 mm to 0.25 in that about 55 mm.
+        let got = deposit_edge(&rings(&shares), 0.01, 0.5).expect("an edge");
+        let expected = 0.01 * (4.5 + 0.5 / 0.75);
+        assert!((got - expected).abs() < 1e-12, "law: {expected} m, got {got}, tolerance 1e-12");
+        // What has rolled on alone does not move it.
+        let mut rolled = rings(&shares);
+        rolled.extend([0.151, 0.222, 0.3]);
+        assert_eq!(deposit_edge(&rolled, 0.01, 0.5), Some(got), "law: single grains do not count");
+        assert_eq!(deposit_edge(&rolled[rolled.len() - 3..], 0.01, 0.5), None, "law: no deposit");
+        assert_eq!(deposit_edge(&[], 0.01, 0.5), None, "law: no grains");
+    }
+
+    #[test]
+    fn the_two_laws_of_lube_meet_near_their_bend() {
+        assert!((run_out_of_lube(1.0) - 1.24).abs() < 1e-12, "law: 1.24 a");
+        assert!((run_out_of_lube(4.0) - 3.2).abs() < 1e-12, "law: 1.6 √a");
+        assert!((run_out_of_lube(2.0) - 1.6 * SQRT_2).abs() < 1e-12, "law: 1.6 √a above 1.7");
+        assert!((MEETING - 1.7).abs() < 0.05, "law: they meet at {MEETING}, near 1.7");
+    }
+}

@@ -1,0 +1,78 @@
+//! A box of grains that is tilted: when they begin to slide.
+
+/// A moment of a box that is turned about a level axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tilted {
+    /// How far the box is tilted, in rad.
+    pub tilt: f64,
+    /// Level distance in m of the grains' centre of mass from the axis, positive downhill.
+    pub downhill: f64,
+}
+
+/// Tilt in rad at which grains have slid by `slid` m along the floor on average: where their centre
+/// of mass lies so much further downhill than it would if it turned with the box.
+///
+/// Up to a tilt of `rigid` rad it does turn with the box: s cos θ + h sin θ, with s along the floor
+/// and h above it, fitted by least squares. Between moments it moves along a straight line. `None`
+/// where they have not slid so far, or there are less than three moments to fit.
+pub fn sliding_tilt(moments: &[Tilted], rigid: f64, slid: f64) -> Option<f64> {
+    let (along, above) = place(&moments[..moments.partition_point(|m| m.tilt <= rigid)])?;
+    let slid_at = |m: &Tilted| (m.downhill - above * m.tilt.sin()) / m.tilt.cos() - along;
+    moments.windows(2).find_map(|pair| {
+        let (a, b) = (slid_at(&pair[0]), slid_at(&pair[1]));
+        (a < slid && b >= slid)
+            .then(|| pair[0].tilt + (pair[1].tilt - pair[0].tilt) * (slid - a) / (b - a))
+    })
+}
+
+/// Where a centre of mass is that turns with the box: along the floor and above it, in m.
+fn place(moments: &[Tilted]) -> Option<(f64, f64)> {
+    let sum = |of: fn(f64, f64, f64) -> f64| -> f64 {
+        moments.iter().map(|m| of(m.tilt.cos(), m.tilt.sin(), m.downhill)).sum()
+    };
+    let (cc, cs, ss) = (sum(|c, _, _| c * c), sum(|c, s, _| c * s), sum(|_, s, _| s * s));
+    let (cx, sx) = (sum(|c, _, x| c * x), sum(|_, s, x| s * x));
+    let determinant = cc * ss - cs * cs;
+    let known = moments.len() >= 3 && determinant > 1e-12 * cc * cc;
+    known.then(|| ((cx * ss - sx * cs) / determinant, (sx * cc - cx * cs) / determinant))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A box turned to 60°, whose grains slide by 1 mm a degree from some degrees on.
+    fn box_of(above: f64, from: f64) -> Vec<Tilted> {
+        (0..=120_u32)
+            .map(|n| {
+                let degrees = 0.5 * f64::from(n);
+                let tilt = degrees.to_radians();
+                let slid = 0.001 * (degrees - from).max(0.0);
+                Tilted { tilt, downhill: (-0.07 + slid) * tilt.cos() + above * tilt.sin() }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn grains_that_turn_with_the_box_do_not_slide() {
+        let rigid = 10f64.to_radians();
+        assert_eq!(sliding_tilt(&box_of(0.03, 90.0), rigid, 1e-6), None, "law: a rigid turn");
+        assert_eq!(sliding_tilt(&[], rigid, 1e-3), None, "law: no box");
+        let level = [Tilted { tilt: 0.0, downhill: 0.1 }; 9];
+        assert_eq!(sliding_tilt(&level, rigid, 1e-3), None, "law: a level box tells no height");
+    }
+
+    #[test]
+    fn the_tilt_is_that_at_which_they_have_slid_so_far() {
+        for above in [0.02, 0.05] {
+            for (slid, expected) in [(0.001, 36.0), (0.0025, 37.5), (0.0035, 38.5)] {
+                let got = sliding_tilt(&box_of(above, 35.0), 10f64.to_radians(), slid);
+                let got = got.expect("they slide").to_degrees();
+                assert!(
+                    (got - expected).abs() < 1e-6,
+                    "law: {slid} m slid at {expected}°, got {got}°, tolerance 1e-6"
+                );
+            }
+        }
+    }
+}

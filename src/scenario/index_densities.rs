@@ -1,0 +1,74 @@
+//! The loosest and the densest state of grains in a laboratory's standard tests.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{Fault, validate::fault};
+
+/// Void ratios of the loosest and the densest state, as `pluvia density` or a laboratory finds
+/// them. With them `summary.json` gives relative densities.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IndexDensitiesSpec {
+    /// Void ratio of the loosest state.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100.0))]
+    pub e_max: f64,
+    /// Void ratio of the densest state, less than that of the loosest.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100.0))]
+    pub e_min: f64,
+}
+
+impl IndexDensitiesSpec {
+    /// Relative density D_r = (e_max − e)/(e_max − e_min) of a void ratio: 0 of the loosest state,
+    /// 1 of the densest.
+    pub fn relative_density(&self, void_ratio: f64) -> f64 {
+        (self.e_max - void_ratio) / (self.e_max - self.e_min)
+    }
+
+    /// What of it makes no sense, in the JSON of a scenario.
+    pub(super) fn check(value: &Value, faults: &mut Vec<Fault>) {
+        let Some(Ok(spec)) = value.get("index_densities").map(Self::deserialize) else { return };
+        if spec.e_min >= spec.e_max {
+            faults.push(fault(
+                "index_densities.e_min",
+                spec.e_min,
+                format!("less than e_max, {}", spec.e_max),
+                "the densest state has less voids than the loosest".to_owned(),
+            ));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn relative_density_goes_from_the_loosest_to_the_densest_state() {
+        let of = IndexDensitiesSpec { e_max: 1.0, e_min: 0.6 };
+        for (e, expected) in [(1.0, 0.0), (0.6, 1.0), (0.8, 0.5), (1.1, -0.25), (0.5, 1.25)] {
+            let got = of.relative_density(e);
+            assert!((got - expected).abs() < 1e-12, "law: e {e} is D_r {expected}, got {got}");
+        }
+    }
+
+    #[test]
+    fn a_densest_state_that_is_the_looser_one_is_a_fault() {
+        let faults_of = |e_max: f64, e_min: f64| {
+            let mut faults = Vec::new();
+            let value = json!({ "index_densities": { "e_max": e_max, "e_min": e_min } });
+            IndexDensitiesSpec::check(&value, &mut faults);
+            faults.iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        assert!(faults_of(1.0, 0.6).is_empty(), "law: denser is less void");
+        let told = faults_of(0.6, 0.6);
+        assert_eq!(told.len(), 1, "law: equal states are a fault: {told:?}");
+        assert!(told[0].contains("index_densities.e_min"), "law: it is named: {told:?}");
+        let mut none = Vec::new();
+        IndexDensitiesSpec::check(&json!({}), &mut none);
+        assert!(none.is_empty(), "law: they may be left out");
+    }
+}
