@@ -163,7 +163,7 @@ pub fn as_json(recipe: &Recipe, grains: &[Body], states: &[BodyState]) -> Value 
         .map(|(body, state)| {
             let (mass, inertia) = match body.motion {
                 Motion::Free { mass, inertia } => (mass, inertia),
-                Motion::Static | Motion::Kinematic => {
+                Motion::Static | Motion::Kinematic | Motion::Pressed { .. } => {
                     (f64::INFINITY, Vector::repeat(f64::INFINITY))
                 }
             };
