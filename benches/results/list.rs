@@ -235,6 +235,8 @@ pub const KEPT: &[Kept] = &[
         what: "Standard tests of granular material against published numbers",
         files: &[
             ("laboratory.json", ""),
+            ("laboratory/hopper.svg", ""),
+            ("laboratory/column.svg", ""),
             ("laboratory/repose.svg", ""),
         ],
         made: Made::Make("laboratory"),
