@@ -42,11 +42,11 @@ const USUAL_C: f64 = 0.58;
 const EXPONENT_SEEN: &str = "Mankoc et al. 2007, arXiv:0707.4550, abstract, seen: \"known to be \
     dependent on its diameter to a 5/2 power law\"; Beverloo et al. 1961 itself was not seen. \
     ± 0.1 is what was asked for";
-const C_SEEN: &str = "0.55 to 0.65 with the bulk density: Beverloo et al. 1961 as quoted by Mankoc et \
-    al. 2007, p. 1, seen only as quoted again in two public documents on bulk solids";
-const K_SEEN: &str = "1 to 2: Mankoc et al. 2007, p. 1, seen only as quoted again in a public document, \
-    which also has 1.4 to 3 from Darias et al. 2020; another says 1.4 to 1.5 for spheres and up to 2.5 \
-    for long grains";
+const C_SEEN: &str = "0.55 to 0.65 with the bulk density: Beverloo et al. 1961 as quoted by Mankoc \
+    et al. 2007, p. 1, seen only as quoted again in two public documents on bulk solids";
+const K_SEEN: &str = "1 to 2: Mankoc et al. 2007, p. 1, seen only as quoted again in a public \
+    document, which also has 1.4 to 3 from Darias et al. 2020; another says 1.4 to 1.5 for spheres \
+    and up to 2.5 for long grains";
 
 /// Runs the test.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {
@@ -142,19 +142,27 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         count => format!(", {count} flows jammed and are left out ({})", jammed.join(", ")),
     };
     let rule = Rule::Range(2.4, 2.6);
+    let row = |id: &str, quantity: &str, rule: Rule, values: Vec<f64>| {
+        Row::of("hopper", id, quantity, rule, &values)
+    };
+    let five = format!(
+        "Five openings of 5 to 9 d{jams}. {bin}. Exponent and k make up for each other over so short \
+         a range"
+    );
+    let contact = format!("{bin}. Friction between grains 0.5, restitution 0.315{changed}");
+    let (free, with_k) = (values(&free, |f| f.exponent), values(&with_k, |f| f.exponent));
+    let (c, k) = (values(&with_exponent, |f| f.c), values(&with_exponent, |f| f.k));
     let mut rows = vec![
-        Row::of("hopper", "hopper-exponent", "exponent, with C and k fitted", rule, &values(&free, |f| f.exponent))
+        row("hopper-exponent", "exponent, with C and k fitted", rule, free)
             .seen(EXPONENT_SEEN)
-            .noted(format!(
-                "Five openings of 5 to 9 d. {bin}. Exponent and k make up for each other over so short a range"
-            )),
-        Row::of("hopper", "hopper-exponent-at-k", "exponent, with k held at 1.4", rule, &values(&with_k, |f| f.exponent))
+            .noted(five),
+        row("hopper-exponent-at-k", "exponent, with k held at 1.4", rule, with_k)
             .seen(EXPONENT_SEEN)
             .noted("Of the same flows: what is left to the exponent where k is that of spheres"),
-        Row::of("hopper", "hopper-c", "C, with the exponent held at 2.5", Rule::Range(0.55, 0.65), &values(&with_exponent, |f| f.c))
+        row("hopper-c", "C, with the exponent held at 2.5", Rule::Range(0.55, 0.65), c)
             .seen(C_SEEN)
-            .noted(format!("{bin}. Friction between grains 0.5, restitution 0.315{changed}")),
-        Row::of("hopper", "hopper-k", "k, with the exponent held at 2.5", Rule::Range(1.0, 2.0), &values(&with_exponent, |f| f.k))
+            .noted(contact),
+        row("hopper-k", "k, with the exponent held at 2.5", Rule::Range(1.0, 2.0), k)
             .seen(K_SEEN)
             .noted("d is the equivalent diameter, 9.0 mm"),
     ];
