@@ -18,47 +18,72 @@ const SCENARIO: &str = "scenarios/validation/column-collapse.json";
 const SIZE: f64 = 0.009;
 /// Share of a ring that is covered where the deposit ends.
 const COVERED: f64 = 0.5;
+/// The same for a second look, not judged.
+const THINLY: f64 = 0.1;
+/// Number of the column with which less friction is tried, and that friction.
+const TRIED: usize = 1;
+const SLIPPERY: f64 = 0.2;
 /// By how much run-outs may differ from the published ones.
 const TOLERANCE: f64 = 0.15;
 
-const SEEN: &str = "Lube et al. 2004, J. Fluid Mech. 508: 1.24 a below 1.7, 1.6 √a above, seen only as \
-    quoted in three public documents, which agree; the paper itself was not seen. ± 15 % is what was \
-    asked for";
+const SEEN: &str = "Lube et al. 2004, J. Fluid Mech. 508: 1.24 a below 1.7, 1.6 √a above, seen only \
+    as quoted in three public documents, which agree; the paper itself was not seen. ± 15 % is what \
+    was asked for";
 
 /// Runs the test.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let (radius_mm, aspects): (f64, &[f64]) = if bench.quick {
-        (50.0, &[0.6, 1.2, 2.4, 4.0])
+        (50.0, &[0.6, 1.2, 2.4])
     } else {
         (90.0, &[0.5, 1.0, 1.5, 2.0, 3.0, 4.0])
     };
-    let points: Vec<Point> = aspects
-        .iter()
-        .map(|a| Point { name: format!("aspect-{a}"), changes: column(radius_mm, *a), most: None })
-        .collect();
+    let points = aspects.iter().map(|a| Point {
+        name: format!("aspect-{a}"),
+        changes: column(radius_mm, *a),
+        most: None,
+    });
+    // Whether friction is why it misses: tried with one column.
+    let mut changes = column(radius_mm, aspects[TRIED]);
+    changes.push(format!("contact.grain_grain_friction={SLIPPERY}"));
+    changes.push(format!("pieces.0.friction={SLIPPERY}"));
+    let tried = Point { name: format!("friction-{SLIPPERY}"), changes, most: Some(1) };
+    let points: Vec<Point> = points.chain([tried]).collect();
     let runs = bench.run("column", SCENARIO, &points)?;
-    let mut found: Vec<(usize, f64, f64)> = Vec::new();
+    let mut found: Vec<Collapse> = Vec::new();
     for run in &runs {
-        match run_out(run, radius_mm * 1e-3)? {
-            Some((aspect, distance)) => found.push((run.point, aspect, distance)),
+        match collapse(run, radius_mm * 1e-3)? {
+            Some(collapse) => found.push(collapse),
             None => eprintln!("{}: no deposit", run.folder.display()),
         }
     }
+    let slippery = found.iter().find(|f| f.point == aspects.len()).map(|f| f.run_out);
+    found.retain(|f| f.point < aspects.len());
     let across = 2e-3 * radius_mm / SIZE;
     let mut rows = Vec::new();
     for (n, asked) in aspects.iter().enumerate() {
-        let own: Vec<(f64, f64)> = found.iter().filter(|f| f.0 == n).map(|f| (f.1, f.2)).collect();
-        let Some(aspect) = mean(own.iter().map(|o| o.0)) else { continue };
+        let own: Vec<&Collapse> = found.iter().filter(|f| f.point == n).collect();
+        let (Some(aspect), Some(thinly)) =
+            (mean(own.iter().map(|o| o.aspect)), mean(own.iter().map(|o| o.thinly)))
+        else {
+            continue;
+        };
         let law = run_out_of_lube(aspect);
         let rule = Rule::Range((1.0 - TOLERANCE) * law, (1.0 + TOLERANCE) * law);
-        let values: Vec<f64> = own.iter().map(|o| o.1).collect();
+        let values: Vec<f64> = own.iter().map(|o| o.run_out).collect();
+        let with_less = match slippery.filter(|_| n == TRIED) {
+            Some(r) => {
+                format!(". With friction {SLIPPERY} in place of 0.5, one realisation: {r:.2}")
+            }
+            None => String::new(),
+        };
         let quantity = format!("run-out (r∞ − r₀)/r₀ at a = {aspect:.2}");
-        let mut row = Row::of("column", &format!("column-run-out-{asked}"), &quantity, rule, &values)
-            .seen(SEEN)
-            .noted(format!(
-                "The column is {across:.0} grains wide; Warnett et al. 2014 found that the final radius \
-                 depends on that, too (abstract seen). The tube vanishes at once"
-            ));
+        let id = format!("column-run-out-{asked}");
+        let note = format!(
+            "The column is {across:.0} grains wide; Warnett et al. 2014 found that the final radius \
+             depends on that, too (abstract seen). The tube vanishes at once. To where a tenth of a \
+             ring is covered: {thinly:.2}{with_less}"
+        );
+        let mut row = Row::of("column", &id, &quantity, rule, &values).seen(SEEN).noted(note);
         bench.design().clone_into(&mut row.design);
         rows.push(row);
     }
@@ -88,8 +113,19 @@ fn column(radius_mm: f64, aspect: f64) -> Vec<String> {
     ]
 }
 
-/// Aspect ratio of a column and its run-out.
-fn run_out(run: &Run, radius: f64) -> Result<Option<(f64, f64)>, String> {
+/// A column and its deposit.
+struct Collapse {
+    /// Number of its point.
+    point: usize,
+    /// h₀/r₀, to the mean surface.
+    aspect: f64,
+    /// (r∞ − r₀)/r₀.
+    run_out: f64,
+    /// The same, to where only a tenth of a ring is covered.
+    thinly: f64,
+}
+
+fn collapse(run: &Run, radius: f64) -> Result<Option<Collapse>, String> {
     let column = run.specimen(Some("0"))?;
     let container = Container { centre_x: 0.0, radius: radius - SIZE / 2.0, height: 1.0 };
     let map = HeightMap::of(&column, &container, height_cell(&column.grains))
@@ -100,11 +136,16 @@ fn run_out(run: &Run, radius: f64) -> Result<Option<(f64, f64)>, String> {
         .present()
         .map(|i| deposit.state.bodies[i].body.pose.translation.vector.xy().norm())
         .collect();
-    let edge = deposit_edge(&distances, SIZE, COVERED);
-    Ok(edge.map(|edge| (height / radius, edge / radius - 1.0)))
+    let edge = |share: f64| Some(deposit_edge(&distances, SIZE, share)? / radius - 1.0);
+    Ok(edge(COVERED).zip(edge(THINLY)).map(|(run_out, thinly)| Collapse {
+        point: run.point,
+        aspect: height / radius,
+        run_out,
+        thinly,
+    }))
 }
 
-fn chart(found: &[(usize, f64, f64)]) -> LawChart {
+fn chart(found: &[Collapse]) -> LawChart {
     let law: Vec<(f64, f64)> =
         (1..=90).map(|n| 0.05 * f64::from(n)).map(|a| (a, run_out_of_lube(a))).collect();
     let end = |share: f64| law.iter().map(|(a, r)| (*a, share * r)).collect();
@@ -129,7 +170,7 @@ fn chart(found: &[(usize, f64, f64)]) -> LawChart {
                 name: "Measured".into(),
                 style: CurveStyle::Points,
                 kind: 0,
-                points: found.iter().map(|f| (f.1, f.2)).collect(),
+                points: found.iter().map(|f| (f.aspect, f.run_out)).collect(),
             },
             line("Lube et al. 2004", 1, law.clone()),
             line("± 15 %", 4, end(1.15)),

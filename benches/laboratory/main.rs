@@ -29,7 +29,7 @@ struct Options {
     /// Only these tests, with commas between; rows of the others stay in the file
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = Part::ALL)]
     only: Vec<Part>,
-    /// Realisations of each point [default: 5, quick 3]
+    /// Realisations of each point [default: 5, quick 2]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100))]
     configurations: Option<u32>,
     /// Stages that run at the same time
@@ -92,7 +92,7 @@ fn run(options: &Options) -> Result<(), String> {
     let bench = Bench {
         out: options.out.with_extension(""),
         quick: options.quick,
-        configurations: options.configurations.unwrap_or(if options.quick { 3 } else { 5 }),
+        configurations: options.configurations.unwrap_or(if options.quick { 2 } else { 5 }),
         jobs: options.jobs as usize,
     };
     create_folder(&bench.out).map_err(|e| e.to_string())?;

@@ -233,7 +233,12 @@ pub const KEPT: &[Kept] = &[
     Kept {
         name: "laboratory",
         what: "Standard tests of granular material against published numbers",
-        files: &[("laboratory.json", ""), ("laboratory/repose.svg", "")],
+        files: &[
+            ("laboratory.json", ""),
+            ("laboratory/hopper.svg", ""),
+            ("laboratory/column.svg", ""),
+            ("laboratory/repose.svg", ""),
+        ],
         made: Made::Make("laboratory"),
         build: build("2026-11-25", "14"),
         takes: "15 minutes with --quick, else hours",

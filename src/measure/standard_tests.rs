@@ -9,7 +9,7 @@ mod judge;
 mod run_out;
 mod tilt;
 
-pub use beverloo::{BeverlooFit, Discharge, Held, fit_beverloo, steady_outflow};
+pub use beverloo::{BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow};
 pub use judge::{Verdict, judge};
 pub use run_out::{deposit_edge, run_out_of_lube};
 pub use tilt::{Tilted, sliding_tilt};

@@ -97,12 +97,26 @@ fn with_k(points: &[(f64, f64)], k: f64, exponent: Option<f64>) -> Option<Beverl
     Some(BeverlooFit { c: level.exp(), k, exponent, residual: (squares / count).sqrt() })
 }
 
-/// Rate in kg/s of a steady outflow: the slope of the straight line through the mass that has
-/// passed, from `settled` s after the opening at `opened` until `most` kg have passed.
+/// Longest time in s in which nothing passes an opening that is not jammed.
+const LONGEST_STOP: f64 = 0.3;
+
+/// An outflow as read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Outflow {
+    /// Steady, at a rate in kg/s.
+    Steady(f64),
+    /// For a while nothing passed.
+    Jammed,
+    /// Too little was watched to tell.
+    Short,
+}
+
+/// Rate of a steady outflow: the slope of the straight line through the mass that has passed, from
+/// `settled` s after the opening at `opened` until `most` kg have passed.
 ///
-/// `series` holds times in s and the mass in kg passed since the time before. `None` with less than
-/// four times within.
-pub fn steady_outflow(series: &[(f64, f64)], opened: f64, settled: f64, most: f64) -> Option<f64> {
+/// `series` holds times in s and the mass in kg passed since the time before. It is short with less
+/// than four times within.
+pub fn steady_outflow(series: &[(f64, f64)], opened: f64, settled: f64, most: f64) -> Outflow {
     let mut sum = 0.0;
     let all = series.iter().filter(|(time, _)| *time > opened);
     let passed: Vec<(f64, f64)> = all
@@ -114,9 +128,17 @@ pub fn steady_outflow(series: &[(f64, f64)], opened: f64, settled: f64, most: f6
     let within = |p: &&(f64, f64)| p.0 >= opened + settled && p.1 <= most;
     let steady: Vec<(f64, f64)> = passed.iter().filter(within).copied().collect();
     if steady.len() < 4 {
-        return None;
+        return Outflow::Short;
     }
-    least_squares_slope(&steady)
+    let mut since = steady[0];
+    for point in &steady {
+        if point.1 > since.1 {
+            since = *point;
+        } else if point.0 - since.0 >= LONGEST_STOP {
+            return Outflow::Jammed;
+        }
+    }
+    least_squares_slope(&steady).map_or(Outflow::Short, Outflow::Steady)
 }
 
 #[cfg(test)]
@@ -192,8 +214,19 @@ mod tests {
             sum += mass;
             series.push((1.0 + 0.1 * f64::from(n), mass));
         }
-        let got = steady_outflow(&series, 1.0, 0.25, 2.5).expect("a rate");
-        assert!((got - 0.5).abs() < 1e-9, "law: 0.5 kg/s, got {got}, tolerance 1e-9");
-        assert_eq!(steady_outflow(&series, 1.0, 0.25, 0.1), None, "law: too little has passed");
+        let got = steady_outflow(&series, 1.0, 0.25, 2.5);
+        let Outflow::Steady(rate) = got else { panic!("law: it is steady, got {got:?}") };
+        assert!((rate - 0.5).abs() < 1e-9, "law: 0.5 kg/s, got {rate}, tolerance 1e-9");
+        let short = steady_outflow(&series, 1.0, 0.25, 0.1);
+        assert_eq!(short, Outflow::Short, "law: too little has passed");
+        // Nothing passes for 0.3 s.
+        for n in 10..=12 {
+            series[n].1 = 0.0;
+        }
+        let jammed = steady_outflow(&series, 1.0, 0.25, 2.5);
+        assert_eq!(jammed, Outflow::Jammed, "law: an outflow that stops is no rate");
+        series[12].1 = 0.05;
+        let slow = steady_outflow(&series, 1.0, 0.25, 2.5);
+        assert!(matches!(slow, Outflow::Steady(_)), "law: 0.2 s are no jam, got {slow:?}");
     }
 }
