@@ -1,5 +1,6 @@
 //! The test stand: a world built from a specimen, and the one loop that steps it.
 
+mod contacts;
 mod driven;
 
 use std::{
@@ -368,25 +369,6 @@ impl<'a> Stand<'a> {
             watch: self.midway.watch,
             residuals: self.midway.residuals,
         }
-    }
-
-    /// The loaded contacts between what is still present.
-    fn contacts(&self) -> Vec<SavedContact> {
-        let mut contacts = Vec::new();
-        self.world.remember(&mut contacts);
-        let of_body: HashMap<BodyId, Party> =
-            self.parties.iter().map(|(p, id)| (*id, *p)).collect();
-        let saved = contacts.iter().filter_map(|c| {
-            Some(SavedContact {
-                between: [*of_body.get(&c.a)?, *of_body.get(&c.b)?],
-                point_m: c.point,
-                normal: c.normal,
-                force_n: c.force,
-                warm_start: c.warm_start,
-                feature: c.feature,
-            })
-        });
-        saved.collect()
     }
 
     /// Keeps a finding for the reader.

@@ -146,17 +146,17 @@ fn loads_are_checked_all_at_once_and_refused_where_no_engine_can_press() {
         let mut value = sound();
         let stages = value["stages"].as_array_mut().expect("stages");
         stages.push(json!({ "stage": "press", "loads": loads }));
-        let lid = json!({ "name": "lid", "shape": { "plate": { "size_mm": [20, 20, 5] } },
+        let lid = json!({ "name": "cover", "shape": { "plate": { "size_mm": [20, 20, 5] } },
             "at_mm": [0, 0, 500] });
         value["pieces"].as_array_mut().expect("pieces").push(lid);
         value
     };
     let stage = sound()["stages"].as_array().expect("stages").len();
-    let good = with(json!([{ "piece": "lid", "stress_kpa": 5 }]));
+    let good = with(json!([{ "piece": "cover", "stress_kpa": 5 }]));
     assert_eq!(faults(&good), [], "law: a good load");
     let bad = with(json!([
-        { "piece": "lid", "stress_kpa": 5, "force_n": 2 },
-        { "piece": "lid", "direction": [0, 0, 0] },
+        { "piece": "cover", "stress_kpa": 5, "force_n": 2 },
+        { "piece": "cover", "direction": [0, 0, 0] },
         { "piece": "box", "force_n": 2 },
         { "piece": "nobody", "locked": true }
     ]));

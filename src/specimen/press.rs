@@ -1,0 +1,106 @@
+//! The state of a piece that is pressed.
+
+use serde::{Deserialize, Serialize};
+
+use super::LARGEST;
+use crate::geometry::Vector;
+
+/// How a piece is pressed: it moves along one direction alone, by a force along it and by what
+/// the grains do.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PressState {
+    /// A unit vector.
+    pub direction: Vector,
+    /// Its mass in kg; its weight is part of the force.
+    pub mass_kg: f64,
+    /// Area in m² that it shows along the direction.
+    pub area_m2: f64,
+    /// The force in N that is wanted.
+    pub target_n: f64,
+    /// How fast the force grows or falls towards that, in N/s.
+    pub rate_n_per_s: f64,
+    /// Speed in m/s along the direction above which it is not driven on.
+    pub approach_m_per_s: f64,
+    /// The force of the last step in N.
+    pub force_n: f64,
+    /// Force in N by which the grains resisted it in the last step, against the direction.
+    pub resistance_n: f64,
+    /// Its speed along the direction in m/s.
+    pub speed_m_per_s: f64,
+}
+
+impl PressState {
+    /// The force in N of the next step, of a length in s: it grows at its rate from that of the
+    /// last, and drives the piece no faster than it may approach against what resisted it in the
+    /// last step. So a piece that meets nothing yet has next to none, and begins to press from
+    /// nothing.
+    pub fn next_force(&self, step: f64) -> f64 {
+        let change = self.rate_n_per_s * step;
+        let wanted = self.target_n.clamp(self.force_n - change, self.force_n + change);
+        let faster = self.mass_kg * (self.approach_m_per_s - self.speed_m_per_s) / step;
+        wanted.min((self.resistance_n + faster).max(0.0))
+    }
+
+    /// Whether the whole force that is wanted is on it.
+    pub fn is_reached(&self) -> bool {
+        (self.force_n - self.target_n).abs() <= 1e-6 * self.target_n
+    }
+
+    /// Its kinetic energy in J.
+    pub fn kinetic_energy(&self) -> f64 {
+        0.5 * self.mass_kg * self.speed_m_per_s * self.speed_m_per_s
+    }
+
+    pub(super) fn check(&self) -> Result<(), String> {
+        let numbers = [
+            self.mass_kg,
+            self.area_m2,
+            self.target_n,
+            self.rate_n_per_s,
+            self.approach_m_per_s,
+            self.force_n,
+            self.resistance_n,
+            self.speed_m_per_s,
+        ];
+        let refuse = |what: &str| Err(format!("a piece is pressed {what}"));
+        match () {
+            () if !numbers.iter().all(|x| x.abs() <= LARGEST) => refuse("by what is no number"),
+            () if !(self.mass_kg > 0.0) => refuse("and has no mass"),
+            () if !((self.direction.norm() - 1.0).abs() < 1e-9) => refuse("in no direction"),
+            () => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_force_grows_at_its_rate_and_drives_no_faster_than_it_may() {
+        let press = PressState {
+            direction: Vector::z(),
+            mass_kg: 0.2,
+            area_m2: 0.01,
+            target_n: 100.0,
+            rate_n_per_s: 500.0,
+            approach_m_per_s: 0.05,
+            force_n: 40.0,
+            resistance_n: 40.0,
+            speed_m_per_s: 0.0,
+        };
+        let step = 0.002;
+        let next = |change: PressState| change.next_force(step);
+        let near = |what: &str, got: f64, expected: f64| {
+            assert!((got - expected).abs() < 1e-12, "law: {what}: {expected} N, got {got} N");
+        };
+        near("500 N/s for 2 ms more", next(press), 41.0);
+        near("down as well", next(PressState { target_n: 0.0, ..press }), 39.0);
+        near("no farther than wanted", next(PressState { target_n: 40.5, ..press }), 40.5);
+        let loose = PressState { resistance_n: 0.0, ..press };
+        near("without resistance m Δv/Δt", next(loose), 0.2 * 0.05 / step);
+        let fast = PressState { resistance_n: 0.0, speed_m_per_s: 0.06, ..press };
+        near("faster than it may: none, and no pull", next(fast), 0.0);
+        assert!(!press.is_reached() && PressState { force_n: 100.0, ..press }.is_reached());
+    }
+}
