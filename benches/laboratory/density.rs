@@ -64,14 +64,18 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let densest = "void ratio of the densest state";
     let vibrated = "void ratio, vibrated as in ASTM D4253, but for seconds";
     let bound = "void ratio without friction, a bound";
-    let mut of_standard = row("density-d4253", vibrated, Some(0.546), &standard.e_min);
-    if let Some(change) = standard.second_half.first() {
-        of_standard.note += &format!("; it fell by {change:.3} in the second half of that time");
-    }
+    // Whether it has come to an end.
+    let vibrated_row = |id: &str, quantity: &str, of: &IndexDensities| {
+        let mut row = row(id, quantity, Some(0.546), &of.e_min);
+        if let Some(change) = pluvia::measure::statistics::mean(&of.second_half) {
+            row.note += &format!("; it fell by {change:.3} in the second half of that time");
+        }
+        row
+    };
     let rows = vec![
         row("density-e-max", loosest, Some(0.774), &found.e_max),
-        row("density-e-min", densest, Some(0.546), &found.e_min),
-        of_standard,
+        vibrated_row("density-e-min", densest, &found),
+        vibrated_row("density-d4253", vibrated, &standard),
         row("density-frictionless", bound, None, &found.frictionless),
     ];
     Ok(Found { rows, charts: Vec::new() })
