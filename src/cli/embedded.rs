@@ -239,7 +239,7 @@ mod tests {
         let (tell, told) = mpsc::channel();
         let cancel = Arc::new(AtomicBool::new(cancelled));
         let ended = embedded(&words, &cancel, move |news| drop(tell.send(news)));
-        (ended, told.iter().collect())
+        (ended, told.try_iter().collect())
     }
 
     fn small() -> serde_json::Value {
