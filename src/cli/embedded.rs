@@ -239,7 +239,7 @@ mod tests {
         let (tell, told) = mpsc::channel();
         let cancel = Arc::new(AtomicBool::new(cancelled));
         let ended = embedded(&words, &cancel, move |news| drop(tell.send(news)));
-        (ended, told.iter().collect())
+        (ended, told.try_iter().collect())
     }
 
     fn small() -> serde_json::Value {
@@ -248,6 +248,7 @@ mod tests {
             "grains": { "total_mass_g": 15, "density_kg_per_m3": 2673.9, "sieve_table":
                 [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }] },
             "stages": [{ "stage": "fill_funnel", "time_limit_s": 0.5 }],
+            "rest_test_s": 0
         })
     }
 
@@ -297,14 +298,15 @@ mod tests {
             said.contains("rate_hz") && said.contains("gravitation"),
             "law: all faults: {said}"
         );
-        for (words, code, what) in [
-            (&["run", "/nowhere/a.json", "--out", out][..], 4, "/nowhere/a.json"),
+        let cases: [(&[&str], u8, &str); 6] = [
+            (&["run", "/nowhere/a.json", "--out", out], 4, "/nowhere/a.json"),
             (&["run", file], 2, "--out"),
             (&["view", out], 2, "--save"),
             (&["completions", "bash"], 2, "shells"),
             (&["sweep", file, "--over", "seed=1,2", "--slurm", "--out", out], 2, "--slurm"),
             (&["readings"], 2, "interpretations"),
-        ] {
+        ];
+        for (words, code, what) in cases {
             let (ended, _) = run(words, false);
             let said = ended.error.unwrap_or_default();
             assert_eq!(ended.code, code, "{words:?}: {said}");
