@@ -275,7 +275,7 @@ mod tests {
             News::Message(_) => None,
         });
         let (stage, done, total) = last.expect("law: progress is told");
-        assert!(stage.contains("rest test"), "law: the last stage is named, got {stage}");
+        assert!(stage.contains("fill the funnel"), "law: the stage is named, got {stage}");
         assert!(done > 0.0 && (done - total).abs() < 1e-9, "law: all is done: {done} of {total}");
     }
 
