@@ -16,8 +16,8 @@ const SLIDING: f64 = 0.999;
 /// Width of the classes of [`ForceDistribution::classes`], in means.
 pub const FORCE_CLASS: f64 = 0.25;
 
-/// Number of these classes; the last holds all that is beyond.
-const CLASSES: usize = 24;
+/// Number of these classes at most; the last then holds all that is beyond.
+const CLASSES: usize = 200;
 
 /// Two bodies that press each other, at one point or several.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,8 +108,8 @@ pub struct ForceDistribution {
     pub mean: f64,
     /// 10th, 50th, 90th and 99th percentile and the largest, over the mean (nearest rank).
     pub percentiles: [f64; 5],
-    /// Share of contacts in classes of [`FORCE_CLASS`] means, from 0 on; the last holds all that
-    /// is beyond. Together 1.
+    /// Share of contacts in classes of [`FORCE_CLASS`] means, from 0 up to the largest force, or to
+    /// 50 means, where the last class holds all that is beyond. Together 1.
     pub classes: Vec<f64>,
 }
 
@@ -124,10 +124,10 @@ pub fn force_distribution(forces: impl IntoIterator<Item = f64>) -> Option<Force
     }
     let rank = |share: f64| (share * count).ceil().max(1.0) as usize - 1;
     let percentiles = [0.1, 0.5, 0.9, 0.99, 1.0].map(|share| sorted[rank(share)] / mean);
-    let mut classes = vec![0.0; CLASSES];
-    for force in &sorted {
-        let class = (force / mean / FORCE_CLASS) as usize;
-        classes[class.min(CLASSES - 1)] += 1.0 / count;
+    let class = |force: f64| ((force / mean / FORCE_CLASS) as usize).min(CLASSES - 1);
+    let mut classes = vec![0.0; class(sorted[sorted.len() - 1]) + 1];
+    for &force in &sorted {
+        classes[class(force)] += 1.0 / count;
     }
     Some(ForceDistribution { mean, percentiles, classes })
 }
@@ -248,8 +248,10 @@ mod tests {
         assert_near("all of them", 1.0, got.classes.iter().sum(), 1e-12);
         // 0.25 means are 12.625 N: 12 forces are smaller.
         assert_near("the first class", 0.12, got.classes[0], 1e-12);
+        // 100 N are 1.98 means.
+        assert_eq!(got.classes.len(), 8, "law: up to the largest force");
         let far = force_distribution([vec![0.0; 99], vec![1.0]].concat()).expect("forces");
-        assert_near("a force of 100 means is in the last class", 0.01, far.classes[23], 1e-12);
+        assert_near("a force of 100 means is in the last class", 0.01, far.classes[199], 1e-12);
         assert_eq!(force_distribution([]), None, "law: no forces, no distribution");
     }
 

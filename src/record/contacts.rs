@@ -73,7 +73,8 @@ pub struct ForceSummary {
     pub max_of_mean: f64,
     /// Width of a class of the histogram, in means.
     pub class_width_of_mean: f64,
-    /// Share of contacts in each class from 0 on, in percent; the last holds all that is beyond.
+    /// Share of contacts in each class in percent, from 0 up to the largest force, or to 50 means,
+    /// where the last class holds all that is beyond.
     pub classes_percent: Vec<f64>,
 }
 
