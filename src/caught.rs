@@ -56,6 +56,8 @@ mod tests {
         let got = caught(|| [1, 2][index % 4]).expect_err("there is no fourth");
         assert!(got.contains("index is 3"), "law: the words of the panic, got `{got}`");
         let got = caught(|| panic::panic_any(1_u8)).expect_err("a panic");
-        assert_eq!(got, "no reason was given", "law: a panic without words is one, too");
+        // Where the process notes panics, their place follows.
+        let said = got.starts_with("no reason was given");
+        assert!(said, "law: a panic without words is one, too, got `{got}`");
     }
 }
