@@ -172,18 +172,18 @@ mod tests {
         let mut specimen = specimen_of(vec![(cube(a), Pose::translation(0.01, 0.01, 0.01))]);
         let whole = region([0.0; 3], [a; 3]);
         let pressed = [3.0, 5.0, 7.0];
-        for k in 0..3 {
+        for (k, force) in pressed.into_iter().enumerate() {
             let axis = Vector::ith(k, 1.0);
             let at = |side: f64| Vector::repeat(0.01) + axis * (side - 0.01);
             let contacts = &mut specimen.state.contacts;
-            contacts.push(contact([Party::Grain(0), FLOOR], at(0.0), axis * pressed[k]));
+            contacts.push(contact([Party::Grain(0), FLOOR], at(0.0), axis * force));
             // The other way round: the force that is kept is that on the wall.
-            contacts.push(contact([WALL, Party::Grain(0)], at(a), axis * pressed[k]));
+            contacts.push(contact([WALL, Party::Grain(0)], at(a), axis * force));
         }
         let got = stress_in(&specimen, &whole).expect("contacts");
-        for i in 0..3 {
+        for (i, force) in pressed.into_iter().enumerate() {
             for j in 0..3 {
-                let expected = if i == j { pressed[i] / (a * a) } else { 0.0 };
+                let expected = if i == j { force / (a * a) } else { 0.0 };
                 assert_near("σ of the cube in Pa", expected, got.tensor[(i, j)], 1e-9);
             }
         }

@@ -220,8 +220,8 @@ mod tests {
         let short = steady_outflow(&series, 1.0, 0.25, 0.1);
         assert_eq!(short, Outflow::Short, "law: too little has passed");
         // Nothing passes for 0.3 s.
-        for n in 10..=12 {
-            series[n].1 = 0.0;
+        for row in &mut series[10..=12] {
+            row.1 = 0.0;
         }
         let jammed = steady_outflow(&series, 1.0, 0.25, 2.5);
         assert_eq!(jammed, Outflow::Jammed, "law: an outflow that stops is no rate");
