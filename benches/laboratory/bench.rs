@@ -65,7 +65,7 @@ impl Bench {
         }
     }
 
-    /// Runs a scenario at all points in all realisations. Runs that fail are told and left out.
+    /// Runs a scenario at all points in all realisations. Runs that fail are reported and left out.
     pub fn run(&self, name: &str, scenario: &str, points: &[Point]) -> Result<Vec<Run>, String> {
         let change = |text: &String| text.parse::<Override>().map_err(|e| e.to_string());
         let variations = points.iter().map(|point| {

@@ -274,7 +274,7 @@ mod tests {
             News::Progress { stage, done, total, .. } => Some((stage.clone(), *done, *total)),
             News::Message(_) => None,
         });
-        let (stage, done, total) = last.expect("law: progress is told");
+        let (stage, done, total) = last.expect("law: progress is reported");
         assert!(stage.contains("fill the funnel"), "law: the stage is named, got {stage}");
         assert!(done > 0.0 && (done - total).abs() < 1e-9, "law: all is done: {done} of {total}");
     }

@@ -36,7 +36,7 @@ fn pressed_stress(value: &Value) -> f64 {
     stresses.filter(|stress| stress.is_finite()).fold(0.0, f64::max)
 }
 
-/// A part of a scenario that can be read; others are told of elsewhere.
+/// A part of a scenario that can be read; others are reported elsewhere.
 fn typed<T: DeserializeOwned>(value: &Value) -> Option<T> {
     T::deserialize(value).ok()
 }

@@ -98,7 +98,7 @@ pub struct IndexDensities {
 /// Finds index densities and writes `density.json`. What is stored is not done again.
 ///
 /// # Errors
-/// [`StudyError`]. A run that fails is told among the failures.
+/// [`StudyError`]. A run that fails is reported among the failures.
 pub fn index_densities(options: &DensityOptions) -> Result<IndexDensities, StudyError> {
     let loaded = load_scenario(&options.scenario, &options.changes)?.scenario;
     if loaded.begin.is_some() {

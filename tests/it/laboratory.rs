@@ -171,7 +171,7 @@ fn loads_are_checked_all_at_once_and_refused_where_no_engine_can_press() {
     ] {
         let path = format!("stages[{stage}].{field}");
         let told = found.iter().any(|(at, text)| *at == path && text.contains(words));
-        assert!(told, "law: `{path}` is told with `{words}`, got {found:#?}");
+        assert!(told, "law: `{path}` is reported with `{words}`, got {found:#?}");
     }
     for (engine, words) in [
         (json!({ "backend": "rapier" }), "rapier cannot press"),

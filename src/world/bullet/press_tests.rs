@@ -179,10 +179,10 @@ fn only_pressed_bodies_have_a_force_and_only_native_contacts_press() {
     let mut crooked = lid(0.1, -Vector::z(), 0.0);
     crooked.motion = Motion::Pressed { mass: MASS, direction: Vector::new(0.0, 0.0, 2.0) };
     let refused = world.add(&crooked).expect_err("no unit vector").to_string();
-    assert!(refused.contains("unit vector"), "law: the reason is told, got {refused}");
+    assert!(refused.contains("unit vector"), "law: the reason is reported, got {refused}");
     let pairs = PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.0 });
     let stock = EngineSettings { contact_solver: ContactSolver::Stock, ..Default::default() };
     let mut stock = BulletBackend::new(&stock, Vector::zeros(), &pairs).expect("a world");
     let refused = stock.add(&lid(0.1, -Vector::z(), 0.0)).expect_err("stock cannot").to_string();
-    assert!(refused.contains("native contacts"), "law: who can is told, got {refused}");
+    assert!(refused.contains("native contacts"), "law: who can is named, got {refused}");
 }
