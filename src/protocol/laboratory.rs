@@ -236,19 +236,22 @@ impl Laboratory<'_> {
                 (None, None) => return Err(refused("a load needs a force or a stress")),
             };
             let before = state.press.filter(|press| press.direction == direction);
-            let before = before.map(|p| (p.force_n, p.resistance_n, p.speed_m_per_s));
-            let (force, resistance, speed) = before.unwrap_or_default();
+            let force = before.map_or(0.0, |press| press.force_n);
+            let arrived = before.is_some_and(|press| press.arrived);
+            // A force that the approach holds down must be able to come back.
+            let change = if arrived { (target - force).abs() } else { target.max(force) };
             let mass = load.mass_g.map_or_else(|| piece.volume() * LID_DENSITY, from_g);
             state.press = Some(PressState {
                 direction,
                 mass_kg: mass,
                 area_m2: area,
                 target_n: target,
-                rate_n_per_s: (target - force).abs() / ramp_s,
+                rate_n_per_s: change / ramp_s,
                 approach_m_per_s: from_mm(*approach_mm_per_s),
+                arrived,
                 force_n: force,
-                resistance_n: resistance,
-                speed_m_per_s: speed,
+                resistance_n: before.map_or(0.0, |press| press.resistance_n),
+                speed_m_per_s: before.map_or(0.0, |press| press.speed_m_per_s),
             });
         }
         let course = Course::until_settled(*time_limit_s);

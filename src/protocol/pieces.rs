@@ -66,8 +66,8 @@ pub(super) struct Pieces {
 }
 
 impl Pieces {
-    /// Puts the pieces that stand into a world, as kinematic or pressed bodies; `began` is where they were
-    /// when the stage began.
+    /// Puts the pieces that stand into a world, as kinematic or pressed bodies; `began` is where
+    /// they were when the stage began.
     pub(super) fn add(
         world: &mut dyn World,
         setup: &Setup,
@@ -159,7 +159,7 @@ impl Pieces {
         let step = world.time_step();
         for pressed in &self.pressed {
             let Some(press) = &mut state.pieces[pressed.piece].press else { continue };
-            press.force_n = press.next_force(step);
+            press.next(step);
             world.press(pressed.body, press.force_n)?;
         }
         let Some(drive) = &self.drive else { return Ok(()) };

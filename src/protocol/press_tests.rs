@@ -157,6 +157,8 @@ fn a_lid_stays_pressed_until_it_is_locked_or_moved() {
     let rested = go(None, pressed.clone(), None, rest).0.specimen;
     let force = 5e3 * 0.049 * 0.049;
     near("still pressed, N", rested.state.pieces[1].force_n.z, force, 0.01 * force);
+    let again = go(None, rested.clone(), None, press(5.0)).0;
+    assert!(again.warnings.is_empty(), "law: the same load again is reached, {:?}", again.warnings);
     let more = go(None, rested, None, press(8.0)).0.specimen;
     let sunk = |s: &Specimen| s.state.pieces[1].pose.translation.z;
     assert!(sunk(&more) < sunk(&pressed), "law: more stress, deeper");

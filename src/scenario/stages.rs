@@ -351,7 +351,8 @@ pub enum StageSpec {
         #[serde(default = "press_ramp")]
         #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1800.0))]
         ramp_s: f64,
-        /// Speed in mm/s up to which a piece is driven: that at which it comes to the grains.
+        /// Speed in mm/s at most with which a piece comes to the grains: until the whole force is
+        /// on it, it is driven no faster.
         #[serde(default = "approach")]
         #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
         approach_mm_per_s: f64,

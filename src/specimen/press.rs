@@ -19,8 +19,11 @@ pub struct PressState {
     pub target_n: f64,
     /// How fast the force grows or falls towards that, in N/s.
     pub rate_n_per_s: f64,
-    /// Speed in m/s along the direction above which it is not driven on.
+    /// Speed in m/s along the direction above which it is not driven on until the whole force is
+    /// on it.
     pub approach_m_per_s: f64,
+    /// Whether the whole force that was wanted has been on it and grains bore it.
+    pub arrived: bool,
     /// The force of the last step in N.
     pub force_n: f64,
     /// Force in N by which the grains resisted it in the last step, against the direction.
@@ -30,13 +33,24 @@ pub struct PressState {
 }
 
 impl PressState {
-    /// The force in N of the next step, of a length in s: it grows at its rate from that of the
-    /// last, and drives the piece no faster than it may approach against what resisted it in the
-    /// last step. So a piece that meets nothing yet has next to none, and begins to press from
-    /// nothing.
-    pub fn next_force(&self, step: f64) -> f64 {
+    /// Sets the force of the next step, of a length in s: it grows at its rate from that of the
+    /// last. Until the piece has arrived, it drives it no faster than it may approach against
+    /// what resisted it in the last step, so that a piece that meets nothing yet has next to none,
+    /// and begins to press from nothing. After that nothing holds the piece back: it follows
+    /// grains that are shaken.
+    pub fn next(&mut self, step: f64) {
+        self.force_n = self.next_force(step);
+        // A small force is whole before the piece meets anything.
+        let bears = self.resistance_n > 0.5 * self.target_n;
+        self.arrived = self.arrived || bears && self.is_reached();
+    }
+
+    fn next_force(&self, step: f64) -> f64 {
         let change = self.rate_n_per_s * step;
         let wanted = self.target_n.clamp(self.force_n - change, self.force_n + change);
+        if self.arrived {
+            return wanted;
+        }
         let faster = self.mass_kg * (self.approach_m_per_s - self.speed_m_per_s) / step;
         wanted.min((self.resistance_n + faster).max(0.0))
     }
@@ -85,6 +99,7 @@ mod tests {
             target_n: 100.0,
             rate_n_per_s: 500.0,
             approach_m_per_s: 0.05,
+            arrived: false,
             force_n: 40.0,
             resistance_n: 40.0,
             speed_m_per_s: 0.0,
@@ -101,6 +116,14 @@ mod tests {
         near("without resistance m Δv/Δt", next(loose), 0.2 * 0.05 / step);
         let fast = PressState { resistance_n: 0.0, speed_m_per_s: 0.06, ..press };
         near("faster than it may: none, and no pull", next(fast), 0.0);
+        let mut last = PressState { force_n: 99.5, resistance_n: 99.5, ..press };
+        last.next(step);
+        assert!(last.arrived, "law: with the whole force on it, it has arrived");
+        let mut small = PressState { target_n: 1.0, force_n: 1.0, resistance_n: 0.0, ..press };
+        small.next(step);
+        assert!(!small.arrived, "law: a small force that nothing resists has not");
+        last.resistance_n = 0.0;
+        near("nothing holds it back then", last.next_force(step), 100.0);
         assert!(!press.is_reached() && PressState { force_n: 100.0, ..press }.is_reached());
     }
 }
