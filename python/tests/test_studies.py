@@ -21,7 +21,7 @@ def test_a_sweep_has_its_table(in_folder: Path) -> None:
     points = sweep.points[sweep.points["outcome"] == "standing_height_mm.mean_surface"]
     assert points["mean"].tolist() == pytest.approx(heights.tolist())
     assert (points["t_low"] < points["mean"]).all() and (points["mean"] < points["t_high"]).all()
-    slope = sweep.effects.set_index("outcome").loc["standing_height_mm.mean_surface", "slope"]
+    slope = sweep.effects.set_index("outcome").loc["poured_height_mm.mean_surface", "slope"]
     assert slope == pytest.approx((heights[25] - heights[15]) / 10.0)
     run = sweep.run(table["run"][0])
     assert run["standing_height_mm.mean_surface"] == table["standing_height_mm.mean_surface"][0]
