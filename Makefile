@@ -100,7 +100,7 @@ lint: setup-lint ## check formatting, lints and documentation
 	clang-format --dry-run -Werror cpp/*.h cpp/*.cpp benches/peers/*.h benches/peers/*.cpp benches/referee/*.h benches/referee/*.cpp tests/sanitizers/*.cpp
 	cargo clippy --all-targets --locked -- -D warnings
 	cargo clippy --all-targets --locked --no-default-features -- -D warnings
-	PYO3_NO_PYTHON=1 cargo clippy --manifest-path python/Cargo.toml --target-dir target --locked -- -D warnings
+	PYO3_NO_PYTHON=1 PYO3_BUILD_EXTENSION_MODULE=1 cargo clippy --manifest-path python/Cargo.toml --target-dir target --locked -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --no-deps --locked
 
 format: setup-lint ## format all source
