@@ -38,6 +38,7 @@ mod stop;
 mod store;
 mod sweep;
 mod table;
+mod targets;
 mod verify;
 mod view;
 
@@ -97,6 +98,7 @@ enum Command {
     Converge(converge::ConvergeArgs),
     Sensitivity(sensitivity::SensitivityArgs),
     Sweep(Box<sweep::SweepArgs>),
+    Targets(targets::TargetsArgs),
     Stage(stage::StageArgs),
     Store(store::StoreArgs),
     Verify(verify::VerifyArgs),
@@ -162,6 +164,7 @@ fn command(cli: &Cli, context: &Context) -> Result<ExitStatus, CliError> {
         Command::Converge(args) => converge::run(args, context),
         Command::Sensitivity(args) => sensitivity::run(args, context),
         Command::Sweep(args) => sweep::run(args, context),
+        Command::Targets(args) => targets::run(args, context),
         Command::Stage(args) => stage::run(args, context),
         Command::Store(args) => store::run(args, context),
         Command::Verify(args) => verify::run(args, context),

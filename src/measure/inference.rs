@@ -81,6 +81,22 @@ pub fn two_sided_p(t: f64, freedom: f64) -> Option<f64> {
     }
 }
 
+/// 95 % interval of a share of which `met` of `count` cases are (Wilson 1927, "Probable inference,
+/// the law of succession, and statistical inference"); 0 to 1 of no cases.
+pub fn wilson_interval(met: usize, count: usize) -> [f64; 2] {
+    // The normal distribution's quantile at 97.5 %.
+    const Z: f64 = 1.959_963_984_540_054;
+    if count == 0 {
+        return [0.0, 1.0];
+    }
+    let n = count as f64;
+    let share = met as f64 / n;
+    let middle = share + Z * Z / (2.0 * n);
+    let half = Z * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
+    let whole = 1.0 + Z * Z / n;
+    [((middle - half) / whole).max(0.0), ((middle + half) / whole).min(1.0)]
+}
+
 /// Outcome of Page's test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PageTest {
@@ -222,6 +238,24 @@ pub fn values_needed(effect: f64, confidence: f64, power: f64) -> Option<usize> 
 mod tests {
     use super::super::testing::assert_near;
     use super::*;
+
+    /// Law: the ends p of Wilson's interval are where |p̂ − p| = z √(p (1 − p)/n).
+    #[test]
+    fn wilsons_interval_ends_where_the_share_is_just_believed() {
+        for (met, count) in [(0, 8), (3, 8), (8, 8), (40, 200)] {
+            let (share, n) = (met as f64 / count as f64, count as f64);
+            for end in wilson_interval(met, count) {
+                let expected = 1.959_963_984_540_054 * (end * (1.0 - end) / n).sqrt();
+                assert_near(
+                    "distance of the end from the share",
+                    expected,
+                    (share - end).abs(),
+                    1e-12,
+                );
+            }
+        }
+        assert_eq!(wilson_interval(0, 0), [0.0, 1.0], "law: nothing is known of no cases");
+    }
 
     /// Quantiles as every table of Student's t prints them.
     #[test]

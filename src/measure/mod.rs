@@ -25,6 +25,7 @@ mod plate;
 mod profile;
 mod raster;
 mod region;
+pub mod regression;
 mod repose;
 mod rotation;
 mod separation;

@@ -145,6 +145,11 @@ impl ColumnTable {
         seen
     }
 
+    /// The cells of a column, row by row; none where a row is too short.
+    pub fn cells(&self, column: usize) -> Vec<Option<&str>> {
+        self.rows.iter().map(|row| row.get(column).map(String::as_str)).collect()
+    }
+
     /// The numbers of a column, row by row.
     pub fn numbers(&self, column: usize) -> Vec<Option<f64>> {
         self.rows.iter().map(|row| number(row.get(column)?)).collect()

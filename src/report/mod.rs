@@ -32,6 +32,7 @@ mod silhouette;
 mod style;
 mod sweep;
 mod sweep_page;
+mod targets;
 mod text_table;
 mod uncertainty;
 
@@ -81,6 +82,7 @@ pub use sweep::{
     MAIN_OUTCOMES, OUTCOMES, Sweep, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun,
     write_sweep,
 };
+pub use targets::{Target, TargetFound, TargetsFound, Together, write_targets};
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]

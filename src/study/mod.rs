@@ -28,6 +28,7 @@ mod slurm;
 mod standing;
 mod summarise;
 mod sweep;
+mod targets;
 #[cfg(test)]
 mod tests;
 mod told;
@@ -57,6 +58,7 @@ pub use sweep::{
     Design, Factor, PLAN_FILE, PlannedPoint, Point, SCENARIO_FILE, SNAKEFILE, SampledRange,
     SweepOptions, SweepPlan, SweepStage, SweepStatus, SweepStudy, SweepTasks, write_snakefile,
 };
+pub use targets::{TargetRuns, meet_targets};
 pub use told::tell_warnings;
 pub use variations::{Variation, Varied, carry_out_variations, write_variations};
 

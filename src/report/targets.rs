@@ -1,0 +1,247 @@
+//! Which values of the factors of sweeps meet several targets together: what was found, and its
+//! files.
+
+use std::{collections::BTreeMap, fmt::Write, path::Path};
+
+use serde::Serialize;
+
+use super::{ReportError, text_table::TextTable};
+use crate::measure::regression::LinearFit;
+use crate::paper::text::compact;
+use crate::record::{write_file, write_json};
+
+/// A result and the range in which it is wanted.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Target {
+    /// Which runs have it.
+    pub runs: String,
+    /// Column of their table.
+    pub result: String,
+    /// Column by which it is divided, in percent of that; none of the result itself.
+    pub share_of: Option<String>,
+    /// Lower end of the range, in the result's unit, or in percent.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Target {
+    /// As it was typed, without the range.
+    pub fn title(&self) -> String {
+        let of = self.share_of.as_ref().map(|of| format!("/{of}")).unwrap_or_default();
+        format!("{}:{}{of}", self.runs, self.result)
+    }
+
+    /// The range with its unit, where that is percent.
+    pub fn range(&self) -> String {
+        let unit = if self.share_of.is_some() { " %" } else { "" };
+        format!("{} to {}{unit}", self.low, self.high)
+    }
+
+    /// Whether a value, in percent of a share, lies in the range.
+    pub fn met(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+}
+
+/// What was found of one target.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TargetFound {
+    /// The target.
+    #[serde(flatten)]
+    pub target: Target,
+    /// Runs that have the result and count.
+    pub runs_counted: usize,
+    /// How many of them meet it.
+    pub runs_meeting: usize,
+    /// 95 % interval of that share (Wilson 1927).
+    pub share_meeting: [f64; 2],
+    /// Smallest and largest value.
+    pub values: [f64; 2],
+    /// How well the linear model fits.
+    pub fit: LinearFit,
+    /// Change of the result over the range of each factor in these runs, with half of its 95 %
+    /// confidence interval.
+    pub effects: BTreeMap<String, (f64, f64)>,
+    /// Largest probability of meeting it, anywhere.
+    pub best: f64,
+}
+
+/// Two targets, or all.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Together {
+    /// Which, by their place in the list of targets, from 0.
+    pub targets: Vec<usize>,
+    /// Mean probability of meeting them over all points.
+    pub mean: f64,
+    /// The largest.
+    pub best: f64,
+    /// Values of the factors where it is.
+    pub at: BTreeMap<String, f64>,
+    /// Runs of one table that meet them all, of those that have all results; none where the
+    /// targets are of several tables.
+    pub runs: Option<(usize, usize)>,
+}
+
+/// Everything found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TargetsFound {
+    /// Factors and the ranges searched.
+    pub factors: BTreeMap<String, [f64; 2]>,
+    /// One a target.
+    pub targets: Vec<TargetFound>,
+    /// Every pair of targets, the least likely first.
+    pub pairs: Vec<Together>,
+    /// All targets.
+    pub all: Together,
+    /// Number of points searched.
+    pub points: usize,
+}
+
+/// Below this probability everywhere two targets are said to exclude each other. Ours: one run in
+/// twenty, the usual level of a test.
+pub const EXCLUDED_BELOW: f64 = 0.05;
+
+impl TargetsFound {
+    /// What it comes to, in a sentence or two.
+    pub fn answer(&self) -> String {
+        let excluded: Vec<String> = self
+            .pairs
+            .iter()
+            .filter(|pair| pair.best < EXCLUDED_BELOW)
+            .map(|pair| format!("{} ({})", self.names(&pair.targets), percent(pair.best)))
+            .collect();
+        let impossible: Vec<String> = self
+            .targets
+            .iter()
+            .filter(|t| t.best < EXCLUDED_BELOW)
+            .map(|t| format!("{} ({})", t.target.title(), percent(t.best)))
+            .collect();
+        let mut text = match self.all.best < EXCLUDED_BELOW {
+            true => format!(
+                "Nowhere in these ranges does a run meet all targets with more than {}.",
+                percent(self.all.best)
+            ),
+            false => format!(
+                "A run meets all targets with {} at best, at {}.",
+                percent(self.all.best),
+                place(&self.all.at)
+            ),
+        };
+        if !impossible.is_empty() {
+            let _ = write!(text, " Not met anywhere by itself: {}.", impossible.join("; "));
+        }
+        if !excluded.is_empty() {
+            let _ = write!(text, " Targets that exclude each other: {}.", excluded.join("; "));
+        }
+        text
+    }
+
+    fn names(&self, which: &[usize]) -> String {
+        let names: Vec<String> = which.iter().map(|t| self.targets[*t].target.title()).collect();
+        names.join(" and ")
+    }
+
+    fn alone(&self) -> TextTable {
+        let header =
+            ["target", "wanted", "smallest to largest", "runs that meet it", "fit", "best"];
+        let row = |t: &TargetFound| {
+            vec![
+                t.target.title(),
+                t.target.range(),
+                format!("{} to {}", compact(t.values[0]), compact(t.values[1])),
+                format!(
+                    "{} of {} ({} to {})",
+                    t.runs_meeting,
+                    t.runs_counted,
+                    percent(t.share_meeting[0]),
+                    percent(t.share_meeting[1])
+                ),
+                format!("{:.2}, {:.2} unseen", t.fit.explained, t.fit.predicted),
+                percent(t.best),
+            ]
+        };
+        TextTable {
+            header: header.map(str::to_owned).to_vec(),
+            rows: self.targets.iter().map(row).collect(),
+        }
+    }
+
+    fn effects(&self) -> TextTable {
+        let mut header = vec!["factor".to_owned(), "range".to_owned()];
+        header.extend(self.targets.iter().map(|t| t.target.title()));
+        let row = |(name, range): (&String, &[f64; 2])| {
+            let mut row =
+                vec![name.clone(), format!("{} to {}", compact(range[0]), compact(range[1]))];
+            row.extend(self.targets.iter().map(|t| {
+                let effect = t.effects.get(name);
+                effect.map_or(String::new(), |(by, half)| {
+                    format!("{} ± {}", compact(*by), compact(*half))
+                })
+            }));
+            row
+        };
+        TextTable { header, rows: self.factors.iter().map(row).collect() }
+    }
+
+    fn together(&self) -> TextTable {
+        let header = ["together", "runs that meet them", "mean", "best", "at"];
+        let row = |found: &Together| {
+            let names = match found.targets.len() == self.targets.len() {
+                true => "all".to_owned(),
+                false => self.names(&found.targets),
+            };
+            let runs = found.runs.map_or(String::new(), |(met, of)| format!("{met} of {of}"));
+            vec![names, runs, percent(found.mean), percent(found.best), place(&found.at)]
+        };
+        let pairs = self.pairs.iter().filter(|pair| pair.targets.len() < self.targets.len());
+        TextTable {
+            header: header.map(str::to_owned).to_vec(),
+            rows: pairs.chain([&self.all]).map(row).collect(),
+        }
+    }
+
+    /// `targets.md`.
+    pub fn page(&self) -> String {
+        format!(
+            "# Targets met together\n\n{}\n\n{}\n\
+             Runs that meet a target, with the 95 % interval of their share; fit: share of the \
+             variance that a linear model of all factors explains, and of runs that it has not \
+             seen; best: largest probability that a run meets the target, by that model with its \
+             scatter.\n\n{}\n\
+             Change of each result over the range of a factor, ± half of its 95 % confidence \
+             interval.\n\n{}\n\
+             Probability of meeting targets together, over {} points that fill the ranges, and where \
+             it is largest. Residuals of different targets are taken to be independent.\n",
+            self.answer(),
+            self.alone().markdown(),
+            self.effects().markdown(),
+            self.together().markdown(),
+            self.points,
+        )
+    }
+}
+
+fn percent(share: f64) -> String {
+    match 100.0 * share {
+        p if p > 0.0 && p < 0.1 => "< 0.1 %".to_owned(),
+        p if p < 10.0 => format!("{p:.1} %"),
+        p => format!("{p:.0} %"),
+    }
+}
+
+fn place(at: &BTreeMap<String, f64>) -> String {
+    let values: Vec<String> =
+        at.iter().map(|(name, x)| format!("{name} {}", compact(*x))).collect();
+    values.join(", ")
+}
+
+/// Writes `targets.json` and `targets.md`.
+///
+/// # Errors
+/// [`ReportError`] naming the file.
+pub fn write_targets(out: &Path, found: &TargetsFound) -> Result<(), ReportError> {
+    write_json(&out.join("targets.json"), found)?;
+    write_file(&out.join("targets.md"), found.page().as_bytes())?;
+    Ok(())
+}
