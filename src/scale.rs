@@ -201,81 +201,69 @@ macro_rules! quantities {
 
 quantities! {
     CONTACT_MARGIN = Fine 0.2e-3, "contact_margin_m",
-        "Gap up to which contacts are prepared before they touch. Twice as much finds contacts \
-         without load.";
+        "Gap up to which contacts are prepared; more finds contacts without load.";
     CLOSED_GAP = Fine 0.01e-3, "closed_gap_m",
-        "Gap up to which a contact counts as closed where bodies do not come to an impact.";
+        "Gap up to which a contact without impact counts as closed.";
     UNSOLVED_GAP = Fine 0.02e-3, "unsolved_gap_m",
-        "Overlap that one sub-step may add at a contact before the solver iterates further.";
+        "Overlap that a sub-step may add at a contact before the solver iterates further.";
     HYSTERESIS = Fine 0.02e-3, "hysteresis_m",
-        "Advantage that another feature of two hulls needs to replace that of the last step: with \
-         0.005 to 0.05 mm packings stay at rest, with 0 they creep.";
+        "Advantage that a feature of two hulls needs to replace the last one; with 0 packings \
+         creep.";
     HOLD = Fine 0.02e-3, "hold_m",
-        "Displacement of features up to which they are kept without a search.";
+        "Displacement up to which features are kept without a search.";
     FACE_PREFERENCE = Fine 0.005e-3, "face_preference_m",
         "Advantage that edges need over a face: more than rounding, less than matters as depth.";
     MATCH_DISTANCE = Fine 1e-3, "match_distance_m",
-        "Distance within which a contact point is one of the last step: less than that between \
-         points of a pair, more than a point travels in a step.";
+        "Distance within which a contact point is one of the last step.";
     BOX_SLACK = Fine 1e-3, "box_slack_m",
-        "Margin of the broadphase boxes. Larger: more pairs; smaller: more boxes to renew.";
+        "Margin of broadphase boxes. Larger: more pairs; smaller: more boxes to renew.";
     BROADPHASE_MARGIN = Fine 0.5e-3, "broadphase_margin_m",
-        "Margin of the broadphase tree's leaves with stock Bullet contacts: a grain that moves \
-         farther is inserted anew.";
+        "Margin of the broadphase's leaves with stock Bullet contacts.";
     RAIN_CLEARANCE = Fine 0.25e-3, "rain_clearance_m",
-        "Clearance around the bounding sphere of each grain that is placed to fall; two of it \
-         exceed the padding of shapes in engines.";
+        "Clearance around bounding spheres of grains placed to fall, more than engines pad shapes \
+         by.";
     COLLAR_CLEARANCE = Fine 2e-3, "collar_clearance_m",
-        "Clearance between the funnel's collar and the grains placed in it.";
+        "Clearance between funnel collar and grains placed in it.";
     PLATE_RELEASE = Fine 0.1e-3, "plate_release_m",
-        "Height above the highest grain at which the top plate is released: it lands with 44 mm/s \
-         (\"allowed to fall slowly\", paper, section 3).";
+        "Release height of the top plate above the highest grain; it lands with 44 mm/s.";
     TOUCHING_GAP = Fine 0.1e-3, "touching_gap_m",
-        "Gap up to which two grains count as touching; more than the play of contacts at rest, \
-         else the coordination number flickers with rounding.";
+        "Gap up to which grains count as touching: more than the play of contacts at rest.";
     HEIGHT_CELL = Fine 1e-3, "height_cell_m",
-        "Side of the cells of the height map.";
+        "Cell size of the height map.";
     MERGE_DISTANCE = Fine 1e-6, "merge_distance_m",
         "Length up to which edges of Voronoi cells are merged to a point.";
     BLOCK_GAP = Fine 10e-3, "block_gap_m",
         "Gap between the blocks that grains are cut from, in `grains.json`.";
     RIM_ZONE = Coarse 15e-3, "rim_zone_m",
-        "Distance below a rim and above an opening within which a grain's centre may be out of \
-         line while the grain leans on it.";
+        "Zone below rims and above openings in which a grain whose centre is out of line may lean \
+         on the edge.";
     FALL_BELOW = Coarse 50e-3, "fall_below_m",
-        "Distance below the lowest floor up to which a grain is followed.";
+        "Distance below the lowest floor up to which grains are followed.";
     FLOOR_THICKNESS = Coarse 20e-3, "floor_thickness_m",
-        "Thickness of a pile's floor, without effect on the pile.";
+        "Thickness of a pile's floor, without effect.";
     LANDED_AFTER = Time 0.05, "landed_after_s",
-        "Time after its fall at which a grain fed to a pile counts as landed: the first impact is \
-         over.";
+        "Time after its fall at which a grain fed to a pile counts as landed.";
     CHECK_INTERVAL = Time 0.02, "check_interval_s",
         "Interval of the run-time checks.";
     SLOW = Speed 0.02, "slow_m_per_s",
-        "Speed below which a grain belongs to the pile and is not on its way to it.";
+        "Speed below which a grain belongs to the pile.";
     CREEP_LIMIT = Speed 5e-6, "creep_limit_m_per_s",
-        "Creep at rest that the accuracy standard allows: 0.1 mm in 20 s, for a settlement of 14 \
-         to 19.61 mm.";
+        "Creep that the accuracy standard allows.";
     LARGEST_SPIN = Rate 4000.0, "largest_spin_rad_per_s",
-        "Angular speed beyond which a state is unphysical: the rim of a small grain moves at 16 \
-         m/s.";
+        "Angular speed beyond which a state is unphysical.";
     LARGEST_SPEED = Speed 20.0, "largest_speed_m_per_s",
-        "Speed beyond which a state is unphysical: the paper's highest fall gives 2.8 m/s. At \
-         least the paper's value, because falling heights and tables are typed.";
+        "Speed beyond which a state is unphysical; at least the paper's value.";
     LARGEST_DISTANCE = Coarse 20.0, "largest_distance_m",
-        "Distance from the middle of the cylinder's floor beyond which a state is unphysical. At \
-         least the paper's value, because the apparatus may be typed.";
+        "Distance from the cylinder's floor beyond which a state is unphysical; at least the \
+         paper's value.";
     HIGHEST_PILE = Coarse 100.0, "highest_pile_m",
         "Upper end of a pile's height map.";
     OVERLAP_INTERVAL = Time 2.0, "overlap_interval_s",
-        "Interval of overlap checks of grains at rest or shaken; one costs a hundredth of a simulated \
-         second.";
+        "Interval of overlap checks; one costs a hundredth of a simulated second.";
     SHORTEST_REST = Time 1.0, "shortest_rest_s",
-        "Shortest rest between periods of vibration in which creep is measured: in a shorter one \
-         grains still come to rest.";
+        "Shortest rest between periods of vibration in which creep is measured.";
     FRAME_EARLY = Time 2e-3, "frame_early_s",
-        "How much earlier than due a frame may be recorded: frames fall on engine steps, which are \
-         about as long.";
+        "How much earlier than due a frame may be recorded: about an engine step.";
 }
 
 /// Limits of what is typed beside the grains: they are [`Quantity::no_less`] than for the paper's
