@@ -201,81 +201,69 @@ macro_rules! quantities {
 
 quantities! {
     CONTACT_MARGIN = Fine 0.2e-3, "contact_margin_m",
-        "Gap up to which contacts are prepared before they touch. With whole manifolds in every step a \
-         point need not be foreseen long; twice as much finds contacts that bear nothing.";
+        "Gap up to which contacts are prepared; more finds contacts without load.";
     CLOSED_GAP = Fine 0.01e-3, "closed_gap_m",
-        "Gap up to which a contact counts as closed where bodies do not come to an impact.";
+        "Gap up to which a contact without impact counts as closed.";
     UNSOLVED_GAP = Fine 0.02e-3, "unsolved_gap_m",
-        "Overlap that a sub-step may add at one contact before the solver goes on.";
+        "Overlap that a sub-step may add at a contact before the solver iterates further.";
     HYSTERESIS = Fine 0.02e-3, "hysteresis_m",
-        "By how much another feature of two hulls must be better than that of the last step to \
-         replace it: with 0.005 to 0.05 mm packings stay at rest, with 0 they creep.";
+        "Advantage that a feature of two hulls needs to replace the last one; with 0 packings \
+         creep.";
     HOLD = Fine 0.02e-3, "hold_m",
-        "By how much features may move and be kept without a search.";
+        "Displacement up to which features are kept without a search.";
     FACE_PREFERENCE = Fine 0.005e-3, "face_preference_m",
-        "By how much edges must be better than a face: enough to tell a face from edges that lie \
-         on it within rounding, too little to be felt as depth.";
+        "Advantage that edges need over a face: more than rounding, less than matters as depth.";
     MATCH_DISTANCE = Fine 1e-3, "match_distance_m",
-        "Distance within which a contact point is one of the last step: points of one pair are \
-         further apart, and none travels so far in a step.";
+        "Distance within which a contact point is one of the last step.";
     BOX_SLACK = Fine 1e-3, "box_slack_m",
-        "How far the boxes of the broad phase extend beyond the bodies. More makes more pairs, \
-         less more boxes to renew.";
+        "Margin of broadphase boxes. Larger: more pairs; smaller: more boxes to renew.";
     BROADPHASE_MARGIN = Fine 0.5e-3, "broadphase_margin_m",
-        "Growth of the broad phase's tree leaves with stock Bullet contacts: a grain is inserted \
-         anew only when it has moved so far.";
+        "Margin of the broadphase's leaves with stock Bullet contacts.";
     RAIN_CLEARANCE = Fine 0.25e-3, "rain_clearance_m",
-        "Clearance around the bounding sphere of each grain that is placed to fall: two grains \
-         begin at least twice as far apart, more than engines pad their shapes by.";
+        "Clearance around bounding spheres of grains placed to fall, more than engines pad shapes \
+         by.";
     COLLAR_CLEARANCE = Fine 2e-3, "collar_clearance_m",
-        "Clearance between the funnel's collar and the grains placed in it.";
+        "Clearance between funnel collar and grains placed in it.";
     PLATE_RELEASE = Fine 0.1e-3, "plate_release_m",
-        "Height above the highest grain at which the top plate is let go: 10 mm gravel feels it \
-         land with 44 mm/s (\"allowed to fall slowly\", paper, section 3).";
+        "Release height of the top plate above the highest grain; it lands with 44 mm/s.";
     TOUCHING_GAP = Fine 0.1e-3, "touching_gap_m",
-        "Gap up to which two grains count as touching. It must exceed the play that contacts have \
-         at rest, else the coordination number flickers with rounding.";
+        "Gap up to which grains count as touching: more than the play of contacts at rest.";
     HEIGHT_CELL = Fine 1e-3, "height_cell_m",
-        "Side of the cells of the height map.";
+        "Cell size of the height map.";
     MERGE_DISTANCE = Fine 1e-6, "merge_distance_m",
-        "Edges of Voronoi cells up to this length are merged to a point.";
+        "Length up to which edges of Voronoi cells are merged to a point.";
     BLOCK_GAP = Fine 10e-3, "block_gap_m",
         "Gap between the blocks that grains are cut from, in `grains.json`.";
     RIM_ZONE = Coarse 15e-3, "rim_zone_m",
-        "Below a rim and above an opening, how far a grain's centre may be out of line while the \
-         grain still leans on it.";
+        "Zone below rims and above openings in which a grain whose centre is out of line may lean \
+         on the edge.";
     FALL_BELOW = Coarse 50e-3, "fall_below_m",
-        "How far below the lowest floor a grain is followed.";
+        "Distance below the lowest floor up to which grains are followed.";
     FLOOR_THICKNESS = Coarse 20e-3, "floor_thickness_m",
-        "Thickness of a pile's floor; nothing is seen of it.";
+        "Thickness of a pile's floor, without effect.";
     LANDED_AFTER = Time 0.05, "landed_after_s",
-        "How long after its fall a grain fed to a pile counts as landed: the first impact is over.";
+        "Time after its fall at which a grain fed to a pile counts as landed.";
     CHECK_INTERVAL = Time 0.02, "check_interval_s",
-        "Time between two looks at a running stage.";
+        "Interval of the run-time checks.";
     SLOW = Speed 0.02, "slow_m_per_s",
-        "What is slower is part of a pile and not on its way to it.";
+        "Speed below which a grain belongs to the pile.";
     CREEP_LIMIT = Speed 5e-6, "creep_limit_m_per_s",
-        "Creep at rest that the accuracy standard allows: 0.1 mm in 20 s for the paper's gravel, \
-         whose settlement is 14 to 19.61 mm.";
+        "Creep that the accuracy standard allows.";
     LARGEST_SPIN = Rate 4000.0, "largest_spin_rad_per_s",
-        "Angular speed beyond which a state is unphysical: the rim of a small grain moves at 16 m/s.";
+        "Angular speed beyond which a state is unphysical.";
     LARGEST_SPEED = Speed 20.0, "largest_speed_m_per_s",
-        "Speed beyond which a state is unphysical: a grain reaches 2.8 m/s in the paper's highest \
-         fall. No less than for the paper's gravel, because falling heights and tables are typed.";
+        "Speed beyond which a state is unphysical; at least the paper's value.";
     LARGEST_DISTANCE = Coarse 20.0, "largest_distance_m",
-        "Distance from the middle of the cylinder's floor beyond which a state is unphysical. No less \
-         than for the paper's gravel, because the apparatus may be typed.";
+        "Distance from the cylinder's floor beyond which a state is unphysical; at least the \
+         paper's value.";
     HIGHEST_PILE = Coarse 100.0, "highest_pile_m",
-        "Nothing of a pile is higher: its height map is taken up to here.";
+        "Upper end of a pile's height map.";
     OVERLAP_INTERVAL = Time 2.0, "overlap_interval_s",
-        "Time between two looks at the overlap of grains that rest or are shaken. A look at the \
-         paper's specimen costs a hundredth of what a simulated second does.";
+        "Interval of overlap checks; one costs a hundredth of a simulated second.";
     SHORTEST_REST = Time 1.0, "shortest_rest_s",
-        "Shortest rest between periods of vibration that tells of creep: in a shorter one what still \
-         moves comes to rest.";
+        "Shortest rest between periods of vibration in which creep is measured.";
     FRAME_EARLY = Time 2e-3, "frame_early_s",
-        "How much earlier than due a frame is still handed on: frames come with a step of the engine, \
-         which is about as long, and not at round times.";
+        "How much earlier than due a frame may be recorded: about an engine step.";
 }
 
 /// Limits of what is typed beside the grains: they are [`Quantity::no_less`] than for the paper's

@@ -15,7 +15,6 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "measured" => three(&quote, false),
         "engines" => engines(&quote, results.source("engines")?.as_ref()),
         "handed-over" => handed(&quote),
-        "convergence" => convergence(&quote, results.source("convergence")?.as_ref()),
         "settlement" => settlement(&quote, results.source("settlement")?.as_ref()),
         "twins" => twins(&quote),
         "stock" => stock(&quote),
@@ -231,31 +230,6 @@ fn handed(quote: Cells) -> Result<String, String> {
                 at("largest_creep_um_per_s", decimals)?,
             ]);
         }
-    }
-    Ok(text)
-}
-
-fn convergence(quote: Cells, all: &Value) -> Result<String, String> {
-    let mut text = head(&[
-        "setting",
-        "realisations",
-        "jammed",
-        "void ratio",
-        "height, %",
-        "overlap, 99th percentile, %",
-    ]);
-    for (n, (name, value)) in items(all).into_iter().enumerate() {
-        let at = |path: &str, format: &str| {
-            cell(quote, value, "convergence", &format!("{n}/{path}"), format)
-        };
-        text += &row(&[
-            name.clone(),
-            at("count", "")?,
-            at("jammed", "")?,
-            at("void_ratio", "mean.3")?,
-            at("height_percent", "+±.1")?,
-            at("overlap_p99_percent", "mean.2")?,
-        ]);
     }
     Ok(text)
 }
