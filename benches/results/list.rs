@@ -73,6 +73,14 @@ pub const KEPT: &[Kept] = &[
         takes: "seconds",
     },
     Kept {
+        name: "verify",
+        what: "Every analytical case on every engine and setting",
+        files: &[("verify.csv", "verify.csv")],
+        made: Made::Pluvia(&["verify --out OUT"]),
+        build: build("2026-11-25", "14"),
+        takes: "5 minutes",
+    },
+    Kept {
         name: "programme",
         what: "The paper's programme with ten realisations, 70 runs: statements, intervals and \
                tests, figures",
@@ -288,6 +296,7 @@ const PILE: &str = "scenarios/paper/repose.json";
 /// (`derived.rs`).
 pub const SOURCES: &[(&str, &str)] = &[
     ("grains", "grains.json"),
+    ("verify", "verify.csv"),
     ("claims", "claims.json"),
     ("uncertainty", "uncertainty.json"),
     ("interpretations", "interpretations.md"),

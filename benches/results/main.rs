@@ -6,6 +6,7 @@ mod derived;
 mod list;
 mod make;
 mod marks;
+mod missed;
 mod pages;
 mod scan;
 mod tables;

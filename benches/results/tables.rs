@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{list, value::Results};
+use super::{list, missed::missed, value::Results};
 
 type Cells<'a> = &'a dyn Fn(&str) -> Result<String, String>;
 
@@ -18,6 +18,7 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "settlement" => settlement(&quote, results.source("settlement")?.as_ref()),
         "twins" => twins(&quote),
         "stock" => stock(&quote),
+        "missed" => missed(results.source("verify")?.as_ref()),
         "laboratory" => laboratory(&quote, results.source("laboratory")?.as_ref()),
         "laboratory-sources" => sources(results.source("laboratory")?.as_ref()),
         "grain-sieve" => grain_sieve(&quote, results.source("grains")?.as_ref()),
@@ -28,7 +29,7 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
     }
 }
 
-fn row(cells: &[String]) -> String {
+pub(super) fn row(cells: &[String]) -> String {
     let mut text = String::from("|");
     for cell in cells {
         text += if cell.is_empty() { " |" } else { " " };
@@ -40,7 +41,7 @@ fn row(cells: &[String]) -> String {
     text + "\n"
 }
 
-fn head(names: &[&str]) -> String {
+pub(super) fn head(names: &[&str]) -> String {
     row(&names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>())
         + "|"
         + &" --- |".repeat(names.len())

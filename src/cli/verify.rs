@@ -15,9 +15,9 @@ use crate::world;
 /// Hold the engines against analytical solutions
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Leaves verify.json, report.html with a figure a case, and figures/ in DIR. What an engine is known
-to miss is shown as a known failure with its reason, and is no surprise; exit code 1 means that a
-case came out otherwise than expected.
+Leaves verify.json, verify.csv, report.html with a figure a case, and figures/ in DIR. What an
+engine is known to miss is shown as a known failure with its reason, and is no surprise; exit code
+1 means that a case came out otherwise than expected.
 
 Examples:
   pluvia verify --out out/verify

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::{Case, Maker, Setting, Status, Verdict, verify};
 use crate::protocol::Progress;
-use crate::record::{FileError, write_json};
+use crate::record::{FileError, write_file, write_json};
 use crate::report::{LawCase, LawCurve, LawRow, ReportError, write_laws};
 
 /// The suite's name to whoever shows progress.
@@ -25,7 +25,7 @@ pub struct SuiteOptions {
     pub cases: Vec<Case>,
     /// The engines and settings.
     pub settings: Vec<Setting>,
-    /// Folder for `verify.json`, `report.html` and `figures/`; `None` writes nothing.
+    /// Folder for `verify.json`, `verify.csv`, `report.html` and `figures/`; `None` writes nothing.
     pub out: Option<PathBuf>,
     /// Experiments at the same time.
     pub jobs: usize,
@@ -90,9 +90,40 @@ pub fn run_suite(options: &SuiteOptions, make: Maker) -> Result<Vec<Verdict>, Su
     let verdicts = verdicts.ok_or(SuiteError::Cancelled)?;
     if let Some(out) = &options.out {
         write_json(&out.join("verify.json"), &verdicts)?;
+        let path = out.join("verify.csv");
+        let rows = table(&verdicts).map_err(|e| FileError::new("write", &path, e))?;
+        write_file(&path, &rows)?;
         write_laws(out, &pages(&options.cases, &verdicts))?;
     }
     Ok(verdicts)
+}
+
+/// `verify.csv`: one row a case and setting.
+fn table(verdicts: &[Verdict]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record([
+        "case",
+        "setting",
+        "engine",
+        "expected",
+        "tolerance",
+        "got",
+        "unit",
+        "status",
+    ])?;
+    for v in verdicts {
+        writer.write_record([
+            v.id.as_str(),
+            &v.setting,
+            &format!("{} {}, {}", v.backend, v.version, v.precision),
+            &v.expected.to_string(),
+            &v.tolerance.to_string(),
+            &v.got.map_or(String::new(), |got| got.to_string()),
+            &v.unit,
+            v.status.words(),
+        ])?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
 }
 
 /// So many threads, or as many as the system gives.

@@ -10,6 +10,8 @@ mod derived;
 mod list;
 #[path = "../../benches/results/marks.rs"]
 mod marks;
+#[path = "../../benches/results/missed.rs"]
+mod missed;
 #[allow(dead_code)] // the test writes nothing
 #[path = "../../benches/results/pages.rs"]
 mod pages;
