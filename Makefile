@@ -12,6 +12,9 @@ LIMIT_MINUTES ?= 90
 # Builds that `make convergence` compares: double, single or both.
 PRECISIONS ?= double
 
+# Batches of `make joint`: eight points each, shaken four ways.
+BATCHES ?= 8
+
 # The table that `make twins` makes.
 TABLE ?= docs/results/scale/twins.csv
 
@@ -19,7 +22,7 @@ TABLE ?= docs/results/scale/twins.csv
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: docs help setup setup-lint build reproduce convergence sensitivity twins test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep laboratory referee results deb test-deb archive wheel test-python test-wheel clean
+.PHONY: docs help setup setup-lint build reproduce convergence sensitivity twins joint test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep laboratory referee results deb test-deb archive wheel test-python test-wheel clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -53,6 +56,10 @@ convergence: setup ## how results change with the engine's settings, in $(OUT)/c
 twins: OUT = out/twins
 twins: build ## scaled twins, 20 realisations each, into $(TABLE) (docs/scale.md)
 	bash scripts/twins.sh "$(OUT)" "$(TABLE)" $(ARGS)
+
+joint: OUT = out/joint
+joint: build ## which values of what the paper leaves open meet its numbers together; hours (docs/studies.md)
+	bash scripts/joint.sh "$(OUT)" docs/results/joint $(BATCHES)
 
 sensitivity: OUT = out/sensitivity
 sensitivity: build ## what each choice of ours moves, in $(OUT)/sensitivity.md

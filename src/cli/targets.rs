@@ -30,13 +30,17 @@ pub(super) struct TargetsArgs {
     /// A result, or a share in percent, and where it is wanted (repeatable)
     #[arg(long, value_name = "NAME:RESULT[/RESULT]=LOW..HIGH", required = true)]
     target: Vec<Target>,
+    /// A factor that stands for chance alone, as a placement or a seed: what it moves is scatter
+    /// (repeatable)
+    #[arg(long, value_name = "FACTOR")]
+    chance: Vec<String>,
     /// Folder for the results; it is made if needed
     #[arg(long, value_name = "DIR", default_value = "out/targets")]
     out: PathBuf,
 }
 
 pub(super) fn run(args: &TargetsArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let found = meet_targets(&args.runs, &args.target)?;
+    let found = meet_targets(&args.runs, &args.target, &args.chance)?;
     output_folder::prepare(&args.out)?;
     write_targets(&args.out, &found).map_err(StudyError::from)?;
     let text =

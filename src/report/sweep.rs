@@ -11,7 +11,7 @@ use crate::record::{FileError, write_file, write_json};
 
 /// Numbers of a run that stand in the table, by their path in `summary.json`,
 /// with what they are in words. The first five have figures.
-pub const OUTCOMES: [(&str, &str); 18] = [
+pub const OUTCOMES: [(&str, &str); 19] = [
     ("poured_height_mm.mean_surface", "Poured height (mm)"),
     ("settlement_mm.final", "Plate settlement (mm)"),
     ("surface_settlement_mm.final", "Surface settlement (mm)"),
@@ -20,6 +20,10 @@ pub const OUTCOMES: [(&str, &str); 18] = [
     ("standing_height_mm.mean_surface", "Height of the mean surface at the end (mm)"),
     ("poured_void_ratio", "Void ratio after pouring"),
     ("settlement_mm.after_5_s", "Settlement of the plate after 5 s (mm)"),
+    (
+        "settlement_mm.after_each_period.0",
+        "Settlement of the plate after the first of several periods (mm)",
+    ),
     ("surface_settlement_mm.after_5_s", "Settlement of the mean surface after 5 s (mm)"),
     ("coordination_number", "Coordination number"),
     ("overlap.mean_percent", "Mean overlap (%)"),

@@ -82,15 +82,19 @@ struct Runs {
     rows: Vec<(Vec<f64>, BTreeMap<String, f64>)>,
 }
 
-/// Seeks what meets all targets.
+/// Seeks what meets all targets; `chance` names factors that are none, but stand for chance.
 ///
 /// # Errors
 /// [`StudyError`] where a file cannot be read, is no table of a sweep, lacks a result, or has too
 /// few runs for a model of its factors.
-pub fn meet_targets(runs: &[TargetRuns], targets: &[Target]) -> Result<TargetsFound, StudyError> {
+pub fn meet_targets(
+    runs: &[TargetRuns],
+    targets: &[Target],
+    chance: &[String],
+) -> Result<TargetsFound, StudyError> {
     let mut tables: BTreeMap<String, Runs> = BTreeMap::new();
     for of in runs {
-        let read = read(&of.path)?;
+        let read = read(&of.path, chance)?;
         match tables.get_mut(&of.name) {
             None => drop(tables.insert(of.name.clone(), read)),
             Some(known) if known.factors == read.factors => known.rows.extend(read.rows),
@@ -125,7 +129,7 @@ pub fn meet_targets(runs: &[TargetRuns], targets: &[Target]) -> Result<TargetsFo
 }
 
 /// The rows of a sweep that count in means.
-fn read(path: &Path) -> Result<Runs, StudyError> {
+fn read(path: &Path, chance: &[String]) -> Result<Runs, StudyError> {
     let file = if path.is_dir() { path.join("sweep.csv") } else { path.to_owned() };
     let table = ColumnTable::read(&file, &read_file(&file)?)?;
     let unfit = |what: &str| StudyError::Scenario(format!("{}: {what}", file.display()));
@@ -145,7 +149,8 @@ fn read(path: &Path) -> Result<Runs, StudyError> {
         let mut values = columns[*n].iter().flatten();
         values.next().is_some_and(|first| values.any(|other| other != first))
     };
-    let factors: Vec<usize> = (first..end).filter(varies).collect();
+    let counts = |n: &usize| !chance.contains(&names[*n]) && varies(n);
+    let factors: Vec<usize> = (first..end).filter(counts).collect();
     let mut rows = Vec::new();
     for row in 0..table.len() {
         if excluded.iter().any(|why| why[row].is_some_and(|why| !why.is_empty())) {

@@ -42,7 +42,7 @@ fn the_point_where_all_targets_are_met_is_found() {
     let path = table(folder.path(), "sweep.csv", 0.5);
     let targets =
         [target("t:settlement_mm.final=28..32"), target("t:angle_of_repose.degrees=32.6..33.4")];
-    let found = meet_targets(&[runs("t", path)], &targets).expect("an answer");
+    let found = meet_targets(&[runs("t", path)], &targets, &[]).expect("an answer");
     assert_eq!(found.factors.len(), 2, "law: what does not vary is no factor: {:?}", found.factors);
     assert_eq!(found.targets[0].runs_counted, 25, "law: runs left out and failed do not count");
     assert_eq!(found.targets[0].runs_meeting, 5, "law: those with a = 2");
@@ -65,7 +65,7 @@ fn targets_that_exclude_each_other_are_named() {
     // A settlement of 12 mm and one of 48 exclude each other.
     let targets = [target("t:settlement_mm.final=46..50"), target("u:settlement_mm.final=10..14")];
     let both = [runs("t", path.clone()), runs("u", path)];
-    let found = meet_targets(&both, &targets).expect("an answer");
+    let found = meet_targets(&both, &targets, &[]).expect("an answer");
     assert!(found.targets.iter().all(|t| t.best > 0.5), "law: each by itself is met somewhere");
     assert!(found.all.best < 0.01, "law: never together, got {}", found.all.best);
     assert_eq!(found.all.runs, None, "law: they are of different tables");
@@ -76,11 +76,22 @@ fn targets_that_exclude_each_other_are_named() {
 }
 
 #[test]
+fn a_factor_that_stands_for_chance_is_scatter() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let of = [runs("t", table(folder.path(), "sweep.csv", 0.5))];
+    let angle = [target("t:angle_of_repose.degrees=32.6..33.4")];
+    let found = meet_targets(&of, &angle, &["b".to_owned()]).expect("an answer");
+    assert_eq!(found.factors.keys().collect::<Vec<_>>(), ["a"], "law: b is no factor");
+    let scatter = found.targets[0].fit.residual_standard_deviation;
+    assert!(scatter > 1.3, "law: 0 to 4 of b are scatter of 1.4 degrees, got {scatter}");
+}
+
+#[test]
 fn shares_are_in_percent_and_tables_of_a_name_go_together() {
     let folder = tempfile::tempdir().expect("a folder");
     let tables = ["a.csv", "b.csv"].map(|name| runs("t", table(folder.path(), name, 0.5)));
     let share = [target("t:settlement_mm.after_5_s/settlement_mm.final=75..85")];
-    let found = meet_targets(&tables, &share).expect("an answer");
+    let found = meet_targets(&tables, &share, &[]).expect("an answer");
     assert_eq!(found.targets[0].runs_counted, 50, "law: two tables of 25 runs");
     assert!((found.targets[0].values[0] - 80.0).abs() < 1e-9, "law: 80 % in all runs");
     assert_eq!(found.targets[0].runs_meeting, 50, "law: all meet it");
@@ -91,7 +102,7 @@ fn what_cannot_be_answered_is_refused_with_the_reason() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = table(folder.path(), "sweep.csv", 0.5);
     let of = |text: &str| {
-        meet_targets(&[runs("t", path.clone())], &[target(text)])
+        meet_targets(&[runs("t", path.clone())], &[target(text)], &[])
             .expect_err("law: refused")
             .to_string()
     };
@@ -112,7 +123,7 @@ fn what_cannot_be_answered_is_refused_with_the_reason() {
     let other = folder.path().join("other.csv");
     std::fs::write(&other, "x,y\n1,2\n").expect("a table");
     let refused =
-        meet_targets(&[runs("t", other)], &[target("t:y=0..1")]).expect_err("law: refused");
+        meet_targets(&[runs("t", other)], &[target("t:y=0..1")], &[]).expect_err("law: refused");
     assert!(refused.to_string().contains("no table of a sweep"), "{refused}");
 }
 
