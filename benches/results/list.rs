@@ -287,6 +287,52 @@ pub const PICTURES: &[(&str, &str, &str)] = &[
     ),
     ("specimen-cut-away.png", SHAKEN, "picture RUN --cylinder cut --width 900 --out PICTURE"),
     ("pile-on-its-base.png", PILE, "picture RUN --width 900 --out PICTURE"),
+    (
+        "laboratory-box.png",
+        "scenarios/laboratory/box-two-layers.json",
+        "picture RUN --cylinder cut --width 900 --out PICTURE",
+    ),
+    (
+        "laboratory-hopper.png",
+        "scenarios/laboratory/hopper.json",
+        "picture RUN --stage remove --time 3.1 --width 900 --out PICTURE",
+    ),
+    (
+        "laboratory-tilt.png",
+        "scenarios/laboratory/tilting-box.json",
+        "picture RUN --stage move --time 8.4 --width 900 --out PICTURE",
+    ),
+    (
+        "laboratory-drum.png",
+        "scenarios/laboratory/rotating-drum.json",
+        "picture RUN --stage move --time 8 --colour-by speed --width 900 --out PICTURE",
+    ),
+    (
+        "laboratory-column.png",
+        "scenarios/laboratory/column-collapse.json",
+        "picture RUN --width 900 --out PICTURE",
+    ),
+    (
+        "laboratory-vertical.png",
+        "scenarios/laboratory/vertical-vibration.json",
+        "picture RUN --stage move --colour-by displacement --cylinder cut \
+         --width 900 --out PICTURE",
+    ),
+    (
+        "laboratory-load.png",
+        "scenarios/laboratory/vibration-under-load.json",
+        "picture RUN --stage 3 --colour-by displacement --cylinder cut --width 900 --out PICTURE",
+    ),
+    (
+        "laboratory-oedometer.png",
+        "scenarios/laboratory/oedometer.json",
+        "picture RUN --cylinder cut --width 900 --out PICTURE",
+    ),
+    (
+        "laboratory-shear.png",
+        "scenarios/laboratory/direct-shear.json",
+        "picture RUN --cylinder cut --width 900 --out PICTURE",
+    ),
 ];
 
 const SHAKEN: &str = "scenarios/paper/vibration-continuous.json";

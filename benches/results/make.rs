@@ -113,7 +113,7 @@ impl Maker<'_> {
             let run = self.root.join(self.out).join("pictures").join(name);
             self.run(&format!("run {scenario} --out RUN"), &[("RUN", &run)])?;
             let to = self.root.join("docs/pictures").join(picture);
-            self.run(command, &[("RUN", &run), ("PICTURE", &to)])?;
+            self.run(&format!("{command} --force"), &[("RUN", &run), ("PICTURE", &to)])?;
             println!("{}: drawn", to.display());
         }
         Ok(())
