@@ -1,9 +1,11 @@
 //! The state of the experiment between stages, as a plain value.
 
+mod opening;
 mod press;
 
 use std::{borrow::Cow, sync::Arc};
 
+pub use opening::{Opening, centroids};
 pub use press::PressState;
 
 use serde::{Deserialize, Serialize};

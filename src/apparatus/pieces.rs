@@ -8,7 +8,8 @@ use super::walls::{half_width, piece, polygon, ring};
 use super::{ApparatusError, Piece};
 use crate::geometry::{ConvexPolyhedron, Point, PolyhedronError, Pose, Vector};
 use crate::scenario::{
-    BoxSide, BoxSpec, CylinderPieceSpec, DiscSpec, DrumSpec, HopperSpec, PieceSpec, ShapeSpec,
+    BoxSide, BoxSpec, CylinderPieceSpec, DiscSpec, DrumSpec, HopperSpec, MeshPart, PieceSpec,
+    ShapeSpec,
 };
 use crate::units::{from_deg, from_mm};
 
@@ -88,10 +89,19 @@ fn parts_of(shape: &ShapeSpec) -> Parts {
         let [x, y, z] = spec.size_mm.map(from_mm);
         return Ok(vec![piece(wedge(x, y, z)?)]);
     }
+    if let Some(mesh) = &shape.mesh {
+        return mesh.parts().iter().map(of_mesh).collect();
+    }
     match &shape.drum {
         Some(spec) => drum(spec),
         None => Err(PolyhedronError::TooSmall { vertices: 0, faces: 0 }),
     }
+}
+
+/// A part of a mesh.
+fn of_mesh(part: &MeshPart) -> Result<Piece, PolyhedronError> {
+    let corners = part.vertices_mm.iter().map(|v| Point::from(v.map(from_mm))).collect();
+    ConvexPolyhedron::new(corners, part.faces.clone()).map(piece)
 }
 
 /// A block between two corners.

@@ -1,11 +1,12 @@
-//! Stages of a laboratory of pieces: deposit, move, remove.
+//! Stages of a laboratory of pieces: deposit, move, press, remove.
 
 use super::{
     Observer, Setup, StageError, StageOutcome,
+    ending::Ending,
     feeder::{Area, Feed, Outlet, Rate},
     pieces::{Drive, Solids},
     stages::{Course, Ended, Laboratory, not_settled},
-    stand::Until,
+    stand::{Stand, Until},
 };
 use crate::geometry::{Pose, Vector};
 use crate::grains;
@@ -200,11 +201,12 @@ impl Laboratory<'_> {
             false => Course::of_length(motion.duration),
         };
         course.drive = Some(Drive { pieces, motion });
+        course.ending = self.ending(stage);
         let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
         if limit > 0.0 && !settled {
             stand.warn(not_settled("rest after the motion", limit));
         }
-        Ok(stand.finish())
+        Ok(finished(stand))
     }
 
     /// Presses pieces, or locks what was pressed.
@@ -215,7 +217,7 @@ impl Laboratory<'_> {
         observer: &mut dyn Observer,
     ) -> Result<StageOutcome, StageError> {
         let refused = |reason| StageError::OutOfOrder { stage: "press", reason };
-        let StageSpec::Press { loads, ramp_s, approach_mm_per_s, time_limit_s } = stage else {
+        let StageSpec::Press { loads, ramp_s, approach_mm_per_s, time_limit_s, .. } = stage else {
             return Err(refused("it needs loads"));
         };
         for load in loads {
@@ -254,23 +256,20 @@ impl Laboratory<'_> {
                 speed_m_per_s: before.map_or(0.0, |press| press.speed_m_per_s),
             });
         }
-        let course = Course::until_settled(*time_limit_s);
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
-        if !settled {
-            stand.warn(not_settled("pressing", *time_limit_s));
-        }
-        Ok(stand.finish())
+        self.until_settled(specimen, stage, *time_limit_s, "pressing", observer)
     }
 
     /// Takes pieces away.
     pub(super) fn remove(
         &self,
         mut specimen: Specimen,
-        names: &[String],
-        limit: f64,
+        stage: &StageSpec,
         observer: &mut dyn Observer,
     ) -> Result<StageOutcome, StageError> {
         let refused = |reason| StageError::OutOfOrder { stage: "remove", reason };
+        let StageSpec::Remove { pieces: names, time_limit_s, .. } = stage else {
+            return Err(refused("it needs pieces"));
+        };
         let pieces = self.numbers(names).ok_or_else(|| refused("there is no such piece"))?;
         for n in pieces {
             let piece = &mut specimen.state.pieces[n];
@@ -279,12 +278,29 @@ impl Laboratory<'_> {
             }
             *piece = PieceState { present: false, ..PieceState::standing(piece.pose) };
         }
-        let course = Course::until_settled(limit);
+        self.until_settled(specimen, stage, *time_limit_s, "flow", observer)
+    }
+
+    /// Carries a stage out that ends by its condition or when everything has settled.
+    fn until_settled(
+        &self,
+        specimen: Specimen,
+        stage: &StageSpec,
+        limit: f64,
+        what: &str,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        let course = Course { ending: self.ending(stage), ..Course::until_settled(limit) };
         let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
-        if !settled {
-            stand.warn(not_settled("flow", limit));
+        if !settled && course.ending.is_none() {
+            stand.warn(not_settled(what, limit));
         }
-        Ok(stand.finish())
+        Ok(finished(stand))
+    }
+
+    /// What ends a stage before its time.
+    fn ending(&self, stage: &StageSpec) -> Option<Ending> {
+        Ending::of(stage.until()?, self.setup)
     }
 
     /// Numbers of pieces by their names; none where one is not known.
@@ -292,4 +308,13 @@ impl Laboratory<'_> {
         let number = |name: &String| self.setup.pieces.iter().position(|p| &p.name == name);
         names.iter().map(number).collect()
     }
+}
+
+/// The end of a stage, with a warning where it was to be another.
+fn finished(stand: Stand) -> StageOutcome {
+    let mut outcome = stand.finish();
+    if let Some(found) = outcome.until.filter(|found| !found.reached) {
+        outcome.warnings.push(found.line());
+    }
+    outcome
 }

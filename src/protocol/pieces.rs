@@ -62,6 +62,10 @@ pub(super) struct Pieces {
     /// Those that are pressed, and the work done on them since somebody asked, in J.
     pressed: Vec<Pressed>,
     pressed_work: f64,
+    /// Those whose force ends the stage, and the impulse of the grains on them since somebody
+    /// asked, in N s.
+    watched: Vec<usize>,
+    felt: Vector,
     contacts: Vec<Contact>,
 }
 
@@ -110,8 +114,35 @@ impl Pieces {
             work: 0.0,
             pressed,
             pressed_work: 0.0,
+            watched: Vec::new(),
+            felt: Vector::zeros(),
             contacts: Vec::new(),
         })
+    }
+
+    /// Adds up the impulse of the grains on some pieces from now on.
+    pub(super) fn feel(&mut self, pieces: &[usize]) {
+        self.watched = pieces.to_vec();
+    }
+
+    /// Impulse in N s of the grains on those since this was asked.
+    pub(super) fn take_felt(&mut self) -> Vector {
+        std::mem::replace(&mut self.felt, Vector::zeros())
+    }
+
+    /// Lets the motion die away from a time in s on.
+    pub(super) fn end_at(&mut self, time: f64) {
+        if let Some(drive) = &mut self.drive {
+            drive.motion = drive.motion.ended_at(time);
+        }
+    }
+
+    /// Displacement in m of some pieces since the stage began, in the mean.
+    pub(super) fn moved(&self, pieces: &[usize], state: &SpecimenState) -> Vector {
+        let way = |n: &usize| {
+            state.pieces[*n].pose.translation.vector - self.began[*n].pose.translation.vector
+        };
+        pieces.iter().map(way).sum::<Vector>() / pieces.len().max(1) as f64
     }
 
     /// Height in m below which nothing of the pieces reaches in this stage.
@@ -218,6 +249,9 @@ impl Pieces {
                 let Some(&n) = self.of_body.get(&body) else { continue };
                 let now = state.pieces[n].pose;
                 self.loads[n].add(&contact.point, &now.translation.vector, impulse);
+                if self.watched.contains(&n) {
+                    self.felt += impulse;
+                }
                 if let Some(press) = &mut state.pieces[n].press {
                     press.resistance_n -= press.direction.dot(&impulse) / dt;
                 }

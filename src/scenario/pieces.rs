@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::mesh_pieces::MeshPieceSpec;
+
 /// A rigid piece of the apparatus. Where a scenario has any, they stand in place of the
 /// built-in funnel, cylinder and top plate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -59,6 +61,10 @@ pub struct ShapeSpec {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "DrumSpec")]
     pub drum: Option<DrumSpec>,
+    /// Solid convex parts from a mesh file. Origin: that of the file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "MeshPieceSpec")]
+    pub mesh: Option<MeshPieceSpec>,
 }
 
 /// A side of a box.
@@ -241,7 +247,7 @@ pub struct SineSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadSpec {
-    /// Name of the piece: a `plate`, a `disc` or a `wedge`.
+    /// Name of the piece: a `plate`, a `disc`, a `wedge` or a `mesh` of one part.
     pub piece: String,
     /// The direction in which it is pressed, and the only one along which it moves; its length
     /// does not matter.

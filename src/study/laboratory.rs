@@ -5,8 +5,7 @@ use std::sync::Arc;
 use crate::geometry::Vector;
 use crate::grains::GrainSet;
 use crate::measure::{
-    LoadedContact, Opening, Region, centroids, contacts_of_grains_in, fabric, steady_rate,
-    stress_in, void_ratio_in,
+    LoadedContact, Region, contacts_of_grains_in, fabric, steady_rate, stress_in, void_ratio_in,
 };
 use crate::protocol::Setup;
 use crate::record::{
@@ -15,7 +14,7 @@ use crate::record::{
     StoredStage, StressSummary, of_group,
 };
 use crate::scenario::{GroupSpec, RegionSpec, Scenario};
-use crate::specimen::{PieceState, Specimen, SpecimenState};
+use crate::specimen::{Opening, PieceState, Specimen, SpecimenState, centroids};
 use crate::units::{from_mm, to_g, to_kpa, to_mm};
 
 /// Writes rows of what the pieces carry, what flows, and how dense regions are.
@@ -33,19 +32,10 @@ pub(super) struct LaboratoryRecorder {
 impl LaboratoryRecorder {
     /// Of a laboratory; one without pieces writes nothing.
     pub(super) fn new(setup: &Setup) -> Self {
-        let mm = |place: [f64; 3]| Vector::from(place.map(from_mm));
         let measures = &setup.measures;
         Self {
             regions: regions(setup),
-            openings: measures
-                .openings
-                .iter()
-                .map(|o| Opening {
-                    middle: mm(o.at_mm),
-                    radius: from_mm(o.diameter_mm) / 2.0,
-                    direction: Vector::from(o.direction).normalize(),
-                })
-                .collect(),
+            openings: measures.openings.iter().map(crate::protocol::opening).collect(),
             series: LaboratorySeries::default(),
             before: Vec::new(),
             grains: None,

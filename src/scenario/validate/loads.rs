@@ -41,7 +41,7 @@ pub(super) fn check(
         {
             let kind = piece.shape.kinds().join(", ");
             let message = "only solid pieces can be pressed";
-            add("piece", kind, "a `plate`, a `disc` or a `wedge`", message);
+            add("piece", kind, "a `plate`, a `disc`, a `wedge` or a `mesh` of one part", message);
         }
         if load.direction.iter().all(|x| *x == 0.0) {
             add("direction", "0".into(), "not all of it 0", "the load has no direction");
