@@ -6,7 +6,7 @@ mod press;
 use std::{borrow::Cow, sync::Arc};
 
 pub use opening::{Opening, centroids};
-pub use press::PressState;
+pub use press::{PressState, TurnState};
 
 use serde::{Deserialize, Serialize};
 

@@ -15,8 +15,14 @@ use crate::world::{BodyState, World, scripted::ScriptedWorld};
 
 const STEP: f64 = 1.0 / 480.0;
 
-/// Time in s between two looks: 10 steps.
+/// Time in s between two looks of conditions by themselves.
 const EVERY: f64 = 10.0 / 480.0;
+
+/// Time in s between two looks at a stage with these grains.
+fn every() -> f64 {
+    let setup = Setup::new(&scenario()).expect("a laboratory");
+    super::segments::steps_a_check(&setup, STEP) as f64 * STEP
+}
 
 fn scenario() -> Scenario {
     serde_json::from_value(serde_json::json!({
@@ -147,24 +153,27 @@ fn what_is_steady_changes_little_from_window_to_window() {
     assert_eq!(first(&steady, &[-n; 9]).map(|f| f.0), Some(4), "law: after two windows");
 }
 
-/// Law: v (t − r/2) ≥ 19.9 mm holds first at the look at 0.25 s; the motion then dies away in
-/// r = 0.1 s and has gone v (0.35 − r) = 25 mm.
+/// Law: v (t − r/2) ≥ 19.9 mm holds from 0.249 s on, and first at the look T after that; the
+/// motion then dies away in r = 0.1 s and has gone v T.
 #[test]
 fn a_motion_ends_by_its_way_and_dies_away() {
     let lower = |moved_mm: f64, piece: &str| {
         serde_json::json!({ "stage": "move", "pieces": ["lid"], "ramp_s": 0.1, "time_limit_s": 2,
             "velocity_mm_per_s": [0, 0, -100], "until": { "piece": piece, "moved_mm": moved_mm } })
     };
+    let at = (0.249 / every()).ceil() * every();
     for (piece, wanted) in [("lid", 19.9), ("both", 9.95)] {
         let outcome = sinking(laid_out(), 0.0, lower(wanted, piece));
         let found = outcome.until.expect("a condition");
         assert!(found.reached && outcome.warnings.is_empty(), "law: {found:?}");
-        assert_eq!(found.at_s, Some(0.25), "law: the first look after 0.249 s, of {piece}");
+        let held = found.at_s.expect("a time");
+        assert!((held - at).abs() < 1e-9, "law: the first look after 0.249 s, of {piece}, {held}");
         let (moved, share) = (found.moved_mm.expect("a way"), wanted / 19.9);
-        assert!((moved - 20.0 * share).abs() < 1e-9, "law: 20 mm of the lid, got {moved} mm");
-        assert!((outcome.simulated - 0.35).abs() < 1e-9, "law: T + r, {} s", outcome.simulated);
+        let expected = 100.0 * (at - 0.05) * share;
+        assert!((moved - expected).abs() < 1e-9, "law: v (T − r/2), got {moved} mm");
+        assert!((outcome.simulated - at - 0.1).abs() < 1e-9, "law: T + r, {} s", outcome.simulated);
         let z = outcome.specimen.state.pieces[1].pose.translation.z;
-        assert!((z - 0.105).abs() < 1e-12, "law: 25 mm below 130 mm, got {z} m");
+        assert!((z - 0.13 + 0.1 * at).abs() < 1e-12, "law: v T below 130 mm, got {z} m");
     }
     let outcome = sinking(laid_out(), 0.0, lower(500.0, "lid"));
     let found = outcome.until.expect("a condition");
@@ -180,13 +189,13 @@ fn a_flow_ends_a_stage_when_the_last_grain_has_passed() {
     let before = laid_out();
     let heights: Vec<f64> =
         before.present().map(|n| before.state.bodies[n].body.pose.translation.z).collect();
-    let (speed, looks) = (0.7, 10.0);
-    let last = heights.iter().map(|z| ((z - 0.08) / (speed * EVERY)).ceil()).fold(0.0, f64::max);
+    let (speed, looks) = (0.7, (0.21 / every()).round());
+    let last = heights.iter().map(|z| ((z - 0.08) / (speed * every())).ceil()).fold(0.0, f64::max);
     let value = serde_json::json!({ "stage": "remove", "pieces": ["box"], "time_limit_s": 5,
         "until": { "opening": "mouth", "flow_below_g_per_s": 0.1, "window_s": 0.21 } });
     let outcome = sinking(before.clone(), speed, value);
     let found = outcome.until.expect("a condition");
-    let expected = (last + looks) * EVERY;
+    let expected = (last + looks) * every();
     assert!(
         found.reached && (outcome.simulated - expected).abs() < 1e-9,
         "law: {expected} s, got {} s, {found:?}",
@@ -223,7 +232,9 @@ fn stages_with_a_condition_go_on_from_a_checkpoint_with_the_same_bits() {
         let found = whole.until.expect("a condition");
         assert!(found.reached, "law: it is reached, {found:?}");
         assert!(seams.len() >= 3, "the check sees segments, {}", seams.len());
-        for midway in seams {
+        // The first, and the last two: what moves may be dying away there.
+        let late = seams.len() - 2;
+        for midway in [0, late, late + 1].map(|n| seams[n].clone()) {
             let steps = midway.steps;
             // As a file keeps it.
             let text = serde_json::to_string(&midway).expect("JSON");

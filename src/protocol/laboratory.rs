@@ -8,10 +8,10 @@ use super::{
     stages::{Course, Ended, Laboratory, not_settled},
     stand::{Stand, Until},
 };
-use crate::geometry::{Pose, Vector};
+use crate::geometry::{Point, Pose, Vector};
 use crate::grains;
 use crate::scenario::{DepositKind, StageSpec};
-use crate::specimen::{Fate, PieceState, PressState, Specimen};
+use crate::specimen::{Fate, PieceState, PressState, Specimen, TurnState};
 use crate::units::{from_g, from_kpa, from_mm};
 use crate::world::BodyState;
 
@@ -230,30 +230,54 @@ impl Laboratory<'_> {
                 state.press = None;
                 continue;
             }
-            let direction = Vector::from(load.direction).normalize();
+            let turning = load.moment_n_m.zip(load.axis);
+            let direction = turning.map_or(load.direction, |(_, axis)| axis);
+            let direction = Vector::from(direction).normalize();
+            let about = turning.map(|_| load.about_mm.unwrap_or_default().map(from_mm).into());
             let area = piece.area_along(&(state.pose.rotation.inverse() * direction));
-            let target = match (load.force_n, load.stress_kpa) {
+            let target = match (load.force_n.or(load.moment_n_m), load.stress_kpa) {
                 (Some(force), _) => force,
                 (None, Some(stress)) => from_kpa(stress) * area,
                 (None, None) => return Err(refused("a load needs a force or a stress")),
             };
-            let before = state.press.filter(|press| press.direction == direction);
+            let alike = |press: &PressState| {
+                press.direction == direction && press.turns.map(|turns| turns.about) == about
+            };
+            let before = state.press.filter(alike);
             let force = before.map_or(0.0, |press| press.force_n);
             let arrived = before.is_some_and(|press| press.arrived);
             // A force that the approach holds down must be able to come back.
             let change = if arrived { (target - force).abs() } else { target.max(force) };
             let mass = load.mass_g.map_or_else(|| piece.volume() * LID_DENSITY, from_g);
+            let turns = about.map(|about| {
+                let place = state.pose.inverse() * Point::from(about);
+                let axis = state.pose.rotation.inverse() * direction;
+                let turned = before.and_then(|press| press.turns);
+                TurnState {
+                    about,
+                    reach_m: piece.reach_from(&axis, &place),
+                    turned_rad: turned.map_or(0.0, |turns| turns.turned_rad),
+                }
+            });
+            // Of what turns the moment of inertia, and the speed about the axis.
+            let inertia = turns.map(|turns| {
+                let place = state.pose.inverse() * Point::from(turns.about);
+                let axis = state.pose.rotation.inverse() * direction;
+                piece.inertia_about(&axis, &place, mass)
+            });
+            let approach = from_mm(*approach_mm_per_s);
             state.press = Some(PressState {
                 direction,
-                mass_kg: mass,
+                mass_kg: inertia.unwrap_or(mass),
                 area_m2: area,
                 target_n: target,
                 rate_n_per_s: change / ramp_s,
-                approach_m_per_s: from_mm(*approach_mm_per_s),
+                approach_m_per_s: turns.map_or(approach, |turns| approach / turns.reach_m),
                 arrived,
                 force_n: force,
                 resistance_n: before.map_or(0.0, |press| press.resistance_n),
                 speed_m_per_s: before.map_or(0.0, |press| press.speed_m_per_s),
+                turns,
             });
         }
         self.until_settled(specimen, stage, *time_limit_s, "pressing", observer)

@@ -249,7 +249,7 @@ pub struct SineSpec {
 pub struct LoadSpec {
     /// Name of the piece: a `plate`, a `disc`, a `wedge` or a `mesh` of one part.
     pub piece: String,
-    /// The direction in which it is pressed, and the only one along which it moves; its length
+    /// The direction in which a force presses it, and the only one along which it moves; its length
     /// does not matter.
     #[serde(default = "down")]
     pub direction: [f64; 3],
@@ -261,6 +261,19 @@ pub struct LoadSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", range(min = 0.0, max = 1e6))]
     pub stress_kpa: Option<f64>,
+    /// A moment in N m that turns the piece about an axis, and about nothing else, in place of a
+    /// force; its weight is part of the moment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", range(min = 0.0, max = 1e6))]
+    pub moment_n_m: Option<f64>,
+    /// Direction of the axis of a moment, right-handed; its length does not matter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[f64; 3]")]
+    pub axis: Option<[f64; 3]>,
+    /// A point of that axis in mm; left out, the origin of the laboratory.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[f64; 3]")]
+    pub about_mm: Option<[f64; 3]>,
     /// Mass in g that the force accelerates; left out, that of the piece in aluminium,
     /// 2700 kg/m³.
     #[serde(default, skip_serializing_if = "Option::is_none")]

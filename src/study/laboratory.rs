@@ -105,7 +105,11 @@ fn piece_row(piece: &PieceState) -> Option<PieceRow> {
         at_mm: piece.pose.translation.vector.map(to_mm).into(),
         force_n: piece.force_n.into(),
         moment_n_m: piece.moment_n_m.into(),
-        pressed: piece.press.map(|p| [p.force_n, to_kpa(p.force_n / p.area_m2)]),
+        pressed: piece
+            .press
+            .filter(|p| p.turns.is_none())
+            .map(|p| [p.force_n, to_kpa(p.force_n / p.area_m2)]),
+        turned: piece.press.and_then(|p| Some([p.force_n, p.turns?.turned_rad.to_degrees()])),
     })
 }
 
@@ -168,7 +172,13 @@ pub(super) fn laboratory_summary(
         .iter()
         .map(|piece| {
             let PieceSummary { at_mm, force_n, moment_n_m, .. } = *piece;
-            piece.present.then_some(PieceRow { at_mm, force_n, moment_n_m, pressed: None })
+            piece.present.then_some(PieceRow {
+                at_mm,
+                force_n,
+                moment_n_m,
+                pressed: None,
+                turned: None,
+            })
         })
         .collect();
     let group = |group: &GroupSpec| {
