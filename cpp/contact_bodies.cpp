@@ -164,14 +164,39 @@ void move_body(btRigidBody &body, const SolverBody &solved, double step, bool gy
 SolverBody pressed_body(const btRigidBody &body, const Press &press) {
     SolverBody out;
     const Three<double> direction = three(press.direction);
+    if (press.turns) {
+        // Velocity of the origin at unit speed about the axis.
+        const Three<double> way =
+            direction.cross(three(body.getWorldTransform().getOrigin() - press.about));
+        const double root = std::sqrt(press.inverse_mass);
+        const double speed = direction.dot(three(body.getAngularVelocity()));
+        const double faster = press.force * press.inverse_mass;
+        out.press = way * root;
+        out.press_turn = direction * root;
+        out.velocity = way * speed;
+        out.spin = direction * speed;
+        out.acceleration = way * faster;
+        out.spin_up = direction * faster;
+        return out;
+    }
     out.press = direction * std::sqrt(press.inverse_mass);
     out.velocity = direction * direction.dot(three(body.getLinearVelocity()));
     out.acceleration = direction * (press.force * press.inverse_mass);
     return out;
 }
 
-void move_pressed(btRigidBody &body, const SolverBody &solved) {
+void move_pressed(btRigidBody &body, const SolverBody &solved, const Press &press) {
     btTransform end = body.getWorldTransform();
+    if (press.turns) {
+        const btQuaternion turn(press.direction, press.direction.dot(vector(solved.turn)));
+        end.setOrigin(press.about + quatRotate(turn, end.getOrigin() - press.about));
+        end.setRotation((turn * end.getRotation()).normalized());
+        const btVector3 spin = vector(solved.spin);
+        body.setWorldTransform(end);
+        body.setLinearVelocity(spin.cross(end.getOrigin() - press.about));
+        body.setAngularVelocity(spin);
+        return;
+    }
     end.setOrigin(end.getOrigin() + vector(solved.shift));
     body.setWorldTransform(end);
     body.setLinearVelocity(vector(solved.velocity));

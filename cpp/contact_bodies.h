@@ -49,17 +49,20 @@ Drive recalled_drive(const std::array<btTransform, 3> &ends, double step);
 // the step, as it has changed in the last two; where it did jump, it jumps.
 SolverBody kinematic_body(const btRigidBody &body, double step, Drive &drive);
 
-// How a body moves that is pressed: along one direction, by a force along it and by its contacts
-// alone; its weight is part of that force.
+// How a body moves that is pressed: along one direction, or about one axis, by a force along it
+// or a moment about it and by its contacts alone; its weight is part of that.
 struct Press {
-    btVector3 direction{0, 0, 1}; // a unit vector
-    double inverse_mass = 0;
-    double force = 0; // along the direction, in engine units
+    btVector3 direction{0, 0, 1}; // a unit vector; of the axis where it turns
+    double inverse_mass = 0;      // of a moment of inertia where it turns
+    double force = 0;             // along the direction, in engine units; or a moment
+    bool turns = false;
+    btVector3 about{0, 0, 0}; // a point of the axis about which it turns
+    double unit = 1;          // engine units per N, or per N m
 };
 
 SolverBody pressed_body(const btRigidBody &body, const Press &press);
 
 // Moves it by what was solved in a step.
-void move_pressed(btRigidBody &body, const SolverBody &solved);
+void move_pressed(btRigidBody &body, const SolverBody &solved, const Press &press);
 
 } // namespace pluvia

@@ -91,12 +91,16 @@ template <class L>
 inline constexpr typename Lane<L>::Number UNLIMITED = static_cast<typename Lane<L>::Number>(1e30);
 
 // The Jacobians of lanes whose body is pressed: an impulse acts on its one degree of freedom by
-// its component along the direction. `press`: that over the root of the mass.
+// its component along the way of its point. `press`: that of the origin at unit speed, and the
+// axis about which it turns, over the root of the mass or of the moment of inertia.
 template <class L>
 PLUVIA_INLINE void set_pressed(const Pack<L> &pack, unsigned lanes, const Symmetric<L> &press,
-                               Three<L> &normal, Three<L> &tangent_1, Three<L> &tangent_2) {
+                               const Three<L> &arm, Three<L> &normal, Three<L> &tangent_1,
+                               Three<L> &tangent_2) {
     using N = typename Lane<L>::Number;
-    const Three<L> direction{press.xx, press.yy, press.zz};
+    const Three<L> origin{press.xx, press.yy, press.zz};
+    const Three<L> axis{press.xy, press.xz, press.yz};
+    const Three<L> direction = origin + axis.cross(arm);
     const L along[3] = {direction.dot(pack.normal), direction.dot(pack.tangent_1),
                         direction.dot(pack.tangent_2)};
     Three<L> *const jacobians[3] = {&normal, &tangent_1, &tangent_2};
@@ -132,8 +136,8 @@ PLUVIA_INLINE L set_jacobians(const Pack<L> &pack, Point<L> &c, const Sides<L> &
     c.angular_2_a = root_a * arm_a.cross(pack.tangent_2);
     c.angular_2_b = root_b * arm_b.cross(pack.tangent_2);
     if ((pack.pressed_a | pack.pressed_b) != 0) {
-        set_pressed(pack, pack.pressed_a, root_a, c.angular_a, c.angular_1_a, c.angular_2_a);
-        set_pressed(pack, pack.pressed_b, root_b, c.angular_b, c.angular_1_b, c.angular_2_b);
+        set_pressed(pack, pack.pressed_a, root_a, arm_a, c.angular_a, c.angular_1_a, c.angular_2_a);
+        set_pressed(pack, pack.pressed_b, root_b, arm_b, c.angular_b, c.angular_1_b, c.angular_2_b);
     }
     const L zero{};
     const L one = zero + 1;
@@ -316,6 +320,7 @@ PLUVIA_INLINE void integrate_position(PackedBodies<N> &bodies, std::size_t b, N 
     if (r[7] > 0) { // pressed
         for (int i = 0; i < 3; ++i) {
             bodies.displacement[b].at[i] += r[i] * m[4] * step;
+            bodies.displacement[b].at[4 + i] += r[3 + i] * m[4] * step;
         }
         return;
     }

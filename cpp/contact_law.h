@@ -32,10 +32,13 @@ struct SolverBody {
     Three<double> acceleration{0, 0, 0}, spin_up{0, 0, 0};
     Three<double> shift{0, 0, 0}, turn{0, 0, 0}; // gone in the step
     // Of a pressed body, which moves along one direction alone: its unit vector over the root of
-    // the mass. Else 0.
+    // the mass. Else 0. Of one that turns about an axis: the velocity of its origin at unit speed,
+    // and the unit vector of the axis, over the root of the moment of inertia.
     Three<double> press{0, 0, 0};
+    Three<double> press_turn{0, 0, 0};
 
-    bool pressed() const { return press.dot(press) > 0; }
+    bool turned() const { return press_turn.dot(press_turn) > 0; }
+    bool pressed() const { return press.dot(press) > 0 || turned(); }
 };
 
 } // namespace pluvia

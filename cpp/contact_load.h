@@ -191,12 +191,16 @@ template <class N>
 void pack(const SolverBody &body, int substeps, double substep, std::size_t i,
           PackedBodies<N> &packed) {
     if (body.pressed()) {
-        const double root = 1 / std::sqrt(body.press.dot(body.press)); // of the mass
-        const Three<double> way = body.press * (root * root);          // times that root
-        const double motion[8] = {0, 0, 0, 0, way.dot(body.velocity), 0, 0, 1};
-        const double press[8] = {
-            body.press.x, body.press.y, body.press.z, 0, 0, 0, 1 / (root * root), 1};
-        const double forced[8] = {0, 0, 0, 0, way.dot(body.acceleration) * substep, 0, 0, 0};
+        const Three<double> &axis = body.press_turn;
+        const Three<double> &free = body.turned() ? axis : body.press;
+        const double root = 1 / std::sqrt(free.dot(free)); // of the mass or the moment of inertia
+        const Three<double> way = free * (root * root);    // times that root
+        const Three<double> &speed = body.turned() ? body.spin : body.velocity;
+        const Three<double> &faster = body.turned() ? body.spin_up : body.acceleration;
+        const double motion[8] = {0, 0, 0, 0, way.dot(speed), 0, 0, 1};
+        const double press[8] = {body.press.x, body.press.y, body.press.z,      axis.x,
+                                 axis.y,       axis.z,       1 / (root * root), 1};
+        const double forced[8] = {0, 0, 0, 0, way.dot(faster) * substep, 0, 0, 0};
         for (int k = 0; k < 8; ++k) {
             packed.motion[i].at[k] = static_cast<N>(motion[k]);
             packed.root[i].at[k] = static_cast<N>(press[k]);
@@ -245,7 +249,9 @@ template <class N> void unpack(const PackedBodies<N> &packed, std::size_t i, Sol
     const auto &w = packed.displacement[i].at;
     if (body.pressed()) {
         body.velocity = body.press * m[4];
+        body.spin = body.press_turn * m[4];
         body.shift = {w[0], w[1], w[2]};
+        body.turn = {w[4], w[5], w[6]};
         return;
     }
     body.velocity = {m[0], m[1], m[2]};

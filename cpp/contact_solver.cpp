@@ -222,7 +222,8 @@ void ContactSolver::move_bodies(double step) {
         }
     });
     for (std::size_t i = 0; i < pressed_.size(); ++i) {
-        move_pressed(*pressed_[i].body, bodies_[moving_.size() + 1 + i]);
+        move_pressed(*pressed_[i].body, bodies_[moving_.size() + 1 + i],
+                     presses_.at(static_cast<int>(pressed_[i].number)));
     }
 }
 

@@ -43,7 +43,11 @@ class ContactSolver {
     // A kinematic body that moves along one direction alone from now on, by its number.
     void press(int number, const Press &press) { presses_[number] = press; }
     // Sets the force on it, in engine units.
-    void set_force(int number, double force) { presses_.at(number).force = force; }
+    // In N, or of what turns in N m.
+    void set_force(int number, double force) {
+        Press &press = presses_.at(number);
+        press.force = force * press.unit;
+    }
     bool is_pressed(int number) const { return presses_.count(number) != 0; }
     void forget_press(int number) { presses_.erase(number); }
 

@@ -146,12 +146,29 @@ void BulletWorld::press_body(std::uint32_t id, const std::array<double, 3> &dire
         throw std::runtime_error("a body that is pressed is kinematic and has a mass");
     }
     const btVector3 along = vector(direction).normalized();
-    impl_->world->press(body, Press{along, 1 / mass, 0});
+    impl_->world->press(body,
+                        Press{along, 1 / mass, 0, false, btVector3(0, 0, 0), impl_->units.scale()});
     body.setLinearVelocity(along * impl_->units.length(speed));
 }
 
+void BulletWorld::turn_body(std::uint32_t id, const std::array<double, 3> &axis,
+                            const std::array<double, 3> &about, double inertia, double speed) {
+    btRigidBody &body = impl_->body(id);
+    if (!body.isKinematicObject() || !(inertia > 0)) {
+        throw std::runtime_error("a body that is turned is kinematic and has a moment of inertia");
+    }
+    const double scale = impl_->units.scale();
+    const btVector3 along = vector(axis).normalized();
+    const btVector3 place = impl_->units.length(about);
+    impl_->world->press(body,
+                        Press{along, 1 / (inertia * scale * scale), 0, true, place, scale * scale});
+    body.setAngularVelocity(along * static_cast<btScalar>(speed));
+    body.setLinearVelocity(
+        (along * static_cast<btScalar>(speed)).cross(body.getWorldTransform().getOrigin() - place));
+}
+
 void BulletWorld::set_force(std::uint32_t id, double force) {
-    impl_->world->set_force(impl_->body(id), force * impl_->units.scale());
+    impl_->world->set_force(impl_->body(id), force);
 }
 
 void BulletWorld::step() { impl_->world->step(impl_->time_step); }

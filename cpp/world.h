@@ -35,6 +35,8 @@ class BulletWorld {
     void recall_drive(std::uint32_t id, rust::Slice<const KinematicPose> ends);
     void press_body(std::uint32_t id, const std::array<double, 3> &direction, double mass,
                     double speed);
+    void turn_body(std::uint32_t id, const std::array<double, 3> &axis,
+                   const std::array<double, 3> &about, double inertia, double speed);
     void set_force(std::uint32_t id, double force);
     void step();
     BodyRead read_one_body(std::uint32_t id) const;

@@ -1,10 +1,12 @@
 //! The state of the experiment between stages, as a plain value.
 
+mod opening;
 mod press;
 
 use std::{borrow::Cow, sync::Arc};
 
-pub use press::PressState;
+pub use opening::{Opening, centroids};
+pub use press::{PressState, TurnState};
 
 use serde::{Deserialize, Serialize};
 

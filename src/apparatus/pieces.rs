@@ -6,9 +6,10 @@ use nalgebra::{Translation3, UnitQuaternion};
 
 use super::walls::{half_width, piece, polygon, ring};
 use super::{ApparatusError, Piece};
-use crate::geometry::{ConvexPolyhedron, Point, PolyhedronError, Pose, Vector};
+use crate::geometry::{ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, Vector};
 use crate::scenario::{
-    BoxSide, BoxSpec, CylinderPieceSpec, DiscSpec, DrumSpec, HopperSpec, PieceSpec, ShapeSpec,
+    BoxSide, BoxSpec, CylinderPieceSpec, DiscSpec, DrumSpec, HopperSpec, MeshPart, PieceSpec,
+    ShapeSpec,
 };
 use crate::units::{from_deg, from_mm};
 
@@ -50,6 +51,24 @@ impl RigidPiece {
         self.parts.iter().map(|part| part.shape.signed_volume()).sum()
     }
 
+    /// Moment of inertia in kg m² about an axis in its own frame, by a unit vector and a point in m,
+    /// of a piece of one density and a mass in kg.
+    pub fn inertia_about(&self, axis: &Vector, about: &Point, mass: f64) -> f64 {
+        let per_density = self.parts.iter().map(|part| {
+            let turned = part.pose.rotation.inverse() * axis;
+            let own = MassProperties::of(&part.shape);
+            let away = (part.pose * own.centroid - about).cross(axis).norm_squared();
+            turned.dot(&(own.inertia_per_density * turned)) + own.volume * away
+        });
+        per_density.sum::<f64>() * mass / self.volume()
+    }
+
+    /// Distance in m from an axis in its own frame that no corner exceeds.
+    pub fn reach_from(&self, axis: &Vector, about: &Point) -> f64 {
+        let corners = self.parts.iter().flat_map(|p| p.shape.vertices().iter().map(|v| p.pose * v));
+        corners.map(|corner| (corner - about).cross(axis).norm()).fold(0.0, f64::max)
+    }
+
     /// Area in m² of the shadow that a piece of one convex part throws along a unit vector in its
     /// own frame; of several parts, the sum of theirs. Half of what its faces have together
     /// (Cauchy).
@@ -88,10 +107,19 @@ fn parts_of(shape: &ShapeSpec) -> Parts {
         let [x, y, z] = spec.size_mm.map(from_mm);
         return Ok(vec![piece(wedge(x, y, z)?)]);
     }
+    if let Some(mesh) = &shape.mesh {
+        return mesh.parts().iter().map(of_mesh).collect();
+    }
     match &shape.drum {
         Some(spec) => drum(spec),
         None => Err(PolyhedronError::TooSmall { vertices: 0, faces: 0 }),
     }
+}
+
+/// A part of a mesh.
+fn of_mesh(part: &MeshPart) -> Result<Piece, PolyhedronError> {
+    let corners = part.vertices_mm.iter().map(|v| Point::from(v.map(from_mm))).collect();
+    ConvexPolyhedron::new(corners, part.faces.clone()).map(piece)
 }
 
 /// A block between two corners.
@@ -227,6 +255,21 @@ mod tests {
         let (got, expected) = (disc.area_along(&Vector::z()) * 1e6, PI * 100.0);
         assert!((got / expected - 1.0).abs() < 1e-9, "law: the circle's area, got {got} mm²");
         assert!((plate.volume() * 1e9 - 5e4).abs() < 1e-6, "law: 50 cm³");
+    }
+
+    #[test]
+    fn the_inertia_about_an_axis_is_that_of_a_block() {
+        let plate = built(r#"{ "plate": { "size_mm": [100, 50, 10] } }"#);
+        let (mass, middle) = (0.6, Point::origin());
+        let aside = Point::new(0.05, 0.0, 7.0);
+        for (about, expected) in [(middle, (0.01 + 0.0025) / 12.0), (aside, 0.0125 / 12.0 + 0.0025)]
+        {
+            let got = plate.inertia_about(&Vector::z(), &about, mass);
+            let expected = mass * expected;
+            assert!((got - expected).abs() < 1e-15, "law: m ((a² + b²)/12 + d²), got {got}");
+        }
+        let reach = plate.reach_from(&Vector::z(), &aside);
+        assert!((reach - 0.1_f64.hypot(0.025)).abs() < 1e-15, "law: to its far corner, {reach} m");
     }
 
     #[test]

@@ -189,6 +189,11 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     if let Some(laboratory) = laboratory {
         of_laboratory(laboratory, &mut rows);
     }
+    for (n, of) in summary.stages.iter().enumerate() {
+        if let Some(until) = &of.until {
+            rows.add(&format!("stage {n}, {}", of.stage), until.line());
+        }
+    }
     for of in &summary.vibrations {
         rows.add("vibration", vibration(of));
     }

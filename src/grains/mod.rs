@@ -41,7 +41,7 @@ pub use sieve::{Passage, SIEVE_TOLERANCE, sieve_size};
 pub use sieve_memory::sieve_size_of;
 pub use sieve_table::{sieve_csv, sieve_table};
 pub use sizes::{load_grains, load_scenario};
-pub use stones::{StoneRecord, from_meshes, stones_csv};
+pub use stones::{StoneRecord, from_meshes, parts_of_piece, stones_csv};
 
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 

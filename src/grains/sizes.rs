@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
-use super::{GrainSet, file, from_meshes};
+use super::{GrainSet, file, from_meshes, parts_of_piece};
 use crate::input;
 use crate::scale::{self, GrainSizes, Quantity, Scale, SieveMass};
-use crate::scenario::{self, Grading, GrainsSpec, Loaded, Override, ScenarioErrors};
+use crate::scenario::{self, Grading, GrainsSpec, Loaded, Override, Readers, ScenarioErrors};
 
 /// Any: sizes depend on it only where grains are drawn from meshes.
 const SEED: u64 = 1;
+
+/// Who reads what scenarios name.
+const READERS: Readers = Readers { grading: grading_of, parts: parts_of_piece };
 
 impl GrainSet {
     /// Sizes by the sieves of the blocks; by equivalent diameters where grains come from no
@@ -75,7 +78,7 @@ impl GrainSet {
 /// # Errors
 /// As [`scenario::load_grains_with`].
 pub fn load_grains(path: &Path) -> Result<Loaded, ScenarioErrors> {
-    scenario::load_grains_with(path, grading_of)
+    scenario::load_grains_with(path, READERS)
 }
 
 /// Loads a scenario with what follows from its grains, also where these stand in a file or
@@ -84,7 +87,7 @@ pub fn load_grains(path: &Path) -> Result<Loaded, ScenarioErrors> {
 /// # Errors
 /// As [`scenario::load_with`].
 pub fn load_scenario(path: &Path, overrides: &[Override]) -> Result<Loaded, ScenarioErrors> {
-    scenario::load_with(path, overrides, grading_of)
+    scenario::load_with(path, overrides, READERS)
 }
 
 /// `None` where grains cannot be made: whoever makes them later says why.

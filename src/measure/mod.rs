@@ -42,7 +42,7 @@ pub use container::Container;
 pub use coordination::{Coordination, coordination};
 pub use energy::{Energy, body_energy, grain_energy, largest_speed};
 pub use estimate::{Estimate, change_for_one_unit, paired_difference};
-pub use flow::{Opening, centroids, steady_rate};
+pub use flow::steady_rate;
 pub use height_map::{HeightMap, StandingHeight, height_cell};
 pub use heights::{Content, content, mean_grain_height};
 pub use hull::WorldHull;

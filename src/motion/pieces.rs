@@ -1,13 +1,14 @@
 //! How pieces of a laboratory move: one displacement of space from where they began.
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, sync::Arc};
 
 use nalgebra::{Translation3, Unit, UnitQuaternion};
 
+use super::RecordedMotion;
 use crate::geometry::{Point, Pose, Vector};
 
 /// What is prescribed, in SI units.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Path {
     /// A constant velocity.
     Velocity(Vector),
@@ -27,10 +28,12 @@ pub enum Path {
         /// f in Hz.
         frequency: f64,
     },
+    /// As recorded.
+    Recorded(Arc<RecordedMotion>),
 }
 
 /// A motion that begins and ends at rest where it has a ramp.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PieceMotion {
     /// What is prescribed.
     pub path: Path,
@@ -59,6 +62,13 @@ impl PieceMotion {
         }
         // ∫ ½ (1 − cos(πs/r)) ds = s/2 − r/(2π) sin(πs/r).
         let grown = |s: f64| s / 2.0 - ramp / (2.0 * PI) * (PI * s / ramp).sin();
+        if end < 2.0 * ramp {
+            // It dies away before it has grown.
+            return match time < end / 2.0 {
+                true => grown(time),
+                false => 2.0 * grown(end / 2.0) - grown(end - time),
+            };
+        }
         if time < ramp {
             grown(time)
         } else if time > end - ramp {
@@ -68,19 +78,34 @@ impl PieceMotion {
         }
     }
 
+    /// The same that from a time in s on dies away as it grew: within its ramp, or within as
+    /// long as it had grown. A sine without a ramp ends with its cycle.
+    #[must_use]
+    pub fn ended_at(&self, time: f64) -> Self {
+        let end = match self.path {
+            Path::Sine { frequency, .. } if self.ramp == 0.0 => {
+                // A time that is typed may be a rounding above a whole number of cycles.
+                (time * frequency - 1e-9).ceil().max(1.0) / frequency
+            }
+            _ => time + self.ramp.min(time),
+        };
+        Self { duration: end.min(self.duration), ..self.clone() }
+    }
+
     /// What takes pieces from where they began to where they are at a time in s; after the
     /// end, where they ended.
     pub fn displacement(&self, time: f64) -> Pose {
         let time = time.clamp(0.0, self.duration);
         let shift =
             |by: Vector| Pose::from_parts(Translation3::from(by), UnitQuaternion::identity());
-        match self.path {
+        match &self.path {
             Path::Velocity(velocity) => shift(velocity * self.elapsed(time)),
+            Path::Recorded(recorded) => shift(recorded.at(time).displacement),
             Path::Sine { amplitude, frequency } => {
                 shift(amplitude * (self.share(time) * (2.0 * PI * frequency * time).sin()))
             }
             Path::Rotation { axis, about, speed } => {
-                let turn = UnitQuaternion::from_axis_angle(&axis, speed * self.elapsed(time));
+                let turn = UnitQuaternion::from_axis_angle(axis, speed * self.elapsed(time));
                 let back = about.coords - turn * about.coords;
                 Pose::from_parts(Translation3::from(back), turn)
             }
@@ -89,8 +114,9 @@ impl PieceMotion {
 
     /// Largest speed in m/s of a point that is so far (m) from the axis of a rotation.
     pub fn peak_speed(&self, from_axis: f64) -> f64 {
-        match self.path {
+        match &self.path {
             Path::Velocity(velocity) => velocity.norm(),
+            Path::Recorded(recorded) => recorded.peak_speed(),
             Path::Rotation { speed, .. } => speed.abs() * from_axis,
             // A ramp as long as a cycle adds less than this.
             Path::Sine { amplitude, frequency } => {
@@ -102,8 +128,8 @@ impl PieceMotion {
 
     /// Distance in m of a point from the axis of a rotation; 0 of another motion.
     pub fn from_axis(&self, point: &Point) -> f64 {
-        match self.path {
-            Path::Rotation { axis, about, .. } => (point - about).cross(&axis).norm(),
+        match &self.path {
+            Path::Rotation { axis, about, .. } => (point - about).cross(axis).norm(),
             _ => 0.0,
         }
     }
@@ -127,6 +153,52 @@ mod tests {
         }
     }
 
+    /// Law: a motion that is ended early is the same until then, dies away without a jump of its
+    /// velocity, and is over when it says.
+    #[test]
+    fn a_motion_that_is_ended_is_the_same_before_and_dies_away_as_it_grew() {
+        let way = |motion: &PieceMotion, t: f64| motion.displacement(t).translation.x;
+        let whole = PieceMotion { path: VELOCITY, duration: 10.0, ramp: 0.5 };
+        for (ended, over, expected) in [
+            (2.0, 2.5, 0.2),
+            (0.5, 1.0, 0.05),
+            (0.25, 0.5, 0.05 * (0.5 - 1.0 / PI)),
+            (9.8, 10.0, 0.95),
+        ] {
+            let motion = whole.ended_at(ended);
+            assert_eq!(motion.duration, over, "law: T + min(r, T), at most the end");
+            let before = (0..=50).map(|n| ended.min(9.5) * f64::from(n) / 50.0);
+            let worst =
+                before.map(|t| (way(&motion, t) - way(&whole, t)).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-15, "law: the same before {ended} s, off by {worst} m");
+            let got = way(&motion, over);
+            assert!(
+                (got - expected).abs() < 1e-12,
+                "law: ended at {ended} s, {expected} m, got {got}"
+            );
+            let speeds = (0..1000).map(|n| {
+                let t = over * f64::from(n) / 1000.0;
+                (way(&motion, t + over / 1000.0) - way(&motion, t)) / (over / 1000.0)
+            });
+            let speeds: Vec<f64> = speeds.collect();
+            let jump = speeds.windows(2).map(|v| (v[1] - v[0]).abs()).fold(0.0, f64::max);
+            let steepest = 0.1 * PI / (2.0 * 0.5) * over / 1000.0;
+            assert!(
+                jump < 1.01 * steepest,
+                "law: at most v π/(2r) Δt = {steepest}, got {jump} m/s"
+            );
+        }
+        let path = Path::Sine { amplitude: Vector::new(0.01, 0.0, 0.0), frequency: 4.0 };
+        let sine = PieceMotion { path, duration: 10.0, ramp: 0.0 };
+        for (ended, over) in [(0.6, 0.75), (0.75, 0.75), (0.0, 0.25)] {
+            assert_eq!(
+                sine.ended_at(ended).duration,
+                over,
+                "law: with its cycle, ended at {ended} s"
+            );
+        }
+    }
+
     #[test]
     fn a_rotation_keeps_its_axis_and_the_distance_from_it() {
         let about = Point::new(0.1, 0.2, 0.3);
@@ -146,7 +218,7 @@ mod tests {
     fn a_sine_is_one_and_no_point_is_faster_than_its_peak() {
         let path = Path::Sine { amplitude: Vector::new(0.0, 0.0, 0.01), frequency: 5.0 };
         for ramp in [0.0, 0.4] {
-            let motion = PieceMotion { path, duration: 2.0, ramp };
+            let motion = PieceMotion { path: path.clone(), duration: 2.0, ramp };
             let at = |t: f64| motion.displacement(t).translation.z;
             assert!((at(1.05) - 0.01).abs() < 1e-12, "law: A at a quarter of a cycle");
             let fastest = (0..20_000)
@@ -155,5 +227,34 @@ mod tests {
             let peak = motion.peak_speed(0.0);
             assert!(fastest <= peak * (1.0 + 1e-6), "law: at most {peak} m/s, got {fastest}");
         }
+    }
+    /// Law: a recorded motion goes through its rows, counted from the first, and stays at its last.
+    #[test]
+    fn a_recorded_motion_goes_through_its_rows_and_stays_at_the_last() {
+        let rows = [[1.0, 5.0, 0.0, 2.0], [1.5, 15.0, 0.0, 2.0], [3.0, 15.0, -4.0, 8.0]];
+        let linear = RecordedMotion::of_piece(&rows, super::super::Interpolation::Linear);
+        let recorded = linear.expect("sound rows");
+        let duration = recorded.duration();
+        let motion = PieceMotion { path: Path::Recorded(Arc::new(recorded)), duration, ramp: 0.0 };
+        assert_eq!(motion.duration, 2.0);
+        for (time, expected) in [
+            (0.0, [0.0; 3]),
+            (0.25, [5.0, 0.0, 0.0]),
+            (1.25, [10.0, -2.0, 3.0]),
+            (9.0, [10.0, -4.0, 6.0]),
+        ] {
+            let got = motion.displacement(time).translation.vector * 1e3;
+            assert!(
+                (got - Vector::from(expected)).norm() < 1e-12,
+                "law: at {time} s, got {got} mm"
+            );
+        }
+        // 20 mm/s along x, then 4 along z and 8/3 along y: never beyond all together.
+        let peak = motion.peak_speed(1.0) * 1e3;
+        assert!((20.0..20.8).contains(&peak), "law: at least 20 mm/s, got {peak}");
+        assert!(
+            RecordedMotion::new(&rows, super::super::Interpolation::Linear).is_err(),
+            "law: a table has to come back"
+        );
     }
 }

@@ -61,10 +61,32 @@ impl RecordedMotion {
     /// All faults: too few or too many rows, numbers that are not finite, times that do not
     /// grow, an end far from the beginning.
     pub fn new(rows: &[[f64; 4]], interpolation: Interpolation) -> Result<Self, Vec<RowFault>> {
-        let faults = faults(rows);
-        if !faults.is_empty() {
-            return Err(faults);
+        let mut faults = faults(rows);
+        if faults.is_empty() {
+            faults.extend(is_open(rows));
         }
+        match faults.is_empty() {
+            true => Ok(Self::of_sound(rows, interpolation)),
+            false => Err(faults),
+        }
+    }
+
+    /// The same of a piece, which stays where its last row is.
+    ///
+    /// # Errors
+    /// All faults but an end far from the beginning.
+    pub fn of_piece(
+        rows: &[[f64; 4]],
+        interpolation: Interpolation,
+    ) -> Result<Self, Vec<RowFault>> {
+        let faults = faults(rows);
+        match faults.is_empty() {
+            true => Ok(Self::of_sound(rows, interpolation)),
+            false => Err(faults),
+        }
+    }
+
+    fn of_sound(rows: &[[f64; 4]], interpolation: Interpolation) -> Self {
         let [start, x, y, z] = rows[0];
         let times: Vec<f64> = rows.iter().map(|r| r[0] - start).collect();
         let place = |r: &[f64; 4]| Vector::new(r[1] - x, r[2] - y, r[3] - z).map(from_mm);
@@ -73,7 +95,7 @@ impl RecordedMotion {
             Interpolation::Cubic => natural_spline(&times, &places),
             Interpolation::Linear => Vec::new(),
         };
-        Ok(Self { interpolation, times, places, bends })
+        Self { interpolation, times, places, bends }
     }
 
     /// Length in s.
@@ -165,15 +187,13 @@ impl RecordedMotion {
     }
 }
 
+fn fault(row: Option<usize>, what: String, found: String, allowed: &'static str) -> RowFault {
+    RowFault { row, what, found, allowed }
+}
+
 fn faults(rows: &[[f64; 4]]) -> Vec<RowFault> {
     /// Faults of one kind that are said: the first few say enough.
     const SAID: usize = 5;
-    let fault = |row: Option<usize>, what: String, found: String, allowed| RowFault {
-        row,
-        what,
-        found,
-        allowed,
-    };
     if rows.len() < 2 || rows.len() > MOST_ROWS {
         return vec![fault(
             None,
@@ -205,7 +225,7 @@ fn faults(rows: &[[f64; 4]]) -> Vec<RowFault> {
     const LONG: f64 = 3600.0;
     let far = rows.iter().enumerate().filter(|(_, r)| r[1..].iter().any(|v| v.abs() > FAR));
     faults.extend(far.take(SAID).map(|(n, r)| {
-        let what = format!("row {} lies far from any table", n + 1);
+        let what = format!("row {} lies far from any laboratory", n + 1);
         fault(Some(n), what, format!("{:?} mm", &r[1..]), "at most 10000 mm to either side")
     }));
     if !faults.is_empty() {
@@ -217,17 +237,22 @@ fn faults(rows: &[[f64; 4]]) -> Vec<RowFault> {
         let what = "the motion takes too long".into();
         faults.push(fault(None, what, format!("{length} s"), "at most 3600 s"));
     }
+    faults
+}
+
+/// A table that would jump back.
+fn is_open(rows: &[[f64; 4]]) -> Option<RowFault> {
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
     let off = |r: &[f64; 4]| Vector::new(r[1] - first[1], r[2] - first[2], r[3] - first[3]).norm();
     let reach = rows.iter().map(off).fold(0.0, f64::max);
-    if off(&last) > OPEN * reach {
-        faults.push(fault(
+    (off(&last) > OPEN * reach).then(|| {
+        fault(
             Some(rows.len() - 1),
             "the motion ends far from where it began: the table would jump back".into(),
             format!("{} mm from the first row", off(&last)),
             "at most 1 % of the largest displacement from the first row",
-        ));
-    }
-    faults
+        )
+    })
 }
 
 /// Second derivatives of the natural cubic spline through points, each direction by itself

@@ -1,16 +1,17 @@
-//! Stages of a laboratory of pieces: deposit, move, remove.
+//! Stages of a laboratory of pieces: deposit, move, press, remove.
 
 use super::{
     Observer, Setup, StageError, StageOutcome,
+    ending::Ending,
     feeder::{Area, Feed, Outlet, Rate},
     pieces::{Drive, Solids},
     stages::{Course, Ended, Laboratory, not_settled},
-    stand::Until,
+    stand::{Stand, Until},
 };
-use crate::geometry::{Pose, Vector};
+use crate::geometry::{Point, Pose, Vector};
 use crate::grains;
 use crate::scenario::{DepositKind, StageSpec};
-use crate::specimen::{Fate, PieceState, PressState, Specimen};
+use crate::specimen::{Fate, PieceState, PressState, Specimen, TurnState};
 use crate::units::{from_g, from_kpa, from_mm};
 use crate::world::BodyState;
 
@@ -200,11 +201,12 @@ impl Laboratory<'_> {
             false => Course::of_length(motion.duration),
         };
         course.drive = Some(Drive { pieces, motion });
+        course.ending = self.ending(stage);
         let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
         if limit > 0.0 && !settled {
             stand.warn(not_settled("rest after the motion", limit));
         }
-        Ok(stand.finish())
+        Ok(finished(stand))
     }
 
     /// Presses pieces, or locks what was pressed.
@@ -215,7 +217,7 @@ impl Laboratory<'_> {
         observer: &mut dyn Observer,
     ) -> Result<StageOutcome, StageError> {
         let refused = |reason| StageError::OutOfOrder { stage: "press", reason };
-        let StageSpec::Press { loads, ramp_s, approach_mm_per_s, time_limit_s } = stage else {
+        let StageSpec::Press { loads, ramp_s, approach_mm_per_s, time_limit_s, .. } = stage else {
             return Err(refused("it needs loads"));
         };
         for load in loads {
@@ -228,49 +230,70 @@ impl Laboratory<'_> {
                 state.press = None;
                 continue;
             }
-            let direction = Vector::from(load.direction).normalize();
+            let turning = load.moment_n_m.zip(load.axis);
+            let direction = turning.map_or(load.direction, |(_, axis)| axis);
+            let direction = Vector::from(direction).normalize();
+            let about = turning.map(|_| load.about_mm.unwrap_or_default().map(from_mm).into());
             let area = piece.area_along(&(state.pose.rotation.inverse() * direction));
-            let target = match (load.force_n, load.stress_kpa) {
+            let target = match (load.force_n.or(load.moment_n_m), load.stress_kpa) {
                 (Some(force), _) => force,
                 (None, Some(stress)) => from_kpa(stress) * area,
                 (None, None) => return Err(refused("a load needs a force or a stress")),
             };
-            let before = state.press.filter(|press| press.direction == direction);
+            let alike = |press: &PressState| {
+                press.direction == direction && press.turns.map(|turns| turns.about) == about
+            };
+            let before = state.press.filter(alike);
             let force = before.map_or(0.0, |press| press.force_n);
             let arrived = before.is_some_and(|press| press.arrived);
             // A force that the approach holds down must be able to come back.
             let change = if arrived { (target - force).abs() } else { target.max(force) };
             let mass = load.mass_g.map_or_else(|| piece.volume() * LID_DENSITY, from_g);
+            let turns = about.map(|about| {
+                let place = state.pose.inverse() * Point::from(about);
+                let axis = state.pose.rotation.inverse() * direction;
+                let turned = before.and_then(|press| press.turns);
+                TurnState {
+                    about,
+                    reach_m: piece.reach_from(&axis, &place),
+                    turned_rad: turned.map_or(0.0, |turns| turns.turned_rad),
+                }
+            });
+            // Of what turns the moment of inertia, and the speed about the axis.
+            let inertia = turns.map(|turns| {
+                let place = state.pose.inverse() * Point::from(turns.about);
+                let axis = state.pose.rotation.inverse() * direction;
+                piece.inertia_about(&axis, &place, mass)
+            });
+            let approach = from_mm(*approach_mm_per_s);
             state.press = Some(PressState {
                 direction,
-                mass_kg: mass,
+                mass_kg: inertia.unwrap_or(mass),
                 area_m2: area,
                 target_n: target,
                 rate_n_per_s: change / ramp_s,
-                approach_m_per_s: from_mm(*approach_mm_per_s),
+                approach_m_per_s: turns.map_or(approach, |turns| approach / turns.reach_m),
                 arrived,
                 force_n: force,
                 resistance_n: before.map_or(0.0, |press| press.resistance_n),
                 speed_m_per_s: before.map_or(0.0, |press| press.speed_m_per_s),
+                turns,
             });
         }
-        let course = Course::until_settled(*time_limit_s);
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
-        if !settled {
-            stand.warn(not_settled("pressing", *time_limit_s));
-        }
-        Ok(stand.finish())
+        self.until_settled(specimen, stage, *time_limit_s, "pressing", observer)
     }
 
     /// Takes pieces away.
     pub(super) fn remove(
         &self,
         mut specimen: Specimen,
-        names: &[String],
-        limit: f64,
+        stage: &StageSpec,
         observer: &mut dyn Observer,
     ) -> Result<StageOutcome, StageError> {
         let refused = |reason| StageError::OutOfOrder { stage: "remove", reason };
+        let StageSpec::Remove { pieces: names, time_limit_s, .. } = stage else {
+            return Err(refused("it needs pieces"));
+        };
         let pieces = self.numbers(names).ok_or_else(|| refused("there is no such piece"))?;
         for n in pieces {
             let piece = &mut specimen.state.pieces[n];
@@ -279,12 +302,29 @@ impl Laboratory<'_> {
             }
             *piece = PieceState { present: false, ..PieceState::standing(piece.pose) };
         }
-        let course = Course::until_settled(limit);
+        self.until_settled(specimen, stage, *time_limit_s, "flow", observer)
+    }
+
+    /// Carries a stage out that ends by its condition or when everything has settled.
+    fn until_settled(
+        &self,
+        specimen: Specimen,
+        stage: &StageSpec,
+        limit: f64,
+        what: &str,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        let course = Course { ending: self.ending(stage), ..Course::until_settled(limit) };
         let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
-        if !settled {
-            stand.warn(not_settled("flow", limit));
+        if !settled && course.ending.is_none() {
+            stand.warn(not_settled(what, limit));
         }
-        Ok(stand.finish())
+        Ok(finished(stand))
+    }
+
+    /// What ends a stage before its time.
+    fn ending(&self, stage: &StageSpec) -> Option<Ending> {
+        Ending::of(stage.until()?, self.setup)
     }
 
     /// Numbers of pieces by their names; none where one is not known.
@@ -292,4 +332,13 @@ impl Laboratory<'_> {
         let number = |name: &String| self.setup.pieces.iter().position(|p| &p.name == name);
         names.iter().map(number).collect()
     }
+}
+
+/// The end of a stage, with a warning where it was to be another.
+fn finished(stand: Stand) -> StageOutcome {
+    let mut outcome = stand.finish();
+    if let Some(found) = outcome.until.filter(|found| !found.reached) {
+        outcome.warnings.push(found.line());
+    }
+    outcome
 }

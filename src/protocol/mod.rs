@@ -7,6 +7,9 @@
 
 mod base;
 mod bodies;
+mod ending;
+#[cfg(test)]
+mod ending_tests;
 mod feeder;
 mod laboratory;
 #[cfg(test)]
@@ -35,6 +38,7 @@ mod watched;
 mod whereabouts;
 
 pub use base::{base_pieces, friction_between};
+pub use ending::{Judged, UntilFound, opening};
 pub use plausible::plausible;
 pub use progress::{Progress, Silent};
 pub use segments::{Midway, segments};
@@ -97,6 +101,8 @@ pub struct StageOutcome {
     pub engine_time: Duration,
     /// How a vibration came to rest; none of another stage.
     pub settling: Option<Settling>,
+    /// What came of the condition that was to end it; none of a stage without one.
+    pub until: Option<UntilFound>,
     /// Findings a reader must know.
     pub warnings: Vec<String>,
     /// What was watched about its motion.

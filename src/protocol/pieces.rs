@@ -62,6 +62,10 @@ pub(super) struct Pieces {
     /// Those that are pressed, and the work done on them since somebody asked, in J.
     pressed: Vec<Pressed>,
     pressed_work: f64,
+    /// Those whose force ends the stage, and the impulse of the grains on them since somebody
+    /// asked, in N s.
+    watched: Vec<usize>,
+    felt: Vector,
     contacts: Vec<Contact>,
 }
 
@@ -86,7 +90,11 @@ impl Pieces {
                 let mut body = wall_piece(part, motion);
                 body.state.pose = at.pose * part.pose;
                 if let Some(press) = at.press {
-                    body.state.linear_velocity = press.direction * press.speed_m_per_s;
+                    let speed = press.direction * press.speed_m_per_s;
+                    match press.turns {
+                        Some(_) => body.state.angular_velocity = speed,
+                        None => body.state.linear_velocity = speed,
+                    }
                 }
                 let id = world.add(&Body { material: setup.piece_materials[n], ..body })?;
                 if at.press.is_some() {
@@ -110,8 +118,35 @@ impl Pieces {
             work: 0.0,
             pressed,
             pressed_work: 0.0,
+            watched: Vec::new(),
+            felt: Vector::zeros(),
             contacts: Vec::new(),
         })
+    }
+
+    /// Adds up the impulse of the grains on some pieces from now on.
+    pub(super) fn feel(&mut self, pieces: &[usize]) {
+        self.watched = pieces.to_vec();
+    }
+
+    /// Impulse in N s of the grains on those since this was asked.
+    pub(super) fn take_felt(&mut self) -> Vector {
+        std::mem::replace(&mut self.felt, Vector::zeros())
+    }
+
+    /// Lets the motion die away from a time in s on.
+    pub(super) fn end_at(&mut self, time: f64) {
+        if let Some(drive) = &mut self.drive {
+            drive.motion = drive.motion.ended_at(time);
+        }
+    }
+
+    /// Displacement in m of some pieces since the stage began, in the mean.
+    pub(super) fn moved(&self, pieces: &[usize], state: &SpecimenState) -> Vector {
+        let way = |n: &usize| {
+            state.pieces[*n].pose.translation.vector - self.began[*n].pose.translation.vector
+        };
+        pieces.iter().map(way).sum::<Vector>() / pieces.len().max(1) as f64
     }
 
     /// Height in m below which nothing of the pieces reaches in this stage.
@@ -133,7 +168,8 @@ impl Pieces {
     /// Largest speed in m/s of any point of the pieces in this stage.
     pub(super) fn peak_speed(&self, setup: &Setup) -> f64 {
         let pressed = self.began.iter().filter_map(|piece| piece.press);
-        let approach = pressed.map(|press| press.approach_m_per_s).fold(0.0, f64::max);
+        let approach = pressed.map(|press| press.of_points(press.approach_m_per_s));
+        let approach = approach.fold(0.0, f64::max);
         let driven = self.drive.as_ref();
         driven.map_or(0.0, |drive| drive.peak_speed(setup, &self.began)).max(approach)
     }
@@ -143,7 +179,7 @@ impl Pieces {
     pub(super) fn pressed_motion(&self, state: &SpecimenState) -> Option<(f64, f64)> {
         let of = |pressed: &Pressed| state.pieces[pressed.piece].press;
         let sums = self.pressed.iter().filter_map(of).fold((0.0, 0.0_f64), |(energy, fast), p| {
-            (energy + p.kinetic_energy(), fast.max(p.speed_m_per_s.abs()))
+            (energy + p.kinetic_energy(), fast.max(p.of_points(p.speed_m_per_s)))
         });
         (!self.pressed.is_empty()).then_some(sums)
     }
@@ -202,12 +238,22 @@ impl Pieces {
             let piece = &mut state.pieces[pressed.piece];
             let Some(press) = &mut piece.press else { continue };
             let body = world.read_body(pressed.body)?;
+            press.resistance_n = 0.0;
+            if let Some(turns) = &mut press.turns {
+                let now = body.pose * pressed.part.inverse();
+                let turned = (now.rotation * piece.pose.rotation.inverse()).scaled_axis();
+                let way = turned.dot(&press.direction);
+                self.pressed_work += press.force_n * way;
+                turns.turned_rad += way;
+                press.speed_m_per_s = body.angular_velocity.dot(&press.direction);
+                piece.pose = now;
+                continue;
+            }
             let now = body.pose.translation.vector
                 - piece.pose.rotation * pressed.part.translation.vector;
             let way = (now - piece.pose.translation.vector).dot(&press.direction);
             self.pressed_work += press.force_n * way;
             piece.pose.translation.vector = now;
-            press.resistance_n = 0.0;
             press.speed_m_per_s = body.linear_velocity.dot(&press.direction);
         }
         let dt = world.time_step();
@@ -218,8 +264,17 @@ impl Pieces {
                 let Some(&n) = self.of_body.get(&body) else { continue };
                 let now = state.pieces[n].pose;
                 self.loads[n].add(&contact.point, &now.translation.vector, impulse);
+                if self.watched.contains(&n) {
+                    self.felt += impulse;
+                }
                 if let Some(press) = &mut state.pieces[n].press {
-                    press.resistance_n -= press.direction.dot(&impulse) / dt;
+                    press.resistance_n -= match press.turns {
+                        Some(turns) => {
+                            let arm = contact.point - turns.about;
+                            press.direction.dot(&arm.cross(&impulse)) / dt
+                        }
+                        None => press.direction.dot(&impulse) / dt,
+                    };
                 }
                 let moves = self.drive.as_ref().is_some_and(|drive| drive.pieces.contains(&n));
                 if moves {
@@ -279,6 +334,10 @@ impl Pieces {
 
 /// How a body moves that is pressed.
 fn motion_of(press: &PressState) -> Motion {
+    if let Some(turns) = press.turns {
+        let axis = press.direction;
+        return Motion::Turned { inertia: press.mass_kg, axis, about: turns.about };
+    }
     Motion::Pressed { mass: press.mass_kg, direction: press.direction }
 }
 

@@ -178,3 +178,46 @@ fn a_lid_stays_pressed_until_it_is_locked_or_moved() {
     assert!(lifted.state.pieces[1].press.is_some(), "law: all that stand, less what is pressed");
     near("pressed on the way, N", lifted.state.pieces[1].force_n.z, 8e3 * 0.049 * 0.049, 0.2);
 }
+
+/// A vane stands in the middle of the box while grains fall around it, and is turned.
+fn vane(checkpoint_every_s: Option<f64>) -> Scenario {
+    let mut scenario = scenario(checkpoint_every_s);
+    let vane = serde_json::json!({ "name": "lid", "at_mm": [0, 0, 40],
+        "shape": { "plate": { "size_mm": [30, 4, 70] } } });
+    scenario.pieces[1] = serde_json::from_value(vane).expect("a piece");
+    scenario
+}
+
+#[test]
+fn grains_resist_the_moment_that_turns_a_vane_and_an_interruption_changes_nothing() {
+    let _turn = crate::world::shared_turn();
+    let go = |every: Option<f64>, specimen: Specimen, midway, value: serde_json::Value| {
+        let setup = Setup::new(&vane(every)).expect("a laboratory");
+        let (mut seen, never) = (Seen::default(), AtomicBool::new(false));
+        let make = &crate::world::create;
+        let outcome = run(&setup, make, specimen, &stage(value), midway, &mut seen, &never);
+        (outcome.expect("it runs"), seen)
+    };
+    let rain = serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 110], "area_mm": [34, 34],
+        "rate_g_per_s": 150, "time_limit_s": 4 });
+    let filled = go(None, before_everything(), None, rain).0.specimen;
+    let moment = 1.5e-3;
+    let turn = serde_json::json!({ "stage": "press", "time_limit_s": 4, "ramp_s": 0.3,
+        "loads": [{ "piece": "lid", "moment_n_m": moment, "axis": [0, 0, -2],
+                    "about_mm": [0, 0, 0] }] });
+    let (whole, seen) = go(Some(0.25), filled.clone(), None, turn.clone());
+    assert!(whole.warnings.is_empty(), "law: the grains hold it, {:?}", whole.warnings);
+    let piece = whole.specimen.state.pieces[1];
+    near("the grains resist, N m", piece.moment_n_m.z, moment, 0.03 * moment);
+    let turned = piece.press.and_then(|press| press.turns).expect("it turns").turned_rad;
+    let (_, _, yaw) = piece.pose.rotation.euler_angles();
+    near("turned as its pose says, rad", -yaw, turned, 1e-9);
+    assert!(turned > 1e-5 && turned < 1.0, "law: until they do, got {turned} rad");
+    near("and nowhere else, m", piece.pose.translation.vector.xy().norm(), 0.0, 1e-9);
+    assert!(seen.seams.len() >= 2, "the check sees segments, {}", seen.seams.len());
+    for midway in [&seen.seams[0], &seen.seams[seen.seams.len() - 1]] {
+        let midway = Some(midway.clone());
+        let (got, _) = go(Some(0.25), filled.clone(), midway, turn.clone());
+        assert!(got.specimen.state == whole.specimen.state, "law: the same from a checkpoint");
+    }
+}

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Setup, Watch, feeder::Fed};
+use super::{Judged, Setup, Watch, feeder::Fed};
 use crate::scale;
 use crate::scenario::{Backend, ContactSolver, StageSpec};
 use crate::specimen::{PieceState, SpecimenState};
@@ -61,6 +61,9 @@ pub struct Midway {
     /// Where the pieces of a laboratory were when the stage began.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pieces_began: Vec<PieceState>,
+    /// What was seen of the condition that ends the stage.
+    #[serde(default, skip_serializing_if = "Judged::is_empty")]
+    pub judged: Judged,
 }
 
 impl Midway {
@@ -84,6 +87,7 @@ impl Midway {
         if self.part_began > self.steps {
             return Err(format!("`part_began` is {}, after `steps`", self.part_began));
         }
+        self.judged.check()?;
         self.fed.as_ref().map_or(Ok(()), |fed| fed.check(grains))
     }
 
@@ -104,6 +108,7 @@ impl Midway {
             fed: None,
             part: 0,
             part_began: 0,
+            judged: Judged::default(),
         }
     }
 

@@ -4,6 +4,7 @@ use std::{ops::ControlFlow, sync::atomic::AtomicBool};
 
 use super::{
     Midway, Observer, Settling, Setup, StageError, StageOutcome, base,
+    ending::Ending,
     feeder::{Feed, Feeder, Outlet, Rate},
     laboratory,
     pieces::Drive,
@@ -46,9 +47,7 @@ pub fn run(
         StageSpec::Deposit { .. } => lab.deposit(specimen, stage, observer),
         StageSpec::Move { .. } => lab.move_pieces(specimen, stage, observer),
         StageSpec::Press { .. } => lab.press(specimen, stage, observer),
-        StageSpec::Remove { ref pieces, time_limit_s } => {
-            lab.remove(specimen, pieces, time_limit_s, observer)
-        }
+        StageSpec::Remove { .. } => lab.remove(specimen, stage, observer),
         StageSpec::Rest { duration_s } => lab.rest(specimen, duration_s, observer),
     }
 }
@@ -63,17 +62,19 @@ pub(super) struct Laboratory<'a> {
 
 /// How a stage goes.
 pub(super) struct Course {
-    until: Until,
-    motion: Option<TableMotion>,
+    pub(super) until: Until,
+    pub(super) motion: Option<TableMotion>,
     pub(super) feed: Option<Feed>,
-    placing: Option<Placing>,
+    pub(super) placing: Option<Placing>,
     /// The pieces of a laboratory that move.
     pub(super) drive: Option<Drive>,
+    /// What ends it before its time.
+    pub(super) ending: Option<Ending>,
 }
 
 impl Course {
     pub(super) fn until(until: Until) -> Self {
-        Self { until, motion: None, feed: None, placing: None, drive: None }
+        Self { until, motion: None, feed: None, placing: None, drive: None, ending: None }
     }
 
     pub(super) fn until_settled(limit: f64) -> Self {
@@ -82,6 +83,25 @@ impl Course {
 
     pub(super) fn of_length(limit: f64) -> Self {
         Self::until(Until { limit, calm_from: None })
+    }
+
+    /// How long it goes on where the condition that ends it held at a time in s: a motion dies
+    /// away and settles, and without one it is over.
+    pub(super) fn until_after(&self, reached: Option<f64>) -> Until {
+        let Some(time) = reached else { return self.until };
+        let Some(drive) = &self.drive else { return Until { limit: time, calm_from: None } };
+        let end = drive.motion.ended_at(time).duration;
+        let settling = self.until.limit - drive.motion.duration;
+        Until { limit: end + settling, calm_from: self.until.calm_from.map(|_| end) }
+    }
+
+    /// What moves, where the condition that ends it held at a time in s.
+    fn drive_after(&self, reached: Option<f64>) -> Option<Drive> {
+        let mut drive = self.drive.clone()?;
+        if let Some(time) = reached {
+            drive.motion = drive.motion.ended_at(time);
+        }
+        Some(drive)
     }
 
     /// The number of its last part.
@@ -121,13 +141,15 @@ impl<'a> Laboratory<'a> {
                 None => self.setup.plate.clone(),
             };
             let mut stand = {
-                let drive = course.drive.clone();
+                let drive = course.drive_after(midway.judged.reached_s);
                 Stand::new(self.setup, self.make_world, grains.clone(), plate, drive, midway)?
             };
+            if let Some(ending) = &course.ending {
+                stand.end_when(ending.clone());
+            }
             let begin = |feed| Feeder::new(stand.specimen(), feed, seed, configuration, fed);
             let mut feeder = course.feed.clone().map(begin);
-            let motion = course.motion.as_ref();
-            match stand.segment(&course.until, motion, feeder.as_mut(), observer, self.cancel)? {
+            match stand.segment(course, feeder.as_mut(), observer, self.cancel)? {
                 LegEnd::OfPart { settled } if part < course.last_part() => {
                     if !settled {
                         stand.warn(not_settled("seating the top plate", course.until.limit));

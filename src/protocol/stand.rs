@@ -2,6 +2,8 @@
 
 mod contacts;
 mod driven;
+mod ending;
+mod reading;
 
 use std::{
     collections::HashMap,
@@ -15,10 +17,12 @@ use std::{
 use super::{
     Midway, Moment, Observer, Setup, StageError, StageOutcome, base,
     bodies::{free_grain, level, moved, remembered, spring_energy, wall_piece},
+    ending::Ending,
     feeder::Feeder,
     pieces::{Drive, Pieces},
     plausible::check,
     segments::{segment_steps, steps_a_check},
+    stages::Course,
     watch::{Finding, Tally, steps_a_look},
     whereabouts::Whereabouts,
 };
@@ -59,6 +63,9 @@ pub(super) struct Stand<'a> {
     whereabouts: Whereabouts,
     check: RunTimeCheck,
     snapshot: Snapshot,
+    /// What ends the stage, and where the grains were when that was last looked at.
+    ending: Option<Ending>,
+    places: Vec<Option<Vector>>,
     /// Where the stage is; the specimen is in the field of that name, and the
     /// spout is handed in.
     midway: Midway,
@@ -76,6 +83,7 @@ pub(super) enum LegEnd {
 }
 
 /// How long to go on.
+#[derive(Clone, Copy)]
 pub(super) struct Until {
     /// At most so long, in s since the stage, or the part of it, began.
     pub limit: f64,
@@ -204,6 +212,8 @@ impl<'a> Stand<'a> {
             whereabouts,
             check: check(setup, 0.0),
             snapshot: Snapshot::new(),
+            ending: None,
+            places: Vec::new(),
             midway,
         })
     }
@@ -212,8 +222,7 @@ impl<'a> Stand<'a> {
     /// at every check; nothing counts as settled while some are still to come.
     pub(super) fn segment(
         &mut self,
-        until: &Until,
-        motion: Option<&TableMotion>,
+        course: &Course,
         mut feeder: Option<&mut Feeder>,
         observer: &mut dyn Observer,
         cancel: &AtomicBool,
@@ -221,10 +230,16 @@ impl<'a> Stand<'a> {
         let dt = self.world.time_step();
         let steps_in = |time: f64| (time / dt).round() as u64;
         let part_began = self.midway.part_began;
-        let last_step = part_began + steps_in(until.limit).max(1);
-        // The end of shaking is observed, as that of the stage is.
-        let calm_from = until.calm_from.map(|time| part_began + steps_in(time));
-        let shaken = calm_from.filter(|step| *step > part_began);
+        // By what has ended the stage: its last step, from which on it may settle, and the end
+        // of shaking, which is observed as that of the stage is.
+        let ends = |reached: Option<f64>| {
+            let until = course.until_after(reached);
+            let calm_from = until.calm_from.map(|time| part_began + steps_in(time));
+            let shaken = calm_from.filter(|step| *step > part_began);
+            (part_began + steps_in(until.limit).max(1), calm_from, shaken)
+        };
+        let (mut last_step, mut calm_from, mut shaken) = ends(self.midway.judged.reached_s);
+        let motion = course.motion.as_ref();
         let check_every = steps_a_check(self.setup, dt);
         let segment = segment_steps(self.setup, self.specimen.grains.grains.len());
         let seam = segment.map(|segment| (self.midway.steps / segment + 1).saturating_mul(segment));
@@ -243,7 +258,8 @@ impl<'a> Stand<'a> {
         if let Some(motion) = motion.filter(|_| self.midway.steps > 0) {
             self.recall_table(motion)?;
         }
-        for step in self.midway.steps + 1..=last_step {
+        while self.midway.steps < last_step {
+            let step = self.midway.steps + 1;
             let time = step as f64 * dt;
             if let Some(motion) = motion {
                 self.move_table(motion.displacement(time))?;
@@ -259,9 +275,8 @@ impl<'a> Stand<'a> {
             gathered.map_err(|source| self.failed(source))?;
 
             let due = time >= self.midway.next_sample_s - dt / 2.0;
-            let sample = due || step == last_step || Some(step) == shaken;
-            let check = sample || step % check_every == 0;
-            if !check {
+            let regular = step % check_every == 0;
+            if !(regular || due || step == last_step || Some(step) == shaken) {
                 if look_every.is_some_and(|n| step % n == 0) {
                     self.world.read(&mut self.snapshot);
                     let now = self.tally();
@@ -278,6 +293,9 @@ impl<'a> Stand<'a> {
             for text in self.midway.warnings[told..].iter().chain(&finding) {
                 observer.warn(text);
             }
+            if regular && self.ends_now(time, check_every as f64 * dt) {
+                (last_step, calm_from, shaken) = ends(Some(time));
+            }
             if calm_from.is_some_and(|from| step > from) {
                 let fed = feeder.as_ref().is_none_or(|f| f.is_empty());
                 let calm = fed && self.calm();
@@ -285,7 +303,7 @@ impl<'a> Stand<'a> {
                 self.midway.calm_since_s = calm.then_some(since);
                 settled = calm && time - since >= self.setup.settle.hold;
             }
-            if sample || settled {
+            if due || step == last_step || Some(step) == shaken || settled {
                 if due {
                     self.midway.next_sample_s += self.setup.sample_interval;
                 }
@@ -360,6 +378,7 @@ impl<'a> Stand<'a> {
         StageOutcome {
             corners: self.grains.iter().map(of_grain).collect(),
             settling: None,
+            until: self.ending.as_ref().map(|ending| ending.found(&self.midway.judged)),
             simulated: self.midway.steps as f64 * self.world.time_step(),
             effective: self.world.effective(),
             specimen: self.specimen,
@@ -388,102 +407,5 @@ impl<'a> Stand<'a> {
 
     fn failed(&self, source: WorldError) -> StageError {
         StageError::World { source, last_good: Box::new(self.specimen.clone()) }
-    }
-
-    /// Begins to watch the bodies as the specimen has them; the table's peak
-    /// speed and its velocity now in m/s.
-    fn begin_watch(&mut self, table: (f64, Vector)) {
-        let Specimen { grains, state } = &self.specimen;
-        let present = |(_, s): &(&Grain, &GrainState)| s.fate == Fate::Present;
-        let bodies = grains.grains.iter().zip(&state.bodies).filter(present);
-        let bodies = bodies.map(|(grain, s)| (grain.mass, &grain.inertia, &s.body));
-        let plate = &self.of_plate;
-        let plate = state.top_plate.iter().map(|s| (plate.mass, &plate.inertia, s));
-        let lowest = self.whereabouts.lowest();
-        let began = self.midway.began_s + self.midway.steps as f64 * self.world.time_step();
-        let bodies = bodies.chain(plate);
-        let begins = self.midway.watch.begin(bodies, lowest, self.setup.gravity, table, began);
-        if begins && let Some((kinetic, _)) = self.pieces.pressed_motion(state) {
-            let springs = spring_energy(&state.contacts, &self.setup.engine);
-            self.midway.watch.press(kinetic, springs);
-        }
-    }
-
-    /// Sums over the bodies of the last snapshot that are still followed.
-    fn tally(&self) -> Tally {
-        let body = |id: &Option<BodyId>| self.snapshot.get((*id)?.0 as usize)?.as_ref();
-        let grains = self.specimen.grains.grains.iter().zip(&self.grains);
-        let grains = grains.filter_map(|(g, id)| Some((g.mass, &g.inertia, body(id)?)));
-        let plate = &self.of_plate;
-        let plate = body(&self.plate).map(|s| (plate.mass, &plate.inertia, s));
-        let free = Tally::of(grains.chain(plate), self.setup.gravity);
-        let pressed = self.pieces.pressed_motion(&self.specimen.state);
-        pressed.map_or(free, |(kinetic, fastest)| free.and(kinetic, fastest))
-    }
-
-    /// Reads the world, checks it, and only then takes it over into the specimen.
-    /// Gives what a check has to tell.
-    fn read_back(&mut self, time: f64, table: Vector) -> Result<Option<String>, StageError> {
-        self.world.read(&mut self.snapshot);
-        self.check.check(&self.snapshot, time).map_err(|source| self.failed(source))?;
-        let held = |id: &BodyId| self.snapshot.get(id.0 as usize).is_some_and(Option::is_some);
-        if let Some(lost) = self.grains.iter().flatten().chain(&self.plate).find(|id| !held(id)) {
-            let what = format!("body {} is no longer in the engine", lost.0);
-            return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
-        }
-        let now = self.tally();
-        self.note_work();
-        let watch = &mut self.midway.watch;
-        watch.checks += 1;
-        let finding = match watch.look(&now, table, self.midway.began_s + time) {
-            Finding::Nothing => None,
-            Finding::Warning(text) => Some(format!("at {time:.3} s {text}")),
-            Finding::Runaway(what) => {
-                return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
-            }
-        };
-        let mut gone = false;
-        let table_x = self.specimen.state.table_x;
-        for index in 0..self.grains.len() {
-            let Some(id) = self.grains[index] else { continue };
-            let Some(body) = self.snapshot[id.0 as usize] else { continue };
-            let place = level(body.pose.translation.vector, &self.specimen.state);
-            let state = &mut self.specimen.state.bodies[index];
-            state.body = body;
-            let mut fate = self.whereabouts.note(index, &place, table_x);
-            if fate == Fate::Present && self.is_in_a_piece(&body.pose.translation.vector) {
-                fate = Fate::ThroughWall;
-            }
-            let state = &mut self.specimen.state.bodies[index];
-            if fate != Fate::Present {
-                state.fate = fate;
-                self.grains[index] = None;
-                gone = true;
-                if let Err(source) = self.world.remove(id) {
-                    return Err(StageError::World {
-                        source,
-                        last_good: Box::new(self.specimen.clone()),
-                    });
-                }
-                if fate == Fate::ThroughWall {
-                    self.midway.watch.through_walls += 1;
-                    let at = body.pose.translation.vector * 1e3;
-                    self.midway.warnings.push(format!(
-                        "grain {index} passed through a wall at {time:.3} s, last seen at \
-                         ({:.1}, {:.1}, {:.1}) mm",
-                        at.x, at.y, at.z
-                    ));
-                }
-            }
-        }
-        if let Some(id) = self.plate {
-            self.specimen.state.top_plate = self.snapshot[id.0 as usize];
-        }
-        self.specimen.state.time = self.midway.began_s + time;
-        if gone {
-            let left = self.tally();
-            self.midway.watch.taken_away(left);
-        }
-        Ok(finding)
     }
 }

@@ -371,6 +371,7 @@ pub(super) mod tests {
             part: 0,
             part_began: 0,
             pieces_began: Vec::new(),
+            judged: crate::protocol::Judged::default(),
         }
     }
 

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::tables::with_columns;
+use crate::protocol::UntilFound;
 
 /// One moment, in J. Work and loss are counted from the beginning of the stage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -47,6 +48,9 @@ pub struct StageSummary {
     /// How far the grains have turned in it, of those present at both ends; null where there are
     /// none.
     pub rotation: Option<RotationSummary>,
+    /// What came of the condition that was to end it; none of a stage without `until`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<UntilFound>,
 }
 
 /// Energy balance of a stage in J: what is put in, and what grains bring that are let go, is

@@ -34,6 +34,10 @@ pub struct PieceRow {
     /// Force in N and stress in kPa by which it is pressed; none where it is not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressed: Option<[f64; 2]>,
+    /// Moment in N m by which it is turned about its axis, and by how many degrees it has been
+    /// since; none where it is not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turned: Option<[f64; 2]>,
 }
 
 /// Rows of a stage so far, and what has passed since the last of them.
@@ -177,6 +181,7 @@ pub fn of_group(pieces: &[Option<PieceRow>], numbers: &[usize]) -> Option<PieceR
         force_n: sum(|piece| piece.force_n).into(),
         moment_n_m: there.iter().map(moment).sum::<Vector>().into(),
         pressed: there[0].pressed.filter(|_| there.len() == 1),
+        turned: there[0].turned.filter(|_| there.len() == 1),
     })
 }
 
@@ -195,6 +200,9 @@ pub fn with_laboratory(
     let pressed_in = |row: &LaboratoryRow, k: usize| row.pieces.get(k).copied().flatten()?.pressed;
     let presses = |k: &usize| rows.iter().any(|row| pressed_in(row, *k).is_some());
     let pressed: Vec<usize> = (0..names.pieces.len()).filter(presses).collect();
+    let turned_in = |row: &LaboratoryRow, k: usize| row.pieces.get(k).copied().flatten()?.turned;
+    let turns = |k: &usize| rows.iter().any(|row| turned_in(row, *k).is_some());
+    let turned: Vec<usize> = (0..names.pieces.len()).filter(turns).collect();
     let mut columns = Vec::new();
     for name in names.pieces.iter().chain(names.groups.iter().map(|(name, _)| name)) {
         for (quantity, unit) in [("", "mm"), ("_force", "n"), ("_moment", "n_m")] {
@@ -203,6 +211,9 @@ pub fn with_laboratory(
     }
     for name in pressed.iter().map(|k| &names.pieces[*k]) {
         columns.extend(["n", "kpa"].map(|unit| format!("{name}_pressed_{unit}")));
+    }
+    for name in turned.iter().map(|k| &names.pieces[*k]) {
+        columns.extend(["pressed_n_m", "turned_deg"].map(|what| format!("{name}_{what}")));
     }
     columns.extend(names.openings.iter().map(|name| format!("{name}_passed_g")));
     columns.extend(names.regions.iter().map(|name| format!("{name}_void_ratio")));
@@ -220,6 +231,10 @@ pub fn with_laboratory(
         }
         for k in &pressed {
             let load = row.and_then(|row| pressed_in(row, *k));
+            cells.extend([0, 1].map(|i| load.map(|load| load[i])));
+        }
+        for k in &turned {
+            let load = row.and_then(|row| turned_in(row, *k));
             cells.extend([0, 1].map(|i| load.map(|load| load[i])));
         }
         for k in 0..names.openings.len() {
@@ -271,6 +286,7 @@ mod tests {
             force_n: [0.0, 0.0, -5.5],
             moment_n_m: [0.0; 3],
             pressed: None,
+            turned: None,
         };
         let row = |there: bool| LaboratoryRow {
             pieces: vec![there.then_some(piece)],
@@ -310,6 +326,7 @@ mod tests {
             force_n: [0.0, 0.0, -force],
             moment_n_m: [0.0, 0.25, 0.0],
             pressed: None,
+            turned: None,
         };
         let pieces = [Some(piece(0.0, 3.0)), Some(piece(1000.0, 1.0)), None];
         let got = of_group(&pieces, &[0, 1, 2]).expect("two of them stand");
@@ -328,6 +345,7 @@ mod tests {
                 force_n: [0.0; 3],
                 moment_n_m: [0.0; 3],
                 pressed,
+                turned: None,
             })],
             passed_g: Vec::new(),
             void_ratios: Vec::new(),

@@ -9,7 +9,7 @@ use super::{
     StageIdentity, hash::hash_file, hash_json, identity::short, read_json, read_unchanged,
     series_from_csv,
 };
-use crate::protocol::Settling;
+use crate::protocol::{Settling, UntilFound};
 use crate::specimen::SpecimenState;
 use crate::world::EffectiveSettings;
 
@@ -59,6 +59,9 @@ pub struct StageRecord {
     /// How a vibration came to rest; none of another stage.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settling: Option<Settling>,
+    /// What came of the condition that was to end it; none of a stage without `until`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub until: Option<UntilFound>,
     /// Heights of the plate, where there is one, and of the mean surface in mm when the first
     /// vibration of the run began; none before.
     #[serde(default, skip_serializing_if = "Option::is_none")]

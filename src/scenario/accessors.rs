@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::{
     Grading, GrainsSpec, InterpolationKind, Scenario, SieveFraction, StageSpec, StartPoint,
-    StrokeKind, WaveformKind, stages::half_turn,
+    StrokeKind, UntilSpec, WaveformKind, stages::half_turn,
 };
 use crate::geometry::{Point, Vector};
 use crate::motion::{
@@ -97,11 +97,8 @@ impl StageSpec {
         };
         let frames_per_s = video_frames.map(|v| v.frames_per_s);
         if waveform == WaveformKind::File {
-            let how = match interpolation {
-                Some(InterpolationKind::Linear) => Interpolation::Linear,
-                Some(InterpolationKind::Cubic) | None => Interpolation::Cubic,
-            };
-            let recorded = RecordedMotion::new(motion_rows.as_ref()?, how).ok()?;
+            let rows = motion_rows.as_ref()?;
+            let recorded = RecordedMotion::new(rows, joined(interpolation)).ok()?;
             return Some(TableMotion {
                 periods,
                 rest: rest_s,
@@ -145,15 +142,26 @@ impl StageSpec {
             velocity_mm_per_s,
             rotation,
             sine,
+            ref motion_rows,
+            interpolation,
             duration_s,
             travel_mm,
             travel_deg,
+            ref until,
+            time_limit_s,
             ramp_s: ramp,
             ..
         } = *self
         else {
             return None;
         };
+        if let Some(rows) = motion_rows {
+            let only = velocity_mm_per_s.is_none() && rotation.is_none() && sine.is_none();
+            let recorded = RecordedMotion::of_piece(rows, joined(interpolation)).ok();
+            let recorded = recorded.filter(|_| only && ramp == 0.0)?;
+            let duration = recorded.duration();
+            return Some(PieceMotion { path: Path::Recorded(Arc::new(recorded)), duration, ramp });
+        }
         let (path, travel) = match (velocity_mm_per_s, rotation, sine) {
             (Some(velocity), None, None) => {
                 let velocity = Vector::from(velocity.map(from_mm));
@@ -173,9 +181,20 @@ impl StageSpec {
             _ => return None,
         };
         // While it grows and dies away it covers half as much as at full speed.
-        let duration = duration_s.or(travel.map(|time| time + ramp))?;
+        let limit = time_limit_s.filter(|_| until.is_some());
+        let duration = duration_s.or(travel.map(|time| time + ramp)).or(limit)?;
         let sound = duration > 0.0 && duration.is_finite() && 2.0 * ramp <= duration;
         sound.then_some(PieceMotion { path, duration, ramp })
+    }
+
+    /// What may end the stage; none of one that ends in its own way.
+    pub fn until(&self) -> Option<&UntilSpec> {
+        match self {
+            Self::Move { until, .. } | Self::Press { until, .. } | Self::Remove { until, .. } => {
+                until.as_ref()
+            }
+            _ => None,
+        }
     }
 
     /// Longest time in s that a vibration may take to come to rest after its last period; 0 of
@@ -215,6 +234,14 @@ impl StageSpec {
                 self.motion().map_or(0.0, |m| m.total()) + settle_limit_s
             }
         }
+    }
+}
+
+/// How a recorded displacement goes between rows.
+pub(super) fn joined(interpolation: Option<InterpolationKind>) -> Interpolation {
+    match interpolation {
+        Some(InterpolationKind::Linear) => Interpolation::Linear,
+        Some(InterpolationKind::Cubic) | None => Interpolation::Cubic,
     }
 }
 

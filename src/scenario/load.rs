@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::{
-    Fault, Grading, GrainsSpec, Override, Scenario, ScenarioErrors, automatic, begin, motion_file,
+    Fault, Grading, GrainsSpec, Override, Scenario, ScenarioErrors, automatic, begin,
+    mesh_pieces::{self, PartsOf},
+    motion_file,
     source::{self, Document, Origin},
     structure, validate,
 };
@@ -23,13 +25,21 @@ pub struct Loaded {
 /// cannot be read, which whoever makes the grains then says.
 pub type GradingOf = fn(&GrainsSpec) -> Option<Grading>;
 
+/// Who reads what a scenario names.
+#[derive(Debug, Clone, Copy)]
+pub struct Readers {
+    /// Tells of grains that have no sieve table.
+    pub grading: GradingOf,
+    /// Reads the convex parts of pieces from mesh files.
+    pub parts: PartsOf,
+}
+
 /// Loads a scenario: reads the file and those it extends, lays the overrides
 /// over them, fills in what follows from the grains, and checks everything, from
-/// spelling to whether the time step can resolve the motion. `grading` is asked about
-/// grains without a sieve table.
+/// spelling to whether the time step can resolve the motion.
 ///
-/// Relative paths in `extends`, `begin.specimen`, `grains.file`, `grains.meshes` and `motion_file` begin at the file that gives
-/// them, those of overrides at the working directory.
+/// Relative paths in `extends`, `begin.specimen`, `grains.file`, `grains.meshes`, `motion_file` and
+/// `shape.mesh.file` begin at the file that gives them, those of overrides at the working directory.
 ///
 /// # Errors
 /// [`ScenarioErrors::Unreadable`] for a file that cannot be read, and else
@@ -37,21 +47,30 @@ pub type GradingOf = fn(&GrainsSpec) -> Option<Grading>;
 pub fn load_with(
     path: &Path,
     overrides: &[Override],
-    grading: GradingOf,
+    readers: Readers,
 ) -> Result<Loaded, ScenarioErrors> {
-    load_document_with(source::read(path)?, overrides, grading)
+    load_document_with(source::read(path)?, overrides, readers)
 }
 
 /// What a scenario says beside its grains.
-const BESIDE_GRAINS: [&str; 7] =
-    ["apparatus", "contact", "engine", "settle", "gravity_m_per_s2", "stages", "rest_test_s"];
+const BESIDE_GRAINS: [&str; 9] = [
+    "apparatus",
+    "pieces",
+    "measures",
+    "contact",
+    "engine",
+    "settle",
+    "gravity_m_per_s2",
+    "stages",
+    "rest_test_s",
+];
 
 /// Loads a scenario for its grains alone: apparatus, contacts, engine and stages are left as if
 /// nothing had been typed, whatever stands there.
 ///
 /// # Errors
 /// As [`load_with`], of what is left.
-pub fn load_grains_with(path: &Path, grading: GradingOf) -> Result<Loaded, ScenarioErrors> {
+pub fn load_grains_with(path: &Path, readers: Readers) -> Result<Loaded, ScenarioErrors> {
     let mut document = source::read(path)?;
     if let Value::Object(fields) = &mut document.value {
         fields.retain(|name, _| !BESIDE_GRAINS.contains(&name.as_str()));
@@ -64,13 +83,13 @@ pub fn load_grains_with(path: &Path, grading: GradingOf) -> Result<Loaded, Scena
     }
     let of_grains = |path: &str| !BESIDE_GRAINS.iter().any(|name| path.starts_with(name));
     document.faults.retain(|fault| of_grains(&fault.path));
-    load_document_with(document, &[], grading)
+    load_document_with(document, &[], readers)
 }
 
 fn load_document_with(
     mut document: Document,
     overrides: &[Override],
-    grading: GradingOf,
+    readers: Readers,
 ) -> Result<Loaded, ScenarioErrors> {
     let mut faults = std::mem::take(&mut document.faults);
     for change in overrides {
@@ -79,8 +98,9 @@ fn load_document_with(
         }
     }
     faults.extend(begin::read(&mut document));
-    let unread = motion_file::read(&mut document);
-    let grading = grading_of(&document, grading);
+    let mut unread = motion_file::read(&mut document);
+    unread.extend(mesh_pieces::read(&mut document, readers.parts));
+    let grading = grading_of(&document, readers.grading);
     if let Some(grading) = &grading {
         automatic::fill(&mut document.value, grading);
     }
@@ -139,7 +159,8 @@ pub fn gathered(path: &Path) -> Result<Value, ScenarioErrors> {
             }
         }
     }
-    motion_file::place(&mut value, folder);
+    motion_file::place(&mut value, &folder);
+    mesh_pieces::place(&mut value, folder);
     Ok(value)
 }
 

@@ -15,6 +15,7 @@ mod enlarged;
 mod fault;
 mod index_densities;
 mod load;
+mod mesh_pieces;
 mod meshes;
 mod motion_file;
 mod native;
@@ -29,6 +30,7 @@ mod stages;
 mod stock;
 mod stress;
 mod structure;
+mod until;
 mod unusual;
 mod unusual_pieces;
 mod validate;
@@ -40,7 +42,8 @@ pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactSolver, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
 pub use index_densities::IndexDensitiesSpec;
-pub use load::{GradingOf, Loaded, check, gathered, load_grains_with, load_with};
+pub use load::{GradingOf, Loaded, Readers, check, gathered, load_grains_with, load_with};
+pub use mesh_pieces::{MOST_PARTS, MeshPart, MeshPieceSpec, PartsOf};
 pub use meshes::{MeshGrains, MeshUnit};
 pub use native::{NativeSettings, automatic_threads};
 pub use overrides::{NotAnOverride, Override};
@@ -56,6 +59,7 @@ pub use stages::{
     VideoFramesSpec, WaveformKind,
 };
 pub use stock::{InertiaRule, StockSettings};
+pub use until::UntilSpec;
 pub use validate::{Warning, warnings};
 
 use schemars::JsonSchema;

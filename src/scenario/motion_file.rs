@@ -20,7 +20,8 @@ pub(super) fn read(document: &mut Document) -> Vec<Fault> {
     for i in 0..count {
         let path = format!("stages[{i}].motion_file");
         let stage = &document.value["stages"][i];
-        let is_recorded = stage["stage"] == "vibrate" && stage["waveform"] == "file";
+        let of_piece = stage["stage"] == "move";
+        let is_recorded = of_piece || stage["stage"] == "vibrate" && stage["waveform"] == "file";
         let Some(name) = stage["motion_file"].as_str().filter(|n| is_recorded && !n.is_empty())
         else {
             continue;
@@ -53,7 +54,11 @@ pub(super) fn read(document: &mut Document) -> Vec<Fault> {
         match rows_from_csv(&content) {
             Ok(rows) => {
                 // Here the faults can name the file.
-                if let Err(found) = RecordedMotion::new(&rows, Interpolation::Cubic) {
+                let motion = match of_piece {
+                    true => RecordedMotion::of_piece(&rows, Interpolation::Cubic),
+                    false => RecordedMotion::new(&rows, Interpolation::Cubic),
+                };
+                if let Err(found) = motion {
                     for of_row in found {
                         let message = format!("{}: {}", file.display(), of_row.what);
                         fault(of_row.found, of_row.allowed, message);

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::mesh_pieces::MeshPieceSpec;
+
 /// A rigid piece of the apparatus. Where a scenario has any, they stand in place of the
 /// built-in funnel, cylinder and top plate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -59,6 +61,10 @@ pub struct ShapeSpec {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "DrumSpec")]
     pub drum: Option<DrumSpec>,
+    /// Solid convex parts from a mesh file. Origin: that of the file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "MeshPieceSpec")]
+    pub mesh: Option<MeshPieceSpec>,
 }
 
 /// A side of a box.
@@ -241,9 +247,9 @@ pub struct SineSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadSpec {
-    /// Name of the piece: a `plate`, a `disc` or a `wedge`.
+    /// Name of the piece: a `plate`, a `disc`, a `wedge` or a `mesh` of one part.
     pub piece: String,
-    /// The direction in which it is pressed, and the only one along which it moves; its length
+    /// The direction in which a force presses it, and the only one along which it moves; its length
     /// does not matter.
     #[serde(default = "down")]
     pub direction: [f64; 3],
@@ -255,6 +261,19 @@ pub struct LoadSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", range(min = 0.0, max = 1e6))]
     pub stress_kpa: Option<f64>,
+    /// A moment in N m that turns the piece about an axis, and about nothing else, in place of a
+    /// force; its weight is part of the moment.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", range(min = 0.0, max = 1e6))]
+    pub moment_n_m: Option<f64>,
+    /// Direction of the axis of a moment, right-handed; its length does not matter.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[f64; 3]")]
+    pub axis: Option<[f64; 3]>,
+    /// A point of that axis in mm; left out, the origin of the laboratory.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "[f64; 3]")]
+    pub about_mm: Option<[f64; 3]>,
     /// Mass in g that the force accelerates; left out, that of the piece in aluminium,
     /// 2700 kg/m³.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -15,6 +15,7 @@ impl ShapeSpec {
             ("hopper", self.hopper.is_some()),
             ("wedge", self.wedge.is_some()),
             ("drum", self.drum.is_some()),
+            ("mesh", self.mesh.is_some()),
         ];
         given.into_iter().filter(|(_, is)| *is).map(|(name, _)| name).collect()
     }
@@ -40,6 +41,7 @@ impl ShapeSpec {
                 Some(PI / 4.0 * d.diameter_mm * d.diameter_mm * z + side)
             }
             Self { wedge: Some(w), .. } => Some(block(w.size_mm)),
+            Self { mesh: Some(m), .. } => m.shows_mm2(along),
             _ => None,
         }
     }
@@ -54,6 +56,7 @@ impl ShapeSpec {
             Self { cylinder: Some(c), .. } => {
                 vec![c.inner_diameter_mm + c.wall_mm, c.height_mm + c.wall_mm]
             }
+            Self { mesh: Some(m), .. } => vec![m.reach_mm()],
             Self { plate: Some(p), .. } => p.size_mm.map(|size| size / 2.0).to_vec(),
             Self { disc: Some(d), .. } => vec![d.diameter_mm, d.thickness_mm],
             Self { hopper: Some(h), .. } => {

@@ -3,7 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::pieces::{DepositKind, LoadSpec, RotationSpec, SineSpec};
+use super::{
+    pieces::{DepositKind, LoadSpec, RotationSpec, SineSpec},
+    until::UntilSpec,
+};
 
 /// What the stated amplitude of a sinusoid means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -316,7 +319,20 @@ pub enum StageSpec {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "SineSpec")]
         sine: Option<SineSpec>,
-        /// How long they move, in s; or `travel_mm`, or `travel_deg`.
+        /// Path of a recorded motion, in place of a velocity: a CSV as that of a vibration, whose
+        /// last row may be anywhere. Once loaded, its rows stand in `motion_rows`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "String", length(min = 1))]
+        motion_file: Option<String>,
+        /// Rows of a recorded motion, in place of a file: time in s, x, y and z in mm.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "Vec<[f64; 4]>", length(min = 2, max = 100_000))]
+        motion_rows: Option<Vec<[f64; 4]>>,
+        /// How a recorded displacement goes between two rows; left out, `cubic`.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "InterpolationKind")]
+        interpolation: Option<InterpolationKind>,
+        /// How long they move, in s; or `travel_mm`, `travel_deg` or `until`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
         duration_s: Option<f64>,
@@ -328,6 +344,15 @@ pub enum StageSpec {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
         travel_deg: Option<f64>,
+        /// What ends the motion: from when it holds on, the motion dies away within its ramp. A
+        /// sine without a ramp ends with its cycle.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "UntilSpec")]
+        until: Option<UntilSpec>,
+        /// Time in s after which a motion with `until` ends if that does not hold before.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
+        time_limit_s: Option<f64>,
         /// Time in s in which the motion grows from nothing along half a cosine, and dies
         /// away at its end; 0: it starts and stops abruptly.
         #[serde(default)]
@@ -356,6 +381,10 @@ pub enum StageSpec {
         #[serde(default = "approach")]
         #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
         approach_mm_per_s: f64,
+        /// What ends the stage before that.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "UntilSpec")]
+        until: Option<UntilSpec>,
         /// Ends when the forces are what is wanted and everything has settled, at the latest
         /// after this time.
         #[serde(default = "deposit_limit")]
@@ -368,6 +397,10 @@ pub enum StageSpec {
         /// Names of the pieces.
         #[schemars(length(min = 1, max = 100))]
         pieces: Vec<String>,
+        /// What ends the stage before everything has settled.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "UntilSpec")]
+        until: Option<UntilSpec>,
         /// Ends when everything has settled, at the latest after this time.
         #[serde(default = "deposit_limit")]
         #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]

@@ -6,7 +6,8 @@ use super::LARGEST;
 use crate::geometry::Vector;
 
 /// How a piece is pressed: it moves along one direction alone, by a force along it and by what
-/// the grains do.
+/// the grains do. Where it turns about an axis instead, `turns` says so: forces are then moments in
+/// N m, the mass is a moment of inertia in kg m², and speeds are in rad/s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PressState {
     /// A unit vector.
@@ -30,6 +31,20 @@ pub struct PressState {
     pub resistance_n: f64,
     /// Its speed along the direction in m/s.
     pub speed_m_per_s: f64,
+    /// How it turns about the direction in place of moving along it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turns: Option<TurnState>,
+}
+
+/// How a piece turns that is pressed by a moment.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TurnState {
+    /// A point of the axis in m.
+    pub about: Vector,
+    /// Distance in m from the axis that no point of the piece exceeds.
+    pub reach_m: f64,
+    /// By how much it has turned in rad since it was first pressed so.
+    pub turned_rad: f64,
 }
 
 impl PressState {
@@ -60,6 +75,12 @@ impl PressState {
         (self.force_n - self.target_n).abs() <= 1e-6 * self.target_n
     }
 
+    /// Speed in m/s that no point of it exceeds where it moves at a speed along the direction, or
+    /// about it.
+    pub fn of_points(&self, speed: f64) -> f64 {
+        speed.abs() * self.turns.map_or(1.0, |turns| turns.reach_m)
+    }
+
     /// Its kinetic energy in J.
     pub fn kinetic_energy(&self) -> f64 {
         0.5 * self.mass_kg * self.speed_m_per_s * self.speed_m_per_s
@@ -79,10 +100,18 @@ impl PressState {
         let refuse = |what: &str| Err(format!("a piece is pressed {what}"));
         match () {
             () if !numbers.iter().all(|x| x.abs() <= LARGEST) => refuse("by what is no number"),
+            () if !self.turns.is_none_or(|t| t.is_sound()) => refuse("about no axis"),
             () if !(self.mass_kg > 0.0) => refuse("and has no mass"),
             () if !((self.direction.norm() - 1.0).abs() < 1e-9) => refuse("in no direction"),
             () => Ok(()),
         }
+    }
+}
+
+impl TurnState {
+    fn is_sound(&self) -> bool {
+        let numbers = [self.reach_m, self.turned_rad];
+        self.about.iter().chain(&numbers).all(|x| x.abs() <= LARGEST)
     }
 }
 
@@ -103,6 +132,7 @@ mod tests {
             force_n: 40.0,
             resistance_n: 40.0,
             speed_m_per_s: 0.0,
+            turns: None,
         };
         let step = 0.002;
         let next = |change: PressState| change.next_force(step);
@@ -125,5 +155,29 @@ mod tests {
         last.resistance_n = 0.0;
         near("nothing holds it back then", last.next_force(step), 100.0);
         assert!(!press.is_reached() && PressState { force_n: 100.0, ..press }.is_reached());
+    }
+    #[test]
+    fn points_of_what_turns_are_as_fast_as_they_are_far() {
+        let turns = TurnState { about: Vector::zeros(), reach_m: 0.05, turned_rad: 0.0 };
+        let press = PressState {
+            direction: Vector::z(),
+            mass_kg: 2e-4,
+            area_m2: 0.0,
+            target_n: 1.0,
+            rate_n_per_s: 1.0,
+            approach_m_per_s: 1.0,
+            arrived: false,
+            force_n: 0.0,
+            resistance_n: 0.0,
+            speed_m_per_s: -4.0,
+            turns: Some(turns),
+        };
+        assert_eq!(press.of_points(press.speed_m_per_s), 0.2, "law: ω r");
+        let along = PressState { turns: None, ..press };
+        assert_eq!(along.of_points(along.speed_m_per_s), 4.0, "law: v");
+        assert!((press.kinetic_energy() - 1.6e-3).abs() < 1e-15, "law: ½ I ω²");
+        let nowhere = TurnState { reach_m: f64::NAN, ..turns };
+        let refused = PressState { turns: Some(nowhere), ..press }.check();
+        assert!(refused.is_err_and(|why| why.contains("about no axis")), "law: numbers");
     }
 }

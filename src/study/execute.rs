@@ -316,6 +316,7 @@ impl Shop<'_> {
             solver_residuals: outcome.residuals,
             effective: outcome.effective,
             settling: outcome.settling,
+            until: outcome.until,
             before_vibration_mm: observed.reference.before_vibration_mm,
             sieved_mm: sieved_mm(&outcome.corners),
             laboratory: observed.laboratory.rows,

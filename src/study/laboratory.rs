@@ -5,8 +5,7 @@ use std::sync::Arc;
 use crate::geometry::Vector;
 use crate::grains::GrainSet;
 use crate::measure::{
-    LoadedContact, Opening, Region, centroids, contacts_of_grains_in, fabric, steady_rate,
-    stress_in, void_ratio_in,
+    LoadedContact, Region, contacts_of_grains_in, fabric, steady_rate, stress_in, void_ratio_in,
 };
 use crate::protocol::Setup;
 use crate::record::{
@@ -15,7 +14,7 @@ use crate::record::{
     StoredStage, StressSummary, of_group,
 };
 use crate::scenario::{GroupSpec, RegionSpec, Scenario};
-use crate::specimen::{PieceState, Specimen, SpecimenState};
+use crate::specimen::{Opening, PieceState, Specimen, SpecimenState, centroids};
 use crate::units::{from_mm, to_g, to_kpa, to_mm};
 
 /// Writes rows of what the pieces carry, what flows, and how dense regions are.
@@ -33,19 +32,10 @@ pub(super) struct LaboratoryRecorder {
 impl LaboratoryRecorder {
     /// Of a laboratory; one without pieces writes nothing.
     pub(super) fn new(setup: &Setup) -> Self {
-        let mm = |place: [f64; 3]| Vector::from(place.map(from_mm));
         let measures = &setup.measures;
         Self {
             regions: regions(setup),
-            openings: measures
-                .openings
-                .iter()
-                .map(|o| Opening {
-                    middle: mm(o.at_mm),
-                    radius: from_mm(o.diameter_mm) / 2.0,
-                    direction: Vector::from(o.direction).normalize(),
-                })
-                .collect(),
+            openings: measures.openings.iter().map(crate::protocol::opening).collect(),
             series: LaboratorySeries::default(),
             before: Vec::new(),
             grains: None,
@@ -115,7 +105,11 @@ fn piece_row(piece: &PieceState) -> Option<PieceRow> {
         at_mm: piece.pose.translation.vector.map(to_mm).into(),
         force_n: piece.force_n.into(),
         moment_n_m: piece.moment_n_m.into(),
-        pressed: piece.press.map(|p| [p.force_n, to_kpa(p.force_n / p.area_m2)]),
+        pressed: piece
+            .press
+            .filter(|p| p.turns.is_none())
+            .map(|p| [p.force_n, to_kpa(p.force_n / p.area_m2)]),
+        turned: piece.press.and_then(|p| Some([p.force_n, p.turns?.turned_rad.to_degrees()])),
     })
 }
 
@@ -178,7 +172,13 @@ pub(super) fn laboratory_summary(
         .iter()
         .map(|piece| {
             let PieceSummary { at_mm, force_n, moment_n_m, .. } = *piece;
-            piece.present.then_some(PieceRow { at_mm, force_n, moment_n_m, pressed: None })
+            piece.present.then_some(PieceRow {
+                at_mm,
+                force_n,
+                moment_n_m,
+                pressed: None,
+                turned: None,
+            })
         })
         .collect();
     let group = |group: &GroupSpec| {

@@ -41,6 +41,16 @@ pub enum Motion {
         /// A unit vector.
         direction: Vector,
     },
+    /// About one axis, by the moment on it ([`World::press`]) and by contacts alone; its weight is
+    /// part of the moment.
+    Turned {
+        /// Moment of inertia about the axis in kg m².
+        inertia: f64,
+        /// A unit vector, about which it turns right-handed.
+        axis: Vector,
+        /// A point of the axis in m.
+        about: Vector,
+    },
     /// By gravity and contacts.
     Free {
         /// Mass in kg.
@@ -82,6 +92,14 @@ impl Body {
             }
             if !((direction.norm() - 1.0).abs() < 1e-9) {
                 return refuse(format!("its direction {direction:?} is not a unit vector"));
+            }
+        }
+        if let Motion::Turned { inertia, axis, about } = self.motion {
+            if !(inertia.is_finite() && inertia > 0.0) {
+                return refuse(format!("its moment of inertia {inertia} kg m² is not positive"));
+            }
+            if !((axis.norm() - 1.0).abs() < 1e-9 && about.norm().is_finite()) {
+                return refuse(format!("its axis {axis:?} through {about:?} m is none"));
             }
         }
         if let Motion::Free { mass, inertia } = self.motion {
@@ -242,7 +260,8 @@ pub trait World {
         Ok(())
     }
 
-    /// Sets the force in N on a pressed body along its direction, from the next step on; 0 in
+    /// Sets the force in N on a pressed body along its direction, or the moment in N m on a turned
+    /// one about its axis, from the next step on; 0 in
     /// the beginning.
     ///
     /// # Errors

@@ -158,16 +158,19 @@ fn loads_are_checked_all_at_once_and_refused_where_no_engine_can_press() {
         { "piece": "cover", "stress_kpa": 5, "force_n": 2 },
         { "piece": "cover", "direction": [0, 0, 0] },
         { "piece": "box", "force_n": 2 },
-        { "piece": "nobody", "locked": true }
+        { "piece": "nobody", "locked": true, "axis": [0, 0, 1] },
+        { "piece": "lid", "moment_n_m": 1 }
     ]));
     let found = faults(&bad);
     for (field, words) in [
-        ("loads[0].force_n", "a force, a stress or a lock"),
+        ("loads[0].force_n", "a force, a stress, a moment or a lock"),
         ("loads[1].piece", "two loads"),
         ("loads[1].direction", "no direction"),
-        ("loads[1].force_n", "a force, a stress or a lock"),
+        ("loads[1].force_n", "a force, a stress, a moment or a lock"),
         ("loads[2].piece", "only solid pieces"),
         ("loads[3].piece", "no such piece"),
+        ("loads[3].axis", "only a moment has an axis"),
+        ("loads[4].axis", "a moment needs its axis"),
     ] {
         let path = format!("stages[{stage}].{field}");
         let told = found.iter().any(|(at, text)| *at == path && text.contains(words));

@@ -20,6 +20,7 @@ mod interpretations;
 mod interruption;
 mod kept;
 mod laboratory;
+mod laboratory_ends;
 mod leaks;
 #[cfg(target_os = "linux")]
 mod limits;
@@ -29,6 +30,7 @@ mod memory;
 mod motions;
 mod picture;
 mod python;
+mod recipes;
 mod referee;
 mod repose;
 mod reproduce;

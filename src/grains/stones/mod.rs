@@ -9,6 +9,7 @@
 mod draw;
 mod hull;
 mod obj;
+mod piece;
 mod ply;
 mod read;
 mod report;
@@ -16,6 +17,7 @@ mod shape;
 mod stl;
 mod surface;
 
+pub use piece::parts_of_piece;
 pub use report::{StoneRecord, stones_csv};
 
 use std::path::{Path, PathBuf};

@@ -76,7 +76,7 @@ impl Stand<'_> {
         }
         let pressed = state.pieces.iter().filter_map(|piece| piece.press);
         for press in pressed.clone() {
-            largest = largest.max(press.speed_m_per_s * press.speed_m_per_s);
+            largest = largest.max(press.of_points(press.speed_m_per_s).powi(2));
         }
         count > 0
             && pressed.clone().all(|press| press.is_reached())

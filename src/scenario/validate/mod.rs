@@ -9,9 +9,11 @@ mod engine;
 mod grains;
 mod loads;
 mod motion;
+mod moves;
 mod pieces;
 mod stages;
 mod time_step;
+mod until;
 
 pub(super) use time_step::least_rate_hz;
 

@@ -2,6 +2,7 @@
 
 use super::{Parts, fault, short};
 use crate::motion::{LARGEST_CRANK, RecordedMotion, RowFault, TableMotion};
+use crate::scenario::accessors::joined;
 use crate::scenario::{Fault, InterpolationKind, StageSpec, StartPoint, StrokeKind, WaveformKind};
 
 /// How far a period may be from a whole number of cycles, in cycles: decimals
@@ -127,11 +128,12 @@ fn check_rows(
     path: &str,
     faults: &mut Vec<Fault>,
 ) {
-    let how = match interpolation {
-        Some(InterpolationKind::Linear) => crate::motion::Interpolation::Linear,
-        _ => crate::motion::Interpolation::Cubic,
-    };
-    let Err(found) = RecordedMotion::new(rows, how) else { return };
+    let Err(found) = RecordedMotion::new(rows, joined(interpolation)) else { return };
+    report_rows(found, path, faults);
+}
+
+/// Faults of rows, each where it is.
+pub(super) fn report_rows(found: Vec<RowFault>, path: &str, faults: &mut Vec<Fault>) {
     faults.extend(found.into_iter().map(|RowFault { row, what, found, allowed }| {
         let path = row.map_or(path.to_owned(), |n| format!("{path}[{n}]"));
         fault(&path, found, allowed.to_owned(), what)

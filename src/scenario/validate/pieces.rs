@@ -4,8 +4,12 @@ use std::collections::HashSet;
 
 use serde_json::Value;
 
-use super::{Parts, fault, loads, short};
-use crate::scenario::{DepositKind, Fault, MeasuresSpec, PieceSpec, ShapeSpec, StageSpec};
+use super::{Parts, fault, loads, moves, until};
+use crate::geometry::{ConvexPolyhedron, Point};
+use crate::scenario::{
+    DepositKind, Fault, MeasuresSpec, MeshPieceSpec, PieceSpec, ShapeSpec, StageSpec,
+};
+use crate::units::from_mm;
 
 /// Stages of the built-in apparatus.
 const BUILT_IN: [&str; 5] =
@@ -28,12 +32,13 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
         };
         match spec {
             StageSpec::Deposit { .. } => check_deposit(spec, &mut add),
-            StageSpec::Move { .. } => check_move(spec, &mut add),
             StageSpec::Press { loads, .. } => loads::check(parts, loads, &mut add),
             _ => {}
         }
     }
+    moves::check(parts, faults);
     check_who_stands(parts, faults);
+    until::check(parts, faults);
 }
 
 fn check_pieces(parts: &Parts, faults: &mut Vec<Fault>) {
@@ -65,7 +70,7 @@ fn check_shape(shape: &ShapeSpec, add: &mut impl FnMut(&str, String, &str, &str)
         add(
             "shape",
             format!("{given} shapes"),
-            "one of `box`, `cylinder`, `plate`, `disc`, `hopper`, `wedge` and `drum`",
+            "one of `box`, `cylinder`, `plate`, `disc`, `hopper`, `wedge`, `drum` and `mesh`",
             "a piece has one shape",
         );
     }
@@ -90,8 +95,29 @@ fn check_shape(shape: &ShapeSpec, add: &mut impl FnMut(&str, String, &str, &str)
             "the bars reach the axis of the drum",
         );
     }
+    if let Some(mesh) = &shape.mesh {
+        check_mesh(mesh, add);
+    }
     if shape.r#box.as_ref().is_some_and(|b| b.open.len() == 6) {
         add("shape.box.open", "6 sides".into(), "fewer than 6", "nothing is left of the box");
+    }
+}
+
+/// A mesh from a file, or its parts, each of which is convex.
+fn check_mesh(mesh: &MeshPieceSpec, add: &mut impl FnMut(&str, String, &str, &str)) {
+    if mesh.file.is_some() == mesh.parts.is_some() {
+        add("shape.mesh.file", String::new(), "`file` or `parts`", "a mesh has one source");
+    }
+    if let (Some(scale), Some(_)) = (mesh.scale_to_mm, &mesh.parts) {
+        let message = "`parts` are in mm";
+        add("shape.mesh.scale_to_mm", scale.to_string(), "the field left out", message);
+    }
+    for (n, part) in mesh.parts().iter().enumerate() {
+        let corners = part.vertices_mm.iter().map(|v| Point::from(v.map(from_mm))).collect();
+        if let Err(error) = ConvexPolyhedron::new(corners, part.faces.clone()) {
+            let field = format!("shape.mesh.parts[{n}]");
+            add(&field, error.to_string(), "a closed convex surface", "the part cannot be used");
+        }
     }
 }
 
@@ -160,77 +186,6 @@ fn check_deposit(spec: &StageSpec, add: &mut impl FnMut(&str, String, &str, &str
             "no grain is of that size",
         );
     }
-}
-
-fn check_move(spec: &StageSpec, add: &mut impl FnMut(&str, String, &str, &str)) {
-    let StageSpec::Move {
-        velocity_mm_per_s,
-        rotation,
-        sine,
-        duration_s,
-        travel_mm,
-        travel_deg,
-        ramp_s,
-        ..
-    } = spec
-    else {
-        return;
-    };
-    let motions = [velocity_mm_per_s.is_some(), rotation.is_some(), sine.is_some()];
-    if motions.iter().filter(|given| **given).count() != 1 {
-        let allowed = "one of `velocity_mm_per_s`, `rotation` and `sine`";
-        return add("velocity_mm_per_s", String::new(), allowed, "pieces move in one way");
-    }
-    let (travel, name) = match () {
-        () if velocity_mm_per_s.is_some() => (*travel_mm, "travel_mm"),
-        () if rotation.is_some() => (*travel_deg, "travel_deg"),
-        () => (None, ""),
-    };
-    for (field, other) in [("travel_mm", travel_mm), ("travel_deg", travel_deg)] {
-        if let Some(other) = other.filter(|_| field != name) {
-            add(field, other.to_string(), "the field left out", "it is no end of this motion");
-        }
-    }
-    if duration_s.is_some() == travel.is_some() {
-        let allowed = match name {
-            "" => "a number above 0".to_owned(),
-            name => format!("`duration_s` or `{name}`"),
-        };
-        return add("duration_s", String::new(), &allowed, "a motion has one end");
-    }
-    let still = match (velocity_mm_per_s, rotation, sine) {
-        (Some(v), ..) => v.iter().all(|v| *v == 0.0).then_some("velocity_mm_per_s"),
-        (_, Some(turn), _) if turn.deg_per_s == 0.0 => Some("rotation.deg_per_s"),
-        (_, Some(turn), _) => turn.axis.iter().all(|x| *x == 0.0).then_some("rotation.axis"),
-        (.., Some(sine)) => {
-            sine.amplitude_mm.iter().all(|a| *a == 0.0).then_some("sine.amplitude_mm")
-        }
-        _ => None,
-    };
-    if let Some(field) = still {
-        return add(field, "0".into(), "not all of it 0", "nothing would move");
-    }
-    let Some(duration) = duration_s.filter(|duration| 2.0 * ramp_s > *duration) else {
-        if let (Some(sine), Some(duration)) = (sine, duration_s)
-            && *ramp_s == 0.0
-            && ((sine.frequency_hz * duration).round() - sine.frequency_hz * duration).abs() > 1e-6
-        {
-            add(
-                "duration_s",
-                duration.to_string(),
-                "a whole number of cycles, or `ramp_s` above 0",
-                "the sine would stop abruptly, away from its place",
-            );
-        }
-        return;
-    };
-    let allowed = format!("at most {} s, half of the duration", short(duration / 2.0));
-    add(
-        "ramp_s",
-        ramp_s.to_string(),
-        &allowed,
-        "the motion would not have grown when it dies away",
-    );
 }
 
 /// Whether the pieces that stages speak of stand then.

@@ -278,7 +278,17 @@ mod bridge {
             mass: f64,
             speed: f64,
         ) -> Result<()>;
-        /// Sets the force on it along the direction, in N.
+        /// Lets a kinematic body turn about one axis alone from now on, through a point in m, with
+        /// a moment of inertia about it in kg m² and a speed in rad/s.
+        fn turn_body(
+            self: Pin<&mut BulletWorld>,
+            id: u32,
+            axis: &[f64; 3],
+            about: &[f64; 3],
+            inertia: f64,
+            speed: f64,
+        ) -> Result<()>;
+        /// Sets the force on it along the direction in N, or the moment about the axis in N m.
         fn set_force(self: Pin<&mut BulletWorld>, id: u32, force: f64) -> Result<()>;
         fn step(self: Pin<&mut BulletWorld>) -> Result<()>;
         fn read_one_body(self: &BulletWorld, id: u32) -> Result<BodyRead>;

@@ -34,6 +34,8 @@ mod substep;
 #[cfg(test)]
 pub(crate) mod tests;
 #[cfg(test)]
+mod turn_tests;
+#[cfg(test)]
 mod warm_start_tests;
 
 pub use substep::SubstepRecord;
@@ -231,7 +233,7 @@ impl World for BulletBackend {
         let shape = self.shape(&body.shape)?;
         let (kind, mass, inertia) = match body.motion {
             Motion::Static => (ffi::BodyKind::Static, 0.0, Vector::zeros()),
-            Motion::Kinematic | Motion::Pressed { .. } => {
+            Motion::Kinematic | Motion::Pressed { .. } | Motion::Turned { .. } => {
                 (ffi::BodyKind::Kinematic, 0.0, Vector::zeros())
             }
             Motion::Free { mass, inertia } => (ffi::BodyKind::Free, mass, inertia),
@@ -257,6 +259,14 @@ impl World for BulletBackend {
             self.world
                 .pin_mut()
                 .press_body(id, &direction.into(), mass, speed)
+                .map_err(|error| WorldError::BadBody { reason: error.what().to_owned() })?;
+            self.pressed.push(BodyId(id));
+        }
+        if let Motion::Turned { inertia, axis, about } = body.motion {
+            let speed = axis.dot(&body.state.angular_velocity);
+            self.world
+                .pin_mut()
+                .turn_body(id, &axis.into(), &about.into(), inertia, speed)
                 .map_err(|error| WorldError::BadBody { reason: error.what().to_owned() })?;
             self.pressed.push(BodyId(id));
         }

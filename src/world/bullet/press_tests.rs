@@ -13,9 +13,9 @@ const THICK: f64 = 0.01;
 const SIDE: f64 = 0.02;
 
 /// As lanes, and one contact at a time.
-const AT_ONCE: [u32; 2] = [8, 1];
+pub(super) const AT_ONCE: [u32; 2] = [8, 1];
 
-fn world(contacts_at_once: u32, friction: f64, restitution: f64) -> BulletBackend {
+pub(super) fn world(contacts_at_once: u32, friction: f64, restitution: f64) -> BulletBackend {
     let pairs = PairTable::uniform(PairCoefficients { friction, restitution });
     let native = NativeSettings { contacts_at_once, ..Default::default() };
     let settings = EngineSettings { native, ..Default::default() };
@@ -31,13 +31,13 @@ fn lid(height: f64, direction: Vector, speed: f64) -> Body {
     body
 }
 
-fn steps(world: &mut BulletBackend, time: f64) {
+pub(super) fn steps(world: &mut BulletBackend, time: f64) {
     for _ in 0..(time / world.time_step()).round() as usize {
         world.step().expect("a step");
     }
 }
 
-fn near(what: &str, got: f64, expected: f64, tolerance: f64) {
+pub(super) fn near(what: &str, got: f64, expected: f64, tolerance: f64) {
     assert!(
         (got - expected).abs() <= tolerance,
         "law: {what}: expected {expected:e} to {tolerance:e}, got {got:e}"

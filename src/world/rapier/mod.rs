@@ -134,7 +134,7 @@ impl RapierBackend {
     fn rigid_body(&self, body: &Body) -> RigidBodyBuilder {
         let builder = match body.motion {
             Motion::Static => RigidBodyBuilder::fixed(),
-            Motion::Kinematic | Motion::Pressed { .. } => {
+            Motion::Kinematic | Motion::Pressed { .. } | Motion::Turned { .. } => {
                 RigidBodyBuilder::kinematic_position_based()
             }
             Motion::Free { mass, inertia } => RigidBodyBuilder::dynamic()
@@ -175,7 +175,7 @@ impl World for RapierBackend {
         let (own, meets) = match body.motion {
             Motion::Free { .. } => (FREE, FREE | WALL),
             Motion::Static | Motion::Kinematic => (WALL, FREE),
-            Motion::Pressed { .. } => {
+            Motion::Pressed { .. } | Motion::Turned { .. } => {
                 let reason = "rapier cannot press it along one direction".to_owned();
                 return Err(WorldError::BadBody { reason });
             }

@@ -1,0 +1,165 @@
+//! Meshes as pieces of a laboratory: every closed surface is a convex part.
+
+use std::path::Path;
+
+use super::{read, shape, surface};
+use crate::scenario::{Fault, MOST_PARTS, MeshGrains, MeshPart, MeshUnit};
+
+/// Most corners of a part.
+const MOST_VERTICES: u32 = 1000;
+
+/// What to do with a part that is not convex.
+const SPLIT: &str = "convex surfaces that are not joined: split it into convex parts, in Blender \
+                     for instance by Mesh > Bisect with Fill and Separate, as objects of one OBJ file";
+
+/// The convex parts of a mesh file, lengths multiplied by a number to be mm.
+///
+/// # Errors
+/// Every fault of the file, with the object in it as path.
+pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Vec<Fault>> {
+    let alone = |fault: Fault| vec![fault];
+    let objects = read::objects(file).map_err(|error| match error {
+        read::ReadError::Fault(fault) => alone(fault),
+        read::ReadError::Unreadable(reason) => alone(Fault {
+            found: file.display().to_string(),
+            allowed: "an OBJ, STL or PLY file".to_owned(),
+            message: format!("the mesh cannot be read: {reason}"),
+            ..Fault::default()
+        }),
+    })?;
+    // Lengths stay those of the file.
+    let spec = MeshGrains {
+        meshes: Vec::new(),
+        mesh_unit: MeshUnit::M,
+        density_kg_per_m3: 1.0,
+        hull: false,
+        split_surfaces: true,
+        largest_vertex_count: MOST_VERTICES,
+        total_mass_g: None,
+        sieve_table: Vec::new(),
+        count: None,
+    };
+    let (mut parts, mut faults) = (Vec::new(), Vec::new());
+    for object in objects {
+        let of = |index: Option<usize>, fault: Fault| Fault {
+            path: match index {
+                Some(index) => format!("{}, surface {}", object.name, index + 1),
+                None => object.name.clone(),
+            },
+            message: fault.message.replace("the stone", "the surface"),
+            ..fault
+        };
+        match surface::surfaces(&object, &spec) {
+            Err(found) => faults.extend(found.into_iter().map(|fault| of(None, fault))),
+            Ok(surfaces) => {
+                let several = surfaces.len() > 1;
+                for (index, surface) in surfaces.iter().enumerate() {
+                    match shape::convex(surface, &spec) {
+                        Ok(convex) => parts.push(MeshPart {
+                            vertices_mm: convex
+                                .shape
+                                .vertices()
+                                .iter()
+                                .map(|v| (v.coords * scale_to_mm).into())
+                                .collect(),
+                            faces: convex.shape.faces().to_vec(),
+                        }),
+                        Err(fault) => {
+                            let fault = Fault { allowed: SPLIT.to_owned(), ..fault };
+                            faults.push(of(several.then_some(index), fault));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    if parts.len() > MOST_PARTS {
+        faults.push(Fault {
+            found: format!("{} parts", parts.len()),
+            allowed: format!("at most {MOST_PARTS}"),
+            message: "the mesh has too many parts".to_owned(),
+            ..Fault::default()
+        });
+    }
+    match faults.is_empty() {
+        true => Ok(parts),
+        false => Err(faults),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An OBJ file of blocks between two corners, in one object or each in its own.
+    fn obj(blocks: &[[[f64; 3]; 2]], apart: bool) -> String {
+        let mut text = String::new();
+        for (n, [low, high]) in blocks.iter().enumerate() {
+            if apart || n == 0 {
+                text += &format!("o part_{n}\n");
+            }
+            for corner in 0..8 {
+                let at = |axis: usize| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] };
+                text += &format!("v {} {} {}\n", at(0), at(1), at(2));
+            }
+            for face in
+                [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]]
+            {
+                let [a, b, c, d] = face.map(|corner| corner + 8 * n);
+                text += &format!("f {a} {b} {c} {d}\n");
+            }
+        }
+        text
+    }
+
+    fn read(name: &str, content: &str) -> Result<Vec<MeshPart>, Vec<Fault>> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join(name);
+        std::fs::write(&file, content).expect("written");
+        parts_of_piece(&file, 10.0)
+    }
+
+    #[test]
+    fn every_closed_surface_is_a_part_in_mm() {
+        let apart = [[[0.0; 3], [1.0, 2.0, 3.0]], [[5.0, 0.0, 0.0], [6.0, 1.0, 1.0]]];
+        // Parts that touch are no one surface where they are objects of their own.
+        let touching = [[[0.0; 3], [1.0, 2.0, 3.0]], [[1.0, 0.0, 0.0], [2.0, 2.0, 3.0]]];
+        for (blocks, own) in [(apart, false), (apart, true), (touching, true)] {
+            let parts = read("a.obj", &obj(&blocks, own)).unwrap_or_else(|e| panic!("{e:?}"));
+            assert_eq!(parts.len(), 2, "law: two surfaces, two parts");
+            for (part, [low, high]) in parts.iter().zip(&blocks) {
+                assert_eq!((part.vertices_mm.len(), part.faces.len()), (8, 6), "law: a block");
+                for axis in 0..3 {
+                    let at = part.vertices_mm.iter().map(|v| v[axis]);
+                    assert_eq!(at.clone().fold(f64::MAX, f64::min), 10.0 * low[axis]);
+                    assert_eq!(at.fold(f64::MIN, f64::max), 10.0 * high[axis]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_not_convex_is_refused_with_what_to_do() {
+        // An L: a hexagon in x and y drawn along z.
+        let corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)];
+        let mut text = "o bracket\n".to_owned();
+        for z in [0, 1] {
+            for (x, y) in corners {
+                text += &format!("v {x} {y} {z}\n");
+            }
+        }
+        text += "f 4 3 2 1\nf 6 5 4 1\nf 7 8 9 10\nf 7 10 11 12\n";
+        for n in 1..=6 {
+            let next = n % 6 + 1;
+            text += &format!("f {n} {next} {} {}\n", next + 6, n + 6);
+        }
+        let found = read("l.obj", &text).expect_err("law: it is concave");
+        assert_eq!(found.len(), 1, "{found:?}");
+        let Fault { path, message, allowed, .. } = &found[0];
+        assert!(path == "bracket" && message.contains("not convex"), "law: which, {found:?}");
+        assert!(allowed.contains("split it into convex parts"), "law: what to do, {allowed}");
+        let none = parts_of_piece(Path::new("/no/such/file.stl"), 1.0).expect_err("law: not there");
+        assert!(none[0].message.contains("cannot be read"), "{none:?}");
+        assert!(read("a.txt", "x").is_err(), "law: the ending tells the format");
+    }
+}

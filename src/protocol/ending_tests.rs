@@ -1,0 +1,260 @@
+//! Conditions that end stages: by themselves, on a world that does what it is told, and in the
+//! engine.
+
+use std::ops::ControlFlow;
+use std::sync::{Arc, atomic::AtomicBool};
+
+use super::ending::{Condition, Ending, Subject};
+use super::*;
+use crate::geometry::Vector;
+use crate::grains::generate;
+use crate::scenario::{GrainsSpec, Scenario, StageSpec};
+use crate::specimen::SpecimenState;
+use crate::units::{from_mm, to_g};
+use crate::world::{BodyState, World, scripted::ScriptedWorld};
+
+const STEP: f64 = 1.0 / 480.0;
+
+/// Time in s between two looks of conditions by themselves.
+const EVERY: f64 = 10.0 / 480.0;
+
+/// Time in s between two looks at a stage with these grains.
+fn every() -> f64 {
+    let setup = Setup::new(&scenario()).expect("a laboratory");
+    super::segments::steps_a_check(&setup, STEP) as f64 * STEP
+}
+
+fn scenario() -> Scenario {
+    serde_json::from_value(serde_json::json!({
+        "name": "test",
+        "grains": {
+            "total_mass_g": 60, "density_kg_per_m3": 2650,
+            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+        },
+        "contact": { "grain_wall_friction": 0.0 },
+        "pieces": [
+            { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 140] } } },
+            { "name": "lid", "shape": { "plate": { "size_mm": [49, 49, 10] } },
+              "at_mm": [0, 0, 130] }
+        ],
+        "measures": {
+            "openings": [{ "name": "mouth", "at_mm": [0, 0, 80], "diameter_mm": 200 }],
+            "groups": [{ "name": "both", "pieces": ["box", "lid"] }]
+        },
+        "stages": []
+    }))
+    .expect("a scenario")
+}
+
+fn specimen() -> Specimen {
+    let GrainsSpec::Sieved(spec) = scenario().grains else { panic!("sieved") };
+    let grains = Arc::new(generate(&spec, 1).expect("grains"));
+    let state = SpecimenState::before_everything(grains.grains.len());
+    Specimen { grains, state }
+}
+
+fn stage(value: serde_json::Value) -> StageSpec {
+    serde_json::from_value(value).expect("a stage")
+}
+
+/// Keeps where a stage could go on.
+#[derive(Default)]
+struct Seams(Vec<Midway>);
+
+impl Observer for Seams {
+    fn observe(&mut self, _: &Specimen, _: Moment) {}
+
+    fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
+        self.0.push(midway.clone());
+        ControlFlow::Continue(())
+    }
+}
+
+fn go(
+    scenario: &Scenario,
+    make: WorldMaker,
+    specimen: Specimen,
+    midway: Option<Midway>,
+    value: serde_json::Value,
+) -> (StageOutcome, Vec<Midway>) {
+    let setup = Setup::new(scenario).expect("a laboratory");
+    let (mut seams, never) = (Seams::default(), AtomicBool::new(false));
+    let outcome = run(&setup, make, specimen, &stage(value), midway, &mut seams, &never);
+    (outcome.expect("it runs"), seams.0)
+}
+
+/// On a world whose free bodies sink at a speed in m/s.
+fn sinking(specimen: Specimen, speed: f64, value: serde_json::Value) -> StageOutcome {
+    let make = move |_: &_, _, _: &_| {
+        let script = move |_, state: &BodyState, _, dt: f64| {
+            let mut next = BodyState::at_rest(state.pose);
+            next.linear_velocity.z = -speed;
+            next.pose.translation.z -= speed * dt;
+            next
+        };
+        Ok(Box::new(ScriptedWorld::new(STEP, Box::new(script))) as Box<dyn World + Send>)
+    };
+    go(&scenario(), &make, specimen, None, value).0
+}
+
+/// Grains at rest above the opening.
+fn laid_out() -> Specimen {
+    let lattice = serde_json::json!({ "stage": "deposit", "how": "lattice", "at_mm": [0, 0, 200],
+        "area_mm": [50, 50], "time_limit_s": 1 });
+    sinking(specimen(), 0.0, lattice).specimen
+}
+
+fn of_force(condition: Condition, looks: f64) -> Ending {
+    let subject = Subject::Force(vec![0], Vector::z());
+    Ending { subject, condition, window: looks * EVERY }
+}
+
+/// The look, from 1, at which a condition holds first, and what was found then.
+fn first(ending: &Ending, amounts: &[f64]) -> Option<(usize, f64)> {
+    let mut judged = Judged::default();
+    let at = amounts.iter().position(|amount| judged.look(ending, *amount, EVERY))?;
+    Some((at + 1, judged.last.expect("a number")))
+}
+
+#[test]
+fn a_mean_over_the_window_has_to_reach_what_is_wanted() {
+    let reaches = of_force(Condition::Reaches(10.0), 4.0);
+    // N s of each time between looks, of 10 N and of 20 N.
+    let (ten, twenty) = (10.0 * EVERY, 20.0 * EVERY);
+    let (at, found) = first(&reaches, &[ten * 1.0001; 9]).expect("it holds");
+    assert_eq!(at, 4, "law: not before there is a whole window");
+    assert!((found - 10.001).abs() < 1e-9, "law: N s over s, got {found} N");
+    let late = [0.0, 0.0, 0.0, 0.0, 0.0, twenty, twenty, twenty];
+    assert_eq!(first(&reaches, &late).map(|f| f.0), Some(7), "law: (0 + 0 + 20 + 20)/4 = 10 N");
+    assert_eq!(first(&reaches, &[twenty, -twenty, twenty, twenty]).map(|f| f.0), Some(4));
+    assert_eq!(first(&reaches, &[ten * 0.9999; 99]), None, "law: no less will do");
+}
+
+#[test]
+fn a_flow_falls_below_only_what_it_was_above() {
+    let below = of_force(Condition::FallsBelow(1.0), 2.0);
+    let g = EVERY;
+    assert_eq!(first(&below, &[0.0; 50]), None, "law: what has not begun does not fall");
+    assert_eq!(first(&below, &[0.5 * g; 50]), None, "law: nor what never was above");
+    let flow = [0.0, 3.0 * g, 3.0 * g, 3.0 * g, g, 0.5 * g, 0.0];
+    assert_eq!(first(&below, &flow), Some((6, 0.75)), "law: (1 + ½)/2 < 1");
+}
+
+#[test]
+fn what_is_steady_changes_little_from_window_to_window() {
+    let steady = of_force(Condition::Steady(0.05), 2.0);
+    let n = EVERY;
+    let rising: Vec<f64> = (1..=200).map(|k| f64::from(k) * n).collect();
+    // Means of looks k−1, k and k−3, k−2: (k − ½) and (k − 2½), so 2/(k − ½) ≤ 0.05.
+    let (at, change) = first(&steady, &rising).expect("it holds");
+    assert_eq!(at, 41, "law: k ≥ 40.5, found a change of {change}");
+    assert!((change - 2.0 / 40.5).abs() < 1e-12, "law: 2/40.5, got {change}");
+    assert_eq!(first(&steady, &[0.0; 99]), None, "law: nothing is no steady force");
+    assert_eq!(first(&steady, &[-n; 9]).map(|f| f.0), Some(4), "law: after two windows");
+}
+
+/// Law: v (t − r/2) ≥ 19.9 mm holds from 0.249 s on, and first at the look T after that; the
+/// motion then dies away in r = 0.1 s and has gone v T.
+#[test]
+fn a_motion_ends_by_its_way_and_dies_away() {
+    let lower = |moved_mm: f64, piece: &str| {
+        serde_json::json!({ "stage": "move", "pieces": ["lid"], "ramp_s": 0.1, "time_limit_s": 2,
+            "velocity_mm_per_s": [0, 0, -100], "until": { "piece": piece, "moved_mm": moved_mm } })
+    };
+    let at = (0.249 / every()).ceil() * every();
+    for (piece, wanted) in [("lid", 19.9), ("both", 9.95)] {
+        let outcome = sinking(laid_out(), 0.0, lower(wanted, piece));
+        let found = outcome.until.expect("a condition");
+        assert!(found.reached && outcome.warnings.is_empty(), "law: {found:?}");
+        let held = found.at_s.expect("a time");
+        assert!((held - at).abs() < 1e-9, "law: the first look after 0.249 s, of {piece}, {held}");
+        let (moved, share) = (found.moved_mm.expect("a way"), wanted / 19.9);
+        let expected = 100.0 * (at - 0.05) * share;
+        assert!((moved - expected).abs() < 1e-9, "law: v (T − r/2), got {moved} mm");
+        assert!((outcome.simulated - at - 0.1).abs() < 1e-9, "law: T + r, {} s", outcome.simulated);
+        let z = outcome.specimen.state.pieces[1].pose.translation.z;
+        assert!((z - 0.13 + 0.1 * at).abs() < 1e-12, "law: v T below 130 mm, got {z} m");
+    }
+    let outcome = sinking(laid_out(), 0.0, lower(500.0, "lid"));
+    let found = outcome.until.expect("a condition");
+    assert!(!found.reached && (outcome.simulated - 2.0).abs() < 1e-9, "law: its limit of time");
+    let told = outcome.warnings.iter().any(|text| text.contains("`until` was not reached"));
+    assert!(told, "law: it is said, got {:?}", outcome.warnings);
+}
+
+/// Law: grains that sink at v pass the opening at (z − z₀)/v, and a flow over a window of n looks
+/// has fallen below next to nothing at the n-th look without one.
+#[test]
+fn a_flow_ends_a_stage_when_the_last_grain_has_passed() {
+    let before = laid_out();
+    let heights: Vec<f64> =
+        before.present().map(|n| before.state.bodies[n].body.pose.translation.z).collect();
+    let (speed, looks) = (0.7, (0.21 / every()).round());
+    let last = heights.iter().map(|z| ((z - 0.08) / (speed * every())).ceil()).fold(0.0, f64::max);
+    let value = serde_json::json!({ "stage": "remove", "pieces": ["box"], "time_limit_s": 5,
+        "until": { "opening": "mouth", "flow_below_g_per_s": 0.1, "window_s": 0.21 } });
+    let outcome = sinking(before.clone(), speed, value);
+    let found = outcome.until.expect("a condition");
+    let expected = (last + looks) * every();
+    assert!(
+        found.reached && (outcome.simulated - expected).abs() < 1e-9,
+        "law: {expected} s, got {} s, {found:?}",
+        outcome.simulated
+    );
+    assert_eq!(found.flow_g_per_s, Some(0.0), "law: nothing passes any more");
+    // Over a window that holds all of it the flow is the whole mass.
+    let total = to_g(before.grains.total_mass());
+    let value = serde_json::json!({ "stage": "remove", "pieces": ["box"], "time_limit_s": 5,
+        "until": { "opening": "mouth", "flow_below_g_per_s": total * 0.5, "window_s": 1.0 } });
+    let found = sinking(before, speed, value).until.expect("a condition");
+    assert!(found.reached, "law: 60 g within 1 s is above 30 g/s, and over after it: {found:?}");
+}
+
+/// Law: an interrupted stage ends at the same step with the same bits: pressed pieces whose force
+/// or way is waited for, and motions that are dying away.
+#[test]
+fn stages_with_a_condition_go_on_from_a_checkpoint_with_the_same_bits() {
+    let _turn = crate::world::shared_turn();
+    let mut scenario = scenario();
+    let make = &crate::world::create;
+    let rain = serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 85], "area_mm": [10, 10],
+        "rate_g_per_s": 200, "time_limit_s": 4 });
+    let mut before = go(&scenario, make, specimen(), None, rain).0.specimen;
+    scenario.engine.native.checkpoint_every_s = Some(0.1);
+    let press = serde_json::json!({ "stage": "press", "time_limit_s": 6, "ramp_s": 1,
+        "loads": [{ "piece": "lid", "stress_kpa": 20 }],
+        "until": { "piece": "lid", "direction": [0, 0, 1], "force_n": 12, "window_s": 0.1 } });
+    let shift = serde_json::json!({ "stage": "move", "pieces": ["box"], "ramp_s": 0.3,
+        "velocity_mm_per_s": [0, 0, 20], "time_limit_s": 3, "settle_limit_s": 1,
+        "until": { "piece": "lid", "moved_mm": 2 } });
+    for value in [press, shift] {
+        let (whole, seams) = go(&scenario, make, before.clone(), None, value.clone());
+        let found = whole.until.expect("a condition");
+        assert!(found.reached, "law: it is reached, {found:?}");
+        assert!(seams.len() >= 3, "the check sees segments, {}", seams.len());
+        // The first, and the last two: what moves may be dying away there.
+        let late = seams.len() - 2;
+        for midway in [0, late, late + 1].map(|n| seams[n].clone()) {
+            let steps = midway.steps;
+            // As a file keeps it.
+            let text = serde_json::to_string(&midway).expect("JSON");
+            let midway: Midway = serde_json::from_str(&text).expect("a checkpoint");
+            midway.check(before.grains.grains.len()).expect("a sound checkpoint");
+            let (got, _) = go(&scenario, make, before.clone(), Some(midway), value.clone());
+            assert_eq!(got.steps, whole.steps, "law: the same end from step {steps}");
+            assert_eq!(got.specimen.state, whole.specimen.state, "law: the same from step {steps}");
+            assert_eq!(got.until, whole.until, "law: told alike from step {steps}");
+        }
+        if let Some(force) = found.force_n {
+            assert!((12.0..14.0).contains(&force), "law: 12 N and little more, got {force} N");
+            let press = whole.specimen.state.pieces[1].press.expect("pressed");
+            assert!(press.force_n < press.target_n, "law: before the whole force is on it");
+        } else {
+            let moved = found.moved_mm.expect("a way");
+            assert!((2.0..2.6).contains(&moved), "law: 2 mm and at most a look, got {moved} mm");
+            let way = whole.specimen.state.pieces[0].pose.translation.z;
+            assert!(way < from_mm(20.0 * 3.0), "law: before its limit, {way} m");
+        }
+        before = whole.specimen;
+    }
+}

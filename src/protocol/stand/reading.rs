@@ -1,0 +1,109 @@
+//! Reads the world back into the specimen, and watches what it finds.
+
+use super::{
+    BodyId, Fate, Finding, Grain, GrainState, Specimen, StageError, Stand, Tally, Vector,
+    WorldError, level, spring_energy,
+};
+
+impl Stand<'_> {
+    /// Begins to watch the bodies as the specimen has them; the table's peak
+    /// speed and its velocity now in m/s.
+    pub(super) fn begin_watch(&mut self, table: (f64, Vector)) {
+        let Specimen { grains, state } = &self.specimen;
+        let present = |(_, s): &(&Grain, &GrainState)| s.fate == Fate::Present;
+        let bodies = grains.grains.iter().zip(&state.bodies).filter(present);
+        let bodies = bodies.map(|(grain, s)| (grain.mass, &grain.inertia, &s.body));
+        let plate = &self.of_plate;
+        let plate = state.top_plate.iter().map(|s| (plate.mass, &plate.inertia, s));
+        let lowest = self.whereabouts.lowest();
+        let began = self.midway.began_s + self.midway.steps as f64 * self.world.time_step();
+        let bodies = bodies.chain(plate);
+        let begins = self.midway.watch.begin(bodies, lowest, self.setup.gravity, table, began);
+        if begins && let Some((kinetic, _)) = self.pieces.pressed_motion(state) {
+            let springs = spring_energy(&state.contacts, &self.setup.engine);
+            self.midway.watch.press(kinetic, springs);
+        }
+    }
+
+    /// Sums over the bodies of the last snapshot that are still followed.
+    pub(super) fn tally(&self) -> Tally {
+        let body = |id: &Option<BodyId>| self.snapshot.get((*id)?.0 as usize)?.as_ref();
+        let grains = self.specimen.grains.grains.iter().zip(&self.grains);
+        let grains = grains.filter_map(|(g, id)| Some((g.mass, &g.inertia, body(id)?)));
+        let plate = &self.of_plate;
+        let plate = body(&self.plate).map(|s| (plate.mass, &plate.inertia, s));
+        let free = Tally::of(grains.chain(plate), self.setup.gravity);
+        let pressed = self.pieces.pressed_motion(&self.specimen.state);
+        pressed.map_or(free, |(kinetic, fastest)| free.and(kinetic, fastest))
+    }
+
+    /// Reads the world, checks it, and only then takes it over into the specimen.
+    /// Gives what a check has to tell.
+    pub(super) fn read_back(
+        &mut self,
+        time: f64,
+        table: Vector,
+    ) -> Result<Option<String>, StageError> {
+        self.world.read(&mut self.snapshot);
+        self.check.check(&self.snapshot, time).map_err(|source| self.failed(source))?;
+        let held = |id: &BodyId| self.snapshot.get(id.0 as usize).is_some_and(Option::is_some);
+        if let Some(lost) = self.grains.iter().flatten().chain(&self.plate).find(|id| !held(id)) {
+            let what = format!("body {} is no longer in the engine", lost.0);
+            return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
+        }
+        let now = self.tally();
+        self.note_work();
+        let watch = &mut self.midway.watch;
+        watch.checks += 1;
+        let finding = match watch.look(&now, table, self.midway.began_s + time) {
+            Finding::Nothing => None,
+            Finding::Warning(text) => Some(format!("at {time:.3} s {text}")),
+            Finding::Runaway(what) => {
+                return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
+            }
+        };
+        let mut gone = false;
+        let table_x = self.specimen.state.table_x;
+        for index in 0..self.grains.len() {
+            let Some(id) = self.grains[index] else { continue };
+            let Some(body) = self.snapshot[id.0 as usize] else { continue };
+            let place = level(body.pose.translation.vector, &self.specimen.state);
+            let state = &mut self.specimen.state.bodies[index];
+            state.body = body;
+            let mut fate = self.whereabouts.note(index, &place, table_x);
+            if fate == Fate::Present && self.is_in_a_piece(&body.pose.translation.vector) {
+                fate = Fate::ThroughWall;
+            }
+            let state = &mut self.specimen.state.bodies[index];
+            if fate != Fate::Present {
+                state.fate = fate;
+                self.grains[index] = None;
+                gone = true;
+                if let Err(source) = self.world.remove(id) {
+                    return Err(StageError::World {
+                        source,
+                        last_good: Box::new(self.specimen.clone()),
+                    });
+                }
+                if fate == Fate::ThroughWall {
+                    self.midway.watch.through_walls += 1;
+                    let at = body.pose.translation.vector * 1e3;
+                    self.midway.warnings.push(format!(
+                        "grain {index} passed through a wall at {time:.3} s, last seen at \
+                         ({:.1}, {:.1}, {:.1}) mm",
+                        at.x, at.y, at.z
+                    ));
+                }
+            }
+        }
+        if let Some(id) = self.plate {
+            self.specimen.state.top_plate = self.snapshot[id.0 as usize];
+        }
+        self.specimen.state.time = self.midway.began_s + time;
+        if gone {
+            let left = self.tally();
+            self.midway.watch.taken_away(left);
+        }
+        Ok(finding)
+    }
+}

@@ -1,0 +1,53 @@
+//! Openings, and which grains went through them.
+
+use super::Specimen;
+use crate::geometry::Vector;
+
+/// A disc that grains pass through, in m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Opening {
+    /// Its middle.
+    pub middle: Vector,
+    /// Its radius.
+    pub radius: f64,
+    /// Unit vector in which flow counts as positive.
+    pub direction: Vector,
+}
+
+impl Opening {
+    /// 1 where a point went through it in its direction, −1 where it went the other way,
+    /// 0 where it did not, on a straight way between two places.
+    pub fn passed(&self, before: &Vector, after: &Vector) -> f64 {
+        let along = |p: &Vector| self.direction.dot(&(p - self.middle));
+        let (a, b) = (along(before), along(after));
+        // What begins on the disc is behind it: each crossing counts once.
+        if (a >= 0.0) == (b >= 0.0) {
+            return 0.0;
+        }
+        let at = before + (after - before) * (a / (a - b));
+        match (at - self.middle).norm() <= self.radius {
+            true => (b - a).signum(),
+            false => 0.0,
+        }
+    }
+
+    /// Mass in kg that went through between two looks, by the centroids of the grains;
+    /// `before` has their places at the first, of those that were there.
+    pub fn mass_passed(&self, before: &[Option<Vector>], specimen: &Specimen) -> f64 {
+        let passed = |i: usize| {
+            let after = specimen.state.bodies[i].body.pose.translation.vector;
+            let before = before.get(i).copied().flatten()?;
+            Some(self.passed(&before, &after) * specimen.grains.grains[i].mass)
+        };
+        specimen.present().filter_map(passed).sum()
+    }
+}
+
+/// Where the centroids of the grains are that are present, in m.
+pub fn centroids(specimen: &Specimen) -> Vec<Option<Vector>> {
+    let mut places = vec![None; specimen.state.bodies.len()];
+    for i in specimen.present() {
+        places[i] = Some(specimen.state.bodies[i].body.pose.translation.vector);
+    }
+    places
+}

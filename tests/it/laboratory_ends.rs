@@ -1,0 +1,275 @@
+//! Conditions that end stages, recorded motions and meshes of pieces: what is answered where they
+//! make no sense, and what a run leaves of them.
+
+use std::{fs, path::Path};
+
+use pluvia::grains::load_scenario;
+use pluvia::scenario::{ScenarioErrors, StageSpec};
+use serde_json::{Value, json};
+
+use super::interruption::pluvia;
+
+/// A box with a lid that is lowered and pressed.
+fn sound() -> Value {
+    json!({
+        "name": "ends",
+        "grains": {
+            "total_mass_g": 25, "density_kg_per_m3": 2650,
+            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
+        },
+        "pieces": [
+            { "name": "box", "shape": { "box": { "inner_mm": [40, 40, 90] } } },
+            { "name": "lid", "shape": { "plate": { "size_mm": [38, 38, 10] } }, "at_mm": [0, 0, 120] }
+        ],
+        "measures": {
+            "openings": [{ "name": "mouth", "at_mm": [0, 0, 50], "diameter_mm": 80 }],
+            "groups": [{ "name": "all", "pieces": ["box", "lid"] }]
+        },
+        "stages": [
+            { "stage": "deposit", "at_mm": [0, 0, 70], "area_mm": [30, 30], "rate_g_per_s": 100 },
+            { "stage": "move", "pieces": ["lid"], "velocity_mm_per_s": [0, 0, -100], "ramp_s": 0.02,
+              "until": { "piece": "lid", "direction": [0, 0, 1], "force_n": 3, "window_s": 0.02 },
+              "time_limit_s": 2 },
+            { "stage": "press", "loads": [{ "piece": "lid", "force_n": 20 }],
+              "until": { "piece": "lid", "direction": [0, 0, 1], "steady_force_percent": 1 } }
+        ],
+        "rest_test_s": 0
+    })
+}
+
+fn write(folder: &Path, value: &Value) -> std::path::PathBuf {
+    let path = folder.join("scenario.json");
+    fs::write(&path, value.to_string()).expect("written");
+    path
+}
+
+/// Paths and texts of the faults of a scenario's file in a folder.
+fn faults_in(folder: &Path, value: &Value) -> Vec<(String, String)> {
+    match load_scenario(&write(folder, value), &[]) {
+        Ok(_) => Vec::new(),
+        Err(ScenarioErrors::Faults(faults)) => {
+            faults.into_iter().map(|f| (f.path.clone(), f.to_string())).collect()
+        }
+        Err(other) => panic!("{other}"),
+    }
+}
+
+fn expect(folder: &Path, value: &Value, path: &str, words: &str) {
+    let found = faults_in(folder, value);
+    assert!(
+        found.iter().any(|(p, text)| p == path && text.contains(words)),
+        "law: answered at {path} with `{words}`, got {found:#?}"
+    );
+}
+
+fn changed(pointer: &str, to: Value) -> Value {
+    let mut value = sound();
+    *value.pointer_mut(pointer).unwrap_or_else(|| panic!("there is {pointer}")) = to;
+    value
+}
+
+#[test]
+fn conditions_are_checked_with_what_they_need() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    assert_eq!(faults_in(folder, &sound()), [], "law: the sound one is sound");
+    let until = |to: Value| changed("/stages/1/until", to);
+    let up = json!([0, 0, 1]);
+    for (condition, field, words) in [
+        (json!({}), "until.force_n", "ends by one condition"),
+        (
+            json!({ "piece": "lid", "direction": up, "force_n": 1, "moved_mm": 1 }),
+            "until.force_n",
+            "ends by one condition",
+        ),
+        (json!({ "direction": up, "force_n": 1 }), "until.piece", "is that of one"),
+        (json!({ "piece": "lid", "force_n": 1 }), "until.direction", "along a direction"),
+        (
+            json!({ "piece": "lid", "direction": [0, 0, 0], "force_n": 1 }),
+            "until.direction",
+            "nothing counts along it",
+        ),
+        (json!({ "piece": "door", "moved_mm": 1 }), "until.piece", "allowed: box, lid, all"),
+        (json!({ "piece": "box", "moved_mm": 1 }), "until.piece", "does not move"),
+        (
+            json!({ "piece": "lid", "moved_mm": 1, "window_s": 1 }),
+            "until.window_s",
+            "means nothing with `moved_mm`",
+        ),
+        (json!({ "flow_below_g_per_s": 1 }), "until.opening", "is that of one"),
+        (json!({ "opening": "gap", "steady_flow_percent": 1 }), "until.opening", "allowed: mouth"),
+        (
+            json!({ "opening": "mouth", "piece": "lid", "flow_below_g_per_s": 1 }),
+            "until.piece",
+            "means nothing with `flow_below_g_per_s`",
+        ),
+        (json!({ "piece": "lid", "moved_mm": 0 }), "until.moved_mm", "out of range"),
+        (json!({ "piece": "lid", "moved": 1 }), "until.moved", "there is no such field"),
+    ] {
+        expect(folder, &until(condition), &format!("stages[1].{field}"), words);
+    }
+    // All at once.
+    let many = until(json!({ "piece": "door", "opening": "gap", "force_n": 1 }));
+    let found = faults_in(folder, &many);
+    assert_eq!(found.len(), 4, "law: no piece, no opening, opening idle, no direction: {found:#?}");
+    for (piece, fits) in [("all", true), ("lid", true)] {
+        let moved = until(json!({ "piece": piece, "moved_mm": 1 }));
+        assert_eq!(faults_in(folder, &moved).is_empty(), fits, "law: {piece} moves");
+    }
+    let mut value = sound();
+    value["stages"][1].as_object_mut().expect("a stage").remove("time_limit_s");
+    expect(folder, &value, "stages[1].time_limit_s", "for ever");
+    let mut value = sound();
+    value["stages"][1]["travel_mm"] = json!(5);
+    expect(folder, &value, "stages[1].duration_s", "a motion has one end");
+    let mut value = sound();
+    value["stages"][1].as_object_mut().expect("a stage").remove("until");
+    value["stages"][1]["duration_s"] = json!(0.1);
+    expect(folder, &value, "stages[1].time_limit_s", "limit of a motion with `until`");
+}
+
+#[test]
+fn what_ended_a_stage_stands_in_the_summary() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenario = write(folder.path(), &sound());
+    let out = folder.path().join("out");
+    let done = pluvia(&scenario, &out).output().expect("started");
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let read = fs::read(out.join("summary.json")).expect("a summary");
+    let summary: Value = serde_json::from_slice(&read).expect("JSON");
+    let of = |stage: usize| &summary["stages"][stage]["until"];
+    assert_eq!(*of(0), Value::Null, "law: a deposit has no condition");
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("a number, got {value}"));
+    assert_eq!(of(1)["reached"], json!(true), "law: the lid meets grains, {}", of(1));
+    let (force, at) = (number(&of(1)["force_n"]), number(&of(1)["at_s"]));
+    assert!(force >= 3.0, "law: 3 N at least, got {force} N");
+    let lasted = number(&summary["stages"][1]["duration_s"]);
+    assert!((lasted - at - 0.02).abs() < 3e-3, "law: a ramp later it is over, {lasted} s");
+    assert_eq!(of(2)["reached"], json!(true), "law: the force becomes steady, {}", of(2));
+    assert!(number(&of(2)["change_percent"]) <= 1.0, "law: within 1 %, {}", of(2));
+}
+
+#[test]
+fn a_recorded_motion_moves_pieces_and_is_checked_beforehand() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let recorded = |file: &str| {
+        let mut value = sound();
+        value["stages"] = json!([value["stages"][0],
+            { "stage": "move", "pieces": ["lid"], "motion_file": file, "interpolation": "linear" }]);
+        value
+    };
+    fs::write(folder.join("down.csv"), "time_s,x_mm,z_mm\n5,0,0\n5.5,0,-10\n6,2,-10\n")
+        .expect("csv");
+    let loaded = load_scenario(&write(folder, &recorded("down.csv")), &[]);
+    let scenario = loaded.unwrap_or_else(|e| panic!("{e}")).scenario;
+    let motion = scenario.stages[1].piece_motion().expect("a motion");
+    assert_eq!(motion.duration, 1.0, "law: from the first row to the last");
+    let at = motion.displacement(1.0).translation.vector * 1e3;
+    assert!((at.x - 2.0).abs() + (at.z + 10.0).abs() < 1e-12, "law: its last row, got {at}");
+    let StageSpec::Move { motion_file: None, motion_rows: Some(rows), .. } = &scenario.stages[1]
+    else {
+        panic!("law: rows stand in place of the file, {:?}", scenario.stages[1]);
+    };
+    assert_eq!(rows.len(), 3);
+    fs::write(folder.join("fast.csv"), "time_s,x_mm\n0,0\n0.001,500\n").expect("csv");
+    expect(folder, &recorded("fast.csv"), "engine.rate_hz", "a piece at its fastest");
+    fs::write(folder.join("still.csv"), "time_s,x_mm\n0,1\n1,1\n").expect("csv");
+    expect(folder, &recorded("still.csv"), "stages[1].motion_rows", "nothing would move");
+    fs::write(folder.join("back.csv"), "time_s,x_mm\n0,1\n0,2\n").expect("csv");
+    expect(folder, &recorded("back.csv"), "stages[1].motion_file", "does not grow");
+    expect(folder, &recorded("none.csv"), "stages[1].motion_file", "cannot be read");
+    let mut value = recorded("down.csv");
+    value["stages"][1]["duration_s"] = json!(1);
+    value["stages"][1]["ramp_s"] = json!(0.1);
+    expect(folder, &value, "stages[1].duration_s", "ends with its last");
+    expect(folder, &value, "stages[1].ramp_s", "ends with its last");
+    value["stages"][1]["velocity_mm_per_s"] = json!([0, 0, 1]);
+    expect(folder, &value, "stages[1].velocity_mm_per_s", "pieces move in one way");
+    let joined = changed("/stages/1/until", json!({ "piece": "lid", "moved_mm": 1 }));
+    let mut value = joined;
+    value["stages"][1]["interpolation"] = json!("linear");
+    expect(folder, &value, "stages[1].interpolation", "has rows to join");
+}
+
+/// Two blocks of a unit cube each, 3 apart along x, as one object; unit: cm.
+fn two_blocks(high: f64) -> String {
+    let mut text = "o blocks\n".to_owned();
+    for (n, from) in [0.0, 3.0].into_iter().enumerate() {
+        for corner in 0..8 {
+            let at = |axis: usize| f64::from(corner >> axis & 1);
+            text += &format!("v {} {} {}\n", from + at(0), at(1), high * at(2));
+        }
+        for face in
+            [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]]
+        {
+            let [a, b, c, d] = face.map(|corner| corner + 8 * n);
+            text += &format!("f {a} {b} {c} {d}\n");
+        }
+    }
+    text
+}
+
+#[test]
+fn a_mesh_is_a_piece_of_its_convex_parts_and_shows_in_pictures() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    fs::write(folder.join("blocks.obj"), two_blocks(2.0)).expect("written");
+    let of = |file: &str| {
+        let mut value = sound();
+        let mesh = json!({ "name": "blocks", "at_mm": [-20, -5, 100],
+            "shape": { "mesh": { "file": file, "scale_to_mm": 10 } } });
+        value["pieces"] = json!([value["pieces"][0], mesh]);
+        value["measures"] = json!({});
+        value["stages"] = json!([value["stages"][0]]);
+        value
+    };
+    let scenario = write(folder, &of("blocks.obj"));
+    let loaded = load_scenario(&scenario, &[]).unwrap_or_else(|e| panic!("{e}")).scenario;
+    let mesh = loaded.pieces[1].shape.mesh.as_ref().expect("a mesh");
+    assert_eq!((mesh.file.as_ref(), mesh.parts().len()), (None, 2), "law: parts, and no file");
+    let setup = pluvia::protocol::Setup::new(&loaded).expect("a laboratory");
+    let volume = setup.pieces[1].volume() * 1e9;
+    assert!((volume - 4000.0).abs() < 1e-6, "law: two of 10 × 10 × 20 mm, got {volume} mm³");
+    // Without its file the scenario of a run folder means the same.
+    let kept = serde_json::to_value(&loaded).expect("JSON");
+    let again = load_scenario(&write(&folder.join("."), &kept), &[]);
+    assert_eq!(again.unwrap_or_else(|e| panic!("{e}")).scenario.pieces, loaded.pieces);
+
+    // Far from all grains it changes nothing but the picture.
+    let shown = |name: &str, value: &Value| {
+        let (out, picture) = (folder.join(name), folder.join(format!("{name}.png")));
+        let done = pluvia(&write(folder, value), &out).output().expect("started");
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let done = std::process::Command::new(env!("CARGO_BIN_EXE_pluvia"))
+            .args(["picture", "--width", "160", "--height", "120", "--no-key", "--out"])
+            .args([&picture, &out])
+            .output()
+            .expect("started");
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let grains = fs::read(out.join("grains.csv")).expect("grains");
+        (grains, fs::read(picture).expect("a picture"))
+    };
+    let mut alone = of("blocks.obj");
+    alone["pieces"].as_array_mut().expect("pieces").pop();
+    let (with, without) = (shown("with", &of("blocks.obj")), shown("without", &alone));
+    assert_eq!(with.0, without.0, "law: the grains are the same");
+    assert_ne!(with.1, without.1, "law: a mesh is drawn");
+
+    let mut both = of("blocks.obj");
+    both["pieces"][1]["shape"]["mesh"]["parts"] = json!([]);
+    expect(folder, &both, "pieces[1].shape.mesh.file", "one source");
+    expect(folder, &of("none.obj"), "pieces[1].shape.mesh.file", "cannot be read");
+    fs::write(folder.join("open.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("written");
+    expect(folder, &of("open.obj"), "pieces[1].shape.mesh.file", "open.obj");
+    let inside_out = json!([{ "vertices_mm": [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]],
+        "faces": [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] }]);
+    let mut value = of("blocks.obj");
+    value["pieces"][1]["shape"]["mesh"] = json!({ "parts": inside_out });
+    expect(folder, &value, "pieces[1].shape.mesh.parts[0]", "closed convex surface");
+    // Two parts cannot be pressed.
+    let mut value = of("blocks.obj");
+    let press = json!({ "stage": "press", "loads": [{ "piece": "blocks", "force_n": 1 }] });
+    value["stages"].as_array_mut().expect("stages").push(press);
+    expect(folder, &value, "stages[1].loads[0].piece", "only solid pieces");
+}
