@@ -35,6 +35,7 @@ mod watched;
 mod whereabouts;
 
 pub use base::{base_pieces, friction_between};
+pub use bodies::spring_energy;
 pub use plausible::plausible;
 pub use progress::{Progress, Silent};
 pub use segments::{Midway, segments};
