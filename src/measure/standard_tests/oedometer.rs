@@ -18,9 +18,10 @@ pub fn void_ratio_of_height(height: f64, area: f64, solids: f64) -> f64 {
     height * area / solids - 1.0
 }
 
-/// Compression in m that the springs of contacts give back from one state to another by themselves:
-/// as much as the energy that they give up lifts the lid, against its mean force on the way. Exact
-/// for springs whose network stays as it is and is not held by friction.
+/// Compression in m that the springs of contacts can give back from one state to another: as much
+/// as the energy that they give up lifts the lid, against its mean force on the way. Exact for
+/// springs whose network stays as it is; where grains slide on the way, friction takes a part of
+/// that energy, and less comes back.
 pub fn given_back_by_springs(from: &Compressed, to: &Compressed) -> f64 {
     2.0 * (from.stored - to.stored) / (from.force + to.force)
 }
@@ -30,7 +31,7 @@ pub fn given_back_by_springs(from: &Compressed, to: &Compressed) -> f64 {
 pub struct Rebound {
     /// Share that does come back, as the height of the lid shows.
     pub came_back: f64,
-    /// Share that the springs give back by their energy.
+    /// Share that the springs can give back by their energy, at most.
     pub of_springs: f64,
 }
 
