@@ -7,8 +7,8 @@ use std::{
 
 use pluvia::{
     export::read_run,
-    protocol::Progress,
-    scenario::Override,
+    protocol::{Progress, spring_energy},
+    scenario::{EngineSettings, Override},
     specimen::Specimen,
     study::{RunOptions, Variation, Varied, carry_out_variations},
 };
@@ -132,6 +132,25 @@ impl Run {
         let summary: serde_json::Value =
             pluvia::record::read_json(&path).map_err(|e| e.to_string())?;
         Ok(summary.pointer(pointer).and_then(serde_json::Value::as_f64))
+    }
+
+    /// Settings of the engine.
+    fn engine(&self) -> Result<EngineSettings, String> {
+        let path = self.folder.join("manifest.json");
+        let mut manifest: serde_json::Value =
+            pluvia::record::read_json(&path).map_err(|e| e.to_string())?;
+        serde_json::from_value(manifest["scenario"]["engine"].take()).map_err(|e| e.to_string())
+    }
+
+    /// Stiffness of a contact point in N/m.
+    pub fn contact_stiffness(&self) -> Result<f64, String> {
+        Ok(self.engine()?.native.contact_stiffness_n_per_m)
+    }
+
+    /// Energy in J that contacts hold as springs at the end of a stage, by its number.
+    pub fn stored_in_springs(&self, stage: usize) -> Result<f64, String> {
+        let specimen = self.specimen(Some(&stage.to_string()))?;
+        Ok(spring_energy(&specimen.state.contacts, &self.engine()?))
     }
 }
 

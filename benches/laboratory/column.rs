@@ -5,7 +5,7 @@ use pluvia::{
         Container, HeightMap, height_cell,
         standard_tests::{deposit_edge, run_out_of_lube},
     },
-    report::{ChartCurve, CurveStyle, LawChart},
+    report::{Chart, ChartCurve, CurveStyle, Panel},
 };
 
 use super::{
@@ -145,7 +145,7 @@ fn collapse(run: &Run, radius: f64) -> Result<Option<Collapse>, String> {
     }))
 }
 
-fn chart(found: &[Collapse]) -> LawChart {
+fn chart(found: &[Collapse]) -> Chart {
     let law: Vec<(f64, f64)> =
         (1..=90).map(|n| 0.05 * f64::from(n)).map(|a| (a, run_out_of_lube(a))).collect();
     let end = |share: f64| law.iter().map(|(a, r)| (*a, share * r)).collect();
@@ -155,26 +155,29 @@ fn chart(found: &[Collapse]) -> LawChart {
         kind,
         points,
     };
-    LawChart {
+    Chart {
         stem: "column".into(),
         title: "Run-out of collapsed columns".into(),
         caption:
             "Run-out against the aspect ratio, each realisation a point, and the law of Lube et \
                   al. with ends 15 % to either side."
                 .into(),
-        x: "Aspect ratio a = h₀/r₀".into(),
-        y: "Run-out (r∞ − r₀)/r₀".into(),
-        wanted: None,
-        curves: vec![
-            ChartCurve {
-                name: "Measured".into(),
-                style: CurveStyle::Points,
-                kind: 0,
-                points: found.iter().map(|f| (f.aspect, f.run_out)).collect(),
-            },
-            line("Lube et al. 2004", 1, law.clone()),
-            line("± 15 %", 4, end(1.15)),
-            line("", 4, end(0.85)),
-        ],
+        panels: vec![Panel {
+            x: "Aspect ratio a = h₀/r₀".into(),
+            y: "Run-out (r∞ − r₀)/r₀".into(),
+            from_zero: [true; 2],
+            curves: vec![
+                ChartCurve {
+                    name: "Measured".into(),
+                    style: CurveStyle::Points,
+                    kind: 0,
+                    points: found.iter().map(|f| (f.aspect, f.run_out)).collect(),
+                },
+                line("Lube et al. 2004", 1, law.clone()),
+                line("± 15 %", 4, end(1.15)),
+                line("", 4, end(0.85)),
+            ],
+            ..Panel::default()
+        }],
     }
 }

@@ -4,7 +4,7 @@ use pluvia::{
     measure::standard_tests::{
         BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow,
     },
-    report::{ChartCurve, CurveStyle, LawChart},
+    report::{Chart, ChartCurve, CurveStyle, Panel},
     units::{from_mm, to_g, to_mm},
 };
 
@@ -214,7 +214,7 @@ enum Flow {
     Short,
 }
 
-fn chart(flows: &[(u32, Discharge)], fits: &[BeverlooFit]) -> LawChart {
+fn chart(flows: &[(u32, Discharge)], fits: &[BeverlooFit]) -> Chart {
     let count = flows.len().max(1) as f64;
     let density = flows.iter().map(|f| f.1.bulk_density).sum::<f64>() / count;
     let law = |c: f64, k: f64| -> Vec<(f64, f64)> {
@@ -247,14 +247,17 @@ fn chart(flows: &[(u32, Discharge)], fits: &[BeverlooFit]) -> LawChart {
         kind: 1,
         points: law(USUAL_C, USUAL_K),
     });
-    LawChart {
+    Chart {
         stem: "hopper".into(),
         title: "Discharge of a flat-bottomed bin".into(),
         caption: "Steady rate against the diameter of the opening, each realisation a point."
             .into(),
-        x: "Opening (mm)".into(),
-        y: "Rate (g/s)".into(),
-        wanted: None,
-        curves,
+        panels: vec![Panel {
+            x: "Opening (mm)".into(),
+            y: "Rate (g/s)".into(),
+            from_zero: [true; 2],
+            curves,
+            ..Panel::default()
+        }],
     }
 }

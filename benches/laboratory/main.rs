@@ -8,8 +8,11 @@ mod bench;
 mod column;
 mod density;
 mod hopper;
+mod oedometer;
 mod repose;
 mod row;
+mod shear;
+mod triaxial;
 
 use std::{path::PathBuf, process::ExitCode};
 
@@ -23,7 +26,7 @@ use row::Row;
 #[derive(Debug, Parser)]
 #[command(name = "make laboratory ARGS=...")]
 struct Options {
-    /// Smaller specimens, fewer points and realisations: about 15 minutes of one core
+    /// Smaller specimens, fewer points and realisations: about 40 minutes of one core
     #[arg(long)]
     quick: bool,
     /// Only these tests, with commas between; rows of the others stay in the file
@@ -57,10 +60,24 @@ enum Part {
     Repose,
     /// Loosest and densest state
     Density,
+    /// Direct shear at three stresses
+    DirectShear,
+    /// Compression in an oedometer
+    Oedometer,
+    /// Triaxial compression of loose and dense specimens
+    Triaxial,
 }
 
 impl Part {
-    const ALL: [Self; 4] = [Self::Hopper, Self::Column, Self::Repose, Self::Density];
+    const ALL: [Self; 7] = [
+        Self::Hopper,
+        Self::Column,
+        Self::Repose,
+        Self::Density,
+        Self::DirectShear,
+        Self::Oedometer,
+        Self::Triaxial,
+    ];
 
     fn name(self) -> &'static str {
         match self {
@@ -68,6 +85,9 @@ impl Part {
             Self::Column => "column",
             Self::Repose => "repose",
             Self::Density => "density",
+            Self::DirectShear => "direct-shear",
+            Self::Oedometer => "oedometer",
+            Self::Triaxial => "triaxial",
         }
     }
 }
@@ -104,6 +124,9 @@ fn run(options: &Options) -> Result<(), String> {
             Part::Column => column::carry_out(&bench),
             Part::Repose => repose::carry_out(&bench),
             Part::Density => density::carry_out(&bench),
+            Part::DirectShear => shear::carry_out(&bench),
+            Part::Oedometer => oedometer::carry_out(&bench),
+            Part::Triaxial => triaxial::carry_out(&bench),
         }
         .map_err(|e| format!("{part}: {e}"))?;
         rows.retain(|row| row.test != part.name());

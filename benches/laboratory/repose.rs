@@ -2,7 +2,7 @@
 
 use pluvia::{
     measure::standard_tests::{Tilted, crossing, sliding_tilt},
-    report::{ChartCurve, CurveStyle, LawChart},
+    report::{Chart, ChartCurve, ChartMark, CurveStyle, Panel},
 };
 
 use super::{
@@ -115,14 +115,18 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         kind: 4,
         points: identity.collect(),
     });
-    let chart = LawChart {
+    let chart = Chart {
         stem: "repose".into(),
         title: "Angle of repose by three methods".into(),
         caption: "Angle against the friction between grains, means over realisations.".into(),
-        x: "Friction coefficient between grains".into(),
-        y: "Angle (degrees)".into(),
-        wanted: Some(("38.40°".into(), WANTED)),
-        curves,
+        panels: vec![Panel {
+            x: "Friction coefficient between grains".into(),
+            y: "Angle (degrees)".into(),
+            from_zero: [true; 2],
+            marks: vec![ChartMark { name: "38.40°".into(), at: WANTED, upright: false }],
+            curves,
+            ..Panel::default()
+        }],
     };
     Ok(Found { rows, charts: vec![chart] })
 }

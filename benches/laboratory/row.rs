@@ -62,7 +62,7 @@ pub enum Rule {
 /// What a test found.
 pub struct Found {
     pub rows: Vec<Row>,
-    pub charts: Vec<pluvia::report::LawChart>,
+    pub charts: Vec<pluvia::report::Chart>,
 }
 
 impl Row {

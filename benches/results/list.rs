@@ -249,7 +249,7 @@ pub const KEPT: &[Kept] = &[
         ],
         made: Made::Make("laboratory"),
         build: build("2026-11-25", "14"),
-        takes: "15 minutes with --quick, else hours",
+        takes: "40 minutes with --quick, else hours",
     },
     Kept {
         name: "robustness",

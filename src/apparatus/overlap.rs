@@ -6,7 +6,7 @@ use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
 /// Pieces that are less than this deep in each other, in m, touch.
 const TOUCHING: f64 = 1e-6;
 
-/// Refuses pieces that begin within each other.
+/// Refuses pieces that begin within each other, where neither may.
 ///
 /// # Errors
 /// Names every pair of them.
@@ -21,7 +21,8 @@ pub fn overlapping(pieces: &[RigidPiece]) -> Result<(), ApparatusError> {
     let mut found = Vec::new();
     for (a, one) in solids.iter().enumerate() {
         for (b, other) in solids.iter().enumerate().skip(a + 1) {
-            if one.iter().any(|x| other.iter().any(|y| x.depth_in(y) > TOUCHING)) {
+            let may = pieces[a].may_cross || pieces[b].may_cross;
+            if !may && one.iter().any(|x| other.iter().any(|y| x.depth_in(y) > TOUCHING)) {
                 found.push(format!("`{}` and `{}`", pieces[a].name, pieces[b].name));
             }
         }
@@ -36,14 +37,15 @@ pub fn overlapping(pieces: &[RigidPiece]) -> Result<(), ApparatusError> {
 }
 
 /// The number of a piece that piece number `one` stands in, with the places in `at` of those that
-/// stand; none where it stands in none.
+/// stand; none where it stands in none that it may not.
 pub fn stands_in(pieces: &[RigidPiece], at: &[Option<Pose>], one: usize) -> Option<usize> {
     let solids = |n: usize, at: Pose| -> Vec<Solid> {
         let parts = pieces[n].parts.iter();
         parts.map(|part| Solid::of(&part.shape.transformed(&(at * part.pose)))).collect()
     };
     let own = solids(one, at[one]?);
-    (0..pieces.len()).filter(|n| *n != one).find(|&n| {
+    let may = |n: usize| pieces[one].may_cross || pieces[n].may_cross;
+    (0..pieces.len()).filter(|n| *n != one && !may(*n)).find(|&n| {
         let other = at[n].map_or(Vec::new(), |at| solids(n, at));
         own.iter().any(|x| other.iter().any(|y| x.depth_in(y) > TOUCHING))
     })
@@ -131,6 +133,33 @@ mod tests {
         assert!(error.to_string().contains("`box` and `lid`"), "law: both are named, {error}");
         let inside = r#"{ "name": "in", "shape": { "plate": { "size_mm": [98, 98, 10] } }, "at_mm": [0, 0, 50] }"#;
         assert_eq!(overlapping(&pieces(&[block, inside])), Ok(()), "law: inside of it is room");
+    }
+
+    #[test]
+    fn plates_whose_planes_cross_stand_where_one_of_them_may() {
+        let plate = |name: &str, size: &str, cross: &str| {
+            format!(
+                r#"{{ "name": "{name}", "shape": {{ "plate": {{ "size_mm": {size} }} }}, "at_mm": [5, 5, 0]{cross} }}"#
+            )
+        };
+        let own = r#", "may_cross": true"#;
+        let two = |one: &str, other: &str| {
+            let (a, b) = (plate("a", "[10, 90, 50]", one), plate("b", "[90, 10, 50]", other));
+            pieces(&[a.as_str(), b.as_str()])
+        };
+        let standing = |pieces: &[RigidPiece]| -> Vec<Option<Pose>> {
+            pieces.iter().map(|piece| Some(piece.at)).collect()
+        };
+        for (one, other) in [(own, ""), ("", own), (own, own)] {
+            let both = two(one, other);
+            assert_eq!(overlapping(&both), Ok(()), "law: one that may is enough");
+            let into = stands_in(&both, &standing(&both), 0);
+            assert_eq!(into, None, "law: nor is it one pressed into another");
+        }
+        let neither = two("", "");
+        assert!(overlapping(&neither).is_err(), "law: neither may");
+        let into = stands_in(&neither, &standing(&neither), 0);
+        assert_eq!(into, Some(1), "law: one stands in the other");
     }
 
     #[test]

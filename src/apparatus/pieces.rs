@@ -26,6 +26,8 @@ pub struct RigidPiece {
     pub at: Pose,
     /// Largest distance in m of a corner from the origin of its frame.
     pub radius: f64,
+    /// Whether it may stand in other pieces.
+    pub may_cross: bool,
 }
 
 impl RigidPiece {
@@ -43,7 +45,7 @@ impl RigidPiece {
         let at = Pose::from_parts(Translation3::from(spec.at_mm.map(from_mm)), turn);
         let corners = parts.iter().flat_map(|p| p.shape.vertices().iter().map(|v| p.pose * v));
         let radius = corners.map(|corner| corner.coords.norm()).fold(0.0, f64::max);
-        Ok(Self { name: spec.name.clone(), parts, at, radius })
+        Ok(Self { name: spec.name.clone(), parts, at, radius, may_cross: spec.may_cross })
     }
 
     /// Volume in m³ of its parts.

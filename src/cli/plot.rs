@@ -13,7 +13,7 @@ use super::{
 };
 use crate::plain::{plain_lines, plain_path};
 use crate::record::{FileError, read_file, read_json, write_file};
-use crate::report::{Chart, ChartColumn, ChartStyle, ColumnRange, ColumnTable, svg_to_png};
+use crate::report::{ChartColumn, ChartStyle, ColumnChart, ColumnRange, ColumnTable, svg_to_png};
 
 /// Draw any columns of a run's tables over each other
 #[derive(Debug, Args)]
@@ -235,7 +235,12 @@ fn stage_numbers(folder: &Path, asked: &str) -> Result<Vec<String>, CliError> {
 }
 
 /// The chosen columns.
-fn chart(args: &PlotArgs, path: &Path, rows: &ColumnTable, x: &str) -> Result<Chart, CliError> {
+fn chart(
+    args: &PlotArgs,
+    path: &Path,
+    rows: &ColumnTable,
+    x: &str,
+) -> Result<ColumnChart, CliError> {
     let mut faults = Vec::new();
     let mut column = |option: &str, name: &str| match rows.find(name) {
         Ok(found) => {
@@ -261,7 +266,7 @@ fn chart(args: &PlotArgs, path: &Path, rows: &ColumnTable, x: &str) -> Result<Ch
         || increases(&along.numbers)
         || y.iter().all(|column| increases(&column.numbers));
     let is_line = goes_on && !args.points;
-    Ok(Chart {
+    Ok(ColumnChart {
         stages: if x == "time_s" { begins(rows) } else { Vec::new() },
         x: along,
         y,

@@ -1,18 +1,33 @@
 //! Standard tests of granular material: the laws by which they are read, as pure functions.
 //!
 //! Discharge of a hopper ([`fit_beverloo`]), run-out of a column ([`deposit_edge`]), a box that is
-//! tilted ([`sliding_tilt`]), where a curve of means takes a value ([`crossing`]), and how what was
-//! measured is judged ([`judge`]).
+//! tilted ([`sliding_tilt`]), direct shear ([`shear_strength`], [`friction_angle`]), an oedometer
+//! ([`rebound`]), triaxial compression ([`critical_state`]), where a curve of means takes a value
+//! ([`crossing`]), and how what was measured is judged ([`judge`]).
 
 mod beverloo;
 mod judge;
+mod oedometer;
 mod run_out;
+mod shear;
 mod tilt;
+mod triaxial;
 
 pub use beverloo::{BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow};
 pub use judge::{Verdict, judge};
+pub use oedometer::{
+    Compressed, Rebound, compression_index, given_back_by_springs, rebound, void_ratio_of_height,
+};
 pub use run_out::{deposit_edge, run_out_of_lube};
+pub use shear::{ShearStrength, Sheared, friction_angle, inertial_number, shear_strength};
 pub use tilt::{Tilted, sliding_tilt};
+pub use triaxial::{CriticalState, Triaxial, angle_of_ratio, critical_state, peak_ratio};
+
+/// Mean of some numbers; NaN of none.
+fn mean_of(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0_u32), |(sum, count), x| (sum + x, count + 1));
+    sum / f64::from(count)
+}
 
 /// The place at which a curve through points first takes a value, rising or falling, on straight
 /// lines between points in the order of their places. `None` where it does not.

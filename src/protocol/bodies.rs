@@ -63,7 +63,7 @@ pub(super) fn level(place: Vector, state: &SpecimenState) -> Vector {
 
 /// Energy in J that loaded contacts hold as springs, ½ f²/k of each normal force; 0 for engines
 /// whose contacts are none.
-pub(super) fn spring_energy(contacts: &[SavedContact], engine: &EngineSettings) -> f64 {
+pub fn spring_energy(contacts: &[SavedContact], engine: &EngineSettings) -> f64 {
     let stiffness = engine.native.contact_stiffness_n_per_m;
     contacts.iter().map(|c| c.force_n.dot(&c.normal).powi(2)).sum::<f64>() / (2.0 * stiffness)
 }

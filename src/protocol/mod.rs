@@ -38,6 +38,7 @@ mod watched;
 mod whereabouts;
 
 pub use base::{base_pieces, friction_between};
+pub use bodies::spring_energy;
 pub use ending::{Judged, UntilFound, opening};
 pub use plausible::plausible;
 pub use progress::{Progress, Silent};

@@ -1,143 +1,124 @@
-//! A figure of any columns of a table over another: one panel for each unit, with the units on its
-//! axes.
+//! A chart of points and curves in panels below each other: of laws and measurements, each panel
+//! with axes of its own.
 
 use super::{
+    Figure, ReportError,
     axis::Axis,
-    columns::quantity_and_unit,
-    figures::capital,
+    figures,
     plot::{Look, Mark, Plot, Series, stacked},
     style,
 };
 
-/// A column: its name and its numbers, row by row.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChartColumn {
-    /// Name, with the unit.
-    pub name: String,
-    /// A number for each row, or none.
-    pub numbers: Vec<Option<f64>>,
-}
-
-/// How it is drawn.
+/// How the points of a curve are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ChartStyle {
-    /// Rows joined in their order.
-    Line,
-    /// A marker for each row.
+pub enum CurveStyle {
+    /// Markers alone.
     Points,
+    /// Small markers alone, of many points.
+    Dots,
+    /// Markers along a line.
+    Measured,
+    /// A line.
+    Line,
+    /// A line with a marker here and there, so that several can be told apart.
+    Marked,
+    /// A dashed line: a law, or what others measured.
+    Law,
 }
 
-/// What is drawn.
+/// A curve, or a cloud of points.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Chart {
-    /// Along the horizontal axis.
-    pub x: ChartColumn,
-    /// Over it.
-    pub y: Vec<ChartColumn>,
+pub struct ChartCurve {
+    /// Its name in the key, and in the table; empty for none.
+    pub name: String,
+    /// How it is drawn.
+    pub style: CurveStyle,
+    /// Number of its colour and marker: what belongs together has the same.
+    pub kind: usize,
+    /// Points.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// A straight line across a panel: a value that is asked for, or where something begins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartMark {
+    /// Its name in the key; empty for none.
+    pub name: String,
+    /// Value on its axis. The vertical axis reaches to it.
+    pub at: f64,
+    /// Whether it stands upright, at a value of the horizontal axis.
+    pub upright: bool,
+}
+
+/// A panel.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Panel {
+    /// Name and unit of the horizontal axis.
+    pub x: String,
+    /// Name and unit of the vertical axis.
+    pub y: String,
     /// Whether the horizontal and the vertical axes are logarithmic.
     pub log: [bool; 2],
-    /// Lines, or points.
-    pub style: ChartStyle,
-    /// Values of x at which a stage begins.
-    pub stages: Vec<f64>,
+    /// Whether the horizontal and the vertical axes begin at nothing, for lengths to be compared.
+    pub from_zero: [bool; 2],
+    /// Lines across it.
+    pub marks: Vec<ChartMark>,
+    /// Curves, drawn in order.
+    pub curves: Vec<ChartCurve>,
 }
 
+/// A chart that is a figure of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// Name of its files, without extension.
+    pub stem: String,
+    /// Title.
+    pub title: String,
+    /// What is to be seen.
+    pub caption: String,
+    /// From above to below; their horizontal axes are the same.
+    pub panels: Vec<Panel>,
+}
+
+/// Distance of markers along a line of many points, in SVG units.
 const MARKER_SPACING: f64 = 170.0;
 
-/// Characters of an axis' name, at most, where it is made of those of several columns.
-const LONGEST_NAME: usize = 40;
-
-impl Chart {
-    /// The figure as SVG.
-    ///
-    /// # Errors
-    /// A sentence on what has no place on the axes or cannot be drawn.
-    pub fn svg(&self) -> Result<String, String> {
-        let mut units: Vec<&str> = Vec::new();
-        for column in &self.y {
-            let (_, unit) = quantity_and_unit(&column.name);
-            if !units.contains(&unit) {
-                units.push(unit);
-            }
-        }
-        let panels: Result<Vec<String>, String> =
-            units.iter().map(|unit| self.panel(unit)).collect();
-        let mut panels = panels?;
-        match panels.len() {
-            1 => Ok(panels.remove(0)),
-            _ => stacked(&panels),
+impl CurveStyle {
+    fn look(self, kind: usize) -> Look {
+        let (line, marker) = match self {
+            Self::Points | Self::Dots => (None, true),
+            Self::Measured | Self::Marked => (Some(style::SOLID), true),
+            Self::Line => (Some(style::SOLID), false),
+            Self::Law => (Some(style::DASHED), false),
+        };
+        Look {
+            colour: style::colour(kind),
+            line,
+            width: if self == Self::Dots { style::THIN } else { style::CURVE },
+            marker: marker.then(|| style::marker(kind)),
+            marker_spacing: (self == Self::Marked).then_some(MARKER_SPACING),
         }
     }
+}
 
-    /// The columns of one unit.
-    fn panel(&self, unit: &str) -> Result<String, String> {
-        let columns: Vec<(usize, &ChartColumn)> = self
-            .y
-            .iter()
-            .enumerate()
-            .filter(|(_, column)| quantity_and_unit(&column.name).1 == unit)
-            .collect();
-        let mut series = Vec::new();
-        for (n, column) in &columns {
-            let of = self.series(*n, column, columns.len() > 1);
-            if of.is_empty() {
-                return Err(format!(
-                    "no row has {}numbers both in `{}` and in `{}`",
-                    if self.log == [false; 2] { "" } else { "positive " },
-                    self.x.name,
-                    column.name
-                ));
-            }
-            series.extend(of);
+impl Panel {
+    fn plot(&self) -> Plot {
+        let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        let zero = |n: usize| self.from_zero[n].then_some(0.0);
+        let levels = self.marks.iter().filter(|mark| !mark.upright).map(|mark| mark.at);
+        let x = axis(self.log[0], &self.x, points().map(|p| p.0).chain(zero(0)));
+        let y = axis(self.log[1], &self.y, points().map(|p| p.1).chain(levels).chain(zero(1)));
+        let mut plot = Plot::new(x, y);
+        for ChartMark { name, at, upright } in &self.marks {
+            plot.marks.push(Mark { label: name.clone(), at: *at, upright: *upright });
         }
-        let all = || series.iter().flat_map(|s| s.points.iter());
-        let (x, _) = quantity_and_unit(&self.x.name);
-        let x_unit = quantity_and_unit(&self.x.name).1;
-        let names: Vec<String> =
-            columns.iter().map(|(_, c)| quantity_and_unit(&c.name).0).collect();
-        let x_axis = axis(self.log[0], &label(&x, x_unit), all().map(|p| p.0));
-        let y_axis = axis(self.log[1], &label(&in_common(&names), unit), all().map(|p| p.1));
-        let mut plot = Plot::new(x_axis, y_axis);
-        for at in &self.stages {
-            let label = if plot.marks.is_empty() { "Beginning of a stage" } else { "" };
-            plot.marks.push(Mark { label: label.into(), at: *at, upright: true });
-        }
-        plot.series = series;
-        plot.svg()
-    }
-
-    /// A column in pieces between rows that have no place.
-    fn series(&self, n: usize, column: &ChartColumn, named: bool) -> Vec<Series> {
-        let is_line = self.style == ChartStyle::Line;
-        let look = Look {
-            colour: style::colour(n),
-            line: is_line.then_some(style::SOLID),
-            width: if is_line { style::CURVE } else { style::THIN },
-            marker: (!is_line || named).then(|| style::marker(n)),
-            marker_spacing: is_line.then_some(MARKER_SPACING),
+        let series = |curve: &ChartCurve| Series {
+            label: curve.name.clone(),
+            look: curve.style.look(curve.kind),
+            points: curve.points.clone(),
         };
-        let label = if named { capital(&quantity_and_unit(&column.name).0) } else { String::new() };
-        let placed = |(x, y): (&Option<f64>, &Option<f64>)| {
-            let (x, y) = ((*x)?, (*y)?);
-            ((!self.log[0] || x > 0.0) && (!self.log[1] || y > 0.0)).then_some((x, y))
-        };
-        let rows: Vec<Option<(f64, f64)>> =
-            self.x.numbers.iter().zip(&column.numbers).map(placed).collect();
-        let pieces = rows
-            .split(Option::is_none)
-            .map(|piece| -> Vec<(f64, f64)> { piece.iter().copied().flatten().collect() });
-        let mut label = Some(label);
-        pieces
-            .filter(|points| !points.is_empty())
-            .map(|points| {
-                let label = label.take().unwrap_or_default();
-                // A row alone between rows without a number has no line.
-                let alone = is_line && points.len() == 1;
-                let marker = if alone { Some(style::marker(n)) } else { look.marker };
-                let marker_spacing = if alone { None } else { look.marker_spacing };
-                Series { label, look: Look { marker, marker_spacing, ..look }, points }
-            })
-            .collect()
+        plot.series = self.curves.iter().map(series).collect();
+        plot
     }
 }
 
@@ -145,36 +126,28 @@ fn axis(log: bool, name: &str, values: impl Iterator<Item = f64>) -> Axis {
     if log { Axis::logarithmic(name, values) } else { Axis::linear(name, values) }
 }
 
-fn label(quantity: &str, unit: &str) -> String {
-    match unit {
-        "" => capital(quantity),
-        unit => format!("{} ({unit})", capital(quantity)),
+/// Panels below each other, as SVG.
+///
+/// # Errors
+/// A sentence on what cannot be drawn.
+pub(super) fn svg(panels: &[Panel]) -> Result<String, String> {
+    let drawn: Result<Vec<String>, String> =
+        panels.iter().map(|panel| panel.plot().svg()).collect();
+    let mut drawn = drawn?;
+    match drawn.len() {
+        1 => Ok(drawn.remove(0)),
+        _ => stacked(&drawn),
     }
 }
 
-/// What several quantities have in common: the words with which all begin or end.
-fn in_common(names: &[String]) -> String {
-    let words: Vec<Vec<&str>> = names.iter().map(|name| name.split(' ').collect()).collect();
-    let Some(first) = words.first().filter(|_| words.len() > 1) else {
-        return names.first().cloned().unwrap_or_default();
-    };
-    let alike = |k: usize, from_end: bool| {
-        let word = |words: &[&str]| {
-            let at = if from_end { words.len().checked_sub(k + 1)? } else { k };
-            words.get(at).map(|word| (*word).to_owned())
-        };
-        let of_first = word(first);
-        of_first.is_some() && words.iter().all(|words| word(words) == of_first)
-    };
-    let begin = (0..first.len()).take_while(|&k| alike(k, false)).count();
-    let end = (0..first.len()).take_while(|&k| alike(k, true)).count();
-    match (begin, end) {
-        (0, 0) => {
-            let all = names.join(", ");
-            if all.chars().count() <= LONGEST_NAME { all } else { "value".to_owned() }
-        }
-        (begin, end) if begin >= end => first[..begin].join(" "),
-        (_, end) => first[first.len() - end..].join(" "),
+impl Chart {
+    /// The figure, and the table of its points: a column for each panel.
+    ///
+    /// # Errors
+    /// [`ReportError::Figure`].
+    pub fn figure(&self) -> Result<Figure, ReportError> {
+        let failed = |reason| ReportError::Figure { figure: self.stem.clone(), reason };
+        figures::of_chart(self, svg(&self.panels).map_err(failed)?)
     }
 }
 
@@ -182,63 +155,74 @@ fn in_common(names: &[String]) -> String {
 mod tests {
     use super::*;
 
-    fn column(name: &str, numbers: &[Option<f64>]) -> ChartColumn {
-        ChartColumn { name: name.to_owned(), numbers: numbers.to_vec() }
+    fn curve(name: &str, style: CurveStyle, points: &[(f64, f64)]) -> ChartCurve {
+        ChartCurve { name: name.to_owned(), style, kind: 0, points: points.to_vec() }
     }
 
-    fn chart(y: Vec<ChartColumn>) -> Chart {
+    fn rates() -> Chart {
+        let panel = Panel {
+            x: "Opening (mm)".into(),
+            y: "Rate (g/s)".into(),
+            from_zero: [true; 2],
+            marks: vec![ChartMark { name: "Asked for".into(), at: 700.0, upright: false }],
+            curves: vec![
+                curve("Measured", CurveStyle::Points, &[(45.0, 200.0), (90.0, 1300.0)]),
+                curve("Law", CurveStyle::Law, &[(40.0, 150.0), (90.0, 1400.0)]),
+            ],
+            ..Panel::default()
+        };
         Chart {
-            x: column("time_s", &[Some(0.0), Some(1.0), Some(2.0), Some(3.0)]),
-            y,
-            log: [false; 2],
-            style: ChartStyle::Line,
-            stages: vec![2.0],
+            stem: "rates".into(),
+            title: "Rates".into(),
+            caption: "Rates of openings.".into(),
+            panels: vec![panel],
         }
     }
 
     #[test]
-    fn what_quantities_have_in_common_names_their_axis() {
-        for (names, expected) in [
-            (&["box force z", "gate force z"][..], "force z"),
-            (&["box force x", "box force y"], "box force"),
-            (&["box force z"], "box force z"),
-            (&["settlement", "table x"], "settlement, table x"),
-            (&["longest", "shortest", "intermediate", "sphericity"], "value"),
-            (&["settlement", "surface settlement"], "settlement"),
-        ] {
-            let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
-            assert_eq!(in_common(&names), expected, "law: of {names:?}");
+    fn a_chart_shows_every_point_and_gives_it_in_its_table() {
+        let figure = rates().figure().expect("it can be drawn");
+        let table = String::from_utf8(figure.csv).expect("text");
+        assert_eq!(
+            table,
+            "curve,Opening (mm),Rate (g/s)\nMeasured,45,200\nMeasured,90,1300\nLaw,40,150\n\
+             Law,90,1400\n",
+            "law: every point of every curve stands in the table"
+        );
+        for label in ["Measured", "Law", "Asked for", "Opening (mm)", "Rate (g/s)"] {
+            assert!(figure.svg.contains(label), "law: the figure names `{label}`");
         }
     }
 
     #[test]
-    fn axes_have_units_and_units_have_panels() {
-        let force = |name| column(name, &[Some(1.0), None, Some(3.0), Some(4.0)]);
-        let svg =
-            chart(vec![force("box_force_z_n"), force("gate_force_z_n")]).svg().expect("drawn");
-        for text in
-            ["Time (s)", "Force z (N)", "Box force z", "Gate force z", "Beginning of a stage"]
-        {
-            assert!(svg.contains(text), "law: {text} stands in the figure");
-        }
-        let two = chart(vec![force("box_force_z_n"), force("core_void_ratio")]);
-        let svg = two.svg().expect("drawn");
-        assert_eq!(svg.matches("Time (s)").count(), 2, "law: a panel for each unit");
-        assert!(svg.contains("Core void ratio"), "law: what has no unit has its name");
-        assert!(!svg.contains("Core void ratio ("), "law: and nothing in brackets");
+    fn a_panel_has_a_column_and_axes_of_its_own() {
+        let mut chart = rates();
+        let below = Panel {
+            y: "Void ratio".into(),
+            from_zero: [true, false],
+            marks: Vec::new(),
+            curves: vec![curve("Measured", CurveStyle::Line, &[(45.0, 0.71), (90.0, 0.74)])],
+            ..chart.panels[0].clone()
+        };
+        let plot = below.plot();
+        assert_eq!(plot.x.from, 0.0, "law: from nothing where that is asked for");
+        assert!(plot.y.from >= 0.7, "law: else by the values, got {}", plot.y.from);
+        chart.panels.push(below);
+        let figure = chart.figure().expect("it can be drawn");
+        let table = String::from_utf8(figure.csv).expect("text");
+        assert!(table.starts_with("curve,Opening (mm),Rate (g/s),Void ratio\n"), "{table}");
+        assert!(table.contains("\nLaw,90,1400,\nMeasured,45,,0.71\n"), "law: {table}");
+        assert_eq!(figure.svg.matches("Opening (mm)").count(), 2, "law: an axis each");
     }
 
     #[test]
-    fn rows_without_a_number_part_the_line_and_nothing_is_refused() {
-        let of = chart(Vec::new());
-        let gap = column("a_n", &[Some(1.0), None, Some(3.0), Some(4.0)]);
-        let pieces = of.series(0, &gap, true);
-        let lengths: Vec<usize> = pieces.iter().map(|s| s.points.len()).collect();
-        assert_eq!(lengths, [1, 2], "law: a gap parts the line");
-        assert_eq!(pieces[1].label, "", "law: one entry in the legend");
-        let none = chart(vec![column("a_n", &[None; 4])]).svg().expect_err("law: nothing to draw");
-        assert!(none.contains("`time_s`") && none.contains("`a_n`"), "{none}");
-        let log = Chart { log: [false, true], ..chart(vec![column("a_n", &[Some(-1.0); 4])]) };
-        assert!(log.svg().is_err_and(|e| e.contains("positive")), "law: no logarithm of −1");
+    fn logarithmic_axes_end_at_decades() {
+        let panel = Panel {
+            log: [true, false],
+            curves: vec![curve("", CurveStyle::Measured, &[(12.5, 0.9), (200.0, 0.8)])],
+            ..Panel::default()
+        };
+        let plot = panel.plot();
+        assert_eq!((plot.x.from, plot.x.to), (10.0, 1000.0), "law: 10 to 1000");
     }
 }

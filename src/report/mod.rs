@@ -7,6 +7,7 @@ mod calibration;
 mod calibration_page;
 mod chart;
 mod choices;
+mod column_chart;
 mod columns;
 mod comparison;
 mod convergence;
@@ -15,7 +16,6 @@ mod dash;
 mod figures;
 mod html;
 mod interpretations;
-mod law_chart;
 mod laws;
 mod mean_settlement;
 mod picture;
@@ -58,8 +58,9 @@ pub use calibration::{
     write_calibration_runs,
 };
 pub use calibration_page::found as calibration_rows;
-pub use chart::{Chart, ChartColumn, ChartStyle};
+pub use chart::{Chart, ChartCurve, ChartMark, CurveStyle, Panel};
 pub use choices::{Choice, choices};
+pub use column_chart::{ChartColumn, ChartStyle, ColumnChart};
 pub use columns::{ColumnRange, ColumnTable};
 pub use comparison::{ComparedQuantity, ComparedRun, Comparison, write_comparison};
 pub use convergence::{
@@ -70,7 +71,6 @@ pub use interpretations::{
     InterpretationCell, InterpretationColumn, InterpretationFailure, InterpretationRow,
     InterpretationRun, write_interpretations,
 };
-pub use law_chart::{ChartCurve, CurveStyle, LawChart};
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use mean_settlement::MeanSettlement;
 pub use picture::Picture;

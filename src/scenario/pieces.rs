@@ -26,6 +26,10 @@ pub struct PieceSpec {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", range(min = 0.0, max = 10.0))]
     pub friction: Option<f64>,
+    /// Whether it may stand in other pieces, which pieces do not feel: plates around a specimen
+    /// whose planes cross. Left out, pieces that stand in each other are refused.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub may_cross: bool,
 }
 
 /// The shape of a piece: exactly one of these.

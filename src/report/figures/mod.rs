@@ -65,11 +65,23 @@ impl Figure {
         table: &Table,
     ) -> Result<Self, ReportError> {
         let fail = |reason: String| ReportError::Figure { figure: stem.to_owned(), reason };
+        let svg = plot.svg().map_err(fail)?;
+        Self::of_svg(stem, title, caption, svg, table)
+    }
+
+    fn of_svg(
+        stem: &str,
+        title: &str,
+        caption: String,
+        svg: String,
+        table: &Table,
+    ) -> Result<Self, ReportError> {
+        let fail = |reason: String| ReportError::Figure { figure: stem.to_owned(), reason };
         Ok(Self {
             stem: stem.to_owned(),
             title: title.to_owned(),
             caption,
-            svg: plot.svg().map_err(fail)?,
+            svg,
             csv: table.csv().map_err(|e| fail(e.to_string()))?,
         })
     }

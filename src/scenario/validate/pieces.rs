@@ -146,7 +146,8 @@ fn check_names_of_stages(parts: &Parts, faults: &mut Vec<Fault>) {
             ));
         }
     }
-    if own && !parts.has_stage("deposit") && parts.stages.iter().all(|s| s.name.is_some()) {
+    let filled = parts.has_stage("deposit") || parts.begun_after.is_some();
+    if own && !filled && parts.stages.iter().all(|s| s.name.is_some()) {
         faults.push(fault(
             "stages",
             "no `deposit`",

@@ -1,0 +1,228 @@
+//! An oedometer: void ratio against stress, and which part of the compression comes back.
+
+use std::f64::consts::PI;
+
+use pluvia::{
+    measure::standard_tests::{
+        Compressed, Rebound, compression_index, rebound, void_ratio_of_height,
+    },
+    report::{Chart, ChartCurve, CurveStyle, Panel},
+    units::{from_kpa, from_mm},
+};
+
+use super::{
+    bench::{Bench, Point, Run},
+    row::{Found, Row, Rule},
+};
+
+const SCENARIO: &str = "scenarios/validation/oedometer.json";
+/// Number of the first stage that presses; ten more follow.
+const FIRST: usize = 2;
+const STEPS: usize = 11;
+/// Numbers of states among them: 12.5, 50 and 200 kPa loaded first, then 50 and 12.5 unloaded, and
+/// 200 loaded again.
+const START: usize = 0;
+const MIDDLE: usize = 2;
+const TOP: usize = 4;
+const DOWN: usize = 6;
+const END: usize = 8;
+const AGAIN: usize = 10;
+/// Height in mm of the middle of the lid above its lower side.
+const HALF_LID_MM: f64 = 5.0;
+
+const SEEN: &str = "no number was seen; that rebound \"is never cent per cent\" and that little is \
+    compressed in sands stands in a textbook seen as a web page";
+const OWN: &str = "our own check; none is published";
+
+/// A test of a realisation.
+struct Test {
+    configuration: u32,
+    states: Vec<Compressed>,
+    /// Void ratio of each.
+    void_ratios: Vec<f64>,
+}
+
+impl Test {
+    fn rebound(&self) -> Option<Rebound> {
+        rebound(&self.states[START], &self.states[TOP], &self.states[END])
+    }
+
+    fn index(&self, one: usize, other: usize) -> Option<f64> {
+        let state = |n: usize| (self.states[n].stress, self.void_ratios[n]);
+        compression_index(state(one), state(other))
+    }
+}
+
+/// Runs the test.
+pub fn carry_out(bench: &Bench) -> Result<Found, String> {
+    let (diameter_mm, changes) = if bench.quick { (100.0, Vec::new()) } else { (200.0, wide()) };
+    let area = PI / 4.0 * from_mm(diameter_mm).powi(2);
+    let as_it_is = Point { name: "loaded".into(), changes: changes.clone(), most: None };
+    let runs = bench.run("oedometer", SCENARIO, &[as_it_is])?;
+    let stiffness = runs.first().map(Run::contact_stiffness).transpose()?.unwrap_or(0.0);
+    // Whether what comes back is the springs: with contacts twice as stiff it must be half.
+    let mut stiffer = changes;
+    stiffer.push(format!("engine.native.contact_stiffness_n_per_m={}", 2.0 * stiffness));
+    let most = bench.quick.then_some(1);
+    let stiffer = Point { name: "stiffer".into(), changes: stiffer, most };
+    let stiff_runs = bench.run("oedometer-stiffer", SCENARIO, &[stiffer])?;
+    let tests = |runs: &[Run]| -> Result<Vec<Test>, String> {
+        runs.iter().map(|run| test(run, area)).collect()
+    };
+    let (own, stiff) = (tests(&runs)?, tests(&stiff_runs)?);
+    let mut rows = rows(&own, &stiff, stiffness, diameter_mm);
+    for row in &mut rows {
+        bench.design().clone_into(&mut row.design);
+    }
+    Ok(Found { rows, charts: vec![chart(&own)] })
+}
+
+/// Twice as wide and as high.
+fn wide() -> Vec<String> {
+    [
+        "grains.total_mass_g=4000",
+        "pieces.0.shape.cylinder.inner_diameter_mm=200",
+        "pieces.0.shape.cylinder.height_mm=200",
+        "pieces.1.shape.disc.diameter_mm=199",
+        "pieces.1.at_mm=[0,0,240]",
+        "stages.0.at_mm=[0,0,190]",
+        "stages.0.diameter_mm=190",
+        "stages.0.rate_g_per_s=2000",
+    ]
+    .map(str::to_owned)
+    .to_vec()
+}
+
+fn test(run: &Run, area: f64) -> Result<Test, String> {
+    let rows = run.series(["stage", "lid_z_mm", "lid_pressed_n", "lid_pressed_kpa"])?;
+    let solids = run.summary("/grains/solids_volume_cm3")?.ok_or("no volume of solids")? * 1e-6;
+    let mut states = Vec::new();
+    for stage in FIRST..FIRST + STEPS {
+        let last = rows.iter().rfind(|row| row[0] == stage as f64);
+        let [_, lid_mm, force, kpa] = last.ok_or_else(|| format!("no stage {stage}"))?;
+        states.push(Compressed {
+            stress: from_kpa(*kpa),
+            force: *force,
+            height: from_mm(lid_mm - HALF_LID_MM),
+            stored: run.stored_in_springs(stage)?,
+        });
+    }
+    let void_ratios =
+        states.iter().map(|state| void_ratio_of_height(state.height, area, solids)).collect();
+    Ok(Test { configuration: run.configuration, states, void_ratios })
+}
+
+fn rows(tests: &[Test], stiff: &[Test], stiffness: f64, diameter_mm: f64) -> Vec<Row> {
+    let values = |tests: &[Test], of: fn(&Rebound) -> f64| -> Vec<f64> {
+        tests.iter().filter_map(Test::rebound).map(|r| 100.0 * of(&r)).collect()
+    };
+    let indices = |one: usize, other: usize| -> Vec<f64> {
+        tests.iter().filter_map(|test| test.index(one, other)).collect()
+    };
+    let again: Vec<f64> = tests
+        .iter()
+        .map(|t| {
+            let height = |n: usize| t.states[n].height;
+            100.0 * (height(END) - height(AGAIN)) / (height(START) - height(TOP))
+        })
+        .collect();
+    let first = pluvia::measure::statistics::mean(
+        &stiff.iter().filter_map(Test::rebound).map(|r| 100.0 * r.came_back).collect::<Vec<_>>(),
+    );
+    let springs = pluvia::measure::statistics::mean(&values(stiff, |r| r.of_springs));
+    let stiffer = match first.zip(springs) {
+        Some((back, springs)) => format!(
+            ". With contacts twice as stiff {back:.0} %, of the springs {springs:.0} % ({})",
+            match stiff.len() {
+                1 => "one realisation".to_owned(),
+                n => format!("{n} realisations"),
+            }
+        ),
+        None => String::new(),
+    };
+    let row = |id: &str, quantity: &str, values: &[f64], seen: &str, note: &str, decimals| {
+        let rule = Rule::Unseen(None);
+        let mut row = Row::of("oedometer", &format!("oedometer-{id}"), quantity, rule, values)
+            .seen(seen)
+            .noted(note);
+        row.decimals = decimals;
+        row
+    };
+    let how = format!(
+        "12.5 to 200 kPa and back, {diameter_mm:.0} mm wide; contacts of {:.0} kN/m. What is \
+         beyond the springs is grains that have moved",
+        stiffness * 1e-3
+    );
+    vec![
+        row(
+            "came-back",
+            "oedometer, share of the compression that comes back, %",
+            &values(tests, |r| r.came_back),
+            SEEN,
+            &(how + &stiffer),
+            0,
+        ),
+        row(
+            "springs",
+            "oedometer, share that the springs of contacts can give back, %",
+            &values(tests, |r| r.of_springs),
+            OWN,
+            "Energy ½ f²/k of all contacts that unloading sets free, over the mean force of the lid: a bound, since friction takes a part of it where grains slide back",
+            0,
+        ),
+        row(
+            "again",
+            "oedometer, loaded again, compression over that of the first loading, %",
+            &again,
+            OWN,
+            "12.5 to 200 kPa both times",
+            0,
+        ),
+        row(
+            "compression-index",
+            "oedometer, compression index, 50 to 200 kPa",
+            &indices(MIDDLE, TOP),
+            SEEN,
+            "Fall of the void ratio for ten times the stress, by the height of the lid",
+            3,
+        ),
+        row(
+            "swelling-index",
+            "oedometer, swelling index, 200 to 50 kPa",
+            &indices(TOP, DOWN),
+            SEEN,
+            "The same on unloading; halves with contacts twice as stiff where it is their springs",
+            3,
+        ),
+    ]
+}
+
+fn chart(tests: &[Test]) -> Chart {
+    let mut curves = Vec::new();
+    for test in tests {
+        let parts = [("Loaded", START, TOP), ("Unloaded", TOP, END), ("Loaded again", END, AGAIN)];
+        for (kind, (name, from, to)) in parts.into_iter().enumerate() {
+            let point = |n: usize| (test.states[n].stress * 1e-3, test.void_ratios[n]);
+            curves.push(ChartCurve {
+                name: if test.configuration == 1 { name.to_owned() } else { String::new() },
+                style: CurveStyle::Measured,
+                kind,
+                points: (from..=to).map(point).collect(),
+            });
+        }
+    }
+    Chart {
+        stem: "oedometer".into(),
+        title: "Oedometer".into(),
+        caption:
+            "Void ratio, by the height of the lid, against its stress, each realisation a line."
+                .into(),
+        panels: vec![Panel {
+            x: "Stress (kPa)".into(),
+            y: "Void ratio".into(),
+            log: [true, false],
+            curves,
+            ..Panel::default()
+        }],
+    }
+}

@@ -1,0 +1,327 @@
+//! Triaxial compression of a loose and a dense specimen, and whether both come to one state.
+
+use pluvia::{
+    measure::standard_tests::{
+        CriticalState, Triaxial, angle_of_ratio, critical_state, inertial_number, peak_ratio,
+    },
+    report::{Chart, ChartCurve, CurveStyle, Panel},
+    units::{from_kpa, from_mm},
+};
+use serde_json::json;
+
+use super::{
+    bench::{Bench, Point, Run},
+    row::{Found, Published, Row, Rule},
+};
+
+const SPECIMEN: &str = "scenarios/validation/triaxial-specimen.json";
+const SCENARIO: &str = "scenarios/validation/triaxial.json";
+/// Friction between grains while they are sheared, and while each kind of specimen is made.
+const FRICTION: f64 = 0.5;
+const KINDS: [(&str, f64); 2] = [("loose", FRICTION), ("dense", 0.0)];
+/// Time in s that a specimen has at rest with its new friction, before it is sheared.
+const REST: f64 = 0.2;
+/// Stress in kPa from all sides.
+const STRESS: f64 = 50.0;
+/// How far the top plate goes, in widths of the cube, and axial strain from which on is the end.
+const TRAVEL: f64 = 0.32;
+const END: f64 = 0.20;
+/// How far it goes in a second.
+const RATE: f64 = 0.30;
+/// Moments that count together as the peak.
+const TOGETHER: usize = 3;
+/// Mean equivalent diameter of the grains in mm, and density of the solids in kg/m³.
+const SIZE_MM: f64 = 9.0;
+const SOLIDS: f64 = 2650.0;
+/// Width in mm of the compressed cube of the scenario, and of the full design.
+const SIDE_MM: f64 = 66.0;
+const WIDE_MM: f64 = 132.0;
+/// Width in which it is poured, over that.
+const POURED: f64 = 72.0 / 66.0;
+
+const ONE_STATE: &str = "Peña et al. 2009, Powders and Grains, pp. 185-188, abstract seen: irregular \
+    polygons reach a critical state that \"is independent of the initial stress and density\"; \
+    Casagrande's definition of 1940, of one void ratio for loose and dense, seen as quoted";
+const NOT_SEEN: &str = "φ = 42° − 17° R of Cho, Dodds & Santamarina 2006, with roundness R of 0.1 to \
+    0.3, from memory: the abstract was seen, which says that the angle at the critical state rises with \
+    angularity, the formula was not";
+const NONE: &str = "none is published for these grains";
+
+/// A specimen that was sheared.
+struct Test {
+    /// Number of its kind.
+    kind: usize,
+    configuration: u32,
+    moments: Vec<Triaxial>,
+    end: CriticalState,
+    peak: f64,
+}
+
+/// Runs the test.
+pub fn carry_out(bench: &Bench) -> Result<Found, String> {
+    let side = if bench.quick { SIDE_MM } else { WIDE_MM };
+    let changes = |friction: f64| {
+        let mut changes = if bench.quick { Vec::new() } else { wide() };
+        changes.push(format!("contact.grain_grain_friction={friction}"));
+        changes
+    };
+    let made: Vec<Point> = KINDS
+        .iter()
+        .map(|(name, friction)| {
+            let mut changes = changes(*friction);
+            if !bench.quick {
+                changes.extend(wide_stages());
+            }
+            Point { name: (*name).to_owned(), changes, most: None }
+        })
+        .collect();
+    let specimens = bench.run("triaxial-specimen", SPECIMEN, &made)?;
+    // A point for each specimen, which all have the same friction from then on.
+    let points = specimens.iter().map(|run| {
+        let folder = run.folder.canonicalize().map_err(|e| e.to_string())?;
+        let stages = json!([
+            { "stage": "rest", "duration_s": REST },
+            { "stage": "move", "pieces": ["top"], "velocity_mm_per_s": [0, 0, -RATE * side],
+              "travel_mm": TRAVEL * side, "ramp_s": 0.05 },
+        ]);
+        let mut changes = changes(FRICTION);
+        changes.push(format!("begin.specimen={}", folder.display()));
+        changes.push(format!("stages={stages}"));
+        let name = format!("{}-{}", KINDS[run.point].0, run.configuration);
+        Ok(Point { name, changes, most: Some(1) })
+    });
+    let points: Vec<Point> = points.collect::<Result<_, String>>()?;
+    let mut tests = Vec::new();
+    for run in bench.run("triaxial", SCENARIO, &points)? {
+        let specimen = &specimens[run.point];
+        let moments = moments(&run)?;
+        match critical_state(&moments, END).zip(peak_ratio(&moments, TOGETHER)) {
+            Some((end, peak)) => {
+                let (kind, configuration) = (specimen.point, specimen.configuration);
+                tests.push(Test { kind, configuration, moments, end, peak });
+            }
+            None => eprintln!("{}: not sheared", run.folder.display()),
+        }
+    }
+    let mut rows = rows(bench, &tests, side);
+    for row in &mut rows {
+        bench.design().clone_into(&mut row.design);
+    }
+    Ok(Found { rows, charts: vec![chart(&tests)] })
+}
+
+/// The cube of the full design.
+fn wide() -> Vec<String> {
+    let (side, out) = (WIDE_MM, POURED * WIDE_MM / 2.0 + 10.0);
+    let wide = WIDE_MM + 90.0;
+    let high = 225.0;
+    let core = 0.3 * side;
+    vec![
+        format!("grains.total_mass_g={}", (430.0 * (side / SIDE_MM).powi(3)).round()),
+        format!("pieces.0.shape.plate.size_mm=[{wide},{wide},20]"),
+        format!("pieces.1.shape.plate.size_mm=[20,{wide},{high}]"),
+        format!("pieces.1.at_mm=[-{out},0,{}]", high / 2.0),
+        format!("pieces.2.shape.plate.size_mm=[20,{wide},{high}]"),
+        format!("pieces.2.at_mm=[{out},0,{}]", high / 2.0),
+        format!("pieces.3.shape.plate.size_mm=[{wide},20,{high}]"),
+        format!("pieces.3.at_mm=[0,-{out},{}]", high / 2.0),
+        format!("pieces.4.shape.plate.size_mm=[{wide},20,{high}]"),
+        format!("pieces.4.at_mm=[0,{out},{}]", high / 2.0),
+        format!("pieces.5.shape.plate.size_mm=[{wide},{wide},20]"),
+        format!("pieces.5.at_mm=[0,0,{}]", high + 40.0),
+        format!("measures.regions.0.low_mm=[-{core},-{core},{}]", 0.18 * side),
+        format!("measures.regions.0.high_mm=[{core},{core},{}]", 0.55 * side),
+    ]
+}
+
+/// How it is filled and pressed.
+fn wide_stages() -> Vec<String> {
+    let force = from_kpa(STRESS) * from_mm(WIDE_MM).powi(2);
+    let mut changes = vec![
+        "stages.0.at_mm=[0,0,215]".to_owned(),
+        format!("stages.0.area_mm=[{0},{0}]", POURED * WIDE_MM - 12.0),
+        "stages.0.rate_g_per_s=1800".to_owned(),
+        "stages.0.time_limit_s=10".to_owned(),
+        "stages.1.travel_mm=90".to_owned(),
+    ];
+    changes.extend((0..5).map(|n| format!("stages.2.loads.{n}.force_n={force}")));
+    changes
+}
+
+fn moments(run: &Run) -> Result<Vec<Triaxial>, String> {
+    let rows = run.series([
+        "stage",
+        "top_z_mm",
+        "core_stress_xx_kpa",
+        "core_stress_yy_kpa",
+        "core_stress_zz_kpa",
+        "core_void_ratio",
+    ])?;
+    // The lower side of the top plate, which is 20 mm thick.
+    let height = |row: &[f64; 6]| row[1] - 10.0;
+    let sheared: Vec<&[f64; 6]> = rows.iter().filter(|row| row[0] == 1.0).collect();
+    let Some(first) = sheared.first().map(|row| height(row)) else { return Ok(Vec::new()) };
+    let moment = |row: &&[f64; 6]| Triaxial {
+        strain: 1.0 - height(row) / first,
+        stress: [row[2], row[3], row[4]].map(from_kpa),
+        void_ratio: row[5],
+    };
+    Ok(sheared.iter().map(moment).filter(|m| m.ratio().is_finite()).collect())
+}
+
+fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
+    let values = |kind: usize, of: &dyn Fn(&Test) -> f64| -> Vec<f64> {
+        tests.iter().filter(|test| test.kind == kind).map(of).collect()
+    };
+    // Of the loose specimen of a realisation less that of the dense one.
+    let difference = |of: &dyn Fn(&Test) -> f64| -> Vec<f64> {
+        let find = |kind: usize, configuration: u32| {
+            tests.iter().find(|t| t.kind == kind && t.configuration == configuration)
+        };
+        (1..=bench.configurations).filter_map(|c| Some(of(find(0, c)?) - of(find(1, c)?))).collect()
+    };
+    let row =
+        |id: &str, quantity: &str, rule, values: &[f64], seen: &str, note: String, decimals| {
+            let mut row = Row::of("triaxial", &format!("triaxial-{id}"), quantity, rule, values)
+                .seen(seen)
+                .noted(note);
+            row.decimals = decimals;
+            row
+        };
+    let begin = |test: &Test| test.moments[0].void_ratio;
+    let void_ratio = |test: &Test| test.end.void_ratio;
+    let ratio = |test: &Test| test.end.ratio;
+    let peak = |test: &Test| angle_of_ratio(test.peak).to_degrees();
+    let angle = |test: &Test| angle_of_ratio(test.end.ratio).to_degrees();
+    let still = |kind: usize| {
+        let mean = pluvia::measure::statistics::mean(&values(kind, &|test| test.end.dilation));
+        mean.map_or(String::new(), |slope| {
+            format!("; it still changes by {:+.3} for an axial strain of 0.1", 0.1 * slope)
+        })
+    };
+    let inertial = inertial_number(RATE, from_mm(SIZE_MM), SOLIDS, from_kpa(STRESS));
+    let how = format!(
+        "A cube {:.0} grains wide, smooth plates, void ratio and stress of an inner region; means beyond an \
+         axial strain of {:.0} %, I = ε̇ d √(ρ/p) = {inertial:.0e}",
+        side / SIZE_MM,
+        100.0 * END
+    );
+    let unseen = Rule::Unseen(Some(Published::Range { low: 36.9, high: 40.3 }));
+    let made = "Poured and compressed by 50 kPa with friction between grains of 0.5 and of 0, sheared with 0.5";
+    vec![
+        row(
+            "begin",
+            "triaxial, void ratio of loose less dense, at the beginning",
+            Rule::Unseen(None),
+            &difference(&begin),
+            NONE,
+            made.to_owned(),
+            3,
+        ),
+        row(
+            "end-difference",
+            "triaxial, void ratio of loose less dense, at the end",
+            Rule::Value(0.0),
+            &difference(&void_ratio),
+            ONE_STATE,
+            how.clone(),
+            3,
+        ),
+        row(
+            "end-loose",
+            "triaxial, void ratio of the loose at the end",
+            Rule::Unseen(None),
+            &values(0, &void_ratio),
+            NONE,
+            how.clone() + &still(0),
+            3,
+        ),
+        row(
+            "end-dense",
+            "triaxial, void ratio of the dense at the end",
+            Rule::Unseen(None),
+            &values(1, &void_ratio),
+            NONE,
+            how.clone() + &still(1),
+            3,
+        ),
+        row(
+            "ratio-difference",
+            "triaxial, q/p of loose less dense, at the end",
+            Rule::Value(0.0),
+            &difference(&ratio),
+            ONE_STATE,
+            how.clone(),
+            2,
+        ),
+        row(
+            "peak-loose",
+            "triaxial, friction angle of the loose at its peak, °",
+            Rule::Unseen(None),
+            &values(0, &peak),
+            NONE,
+            how.clone(),
+            1,
+        ),
+        row(
+            "peak-dense",
+            "triaxial, friction angle of the dense at its peak, °",
+            Rule::Unseen(None),
+            &values(1, &peak),
+            NONE,
+            how.clone(),
+            1,
+        ),
+        row(
+            "angle-loose",
+            "triaxial, friction angle of the loose at the end, °",
+            unseen,
+            &values(0, &angle),
+            NOT_SEEN,
+            how.clone(),
+            1,
+        ),
+        row(
+            "angle-dense",
+            "triaxial, friction angle of the dense at the end, °",
+            unseen,
+            &values(1, &angle),
+            NOT_SEEN,
+            how,
+            1,
+        ),
+    ]
+}
+
+fn chart(tests: &[Test]) -> Chart {
+    let curves = |y: fn(&Triaxial) -> f64| -> Vec<ChartCurve> {
+        let curve = |test: &Test| ChartCurve {
+            name: match test.configuration {
+                1 => if test.kind == 0 { "Loose" } else { "Dense" }.to_owned(),
+                _ => String::new(),
+            },
+            style: CurveStyle::Measured,
+            kind: test.kind,
+            points: test.moments.iter().map(|m| (100.0 * m.strain, y(m))).collect(),
+        };
+        tests.iter().map(curve).collect()
+    };
+    let panel = |y: &str, from_zero: bool, curves| Panel {
+        x: "Axial strain (%)".into(),
+        y: y.to_owned(),
+        from_zero: [true, from_zero],
+        curves,
+        ..Panel::default()
+    };
+    Chart {
+        stem: "triaxial".into(),
+        title: "Triaxial compression of loose and dense specimens".into(),
+        caption:
+            "q/p and void ratio of an inner region against axial strain, each realisation a line."
+                .into(),
+        panels: vec![
+            panel("q/p", true, curves(Triaxial::ratio)),
+            panel("Void ratio", false, curves(|m| m.void_ratio)),
+        ],
+    }
+}

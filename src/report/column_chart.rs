@@ -1,0 +1,231 @@
+//! A figure of any columns of a table over another: one panel for each unit, with the units on its
+//! axes.
+
+use super::{
+    chart::{ChartCurve, ChartMark, CurveStyle, Panel, svg},
+    columns::quantity_and_unit,
+    figures::capital,
+};
+
+/// A column: its name and its numbers, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartColumn {
+    /// Name, with the unit.
+    pub name: String,
+    /// A number for each row, or none.
+    pub numbers: Vec<Option<f64>>,
+}
+
+/// How it is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChartStyle {
+    /// Rows joined in their order.
+    Line,
+    /// A marker for each row.
+    Points,
+}
+
+/// What is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColumnChart {
+    /// Along the horizontal axis.
+    pub x: ChartColumn,
+    /// Over it.
+    pub y: Vec<ChartColumn>,
+    /// Whether the horizontal and the vertical axes are logarithmic.
+    pub log: [bool; 2],
+    /// Lines, or points.
+    pub style: ChartStyle,
+    /// Values of x at which a stage begins.
+    pub stages: Vec<f64>,
+}
+
+/// Characters of an axis' name, at most, where it is made of those of several columns.
+const LONGEST_NAME: usize = 40;
+
+impl ColumnChart {
+    /// The figure as SVG.
+    ///
+    /// # Errors
+    /// A sentence on what has no place on the axes or cannot be drawn.
+    pub fn svg(&self) -> Result<String, String> {
+        let mut units: Vec<&str> = Vec::new();
+        for column in &self.y {
+            let (_, unit) = quantity_and_unit(&column.name);
+            if !units.contains(&unit) {
+                units.push(unit);
+            }
+        }
+        let panels: Result<Vec<Panel>, String> =
+            units.iter().map(|unit| self.panel(unit)).collect();
+        svg(&panels?)
+    }
+
+    /// The columns of one unit.
+    fn panel(&self, unit: &str) -> Result<Panel, String> {
+        let columns: Vec<(usize, &ChartColumn)> = self
+            .y
+            .iter()
+            .enumerate()
+            .filter(|(_, column)| quantity_and_unit(&column.name).1 == unit)
+            .collect();
+        let mut curves = Vec::new();
+        for (n, column) in &columns {
+            let of = self.curves(*n, column, columns.len() > 1);
+            if of.is_empty() {
+                return Err(format!(
+                    "no row has {}numbers both in `{}` and in `{}`",
+                    if self.log == [false; 2] { "" } else { "positive " },
+                    self.x.name,
+                    column.name
+                ));
+            }
+            curves.extend(of);
+        }
+        let (x, x_unit) = quantity_and_unit(&self.x.name);
+        let names: Vec<String> =
+            columns.iter().map(|(_, c)| quantity_and_unit(&c.name).0).collect();
+        let begins = self.stages.iter().enumerate().map(|(n, at)| ChartMark {
+            name: if n == 0 { "Beginning of a stage" } else { "" }.to_owned(),
+            at: *at,
+            upright: true,
+        });
+        Ok(Panel {
+            x: label(&x, x_unit),
+            y: label(&in_common(&names), unit),
+            log: self.log,
+            from_zero: [false; 2],
+            marks: begins.collect(),
+            curves,
+        })
+    }
+
+    /// A column in pieces between rows that have no place.
+    fn curves(&self, n: usize, column: &ChartColumn, named: bool) -> Vec<ChartCurve> {
+        let is_line = self.style == ChartStyle::Line;
+        let style = match (is_line, named) {
+            (true, true) => CurveStyle::Marked,
+            (true, false) => CurveStyle::Line,
+            (false, _) => CurveStyle::Dots,
+        };
+        let name = if named { capital(&quantity_and_unit(&column.name).0) } else { String::new() };
+        let placed = |(x, y): (&Option<f64>, &Option<f64>)| {
+            let (x, y) = ((*x)?, (*y)?);
+            ((!self.log[0] || x > 0.0) && (!self.log[1] || y > 0.0)).then_some((x, y))
+        };
+        let rows: Vec<Option<(f64, f64)>> =
+            self.x.numbers.iter().zip(&column.numbers).map(placed).collect();
+        let pieces = rows
+            .split(Option::is_none)
+            .map(|piece| -> Vec<(f64, f64)> { piece.iter().copied().flatten().collect() });
+        let mut name = Some(name);
+        pieces
+            .filter(|points| !points.is_empty())
+            .map(|points| {
+                // A row alone between rows without a number has no line.
+                let alone = is_line && points.len() == 1;
+                let style = if alone { CurveStyle::Measured } else { style };
+                ChartCurve { name: name.take().unwrap_or_default(), style, kind: n, points }
+            })
+            .collect()
+    }
+}
+
+fn label(quantity: &str, unit: &str) -> String {
+    match unit {
+        "" => capital(quantity),
+        unit => format!("{} ({unit})", capital(quantity)),
+    }
+}
+
+/// What several quantities have in common: the words with which all begin or end.
+fn in_common(names: &[String]) -> String {
+    let words: Vec<Vec<&str>> = names.iter().map(|name| name.split(' ').collect()).collect();
+    let Some(first) = words.first().filter(|_| words.len() > 1) else {
+        return names.first().cloned().unwrap_or_default();
+    };
+    let alike = |k: usize, from_end: bool| {
+        let word = |words: &[&str]| {
+            let at = if from_end { words.len().checked_sub(k + 1)? } else { k };
+            words.get(at).map(|word| (*word).to_owned())
+        };
+        let of_first = word(first);
+        of_first.is_some() && words.iter().all(|words| word(words) == of_first)
+    };
+    let begin = (0..first.len()).take_while(|&k| alike(k, false)).count();
+    let end = (0..first.len()).take_while(|&k| alike(k, true)).count();
+    match (begin, end) {
+        (0, 0) => {
+            let all = names.join(", ");
+            if all.chars().count() <= LONGEST_NAME { all } else { "value".to_owned() }
+        }
+        (begin, end) if begin >= end => first[..begin].join(" "),
+        (_, end) => first[first.len() - end..].join(" "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(name: &str, numbers: &[Option<f64>]) -> ChartColumn {
+        ChartColumn { name: name.to_owned(), numbers: numbers.to_vec() }
+    }
+
+    fn chart(y: Vec<ChartColumn>) -> ColumnChart {
+        ColumnChart {
+            x: column("time_s", &[Some(0.0), Some(1.0), Some(2.0), Some(3.0)]),
+            y,
+            log: [false; 2],
+            style: ChartStyle::Line,
+            stages: vec![2.0],
+        }
+    }
+
+    #[test]
+    fn what_quantities_have_in_common_names_their_axis() {
+        for (names, expected) in [
+            (&["box force z", "gate force z"][..], "force z"),
+            (&["box force x", "box force y"], "box force"),
+            (&["box force z"], "box force z"),
+            (&["settlement", "table x"], "settlement, table x"),
+            (&["longest", "shortest", "intermediate", "sphericity"], "value"),
+            (&["settlement", "surface settlement"], "settlement"),
+        ] {
+            let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
+            assert_eq!(in_common(&names), expected, "law: of {names:?}");
+        }
+    }
+
+    #[test]
+    fn axes_have_units_and_units_have_panels() {
+        let force = |name| column(name, &[Some(1.0), None, Some(3.0), Some(4.0)]);
+        let svg =
+            chart(vec![force("box_force_z_n"), force("gate_force_z_n")]).svg().expect("drawn");
+        for text in
+            ["Time (s)", "Force z (N)", "Box force z", "Gate force z", "Beginning of a stage"]
+        {
+            assert!(svg.contains(text), "law: {text} stands in the figure");
+        }
+        let two = chart(vec![force("box_force_z_n"), force("core_void_ratio")]);
+        let svg = two.svg().expect("drawn");
+        assert_eq!(svg.matches("Time (s)").count(), 2, "law: a panel for each unit");
+        assert!(svg.contains("Core void ratio"), "law: what has no unit has its name");
+        assert!(!svg.contains("Core void ratio ("), "law: and nothing in brackets");
+    }
+
+    #[test]
+    fn rows_without_a_number_part_the_line_and_nothing_is_refused() {
+        let of = chart(Vec::new());
+        let gap = column("a_n", &[Some(1.0), None, Some(3.0), Some(4.0)]);
+        let pieces = of.curves(0, &gap, true);
+        let lengths: Vec<usize> = pieces.iter().map(|s| s.points.len()).collect();
+        assert_eq!(lengths, [1, 2], "law: a gap parts the line");
+        assert_eq!(pieces[1].name, "", "law: one entry in the legend");
+        let none = chart(vec![column("a_n", &[None; 4])]).svg().expect_err("law: nothing to draw");
+        assert!(none.contains("`time_s`") && none.contains("`a_n`"), "{none}");
+        let log =
+            ColumnChart { log: [false, true], ..chart(vec![column("a_n", &[Some(-1.0); 4])]) };
+        assert!(log.svg().is_err_and(|e| e.contains("positive")), "law: no logarithm of −1");
+    }
+}
