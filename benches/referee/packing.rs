@@ -163,9 +163,10 @@ pub fn as_json(recipe: &Recipe, grains: &[Body], states: &[BodyState]) -> Value 
         .map(|(body, state)| {
             let (mass, inertia) = match body.motion {
                 Motion::Free { mass, inertia } => (mass, inertia),
-                Motion::Static | Motion::Kinematic | Motion::Pressed { .. } => {
-                    (f64::INFINITY, Vector::repeat(f64::INFINITY))
-                }
+                Motion::Static
+                | Motion::Kinematic
+                | Motion::Pressed { .. }
+                | Motion::Turned { .. } => (f64::INFINITY, Vector::repeat(f64::INFINITY)),
             };
             let vertices: Vec<Value> =
                 body.shape.vertices().iter().map(|v| list(&v.coords)).collect();

@@ -275,9 +275,9 @@ impl<'a> Stand<'a> {
             gathered.map_err(|source| self.failed(source))?;
 
             let due = time >= self.midway.next_sample_s - dt / 2.0;
-            let regular = step % check_every == 0;
+            let regular = step.is_multiple_of(check_every);
             if !(regular || due || step == last_step || Some(step) == shaken) {
-                if look_every.is_some_and(|n| step % n == 0) {
+                if look_every.is_some_and(|n| step.is_multiple_of(n)) {
                     self.world.read(&mut self.snapshot);
                     let now = self.tally();
                     let time = self.midway.began_s + time;

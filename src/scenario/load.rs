@@ -159,7 +159,7 @@ pub fn gathered(path: &Path) -> Result<Value, ScenarioErrors> {
             }
         }
     }
-    motion_file::place(&mut value, &folder);
+    motion_file::place(&mut value, folder);
     mesh_pieces::place(&mut value, folder);
     Ok(value)
 }

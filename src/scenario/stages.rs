@@ -115,6 +115,7 @@ impl Default for BaseSpec {
 /// One step of the laboratory procedure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "stage", rename_all = "snake_case", deny_unknown_fields)]
+#[allow(clippy::large_enum_variant)] // a scenario has a handful of stages
 pub enum StageSpec {
     /// Mix the grains, pour them into the closed funnel, let them settle.
     FillFunnel {

@@ -229,14 +229,11 @@ fn search(
     let mut chances: Vec<Vec<f64>> = Vec::with_capacity(POINTS);
     for number in 0..POINTS {
         let at = point(number);
-        let of = |((model, _), (places, found)): (
-            &(LinearModel, Vec<String>),
-            (&Vec<usize>, &TargetFound),
-        )| {
-            let own: Vec<f64> = places.iter().map(|n| at[*n]).collect();
-            model.probability(&own, found.target.low, found.target.high)
+        let of = |n: usize| {
+            let own: Vec<f64> = places[n].iter().map(|place| at[*place]).collect();
+            models[n].0.probability(&own, targets[n].target.low, targets[n].target.high)
         };
-        chances.push(models.iter().zip(places.iter().zip(&targets)).map(of).collect());
+        chances.push((0..models.len()).map(of).collect());
     }
     for (n, found) in targets.iter_mut().enumerate() {
         found.best = chances.iter().map(|c| c[n]).fold(0.0, f64::max);
