@@ -18,7 +18,7 @@ const UNFINISHED: &str = "unfinished.json";
 const MANIFEST: &str = "manifest.json";
 
 /// Files by which results of other commands are known, and runs that say of no scenario.
-const RESULTS: [&str; 12] = [
+const RESULTS: [&str; 13] = [
     "summary.json",
     "series.csv",
     "specimen.json",
@@ -29,6 +29,7 @@ const RESULTS: [&str; 12] = [
     "compare.json",
     "calibrate.json",
     "verify.json",
+    "targets.json",
     "plan.json",
     "scene.json",
 ];

@@ -1,4 +1,4 @@
-//! Conditions that end stages: by themselves, on a world that does what it is told, and in the
+//! Conditions that end stages: by themselves, on a scripted world, and in the
 //! engine.
 
 use std::ops::ControlFlow;

@@ -7,7 +7,7 @@
 //! searched fill the ranges of all factors evenly (Halton 1960).
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     path::{Path, PathBuf},
     str::FromStr,
 };
@@ -79,6 +79,8 @@ impl FromStr for Target {
 /// The runs of a name: factors, and rows of factors with results by column.
 struct Runs {
     factors: Vec<String>,
+    /// Columns of factors, those that stand for chance or do not vary among them.
+    columns: Vec<String>,
     rows: Vec<(Vec<f64>, BTreeMap<String, f64>)>,
 }
 
@@ -108,6 +110,15 @@ pub fn meet_targets(
                 )));
             }
         }
+    }
+    let is_column = |name: &&String| tables.values().any(|table| table.columns.contains(name));
+    if let Some(name) = chance.iter().find(|name| !is_column(name)) {
+        let columns: BTreeSet<&str> =
+            tables.values().flat_map(|table| table.columns.iter().map(String::as_str)).collect();
+        return Err(StudyError::Scenario(format!(
+            "--chance {name}: no sweep has this factor (there are {})",
+            columns.into_iter().collect::<Vec<_>>().join(", ")
+        )));
     }
     let mut models = Vec::new();
     let mut found = Vec::new();
@@ -161,7 +172,8 @@ fn read(path: &Path, chance: &[String]) -> Result<Runs, StudyError> {
         let results = (end..names.len()).filter_map(|n| Some((names[n].clone(), columns[n][row]?)));
         rows.push((values, results.collect()));
     }
-    Ok(Runs { factors: factors.into_iter().map(|n| names[n].clone()).collect(), rows })
+    let columns = names[first..end].to_vec();
+    Ok(Runs { factors: factors.into_iter().map(|n| names[n].clone()).collect(), columns, rows })
 }
 
 /// The value of a target in a row.
@@ -175,6 +187,16 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
     let rows: Vec<(Vec<f64>, f64)> =
         table.rows.iter().filter_map(|(x, r)| Some((x.clone(), value(target, r)?))).collect();
     let title = target.title();
+    for result in [Some(&target.result), target.share_of.as_ref()].into_iter().flatten() {
+        if !table.rows.iter().any(|(_, results)| results.contains_key(result)) {
+            let known: BTreeSet<&str> =
+                table.rows.iter().flat_map(|(_, r)| r.keys().map(String::as_str)).collect();
+            return Err(StudyError::Scenario(format!(
+                "--target {title}: no run that counts has `{result}` (there are {})",
+                known.into_iter().collect::<Vec<_>>().join(", ")
+            )));
+        }
+    }
     let fitted = LinearModel::fit(&rows).ok_or_else(|| {
         StudyError::Scenario(format!(
             "--target {title}: {} runs that count have it, too few to tell the {} factors {} \

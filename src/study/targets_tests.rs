@@ -107,10 +107,17 @@ fn what_cannot_be_answered_is_refused_with_the_reason() {
             .to_string()
     };
     assert!(of("x:void_ratio=0..1").contains("no runs have the name `x` (--runs gives t)"));
+    let unknown = of("t:void_ratio=0..1");
     assert!(
-        of("t:void_ratio=0..1").contains("0 runs that count have it"),
-        "{}",
-        of("t:void_ratio=0..1")
+        unknown.contains("no run that counts has `void_ratio` (there are angle_of_repose"),
+        "{unknown}"
+    );
+    let angle = [target("t:angle_of_repose.degrees=32..33")];
+    let misspelt = meet_targets(&[runs("t", path.clone())], &angle, &["c".to_owned()]);
+    let misspelt = misspelt.expect_err("law: refused").to_string();
+    assert!(
+        misspelt.contains("--chance c: no sweep has this factor (there are a, b, fixed)"),
+        "{misspelt}"
     );
     for text in
         ["t:a", "a=1..2", "t:a=2..1", "t:a=1", "t:=1..2", "t:a/=1..2", "t t:a=1..2", "t:a=nan..2"]
