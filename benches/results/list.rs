@@ -102,7 +102,7 @@ pub const KEPT: &[Kept] = &[
             ("uncertainty-standing-height.svg", "figures/uncertainty-standing-height.svg"),
         ],
         made: Made::Pluvia(&["reproduce --configurations 10 --out OUT"]),
-        build: build("2026-11-22", "2"),
+        build: build("2026-11-25", "14"),
         takes: "an hour",
     },
     Kept {
