@@ -63,9 +63,9 @@ HullBody hull_body(const btCollisionObject &object) {
         out.motion.spin[i] = static_cast<double>(body.getAngularVelocity()[i]);
     }
     // The surface of a sphere stays where it is while the sphere turns.
-    out.turning = out.hull->is_sphere() ? 0
-                                        : static_cast<double>(body.getAngularVelocity().length() *
-                                                              shape.radius());
+    out.turning = out.hull->is_sphere()
+                      ? 0
+                      : static_cast<double>(body.getAngularVelocity().length() * shape.radius());
     return out;
 }
 
