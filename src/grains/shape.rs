@@ -103,7 +103,9 @@ impl GrainShape {
             ShapeRatio::Elongation => self.longest / self.intermediate,
             ShapeRatio::Flatness => self.intermediate / self.shortest,
             ShapeRatio::Sphericity => {
-                std::f64::consts::PI.cbrt() * (6.0 * self.volume).powf(2.0 / 3.0) / self.surface
+                let surface = std::f64::consts::PI.cbrt() * (6.0 * self.volume).powf(2.0 / 3.0);
+                // A sphere's is 1 but for rounding.
+                (surface / self.surface).min(1.0)
             }
         }
     }
