@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 36] = [
+const SHIMS: [&str; 37] = [
     "contact_bodies",
     "contact_colours",
     "contact_iterations",
@@ -38,6 +38,7 @@ const SHIMS: [&str; 36] = [
     "workers",
     "worker_probe",
     "shapes",
+    "sphere_pair",
     "bodies",
     "settings",
     "stock_world",

@@ -15,7 +15,7 @@ BodySettings::BodySettings(const Units &units, const WorldDefinition &definition
       gyroscopic(definition.gyroscopic) {}
 
 BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
-                  btConvexHullShape *shape, const BodySettings &settings, Pool &pool) {
+                  btCollisionShape *shape, const BodySettings &settings, Pool &pool) {
     const bool free = definition.kind == BodyKind::Free;
     const btScalar mass = free ? static_cast<btScalar>(definition.mass) : btScalar(0);
     const btVector3 inertia = free ? units.inertia(definition.inertia) : btVector3(0, 0, 0);

@@ -6,7 +6,7 @@
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "pool.h"
 
-#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <cstddef>
@@ -48,7 +48,7 @@ using BodyPtr = std::unique_ptr<btRigidBody, BodyEnd>;
 
 // A body as defined, in a piece of `pool`; Bullet's user index holds its number.
 BodyPtr make_body(const Units &units, const BodyDefinition &definition, int id,
-                  btConvexHullShape *shape, const BodySettings &settings, Pool &pool);
+                  btCollisionShape *shape, const BodySettings &settings, Pool &pool);
 
 // Bullet's hooks for the coefficients of a pair (btManifoldResult.h). They
 // stand in for Bullet's rule, which multiplies one value of each body, and find

@@ -147,6 +147,8 @@ void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &p
             const Arms arms(pair, p);
             set_three(m.arm_a, lane, arms.a);
             set_three(m.arm_b, lane, arms.b);
+            put(m.arm_a.turns, pair.a->hull->is_sphere() ? 0 : 1);
+            put(m.arm_b.turns, pair.b->hull->is_sphere() ? 0 : 1);
             put(m.gap, static_cast<double>(contact.points[p].gap));
             const Three<double> borne = three(load.impulse);
             const double kept = static_cast<double>(load.warm_start) / substeps;

@@ -42,6 +42,17 @@ ContactRead described(const Units &units, const Touching &pair, int point) {
     return read;
 }
 
+// Where a point of a body is now that was where it is in the body's frame when the step began.
+btVector3 now(const HullBody &body, const float on[3]) {
+    const btTransform &pose = body.object->getWorldTransform();
+    if (!body.hull->is_sphere()) {
+        return pose(vector(on));
+    }
+    double arm[3];
+    body.pose.turn(on, arm);
+    return pose.getOrigin() + vector(arm);
+}
+
 } // namespace
 
 void read(const Units &units, const Touching &pair, rust::Vec<ContactRead> &out) {
@@ -63,8 +74,8 @@ void remember(const Units &units, const Touching &pair, rust::Vec<ContactRead> &
         if (!(vector(pair.state->loads[p].impulse).dot(normal) > 0)) {
             continue;
         }
-        const btVector3 on_a = pair.a->object->getWorldTransform()(vector(contact.points[p].on_a));
-        const btVector3 on_b = pair.b->object->getWorldTransform()(vector(contact.points[p].on_b));
+        const btVector3 on_a = now(*pair.a, contact.points[p].on_a);
+        const btVector3 on_b = now(*pair.b, contact.points[p].on_b);
         ContactRead read = described(units, pair, p);
         read.point = units.metres((on_a + on_b) * btScalar(0.5));
         read.gap = units.metres((on_a - on_b).dot(normal));

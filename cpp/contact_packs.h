@@ -37,9 +37,20 @@ template <class L> struct alignas(64) Point {
     L impulse, impulse_1, impulse_2; // of the sub-step
 };
 
+// A moment arm, and whether its point turns with the body: 1, or 0 on a sphere, which
+// rolls while its contact point stays below it.
+template <class L> struct Arm : Three<L> { L turns; };
+
+// As for any vector turned by a rotation vector, where the point turns with the body.
+template <class L>
+inline __attribute__((always_inline)) Three<L> turned(const Arm<L> &arm, const Three<L> &by) {
+    const Three<L> &bare = arm;
+    return turned(bare, Three<L>{by.x * arm.turns, by.y * arm.turns, by.z * arm.turns});
+}
+
 // The rest about it: what a sub-step is set up from.
 template <class L> struct alignas(64) PointMemory {
-    Three<L> arm_a, arm_b;     // from the centres of mass when the step began
+    Arm<L> arm_a, arm_b;       // from the centres of mass when the step began
     L gap;                     // then
     L gap_now, approach, mass; // when the sub-step began; `mass` along the normal
     // Of a sub-step with impacts: the approach velocity of an impact (0 for what is none), the

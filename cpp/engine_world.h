@@ -49,7 +49,7 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
 
     // The definition with the mass and the moments of inertia that a body gets.
-    virtual BodyDefinition applied(const BodyDefinition &definition, const TightHull &) {
+    virtual BodyDefinition applied(const BodyDefinition &definition, const btCollisionShape &) {
         return definition;
     }
     // Largest ratio of the moments of inertia given to a free body to the exact

@@ -2,8 +2,10 @@
 
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "prefetch.h"
+#include "sphere_pair.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
 
@@ -36,6 +38,14 @@ void HullAlgorithm::ask_for_hulls(const HullData &a, const HullData &b) const {
     }
 }
 
+namespace {
+
+double lightness_of(const HullBody &body) {
+    return static_cast<double>(btRigidBody::upcast(body.object)->getInvMass());
+}
+
+} // namespace
+
 void HullAlgorithm::find(const HullBody &a, const HullBody &b, double travelled,
                          PairScratch &scratch) {
     PairSettings settings = shared_.settings;
@@ -46,6 +56,15 @@ void HullAlgorithm::find(const HullBody &a, const HullBody &b, double travelled,
     }
     PairContact contact;
     const PairMotion motion{a.motion, b.motion, shared_.step};
+    if (a.hull->is_sphere() || b.hull->is_sphere()) {
+        const Lightness lightness{lightness_of(a), lightness_of(b)};
+        const double gap =
+            collide_sphere(*a.hull, *b.hull, a.pose, b.pose, motion, lightness, settings, contact);
+        take_contact(contact, shared_.match, state_);
+        points_ = contact.count;
+        apart_until_ = points_ == 0 ? travelled + gap : -1;
+        return;
+    }
     collide(*shared_.kernels, *a.hull, *b.hull, a.pose, b.pose, motion, settings, state_.memory,
             scratch, contact);
     take_contact(contact, shared_.match, state_);

@@ -62,7 +62,10 @@ HullBody hull_body(const btCollisionObject &object) {
         out.motion.velocity[i] = static_cast<double>(body.getLinearVelocity()[i]);
         out.motion.spin[i] = static_cast<double>(body.getAngularVelocity()[i]);
     }
-    out.turning = static_cast<double>(body.getAngularVelocity().length() * shape.radius());
+    // The surface of a sphere stays where it is while the sphere turns.
+    out.turning = out.hull->is_sphere()
+                      ? 0
+                      : static_cast<double>(body.getAngularVelocity().length() * shape.radius());
     return out;
 }
 
@@ -169,9 +172,14 @@ const HullRange &HullBodies::take(const btCollisionObjectArray &objects, int i,
     const std::size_t at = index(*object.getBroadphaseHandle());
     const HullBody &body = crowded_ ? bodies_[at] : read(object);
     HullRange &range = ranges_[at];
-    float turned[9];
-    std::copy(body.pose.r, body.pose.r + 9, turned);
-    kernels.box(*body.hull, turned, range.low, range.high);
+    if (body.hull->is_sphere()) {
+        std::fill(range.low, range.low + 3, -body.hull->radius);
+        std::fill(range.high, range.high + 3, body.hull->radius);
+    } else {
+        float turned[9];
+        std::copy(body.pose.r, body.pose.r + 9, turned);
+        kernels.box(*body.hull, turned, range.low, range.high);
+    }
     const double speed = length(body.motion.velocity, frame_.velocity);
     fastest = std::max(fastest, speed);
     const double against = crowded_ ? crowd_.speed(static_cast<std::size_t>(i)) : speed;
@@ -193,7 +201,8 @@ double HullBodies::way(const HullBody &body, const Rigid &before, const double m
         turn += (body.pose.r[i] - before.r[i]) * (body.pose.r[i] - before.r[i]);
     }
     const double from[3] = {before.t[0] + moved[0], before.t[1] + moved[1], before.t[2] + moved[2]};
-    return length(body.pose.t, from) + std::sqrt(turn / 2) * static_cast<double>(body.hull->radius);
+    const double radius = body.hull->is_sphere() ? 0 : static_cast<double>(body.hull->radius);
+    return length(body.pose.t, from) + std::sqrt(turn / 2) * radius;
 }
 
 } // namespace pluvia

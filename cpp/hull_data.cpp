@@ -117,6 +117,14 @@ HullData::HullData(const double *coordinates, std::size_t vertex_count,
     pad();
 }
 
+HullData::HullData(double radius_of_sphere)
+    : vertices(1), radius(static_cast<float>(radius_of_sphere)), sphere(radius_of_sphere) {
+    allocate(0);
+    vx[0] = vy[0] = vz[0] = 0;
+    loop_start[0] = around_start[0] = around_start[1] = 0;
+    pad();
+}
+
 HullData::~HullData() { ::operator delete(block_, std::align_val_t(ALIGNMENT)); }
 
 void HullData::allocate(int loop_length) {

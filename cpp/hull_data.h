@@ -1,5 +1,6 @@
 // A convex polyhedron as the narrow phase reads it: vertices, planes, edges
-// with the faces that meet there, and loops of the faces.
+// with the faces that meet there, and loops of the faces. Or a sphere, whose centre is its one
+// vertex.
 //
 // Built once, in double, from the exact polyhedron; kept in single precision,
 // one array a component, aligned for vectors of eight. The rounded vertices
@@ -31,6 +32,8 @@ class HullData {
     // without area, or more than 65535 vertices, faces or edges.
     HullData(const double *coordinates, std::size_t vertex_count, const std::uint32_t *face_starts,
              std::size_t face_count, const std::uint32_t *face_vertices);
+    // A sphere about the origin.
+    explicit HullData(double radius);
     ~HullData();
     HullData(const HullData &) = delete;
     HullData &operator=(const HullData &) = delete;
@@ -39,6 +42,7 @@ class HullData {
     int faces = 0;
     int edges = 0;
     float radius = 0;      // of the sphere about the origin that holds the hull
+    double sphere = 0;     // radius of a sphere; 0 for a polyhedron
     std::size_t bytes = 0; // of the block that holds all arrays
 
     // Vertices; the padding repeats the first.
@@ -55,6 +59,8 @@ class HullData {
     std::uint16_t *loop_start, *loop_vertex, *loop_edge;
     // Faces around vertex v: entries around_start[v] up to around_start[v + 1].
     std::uint16_t *around_start, *around_face;
+
+    bool is_sphere() const { return sphere > 0; }
 
     void prefetch_edge(int e) const {
         __builtin_prefetch(ex + e);

@@ -2,6 +2,7 @@
 
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "shapes.h"
+#include "sphere_pair.h"
 
 #include <algorithm>
 #include <chrono>
@@ -61,6 +62,12 @@ rust::Vec<HullProbePoint> HullProbe::step(const HullProbePose &a, const HullProb
 
 void HullProbe::find(const Rigid &pose_a, const Rigid &pose_b) {
     PairContact contact;
+    if (a_->is_sphere() || b_->is_sphere()) {
+        collide_sphere(*a_, *b_, pose_a, pose_b, PairMotion{}, Lightness{1, 1}, collision_.settings,
+                       contact);
+        take_contact(contact, collision_.match, state_);
+        return;
+    }
     collide(*collision_.kernels, *a_, *b_, pose_a, pose_b, PairMotion{}, collision_.settings,
             state_.memory, scratch_, contact);
     take_contact(contact, collision_.match, state_);
@@ -135,6 +142,9 @@ double HullProbe::time_steps(rust::Slice<const HullProbePose> poses, std::size_t
 namespace {
 
 std::unique_ptr<const HullData> hull(double scale, const HullProbeShape &shape) {
+    if (shape.radius > 0) {
+        return std::make_unique<const HullData>(shape.radius * scale);
+    }
     const auto slice = [](const auto &list) { return rust::Slice(list.data(), list.size()); };
     return make_hull_data(
         Units(scale),

@@ -27,7 +27,7 @@ bool boxes_within_margin(const btBroadphaseProxy &a, const btBroadphaseProxy &b,
 bool spheres_within_margin(const btCollisionObject &a, const btCollisionObject &b,
                            btScalar margin) {
     const auto radius = [](const btCollisionObject &body) {
-        return static_cast<const TightHull *>(body.getCollisionShape())->radius();
+        return bounding_radius(*body.getCollisionShape());
     };
     const btScalar apart = radius(a) + radius(b) + margin;
     return (a.getWorldTransform().getOrigin() - b.getWorldTransform().getOrigin()).length2() <=

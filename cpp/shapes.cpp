@@ -1,5 +1,7 @@
 #include "shapes.h"
 
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -82,8 +84,43 @@ std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyh
     return hull;
 }
 
+std::unique_ptr<btConvexInternalShape> make_sphere(const Units &units, double radius, bool native) {
+    if (!(std::isfinite(radius) && radius > 0)) {
+        throw std::runtime_error("the radius of a sphere is not positive");
+    }
+    if (!native) {
+        auto sphere = std::make_unique<btSphereShape>(units.length(radius));
+        if (sphere->getRadius() != units.length(radius)) {
+            throw std::runtime_error("Bullet did not keep the radius of a sphere");
+        }
+        return sphere;
+    }
+    auto sphere = std::make_unique<TightHull>();
+    sphere->setMargin(units.length(radius));
+    sphere->addPoint(btVector3(0, 0, 0), false);
+    sphere->recalcLocalAabb();
+    sphere->set_radius();
+    sphere->set_data(std::make_unique<const HullData>(radius * units.scale()));
+    return sphere;
+}
+
+btScalar bounding_radius(const btCollisionShape &shape) {
+    return shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE
+               ? static_cast<const btSphereShape &>(shape).getRadius()
+               : static_cast<const TightHull &>(shape).radius();
+}
+
 std::uint32_t append_corners(const Units &units, const btCollisionShape &shape, bool of_data,
                              rust::Vec<double> &coordinates) {
+    const bool of_bullet = shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE;
+    if (of_bullet || static_cast<const TightHull &>(shape).data().is_sphere()) {
+        const double radius = of_bullet ? static_cast<double>(bounding_radius(shape))
+                                        : static_cast<const TightHull &>(shape).data().sphere;
+        for (const double x : {radius / units.scale(), 0.0, 0.0}) {
+            coordinates.push_back(x);
+        }
+        return 1;
+    }
     const auto &hull = static_cast<const TightHull &>(shape);
     const HullData &data = hull.data();
     const int count = of_data ? data.vertices : hull.getNumPoints();

@@ -1,4 +1,4 @@
-// Convex hulls, with the collision margin that the world was asked for.
+// Convex hulls, with the collision margin that the world was asked for, and spheres.
 #pragma once
 
 #include "convert.h"
@@ -6,6 +6,7 @@
 #include "rust/cxx.h"
 
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
+#include <BulletCollision/CollisionShapes/btConvexInternalShape.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -16,7 +17,8 @@ namespace pluvia {
 
 // Bullet's convex hull, with the axis-aligned box of the hull itself where
 // Bullet's own takes the box of the rotated local box: about half as many
-// candidate pairs for round bodies, the same contacts.
+// candidate pairs for round bodies, the same contacts. In a native world also a sphere: one point
+// with a margin, and the data of a sphere.
 class TightHull final : public btConvexHullShape {
   public:
     void getAabb(const btTransform &pose, btVector3 &low, btVector3 &high) const override;
@@ -61,10 +63,17 @@ std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhed
 std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,
                                      double margin);
 
-// Appends x, y, z in metres of every corner of a TightHull and returns how many
+// A sphere with a radius in metres: `native`, a TightHull; else Bullet's sphere shape. Throws
+// std::runtime_error when the radius is not positive.
+std::unique_ptr<btConvexInternalShape> make_sphere(const Units &units, double radius, bool native);
+
+// Radius of the sphere about the origin that holds a shape made here, with its margin.
+btScalar bounding_radius(const btCollisionShape &shape);
+
+// Appends x, y, z in metres of every corner of a shape made here and returns how many
 // there are: of the hull data, with which Pluvia's own hull-hull test works, or
-// of Bullet's hull, without its margin.
-std::uint32_t append_corners(const Units &units, const btCollisionShape &hull, bool of_data,
+// of Bullet's hull, without its margin. A sphere has one, on its surface.
+std::uint32_t append_corners(const Units &units, const btCollisionShape &shape, bool of_data,
                              rust::Vec<double> &coordinates);
 
 } // namespace pluvia

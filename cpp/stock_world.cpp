@@ -24,8 +24,15 @@ btDefaultCollisionConstructionInfo pool_sizes() {
 // Bullet's own moments of inertia for a hull, by the calls that a program makes
 // which leaves them to Bullet. Whether the margin is set before or after the
 // shape stores its box decides what the box holds (btPolyhedralConvexShape.cpp,
-// 3.24).
-btVector3 boxed_inertia(const TightHull &hull, btScalar mass, btScalar margin, bool stale) {
+// 3.24). Those of a sphere are exact.
+btVector3 boxed_inertia(const btCollisionShape &original, btScalar mass, btScalar margin,
+                        bool stale) {
+    btVector3 inertia(0, 0, 0);
+    if (original.getShapeType() == SPHERE_SHAPE_PROXYTYPE) {
+        original.calculateLocalInertia(mass, inertia);
+        return inertia;
+    }
+    const auto &hull = static_cast<const TightHull &>(original);
     btConvexHullShape shape;
     if (!stale) {
         shape.setMargin(margin);
@@ -35,7 +42,6 @@ btVector3 boxed_inertia(const TightHull &hull, btScalar mass, btScalar margin, b
     }
     shape.recalcLocalAabb();
     shape.setMargin(margin);
-    btVector3 inertia(0, 0, 0);
     shape.calculateLocalInertia(mass, inertia);
     return inertia;
 }
@@ -63,7 +69,8 @@ StockWorld::StockWorld(const Units &units, const WorldDefinition &definition, Ma
       inertia_(definition.inertia), margin_(units.length(definition.collision_margin)),
       sleeping_(definition.sleeping) {}
 
-BodyDefinition StockWorld::applied(const BodyDefinition &definition, const TightHull &shape) {
+BodyDefinition StockWorld::applied(const BodyDefinition &definition,
+                                   const btCollisionShape &shape) {
     BodyDefinition changed = definition;
     if (definition.kind != BodyKind::Free) {
         return changed;

@@ -31,7 +31,8 @@ class StockWorld final : private StockParts, public EngineWorld {
     // `materials` must outlive the world.
     StockWorld(const Units &units, const WorldDefinition &definition, Materials &materials);
 
-    BodyDefinition applied(const BodyDefinition &definition, const TightHull &shape) override;
+    BodyDefinition applied(const BodyDefinition &definition,
+                           const btCollisionShape &shape) override;
     double largest_inertia_ratio() const override { return largest_inertia_ratio_; }
     // A kinematic body that stands still is asleep from the beginning, where bodies
     // fall asleep: awake, it would keep all awake that touch it.

@@ -57,7 +57,7 @@ class BulletWorld::Impl {
     BodySettings body_settings;
     double margin; // m
     Materials materials;
-    std::vector<std::unique_ptr<TightHull>> shapes;
+    std::vector<std::unique_ptr<btConvexInternalShape>> shapes;
     Pool body_pool{sizeof(btRigidBody)};
     std::vector<BodyPtr> bodies;
     std::unique_ptr<EngineWorld> world;
@@ -98,6 +98,12 @@ std::uint32_t BulletWorld::add_shape(rust::Slice<const double> coordinates,
     const std::lock_guard<std::mutex> lock(construction_mutex());
     impl_->shapes.push_back(make_hull(
         impl_->units, polyhedron(coordinates, face_starts, face_vertices), impl_->margin));
+    return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
+}
+
+std::uint32_t BulletWorld::add_sphere(double radius) {
+    const std::lock_guard<std::mutex> lock(construction_mutex());
+    impl_->shapes.push_back(make_sphere(impl_->units, radius, impl_->world->has_hull_data()));
     return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
 }
 

@@ -28,6 +28,7 @@ class BulletWorld {
     std::uint32_t add_shape(rust::Slice<const double> coordinates,
                             rust::Slice<const std::uint32_t> face_starts,
                             rust::Slice<const std::uint32_t> face_vertices);
+    std::uint32_t add_sphere(double radius);
     std::uint32_t add_body(const BodyDefinition &definition);
     void remove_body(std::uint32_t id);
     void drive_body(std::uint32_t id, const std::array<double, 3> &position,

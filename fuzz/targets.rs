@@ -128,7 +128,13 @@ pub fn grains(data: &[u8]) {
         passing_mm = retained_mm;
     }
     let cells = pluvia::scenario::CellShape::default();
-    let spec = SievedGrains { total_mass_g, density_kg_per_m3, sieve_table, cells };
+    let spec = SievedGrains {
+        total_mass_g,
+        density_kg_per_m3,
+        sieve_table,
+        shape: pluvia::scenario::SievedShape::default(),
+        cells,
+    };
     let Ok(psd) = ParticleSizeDistribution::new(&spec) else { return };
     let count = psd.fractions.iter().map(|f| f.grains).fold(0, usize::saturating_add);
     if count > MOST_GRAINS {

@@ -34,7 +34,18 @@ impl MassProperties {
     /// canonical covariance of Blow and Binstock, "How to find the inertia
     /// tensor of a polyhedron" (2004); it agrees with Mirtich, "Fast and
     /// accurate computation of polyhedral mass properties" (1996).
+    ///
+    /// Of a sphere 4/3 π r³ and 2/5 V r².
     pub fn of(polyhedron: &ConvexPolyhedron) -> Self {
+        if let Some(sphere) = polyhedron.sphere() {
+            let volume = sphere.volume();
+            let moment = 0.4 * volume * sphere.radius * sphere.radius;
+            return Self {
+                volume,
+                centroid: sphere.centre,
+                inertia_per_density: Matrix3::identity() * moment,
+            };
+        }
         // Integrating about an inner point, not the origin, keeps the sums
         // free of cancellation when the body lies far from the origin.
         let count = polyhedron.vertices().len() as f64;

@@ -1,13 +1,15 @@
-//! Poses, convex polyhedra and their exact mass properties.
+//! Poses, convex polyhedra and spheres, and their exact mass properties.
 //!
 //! Everything here is pure geometry in SI units: it knows nothing of grains,
 //! apparatus or physics engines.
 
 mod mass;
 mod polyhedron;
+mod sphere;
 
 pub use mass::{MassProperties, PrincipalFrame};
 pub use polyhedron::{ConvexPolyhedron, PolyhedronError};
+pub use sphere::Sphere;
 
 /// Position and orientation of a rigid body: maps body coordinates to world
 /// coordinates, translation in metres.

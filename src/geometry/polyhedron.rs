@@ -1,10 +1,10 @@
-//! Closed convex polyhedra with explicit faces.
+//! Closed convex polyhedra with explicit faces, some of which stand for spheres.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Point, Pose, Vector};
+use super::{Point, Pose, Sphere, Vector, sphere::unit_mesh};
 
 /// Largest distance of a vertex from the plane of a face it should lie on or
 /// behind, as a fraction of the polyhedron's bounding radius.
@@ -65,6 +65,12 @@ pub enum PolyhedronError {
         /// Distance of the vertex in front of the face, in metres.
         distance_m: f64,
     },
+    /// The radius of a sphere is not a positive number.
+    #[error("the radius of a sphere is {radius_m} m, it must be positive")]
+    BadSphere {
+        /// Radius in metres.
+        radius_m: f64,
+    },
     /// The enclosed volume is zero or negative.
     #[error("the enclosed volume is {volume_m3:e} m³, it must be positive")]
     NoVolume {
@@ -78,11 +84,15 @@ pub enum PolyhedronError {
 ///
 /// Every value of this type has passed [`ConvexPolyhedron::new`]'s checks:
 /// closed surface, outward faces, convex within rounding, positive volume.
+///
+/// A polyhedron may stand for a [`Sphere`]: then its vertices lie on the sphere, lengths, volumes
+/// and moments are the sphere's, and only vertices, faces and triangles are those of a mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Raw", into = "Raw")]
 pub struct ConvexPolyhedron {
     vertices: Vec<Point>,
-    faces: Vec<Vec<u32>>,
+    faces: Arc<Vec<Vec<u32>>>,
+    sphere: Option<Sphere>,
 }
 
 /// The unchecked form in which polyhedra are read from and written to files.
@@ -90,18 +100,28 @@ pub struct ConvexPolyhedron {
 struct Raw {
     vertices_m: Vec<Point>,
     faces: Vec<Vec<u32>>,
+    /// Centre and radius of a sphere, from which it is read; vertices and faces are for others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sphere_m: Option<(Point, f64)>,
 }
 
 impl TryFrom<Raw> for ConvexPolyhedron {
     type Error = PolyhedronError;
     fn try_from(raw: Raw) -> Result<Self, PolyhedronError> {
+        if let Some((centre, radius)) = raw.sphere_m {
+            return Self::of_sphere(Sphere { centre, radius });
+        }
         Self::new(raw.vertices_m, raw.faces)
     }
 }
 
 impl From<ConvexPolyhedron> for Raw {
     fn from(p: ConvexPolyhedron) -> Self {
-        Raw { vertices_m: p.vertices, faces: p.faces }
+        Raw {
+            vertices_m: p.vertices,
+            faces: Arc::unwrap_or_clone(p.faces),
+            sphere_m: p.sphere.map(|s| (s.centre, s.radius)),
+        }
     }
 }
 
@@ -113,9 +133,42 @@ impl ConvexPolyhedron {
     /// # Errors
     /// The first fault found, as a [`PolyhedronError`].
     pub fn new(vertices: Vec<Point>, faces: Vec<Vec<u32>>) -> Result<Self, PolyhedronError> {
-        let polyhedron = Self { vertices, faces };
+        let polyhedron = Self { vertices, faces: Arc::new(faces), sphere: None };
         polyhedron.sanity_check()?;
         Ok(polyhedron)
+    }
+
+    /// A sphere.
+    ///
+    /// # Errors
+    /// When its centre is not finite or its radius not positive.
+    pub fn of_sphere(sphere: Sphere) -> Result<Self, PolyhedronError> {
+        let Sphere { centre, radius } = sphere;
+        if !(radius.is_finite() && radius > 0.0) {
+            return Err(PolyhedronError::BadSphere { radius_m: radius });
+        }
+        if !centre.iter().all(|c| c.is_finite()) {
+            return Err(PolyhedronError::NotFinite { vertex: 0 });
+        }
+        let (vertices, faces) = unit_mesh();
+        let vertices = vertices.iter().map(|v| centre + v.coords * radius).collect();
+        Ok(Self { vertices, faces: Arc::clone(faces), sphere: Some(sphere) })
+    }
+
+    /// A sphere about the origin.
+    ///
+    /// # Panics
+    /// When the radius in m is not positive and finite.
+    pub fn ball(radius: f64) -> Self {
+        match Self::of_sphere(Sphere { centre: Point::origin(), radius }) {
+            Ok(ball) => ball,
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    /// The sphere that the polyhedron stands for, if any.
+    pub fn sphere(&self) -> Option<Sphere> {
+        self.sphere
     }
 
     /// Checks every invariant of the type; `new` calls it, tests call it
@@ -249,8 +302,11 @@ impl ConvexPolyhedron {
     }
 
     /// Signed volume in cubic metres by the divergence theorem; positive for
-    /// outward faces.
+    /// outward faces. Of a sphere its volume.
     pub fn signed_volume(&self) -> f64 {
+        if let Some(sphere) = self.sphere {
+            return sphere.volume();
+        }
         let centre = self.vertex_average();
         self.triangles()
             .map(|[a, b, c]| (a - centre).dot(&(b - centre).cross(&(c - centre))) / 6.0)
@@ -273,17 +329,36 @@ impl ConvexPolyhedron {
 
     /// Radius in metres of the smallest sphere about the body origin that holds the polyhedron.
     pub fn radius_about_origin(&self) -> f64 {
+        if let Some(sphere) = self.sphere {
+            return sphere.centre.coords.norm() + sphere.radius;
+        }
         self.vertices.iter().map(|v| v.coords.norm()).fold(0.0, f64::max)
     }
 
     /// Lowest and highest corner of the axis-aligned bounding box, in metres.
     pub fn bounding_box(&self) -> (Point, Point) {
+        if let Some(Sphere { centre, radius }) = self.sphere {
+            return (centre - Vector::repeat(radius), centre + Vector::repeat(radius));
+        }
         let first = self.vertices[0];
         self.vertices.iter().fold((first, first), |(lo, hi), v| (lo.inf(v), hi.sup(v)))
     }
 
+    /// Lowest and highest point along z at a pose, in metres.
+    pub fn heights(&self, pose: &Pose) -> (f64, f64) {
+        if let Some(Sphere { centre, radius }) = self.sphere {
+            let z = (pose * centre).z;
+            return (z - radius, z + radius);
+        }
+        let heights = self.vertices.iter().map(|v| (pose * v).z);
+        heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)))
+    }
+
     /// Diameter in metres of the sphere of the same volume.
     pub fn equivalent_diameter(&self) -> f64 {
+        if let Some(sphere) = self.sphere {
+            return 2.0 * sphere.radius;
+        }
         (6.0 * self.signed_volume() / std::f64::consts::PI).cbrt()
     }
 
@@ -291,7 +366,8 @@ impl ConvexPolyhedron {
     pub fn transformed(&self, pose: &Pose) -> Self {
         Self {
             vertices: self.vertices.iter().map(|v| pose * v).collect(),
-            faces: self.faces.clone(),
+            faces: Arc::clone(&self.faces),
+            sphere: self.sphere.map(|s| Sphere { centre: pose * s.centre, ..s }),
         }
     }
 
@@ -303,7 +379,10 @@ impl ConvexPolyhedron {
         assert!(factor.is_finite() && factor > 0.0, "scale factor {factor} must be positive");
         Self {
             vertices: self.vertices.iter().map(|v| v * factor).collect(),
-            faces: self.faces.clone(),
+            faces: Arc::clone(&self.faces),
+            sphere: self
+                .sphere
+                .map(|s| Sphere { centre: s.centre * factor, radius: s.radius * factor }),
         }
     }
 

@@ -23,7 +23,7 @@ fn cube() -> ConvexPolyhedron {
 
 /// The fault of a unit cube after a change to its vertices and faces.
 fn fault(change: impl Fn(&mut Vec<Point>, &mut Vec<Vec<u32>>)) -> PolyhedronError {
-    let ConvexPolyhedron { mut vertices, mut faces } = cube();
+    let (mut vertices, mut faces) = (cube().vertices().to_vec(), cube().faces().to_vec());
     change(&mut vertices, &mut faces);
     ConvexPolyhedron::new(vertices, faces).expect_err("the change must be noticed")
 }

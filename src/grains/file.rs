@@ -9,7 +9,9 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Block, GrainSet, GrainsError, psd::positive, sieve::sieve_size};
+use super::{
+    Block, GrainSet, GrainsError, psd::positive, sieve::sieve_size, stones::sphere_of_file,
+};
 use crate::{
     geometry::{ConvexPolyhedron, MassProperties, Point, Vector},
     units::{from_mm, to_mm},
@@ -56,9 +58,14 @@ pub struct SieveJson {
 /// One grain.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CellJson {
+    /// Radius of a sphere about the centroid, which has neither vertices nor faces here.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius_m: Option<f64>,
     /// Vertices.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub vertices_m: Vec<[f64; 3]>,
     /// Faces as loops of vertex indices, counter-clockwise seen from outside.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faces: Vec<Vec<u32>>,
     /// Volume.
     pub volume_m3: f64,
@@ -77,9 +84,14 @@ pub fn to_json(grains: &GrainSet) -> GrainsJson {
     let cell = |cell: &ConvexPolyhedron| {
         let properties = MassProperties::of(cell);
         let inertia = properties.inertia_per_density * grains.density;
+        let (vertices, faces) = match cell.sphere() {
+            Some(_) => Default::default(),
+            None => (cell.vertices(), cell.faces()),
+        };
         CellJson {
-            vertices_m: cell.vertices().iter().map(|v| v.coords.into()).collect(),
-            faces: cell.faces().to_vec(),
+            radius_m: cell.sphere().map(|sphere| sphere.radius),
+            vertices_m: vertices.iter().map(|v| v.coords.into()).collect(),
+            faces: faces.to_vec(),
             volume_m3: properties.volume,
             centroid_m: properties.centroid.coords.into(),
             mass_kg: grains.density * properties.volume,
@@ -180,6 +192,15 @@ fn read_block(index: usize, json: &BlockJson) -> Result<Block, GrainsError> {
     }
     let mut shapes = Vec::with_capacity(cells);
     for (cell, stated) in json.cells.iter().enumerate() {
+        if let Some(radius) = stated.radius_m {
+            if !(stated.vertices_m.is_empty() && stated.faces.is_empty()) {
+                return fault(format!(
+                    "cell {cell} has a radius and a mesh, it is a sphere or a polyhedron"
+                ));
+            }
+            shapes.push(sphere_of_file(radius, stated.centroid_m)?);
+            continue;
+        }
         let vertices = stated.vertices_m.iter().map(|&v| Point::from(v)).collect();
         shapes.push(
             ConvexPolyhedron::new(vertices, stated.faces.clone())

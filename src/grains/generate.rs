@@ -5,24 +5,28 @@ use std::sync::Arc;
 use super::{
     Block, Grain, GrainSet, GrainsError,
     psd::ParticleSizeDistribution,
+    stones::spheres,
     voronoi::{Cube, random_cells},
 };
 use crate::{
     geometry::{ConvexPolyhedron, MassProperties, Vector},
     scale::{self, Scale},
-    scenario::SievedGrains,
+    scenario::{SievedGrains, SievedShape},
 };
 
 /// Makes the grains of a sieve table (paper, section 3): for every fraction a
 /// cube of its solid volume, cut into as many Voronoi cells of uniformly
 /// random points as the fraction has grains, relaxed and stretched as the
 /// scenario asks for. The same table and seed give the
-/// same bits.
+/// same bits. Or, where the scenario asks for them, spheres.
 ///
 /// # Errors
 /// The faults of the sieve table ([`ParticleSizeDistribution::new`]).
 pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError> {
     let psd = ParticleSizeDistribution::new(spec)?;
+    if spec.shape == SievedShape::Spheres {
+        return spheres(&psd, seed);
+    }
     let mut set = GrainSet {
         grains: Vec::new(),
         blocks: Vec::new(),

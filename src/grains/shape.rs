@@ -39,9 +39,9 @@ pub struct GrainShape {
     pub surface: f64,
     /// Volume in m³.
     pub volume: f64,
-    /// Number of faces.
+    /// Number of faces; 0 for a sphere.
     pub faces: usize,
-    /// Number of vertices.
+    /// Number of vertices; 0 for a sphere.
     pub vertices: usize,
 }
 
@@ -64,6 +64,19 @@ impl ShapeRatio {
 impl GrainShape {
     /// Measures a body.
     pub fn of(body: &ConvexPolyhedron) -> Self {
+        if let Some(sphere) = body.sphere() {
+            let [longest, intermediate, shortest] = [2.0 * sphere.radius; 3];
+            let (surface, volume) = (sphere.surface(), sphere.volume());
+            return Self {
+                longest,
+                intermediate,
+                shortest,
+                surface,
+                volume,
+                faces: 0,
+                vertices: 0,
+            };
+        }
         let corners: Vec<Vector> = body.vertices().iter().map(|v| v.coords).collect();
         let [longest, intermediate, shortest] = smallest_box(&corners);
         let surface = body.triangles().map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum();
@@ -90,7 +103,9 @@ impl GrainShape {
             ShapeRatio::Elongation => self.longest / self.intermediate,
             ShapeRatio::Flatness => self.intermediate / self.shortest,
             ShapeRatio::Sphericity => {
-                std::f64::consts::PI.cbrt() * (6.0 * self.volume).powf(2.0 / 3.0) / self.surface
+                let surface = std::f64::consts::PI.cbrt() * (6.0 * self.volume).powf(2.0 / 3.0);
+                // A sphere's is 1 but for rounding.
+                (surface / self.surface).min(1.0)
             }
         }
     }

@@ -94,6 +94,9 @@ impl Passage {
 /// # Ok::<(), pluvia::geometry::PolyhedronError>(())
 /// ```
 pub fn sieve_size(shape: &ConvexPolyhedron) -> f64 {
+    if let Some(sphere) = shape.sphere() {
+        return 2.0 * sphere.radius;
+    }
     let corners: Vec<Vector> = shape.vertices().iter().map(|v| v.coords).collect();
     sieve_size_of(&corners)
 }

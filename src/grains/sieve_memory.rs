@@ -20,8 +20,12 @@ const MOST: usize = 1 << 18;
 static KNOWN: Mutex<Option<HashMap<[u8; 32], f64>>> = Mutex::new(None);
 
 /// Side in m of the smallest square opening that the hull of a body's corners
-/// passes: [`Passage::of`], or what that gave for these corners, to the bit, before.
+/// passes: [`Passage::of`], or what that gave for these corners, to the bit, before. One corner is
+/// a sphere's, on its surface ([`crate::world::World::corners`]).
 pub fn sieve_size_of(corners: &[Vector]) -> f64 {
+    if let [on_sphere] = corners {
+        return 2.0 * on_sphere.norm();
+    }
     let name = name(corners);
     let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(side) = known().as_ref().and_then(|known| known.get(&name)) {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     geometry::MassProperties,
-    scenario::{CellShape, SieveFraction, SievedGrains},
+    scenario::{CellShape, SieveFraction, SievedGrains, SievedShape},
 };
 
 /// The paper's mass and density with a table of (passing mm, retained mm, mass percent).
@@ -17,6 +17,7 @@ pub(super) fn table(rows: &[(f64, f64, f64)]) -> SievedGrains {
         total_mass_g: 2343.0,
         density_kg_per_m3: 2673.9,
         sieve_table: rows.iter().map(row).collect(),
+        shape: SievedShape::default(),
         cells: CellShape::default(),
     }
 }
@@ -46,7 +47,7 @@ pub(super) fn regular_tetrahedron() -> ConvexPolyhedron {
     .unwrap()
 }
 
-fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
+pub(super) fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
     assert!(
         (got - expected).abs() <= tolerance,
         "{law}: expected {expected:e}, got {got:e}, tolerance {tolerance:e}"

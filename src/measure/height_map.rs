@@ -40,7 +40,7 @@ pub struct StandingHeight {
     /// 95th percentile of the height map by nearest rank: 5 % of the
     /// cross-section lies higher.
     pub p95: f64,
-    /// Highest vertex of any grain, 0 without grains.
+    /// Highest point of any grain, 0 without grains.
     pub highest: f64,
 }
 
@@ -87,6 +87,12 @@ impl HeightMap {
             let centre = in_cells(pose.translation.vector);
             let reach = Vector::new(radius / cell, radius / cell, radius);
             if centre.z + radius <= highest && surface.hides(&(centre - reach), &(centre + reach)) {
+                continue;
+            }
+            if let Some(sphere) = shape.sphere() {
+                highest = highest.max(shape.heights(pose).1);
+                let centre = in_cells((pose * sphere.centre).coords);
+                surface.lay_sphere(&centre, sphere.radius, sphere.radius / cell);
                 continue;
             }
             let rotation = pose.rotation.to_rotation_matrix();

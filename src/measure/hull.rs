@@ -1,6 +1,6 @@
-//! A convex polyhedron in world coordinates, prepared for overlap tests.
+//! A convex polyhedron or a sphere in world coordinates, prepared for overlap tests.
 
-use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
+use crate::geometry::{ConvexPolyhedron, Point, Pose, Sphere, Vector};
 
 /// Vertices, face normals and edges of one body in world coordinates.
 #[derive(Debug, Clone)]
@@ -19,6 +19,8 @@ pub struct WorldHull {
     /// Corners of the bounding box in m.
     pub(super) low: Vector,
     pub(super) high: Vector,
+    /// The sphere that it is, which has no vertices, faces and edges.
+    pub(super) sphere: Option<Sphere>,
 }
 
 /// An edge with the normals of the faces that meet there.
@@ -28,6 +30,8 @@ pub(super) struct Edge {
     pub point: Vector,
     /// Unit vector along it: the direction in which the left face's loop runs.
     pub direction: Vector,
+    /// Its length from the point on, in m.
+    pub length: f64,
     /// Outward normal of the face on the left, seen from outside.
     pub left: Vector,
     /// Outward normal of the face on the right.
@@ -37,6 +41,13 @@ pub(super) struct Edge {
 impl WorldHull {
     /// Prepares a shape at a pose.
     pub fn new(shape: &ConvexPolyhedron, pose: &Pose) -> Self {
+        if let Some(sphere) = shape.sphere() {
+            let sphere = Sphere { centre: pose * sphere.centre, ..sphere };
+            let reach = Vector::repeat(sphere.radius);
+            let (low, high) = (sphere.centre.coords - reach, sphere.centre.coords + reach);
+            let (vertices, faces, edges) = Default::default();
+            return Self { vertices, faces, edges, low, high, sphere: Some(sphere) };
+        }
         let vertices: Vec<Vector> = shape.vertices().iter().map(|v| (pose * v).coords).collect();
         let normals: Vec<Vector> = (0..shape.faces().len())
             .map(|f| {
@@ -53,7 +64,7 @@ impl WorldHull {
             .collect();
         let (low, high) =
             vertices.iter().fold((vertices[0], vertices[0]), |(lo, hi), v| (lo.inf(v), hi.sup(v)));
-        Self { vertices, faces, edges, low, high }
+        Self { vertices, faces, edges, low, high, sphere: None }
     }
 
     /// Lowest and highest corner of the axis-aligned bounding box, exact, in m.
@@ -90,8 +101,9 @@ fn edges(shape: &ConvexPolyhedron, vertices: &[Vector], normals: &[Vector]) -> V
             let (from, to, _, left) = pair[0];
             let point = vertices[from as usize];
             // A zero-length edge has no direction; its neighbours cover its arc.
-            let direction = (vertices[to as usize] - point).try_normalize(0.0)?;
-            Some(Edge { point, direction, left: normals[left], right: normals[pair[1].3] })
+            let along = vertices[to as usize] - point;
+            let (direction, length) = (along.try_normalize(0.0)?, along.norm());
+            Some(Edge { point, direction, length, left: normals[left], right: normals[pair[1].3] })
         })
         .collect()
 }

@@ -30,6 +30,8 @@ mod repose;
 mod rotation;
 mod separation;
 mod settlement;
+#[cfg(test)]
+mod sphere_tests;
 pub mod standard_tests;
 pub mod statistics;
 mod stress;

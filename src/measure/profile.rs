@@ -1,7 +1,7 @@
 //! Void ratio by height and by radius: exact shares of every grain in layers and rings.
 
-use super::region::{cut, faces_at, volume};
-use crate::geometry::Vector;
+use super::region::{corners_at, cut, faces_at, volume};
+use crate::geometry::{Sphere, Vector};
 use crate::specimen::Specimen;
 
 /// Sides of the prism that stands for a round ring. It has the circle's area, and lies within
@@ -93,17 +93,21 @@ struct Solid {
     centroid: Vector,
     radius: f64,
     whole: f64,
+    sphere: Option<Sphere>,
 }
 
 fn solid(specimen: &Specimen, grain: usize) -> Solid {
     let shape = &specimen.grains.grains[grain].shape;
     let pose = &specimen.state.bodies[grain].body.pose;
-    let corners: Vec<Vector> = shape.vertices().iter().map(|v| (pose * v).coords).collect();
+    let corners = corners_at(shape, pose);
+    // The mesh of a sphere reaches beyond it.
+    let larger = if shape.sphere().is_some() { 1.02 } else { 1.0 };
     Solid {
         faces: faces_at(shape, &corners),
         centroid: pose.translation.vector,
-        radius: shape.radius_about_origin(),
+        radius: larger * shape.radius_about_origin(),
         whole: shape.signed_volume(),
+        sphere: shape.sphere().map(|s| Sphere { centre: pose * s.centre, ..s }),
     }
 }
 
@@ -116,12 +120,15 @@ impl Solid {
         if self.centroid.z - self.radius >= z {
             return 0.0;
         }
+        if let Some(sphere) = self.sphere {
+            return sphere.volume_below(z);
+        }
         volume(&cut(self.faces, |p| p.z - z, |p| p.z = z), &self.centroid)
     }
 
     /// Volume between two heights, and within a radius about an axis where one is given.
     fn within(self, axis_x: f64, radius: Option<f64>, (low, high): (f64, f64)) -> f64 {
-        let Self { mut faces, centroid, radius: reach, whole } = self;
+        let Self { mut faces, centroid, radius: reach, whole, .. } = self;
         if centroid.z - reach >= high || centroid.z + reach <= low {
             return 0.0;
         }

@@ -80,6 +80,43 @@ impl Surface {
         self.update_tiles(self.tiles_over(low.x, high.x), self.tiles_over(low.y, high.y));
     }
 
+    /// Lays a sphere on, exactly: its centre has x and y in cells, z in m; its radius in m is
+    /// `across` cells.
+    pub fn lay_sphere(&mut self, centre: &Vector, radius: f64, across: f64) {
+        let reach = Vector::new(across, across, radius);
+        let (low, high) = (centre - reach, centre + reach);
+        if self.hides(&low, &high) {
+            return;
+        }
+        let mut raised = false;
+        let first_row = low.y.ceil().max(0.0) as usize;
+        for row in first_row..self.across {
+            let off = row as f64 - centre.y;
+            let half = across * across - off * off;
+            if off > across {
+                break;
+            }
+            if half < 0.0 {
+                continue;
+            }
+            let within = &self.columns[row];
+            let half = half.sqrt();
+            let first = (centre.x - half).ceil().max(within.start as f64) as usize;
+            let end = ((centre.x + half).floor() + 1.0).clamp(0.0, within.end as f64) as usize;
+            for column in first..end {
+                let aside = column as f64 - centre.x;
+                let share = (1.0 - (off * off + aside * aside) / (across * across)).max(0.0);
+                let z = centre.z + radius * share.sqrt();
+                let height = &mut self.heights[row * self.across + column];
+                raised |= z > *height;
+                *height = height.max(z);
+            }
+        }
+        if raised {
+            self.update_tiles(self.tiles_over(low.x, high.x), self.tiles_over(low.y, high.y));
+        }
+    }
+
     /// Tiles that an interval of cell coordinates touches.
     fn tiles_over(&self, low: f64, high: f64) -> Range<usize> {
         let last = self.across as f64;

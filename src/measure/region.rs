@@ -26,7 +26,7 @@ impl Region {
 
     /// Volume in m³ of the part of a solid that lies in it.
     pub fn volume_of(&self, shape: &ConvexPolyhedron, pose: &Pose) -> f64 {
-        let corners: Vec<Vector> = shape.vertices().iter().map(|v| (pose * v).coords).collect();
+        let corners = corners_at(shape, pose);
         let inside = |c: &Vector| (0..3).all(|k| self.low[k] <= c[k] && c[k] <= self.high[k]);
         if corners.iter().all(inside) {
             return shape.signed_volume();
@@ -48,6 +48,21 @@ impl Region {
         // About a corner of the region, near enough for rounding.
         volume(&faces, &self.low)
     }
+}
+
+/// The vertices of a shape at a pose, in m. Those of a sphere's mesh are enlarged to the volume of
+/// the sphere, by 1.2 % of its radius: what is found of a part differs from the sphere's by less than 0.1 % of
+/// the whole.
+pub(super) fn corners_at(shape: &ConvexPolyhedron, pose: &Pose) -> Vec<Vector> {
+    let vertices = shape.vertices().iter();
+    let Some(sphere) = shape.sphere() else {
+        return vertices.map(|v| (pose * v).coords).collect();
+    };
+    let bare: Vec<Vector> = vertices.map(|v| v.coords).collect();
+    let of_mesh = volume(&faces_at(shape, &bare), &sphere.centre.coords);
+    let larger = (sphere.volume() / of_mesh).cbrt();
+    let centre = sphere.centre;
+    bare.iter().map(|v| (pose * (centre + (v - centre.coords) * larger)).coords).collect()
 }
 
 /// Corners of the faces of a solid whose corners are where they are.

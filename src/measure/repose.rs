@@ -186,10 +186,7 @@ pub fn pile_top(specimen: &Specimen) -> Option<f64> {
     let SpecimenState { bodies, .. } = &specimen.state;
     let slow = specimen.grains.of_size(&scale::SLOW);
     let lying = specimen.present().filter(|&i| bodies[i].body.linear_velocity.norm() < slow);
-    let tops = lying.flat_map(|i| {
-        let pose = &bodies[i].body.pose;
-        specimen.grains.grains[i].shape.vertices().iter().map(move |v| (pose * v).z)
-    });
+    let tops = lying.map(|i| specimen.grains.grains[i].shape.heights(&bodies[i].body.pose).1);
     tops.fold(None, |top, z| Some(top.map_or(z, |t: f64| t.max(z))))
 }
 

@@ -1,4 +1,4 @@
-//! How far two convex polyhedra are apart, or how deep they are in each other.
+//! How far two convex polyhedra or spheres are apart, or how deep they are in each other.
 //!
 //! For a unit vector n let s(n) be the gap between A and B seen along n:
 //! lowest point of B minus highest point of A. Translating B by −s(n) along n
@@ -33,7 +33,8 @@ const PARALLEL: f64 = 1e-9;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Separation {
     /// Gap in m. Negative: the penetration depth, exact, with the sign
-    /// reversed. Positive: the bodies are disjoint and at least this far
+    /// reversed; a sphere's centre within a body comes out through the face of least
+    /// penetration. Positive: of a sphere exact; of two polyhedra: the bodies are disjoint and at least this far
     /// apart; the true distance is larger when the nearest features are not a
     /// face or two edges (vertex to vertex, vertex to edge).
     pub gap: f64,
@@ -63,6 +64,17 @@ pub fn penetration_depth(a: &WorldHull, b: &WorldHull) -> Option<f64> {
 
 /// Searches all axes for the widest gap, ending early when it exceeds `enough`.
 fn search(a: &WorldHull, b: &WorldHull, enough: f64) -> Separation {
+    match (a.sphere, b.sphere) {
+        (Some(a), _) => {
+            let Separation { gap, axis } = from_body(b, &a.centre.coords);
+            return Separation { gap: gap - a.radius, axis: -axis };
+        }
+        (_, Some(b)) => {
+            let Separation { gap, axis } = from_body(a, &b.centre.coords);
+            return Separation { gap: gap - b.radius, axis };
+        }
+        _ => {}
+    }
     let mut best = Separation { gap: f64::NEG_INFINITY, axis: Vector::zeros() };
     for (normal, top) in &a.faces {
         let gap = lowest_along(&b.vertices, normal) - top;
@@ -105,6 +117,45 @@ fn search(a: &WorldHull, b: &WorldHull, enough: f64) -> Separation {
     best
 }
 
+/// Distance of a point from the surface of a body, negative inside, with the direction out of it:
+/// exact, unlike [`search`] also between bodies that are apart.
+fn from_body(body: &WorldHull, point: &Vector) -> Separation {
+    if let Some(sphere) = body.sphere {
+        let out = point - sphere.centre.coords;
+        let axis = out.try_normalize(0.0).unwrap_or_else(Vector::z);
+        return Separation { gap: out.norm() - sphere.radius, axis };
+    }
+    let above = |(normal, top): &(Vector, f64)| normal.dot(point) - top;
+    let mut best = Separation { gap: f64::NEG_INFINITY, axis: Vector::z() };
+    for face in &body.faces {
+        if above(face) > best.gap {
+            best = Separation { gap: above(face), axis: face.0 };
+        }
+    }
+    if best.gap <= 0.0 {
+        return best;
+    }
+    // The foot on a plane is the closest point where it lies on the body.
+    let slack = 1e-12 * (body.high - body.low).norm();
+    let on_body = |foot: Vector| body.faces.iter().all(|(n, top)| n.dot(&foot) <= top + slack);
+    for face in body.faces.iter().filter(|face| above(face) > 0.0) {
+        if on_body(point - face.0 * above(face)) {
+            return Separation { gap: above(face), axis: face.0 };
+        }
+    }
+    let mut nearest = f64::INFINITY;
+    for edge in &body.edges {
+        let out = point - edge.point;
+        let apart = out - edge.direction * out.dot(&edge.direction).clamp(0.0, edge.length);
+        if apart.norm() < nearest {
+            nearest = apart.norm();
+            let axis = apart.try_normalize(0.0).unwrap_or(best.axis);
+            best = Separation { gap: nearest, axis };
+        }
+    }
+    best
+}
+
 /// Unit normal of both edges, pointing out of the body of `e`.
 fn common_normal(e: &Edge, f: &Edge) -> Option<Vector> {
     let cross = e.direction.cross(&f.direction);
@@ -142,5 +193,7 @@ fn same_side(x: f64, y: f64) -> bool {
     (x > ARC_TOLERANCE && y > ARC_TOLERANCE) || (x < -ARC_TOLERANCE && y < -ARC_TOLERANCE)
 }
 
+#[cfg(test)]
+mod sphere_tests;
 #[cfg(test)]
 mod tests;

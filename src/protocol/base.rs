@@ -57,9 +57,8 @@ fn fixed_grains(radius: f64, set: &GrainSet, seed: u64, configuration: u32) -> V
             }
             let grain = below(&mut rng, count as u64) as usize;
             let turn = rotation(&mut rng);
-            let heights = set.grains[grain].shape.vertices().iter().map(|v| (turn * v).z);
-            let (low, high) =
-                heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+            let turned = Pose::from_parts(nalgebra::Translation3::identity(), turn);
+            let (low, high) = set.grains[grain].shape.heights(&turned);
             let z = -f64::midpoint(low, high);
             fixed.push(FixedGrain {
                 grain,

@@ -149,9 +149,8 @@ impl Feeder {
     ) -> Self {
         let set = &specimen.grains;
         let fixed = specimen.state.base.iter().flat_map(|base| &base.fixed_grains);
-        let base_top = fixed
-            .flat_map(|f| set.grains[f.grain].shape.vertices().iter().map(|v| (f.pose * v).z))
-            .fold(0.0, f64::max);
+        let base_top =
+            fixed.map(|f| set.grains[f.grain].shape.heights(&f.pose).1).fold(0.0, f64::max);
         let clearance = set.rain_clearance();
         let radius = |g: &grains::Grain| g.shape.radius_about_origin() + clearance;
         let Mixing { order, orientations, .. } = grains::mix(set, seed, configuration);
@@ -272,9 +271,8 @@ impl Feeder {
     }
 }
 
-/// Height of a grain's highest vertex in m.
+/// Height of a grain's highest point in m.
 fn highest_point(specimen: &Specimen, grain: usize) -> f64 {
     let pose = &specimen.state.bodies[grain].body.pose;
-    let vertices = specimen.grains.grains[grain].shape.vertices();
-    vertices.iter().map(|v| (pose * v).z).fold(f64::NEG_INFINITY, f64::max)
+    specimen.grains.grains[grain].shape.heights(pose).1
 }

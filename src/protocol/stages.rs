@@ -322,9 +322,9 @@ impl<'a> Laboratory<'a> {
         };
         let highest = specimen
             .present()
-            .flat_map(|i| {
+            .map(|i| {
                 let pose = specimen.state.bodies[i].body.pose;
-                specimen.grains.grains[i].shape.vertices().iter().map(move |v| (pose * v).z)
+                specimen.grains.grains[i].shape.heights(&pose).1
             })
             .fold(0.0, f64::max);
         let release = scale::PLATE_RELEASE.at(&self.setup.scale);

@@ -57,6 +57,7 @@ fn grains(scenario: &Scenario) -> Choice {
                     compact(f.mass_percent)
                 )
             })
+            .chain((!s.shape.is_default()).then(|| "spheres".to_owned()))
             .collect::<Vec<_>>()
             .join("; "),
         GrainsSpec::File(f) => format!("grains read from {}", f.file),

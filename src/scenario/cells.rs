@@ -3,6 +3,24 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// What grains of a sieve table are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SievedShape {
+    /// Voronoi cells.
+    #[default]
+    Cells,
+    /// Spheres whose diameters lie between the sieves of their fraction.
+    Spheres,
+}
+
+impl SievedShape {
+    /// Whether it is what a scenario has that says nothing.
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// Shape of the Voronoi cells that grains are cut into. The defaults are the
 /// paper's: cells of random points, as they come, in no direction longer than
 /// in another but by chance.

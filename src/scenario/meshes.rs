@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{CellShape, SieveFraction, SievedGrains};
+use super::{CellShape, SieveFraction, SievedGrains, SievedShape};
 
 /// Grains with the shapes of meshes. With a sieve table, stones are drawn and
 /// scaled until every fraction has its mass; without one they are taken in
@@ -106,6 +106,7 @@ impl MeshGrains {
             total_mass_g: self.total_mass_g?,
             density_kg_per_m3: self.density_kg_per_m3,
             sieve_table: self.sieve_table.clone(),
+            shape: SievedShape::default(),
             cells: CellShape::default(),
         })
     }

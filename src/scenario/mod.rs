@@ -37,7 +37,7 @@ mod validate;
 
 pub use automatic::Grading;
 pub use begin::BeginSpec;
-pub use cells::CellShape;
+pub use cells::{CellShape, SievedShape};
 pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactSolver, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
@@ -155,7 +155,7 @@ fn default_rest_test() -> f64 {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum GrainsSpec {
-    /// Voronoi cells cut from one cube a sieve fraction.
+    /// By sieve fractions: Voronoi cells cut from one cube a fraction, or spheres.
     Sieved(SievedGrains),
     /// A `grains.json` as `pluvia grains` writes it.
     File(GrainsFile),
@@ -177,7 +177,10 @@ pub struct SievedGrains {
     /// next one's `passing_mm`, and the mass percentages add up to 100.
     #[schemars(length(min = 1, max = 100))]
     pub sieve_table: Vec<SieveFraction>,
-    /// Shape of the cells that the grains are cut into.
+    /// What the grains are.
+    #[serde(default, skip_serializing_if = "SievedShape::is_default")]
+    pub shape: SievedShape,
+    /// Shape of the cells that the grains are cut into; not of spheres.
     #[serde(default)]
     pub cells: CellShape,
 }

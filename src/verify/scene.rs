@@ -7,7 +7,7 @@ use nalgebra::UnitQuaternion;
 use super::{VerifyError, view::View};
 use crate::geometry::{ConvexPolyhedron, MassProperties, Pose, Vector};
 use crate::grains::{Grain, GrainSet, generate};
-use crate::scenario::{CellShape, SieveFraction, SievedGrains};
+use crate::scenario::{CellShape, SieveFraction, SievedGrains, SievedShape};
 use crate::world::{
     Body, BodyId, BodyState, Contact, Material, Motion, PairCoefficients, PairTable,
     RememberedContact, Snapshot, World, WorldError,
@@ -280,6 +280,7 @@ pub fn grains(count: usize, seed: u64) -> Result<GrainSet, VerifyError> {
             retained_mm: 8.0,
             mass_percent: 100.0,
         }],
+        shape: SievedShape::default(),
         cells: CellShape::default(),
     };
     generate(&spec, seed).map_err(|e| VerifyError::Setup(e.to_string()))

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use nalgebra::{Quaternion, Unit, UnitQuaternion};
 
 use super::VerifyError;
-use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
+use crate::geometry::{ConvexPolyhedron, Point, Pose, Sphere, Vector};
 use crate::world::{Body, BodyState};
 
 /// How the laboratory stands in the engine's world.
@@ -138,6 +138,10 @@ impl View {
 /// A shape in the mirror. Its faces run the other way round, so that they
 /// still look outwards.
 fn reflected_shape(shape: &ConvexPolyhedron) -> Result<ConvexPolyhedron, VerifyError> {
+    if let Some(sphere) = shape.sphere() {
+        let sphere = Sphere { centre: Point::from(reflected(sphere.centre.coords)), ..sphere };
+        return ConvexPolyhedron::of_sphere(sphere).map_err(|e| VerifyError::Setup(e.to_string()));
+    }
     let vertices = shape.vertices().iter().map(|v| Point::from(reflected(v.coords))).collect();
     let faces = shape.faces().iter().map(|f| f.iter().rev().copied().collect()).collect();
     ConvexPolyhedron::new(vertices, faces).map_err(|e| VerifyError::Setup(e.to_string()))

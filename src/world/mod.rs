@@ -86,6 +86,12 @@ impl Body {
         if !finite {
             return refuse("its pose or velocity is not finite".into());
         }
+        // A rounding of the frame that the sphere was brought to.
+        if let Some(sphere) = self.shape.sphere()
+            && sphere.centre.coords.norm() > 1e-9 * sphere.radius
+        {
+            return refuse("the centre of a sphere is not the body's origin".into());
+        }
         if let Motion::Pressed { mass, direction } = self.motion {
             if !(mass.is_finite() && mass > 0.0) {
                 return refuse(format!("its mass {mass} kg is not positive"));
@@ -315,7 +321,7 @@ pub trait World {
     /// Reads the corners of the shape that each body has in the engine, without
     /// any collision margin, in m and body coordinates, in order of [`BodyId`]
     /// into `into`, replacing its content; `None` where a body was removed.
-    /// Empty for an engine that cannot be asked.
+    /// Of a sphere one, on its surface. Empty for an engine that cannot be asked.
     fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
         into.clear();
     }

@@ -3,6 +3,7 @@
 
 mod memory;
 mod pairs;
+mod spheres;
 
 use std::sync::Arc;
 

@@ -44,6 +44,7 @@ mod shown;
 mod signals;
 mod small;
 mod soak;
+mod spheres;
 mod stones;
 mod store;
 mod studies;

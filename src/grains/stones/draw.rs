@@ -117,7 +117,7 @@ impl Deck {
 /// Sizes are drawn so that the fraction's curve of mass against the logarithm
 /// of size is the straight line it is drawn as: mass goes with size cubed,
 /// so by number the density of a size s goes with s⁻⁴.
-fn fill(
+pub(super) fn fill(
     fraction: &Fraction,
     density: f64,
     stones: &[Stone],
@@ -198,7 +198,7 @@ fn bracket(stones: &[Stone]) -> (f64, f64) {
 
 /// Puts polyhedra, each about its own origin, side by side in a cube that
 /// begins at (x, 0, 0); returns the side of the cube.
-fn laid_out(cells: Vec<ConvexPolyhedron>, x: f64) -> (f64, Vec<ConvexPolyhedron>) {
+pub(super) fn laid_out(cells: Vec<ConvexPolyhedron>, x: f64) -> (f64, Vec<ConvexPolyhedron>) {
     let radius = cells.iter().map(ConvexPolyhedron::radius_about_origin).fold(0.0, f64::max);
     let pitch = 2.1 * radius;
     let mut rows = 1;

@@ -1,7 +1,7 @@
 //! The sieve table, and how many grains it makes.
 
 use super::{Parts, fault, short};
-use crate::scenario::{Fault, MeshGrains, SieveFraction};
+use crate::scenario::{CellShape, Fault, MeshGrains, SieveFraction, SievedShape};
 
 /// Allowed error of the sum of the mass percentages.
 const PERCENT_TOLERANCE: f64 = 0.01;
@@ -15,6 +15,14 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
         check_meshes(meshes, faults);
     }
     let Some(sieved) = &parts.sieved else { return };
+    if sieved.shape == SievedShape::Spheres && sieved.cells != CellShape::default() {
+        faults.push(fault(
+            "grains.cells",
+            "",
+            "this field, or `shape` \"spheres\"".into(),
+            "spheres are cut from no cells, so there is nothing to relax or stretch".into(),
+        ));
+    }
     let table = &sieved.sieve_table;
     check_order(table, faults);
     check_sum(table, faults);

@@ -170,8 +170,10 @@ mod bridge {
         id: u32,
     }
 
-    /// A probed hull, as in `BulletWorld::add_shape`.
+    /// A probed hull, as in `BulletWorld::add_shape`, or a sphere.
     struct HullProbeShape {
+        /// Of a sphere, in m; 0 for a hull.
+        radius: f64,
         coordinates: Vec<f64>,
         face_starts: Vec<u32>,
         face_vertices: Vec<u32>,
@@ -257,6 +259,8 @@ mod bridge {
             face_starts: &[u32],
             face_vertices: &[u32],
         ) -> Result<u32>;
+        /// A sphere about the body's origin, with its radius in m.
+        fn add_sphere(self: Pin<&mut BulletWorld>, radius: f64) -> Result<u32>;
         fn add_body(self: Pin<&mut BulletWorld>, definition: &BodyDefinition) -> Result<u32>;
         fn remove_body(self: Pin<&mut BulletWorld>, id: u32) -> Result<()>;
         fn drive_body(
@@ -294,7 +298,8 @@ mod bridge {
         fn read_one_body(self: &BulletWorld, id: u32) -> Result<BodyRead>;
         fn read_bodies(self: &BulletWorld, out: &mut Vec<BodyRead>);
         /// Corners of the hulls that contacts are found with, in m: how many
-        /// each body has, and x, y, z of each; none for a removed body.
+        /// each body has, and x, y, z of each; of a sphere one, on its surface; none for a
+        /// removed body.
         fn read_corners(self: &BulletWorld, counts: &mut Vec<u32>, coordinates: &mut Vec<f64>);
         /// How each kinematic body went through the last step. Empty with Bullet's own
         /// contacts, and once a body came or went.

@@ -4,7 +4,7 @@
 use super::tests::{free_box, shared_turn, slab};
 use super::*;
 use crate::grains::{Grain, generate, streams};
-use crate::scenario::{CellShape, NativeSettings, SieveFraction, SievedGrains};
+use crate::scenario::{CellShape, NativeSettings, SieveFraction, SievedGrains, SievedShape};
 
 fn world(gravity: f64, native: NativeSettings) -> BulletBackend {
     let pairs = PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.3 });
@@ -65,6 +65,7 @@ fn grains() -> Vec<Grain> {
         total_mass_g: 20.0,
         density_kg_per_m3: 2673.9,
         sieve_table: vec![fraction],
+        shape: SievedShape::default(),
         cells: CellShape::default(),
     };
     generate(&spec, 5).expect("grains").grains

@@ -29,6 +29,8 @@ mod rest_tests;
 #[cfg(test)]
 mod shim_tests;
 #[cfg(test)]
+mod sphere_tests;
+#[cfg(test)]
 mod stock_tests;
 mod substep;
 #[cfg(test)]
@@ -183,18 +185,29 @@ impl BulletBackend {
             return Ok(*index);
         }
         let flat = flat(shape);
-        let index = self
-            .world
-            .pin_mut()
-            .add_shape(&flat.coordinates, &flat.face_starts, &flat.face_vertices)
-            .map_err(engine)?;
+        let mut world = self.world.pin_mut();
+        let index = if flat.radius > 0.0 {
+            world.as_mut().add_sphere(flat.radius)
+        } else {
+            world.as_mut().add_shape(&flat.coordinates, &flat.face_starts, &flat.face_vertices)
+        }
+        .map_err(engine)?;
         self.shapes.insert(key, (index, Arc::clone(shape)));
         Ok(index)
     }
 }
 
-/// A polyhedron as it crosses the bridge.
+/// A polyhedron or a sphere as it crosses the bridge.
 fn flat(shape: &ConvexPolyhedron) -> ffi::HullProbeShape {
+    if let Some(sphere) = shape.sphere() {
+        let (coordinates, face_starts, face_vertices) = Default::default();
+        return ffi::HullProbeShape {
+            radius: sphere.radius,
+            coordinates,
+            face_starts,
+            face_vertices,
+        };
+    }
     let mut face_starts = vec![0];
     let mut face_vertices = vec![];
     for face in shape.faces() {
@@ -202,7 +215,7 @@ fn flat(shape: &ConvexPolyhedron) -> ffi::HullProbeShape {
         face_starts.push(face_vertices.len() as u32);
     }
     let coordinates = shape.vertices().iter().flat_map(|v| [v.x, v.y, v.z]).collect();
-    ffi::HullProbeShape { coordinates, face_starts, face_vertices }
+    ffi::HullProbeShape { radius: 0.0, coordinates, face_starts, face_vertices }
 }
 
 fn engine(error: cxx::Exception) -> WorldError {

@@ -33,6 +33,7 @@ fn made(
 /// A tetrahedron of a centimetre.
 fn tetrahedron() -> ffi::HullProbeShape {
     ffi::HullProbeShape {
+        radius: 0.0,
         coordinates: vec![0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01],
         face_starts: vec![0, 3, 6, 9, 12],
         face_vertices: vec![0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3],

@@ -1,8 +1,9 @@
 //! Laws that every engine has to keep: one body of code, run over all of
 //! them, operation by operation. Here: pairs, adding and removing, refusals,
-//! determinism; in `motion`: how bodies move and touch.
+//! determinism; in `motion`: how bodies move and touch; in `spheres`: how spheres do.
 
 mod motion;
+mod spheres;
 
 use std::sync::Arc;
 

@@ -69,7 +69,7 @@ pub(super) fn plain(v: math::Vector) -> Vector {
 /// refused: at most a hundredth of a millimetre for a grain of 10 mm.
 const SIMPLIFIED_BY: [f64; 4] = [1e-6, 1e-5, 1e-4, 1e-3];
 
-/// The polyhedron in engine units; `None` where parry's own checks fail.
+/// The polyhedron in engine units, rapier's ball for a sphere; `None` where parry's own checks fail.
 ///
 /// Its faces are given as fans of triangles, which parry joins again where
 /// their normals agree to 1.7e-4 rad (`from_convex_mesh`, 0.31). Where joining
@@ -77,6 +77,9 @@ const SIMPLIFIED_BY: [f64; 4] = [1e-6, 1e-5, 1e-4, 1e-3];
 /// micrometres, parry refuses the mesh: then the hull of the vertices stands
 /// in, those that lie closer together than a share of the size taken as one.
 pub(super) fn shape(units: Units, polyhedron: &Arc<ConvexPolyhedron>) -> Option<SharedShape> {
+    if let Some(sphere) = polyhedron.sphere() {
+        return Some(SharedShape::ball(sphere.radius * units.per_metre()));
+    }
     let points: Vec<_> = polyhedron.vertices().iter().map(|p| units.length(&p.coords)).collect();
     let triangles: Vec<[u32; 3]> = polyhedron
         .faces()

@@ -254,6 +254,9 @@ impl World for RapierBackend {
         into.clear();
         into.extend(self.bodies.iter().map(|present| {
             let collider = self.world.colliders.get(present.as_ref()?.collider)?;
+            if let Some(ball) = collider.shape().as_ball() {
+                return Some(vec![Vector::new(ball.radius / self.units.per_metre(), 0.0, 0.0)]);
+            }
             let hull = collider.shape().as_convex_polyhedron()?;
             Some(hull.points().iter().map(|p| self.units.metres(*p)).collect())
         }));

@@ -9,7 +9,9 @@ use pluvia::{
     geometry::{ConvexPolyhedron, Point, Pose, Vector},
     grains::generate,
     measure::{WorldHull, separation},
-    scenario::{CellShape, CylinderSpec, FunnelSpec, SieveFraction, SievedGrains, TopPlateSpec},
+    scenario::{
+        CellShape, CylinderSpec, FunnelSpec, SieveFraction, SievedGrains, SievedShape, TopPlateSpec,
+    },
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -87,6 +89,7 @@ impl Cases {
             total_mass_g: 1000.0,
             density_kg_per_m3: 2673.9,
             sieve_table: vec![row(16.0, 10.0, 50.0), row(10.0, 8.0, 50.0)],
+            shape: SievedShape::default(),
             cells: CellShape::default(),
         };
         let grains = generate(&table, seed).expect("grains").grains;

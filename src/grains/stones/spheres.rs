@@ -1,0 +1,166 @@
+//! Spheres by sieve fractions, their diameters drawn as the sizes of stones are.
+
+use super::{
+    Stone,
+    draw::{fill, laid_out},
+};
+use crate::{
+    geometry::{ConvexPolyhedron, Sphere, Vector},
+    grains::{
+        Block, GrainSet, GrainsError, ParticleSizeDistribution,
+        psd::{MOST_GRAINS, positive},
+    },
+    scale::{self, Scale},
+};
+
+/// Makes spheres of a sieve table: in each fraction their diameters lie between the two sieves,
+/// such that mass is uniform over the logarithm of diameter, and together they have the
+/// fraction's mass. The same table and seed give the same bits.
+///
+/// # Errors
+/// A fraction whose mass no whole number of spheres has.
+pub(in crate::grains) fn spheres(
+    psd: &ParticleSizeDistribution,
+    seed: u64,
+) -> Result<GrainSet, GrainsError> {
+    let density = psd.density;
+    let mut set = GrainSet { grains: Vec::new(), blocks: Vec::new(), density, stones: Vec::new() };
+    let smallest = psd.fractions.iter().map(|f| f.retained).fold(f64::INFINITY, f64::min);
+    let gap = scale::BLOCK_GAP.at(&Scale::of_smallest(smallest, Scale::PAPER.gravity));
+    // Of diameter 1 m, to be scaled.
+    let shape = ConvexPolyhedron::ball(0.5);
+    let unit = [Stone { volume: shape.signed_volume(), shape, sieve_size: 1.0 }];
+    let mut x = 0.0;
+    for (index, fraction) in psd.fractions.iter().enumerate() {
+        let name = format!("spheres of fraction {index}");
+        let left = MOST_GRAINS - set.grains.len();
+        let drawn = fill(fraction, density, &unit, (seed, &name), left).map_err(|fault| {
+            GrainsError::BadSieveTable {
+                row: index + 1,
+                reason: format!(
+                    "no whole number of spheres between its sieves has its mass: {}, where {} is \
+                     needed",
+                    fault.found, fault.allowed
+                ),
+            }
+        })?;
+        let cells = drawn.iter().map(|&(_, diameter)| unit[0].shape.scaled(diameter)).collect();
+        let (side, cells) = laid_out(cells, x);
+        set.push_block(Block {
+            passing: fraction.passing,
+            retained: fraction.retained,
+            side,
+            origin: Vector::new(x, 0.0, 0.0),
+            points: Vec::new(),
+            first_grain: 0,
+            cells,
+        });
+        x += side + gap;
+    }
+    Ok(set)
+}
+
+/// The sphere of a grain in a file, with its radius and its centre in m.
+///
+/// # Errors
+/// A radius that is not positive, a centre that is not finite.
+pub(in crate::grains) fn sphere_of_file(
+    radius: f64,
+    centre: [f64; 3],
+) -> Result<ConvexPolyhedron, GrainsError> {
+    positive("radius_m of a sphere", radius)?;
+    ConvexPolyhedron::of_sphere(Sphere { centre: centre.into(), radius }).map_err(|_| {
+        GrainsError::NotPositive {
+            what: "size of the centre of a sphere, m".into(),
+            value: f64::NAN,
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grains::{
+        self, GrainShape, ShapeRatio, SieveAnalysis, generate,
+        tests::{few_grains, near},
+    };
+    use crate::scenario::{SievedGrains, SievedShape};
+
+    fn beads() -> SievedGrains {
+        SievedGrains { shape: SievedShape::Spheres, ..few_grains() }
+    }
+
+    #[test]
+    fn spheres_have_the_mass_of_their_fractions_and_lie_between_the_sieves() {
+        let spec = beads();
+        let psd = ParticleSizeDistribution::new(&spec).expect("a table");
+        let set = generate(&spec, 3).expect("spheres");
+        assert_eq!(set, generate(&spec, 3).expect("spheres"), "same seed, same bits");
+        assert_ne!(set, generate(&spec, 4).expect("spheres"), "another seed, others");
+        let sieved = SieveAnalysis::of(&set);
+        for (n, fraction) in psd.fractions.iter().enumerate() {
+            let own = || set.grains.iter().filter(|g| g.fraction == n);
+            near("mass of a fraction, kg", own().map(|g| g.mass).sum(), fraction.mass, 1e-12);
+            let inside = (fraction.retained..fraction.passing)
+                .contains(&own().map(|g| g.equivalent_diameter).fold(0.0, f64::max));
+            assert!(inside, "law: diameters between the sieves");
+            let (count, _) = sieved.between(fraction.passing, fraction.retained);
+            assert_eq!(count, own().count(), "law: every sphere is found in its fraction");
+        }
+        for (n, grain) in set.grains.iter().enumerate() {
+            let sphere = grain.shape.sphere().expect("a sphere");
+            let r = sphere.radius;
+            near("centre, m", sphere.centre.coords.norm(), 0.0, 1e-12 * r);
+            let mass = set.density * 4.0 / 3.0 * std::f64::consts::PI * r.powi(3);
+            near("mass, kg", grain.mass, mass, 1e-14 * mass);
+            near(
+                "moment 2/5 m r²",
+                (grain.inertia.add_scalar(-0.4 * mass * r * r)).amax(),
+                0.0,
+                1e-14 * mass * r * r,
+            );
+            near("sieve size, m", sieved.grains()[n].size, 2.0 * r, 1e-15);
+            let shape = GrainShape::of(&grain.shape);
+            for ratio in ShapeRatio::ALL {
+                near("a shape descriptor", shape.ratio(ratio), 1.0, 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn spheres_come_back_from_their_file_bit_by_bit() {
+        let set = generate(&beads(), 7).expect("spheres");
+        let mut bytes = Vec::new();
+        grains::write_json(&set, &mut bytes).expect("written");
+        assert_eq!(grains::read_json(&bytes[..]).expect("read"), set);
+        let per_grain = bytes.len() / set.grains.len();
+        assert!(per_grain < 600, "law: a sphere takes no mesh in the file, {per_grain} bytes");
+        let json = grains::to_json(&set);
+        let fault = |change: &dyn Fn(&mut grains::CellJson)| {
+            let mut json = json.clone();
+            change(&mut json.blocks[1].cells[2]);
+            grains::from_json(&json).expect_err("the change must be noticed").to_string()
+        };
+        for (words, said) in [
+            ("radius_m", fault(&|c| c.radius_m = Some(-1.0))),
+            ("radius_m", fault(&|c| c.radius_m = Some(f64::NAN))),
+            ("volume_m3", fault(&|c| c.radius_m = c.radius_m.map(|r| r * 1.001))),
+            ("at least 4 vertices", fault(&|c| c.radius_m = None)),
+            ("a sphere or a polyhedron", fault(&|c| c.vertices_m = vec![[0.0; 3]])),
+        ] {
+            assert!(said.contains(words), "law: it says `{words}`, got `{said}`");
+        }
+    }
+
+    #[test]
+    fn a_mass_that_no_spheres_have_is_refused() {
+        let mut spec = beads();
+        // 0.75 spheres of the mean size.
+        spec.sieve_table.truncate(1);
+        spec.sieve_table[0].mass_percent = 100.0;
+        spec.sieve_table[0].retained_mm = 15.9;
+        spec.total_mass_g = 4.2;
+        let said = generate(&spec, 1).expect_err("no whole number").to_string();
+        assert!(said.contains("no whole number of spheres"), "{said}");
+    }
+}

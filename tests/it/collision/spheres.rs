@@ -1,0 +1,64 @@
+//! Spheres beside grains and walls: the native contact solver's gaps against those of `measure`,
+//! which finds the closest point in another way.
+
+use pluvia::geometry::{ConvexPolyhedron, Vector};
+use pluvia::measure::{WorldHull, separation};
+use pluvia::world::bullet::probe::{HullPair, ProbeSettings};
+
+use super::{REACH, ROUNDING, pairs::Cases};
+
+#[test]
+fn gaps_of_spheres_are_exact() {
+    let mut cases = Cases::new(5);
+    let (mut contacts, mut inside) = (0, 0);
+    for n in 0..3000 {
+        let case = cases.next().expect("endless");
+        let radius = case.b.radius_about_origin().min(0.02) * (0.2 + 0.1 * f64::from(n % 8));
+        let ball = ConvexPolyhedron::ball(radius);
+        let hull = WorldHull::new(&case.a, &case.pose_a);
+        let mut place = case.pose_b;
+        if !place.translation.vector.iter().all(|x| x.is_finite()) {
+            continue;
+        }
+        // From where the other body was to the surface: most spheres then touch.
+        let first = separation(&hull, &WorldHull::new(&ball, &place));
+        let push = REACH * (f64::from(n % 11) - 8.0) - first.gap;
+        place.translation.vector += first.axis * push;
+        let exact = separation(&hull, &WorldHull::new(&ball, &place));
+        let settings = ProbeSettings { speculative_margin: REACH, ..Default::default() };
+        let mut pair = HullPair::new(&case.a, &ball, settings).expect("a pair");
+        let points = pair.step(&case.pose_a, &place);
+        let tolerance = ROUNDING * (case.a.radius_about_origin() + radius);
+        let case = format!("case {n}, {}", case.name);
+        let [point] = &points[..] else {
+            assert!(points.is_empty(), "{case}, law: at most one point, got {}", points.len());
+            assert!(exact.gap > REACH - tolerance, "{case}, law: a contact at {} m", exact.gap);
+            continue;
+        };
+        contacts += 1;
+        inside += i32::from(exact.gap < -radius);
+        let off = (point.gap - exact.gap).abs();
+        assert!(
+            off <= tolerance,
+            "{case}, law: gap {} m, got {} m, tolerance {tolerance:e} m",
+            exact.gap,
+            point.gap
+        );
+        // Near the surface the direction hangs on a short way; where faces are as deep, on which.
+        if exact.gap > 1e-3 * radius - radius {
+            let axis: Vector = point.normal + exact.axis;
+            assert!(
+                axis.norm() < 2e-3,
+                "{case}, law: normal {:?}, got {:?}",
+                -exact.axis,
+                point.normal
+            );
+        }
+        let between = (point.on_a - point.on_b).dot(&point.normal);
+        assert!(
+            (between - point.gap).abs() < tolerance,
+            "{case}, law: the points are the gap apart"
+        );
+    }
+    assert!(contacts > 2000 && inside > 20, "law: spheres touch, {contacts}, {inside} inside");
+}
