@@ -92,8 +92,8 @@ impl Default for NativeSettings {
     fn default() -> Self {
         Self {
             substep_rate_hz: 1440.0,
-            iterations: 4,
-            solver_tolerance: 0.005,
+            iterations: 8,
+            solver_tolerance: 0.0025,
             contact_stiffness_n_per_m: 10000.0,
             contact_damping_ratio: 1.0,
             max_depenetration_velocity_m_per_s: 0.3,
