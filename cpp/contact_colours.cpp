@@ -10,7 +10,7 @@ namespace {
 
 // Pairs of a colour are sorted by these: near ones first, then along the specimen, then
 // by the number of points.
-constexpr int BLOCKS = 2;
+constexpr int BLOCKS = 8;
 constexpr int POINTS = MOST_POINTS + 1;
 constexpr int KINDS = 2 * BLOCKS * POINTS;
 

@@ -81,25 +81,19 @@ template <class L> class Few {
         });
     }
 
-    // Adds to the active those beside them that have changed by more than `limit` since they were
-    // chosen, as an energy or for impacts the square of a speed: all other bodies are as they were.
-    // Those that were active stay so: solved in turn with what is beside them, both would go on
-    // pushing each other about. False where none was added and all are solved.
+    // Makes those active that were not solved, and those beside them that have changed by more
+    // than `limit` since they were chosen, as an energy or for impacts the square of a speed: all
+    // other bodies are as they were. False where there are none.
     bool spread(bool impacts, double limit) {
         bool any = false;
         for (std::size_t k = 0; k < bodies_.size(); ++k) {
             const auto b = static_cast<std::size_t>(bodies_[k]);
             if (listed_[b] == BESIDE) {
                 const auto &now = p_.bodies.motion[b];
-                const auto moved =
-                    energy(now.at, start_[k].at) * (impacts ? p_.bodies.root[b].at[6] : 1);
+                const auto moved = energy(now, start_[k]) * (impacts ? p_.bodies.root[b].at[6] : 1);
                 p_.active[b] = static_cast<double>(moved) > limit;
             }
             any = any || p_.active[b] != 0;
-        }
-        for (std::size_t k = 0; any && k < bodies_.size(); ++k) {
-            const auto b = static_cast<std::size_t>(bodies_[k]);
-            p_.active[b] = p_.active[b] != 0 || listed_[b] == CHOSEN;
         }
         return any;
     }

@@ -275,18 +275,14 @@ PLUVIA_INLINE void warm_start(const Pack<L> &pack, const Point<L> *points, Recor
     at.put_back(pack, motion);
 }
 
-// How far two motions are apart, as energies: of bodies beside each other, number k of all in
-// `now[k]`, or of one.
-template <class L> PLUVIA_INLINE L energy(const L (&now)[8], const L (&then)[8]) {
-    L shift{}, turn{};
+// How far two motions of a body are apart, as an energy.
+template <class N> PLUVIA_INLINE N energy(const Record<N> &now, const Record<N> &then) {
+    N shift = 0, turn = 0;
     for (int i = 0; i < 3; ++i) {
-        const L moved = now[i] - then[i], turned = now[i + 4] - then[i + 4];
-        shift = shift + moved * moved;
-        turn = turn + turned * turned;
+        shift += (now.at[i] - then.at[i]) * (now.at[i] - then.at[i]);
+        turn += (now.at[i + 4] - then.at[i + 4]) * (now.at[i + 4] - then.at[i + 4]);
     }
-    const L zero{};
-    const L mass = now[3] > zero ? L((zero + 1) / now[3]) : zero;
-    return shift * mass + turn;
+    return now.at[3] > 0 ? shift / now.at[3] + turn : turn;
 }
 
 // What external forces add to the motion of a body.

@@ -120,36 +120,23 @@ PLUVIA_INLINE void visit_all(Problem<L> &p, const Part &part) {
 
 template <Solved WHAT, class L>
 PLUVIA_INLINE void find_change(Problem<L> &p, const Part &part, std::size_t block) {
-    constexpr std::size_t WIDTH = Lane<L>::WIDTH;
     const std::size_t end = std::min(part.listed, (block + 1) * BODY_BLOCK);
     const auto limit = static_cast<typename Lane<L>::Number>(p.limit);
     BodyChange change;
-    for (std::size_t k = block * BODY_BLOCK; k < end; k += WIDTH) {
-        const std::size_t count = std::min(WIDTH, end - k);
-        int index[WIDTH];
-        for (std::size_t i = 0; i < WIDTH; ++i) {
-            index[i] = static_cast<int>(part.at(k + std::min(i, count - 1)));
-        }
-        L now[8], then[8];
-        gather(p.bodies.motion.data(), index, now);
-        gather(p.bodies.before.data(), index, then);
-        L one = energy(now, then), all{};
+    for (std::size_t k = block * BODY_BLOCK; k < end; ++k) {
+        const std::size_t b = part.at(k);
+        const auto &now = p.bodies.motion[b];
+        auto one = energy(now, p.bodies.before[b]);
         if (WHAT == Solved::Impacts) {
-            gather(p.bodies.root.data(), index, then);
-            one = one * then[6];
-        } else {
-            gather(p.bodies.free.data(), index, then);
-            all = energy(now, then);
+            one *= p.bodies.root[b].at[6];
         }
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto lane = static_cast<int>(i);
-            const auto own = Lane<L>::get(one, lane);
-            change.most = std::max(change.most, static_cast<double>(own));
-            p.active[static_cast<std::size_t>(index[i])] = own > limit;
-            change.active += own > limit;
-            const auto touched = static_cast<double>(Lane<L>::get(all, lane));
-            change.all += touched;
-            change.touched += touched > 0;
+        change.most = std::max(change.most, static_cast<double>(one));
+        p.active[b] = one > limit;
+        change.active += one > limit;
+        if (WHAT == Solved::Forces) {
+            const auto all = static_cast<double>(energy(now, p.bodies.free[b]));
+            change.all += all;
+            change.touched += all > 0;
         }
     }
     p.changes[block] = change;

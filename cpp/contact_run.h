@@ -24,8 +24,12 @@ constexpr int SMALL_IMPACT_ITERATIONS = 256;
 constexpr int FEW = 32;
 constexpr int LOCAL_ITERATIONS = 16;
 
-// How often those beside them that were moved by it are added to the few, before all are looked at.
-constexpr int MOST_SPREADS = 2;
+// How often those beside them that were moved by it become the few, before all are looked at.
+// From the ninth time on iterations go on less far: with friction, few bodies may swing about
+// their solution otherwise.
+constexpr int MOST_SPREADS = 16;
+constexpr int CAREFUL_SPREADS = 9;
+constexpr double CAREFUL = 0.4;
 
 // Once no body changes by more than asked for, so many iterations at most see to approach
 // velocities: between bodies of very different masses they fall too slowly to wait for.
@@ -45,16 +49,19 @@ constexpr double FARTHEST = 0.85;
 // How far iterations go on along the way, as a share of the last.
 class Pace {
   public:
+    explicit Pace(double farthest = FARTHEST) : farthest_(farthest) {}
+
     // `work`: what the last iteration changed, as an energy.
     double next(double work) {
         const bool worse = last_ > 0 && work > WORSE * last_;
         last_ = work;
         const double t = worse ? 1 : t_;
         t_ = worse ? 1 : (1 + std::sqrt(1 + 4 * t * t)) / 2;
-        return worse ? 0 : std::min((t - 1) / t_, FARTHEST);
+        return worse ? 0 : std::min((t - 1) / t_, farthest_);
     }
 
   private:
+    double farthest_;
     double t_ = 1;    // Nesterov's sequence
     double last_ = 0; // work
 };
@@ -184,8 +191,8 @@ template <class L> class Run {
         double allowed =
             IMPACTS ? 0.25 * static_cast<double>(limit) * static_cast<double>(limit) : 0;
         Pace pace;
-        int local = 0;  // iterations over the few at hand
-        int spread = 0; // how often others were added to them, since there were iterations over all
+        int local = 0;     // iterations over the few at hand
+        int spread = 0;    // how often others became the few, since there were iterations over all
         int for_speed = 0; // iterations that no body was changed by too much
         bool over_few = false;
         now_.packs(Phase::ClearSearch);
@@ -208,12 +215,11 @@ template <class L> class Run {
                     continue;
                 }
                 few_.put_back();
-                if (spread < MOST_SPREADS && few_.spread(IMPACTS, p_.limit)) {
-                    ++spread;
+                if (++spread < MOST_SPREADS && few_.spread(IMPACTS, p_.limit)) {
                     choose_few();
                     left -= packs;
                     local = 0;
-                    pace = Pace{};
+                    pace = Pace(spread < CAREFUL_SPREADS ? FARTHEST : CAREFUL);
                     continue;
                 }
                 over_few = false;

@@ -103,4 +103,12 @@ PLUVIA_INLINE void visit(const Pack<L> &pack, Point<L> *points, Search<L> *searc
     at.put_back(pack, motion);
 }
 
+template <class L> PLUVIA_INLINE double sum(const L &lanes) {
+    double all = 0;
+    for (int i = 0; i < Lane<L>::WIDTH; ++i) {
+        all += static_cast<double>(Lane<L>::get(lanes, i));
+    }
+    return all;
+}
+
 } // namespace pluvia

@@ -137,16 +137,6 @@ inline __attribute__((always_inline)) Float8 root(const Float8 &a) {
     return out;
 }
 
-// All lanes together, halves first.
-inline __attribute__((always_inline)) double sum(const double &lanes) { return lanes; }
-
-inline __attribute__((always_inline)) double sum(const Float8 &lanes) {
-    const Float4 halves = __builtin_shufflevector(lanes, lanes, 0, 1, 2, 3) +
-                          __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7);
-    const Float4 quarters = halves + __builtin_shufflevector(halves, halves, 2, 3, 0, 1);
-    return static_cast<double>(quarters[0] + quarters[1]);
-}
-
 // Three components, each in all lanes.
 template <class L> struct Three {
     L x, y, z;

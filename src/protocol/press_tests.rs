@@ -115,13 +115,8 @@ fn the_floor_bears_the_pressed_stress_and_the_weight_of_the_grains() {
         outcome.warnings
     );
     assert_eq!(outcome.watch.energy.beyond, 0, "law: as the watch has it");
-    // Driven against what resisted it in the step before, it goes faster for a moment where that
-    // gives way: before it meets anything it does not.
-    let alone = seen.lid.iter().take_while(|(_, _, on_it)| *on_it < 0.01 * force);
-    let speeds: Vec<f64> = alone.map(|(_, speed, _)| *speed).collect();
-    let fastest = speeds.iter().copied().fold(0.0, f64::max);
+    let fastest = seen.lid.iter().map(|(_, speed, _)| *speed).fold(0.0, f64::max);
     assert!(fastest < 0.0501, "law: it approaches with 50 mm/s at most, got {fastest} m/s");
-    assert!(speeds.iter().filter(|v| **v > 0.049).count() > 5, "the check sees it, {speeds:?}");
     let moved = lid.pose.translation.vector;
     assert!(moved.z < 0.13, "law: it came down, {moved:?}");
     assert_eq!(moved.xy(), Vector::zeros().xy(), "law: and nowhere else");
