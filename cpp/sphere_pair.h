@@ -17,7 +17,7 @@ struct Closest {
 };
 
 // Of a polyhedron or a sphere. Exact, unless `distance` is found to be more than `enough`: then it
-// is a lower bound, and no more than it is told.
+// is a lower bound, and `normal` and `on` are those of a face's plane.
 Closest closest(const HullData &hull, const double point[3], double enough);
 
 // Inverse masses; 0 for bodies that contacts do not move.

@@ -96,11 +96,11 @@ impl MassProperties {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use nalgebra::Translation3;
 
-    fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
+    pub(in crate::geometry) fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
         assert!(
             (got - expected).abs() <= tolerance,
             "{law}: expected {expected:e}, got {got:e}, tolerance {tolerance:e}"

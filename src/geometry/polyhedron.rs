@@ -65,11 +65,16 @@ pub enum PolyhedronError {
         /// Distance of the vertex in front of the face, in metres.
         distance_m: f64,
     },
-    /// The radius of a sphere is not a positive number.
-    #[error("the radius of a sphere is {radius_m} m, it must be positive")]
+    /// The radius of a sphere is not a positive number, or its centre is not finite.
+    #[error(
+        "the radius of a sphere is {radius_m} m and its centre {centre_m:?} m: the radius must be \
+         positive, all must be finite"
+    )]
     BadSphere {
         /// Radius in metres.
         radius_m: f64,
+        /// Centre in metres.
+        centre_m: [f64; 3],
     },
     /// The enclosed volume is zero or negative.
     #[error("the enclosed volume is {volume_m3:e} m³, it must be positive")]
@@ -144,11 +149,9 @@ impl ConvexPolyhedron {
     /// When its centre is not finite or its radius not positive.
     pub fn of_sphere(sphere: Sphere) -> Result<Self, PolyhedronError> {
         let Sphere { centre, radius } = sphere;
-        if !(radius.is_finite() && radius > 0.0) {
-            return Err(PolyhedronError::BadSphere { radius_m: radius });
-        }
-        if !centre.iter().all(|c| c.is_finite()) {
-            return Err(PolyhedronError::NotFinite { vertex: 0 });
+        if !(radius.is_finite() && radius > 0.0 && centre.iter().all(|c| c.is_finite())) {
+            let centre_m = centre.coords.into();
+            return Err(PolyhedronError::BadSphere { radius_m: radius, centre_m });
         }
         let (vertices, faces) = unit_mesh();
         let vertices = vertices.iter().map(|v| centre + v.coords * radius).collect();

@@ -99,23 +99,8 @@ fn divided(vertices: &mut Vec<Vector>, faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ConvexPolyhedron, MassProperties, Pose};
+    use super::super::{ConvexPolyhedron, MassProperties, Pose, mass::tests::near};
     use super::*;
-
-    fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
-        assert!(
-            (got - expected).abs() <= tolerance,
-            "{law}: expected {expected:e}, got {got:e}, tolerance {tolerance:e}"
-        );
-    }
-
-    #[test]
-    fn the_helper_can_fail() {
-        for off in [-0.2, 0.2] {
-            assert!(std::panic::catch_unwind(|| near("", 1.0 + off, 1.0, 0.1)).is_err());
-        }
-        near("", 1.05, 1.0, 0.1);
-    }
 
     #[test]
     fn the_mesh_is_a_closed_convex_body_on_the_sphere() {

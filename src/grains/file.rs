@@ -9,11 +9,9 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{
-    Block, GrainSet, GrainsError, psd::positive, sieve::sieve_size, stones::sphere_of_file,
-};
+use super::{Block, GrainSet, GrainsError, psd::positive, sieve::sieve_size};
 use crate::{
-    geometry::{ConvexPolyhedron, MassProperties, Point, Vector},
+    geometry::{ConvexPolyhedron, MassProperties, Point, Sphere, Vector},
     units::{from_mm, to_mm},
 };
 
@@ -192,20 +190,25 @@ fn read_block(index: usize, json: &BlockJson) -> Result<Block, GrainsError> {
     }
     let mut shapes = Vec::with_capacity(cells);
     for (cell, stated) in json.cells.iter().enumerate() {
-        if let Some(radius) = stated.radius_m {
-            if !(stated.vertices_m.is_empty() && stated.faces.is_empty()) {
+        let shape = match stated.radius_m {
+            Some(_) if !(stated.vertices_m.is_empty() && stated.faces.is_empty()) => {
                 return fault(format!(
                     "cell {cell} has a radius and a mesh, it is a sphere or a polyhedron"
                 ));
             }
-            shapes.push(sphere_of_file(radius, stated.centroid_m)?);
-            continue;
-        }
-        let vertices = stated.vertices_m.iter().map(|&v| Point::from(v)).collect();
-        shapes.push(
-            ConvexPolyhedron::new(vertices, stated.faces.clone())
-                .map_err(|source| GrainsError::BadShape { block: index, cell, source })?,
-        );
+            Some(radius) => {
+                ConvexPolyhedron::of_sphere(Sphere { centre: stated.centroid_m.into(), radius })
+            }
+            None => {
+                let vertices = stated.vertices_m.iter().map(|&v| Point::from(v)).collect();
+                ConvexPolyhedron::new(vertices, stated.faces.clone())
+            }
+        };
+        shapes.push(shape.map_err(|source| GrainsError::BadShape {
+            block: index,
+            cell,
+            source,
+        })?);
     }
     Ok(Block {
         passing: from_mm(passing_mm),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{
     Block, Grain, GrainSet, GrainsError,
     psd::ParticleSizeDistribution,
-    stones::spheres,
+    spheres::spheres,
     voronoi::{Cube, random_cells},
 };
 use crate::{

@@ -20,6 +20,7 @@ mod sieve;
 mod sieve_memory;
 mod sieve_table;
 mod sizes;
+mod spheres;
 mod stones;
 pub mod streams;
 pub mod voronoi;

@@ -177,7 +177,7 @@ pub struct SievedGrains {
     /// next one's `passing_mm`, and the mass percentages add up to 100.
     #[schemars(length(min = 1, max = 100))]
     pub sieve_table: Vec<SieveFraction>,
-    /// What the grains are.
+    /// What the grains are; left out, cells.
     #[serde(default, skip_serializing_if = "SievedShape::is_default")]
     pub shape: SievedShape,
     /// Shape of the cells that the grains are cut into; not of spheres.

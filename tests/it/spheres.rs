@@ -62,7 +62,6 @@ fn beads_pour_settle_and_are_exported() {
     let round = made["shape"]["sphericity"]["p50"].as_f64().expect("a number");
     assert!((round - 1.0).abs() < 1e-12, "law: a sphere has sphericity 1, got {round}");
 
-    let mut heights = Vec::new();
     for (name, settings) in [
         ("native", &[][..]),
         ("stock", &["--set", "engine.contact_solver=stock"][..]),
@@ -85,9 +84,7 @@ fn beads_pour_settle_and_are_exported() {
         assert!((0.52..0.66).contains(&solid), "{name}, law: solid fraction, got {solid}");
         let sieved = &summary["sieve_analysis"]["secondary"];
         assert_eq!(sieved["unchanged"], true, "{name}, law: no sphere changes: {sieved}");
-        heights.push(summary["standing_height_mm"]["mean_surface"].as_f64());
     }
-    println!("heights {heights:?}");
 
     let native = out("native");
     for format in ["vtk", "glb", "stl", "ply", "obj", "json", "csv"] {

@@ -39,17 +39,7 @@ pub(super) fn draw(
             records[stone].take(scale);
         }
         let cells = drawn.iter().map(|&(stone, scale)| stones[stone].shape.scaled(scale));
-        let (side, cells) = laid_out(cells.collect(), x);
-        set.push_block(Block {
-            passing,
-            retained,
-            side,
-            origin: Vector::new(x, 0.0, 0.0),
-            points: Vec::new(),
-            first_grain: 0,
-            cells,
-        });
-        x += side + gap;
+        x += push_laid_out(&mut set, (retained, passing), cells.collect(), x) + gap;
     }
     set.stones = records;
     Ok(set)
@@ -117,7 +107,7 @@ impl Deck {
 /// Sizes are drawn so that the fraction's curve of mass against the logarithm
 /// of size is the straight line it is drawn as: mass goes with size cubed,
 /// so by number the density of a size s goes with s⁻⁴.
-pub(super) fn fill(
+pub(in crate::grains) fn fill(
     fraction: &Fraction,
     density: f64,
     stones: &[Stone],
@@ -196,9 +186,29 @@ fn bracket(stones: &[Stone]) -> (f64, f64) {
     (from_mm(down), from_mm(up))
 }
 
-/// Puts polyhedra, each about its own origin, side by side in a cube that
-/// begins at (x, 0, 0); returns the side of the cube.
-pub(super) fn laid_out(cells: Vec<ConvexPolyhedron>, x: f64) -> (f64, Vec<ConvexPolyhedron>) {
+/// Puts polyhedra, each about its own origin, side by side in a cube that begins at (x, 0, 0), as a
+/// block of a set with its sieves (retaining and passed, in m); returns the side of the cube.
+pub(in crate::grains) fn push_laid_out(
+    set: &mut GrainSet,
+    (retained, passing): (f64, f64),
+    cells: Vec<ConvexPolyhedron>,
+    x: f64,
+) -> f64 {
+    let (side, cells) = laid_out(cells, x);
+    set.push_block(Block {
+        passing,
+        retained,
+        side,
+        origin: Vector::new(x, 0.0, 0.0),
+        points: Vec::new(),
+        first_grain: 0,
+        cells,
+    });
+    side
+}
+
+/// The side of the cube, and the polyhedra in it.
+fn laid_out(cells: Vec<ConvexPolyhedron>, x: f64) -> (f64, Vec<ConvexPolyhedron>) {
     let radius = cells.iter().map(ConvexPolyhedron::radius_about_origin).fold(0.0, f64::max);
     let pitch = 2.1 * radius;
     let mut rows = 1;

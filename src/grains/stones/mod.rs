@@ -14,13 +14,12 @@ mod ply;
 mod read;
 mod report;
 mod shape;
-mod spheres;
 mod stl;
 mod surface;
 
+pub(super) use draw::{fill, push_laid_out};
 pub use piece::parts_of_piece;
 pub use report::{StoneRecord, stones_csv};
-pub(super) use spheres::{sphere_of_file, spheres};
 
 use std::path::{Path, PathBuf};
 

@@ -167,8 +167,14 @@ fn face_to_face(
     let (Some((na, _)), Some((nb, _))) = (a.plane(fa), b.plane(fb)) else {
         return rotation(rng);
     };
-    let flat = Rotation3::rotation_between(&nb, &-na)
-        .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector::x_axis(), std::f64::consts::PI));
+    // Of opposite directions rotation_between takes the arc cosine of less than -1 by a rounding.
+    let flat = if nb.dot(&na) > 1.0 - 1e-12 {
+        let aside = if nb.x.abs() < 0.9 { Vector::x() } else { Vector::y() };
+        let across = Unit::new_normalize(nb.cross(&aside));
+        Rotation3::from_axis_angle(&across, std::f64::consts::PI)
+    } else {
+        Rotation3::rotation_between(&nb, &-na).expect("directions that are not opposite")
+    };
     let spin = Rotation3::from_axis_angle(
         &Unit::new_normalize(na),
         // Often by nothing, so that edges are parallel too.
@@ -259,12 +265,9 @@ impl Iterator for Cases {
             rotation(rng),
         );
         let flat = if flat { ", face to face" } else { "" };
-        Some(Case {
-            name: format!("seed {seed}, pair {number}, {what}{flat}"),
-            pose_a: whole,
-            pose_b: whole * Pose::from_parts(Translation3::from(place), turn_b),
-            a,
-            b,
-        })
+        let name = format!("seed {seed}, pair {number}, {what}{flat}");
+        let pose_b = whole * Pose::from_parts(Translation3::from(place), turn_b);
+        assert!(pose_b.to_homogeneous().iter().all(|x| x.is_finite()), "{name}: has a place");
+        Some(Case { name, pose_a: whole, pose_b, a, b })
     }
 }

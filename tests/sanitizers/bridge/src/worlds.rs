@@ -72,6 +72,7 @@ pub fn definition((own_collision, threads, portable, contacts_at_once): Kind) ->
         native_iterations: 5,
         solver_tolerance: 0.0025,
         threads,
+        may_leave_threads: false,
         portable,
         contacts_at_once,
     }
@@ -86,6 +87,7 @@ pub fn pairs() -> Vec<PairValue> {
 pub fn cuboid(sides: [f64; 3]) -> HullProbeShape {
     let corner = |i: usize, k: usize| sides[k] / if i >> k & 1 == 1 { 2.0 } else { -2.0 };
     HullProbeShape {
+        radius: 0.0,
         coordinates: (0..24).map(|n| corner(n / 3, n % 3)).collect(),
         face_starts: vec![0, 4, 8, 12, 16, 20, 24],
         face_vertices: vec![0, 4, 6, 2, 1, 3, 7, 5, 0, 1, 5, 4, 2, 6, 7, 3, 0, 2, 3, 1, 4, 5, 7, 6],
@@ -133,7 +135,12 @@ fn table(world: &mut World, slab: u32, kind: BodyKind) -> u32 {
 
 fn grain(world: &mut World, number: u32, position: [f64; 3], rotation: [f64; 4]) -> u32 {
     let side = 0.008 + 0.0005 * f64::from(number % 7);
-    let shape = add(world, &cuboid([side, side * 0.8, side * 1.1]));
+    // Every third one a sphere.
+    let shape = if number % 3 == 2 {
+        world.pin_mut().add_sphere(side / 2.0).expect("a sphere")
+    } else {
+        add(world, &cuboid([side, side * 0.8, side * 1.1]))
+    };
     let mass = 2673.9 * 0.88 * side.powi(3);
     world
         .pin_mut()

@@ -1,15 +1,12 @@
-//! Spheres by sieve fractions, their diameters drawn as the sizes of stones are.
+//! Spheres by sieve fractions, their diameters drawn as the sizes of grains from meshes are.
 
 use super::{
-    Stone,
-    draw::{fill, laid_out},
+    GrainSet, GrainsError, ParticleSizeDistribution,
+    psd::MOST_GRAINS,
+    stones::{Stone, fill, push_laid_out},
 };
 use crate::{
-    geometry::{ConvexPolyhedron, Sphere, Vector},
-    grains::{
-        Block, GrainSet, GrainsError, ParticleSizeDistribution,
-        psd::{MOST_GRAINS, positive},
-    },
+    geometry::ConvexPolyhedron,
     scale::{self, Scale},
 };
 
@@ -19,10 +16,7 @@ use crate::{
 ///
 /// # Errors
 /// A fraction whose mass no whole number of spheres has.
-pub(in crate::grains) fn spheres(
-    psd: &ParticleSizeDistribution,
-    seed: u64,
-) -> Result<GrainSet, GrainsError> {
+pub(super) fn spheres(psd: &ParticleSizeDistribution, seed: u64) -> Result<GrainSet, GrainsError> {
     let density = psd.density;
     let mut set = GrainSet { grains: Vec::new(), blocks: Vec::new(), density, stones: Vec::new() };
     let smallest = psd.fractions.iter().map(|f| f.retained).fold(f64::INFINITY, f64::min);
@@ -45,36 +39,9 @@ pub(in crate::grains) fn spheres(
             }
         })?;
         let cells = drawn.iter().map(|&(_, diameter)| unit[0].shape.scaled(diameter)).collect();
-        let (side, cells) = laid_out(cells, x);
-        set.push_block(Block {
-            passing: fraction.passing,
-            retained: fraction.retained,
-            side,
-            origin: Vector::new(x, 0.0, 0.0),
-            points: Vec::new(),
-            first_grain: 0,
-            cells,
-        });
-        x += side + gap;
+        x += push_laid_out(&mut set, (fraction.retained, fraction.passing), cells, x) + gap;
     }
     Ok(set)
-}
-
-/// The sphere of a grain in a file, with its radius and its centre in m.
-///
-/// # Errors
-/// A radius that is not positive, a centre that is not finite.
-pub(in crate::grains) fn sphere_of_file(
-    radius: f64,
-    centre: [f64; 3],
-) -> Result<ConvexPolyhedron, GrainsError> {
-    positive("radius_m of a sphere", radius)?;
-    ConvexPolyhedron::of_sphere(Sphere { centre: centre.into(), radius }).map_err(|_| {
-        GrainsError::NotPositive {
-            what: "size of the centre of a sphere, m".into(),
-            value: f64::NAN,
-        }
-    })
 }
 
 #[cfg(test)]
@@ -142,8 +109,9 @@ mod tests {
             grains::from_json(&json).expect_err("the change must be noticed").to_string()
         };
         for (words, said) in [
-            ("radius_m", fault(&|c| c.radius_m = Some(-1.0))),
-            ("radius_m", fault(&|c| c.radius_m = Some(f64::NAN))),
+            ("radius of a sphere", fault(&|c| c.radius_m = Some(-1.0))),
+            ("radius of a sphere", fault(&|c| c.radius_m = Some(f64::NAN))),
+            ("its centre", fault(&|c| c.centroid_m[1] = f64::INFINITY)),
             ("volume_m3", fault(&|c| c.radius_m = c.radius_m.map(|r| r * 1.001))),
             ("at least 4 vertices", fault(&|c| c.radius_m = None)),
             ("a sphere or a polyhedron", fault(&|c| c.vertices_m = vec![[0.0; 3]])),
