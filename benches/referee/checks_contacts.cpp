@@ -75,6 +75,18 @@ double separation_of_all(const Placed &a, const Placed &b) {
     return best;
 }
 
+// Upside down, a roof whose ridge sinks from the one end to the other, where it is lowest; its
+// other end is cut off so flatly that no face is nearer to level.
+Hull roof() {
+    std::vector<Vec3> vertices = {{0, 0, 0}, {1, 0, 0.02}, {1.6, 0.1, 0.132}, {1.6, -0.1, 0.132},
+                                  {0, 1, 1}, {0, -1, 1},   {2, -1, 1.04},     {2, 1, 1.04}};
+    for (Vec3 &v : vertices) {
+        v -= Vec3(0.9, 0, 0.6);
+    }
+    return {vertices,
+            {{0, 4, 7, 2, 1}, {0, 1, 3, 6, 5}, {1, 2, 3}, {2, 7, 6, 3}, {0, 5, 4}, {4, 5, 6, 7}}};
+}
+
 } // namespace
 
 void check_contacts(Checks &checks) {
@@ -137,6 +149,19 @@ void check_contacts(Checks &checks) {
         checks.equal("an axis beside the one of least overlap", most.z(), doubt > 0 ? 1 : 0, 1e-12);
         checks.equal("and that one", most.x(), 1, 1e-12);
     }
+
+    // The lowest corner of a roof, where the face nearest to level has only others.
+    const Hull slab = Hull::box({10, 10, 1}), ridge = roof();
+    lower.place(slab, {0, 0, -0.5}, Quat::Identity());
+    upper.place(ridge, {0, 0, 0.6 - 0.01}, Quat::Identity());
+    found.clear();
+    touches(upper, lower, 0.05, found);
+    checks.equal("points of a roof on its ridge", static_cast<double>(found.size()), 2, 0);
+    double deepest = 1;
+    for (const Touch &t : found) {
+        deepest = std::min(deepest, t.gap);
+    }
+    checks.equal("the deepest of them", deepest, -0.01, 1e-12);
 
     // Edges that cross at right angles, 10 µm inside each other.
     const Quat on_edge(Eigen::AngleAxisd(M_PI / 4, Vec3::UnitX()));

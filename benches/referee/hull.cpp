@@ -15,6 +15,9 @@ namespace {
 // faces touch in more points.
 constexpr double EDGE_HANDICAP = 1e-6;
 
+// Gaps in m that differ by less are one.
+constexpr double SAME_GAP = 1e-9;
+
 constexpr double FAR = std::numeric_limits<double>::infinity();
 
 Vec3 face_normal(const std::vector<Vec3> &vertices, const std::vector<int> &face) {
@@ -182,14 +185,17 @@ void clip(const Placed &reference, int face, const Placed &other, const Axis &ax
     for (const Corner &c : polygon) {
         add(c.at, c.incident, c.side);
     }
-    if (out.size() == before) {
-        // The nearest vertex lies beside the face.
-        std::size_t nearest = 0;
-        for (std::size_t i = 1; i < other.vertices.size(); ++i) {
-            if (normal.dot(other.vertices[i]) < normal.dot(other.vertices[nearest])) {
-                nearest = i;
-            }
+    // The nearest vertex may lie in another face than the incident one, or beside the prism.
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < other.vertices.size(); ++i) {
+        if (normal.dot(other.vertices[i]) < normal.dot(other.vertices[nearest])) {
+            nearest = i;
         }
+    }
+    const double least = normal.dot(other.vertices[nearest]) - reference.offsets[f];
+    const bool there = std::any_of(out.begin() + static_cast<std::ptrdiff_t>(before), out.end(),
+                                   [&](const Touch &t) { return t.gap <= least + SAME_GAP; });
+    if (!there) {
         add(other.vertices[nearest], static_cast<std::uint32_t>(nearest), 0);
     }
 }
