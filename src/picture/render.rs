@@ -11,7 +11,7 @@ use super::colour::Colour;
 use super::image::Image;
 use super::light::{Light, Lit, SQUARE};
 use super::scene::Scene;
-use super::solid::Ray;
+use super::solid::{BALL, Ray};
 use crate::geometry::Vector;
 
 /// Rays along one side of a pixel on an edge.
@@ -141,23 +141,24 @@ impl Studio<'_> {
         (before && near).then_some(Seen { body: GROUND, plane: 0, t, clear: 1.0 })
     }
 
-    fn normal(&self, seen: &Seen) -> Option<Vector> {
+    fn normal(&self, seen: &Seen, ray: &Ray) -> Option<Vector> {
         match seen.body {
             NOTHING => None,
             GROUND => Some(Vector::z()),
-            body => Some(self.scene.plane(body, seen.plane).normal),
+            body => Some(self.scene.normal(body, seen.plane, &ray.at(seen.t))),
         }
     }
 
     fn sample(&self, seen: &Seen, x: usize, y: usize) -> Lit {
-        let Some(normal) = self.normal(seen) else { return Lit::default() };
-        let at = self.ray(x, y).at(seen.t);
+        let ray = self.ray(x, y);
+        let Some(normal) = self.normal(seen, &ray) else { return Lit::default() };
+        let at = ray.at(seen.t);
         let pixel = SQUARE * (y % SQUARE) + x % SQUARE;
         self.light.sample(self.scene, at, &normal, seen.body, pixel)
     }
 
     fn sample_alone(&self, seen: &Seen, ray: &Ray) -> Option<Lit> {
-        let normal = self.normal(seen)?;
+        let normal = self.normal(seen, ray)?;
         Some(self.light.sample_alone(self.scene, ray.at(seen.t), &normal, seen.body))
     }
 
@@ -178,7 +179,7 @@ impl Studio<'_> {
     /// Colour with alpha, both multiplied already.
     fn colour(&self, seen: &Seen, ray: &Ray, lit: Option<Lit>) -> [f32; 4] {
         let lit = lit.unwrap_or_default();
-        let behind = match self.normal(seen) {
+        let behind = match self.normal(seen, ray) {
             None => [0.0; 4],
             Some(_) if seen.body == GROUND => {
                 // Shadows end softly where the ground does.
@@ -188,7 +189,8 @@ impl Studio<'_> {
             }
             Some(normal) => {
                 let body = &self.scene.bodies[seen.body as usize];
-                let section = seen.plane as usize >= body.sections_from;
+                let plane = seen.plane as usize;
+                let section = plane != BALL && plane >= body.sections_from;
                 let colour = if section { Colour::SECTION } else { body.colour };
                 let [r, g, b] = self.light.shade(colour, &normal, lit);
                 [r, g, b, 1.0]

@@ -7,7 +7,7 @@ use parry3d_f64::{
 };
 
 use super::colour::Colour;
-use super::solid::{Plane, Ray, Solid, stretch};
+use super::solid::{BALL, Plane, Ray, Solid, Stretch, stretch_in};
 use crate::geometry::{Point, Vector};
 
 /// A solid and how it looks.
@@ -37,7 +37,7 @@ impl Body {
 pub struct Hit {
     /// Number of the body, in the order of the scene.
     pub body: u32,
-    /// Number of its plane.
+    /// Number of its plane, or [`BALL`].
     pub plane: u32,
     /// Distance along the ray in m.
     pub t: f64,
@@ -103,9 +103,17 @@ impl Scene {
         &self.planes[self.first[n] as usize..self.first[n + 1] as usize]
     }
 
-    /// Plane of a body.
-    pub fn plane(&self, body: u32, plane: u32) -> &Plane {
-        &self.planes_of(body)[plane as usize]
+    /// The normal of a body at a point of its surface that a ray met on a plane or the sphere.
+    pub fn normal(&self, body: u32, plane: u32, at: &Vector) -> Vector {
+        match self.bodies[body as usize].solid.ball {
+            Some(ball) if plane as usize == BALL => (at - ball.centre.coords) / ball.radius,
+            _ => self.planes_of(body)[plane as usize].normal,
+        }
+    }
+
+    fn stretch(&self, body: u32, ray: &Ray) -> Option<Stretch> {
+        let ball = self.bodies[body as usize].solid.ball.as_ref();
+        stretch_in(ball, self.planes_of(body), ray)
     }
 
     /// The first opaque body that a ray meets.
@@ -113,7 +121,7 @@ impl Scene {
         let boxes = Boxes::new(ray);
         let leaf = |leaf: u32, _: f64| {
             let body = self.opaque.bodies[leaf as usize];
-            let s = stretch(self.planes_of(body), ray)?;
+            let s = self.stretch(body, ray)?;
             (s.enters > 0.0).then_some(Hit { body, plane: s.through as u32, t: s.enters })
         };
         let found =
@@ -135,7 +143,7 @@ impl Scene {
             if body == own {
                 return TraversalAction::Continue;
             }
-            match stretch(self.planes_of(body), ray) {
+            match self.stretch(body, ray) {
                 Some(s) if s.leaves > 0.0 && s.enters < most => {
                     shaded = true;
                     TraversalAction::EarlyExit
@@ -156,7 +164,7 @@ impl Scene {
             }
             if let Some(leaf) = node.leaf_data() {
                 let body = self.glass.bodies[leaf as usize];
-                if let Some(s) = stretch(self.planes_of(body), ray) {
+                if let Some(s) = self.stretch(body, ray) {
                     length += (s.leaves.min(up_to) - s.enters.max(0.0)).max(0.0);
                 }
             }
@@ -217,6 +225,7 @@ impl Boxes {
 mod tests {
     use rand::{RngExt, SeedableRng};
 
+    use super::super::solid::stretch;
     use super::*;
     use crate::geometry::{ConvexPolyhedron, Pose};
 

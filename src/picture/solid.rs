@@ -1,7 +1,7 @@
-//! Convex solids as the half-spaces that bound them, and where a ray goes
+//! Convex solids as spheres and the half-spaces that bound them, and where a ray goes
 //! through one.
 
-use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
+use crate::geometry::{ConvexPolyhedron, Point, Pose, Sphere, Vector};
 
 /// A ray: every point `origin + t · direction` with t in m along a unit vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,17 +34,22 @@ pub struct Plane {
 pub struct Stretch {
     /// Where the ray goes in, in m along it; minus infinity where no plane faces it.
     pub enters: f64,
-    /// Which plane it goes in through.
+    /// Which plane it goes in through, or [`BALL`].
     pub through: usize,
     /// Where it comes out.
     pub leaves: f64,
 }
 
-/// A convex solid in world coordinates: the points behind all of its planes.
+/// The number of a sphere's surface, beside those of planes.
+pub const BALL: usize = u32::MAX as usize;
+
+/// A convex solid in world coordinates: the points behind all of its planes, and in its sphere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solid {
     /// One plane a face, in the order of the faces, then those it was cut by.
     pub planes: Vec<Plane>,
+    /// The sphere that it is or was cut from, if any; it has no planes for it.
+    pub ball: Option<Sphere>,
     /// Lowest corner of a box that holds it, in m.
     pub low: Point,
     /// Highest corner of that box.
@@ -54,8 +59,16 @@ pub struct Solid {
 }
 
 impl Solid {
-    /// A polyhedron at a pose.
+    /// A polyhedron, or a sphere, at a pose.
     pub fn new(shape: &ConvexPolyhedron, pose: &Pose) -> Self {
+        let outline: Vec<Point> = shape.vertices().iter().map(|v| pose * v).collect();
+        if let Some(Sphere { centre, radius }) = shape.sphere() {
+            let centre = pose * centre;
+            let reach = Vector::repeat(radius);
+            let (low, high) = (centre - reach, centre + reach);
+            let ball = Some(Sphere { centre, radius });
+            return Self { planes: Vec::new(), ball, low, high, outline };
+        }
         let plane = |face| {
             let (normal, offset) = shape.plane(face)?;
             let normal = pose.rotation * normal;
@@ -63,10 +76,9 @@ impl Solid {
         };
         // A checked polyhedron has no face without area.
         let planes = (0..shape.faces().len()).filter_map(plane).collect();
-        let outline: Vec<Point> = shape.vertices().iter().map(|v| pose * v).collect();
         let first = outline.first().copied().unwrap_or_else(Point::origin);
         let (low, high) = outline.iter().fold((first, first), |(lo, hi), v| (lo.inf(v), hi.sup(v)));
-        Self { planes, low, high, outline }
+        Self { planes, ball: None, low, high, outline }
     }
 
     /// The same within a smaller box, which holds all that was left of it.
@@ -83,6 +95,27 @@ impl Solid {
         self.planes.push(plane);
         self
     }
+}
+
+/// Where a ray runs behind all of the planes and in the sphere, if there is one; `None` where
+/// it never does.
+pub fn stretch_in(ball: Option<&Sphere>, planes: &[Plane], ray: &Ray) -> Option<Stretch> {
+    let behind = stretch(planes, ray)?;
+    let Some(ball) = ball else { return Some(behind) };
+    let to = ball.centre.coords - ray.origin;
+    let along = to.dot(&ray.direction);
+    let beside = to.norm_squared() - along * along;
+    let half = (ball.radius * ball.radius - beside).max(0.0).sqrt();
+    if half <= 0.0 {
+        return None;
+    }
+    let (enters, leaves) = (along - half, (along + half).min(behind.leaves));
+    let within = if enters > behind.enters {
+        Stretch { enters, through: BALL, leaves }
+    } else {
+        Stretch { leaves, ..behind }
+    };
+    (within.enters <= within.leaves).then_some(within)
 }
 
 /// Where a ray runs behind all of the planes; `None` where it never does.
@@ -235,6 +268,36 @@ mod tests {
         assert_eq!((got.enters, got.leaves), (4.0, 5.25), "law: it ends at x = 0.25");
         let got = stretch(&cut.planes, &ray([5.0, 0.0, 0.0], [-1.0, 0.0, 0.0])).expect("a hit");
         assert_eq!(got.through, 6, "law: the seventh plane is the section, got {got:?}");
+    }
+
+    #[test]
+    fn a_sphere_is_met_where_it_must_be() {
+        let shape = ConvexPolyhedron::of_sphere(Sphere { centre: Point::origin(), radius: 2.0 });
+        let pose = Pose::translation(1.0, 0.0, 0.0);
+        let solid = Solid::new(&shape.expect("a sphere"), &pose);
+        let met = |solid: &Solid, ray: &Ray| stretch_in(solid.ball.as_ref(), &solid.planes, ray);
+        let through = ray([-5.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+        let got = met(&solid, &through).expect("a hit");
+        assert_eq!(
+            (got.enters, got.through, got.leaves),
+            (4.0, BALL, 8.0),
+            "law: the sphere from x = -1 to 3"
+        );
+        let beside = |y: f64| met(&solid, &ray([-5.0, y, 0.0], [1.0, 0.0, 0.0]));
+        assert!(beside(1.999).is_some(), "law: just inside its outline");
+        assert!(beside(2.001).is_none(), "law: just outside its outline");
+        let cut = solid.cut(Plane { normal: -Vector::x(), offset: 0.0 });
+        let got = met(&cut, &through).expect("a hit");
+        assert_eq!(
+            (got.enters, got.through, got.leaves),
+            (5.0, 0, 8.0),
+            "law: cut at x = 0, it begins there"
+        );
+        assert_eq!(
+            (cut.low, cut.high),
+            (Point::new(-1.0, -2.0, -2.0), Point::new(3.0, 2.0, 2.0)),
+            "law: its box is that of the sphere"
+        );
     }
 
     #[test]
