@@ -3,8 +3,26 @@
 //! Little endian: the eight bytes of [`MAGIC`], the length of a JSON text as a
 //! 32-bit integer, the text (padded with blanks to a multiple of four bytes
 //! from the block's beginning), and sections of numbers. The text
-//! ([`Header`]) says where each section begins, in bytes from the end of the
-//! text. `docs/viewer.md` lists the sections.
+//! ([`Header`]) says where each section begins (`offset`, in bytes from the
+//! end of the text) and how many numbers of 32 bits it has (`count`):
+//!
+//! - `constants`: five floats per grain: fraction, sieve size mm, mass g, volume
+//!   mm³, equivalent diameter mm
+//! - `shapes.vertex_counts`, `shapes.face_counts`: per shape: grains, then
+//!   `apparatus`
+//! - `shapes.vertices_m`: three floats per vertex: grain in its principal frame;
+//!   cylinder with the table centred; funnel and lid above the funnel's opening;
+//!   plate about its centroid
+//! - `shapes.face_sizes`, `shapes.corners`: corners per face; vertex numbers
+//!   within the shape, counter-clockwise from outside
+//! - `stages[].frames`: `count` is in frames, laid out as `frames.bin`
+//!   (`src/record/frames.rs`)
+//! - `stages[].velocities_m_per_s`: three floats per grain, at the end, in the
+//!   laboratory
+//! - `stages[].coordination`: neighbours per grain, at the end
+//! - `stages[].links`: eight each: two integers (grain; grain, -1 wall or floor,
+//!   -2 top plate, -3 funnel), three floats (mean contact point, m), three floats
+//!   (force on the first, N)
 
 use std::{io, path::Path};
 
@@ -126,7 +144,7 @@ struct StageEntry {
     links: Section,
 }
 
-/// Numbers of a grain that do not change: see `docs/viewer.md`.
+/// Numbers of a grain that do not change: the section `constants`.
 const CONSTANTS: usize = 5;
 
 /// Reads a run folder as `pluvia run` and `reproduce` write it.

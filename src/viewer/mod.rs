@@ -1,6 +1,6 @@
 //! A run as a page that plays it in three dimensions: what the page is given,
 //! the page itself, and the small server that hands both to a browser on this
-//! machine. `docs/viewer.md` is the user's guide and describes the data.
+//! machine. `docs/viewer.md` is the user's guide.
 
 mod data;
 mod desk;
