@@ -246,6 +246,8 @@ pub const KEPT: &[Kept] = &[
             ("laboratory/hopper.svg", ""),
             ("laboratory/column.svg", ""),
             ("laboratory/repose.svg", ""),
+            ("laboratory/direct-shear.svg", ""),
+            ("laboratory/oedometer.svg", ""),
         ],
         made: Made::Make("laboratory"),
         build: build("2026-11-25", "14"),

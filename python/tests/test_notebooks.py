@@ -11,8 +11,9 @@ from nbclient import NotebookClient
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
 
 
-def test_there_are_three() -> None:
-    assert [path.stem for path in NOTEBOOKS] == ["calibrate-a-gravel", "first-pour", "vibration-with-uncertainty"]
+def test_there_are_four() -> None:
+    names = ["calibrate-a-gravel", "direct-shear", "first-pour", "vibration-with-uncertainty"]
+    assert [path.stem for path in NOTEBOOKS] == names
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
