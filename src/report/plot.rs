@@ -132,6 +132,13 @@ impl Plot {
         }
     }
 
+    /// How far the number of a tick at the right end reaches over it.
+    fn last_number_over(&self) -> i32 {
+        let at_end = |tick: &&f64| self.x.place(**tick).is_some_and(|place| place > 0.98);
+        let width = |tick: &f64| style::text_width(&self.x.number(*tick), style::NUMBERS);
+        self.x.ticks.iter().filter(at_end).map(|t| (width(t) / 2.0) as i32 + 10).max().unwrap_or(0)
+    }
+
     fn draw(&self, svg: &mut String) -> Result<(), Failure> {
         let widest = (0..self.y.ticks.len())
             .map(|i| style::text_width(&self.y_number(i), style::NUMBERS))
@@ -140,7 +147,7 @@ impl Plot {
         let left = (widest as i32 + name + 50).max(style::LEFT);
         let frame = Frame {
             left,
-            right: style::WIDTH as i32 - style::RIGHT,
+            right: style::WIDTH as i32 - self.last_number_over().max(style::RIGHT),
             top: style::TOP,
             bottom: style::TOP + self.frame_height as i32,
         };
