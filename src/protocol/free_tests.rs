@@ -91,7 +91,10 @@ fn what_is_let_go_falls_and_is_carried_by_other_pieces() {
     let weight = 0.5 * 9.81;
     near("the floor carries it, N", -floor.force_n.z, weight, 2e-3 * weight);
     near("as it is carried, N", block.force_n.z, weight, 2e-3 * weight);
-    near("flat on the floor, mm", block.pose.translation.z * 1e3, 10.0, 0.02);
+    // On the springs of its four corners.
+    let spring = scenario(None).engine.native.contact_stiffness_n_per_m;
+    let sunk = weight / (4.0 * spring) * 1e3;
+    near("flat on the floor, mm", block.pose.translation.z * 1e3, 10.0 - sunk, 2e-3);
     let up = block.pose.rotation * Vector::z();
     near("upright", up.z, 1.0, 1e-6);
     let centre = free.body.pose.translation.vector - block.pose.translation.vector;
@@ -167,7 +170,7 @@ fn pieces_of_several_parts_are_pressed_as_one() {
     let turn = serde_json::json!({ "stage": "press", "time_limit_s": 0.5, "ramp_s": 0.001,
         "approach_mm_per_s": 10000, "loads": [{ "piece": "vane", "moment_n_m": 1e-4,
         "axis": [0, 0, 1] }], "until": [{ "piece": "box", "direction": [0, 0, 1], "force_n": 1e6 },
-            { "piece": "vane", "turned_deg": 500 }] });
+            { "piece": "vane", "turned_deg": 100 }] });
     let outcome = go(before_everything(), turn);
     let setup = Setup::new(&scenario(None)).expect("a laboratory");
     let mass = setup.pieces[2].volume() * 2700.0;
@@ -183,7 +186,7 @@ fn pieces_of_several_parts_are_pressed_as_one() {
     near("α t²/2, rad", turned, 0.5 * 1e-4 / inertia * time * time, 0.02 * turned);
     let found = outcome.until.as_ref().expect("conditions");
     assert_eq!(found.conditions[1].turned_deg, Some(turned.to_degrees()), "law: {found:?}");
-    assert!(found.reached && turned.to_degrees() >= 500.0, "law: more than a turn, {found:?}");
+    assert!(found.reached && turned.to_degrees() >= 100.0, "law: its angle, {found:?}");
     let angle = outcome.specimen.state.pieces[2].pose.rotation.scaled_axis().z;
     let whole = 2.0 * std::f64::consts::PI;
     let off = (angle - turned + 0.5 * whole).rem_euclid(whole) - 0.5 * whole;

