@@ -90,6 +90,7 @@ void ContactSolver::bodies_changed() {
     moving_.clear();
     pressed_.clear();
     driving_.clear();
+    parts_.clear();
     bodies_.clear();
     sorted_ = false;
 }
@@ -99,13 +100,27 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         return;
     }
     bodies_changed();
+    std::unordered_map<int, btRigidBody *> wholes; // those that have further parts
+    for (const auto &[part, whole] : wholes_) {
+        wholes[whole] = nullptr;
+    }
+    for (int i = 0; i < bodies.size() && !wholes.empty(); ++i) {
+        const auto found = wholes.find(bodies[i]->getUserIndex());
+        if (found != wholes.end()) {
+            found->second = btRigidBody::upcast(bodies[i]);
+        }
+    }
     for (int i = 0; i < bodies.size(); ++i) {
         btRigidBody *body = btRigidBody::upcast(bodies[i]);
         const auto number = static_cast<std::size_t>(body->getUserIndex());
         place_.resize(std::max(place_.size(), number + 1));
         place_[number] = 0;
+        const int whole = whole_of(body->getUserIndex());
         // What is driven counts as static with Bullet, too.
-        if (is_pressed(body->getUserIndex())) {
+        if (whole != body->getUserIndex()) {
+            parts_.push_back(
+                {{body, number}, {wholes.at(whole), static_cast<std::size_t>(whole)}});
+        } else if (is_pressed(body->getUserIndex())) {
             pressed_.push_back({body, number});
         } else if (body->isKinematicObject()) {
             driving_.push_back(body);
@@ -166,6 +181,9 @@ void ContactSolver::sort_places() {
 
 void ContactSolver::take_bodies(double step) {
     sort_places();
+    for (const Part &part : parts_) {
+        place_[part.own.number] = place_[part.whole.number];
+    }
     bodies_.resize(1 + moving_.size() + pressed_.size() + driving_.size());
     bodies_[0] = SolverBody{};
     workers_.share(moving_.size(), AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
@@ -224,6 +242,12 @@ void ContactSolver::move_bodies(double step) {
     for (std::size_t i = 0; i < pressed_.size(); ++i) {
         move_pressed(*pressed_[i].body, bodies_[moving_.size() + 1 + i],
                      presses_.at(static_cast<int>(pressed_[i].number)));
+    }
+    for (const Part &part : parts_) {
+        const btRigidBody &whole = *part.whole.body;
+        part.own.body->setWorldTransform(whole.getWorldTransform());
+        part.own.body->setLinearVelocity(whole.getLinearVelocity());
+        part.own.body->setAngularVelocity(whole.getAngularVelocity());
     }
 }
 

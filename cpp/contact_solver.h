@@ -51,6 +51,16 @@ class ContactSolver {
     bool is_pressed(int number) const { return presses_.count(number) != 0; }
     void forget_press(int number) { presses_.erase(number); }
 
+    // A body that is a further part of another one from now on, which is none itself: they are one
+    // body of the solver, whose centre of mass is the origin of both. By their numbers.
+    void join(int number, int whole) { wholes_[number] = whole; }
+    void forget_join(int number) { wholes_.erase(number); }
+    // The number of the body that a body is a part of: its own, if it is none.
+    int whole_of(int number) const {
+        const auto found = wholes_.find(number);
+        return found == wholes_.end() ? number : found->second;
+    }
+
     // How a body was driven before the first step of its world, by its number.
     void recall_drive(int number, const Drive &drive) { drives_[number] = drive; }
     // Adds how each kinematic body went through the last step; none once a body came or went.
@@ -78,6 +88,10 @@ class ContactSolver {
     std::vector<Moving> moving_;         // every free body
     std::vector<Moving> pressed_;        // every body that is pressed
     std::vector<btRigidBody *> driving_; // every other kinematic body
+    struct Part {
+        Moving own, whole;
+    };
+    std::vector<Part> parts_;            // every further part of a body
     std::vector<int> place_;             // by the body's number: among bodies_
     // The world, free bodies along the specimen, those that are pressed, those that are driven.
     std::vector<SolverBody> bodies_;
@@ -88,6 +102,7 @@ class ContactSolver {
     // By the body's number in its world: a new body may get the address of one that left.
     std::unordered_map<int, Drive> drives_, drives_now_;
     std::unordered_map<int, Press> presses_; // by the same number
+    std::unordered_map<int, int> wholes_;    // of further parts, by the same number
     bool recording_ = false;
     unsigned steps_ = 0;
     double residual_ = 0;

@@ -66,6 +66,10 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     }
     // Changes the force on it, in engine units.
     virtual void set_force(btRigidBody &, double) {}
+    // Makes a body a further part of another, which has the same pose and is none itself.
+    virtual void join(btRigidBody &, btRigidBody &) {
+        throw std::runtime_error("only native contacts have bodies of several parts");
+    }
     virtual void step(btScalar length) = 0;
     // Without a step.
     virtual void find_contacts() = 0;

@@ -49,6 +49,7 @@ void NativeWorld::remove(btRigidBody &body) {
     EngineWorld::remove(body);
     solver_.bodies_changed();
     solver_.forget_press(body.getUserIndex());
+    solver_.forget_join(body.getUserIndex());
     collision_.forget(body);
     if (followed_ == &body) {
         follow(nullptr);
@@ -69,6 +70,36 @@ void NativeWorld::press(btRigidBody &body, const Press &press) {
 
 void NativeWorld::set_force(btRigidBody &body, double force) {
     solver_.set_force(body.getUserIndex(), force);
+}
+
+void NativeWorld::join(btRigidBody &part, btRigidBody &whole) {
+    const int number = whole.getUserIndex();
+    if (&part == &whole || solver_.whole_of(number) != number ||
+        part.isStaticOrKinematicObject() != whole.isStaticOrKinematicObject()) {
+        throw std::runtime_error("a body is a part of another that moves alike and is none");
+    }
+    solver_.join(part.getUserIndex(), number);
+    solver_.bodies_changed();
+    getPairCache()->setOverlapFilterCallback(&part_filter_);
+    // Boxes that are added meet others at once.
+    const btCollisionObjectArray &objects = getCollisionObjectArray();
+    for (int i = 0; i < objects.size(); ++i) {
+        if (objects[i] != &part && solver_.whole_of(objects[i]->getUserIndex()) == number) {
+            getPairCache()->removeOverlappingPair(
+                part.getBroadphaseHandle(), objects[i]->getBroadphaseHandle(), &dispatcher);
+        }
+    }
+}
+
+bool NativeWorld::PartFilter::needBroadphaseCollision(btBroadphaseProxy *a,
+                                                      btBroadphaseProxy *b) const {
+    const bool groups = (a->m_collisionFilterGroup & b->m_collisionFilterMask) != 0 &&
+                        (b->m_collisionFilterGroup & a->m_collisionFilterMask) != 0;
+    const auto whole = [this](const btBroadphaseProxy &proxy) {
+        return solver.whole_of(
+            static_cast<const btCollisionObject *>(proxy.m_clientObject)->getUserIndex());
+    };
+    return groups && whole(*a) != whole(*b);
 }
 
 void NativeWorld::step(btScalar length) {

@@ -54,6 +54,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     void drive(btRigidBody &body, const btTransform &end) override;
     void press(btRigidBody &body, const Press &press) override;
     void set_force(btRigidBody &body, double force) override;
+    void join(btRigidBody &part, btRigidBody &whole) override;
     void step(btScalar length) override;
     void find_contacts() override;
     void read_contacts(rust::Vec<ContactRead> &out) const override;
@@ -74,6 +75,14 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     SharedTime shared() const override;
 
   private:
+    // Bullet's rule, and parts of one body never meet.
+    struct PartFilter final : btOverlapFilterCallback {
+        explicit PartFilter(const ContactSolver &of) : solver(of) {}
+        bool needBroadphaseCollision(btBroadphaseProxy *a, btBroadphaseProxy *b) const override;
+
+        const ContactSolver &solver;
+    };
+
     struct Kinematic {
         btRigidBody *body;
         btTransform end; // of the step
@@ -87,6 +96,7 @@ class NativeWorld final : private NativeParts, public EngineWorld {
     Sharing sharing_;
     HullSearch search_;
     ContactSolver solver_;
+    PartFilter part_filter_{solver_};
     std::vector<Kinematic> kinematic_, drives_; // in this step; in the next
     std::vector<std::uint8_t> left_;            // by object: whether it has left its box
     const btRigidBody *followed_ = nullptr;

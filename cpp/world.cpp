@@ -177,6 +177,10 @@ void BulletWorld::set_force(std::uint32_t id, double force) {
     impl_->world->set_force(impl_->body(id), force);
 }
 
+void BulletWorld::join_body(std::uint32_t id, std::uint32_t whole) {
+    impl_->world->join(impl_->body(id), impl_->body(whole));
+}
+
 void BulletWorld::step() { impl_->world->step(impl_->time_step); }
 
 BodyRead BulletWorld::read_one_body(std::uint32_t id) const {

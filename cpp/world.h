@@ -39,6 +39,7 @@ class BulletWorld {
     void turn_body(std::uint32_t id, const std::array<double, 3> &axis,
                    const std::array<double, 3> &about, double inertia, double speed);
     void set_force(std::uint32_t id, double force);
+    void join_body(std::uint32_t id, std::uint32_t whole);
     void step();
     BodyRead read_one_body(std::uint32_t id) const;
     void read_bodies(rust::Vec<BodyRead> &out) const;

@@ -1,10 +1,12 @@
 //! The state of the experiment between stages, as a plain value.
 
+mod free;
 mod opening;
 mod press;
 
 use std::{borrow::Cow, sync::Arc};
 
+pub use free::FreeState;
 pub use opening::{Opening, centroids};
 pub use press::{PressState, TurnState};
 
@@ -82,13 +84,26 @@ pub struct PieceState {
     /// How it is pressed; none of a piece that is fixed or moved as prescribed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub press: Option<PressState>,
+    /// How it moves freely; none of every other piece.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub free: Option<FreeState>,
 }
 
 impl PieceState {
+    /// Whether it moves only as prescribed, if at all.
+    pub fn is_held(&self) -> bool {
+        self.press.is_none() && self.free.is_none()
+    }
+
+    /// Lets it move only as prescribed from now on.
+    pub fn hold(&mut self) {
+        (self.press, self.free) = (None, None);
+    }
+
     /// One that stands, with nothing on it.
     pub fn standing(pose: Pose) -> Self {
         let (force_n, moment_n_m) = (Vector::zeros(), Vector::zeros());
-        Self { present: true, pose, force_n, moment_n_m, press: None }
+        Self { present: true, pose, force_n, moment_n_m, press: None, free: None }
     }
 }
 
@@ -294,6 +309,7 @@ impl SpecimenState {
             }
         }
         self.pieces.iter().filter_map(|piece| piece.press).try_for_each(|press| press.check())?;
+        self.pieces.iter().filter_map(|piece| piece.free).try_for_each(|free| free.check())?;
         let moving = self.bodies.iter().map(|g| &g.body).chain(&self.top_plate);
         let moving = moving.flat_map(|b| [&b.linear_velocity, &b.angular_velocity]);
         let touching = self.contacts.iter().flat_map(|c| [&c.point_m, &c.normal, &c.force_n]);
@@ -307,6 +323,8 @@ impl SpecimenState {
         let present = self.bodies.iter().filter(|g| g.fate == Fate::Present).map(|g| &g.body.pose);
         let plate = self.top_plate.iter().map(|plate| &plate.pose);
         let pieces = self.pieces.iter().map(|piece| &piece.pose);
+        let free = self.pieces.iter().filter_map(|piece| Some(&piece.free.as_ref()?.body.pose));
+        let pieces = pieces.chain(free);
         let poses = present.chain(plate).chain(fixed.map(|fixed| &fixed.pose)).chain(pieces);
         for pose in poses {
             let place = pose.translation.vector;

@@ -335,6 +335,16 @@ pub const PICTURES: &[(&str, &str, &str)] = &[
         "scenarios/laboratory/direct-shear.json",
         "picture RUN --cylinder cut --width 900 --out PICTURE",
     ),
+    (
+        "laboratory-footing.png",
+        "scenarios/laboratory/footing.json",
+        "picture RUN --cylinder cut --colour-by displacement --width 900 --out PICTURE",
+    ),
+    (
+        "laboratory-vane.png",
+        "scenarios/laboratory/vane.json",
+        "picture RUN --cylinder cut --colour-by displacement --width 900 --out PICTURE",
+    ),
 ];
 
 const SHAKEN: &str = "scenarios/paper/vibration-continuous.json";

@@ -2,14 +2,14 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use nalgebra::{Translation3, UnitQuaternion};
+use nalgebra::{Matrix3, Translation3, UnitQuaternion};
 
 use super::walls::{half_width, piece, polygon, ring};
 use super::{ApparatusError, Piece};
 use crate::geometry::{ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, Vector};
 use crate::scenario::{
     BoxSide, BoxSpec, CylinderPieceSpec, DiscSpec, DrumSpec, HopperSpec, MeshPart, PieceSpec,
-    ShapeSpec,
+    ShapeSpec, VaneSpec,
 };
 use crate::units::{from_deg, from_mm};
 
@@ -51,6 +51,34 @@ impl RigidPiece {
     /// Volume in m³ of its parts.
     pub fn volume(&self) -> f64 {
         self.parts.iter().map(|part| part.shape.signed_volume()).sum()
+    }
+
+    /// Where its centre of mass and its principal axes are in its own frame, with the principal
+    /// moments of inertia in m² per mass, of a piece of one density. Parts that overlap count
+    /// twice.
+    pub fn principal_frame(&self) -> (Pose, Vector) {
+        let parts: Vec<(f64, Point, Matrix3<f64>)> = self
+            .parts
+            .iter()
+            .map(|part| {
+                let own = MassProperties::of(&part.shape);
+                let turn = part.pose.rotation.to_rotation_matrix();
+                let inertia = turn * own.inertia_per_density * turn.inverse();
+                (own.volume, part.pose * own.centroid, inertia)
+            })
+            .collect();
+        let volume: f64 = parts.iter().map(|(volume, ..)| volume).sum();
+        let first: Vector = parts.iter().map(|(volume, at, _)| at.coords * *volume).sum();
+        let centroid = Point::from(first / volume);
+        let about = parts.iter().map(|(volume, at, inertia)| {
+            let d = at - centroid;
+            let steiner = Matrix3::identity() * d.norm_squared() - d * d.transpose();
+            inertia + steiner * *volume
+        });
+        let whole = about.sum::<Matrix3<f64>>();
+        let whole = MassProperties { volume, centroid, inertia_per_density: whole };
+        let frame = whole.principal_frame();
+        (frame.pose, frame.moments_per_density / volume)
     }
 
     /// Moment of inertia in kg m² about an axis in its own frame, by a unit vector and a point in m,
@@ -111,6 +139,9 @@ fn parts_of(shape: &ShapeSpec) -> Parts {
     }
     if let Some(mesh) = &shape.mesh {
         return mesh.parts().iter().map(of_mesh).collect();
+    }
+    if let Some(spec) = &shape.vane {
+        return vane(spec);
     }
     match &shape.drum {
         Some(spec) => drum(spec),
@@ -214,6 +245,30 @@ fn drum(spec: &DrumSpec) -> Parts {
     Ok(parts.into_iter().map(|p| Piece { pose: lie * p.pose, ..p }).collect())
 }
 
+/// Blades that begin where their neighbours do, about a core of that size.
+fn vane(spec: &VaneSpec) -> Parts {
+    let (radius, half) = (from_mm(spec.diameter_mm) / 2.0, from_mm(spec.height_mm) / 2.0);
+    let (n, side) = (f64::from(spec.blades), from_mm(spec.blade_mm) / 2.0);
+    let inner = if spec.blades == 2 { 0.0 } else { side / (PI / n).tan() };
+    // Corners of the core lie between blades: halfway from one to the next.
+    let corner = |k: u32| {
+        let (sine, cosine) = (2.0 * PI * (f64::from(k) + 0.5) / n).sin_cos();
+        (inner.hypot(side) * cosine, inner.hypot(side) * sine)
+    };
+    let mut parts = Vec::new();
+    if spec.blades > 2 {
+        let outline: Vec<(f64, f64)> = (0..spec.blades).map(corner).collect();
+        parts.push(piece(ConvexPolyhedron::prism(&outline, -half, half)?));
+    }
+    for k in 0..spec.blades {
+        let blade = block([inner, -side, -half], [radius, side, half])?;
+        let turn = UnitQuaternion::from_axis_angle(&Vector::z_axis(), 2.0 * PI * f64::from(k) / n);
+        let pose = Pose::from_parts(Translation3::identity(), turn) * blade.pose;
+        parts.push(Piece { pose, ..blade });
+    }
+    Ok(parts)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -272,6 +327,55 @@ mod tests {
         }
         let reach = plate.reach_from(&Vector::z(), &aside);
         assert!((reach - 0.1_f64.hypot(0.025)).abs() < 1e-15, "law: to its far corner, {reach} m");
+    }
+
+    /// Law: a block of two halves, put up turned and aside, has centre, axes and moments of the
+    /// whole block.
+    #[test]
+    fn the_principal_frame_of_parts_is_that_of_the_whole() {
+        let whole = built(r#"{ "plate": { "size_mm": [100, 50, 10] } }"#);
+        let turn = UnitQuaternion::from_euler_angles(0.3, -0.8, 1.9);
+        let aside = Pose::from_parts(Translation3::new(0.2, -0.1, 0.4), turn);
+        let half = ConvexPolyhedron::cuboid(Vector::new(0.05, 0.05, 0.01)).expect("a block");
+        let parts = [-0.025, 0.025]
+            .map(|x| Piece { pose: aside * Pose::translation(x, 0.0, 0.0), ..piece(half.clone()) });
+        let halves = RigidPiece { parts: parts.into(), ..whole.clone() };
+        let (frame, moments) = halves.principal_frame();
+        let (own, alone) = whole.principal_frame();
+        let expected = [[0.05, 0.01], [0.1, 0.01], [0.1, 0.05]];
+        for k in 0..3 {
+            let [a, b]: [f64; 2] = expected[k];
+            let law = (a * a + b * b) / 12.0;
+            for got in [moments[k], alone[k]] {
+                assert!((got / law - 1.0).abs() < 1e-12, "law: {law} m², got {got}");
+            }
+        }
+        let centre = frame.translation.vector - aside.translation.vector;
+        assert!(centre.norm() < 1e-15, "law: its middle, off by {centre}");
+        for axis in [Vector::x(), Vector::y(), Vector::z()] {
+            let (got, law) = (frame.rotation * axis, aside.rotation * (own.rotation * axis));
+            assert!((got.dot(&law).abs() - 1.0).abs() < 1e-12, "law: its axes, {got} and {law}");
+        }
+    }
+
+    #[test]
+    fn a_vane_is_blades_and_a_core_that_fill_each_place_once() {
+        for (blades, core) in [(2, 0.0), (3, 0.75_f64.sqrt() / 2.0 * 2.0 * 2.0), (4, 4.0)] {
+            let vane = built(&format!(
+                r#"{{ "vane": {{ "diameter_mm": 40, "height_mm": 30, "blades": {blades} }} }}"#
+            ));
+            // A regular polygon of sides of 2 mm, from which blades reach to 20 mm.
+            let n = f64::from(blades);
+            let inner = if blades == 2 { 0.0 } else { 1.0 / (PI / n).tan() };
+            let polygon = if blades == 2 { 0.0 } else { n * inner };
+            assert!((polygon - core).abs() < 1e-12, "law: n r s/2 = {core}, got {polygon}");
+            let (got, law) = (volume(&vane), 30.0 * (polygon + n * 2.0 * (20.0 - inner)));
+            assert!((got / law - 1.0).abs() < 1e-9, "law: {law} mm³, got {got}");
+            assert!(is_solid_at(&vane, [19.0, 0.9, 14.0]) && is_solid_at(&vane, [-0.2, 0.1, 0.0]));
+            assert!(!is_solid_at(&vane, [5.0, 5.0, 0.0]), "law: open between blades");
+            let frame = vane.principal_frame().0.translation.vector;
+            assert!(frame.norm() < 1e-15, "law: its centre is on its axis, {frame}");
+        }
     }
 
     #[test]

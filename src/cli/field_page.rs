@@ -136,6 +136,7 @@ impl<'a> Page<'a> {
                 if limits.is_empty() { kind.to_owned() } else { format!("{kind}, {limits}") }
             }
             Some("string") => "text".to_owned(),
+            _ if is_list_too(of) => "object or list of objects, below".to_owned(),
             _ => "object, below".to_owned(),
         }
     }
@@ -150,6 +151,11 @@ impl<'a> Page<'a> {
         }
         text.replace('|', "\\|")
     }
+}
+
+/// Whether a union of objects has a list among its kinds.
+fn is_list_too(of: &Value) -> bool {
+    of["anyOf"].as_array().into_iter().flatten().any(|kind| kind["type"] == "array")
 }
 
 /// The words that a string may be, with their meanings.

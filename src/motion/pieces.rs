@@ -29,7 +29,13 @@ pub enum Path {
         frequency: f64,
     },
     /// As recorded.
-    Recorded(Arc<RecordedMotion>),
+    Recorded {
+        /// The rows.
+        rows: Arc<RecordedMotion>,
+        /// From when on, in s, it dies away within the ramp; none where it goes on to its last
+        /// row.
+        slows_from: Option<f64>,
+    },
 }
 
 /// A motion that begins and ends at rest where it has a ramp.
@@ -39,7 +45,8 @@ pub struct PieceMotion {
     pub path: Path,
     /// Length in s.
     pub duration: f64,
-    /// Time in s in which it grows from nothing, and dies away at its end.
+    /// Time in s in which it grows from nothing, and dies away at its end; of a recorded motion,
+    /// in which it dies away where it is ended.
     pub ramp: f64,
 }
 
@@ -78,10 +85,26 @@ impl PieceMotion {
         }
     }
 
+    /// Integral of a share that falls from 1 to 0 within the ramp, along half a cosine, up to a
+    /// time in s.
+    fn dying(&self, time: f64) -> f64 {
+        let time = time.clamp(0.0, self.ramp);
+        if self.ramp <= 0.0 {
+            return 0.0;
+        }
+        // ∫ ½ (1 + cos(πs/r)) ds = s/2 + r/(2π) sin(πs/r).
+        time / 2.0 + self.ramp / (2.0 * PI) * (PI * time / self.ramp).sin()
+    }
+
     /// The same that from a time in s on dies away as it grew: within its ramp, or within as
-    /// long as it had grown. A sine without a ramp ends with its cycle.
+    /// long as it had grown. A sine without a ramp ends with its cycle; a recorded motion goes on
+    /// along its rows, ever more slowly, and stands still a ramp later.
     #[must_use]
     pub fn ended_at(&self, time: f64) -> Self {
+        if let Path::Recorded { rows, .. } = &self.path {
+            let path = Path::Recorded { rows: Arc::clone(rows), slows_from: Some(time) };
+            return Self { path, duration: time + self.ramp, ramp: self.ramp };
+        }
         let end = match self.path {
             Path::Sine { frequency, .. } if self.ramp == 0.0 => {
                 // A time that is typed may be a rounding above a whole number of cycles.
@@ -100,7 +123,10 @@ impl PieceMotion {
             |by: Vector| Pose::from_parts(Translation3::from(by), UnitQuaternion::identity());
         match &self.path {
             Path::Velocity(velocity) => shift(velocity * self.elapsed(time)),
-            Path::Recorded(recorded) => shift(recorded.at(time).displacement),
+            Path::Recorded { rows, slows_from } => {
+                let row = slows_from.map_or(time, |from| from.min(time) + self.dying(time - from));
+                shift(rows.at(row.min(rows.duration())).displacement)
+            }
             Path::Sine { amplitude, frequency } => {
                 shift(amplitude * (self.share(time) * (2.0 * PI * frequency * time).sin()))
             }
@@ -116,7 +142,7 @@ impl PieceMotion {
     pub fn peak_speed(&self, from_axis: f64) -> f64 {
         match &self.path {
             Path::Velocity(velocity) => velocity.norm(),
-            Path::Recorded(recorded) => recorded.peak_speed(),
+            Path::Recorded { rows, .. } => rows.peak_speed(),
             Path::Rotation { speed, .. } => speed.abs() * from_axis,
             // A ramp as long as a cycle adds less than this.
             Path::Sine { amplitude, frequency } => {
@@ -235,7 +261,8 @@ mod tests {
         let linear = RecordedMotion::of_piece(&rows, super::super::Interpolation::Linear);
         let recorded = linear.expect("sound rows");
         let duration = recorded.duration();
-        let motion = PieceMotion { path: Path::Recorded(Arc::new(recorded)), duration, ramp: 0.0 };
+        let path = Path::Recorded { rows: Arc::new(recorded), slows_from: None };
+        let motion = PieceMotion { path, duration, ramp: 0.0 };
         assert_eq!(motion.duration, 2.0);
         for (time, expected) in [
             (0.0, [0.0; 3]),
@@ -256,5 +283,40 @@ mod tests {
             RecordedMotion::new(&rows, super::super::Interpolation::Linear).is_err(),
             "law: a table has to come back"
         );
+    }
+
+    /// Law: a recorded motion that is ended is the same until then, has half of what it would have
+    /// gone in its ramp before it, along its rows and never beyond the last, without a jump of its
+    /// velocity; without a ramp it stops at once.
+    #[test]
+    fn a_recorded_motion_that_is_ended_dies_away_along_its_rows() {
+        let rows = [[0.0, 0.0, 0.0, 0.0], [2.0, 20.0, 0.0, 0.0]];
+        let recorded = RecordedMotion::of_piece(&rows, super::super::Interpolation::Linear);
+        let path =
+            Path::Recorded { rows: Arc::new(recorded.expect("sound rows")), slows_from: None };
+        let way = |motion: &PieceMotion, t: f64| motion.displacement(t).translation.x * 1e3;
+        // mm at 10 mm/s.
+        for (ramp, ended, over, expected) in
+            [(0.4, 1.0, 1.4, 12.0), (0.4, 1.9, 2.3, 20.0), (0.0, 1.0, 1.0, 10.0)]
+        {
+            let whole = PieceMotion { path: path.clone(), duration: 2.0, ramp };
+            assert_eq!(way(&whole, 1.5), 15.0, "law: a ramp alone changes nothing");
+            let motion = whole.ended_at(ended);
+            assert_eq!(motion.duration, over, "law: T + r");
+            let before = (0..=50).map(|n| ended * f64::from(n) / 50.0);
+            let worst = before.map(|t| (way(&motion, t) - way(&whole, t)).abs());
+            assert_eq!(worst.fold(0.0, f64::max), 0.0, "law: the same before {ended} s");
+            let got = way(&motion, over);
+            assert!((got - expected).abs() < 1e-12, "law: {expected} mm, got {got} mm");
+            assert_eq!(way(&motion, 9.0), got, "law: it stays");
+        }
+        let ended = PieceMotion { path, duration: 2.0, ramp: 0.4 }.ended_at(1.0);
+        let speeds: Vec<f64> = (0..1400)
+            .map(|n| f64::from(n) * 1e-3)
+            .map(|t| (way(&ended, t + 1e-3) - way(&ended, t)) / 1e-3)
+            .collect();
+        let jump = speeds.windows(2).map(|v| (v[1] - v[0]).abs()).fold(0.0, f64::max);
+        let steepest = 10.0 * PI / (2.0 * 0.4) * 1e-3;
+        assert!(jump < 1.01 * steepest, "law: at most v π/(2r) Δt = {steepest}, got {jump} mm/s");
     }
 }

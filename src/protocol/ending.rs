@@ -5,13 +5,35 @@ use serde::{Deserialize, Serialize};
 
 use super::Setup;
 use crate::geometry::Vector;
-use crate::scenario::{OpeningSpec, UntilSpec};
+use crate::scenario::{ConditionSpec, OpeningSpec, UntilSpec};
 use crate::specimen::Opening;
-use crate::units::{from_g, from_mm, to_g, to_mm};
+use crate::units::{from_deg, from_g, from_mm, to_g, to_mm};
 
-/// What ends a stage.
+/// What ends a stage: conditions, of which one or all have to hold.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Endings {
+    /// Which of them have to hold.
+    pub rule: Rule,
+    /// The conditions.
+    pub each: Vec<Ending>,
+}
+
+/// How many of several conditions have to hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rule {
+    /// There is one.
+    Single,
+    /// Any one.
+    Any,
+    /// All, at the same look.
+    All,
+}
+
+/// One condition.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ending {
+    /// What it is called: the field and the piece, group or opening.
+    pub name: String,
     /// What is watched.
     pub subject: Subject,
     /// What has to hold of it.
@@ -27,6 +49,8 @@ pub(super) enum Subject {
     Force(Vec<usize>, Vector),
     /// Displacement of pieces since the stage began, along a unit vector or in every direction.
     Way(Vec<usize>, Option<Vector>),
+    /// Angle by which pieces have turned since the stage began, in the mean.
+    Turn(Vec<usize>),
     /// Flow through an opening.
     Flow(Opening),
 }
@@ -42,22 +66,30 @@ pub(super) enum Condition {
     Steady(f64),
 }
 
-/// What was seen of a condition so far.
+/// What was seen of a condition so far. Of several conditions `each` has what was seen of every
+/// one, and `reached_s` says when they ended the stage.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Judged {
     /// Impulse in N s or mass in kg of each time between two looks, the last two windows of them.
     pub amounts: Vec<f64>,
     /// Whether the flow was as large as what it is to fall below.
     pub was_above: bool,
-    /// What was found last: force in N, way in m, flow in kg/s, or a relative change.
+    /// What was found last: force in N, way in m, angle in rad, flow in kg/s, or a relative change.
     pub last: Option<f64>,
-    /// When the condition held, in s since the stage began.
+    /// When the condition held, in s since the stage began; of one of several, whether it held at
+    /// the last look, and when that was.
     pub reached_s: Option<f64>,
+    /// What was seen of each of several conditions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub each: Vec<Judged>,
 }
 
-/// What came of the condition that was to end a stage.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// What came of the condition, or the conditions, that were to end a stage.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct UntilFound {
+    /// Of one of several conditions, which: the field and the piece, group or opening.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub condition: Option<String>,
     /// Whether it held, so that it ended the stage; otherwise a limit of time did, or everything
     /// had settled.
     pub reached: bool,
@@ -69,12 +101,22 @@ pub struct UntilFound {
     /// Displacement, likewise, in mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moved_mm: Option<f64>,
+    /// Angle turned, likewise, in degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turned_deg: Option<f64>,
     /// Flow, likewise, in g/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flow_g_per_s: Option<f64>,
     /// Change from window to window, likewise, in percent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub change_percent: Option<f64>,
+    /// Of several conditions, each of them: whether it held at the last look, and what was found
+    /// last.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub conditions: Vec<UntilFound>,
+    /// Of several conditions, whether all had to hold at the same time, and not any one.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub all_of: bool,
 }
 
 /// An opening as a scenario has it.
@@ -86,9 +128,40 @@ pub fn opening(spec: &OpeningSpec) -> Opening {
     }
 }
 
-impl Ending {
+impl Endings {
     /// By what a scenario says; none where that makes no condition, which its checks refuse.
     pub(super) fn of(until: &UntilSpec, setup: &Setup) -> Option<Self> {
+        let rule = match until {
+            UntilSpec::One(_) => Rule::Single,
+            UntilSpec::Any(_) => Rule::Any,
+            UntilSpec::All(_) => Rule::All,
+        };
+        let each: Option<Vec<Ending>> =
+            until.conditions().iter().map(|one| Ending::of(one, setup)).collect();
+        each.filter(|each| !each.is_empty()).map(|each| Self { rule, each })
+    }
+
+    /// What is reported of them.
+    pub(super) fn found(&self, judged: &Judged) -> UntilFound {
+        if self.rule == Rule::Single {
+            return self.each[0].found(judged);
+        }
+        let nothing = Judged::default();
+        let of = |(k, ending): (usize, &Ending)| UntilFound {
+            condition: Some(ending.name.clone()),
+            ..ending.found(judged.each.get(k).unwrap_or(&nothing))
+        };
+        UntilFound {
+            conditions: self.each.iter().enumerate().map(of).collect(),
+            all_of: self.rule == Rule::All,
+            ..UntilFound::nothing(judged)
+        }
+    }
+}
+
+impl Ending {
+    /// By what a scenario says; none where that makes no condition.
+    fn of(until: &ConditionSpec, setup: &Setup) -> Option<Self> {
         let direction = until.direction.map(|to| Vector::from(to).normalize());
         let pieces = || {
             let name = until.piece.as_ref()?;
@@ -104,40 +177,39 @@ impl Ending {
             Some(Subject::Flow(opening(spec)))
         };
         let (subject, condition) = match *until {
-            UntilSpec { force_n: Some(n), .. } => (force()?, Condition::Reaches(n)),
-            UntilSpec { steady_force_percent: Some(p), .. } => {
+            ConditionSpec { force_n: Some(n), .. } => (force()?, Condition::Reaches(n)),
+            ConditionSpec { steady_force_percent: Some(p), .. } => {
                 (force()?, Condition::Steady(p / 100.0))
             }
-            UntilSpec { moved_mm: Some(mm), .. } => {
+            ConditionSpec { moved_mm: Some(mm), .. } => {
                 (Subject::Way(pieces()?, direction), Condition::Reaches(from_mm(mm)))
             }
-            UntilSpec { flow_below_g_per_s: Some(rate), .. } => {
+            ConditionSpec { turned_deg: Some(deg), .. } => {
+                (Subject::Turn(pieces()?), Condition::Reaches(from_deg(deg)))
+            }
+            ConditionSpec { flow_below_g_per_s: Some(rate), .. } => {
                 (flow()?, Condition::FallsBelow(from_g(rate)))
             }
-            UntilSpec { steady_flow_percent: Some(p), .. } => {
+            ConditionSpec { steady_flow_percent: Some(p), .. } => {
                 (flow()?, Condition::Steady(p / 100.0))
             }
             _ => return None,
         };
-        Some(Self { subject, condition, window: until.window() })
+        let of = until.piece.as_ref().or(until.opening.as_ref())?;
+        let name = format!("`{}` of `{of}`", until.given().first()?.0);
+        Some(Self { name, subject, condition, window: until.window() })
     }
 
     /// What is reported of it.
     pub(super) fn found(&self, judged: &Judged) -> UntilFound {
-        let none = UntilFound {
-            reached: judged.reached_s.is_some(),
-            at_s: judged.reached_s,
-            force_n: None,
-            moved_mm: None,
-            flow_g_per_s: None,
-            change_percent: None,
-        };
+        let none = UntilFound::nothing(judged);
         let last = judged.last;
         match (&self.subject, self.condition) {
             (_, Condition::Steady(_)) => {
                 UntilFound { change_percent: last.map(|share| 100.0 * share), ..none }
             }
             (Subject::Force(..), _) => UntilFound { force_n: last, ..none },
+            (Subject::Turn(_), _) => UntilFound { turned_deg: last.map(f64::to_degrees), ..none },
             (Subject::Way(..), _) => UntilFound { moved_mm: last.map(to_mm), ..none },
             (Subject::Flow(_), _) => UntilFound { flow_g_per_s: last.map(to_g), ..none },
         }
@@ -145,18 +217,56 @@ impl Ending {
 }
 
 impl UntilFound {
-    /// What was found, with its unit, for a reader.
-    pub fn line(&self) -> String {
-        let found = match *self {
+    /// When something held, and nothing of what was found.
+    fn nothing(judged: &Judged) -> Self {
+        Self {
+            condition: None,
+            reached: judged.reached_s.is_some(),
+            at_s: judged.reached_s,
+            force_n: None,
+            moved_mm: None,
+            turned_deg: None,
+            flow_g_per_s: None,
+            change_percent: None,
+            conditions: Vec::new(),
+            all_of: false,
+        }
+    }
+
+    /// What was found of one condition, with its unit.
+    fn value(&self) -> String {
+        match *self {
             Self { force_n: Some(n), .. } => format!("a force of {n:.3} N"),
             Self { moved_mm: Some(mm), .. } => format!("{mm:.3} mm moved"),
+            Self { turned_deg: Some(deg), .. } => format!("{deg:.2}° turned"),
             Self { flow_g_per_s: Some(rate), .. } => format!("a flow of {rate:.2} g/s"),
             Self { change_percent: Some(p), .. } => format!("a change of {p:.2} %"),
             _ => "nothing to tell".to_owned(),
+        }
+    }
+
+    /// What was found, with its unit, for a reader. Of several conditions those that held come
+    /// first.
+    pub fn line(&self) -> String {
+        let Self { conditions, all_of, .. } = self;
+        let named = |of: &Self| {
+            format!("{} with {}", of.condition.as_deref().unwrap_or_default(), of.value())
         };
-        match self.at_s {
-            Some(at) => format!("`until` held after {at:.3} s: {found}"),
-            None => format!("`until` was not reached: {found} at the end"),
+        let list = |reached: bool| {
+            let of = conditions.iter().filter(|of| of.reached == reached).map(named);
+            of.collect::<Vec<_>>().join(", ")
+        };
+        let (held, not) = (list(true), list(false));
+        match (self.at_s, conditions.is_empty()) {
+            (Some(at), true) => format!("`until` held after {at:.3} s: {}", self.value()),
+            (None, true) => format!("`until` was not reached: {} at the end", self.value()),
+            (Some(at), false) if not.is_empty() => format!("`until` held after {at:.3} s: {held}"),
+            (Some(at), false) => format!("`until` held after {at:.3} s: {held}; not {not}"),
+            (None, false) => {
+                let wanted = if *all_of { "all at the same time" } else { "any" };
+                let all = conditions.iter().map(named).collect::<Vec<_>>().join(", ");
+                format!("`until` was not reached, which is {wanted} of: {all} at the end")
+            }
         }
     }
 }
@@ -167,11 +277,39 @@ impl Judged {
         *self == Self::default()
     }
 
-    /// Takes what was found at a look: a way in m, or the impulse in N s or mass in kg since the
+    /// Takes what was found at a look, at a time in s since the stage began, of each condition.
+    /// Whether they end the stage, which is then noted.
+    pub(super) fn look_at_all(
+        &mut self,
+        endings: &Endings,
+        found: &[f64],
+        time: f64,
+        every: f64,
+    ) -> bool {
+        let ends = match endings.rule {
+            Rule::Single => self.look(&endings.each[0], found[0], every),
+            Rule::Any | Rule::All => {
+                self.each.resize(endings.each.len(), Self::default());
+                let mut held = 0;
+                for ((one, ending), found) in self.each.iter_mut().zip(&endings.each).zip(found) {
+                    let holds = one.look(ending, *found, every);
+                    one.reached_s = holds.then_some(time);
+                    held += usize::from(holds);
+                }
+                held == endings.each.len() || held > 0 && endings.rule == Rule::Any
+            }
+        };
+        if ends {
+            self.reached_s = Some(time);
+        }
+        ends
+    }
+
+    /// Takes what was found at a look: a way in m, an angle in rad, or the impulse in N s or mass in kg since the
     /// look before, `every` seconds ago. Whether the condition holds.
     pub(super) fn look(&mut self, ending: &Ending, found: f64, every: f64) -> bool {
         let now = match ending.subject {
-            Subject::Way(..) => Some(found),
+            Subject::Way(..) | Subject::Turn(_) => Some(found),
             Subject::Force(..) | Subject::Flow(_) => {
                 let window = ((ending.window / every).round() as usize).max(1);
                 self.amounts.push(found);
@@ -213,6 +351,7 @@ impl Judged {
         match numbers.into_iter().all(|x| x.is_finite()) {
             true => Ok(()),
             false => Err("`judged` holds what is no number".to_owned()),
-        }
+        }?;
+        self.each.iter().try_for_each(Self::check)
     }
 }

@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 use std::sync::{Arc, atomic::AtomicBool};
 
-use super::ending::{Condition, Ending, Subject};
+use super::ending::{Condition, Ending, Endings, Rule, Subject};
 use super::*;
 use crate::geometry::Vector;
 use crate::grains::generate;
@@ -106,7 +106,8 @@ fn laid_out() -> Specimen {
 
 fn of_force(condition: Condition, looks: f64) -> Ending {
     let subject = Subject::Force(vec![0], Vector::z());
-    Ending { subject, condition, window: looks * EVERY }
+    let name = "the force".to_owned();
+    Ending { name, subject, condition, window: looks * EVERY }
 }
 
 /// The look, from 1, at which a condition holds first, and what was found then.
@@ -211,6 +212,73 @@ fn a_flow_ends_a_stage_when_the_last_grain_has_passed() {
     assert!(found.reached, "law: above a tenth of the mass a second, then below it: {found:?}");
 }
 
+/// Law: of a list any condition ends the stage, of `all_of` only all at the same look; each is
+/// named, with what was found of it.
+#[test]
+fn any_of_several_conditions_ends_a_stage_or_all_of_them() {
+    let lower = |until: serde_json::Value| {
+        let value = serde_json::json!({ "stage": "move", "pieces": ["lid"], "ramp_s": 0.1,
+            "time_limit_s": 2, "velocity_mm_per_s": [0, 0, -100], "until": until });
+        sinking(laid_out(), 0.0, value)
+    };
+    let way = |mm: f64| serde_json::json!({ "piece": "lid", "moved_mm": mm });
+    let force = serde_json::json!({ "piece": "both", "direction": [0, 0, 1], "force_n": 1 });
+    let at = |mm: f64| ((mm / 100.0 + 0.05) / every()).ceil() * every();
+    let held = |outcome: &StageOutcome| {
+        let found = outcome.until.as_ref().expect("conditions");
+        let each = found.conditions.iter().map(|of| of.reached).collect::<Vec<_>>();
+        (found.at_s.map(|at| (at * 1e6).round()), each)
+    };
+    let expected = |mm: f64| Some((at(mm) * 1e6).round());
+    for (until, ends, each) in [
+        (serde_json::json!([way(30.0), force, way(10.0)]), 10.0, vec![false, false, true]),
+        (serde_json::json!({ "all_of": [way(30.0), way(10.0)] }), 30.0, vec![true, true]),
+    ] {
+        let outcome = lower(until);
+        assert_eq!(held(&outcome), (expected(ends), each), "law: {:?}", outcome.until);
+        assert!(outcome.warnings.is_empty(), "law: it held, {:?}", outcome.warnings);
+        let found = outcome.until.expect("conditions");
+        let moved = found.conditions[0].moved_mm.expect("a way");
+        let expected = 100.0 * (at(ends) - 0.05);
+        assert!((moved - expected).abs() < 1e-9, "law: its last value, got {moved} mm");
+        let line = found.line();
+        assert!(line.contains("held after") && line.contains("`moved_mm` of `lid` with"), "{line}");
+        assert_eq!(found.all_of, each_held(&found), "law: {line}");
+    }
+    let outcome = lower(serde_json::json!({ "all_of": [way(30.0), force] }));
+    assert_eq!(held(&outcome), (None, vec![true, false]), "law: {:?}", outcome.until);
+    let told = &outcome.warnings[0];
+    assert!(
+        told.contains("all at the same time") && told.contains("`force_n` of `both`"),
+        "{told}"
+    );
+}
+
+fn each_held(found: &UntilFound) -> bool {
+    found.conditions.iter().all(|of| of.reached)
+}
+
+/// Law: several conditions on forces and flows are each judged by their own.
+#[test]
+fn conditions_keep_their_own_amounts() {
+    let mut judged = Judged::default();
+    let each = vec![of_force(Condition::Reaches(10.0), 2.0), of_force(Condition::Steady(0.1), 1.0)];
+    let endings = Endings { rule: Rule::All, each };
+    let n = EVERY;
+    let looks = [[20.0, 1.0], [20.0, 2.0], [0.0, 2.0], [1.0, 2.0], [19.5, 2.1]];
+    let ends: Vec<bool> = looks
+        .iter()
+        .enumerate()
+        .map(|(k, [a, b])| judged.look_at_all(&endings, &[a * n, b * n], k as f64, EVERY))
+        .collect();
+    assert_eq!(ends, [false, false, true, false, true], "law: 20, 10 and 10¼ N, steady at 2");
+    let text = serde_json::to_string(&judged).expect("JSON");
+    assert_eq!(serde_json::from_str::<Judged>(&text).expect("read"), judged, "law: kept whole");
+    assert_eq!(judged.check(), Ok(()));
+    judged.each[1].last = Some(f64::NAN);
+    assert!(judged.check().is_err(), "law: what is no number is found in each");
+}
+
 /// Law: an interrupted stage ends at the same step with the same bits: pressed pieces whose force
 /// or way is waited for, and motions that are dying away.
 #[test]
@@ -228,9 +296,13 @@ fn stages_with_a_condition_go_on_from_a_checkpoint_with_the_same_bits() {
     let shift = serde_json::json!({ "stage": "move", "pieces": ["box"], "ramp_s": 0.3,
         "velocity_mm_per_s": [0, 0, 20], "time_limit_s": 3, "settle_limit_s": 1,
         "until": { "piece": "lid", "moved_mm": 2 } });
-    for value in [press, shift] {
+    let recorded = serde_json::json!({ "stage": "move", "pieces": ["box"], "ramp_s": 0.3,
+        "motion_rows": [[0, 0, 0, 0], [1, 0, 0, 15], [3, 0, 0, 20]], "settle_limit_s": 1,
+        "until": [{ "piece": "box", "direction": [0, 0, -1], "force_n": 1000 },
+            { "piece": "lid", "moved_mm": 2 }] });
+    for value in [press, shift, recorded] {
         let (whole, seams) = go(&scenario, make, before.clone(), None, value.clone());
-        let found = whole.until.expect("a condition");
+        let found = whole.until.clone().expect("a condition");
         assert!(found.reached, "law: it is reached, {found:?}");
         assert!(seams.len() >= 3, "the check sees segments, {}", seams.len());
         // The first, and the last two: what moves may be dying away there.
@@ -246,7 +318,9 @@ fn stages_with_a_condition_go_on_from_a_checkpoint_with_the_same_bits() {
             assert_eq!(got.specimen.state, whole.specimen.state, "law: the same from step {steps}");
             assert_eq!(got.until, whole.until, "law: told alike from step {steps}");
         }
-        if let Some(force) = found.force_n {
+        if let [force, way] = &found.conditions[..] {
+            assert!(!force.reached && way.reached, "law: the way is reached, {found:?}");
+        } else if let Some(force) = found.force_n {
             assert!((12.0..14.0).contains(&force), "law: 12 N and little more, got {force} N");
             let press = whole.specimen.state.pieces[1].press.expect("pressed");
             assert!(press.force_n < press.target_n, "law: before the whole force is on it");

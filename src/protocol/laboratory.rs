@@ -2,12 +2,14 @@
 
 use super::{
     Observer, Setup, StageError, StageOutcome,
-    ending::Ending,
+    ending::Endings,
     feeder::{Area, Feed, Outlet, Rate},
+    free_pieces::released,
     pieces::{Drive, Solids},
     stages::{Course, Ended, Laboratory, not_settled},
     stand::{Stand, Until},
 };
+use crate::apparatus::{RigidPiece, stands_in};
 use crate::geometry::{Point, Pose, Vector};
 use crate::grains;
 use crate::scenario::{DepositKind, StageSpec};
@@ -180,8 +182,8 @@ impl Laboratory<'_> {
             return Err(refused("it needs a motion"));
         };
         let stands = |n: &usize| specimen.state.pieces[*n].present;
-        // Those that are pressed go on as they are unless they are named.
-        let held = |n: &usize| stands(n) && specimen.state.pieces[*n].press.is_none();
+        // Those that are pressed or free go on as they are unless they are named.
+        let held = |n: &usize| stands(n) && specimen.state.pieces[*n].is_held();
         let pieces: Vec<usize> = match names.is_empty() {
             true => (0..specimen.state.pieces.len()).filter(held).collect(),
             false => self.numbers(names).filter(|p| p.iter().all(stands)).unwrap_or_default(),
@@ -190,7 +192,7 @@ impl Laboratory<'_> {
             return Err(refused("its pieces do not stand"));
         }
         for &n in &pieces {
-            specimen.state.pieces[n].press = None;
+            specimen.state.pieces[n].hold();
         }
         let limit = stage.settle_limit();
         let mut course = match limit > 0.0 {
@@ -201,7 +203,7 @@ impl Laboratory<'_> {
             false => Course::of_length(motion.duration),
         };
         course.drive = Some(Drive { pieces, motion });
-        course.ending = self.ending(stage);
+        course.endings = self.endings(stage);
         let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
         if limit > 0.0 && !settled {
             stand.warn(not_settled("rest after the motion", limit));
@@ -227,9 +229,10 @@ impl Laboratory<'_> {
             let n = number.ok_or_else(|| refused("its pieces do not stand"))?;
             let (piece, state) = (&self.setup.pieces[n], &mut specimen.state.pieces[n]);
             if load.locked {
-                state.press = None;
+                state.hold();
                 continue;
             }
+            state.free = None;
             let turning = load.moment_n_m.zip(load.axis);
             let direction = turning.map_or(load.direction, |(_, axis)| axis);
             let direction = Vector::from(direction).normalize();
@@ -283,6 +286,40 @@ impl Laboratory<'_> {
         self.until_settled(specimen, stage, *time_limit_s, "pressing", observer)
     }
 
+    /// Lets pieces move freely from now on.
+    pub(super) fn release(
+        &self,
+        mut specimen: Specimen,
+        stage: &StageSpec,
+        observer: &mut dyn Observer,
+    ) -> Result<StageOutcome, StageError> {
+        let refused = |reason| StageError::OutOfOrder { stage: "release", reason };
+        let StageSpec::Release { pieces: names, mass_g, time_limit_s, .. } = stage else {
+            return Err(refused("it needs pieces"));
+        };
+        let pieces = self.numbers(names).ok_or_else(|| refused("there is no such piece"))?;
+        let solid = self.setup.pieces.iter().map(|p| RigidPiece { may_cross: false, ..p.clone() });
+        let solid: Vec<RigidPiece> = solid.collect();
+        let states = &mut specimen.state.pieces;
+        let at: Vec<Option<Pose>> =
+            states.iter().map(|piece| piece.present.then_some(piece.pose)).collect();
+        for n in pieces {
+            if !states[n].present {
+                return Err(refused("its pieces do not stand"));
+            }
+            if stands_in(&solid, &at, n).is_some() {
+                return Err(refused("what moves freely may not stand in another piece"));
+            }
+            let mass = mass_g.map_or_else(|| solid[n].volume() * LID_DENSITY, from_g);
+            states[n].hold();
+            states[n].free = Some(released(&solid[n], &states[n], mass));
+        }
+        if states.iter().all(|piece| !piece.present || piece.free.is_some()) {
+            return Err(refused("nothing is left that could carry what moves freely"));
+        }
+        self.until_settled(specimen, stage, *time_limit_s, "moving freely", observer)
+    }
+
     /// Takes pieces away.
     pub(super) fn remove(
         &self,
@@ -314,17 +351,17 @@ impl Laboratory<'_> {
         what: &str,
         observer: &mut dyn Observer,
     ) -> Result<StageOutcome, StageError> {
-        let course = Course { ending: self.ending(stage), ..Course::until_settled(limit) };
+        let course = Course { endings: self.endings(stage), ..Course::until_settled(limit) };
         let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
-        if !settled && course.ending.is_none() {
+        if !settled && course.endings.is_none() {
             stand.warn(not_settled(what, limit));
         }
         Ok(finished(stand))
     }
 
     /// What ends a stage before its time.
-    fn ending(&self, stage: &StageSpec) -> Option<Ending> {
-        Ending::of(stage.until()?, self.setup)
+    fn endings(&self, stage: &StageSpec) -> Option<Endings> {
+        Endings::of(stage.until()?, self.setup)
     }
 
     /// Numbers of pieces by their names; none where one is not known.
@@ -337,7 +374,7 @@ impl Laboratory<'_> {
 /// The end of a stage, with a warning where it was to be another.
 fn finished(stand: Stand) -> StageOutcome {
     let mut outcome = stand.finish();
-    if let Some(found) = outcome.until.filter(|found| !found.reached) {
+    if let Some(found) = outcome.until.as_ref().filter(|found| !found.reached) {
         outcome.warnings.push(found.line());
     }
     outcome

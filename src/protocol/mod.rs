@@ -11,6 +11,9 @@ mod ending;
 #[cfg(test)]
 mod ending_tests;
 mod feeder;
+mod free_pieces;
+#[cfg(test)]
+mod free_tests;
 mod laboratory;
 #[cfg(test)]
 mod laboratory_tests;

@@ -3,12 +3,16 @@
 
 use std::collections::HashMap;
 
-use super::{Setup, bodies::wall_piece};
+use super::{
+    Setup,
+    bodies::wall_piece,
+    free_pieces::{Free, add_whole, lowest_of},
+};
 use crate::apparatus::stands_in;
 use crate::geometry::{Point, Pose, Vector};
 use crate::motion::PieceMotion;
 use crate::specimen::{Other, Party, PieceState, PressState, SpecimenState};
-use crate::world::{Body, BodyId, Contact, Motion, World, WorldError};
+use crate::world::{Body, BodyId, BodyState, Contact, Motion, World, WorldError};
 
 /// Pieces that move as one in a stage.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +41,7 @@ struct Load {
     moment: Vector,
 }
 
-/// A piece that is pressed: its number, its only part, and where that is in its frame.
+/// A piece that is pressed: its number, its body, and where that is in its frame.
 struct Pressed {
     piece: usize,
     body: BodyId,
@@ -62,15 +66,16 @@ pub(super) struct Pieces {
     /// Those that are pressed, and the work done on them since somebody asked, in J.
     pressed: Vec<Pressed>,
     pressed_work: f64,
-    /// Those whose force ends the stage, and the impulse of the grains on them since somebody
-    /// asked, in N s.
-    watched: Vec<usize>,
-    felt: Vector,
+    /// Those that move freely.
+    free: Vec<Free>,
+    /// By the condition that it belongs to, those whose force may end the stage, and the impulse
+    /// of the grains on them since somebody asked, in N s.
+    watched: Vec<(Vec<usize>, Vector)>,
     contacts: Vec<Contact>,
 }
 
 impl Pieces {
-    /// Puts the pieces that stand into a world, as kinematic or pressed bodies; `began` is where
+    /// Puts the pieces that stand into a world, as kinematic, pressed or free bodies; `began` is where
     /// they were when the stage began.
     pub(super) fn add(
         world: &mut dyn World,
@@ -82,21 +87,31 @@ impl Pieces {
     ) -> Result<Self, WorldError> {
         let mut parts = Vec::new();
         let mut of_body = HashMap::new();
-        let mut pressed = Vec::new();
+        let (mut pressed, mut free) = (Vec::new(), Vec::new());
         for (n, (piece, at)) in setup.pieces.iter().zip(&state.pieces).enumerate() {
             let mut bodies = Vec::new();
+            let material = setup.piece_materials[n];
+            let motion = at.press.map_or(Motion::Kinematic, |press| motion_of(&press));
+            let velocity = at.press.map_or([Vector::zeros(); 2], |press| velocity_of(&press));
+            if at.present && (at.free.is_some() || at.press.is_some() && piece.parts.len() > 1) {
+                let ids = add_whole(world, piece, material, at, motion, velocity)?;
+                if at.press.is_some() {
+                    pressed.push(Pressed { piece: n, body: ids[0], part: Pose::identity() });
+                }
+                free.extend(at.free.map(|state| Free::new(n, piece, &state, ids[0])));
+                for (k, id) in ids.into_iter().enumerate() {
+                    parties.insert(Party::Other(Other::Piece(n, k)), id);
+                    of_body.insert(id, n);
+                    bodies.push((id, Pose::identity()));
+                }
+                parts.push(bodies);
+                continue;
+            }
             for (k, part) in piece.parts.iter().enumerate().filter(|_| at.present) {
-                let motion = at.press.map_or(Motion::Kinematic, |press| motion_of(&press));
                 let mut body = wall_piece(part, motion);
                 body.state.pose = at.pose * part.pose;
-                if let Some(press) = at.press {
-                    let speed = press.direction * press.speed_m_per_s;
-                    match press.turns {
-                        Some(_) => body.state.angular_velocity = speed,
-                        None => body.state.linear_velocity = speed,
-                    }
-                }
-                let id = world.add(&Body { material: setup.piece_materials[n], ..body })?;
+                [body.state.linear_velocity, body.state.angular_velocity] = velocity;
+                let id = world.add(&Body { material, ..body })?;
                 if at.press.is_some() {
                     pressed.push(Pressed { piece: n, body: id, part: part.pose });
                 }
@@ -118,20 +133,22 @@ impl Pieces {
             work: 0.0,
             pressed,
             pressed_work: 0.0,
+            free,
             watched: Vec::new(),
-            felt: Vector::zeros(),
             contacts: Vec::new(),
         })
     }
 
-    /// Adds up the impulse of the grains on some pieces from now on.
-    pub(super) fn feel(&mut self, pieces: &[usize]) {
-        self.watched = pieces.to_vec();
+    /// Adds up the impulse of the grains on some pieces from now on, for a condition by its number.
+    pub(super) fn feel(&mut self, condition: usize, pieces: &[usize]) {
+        let most = self.watched.len().max(condition + 1);
+        self.watched.resize(most, (Vec::new(), Vector::zeros()));
+        self.watched[condition].0 = pieces.to_vec();
     }
 
-    /// Impulse in N s of the grains on those since this was asked.
-    pub(super) fn take_felt(&mut self) -> Vector {
-        std::mem::replace(&mut self.felt, Vector::zeros())
+    /// Impulse in N s of the grains on those of a condition since this was asked.
+    pub(super) fn take_felt(&mut self, condition: usize) -> Vector {
+        std::mem::replace(&mut self.watched[condition].1, Vector::zeros())
     }
 
     /// Lets the motion die away from a time in s on.
@@ -149,10 +166,25 @@ impl Pieces {
         pieces.iter().map(way).sum::<Vector>() / pieces.len().max(1) as f64
     }
 
-    /// Height in m below which nothing of the pieces reaches in this stage.
+    /// Angle in rad by which some pieces have turned since the stage began, in the mean: of one
+    /// that a moment turns, about its axis.
+    pub(super) fn turned(&self, pieces: &[usize], state: &SpecimenState) -> f64 {
+        let about = |piece: &PieceState| piece.press?.turns.map(|turns| turns.turned_rad);
+        let angle = |n: &usize| {
+            let (began, now) = (&self.began[*n], &state.pieces[*n]);
+            match (about(began), about(now)) {
+                (Some(before), Some(after)) => (after - before).abs(),
+                _ => (now.pose.rotation * began.pose.rotation.inverse()).angle(),
+            }
+        };
+        pieces.iter().map(angle).sum::<f64>() / pieces.len().max(1) as f64
+    }
+
+    /// Height in m below which nothing of the pieces reaches in this stage; of those that fall,
+    /// only where there are no others.
     pub(super) fn lowest(&self) -> f64 {
         let still = self.began.iter().zip(&self.solids.radii).enumerate();
-        let low = still.filter(|(_, (piece, _))| piece.present).map(|(n, (piece, radius))| {
+        let reach = still.filter(|(_, (piece, _))| piece.present).map(|(n, (piece, radius))| {
             let ways = self.drive.iter().filter(|drive| drive.pieces.contains(&n));
             let ways = ways.flat_map(|drive| {
                 (0..=SAMPLES_OF_WAY).map(|k| {
@@ -160,9 +192,10 @@ impl Pieces {
                     (drive.motion.displacement(time) * piece.pose).translation.z
                 })
             });
-            ways.fold(piece.pose.translation.z, f64::min) - radius
+            let low = ways.fold(piece.pose.translation.z, f64::min) - radius;
+            (piece.free.is_some(), low)
         });
-        low.fold(f64::INFINITY, f64::min)
+        lowest_of(reach)
     }
 
     /// Largest speed in m/s of any point of the pieces in this stage.
@@ -182,6 +215,20 @@ impl Pieces {
             (energy + p.kinetic_energy(), fast.max(p.of_points(p.speed_m_per_s)))
         });
         (!self.pressed.is_empty()).then_some(sums)
+    }
+
+    /// Masses in kg, principal moments of inertia in kg m² and motions of those that move freely.
+    pub(super) fn free_motion<'a>(
+        &'a self,
+        state: &'a SpecimenState,
+    ) -> impl Iterator<Item = (f64, &'a Vector, &'a BodyState)> + Clone {
+        self.free.iter().filter_map(|free| free.moving(state))
+    }
+
+    /// What is wrong with a piece that moves freely, where something is; `lowest` is the height in
+    /// m below which nothing else reaches.
+    pub(super) fn lost(&self, setup: &Setup, lowest: f64, state: &SpecimenState) -> Option<String> {
+        self.free.iter().find_map(|free| free.lost(setup, &self.solids, lowest, state))
     }
 
     /// Says where the pieces that move as prescribed are at the end of the next step, at a time
@@ -234,6 +281,9 @@ impl Pieces {
         if self.of_body.is_empty() {
             return Ok(());
         }
+        for free in &self.free {
+            free.read(world, state)?;
+        }
         for pressed in &self.pressed {
             let piece = &mut state.pieces[pressed.piece];
             let Some(press) = &mut piece.press else { continue };
@@ -264,8 +314,8 @@ impl Pieces {
                 let Some(&n) = self.of_body.get(&body) else { continue };
                 let now = state.pieces[n].pose;
                 self.loads[n].add(&contact.point, &now.translation.vector, impulse);
-                if self.watched.contains(&n) {
-                    self.felt += impulse;
+                for (_, felt) in self.watched.iter_mut().filter(|(of, _)| of.contains(&n)) {
+                    *felt += impulse;
                 }
                 if let Some(press) = &mut state.pieces[n].press {
                     press.resistance_n -= match press.turns {
@@ -315,8 +365,10 @@ impl Pieces {
         if self.pressed.is_empty() {
             return None;
         }
+        // What moves freely is felt.
+        let stands = |piece: &PieceState| piece.present && piece.free.is_none();
         let at: Vec<Option<Pose>> =
-            state.pieces.iter().map(|piece| piece.present.then_some(piece.pose)).collect();
+            state.pieces.iter().map(|piece| stands(piece).then_some(piece.pose)).collect();
         let into = |p: &Pressed| Some((p.piece, stands_in(&setup.pieces, &at, p.piece)?));
         self.pressed.iter().find_map(into)
     }
@@ -329,6 +381,15 @@ impl Pieces {
     /// The space that they take.
     pub(super) fn solids(&self) -> &Solids {
         &self.solids
+    }
+}
+
+/// Velocity and angular velocity of a body that is pressed, in m/s and rad/s.
+fn velocity_of(press: &PressState) -> [Vector; 2] {
+    let speed = press.direction * press.speed_m_per_s;
+    match press.turns {
+        Some(_) => [Vector::zeros(), speed],
+        None => [speed, Vector::zeros()],
     }
 }
 
@@ -361,11 +422,18 @@ impl Solids {
 
     /// Whether a place lies within a part: no grain's centroid can.
     pub(super) fn holds(&self, place: &Vector, state: &SpecimenState) -> bool {
-        state.pieces.iter().enumerate().filter(|(_, piece)| piece.present).any(|(n, piece)| {
-            let at = piece.pose.inverse() * Point::from(*place);
-            at.coords.norm() < self.radii[n]
-                && self.parts[n].iter().any(|part| depth(part, &at) > 0.0)
-        })
+        state
+            .pieces
+            .iter()
+            .enumerate()
+            .filter(|(_, piece)| piece.present)
+            .any(|(n, piece)| self.is_in(n, &(piece.pose.inverse() * Point::from(*place))))
+    }
+
+    /// Whether a place in the frame of a piece lies within one of its parts.
+    pub(super) fn is_in(&self, piece: usize, at: &Point) -> bool {
+        at.coords.norm() < self.radii[piece]
+            && self.parts[piece].iter().any(|part| depth(part, at) > 0.0)
     }
 
     /// Whether a ball is clear of every part; it may be called not clear near an edge.

@@ -4,7 +4,7 @@ use std::{ops::ControlFlow, sync::atomic::AtomicBool};
 
 use super::{
     Midway, Observer, Settling, Setup, StageError, StageOutcome, base,
-    ending::Ending,
+    ending::Endings,
     feeder::{Feed, Feeder, Outlet, Rate},
     laboratory,
     pieces::Drive,
@@ -47,6 +47,7 @@ pub fn run(
         StageSpec::Deposit { .. } => lab.deposit(specimen, stage, observer),
         StageSpec::Move { .. } => lab.move_pieces(specimen, stage, observer),
         StageSpec::Press { .. } => lab.press(specimen, stage, observer),
+        StageSpec::Release { .. } => lab.release(specimen, stage, observer),
         StageSpec::Remove { .. } => lab.remove(specimen, stage, observer),
         StageSpec::Rest { duration_s } => lab.rest(specimen, duration_s, observer),
     }
@@ -69,12 +70,12 @@ pub(super) struct Course {
     /// The pieces of a laboratory that move.
     pub(super) drive: Option<Drive>,
     /// What ends it before its time.
-    pub(super) ending: Option<Ending>,
+    pub(super) endings: Option<Endings>,
 }
 
 impl Course {
     pub(super) fn until(until: Until) -> Self {
-        Self { until, motion: None, feed: None, placing: None, drive: None, ending: None }
+        Self { until, motion: None, feed: None, placing: None, drive: None, endings: None }
     }
 
     pub(super) fn until_settled(limit: f64) -> Self {
@@ -144,8 +145,8 @@ impl<'a> Laboratory<'a> {
                 let drive = course.drive_after(midway.judged.reached_s);
                 Stand::new(self.setup, self.make_world, grains.clone(), plate, drive, midway)?
             };
-            if let Some(ending) = &course.ending {
-                stand.end_when(ending.clone());
+            if let Some(endings) = &course.endings {
+                stand.end_when(endings.clone());
             }
             let begin = |feed| Feeder::new(stand.specimen(), feed, seed, configuration, fed);
             let mut feeder = course.feed.clone().map(begin);

@@ -17,7 +17,7 @@ use std::{
 use super::{
     Midway, Moment, Observer, Setup, StageError, StageOutcome, base,
     bodies::{free_grain, level, moved, remembered, spring_energy, wall_piece},
-    ending::Ending,
+    ending::Endings,
     feeder::Feeder,
     pieces::{Drive, Pieces},
     plausible::check,
@@ -64,7 +64,7 @@ pub(super) struct Stand<'a> {
     check: RunTimeCheck,
     snapshot: Snapshot,
     /// What ends the stage, and where the grains were when that was last looked at.
-    ending: Option<Ending>,
+    endings: Option<Endings>,
     places: Vec<Option<Vector>>,
     /// Where the stage is; the specimen is in the field of that name, and the
     /// spout is handed in.
@@ -212,7 +212,7 @@ impl<'a> Stand<'a> {
             whereabouts,
             check: check(setup, 0.0),
             snapshot: Snapshot::new(),
-            ending: None,
+            endings: None,
             places: Vec::new(),
             midway,
         })
@@ -378,7 +378,7 @@ impl<'a> Stand<'a> {
         StageOutcome {
             corners: self.grains.iter().map(of_grain).collect(),
             settling: None,
-            until: self.ending.as_ref().map(|ending| ending.found(&self.midway.judged)),
+            until: self.endings.as_ref().map(|endings| endings.found(&self.midway.judged)),
             simulated: self.midway.steps as f64 * self.world.time_step(),
             effective: self.world.effective(),
             specimen: self.specimen,

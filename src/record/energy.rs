@@ -57,11 +57,11 @@ pub struct StageSummary {
 /// stored or dissipated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StageEnergy {
-    /// Work of the table and of moving pieces on grains and plate.
+    /// Work of the table and of moving pieces on grains, plate and free pieces.
     pub work_input_j: f64,
     /// What friction and impacts took.
     pub dissipated_j: f64,
-    /// Potential energy at the end, m g z of grains and plate above z = 0.
+    /// Potential energy at the end, m g z of grains, plate and free pieces above z = 0.
     pub potential_energy_j: f64,
     /// Kinetic energy at the end, relative to the table.
     pub kinetic_energy_j: f64,

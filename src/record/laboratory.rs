@@ -38,6 +38,10 @@ pub struct PieceRow {
     /// since; none where it is not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub turned: Option<[f64; 2]>,
+    /// Rotation in degrees of a piece that moves freely since the laboratory was set up, along the
+    /// axis about which it is, right-handed; none of every other.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rotation_deg: Option<[f64; 3]>,
 }
 
 /// Rows of a stage so far, and what has passed since the last of them.
@@ -182,6 +186,7 @@ pub fn of_group(pieces: &[Option<PieceRow>], numbers: &[usize]) -> Option<PieceR
         moment_n_m: there.iter().map(moment).sum::<Vector>().into(),
         pressed: there[0].pressed.filter(|_| there.len() == 1),
         turned: there[0].turned.filter(|_| there.len() == 1),
+        rotation_deg: there[0].rotation_deg.filter(|_| there.len() == 1),
     })
 }
 
@@ -203,6 +208,10 @@ pub fn with_laboratory(
     let turned_in = |row: &LaboratoryRow, k: usize| row.pieces.get(k).copied().flatten()?.turned;
     let turns = |k: &usize| rows.iter().any(|row| turned_in(row, *k).is_some());
     let turned: Vec<usize> = (0..names.pieces.len()).filter(turns).collect();
+    let rotation_in =
+        |row: &LaboratoryRow, k: usize| row.pieces.get(k).copied().flatten()?.rotation_deg;
+    let rotates = |k: &usize| rows.iter().any(|row| rotation_in(row, *k).is_some());
+    let free: Vec<usize> = (0..names.pieces.len()).filter(rotates).collect();
     let mut columns = Vec::new();
     for name in names.pieces.iter().chain(names.groups.iter().map(|(name, _)| name)) {
         for (quantity, unit) in [("", "mm"), ("_force", "n"), ("_moment", "n_m")] {
@@ -214,6 +223,9 @@ pub fn with_laboratory(
     }
     for name in turned.iter().map(|k| &names.pieces[*k]) {
         columns.extend(["pressed_n_m", "turned_deg"].map(|what| format!("{name}_{what}")));
+    }
+    for name in free.iter().map(|k| &names.pieces[*k]) {
+        columns.extend(["x", "y", "z"].map(|axis| format!("{name}_rotation_{axis}_deg")));
     }
     columns.extend(names.openings.iter().map(|name| format!("{name}_passed_g")));
     columns.extend(names.regions.iter().map(|name| format!("{name}_void_ratio")));
@@ -236,6 +248,10 @@ pub fn with_laboratory(
         for k in &turned {
             let load = row.and_then(|row| turned_in(row, *k));
             cells.extend([0, 1].map(|i| load.map(|load| load[i])));
+        }
+        for k in &free {
+            let rotation = row.and_then(|row| rotation_in(row, *k));
+            cells.extend([0, 1, 2].map(|i| rotation.map(|rotation| rotation[i])));
         }
         for k in 0..names.openings.len() {
             cells.push(row.and_then(|row| row.passed_g.get(k).copied()));
@@ -287,6 +303,7 @@ mod tests {
             moment_n_m: [0.0; 3],
             pressed: None,
             turned: None,
+            rotation_deg: None,
         };
         let row = |there: bool| LaboratoryRow {
             pieces: vec![there.then_some(piece)],
@@ -327,6 +344,7 @@ mod tests {
             moment_n_m: [0.0, 0.25, 0.0],
             pressed: None,
             turned: None,
+            rotation_deg: None,
         };
         let pieces = [Some(piece(0.0, 3.0)), Some(piece(1000.0, 1.0)), None];
         let got = of_group(&pieces, &[0, 1, 2]).expect("two of them stand");
@@ -339,18 +357,20 @@ mod tests {
 
     #[test]
     fn a_piece_that_is_pressed_at_any_time_has_columns_of_its_load() {
-        let row = |pressed| LaboratoryRow {
+        let free = |rotation_deg, pressed| LaboratoryRow {
             pieces: vec![Some(PieceRow {
                 at_mm: [0.0; 3],
                 force_n: [0.0; 3],
                 moment_n_m: [0.0; 3],
                 pressed,
                 turned: None,
+                rotation_deg,
             })],
             passed_g: Vec::new(),
             void_ratios: Vec::new(),
             stresses_kpa: Vec::new(),
         };
+        let row = |pressed| free(None, pressed);
         let names = LaboratoryNames { pieces: vec!["lid".to_owned()], ..Default::default() };
         let rows = [row(None), row(Some([80.0, 12.5]))];
         let got = with_laboratory(b"time_s\n0\n1\n", &names, &rows).expect("CSV");
@@ -362,5 +382,13 @@ mod tests {
         let got = with_laboratory(b"time_s\n0\n", &names, &[row(None)]).expect("CSV");
         let text = String::from_utf8(got).expect("text");
         assert!(!text.contains("pressed"), "law: no columns of what never is, got {text}");
+        let rows = [row(Some([80.0, 12.5])), free(Some([0.5, -1.5, 90.0]), None)];
+        let got = with_laboratory(b"time_s\n0\n1\n", &names, &rows).expect("CSV");
+        let text = String::from_utf8(got).expect("text");
+        let lines: Vec<&str> = text.lines().collect();
+        let columns = "lid_pressed_kpa,lid_rotation_x_deg,lid_rotation_y_deg,lid_rotation_z_deg";
+        assert!(lines[0].ends_with(columns), "law: those of a free piece, got {text}");
+        assert!(lines[1].ends_with(",80,12.5,,,"), "law: empty while it is not free, got {text}");
+        assert!(lines[2].ends_with(",0,,,0.5,-1.5,90"), "law: its rotation, got {text}");
     }
 }

@@ -67,6 +67,7 @@ impl StageSpec {
             Self::Deposit { .. } => "deposit",
             Self::Move { .. } => "move",
             Self::Press { .. } => "press",
+            Self::Release { .. } => "release",
             Self::Remove { .. } => "remove",
             Self::Rest { .. } => "rest",
         }
@@ -158,9 +159,10 @@ impl StageSpec {
         if let Some(rows) = motion_rows {
             let only = velocity_mm_per_s.is_none() && rotation.is_none() && sine.is_none();
             let recorded = RecordedMotion::of_piece(rows, joined(interpolation)).ok();
-            let recorded = recorded.filter(|_| only && ramp == 0.0)?;
+            let recorded = recorded.filter(|_| only && (ramp == 0.0 || until.is_some()))?;
             let duration = recorded.duration();
-            return Some(PieceMotion { path: Path::Recorded(Arc::new(recorded)), duration, ramp });
+            let path = Path::Recorded { rows: Arc::new(recorded), slows_from: None };
+            return Some(PieceMotion { path, duration, ramp });
         }
         let (path, travel) = match (velocity_mm_per_s, rotation, sine) {
             (Some(velocity), None, None) => {
@@ -190,9 +192,10 @@ impl StageSpec {
     /// What may end the stage; none of one that ends in its own way.
     pub fn until(&self) -> Option<&UntilSpec> {
         match self {
-            Self::Move { until, .. } | Self::Press { until, .. } | Self::Remove { until, .. } => {
-                until.as_ref()
-            }
+            Self::Move { until, .. }
+            | Self::Press { until, .. }
+            | Self::Release { until, .. }
+            | Self::Remove { until, .. } => until.as_ref(),
             _ => None,
         }
     }
@@ -225,6 +228,7 @@ impl StageSpec {
             | Self::PlaceTopPlate { time_limit_s, .. } => self.settlings() * time_limit_s,
             Self::Deposit { time_limit_s, .. }
             | Self::Press { time_limit_s, .. }
+            | Self::Release { time_limit_s, .. }
             | Self::Remove { time_limit_s, .. } => time_limit_s,
             Self::Move { settle_limit_s, .. } => {
                 self.piece_motion().map_or(0.0, |m| m.duration) + settle_limit_s

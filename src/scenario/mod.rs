@@ -50,7 +50,7 @@ pub use overrides::{NotAnOverride, Override};
 pub use pieces::{
     BoxSide, BoxSpec, CylinderPieceSpec, DepositKind, DiscSpec, DrumSpec, GroupSpec, HopperSpec,
     LoadSpec, MeasuresSpec, OpeningSpec, PieceSpec, PlateSpec, RegionSpec, RotationSpec, ShapeSpec,
-    SineSpec, WedgeSpec,
+    SineSpec, VaneSpec, WedgeSpec,
 };
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
@@ -59,7 +59,7 @@ pub use stages::{
     VideoFramesSpec, WaveformKind,
 };
 pub use stock::{InertiaRule, StockSettings};
-pub use until::UntilSpec;
+pub use until::{AllOfSpec, ConditionSpec, UntilSpec};
 pub use validate::{Warning, warnings};
 
 use schemars::JsonSchema;

@@ -21,8 +21,8 @@ pub struct PieceSpec {
     /// Turns about the fixed axes x, then y, then z, in degrees.
     #[serde(default)]
     pub rotation_deg: [f64; 3],
-    /// Friction coefficient between grains and this piece; left out,
-    /// `contact.grain_wall_friction`.
+    /// Friction coefficient between grains, or a piece that moves freely, and this piece; left
+    /// out, `contact.grain_wall_friction`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", range(min = 0.0, max = 10.0))]
     pub friction: Option<f64>,
@@ -69,6 +69,10 @@ pub struct ShapeSpec {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "MeshPieceSpec")]
     pub mesh: Option<MeshPieceSpec>,
+    /// Flat blades about an upright axis, as of a vane shear test. Origin: its middle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "VaneSpec")]
+    pub vane: Option<VaneSpec>,
 }
 
 /// A side of a box.
@@ -221,6 +225,26 @@ pub struct DrumSpec {
     pub lifter_mm: f64,
 }
 
+/// Flat blades about an upright axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VaneSpec {
+    /// Diameter in mm of the circle on which the blades end.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+    pub diameter_mm: f64,
+    /// Height of the blades in mm.
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+    pub height_mm: f64,
+    /// Number of blades, the first along x.
+    #[serde(default = "four")]
+    #[schemars(range(min = 2, max = 16))]
+    pub blades: u32,
+    /// Thickness of the blades in mm.
+    #[serde(default = "blade")]
+    #[schemars(range(min = 0.001, max = 1000.0))]
+    pub blade_mm: f64,
+}
+
 /// A turn about an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -251,7 +275,7 @@ pub struct SineSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadSpec {
-    /// Name of the piece: a `plate`, a `disc`, a `wedge` or a `mesh` of one part.
+    /// Name of the piece.
     pub piece: String,
     /// The direction in which a force presses it, and the only one along which it moves; its length
     /// does not matter.
@@ -366,6 +390,12 @@ pub struct OpeningSpec {
 
 fn wall() -> f64 {
     10.0
+}
+fn four() -> u32 {
+    4
+}
+fn blade() -> f64 {
+    2.0
 }
 fn sides() -> u32 {
     32

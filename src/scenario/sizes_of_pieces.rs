@@ -16,6 +16,7 @@ impl ShapeSpec {
             ("wedge", self.wedge.is_some()),
             ("drum", self.drum.is_some()),
             ("mesh", self.mesh.is_some()),
+            ("vane", self.vane.is_some()),
         ];
         given.into_iter().filter(|(_, is)| *is).map(|(name, _)| name).collect()
     }
@@ -29,8 +30,8 @@ impl ShapeSpec {
         of_box.or(of_cylinder).or(of_hopper).or(of_drum)
     }
 
-    /// Area in mm² that a solid shows along a unit vector in its own frame, a wedge as much as its
-    /// block at most; none of what has walls.
+    /// Area in mm² that a piece shows along a unit vector in its own frame: of a solid, a wedge as
+    /// much as its block at most; of what has walls, their edges and, upright, one wall.
     pub(super) fn shows_mm2(&self, along: [f64; 3]) -> Option<f64> {
         let [x, y, z] = along.map(f64::abs);
         let block = |[a, b, c]: [f64; 3]| x * b * c + y * a * c + z * a * b;
@@ -41,7 +42,28 @@ impl ShapeSpec {
                 Some(PI / 4.0 * d.diameter_mm * d.diameter_mm * z + side)
             }
             Self { wedge: Some(w), .. } => Some(block(w.size_mm)),
-            Self { mesh: Some(m), .. } => m.shows_mm2(along),
+            Self { mesh: Some(m), .. } => Some(m.shows_mm2(along)),
+            Self { vane: Some(v), .. } => {
+                let side = v.diameter_mm * v.height_mm * x.hypot(y);
+                Some(side + v.blade_mm * v.diameter_mm / 2.0 * f64::from(v.blades) * z)
+            }
+            Self { r#box: Some(b), .. } => {
+                let [a, w, h] = b.inner_mm;
+                let edges = 2.0 * b.wall_mm * (a + w);
+                Some(x * w * h + y * a * h + z * edges)
+            }
+            Self { cylinder: Some(c), .. } => {
+                let edge = PI * c.wall_mm * c.inner_diameter_mm;
+                Some(c.inner_diameter_mm * c.height_mm * x.hypot(y) + edge * z)
+            }
+            Self { hopper: Some(h), .. } => {
+                let slope = PI / 4.0 * (h.top_diameter_mm.powi(2) - h.opening_diameter_mm.powi(2));
+                Some(h.opening_diameter_mm * h.height_mm() * x.hypot(y) + slope.max(0.0) * z)
+            }
+            Self { drum: Some(d), .. } => {
+                let edge = PI * d.wall_mm * d.inner_diameter_mm;
+                Some(d.inner_diameter_mm * d.length_mm * x.hypot(z) + edge * y)
+            }
             _ => None,
         }
     }
@@ -63,6 +85,9 @@ impl ShapeSpec {
                 vec![h.top_diameter_mm + h.wall_mm, h.height_mm() + h.collar_mm]
             }
             Self { wedge: Some(w), .. } => w.size_mm.to_vec(),
+            Self { vane: Some(v), .. } => {
+                vec![(v.diameter_mm / 2.0).hypot(v.blade_mm), v.height_mm / 2.0]
+            }
             Self { drum: Some(d), .. } => {
                 vec![d.inner_diameter_mm + d.wall_mm, d.length_mm / 2.0 + d.wall_mm]
             }
@@ -85,6 +110,14 @@ impl ShapeSpec {
             Self { drum: Some(d), .. } => Some(round(d.inner_diameter_mm, d.length_mm)),
             _ => None,
         }
+    }
+}
+
+impl super::VaneSpec {
+    /// Distance from the axis in mm at which its blades part.
+    pub(super) fn core_mm(&self) -> f64 {
+        let half = self.blade_mm / 2.0;
+        if self.blades == 2 { 0.0 } else { half / (PI / f64::from(self.blades)).tan() }
     }
 }
 

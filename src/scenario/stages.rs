@@ -392,6 +392,25 @@ pub enum StageSpec {
         #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
         time_limit_s: f64,
     },
+    /// Let pieces go: from now on each moves freely, by its weight and by contacts with grains and
+    /// with all other pieces, in all later stages until it is pressed, locked, moved or removed.
+    Release {
+        /// Names of the pieces.
+        #[schemars(length(min = 1, max = 100))]
+        pieces: Vec<String>,
+        /// Mass in g of each; left out, that of the piece in aluminium, 2700 kg/m³.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
+        mass_g: Option<f64>,
+        /// What ends the stage before everything has settled.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(with = "UntilSpec")]
+        until: Option<UntilSpec>,
+        /// Ends when everything has settled, at the latest after this time.
+        #[serde(default = "deposit_limit")]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
+        time_limit_s: f64,
+    },
     /// Take pieces away, a gate for instance, and let the grains flow until everything has
     /// settled.
     Remove {

@@ -13,7 +13,26 @@ use crate::units::{from_deg, from_g, from_kpa, from_mm};
 /// Largest stress in Pa under weight, plate and pressed pieces, arching left out: everything rests
 /// on the floor of the cylinder, or of the pile.
 pub(super) fn largest_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
-    weight_stress(value, grading, gravity) + pressed_stress(value)
+    weight_stress(value, grading, gravity) + pressed_stress(value).max(free_stress(value, gravity))
+}
+
+/// The largest stress in Pa of the weight of a piece that is let go, lying as it was put up, of
+/// those whose mass is given; 0 without any.
+fn free_stress(value: &Value, gravity: f64) -> f64 {
+    let list = |name: &str| value[name].as_array().into_iter().flatten();
+    let pieces: Vec<PieceSpec> = list("pieces").filter_map(typed).collect();
+    let stages = list("stages").filter(|stage| stage["stage"] == "release");
+    let stresses = stages.flat_map(|stage| {
+        let weight = stage["mass_g"].as_f64().map_or(0.0, from_g) * gravity;
+        let names = stage["pieces"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        let of = names.filter_map(|name| pieces.iter().find(|piece| piece.name == name));
+        of.filter_map(move |piece| {
+            let [x, y, z] = piece.rotation_deg.map(from_deg);
+            let down = UnitQuaternion::from_euler_angles(x, y, z).inverse() * Vector::z();
+            Some(weight / (piece.shape.shows_mm2(down.into())? * 1e-6))
+        })
+    });
+    stresses.filter(|stress| stress.is_finite()).fold(0.0, f64::max)
 }
 
 /// The largest stress in Pa of a piece that is pressed; 0 without any.
@@ -88,6 +107,14 @@ mod tests {
             stress(serde_json::json!({ "piece": "lid", "stress_kpa": 7 }), [0.0; 3]),
             7000.0,
         );
+        let dropped = free_stress(
+            &serde_json::json!({
+                "pieces": [{ "name": "lid", "shape": { "plate": { "size_mm": [100, 50, 10] } } }],
+                "stages": [{ "stage": "release", "pieces": ["lid"], "mass_g": 1000 }]
+            }),
+            9.81,
+        );
+        near("1 kg let go on 50 cm²", dropped, 1962.0);
         let other = serde_json::json!({ "piece": "other", "force_n": 10 });
         assert_eq!(stress(other, [0.0; 3]), 0.0, "law: what cannot be read counts for nothing");
     }

@@ -1,7 +1,8 @@
 //! Checks raw JSON against the schema and says every fault in plain words.
 //!
-//! The schema's two unions are decided first — grains by whether `file` or
-//! `meshes` is there, a stage by its `stage` — and the part is then checked against that
+//! The schema's unions are decided first — grains by whether `file` or
+//! `meshes` is there, a stage by its `stage`, its `until` by whether it is a list
+//! or has `all_of` — and the part is then checked against that
 //! variant alone: "not valid under any of the schemas" helps nobody.
 
 use std::{collections::HashSet, sync::LazyLock};
@@ -94,7 +95,17 @@ struct Rules {
     sieved: Part,
     file: Part,
     meshes: Part,
-    stages: Vec<(String, Part)>,
+    /// By name, for each kind of `until`.
+    stages: Vec<(String, Vec<Part>)>,
+}
+
+/// What `until` is in each kind of [`Rules::stages`].
+fn kinds_of_until() -> [Value; 3] {
+    let list = json!({
+        "type": "array", "minItems": 1, "maxItems": 20,
+        "items": { "$ref": "#/$defs/ConditionSpec" },
+    });
+    [json!({ "$ref": "#/$defs/ConditionSpec" }), list, json!({ "$ref": "#/$defs/AllOfSpec" })]
 }
 
 impl Rules {
@@ -109,7 +120,16 @@ impl Rules {
         let mut stages = Vec::new();
         for variant in defs["StageSpec"]["oneOf"].as_array().into_iter().flatten() {
             if let Some(name) = variant["properties"]["stage"]["const"].as_str() {
-                stages.push((name.to_owned(), part(variant.clone())));
+                let with = |until| {
+                    let mut variant = variant.clone();
+                    variant["properties"]["until"] = until;
+                    part(variant)
+                };
+                let kinds = match variant["properties"].get("until") {
+                    Some(_) => kinds_of_until().map(with).into(),
+                    None => vec![part(variant.clone())],
+                };
+                stages.push((name.to_owned(), kinds));
             }
         }
         let names: Vec<&str> = stages.iter().map(|(name, _)| name.as_str()).collect();
@@ -145,7 +165,13 @@ impl Rules {
 
     fn stage(&self, stage: &Value) -> Option<&Part> {
         let name = stage.get("stage")?.as_str()?;
-        self.stages.iter().find(|(known, _)| known == name).map(|(_, part)| part)
+        let until = &stage["until"];
+        let kind = match until.is_array() {
+            true => 1,
+            false => 2 * usize::from(until.get("all_of").is_some()),
+        };
+        let (_, kinds) = self.stages.iter().find(|(known, _)| known == name)?;
+        kinds.get(kind).or(kinds.first())
     }
 }
 

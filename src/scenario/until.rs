@@ -3,11 +3,34 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// One condition on one piece, group or opening. It is looked at every 0.02 s of grains of the
-/// paper's size, from when the stage begins.
+/// What ends a stage: one condition; or a list of conditions, of which any one ends it; or an
+/// object with `all_of`, a list of conditions that have to hold at the same time. Conditions are
+/// looked at every 0.02 s of grains of the paper's size, from when the stage begins.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[allow(clippy::large_enum_variant)] // a scenario has a handful of stages
+pub enum UntilSpec {
+    /// Conditions that have to hold at the same time.
+    All(AllOfSpec),
+    /// Conditions of which any one ends the stage.
+    Any(#[schemars(length(min = 1, max = 20))] Vec<ConditionSpec>),
+    /// One condition.
+    One(ConditionSpec),
+}
+
+/// Conditions that have to hold at the same time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AllOfSpec {
+    /// The conditions.
+    #[schemars(length(min = 1, max = 20))]
+    pub all_of: Vec<ConditionSpec>,
+}
+
+/// One condition on one piece, group or opening.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct UntilSpec {
+pub struct ConditionSpec {
     /// Name of a piece, or of a group of `measures.groups`; or `opening`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String", length(min = 1, max = 40))]
@@ -35,6 +58,11 @@ pub struct UntilSpec {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 100000.0))]
     pub moved_mm: Option<f64>,
+    /// Ends when the piece has turned so far since the stage began, in degrees: of one that a
+    /// moment turns about its axis, the whole angle; of others at most 180.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
+    pub turned_deg: Option<f64>,
     /// Ends when the flow through the opening, mean over the window, falls below this, in g/s,
     /// after it was above it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,12 +83,36 @@ pub struct UntilSpec {
 const WINDOW: f64 = 0.2;
 
 impl UntilSpec {
+    /// Its conditions, each with where it stands below `until`.
+    pub(super) fn placed(&self) -> Vec<(String, &ConditionSpec)> {
+        let numbered = |prefix: &str, of: &'_ [ConditionSpec]| -> Vec<String> {
+            (0..of.len()).map(|k| format!("{prefix}[{k}]")).collect()
+        };
+        let (places, of) = match self {
+            Self::One(one) => return vec![(String::new(), one)],
+            Self::Any(any) => (numbered("", any), any),
+            Self::All(AllOfSpec { all_of }) => (numbered(".all_of", all_of), all_of),
+        };
+        places.into_iter().zip(of).collect()
+    }
+
+    /// Its conditions.
+    pub fn conditions(&self) -> &[ConditionSpec] {
+        match self {
+            Self::One(one) => std::slice::from_ref(one),
+            Self::Any(conditions) | Self::All(AllOfSpec { all_of: conditions }) => conditions,
+        }
+    }
+}
+
+impl ConditionSpec {
     /// The conditions that are given, by their fields, with the numbers.
-    pub(super) fn conditions(&self) -> Vec<(&'static str, f64)> {
+    pub fn given(&self) -> Vec<(&'static str, f64)> {
         let all = [
             ("force_n", self.force_n),
             ("steady_force_percent", self.steady_force_percent),
             ("moved_mm", self.moved_mm),
+            ("turned_deg", self.turned_deg),
             ("flow_below_g_per_s", self.flow_below_g_per_s),
             ("steady_flow_percent", self.steady_flow_percent),
         ];

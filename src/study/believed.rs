@@ -107,6 +107,7 @@ fn stands(stage: &StageSpec, before: &SpecimenState, after: &SpecimenState) -> R
         | StageSpec::Deposit { .. }
         | StageSpec::Move { .. }
         | StageSpec::Press { .. }
+        | StageSpec::Release { .. }
         | StageSpec::Remove { .. }
         | StageSpec::Rest { .. } => (funnel, cylinder, plate, base),
     };

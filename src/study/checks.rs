@@ -30,6 +30,7 @@ fn judged_throughout(stage: &StageSpec) -> bool {
         | StageSpec::Deposit { .. }
         | StageSpec::Move { .. }
         | StageSpec::Press { .. }
+        | StageSpec::Release { .. }
         | StageSpec::Remove { .. }
         | StageSpec::SlowPluviation { .. }
         | StageSpec::Pour { .. } => false,

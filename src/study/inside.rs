@@ -191,7 +191,7 @@ pub(super) fn stage_summaries(stages: &[&StoredStage]) -> Vec<StageSummary> {
                 kinetic_energy_j: row.kinetic_energy_j,
             }),
             rotation: RotationSummary::of(turned.into_iter().flatten()),
-            until: stage.record.until,
+            until: stage.record.until.clone(),
         }
     };
     stages.iter().zip(before).map(of).collect()

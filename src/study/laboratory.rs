@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::geometry::Vector;
+use crate::geometry::{Pose, Vector};
 use crate::grains::GrainSet;
 use crate::measure::{
     LoadedContact, Region, contacts_of_grains_in, fabric, steady_rate, stress_in, void_ratio_in,
@@ -22,6 +22,8 @@ use crate::units::{from_mm, to_g, to_kpa, to_mm};
 pub(super) struct LaboratoryRecorder {
     regions: Vec<Region>,
     openings: Vec<Opening>,
+    /// Where the pieces are when the laboratory is set up.
+    set_up: Vec<Pose>,
     pub(super) series: LaboratorySeries,
     /// Where the grains were when flow was last looked at.
     before: Vec<Option<Vector>>,
@@ -36,6 +38,7 @@ impl LaboratoryRecorder {
         Self {
             regions: regions(setup),
             openings: measures.openings.iter().map(crate::protocol::opening).collect(),
+            set_up: setup.pieces.iter().map(|piece| piece.at).collect(),
             series: LaboratorySeries::default(),
             before: Vec::new(),
             grains: None,
@@ -51,7 +54,7 @@ impl LaboratoryRecorder {
         self.grains.get_or_insert_with(|| specimen.grains.clone());
         self.look_at_flow(specimen);
         let row = LaboratoryRow {
-            pieces: specimen.state.pieces.iter().map(piece_row).collect(),
+            pieces: specimen.state.pieces.iter().zip(&self.set_up).map(piece_row).collect(),
             passed_g: std::mem::take(&mut self.series.pending_g),
             void_ratios: self.regions.iter().map(|r| void_ratio_in(specimen, r)).collect(),
             stresses_kpa: self.regions.iter().map(|r| stress_kpa(specimen, r)).collect(),
@@ -100,7 +103,7 @@ fn stress_kpa(specimen: &Specimen, region: &Region) -> Option<[f64; 6]> {
     Some(components.map(|at| 1e-3 * tensor[at]))
 }
 
-fn piece_row(piece: &PieceState) -> Option<PieceRow> {
+fn piece_row((piece, set_up): (&PieceState, &Pose)) -> Option<PieceRow> {
     piece.present.then(|| PieceRow {
         at_mm: piece.pose.translation.vector.map(to_mm).into(),
         force_n: piece.force_n.into(),
@@ -110,6 +113,10 @@ fn piece_row(piece: &PieceState) -> Option<PieceRow> {
             .filter(|p| p.turns.is_none())
             .map(|p| [p.force_n, to_kpa(p.force_n / p.area_m2)]),
         turned: piece.press.and_then(|p| Some([p.force_n, p.turns?.turned_rad.to_degrees()])),
+        rotation_deg: piece.free.map(|_| {
+            let since = piece.pose.rotation * set_up.rotation.inverse();
+            since.scaled_axis().map(f64::to_degrees).into()
+        }),
     })
 }
 
@@ -178,6 +185,7 @@ pub(super) fn laboratory_summary(
                 moment_n_m,
                 pressed: None,
                 turned: None,
+                rotation_deg: None,
             })
         })
         .collect();

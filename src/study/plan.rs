@@ -307,6 +307,7 @@ pub fn stage_label(stage: &StageSpec) -> String {
             let names: Vec<&str> = loads.iter().map(|load| load.piece.as_str()).collect();
             format!("press {}", names.join(", "))
         }
+        StageSpec::Release { pieces, .. } => format!("release {}", pieces.join(", ")),
         StageSpec::Remove { pieces, .. } => format!("remove {}", pieces.join(", ")),
         StageSpec::Rest { duration_s } => format!("rest test, {duration_s} s"),
     }
@@ -320,6 +321,7 @@ fn expected_time(stage: &StageSpec) -> f64 {
         | StageSpec::SlowPluviation { time_limit_s, .. }
         | StageSpec::Deposit { time_limit_s, .. }
         | StageSpec::Press { time_limit_s, .. }
+        | StageSpec::Release { time_limit_s, .. }
         | StageSpec::Remove { time_limit_s, .. }
         | StageSpec::Pour { time_limit_s, .. } => time_limit_s / 2.0,
         StageSpec::PlaceTopPlate { .. } => stage.longest() / 2.0,

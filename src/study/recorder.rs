@@ -108,7 +108,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         Some(measure::pile_top(specimen).map_or(0.0, |top| (top - level).max(0.0)))
     }
 
-    /// Potential energy of grains and plate in J.
+    /// Potential energy of grains, plate and free pieces in J.
     fn potential(&self, specimen: &Specimen) -> f64 {
         let (gravity, still) = (self.setup.gravity, Vector::zeros());
         let of_plate = |body: &BodyState| {
@@ -116,7 +116,9 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
             body_energy(body, plate.mass, &plate.inertia, gravity, &still).potential
         };
         let plate = specimen.state.top_plate.as_ref().map_or(0.0, of_plate);
-        grain_energy(specimen, gravity, &still).potential + plate
+        let free = specimen.state.pieces.iter().filter_map(|piece| piece.free);
+        let pieces: f64 = free.map(|f| f.mass_kg * gravity * f.body.pose.translation.z).sum();
+        grain_energy(specimen, gravity, &still).potential + plate + pieces
     }
 
     /// Tells somebody of what checks find, at once.

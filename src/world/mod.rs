@@ -276,6 +276,19 @@ pub trait World {
         Err(WorldError::NotPressed(id))
     }
 
+    /// Makes a body a further part of another that was added before at the same pose: from the
+    /// next step on they are one rigid body, with the motion, mass and inertia of the other, which
+    /// all contacts of both act on. The part was added as kinematic where the other is pressed,
+    /// turned or kinematic, and as free with the same values where it is free. Parts do not meet
+    /// each other.
+    ///
+    /// # Errors
+    /// [`WorldError::NoSuchBody`]; [`WorldError::BadBody`] where they cannot be one, and for an
+    /// engine whose bodies have one part.
+    fn join(&mut self, _part: BodyId, _whole: BodyId) -> Result<(), WorldError> {
+        Err(WorldError::BadBody { reason: "this engine has no bodies of several parts".into() })
+    }
+
     /// Reads the state of one body.
     ///
     /// # Errors

@@ -12,8 +12,8 @@ pub enum Material {
     Wall,
     /// The top plate.
     Plate,
-    /// A piece of a laboratory with a friction of its own against grains, by its number
-    /// among these; else it is a wall.
+    /// A piece of a laboratory with a friction of its own, by its number among these; else it is
+    /// a wall.
     Piece(u8),
 }
 
@@ -28,7 +28,7 @@ impl Material {
         }
     }
 
-    /// What it is but for its friction against grains.
+    /// What it is but for its friction.
     fn kind(self) -> usize {
         match self {
             Self::Piece(_) => Self::Wall.index(),
@@ -51,7 +51,7 @@ pub struct PairCoefficients {
 pub struct PairTable {
     /// Of grains, walls and plate.
     common: [[PairCoefficients; 3]; 3],
-    /// Of grains with each piece that has a friction of its own.
+    /// Of each piece that has a friction of its own, against everything.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pieces: Vec<PairCoefficients>,
 }
@@ -59,10 +59,14 @@ pub struct PairTable {
 impl PairTable {
     /// The coefficients of a pair, whichever comes first.
     pub fn get(&self, a: Material, b: Material) -> PairCoefficients {
+        let of = |n: u8| self.pieces.get(usize::from(n)).copied();
         let own = match (a, b) {
-            (Material::Piece(n), Material::Grain) | (Material::Grain, Material::Piece(n)) => {
-                self.pieces.get(usize::from(n)).copied()
+            // Of two, that of the smoother one.
+            (Material::Piece(n), Material::Piece(m)) => {
+                let both = of(n).zip(of(m));
+                both.map(|(one, other)| if one.friction <= other.friction { one } else { other })
             }
+            (Material::Piece(n), _) | (_, Material::Piece(n)) => of(n),
             _ => None,
         };
         own.unwrap_or(self.common[a.kind()][b.kind()])
@@ -79,7 +83,7 @@ impl PairTable {
         self.common[b.kind()][a.kind()] = coefficients;
     }
 
-    /// Adds a piece with coefficients of its own against grains; none where there are
+    /// Adds a piece with coefficients of its own; none where there are
     /// as many as can be told apart.
     pub fn add_piece(&mut self, coefficients: PairCoefficients) -> Option<Material> {
         let number = u8::try_from(self.pieces.len()).ok()?;

@@ -167,7 +167,6 @@ fn loads_are_checked_all_at_once_and_refused_where_no_engine_can_press() {
         ("loads[1].piece", "two loads"),
         ("loads[1].direction", "no direction"),
         ("loads[1].force_n", "a force, a stress, a moment or a lock"),
-        ("loads[2].piece", "only solid pieces"),
         ("loads[3].piece", "no such piece"),
         ("loads[3].axis", "only a moment has an axis"),
         ("loads[4].axis", "a moment needs its axis"),
@@ -187,6 +186,57 @@ fn loads_are_checked_all_at_once_and_refused_where_no_engine_can_press() {
         let told = found.iter().any(|(at, text)| *at == path && text.contains(words));
         assert!(told, "law: told with `{words}`, got {found:#?}");
     }
+}
+
+#[test]
+fn pieces_that_are_let_go_are_checked_and_refused_where_no_engine_can() {
+    let stage = sound()["stages"].as_array().expect("stages").len();
+    let with = |names: &[&str]| {
+        let mut value = sound();
+        let stages = value["stages"].as_array_mut().expect("stages");
+        stages.push(json!({ "stage": "release", "pieces": names, "mass_g": 50 }));
+        let block = |name: &str, x: f64| {
+            json!({ "name": name, "at_mm": [x, 0, 300],
+                "shape": { "vane": { "diameter_mm": 20, "height_mm": 20 } } })
+        };
+        let mut cross = block("cross", 40.0);
+        cross["may_cross"] = json!(true);
+        value["pieces"].as_array_mut().expect("pieces").extend([block("block", 0.0), cross]);
+        value
+    };
+    let good = with(&["block"]);
+    assert_eq!(faults(&good), [], "law: a vane can be let go");
+    let all: Vec<String> = good["pieces"]
+        .as_array()
+        .expect("pieces")
+        .iter()
+        .map(|piece| piece["name"].as_str().expect("a name").to_owned())
+        .collect();
+    let all: Vec<&str> = all.iter().map(String::as_str).collect();
+    let mut thick = good.clone();
+    let last = thick["pieces"].as_array().expect("pieces").len() - 1;
+    thick["pieces"][last]["shape"]["vane"]["blade_mm"] = json!(25);
+    let mut rapier = good.clone();
+    rapier["engine"] = json!({ "backend": "rapier" });
+    let mut stock = good.clone();
+    stock["engine"] = json!({ "contact_solver": "stock" });
+    for (value, field, words) in [
+        (with(&["nobody"]), "pieces[0]", "no such piece"),
+        (with(&["block", "block"]), "pieces[1]", "named twice"),
+        (with(&["cross"]), "pieces[0]", "feels the pieces"),
+        (with(&all), "pieces", "nothing is left that could carry"),
+        (with(&[]), "pieces", "too short"),
+        (rapier, "stage", "rapier moves no piece freely"),
+        (stock, "stage", "stock contacts moves no piece freely"),
+    ] {
+        let path = format!("stages[{stage}].{field}");
+        let found = faults(&value);
+        let told = found.iter().any(|(at, text)| *at == path && text.contains(words));
+        assert!(told, "law: `{path}` is reported with `{words}`, got {found:#?}");
+    }
+    let found = faults(&thick);
+    let path = format!("pieces[{last}].shape.vane.blade_mm");
+    assert!(found.iter().any(|(at, _)| *at == path), "law: no blades are left, {found:#?}");
 }
 
 #[test]

@@ -31,7 +31,9 @@ fn sound() -> Value {
               "until": { "piece": "lid", "direction": [0, 0, 1], "force_n": 3, "window_s": 0.02 },
               "time_limit_s": 2 },
             { "stage": "press", "loads": [{ "piece": "lid", "force_n": 20 }],
-              "until": { "piece": "lid", "direction": [0, 0, 1], "steady_force_percent": 30 } }
+              "until": [
+                  { "piece": "lid", "direction": [0, 0, 1], "steady_force_percent": 30 },
+                  { "piece": "all", "direction": [0, 0, -1], "force_n": 1e6 }] }
         ],
         "rest_test_s": 0
     })
@@ -96,6 +98,12 @@ fn conditions_are_checked_with_what_they_need() {
             "until.window_s",
             "means nothing with `moved_mm`",
         ),
+        (json!({ "piece": "box", "turned_deg": 1 }), "until.piece", "does not move"),
+        (
+            json!({ "piece": "lid", "turned_deg": 1, "direction": up }),
+            "until.direction",
+            "means nothing with `turned_deg`",
+        ),
         (json!({ "flow_below_g_per_s": 1 }), "until.opening", "is that of one"),
         (json!({ "opening": "gap", "steady_flow_percent": 1 }), "until.opening", "allowed: mouth"),
         (
@@ -115,6 +123,31 @@ fn conditions_are_checked_with_what_they_need() {
     for (piece, fits) in [("all", true), ("lid", true)] {
         let moved = until(json!({ "piece": piece, "moved_mm": 1 }));
         assert_eq!(faults_in(folder, &moved).is_empty(), fits, "law: {piece} moves");
+    }
+    // Several: each is checked where it stands.
+    let good = json!({ "piece": "lid", "moved_mm": 1 });
+    let bad = json!({ "piece": "door", "moved_mm": 1 });
+    let odd = json!({ "piece": "lid", "moved_mm": "1", "force": 2 });
+    for (several, faults) in [
+        (json!([good, good]), vec![]),
+        (json!({ "all_of": [good] }), vec![]),
+        (json!([]), vec![("until", "too short")]),
+        (json!({ "all_of": [] }), vec![("until.all_of", "too short")]),
+        (json!([good, bad]), vec![("until[1].piece", "no such piece")]),
+        (json!({ "all_of": [bad] }), vec![("until.all_of[0].piece", "no such piece")]),
+        (
+            json!([good, odd]),
+            vec![("until[1].moved_mm", "wrong type"), ("until[1].force", "did you mean")],
+        ),
+        (json!({ "all_of": [good], "piece": "lid" }), vec![("until.piece", "no such field")]),
+        (json!("lid"), vec![("until", "wrong type")]),
+    ] {
+        let value = until(several);
+        let found = faults_in(folder, &value);
+        assert_eq!(found.len(), faults.len(), "law: these faults alone, got {found:#?}");
+        for (field, words) in faults {
+            expect(folder, &value, &format!("stages[1].{field}"), words);
+        }
     }
     let mut value = sound();
     value["stages"][1].as_object_mut().expect("a stage").remove("time_limit_s");
@@ -146,7 +179,14 @@ fn what_ended_a_stage_stands_in_the_summary() {
     let lasted = number(&summary["stages"][1]["duration_s"]);
     assert!((lasted - at - 0.02).abs() < 3e-3, "law: a ramp later it is over, {lasted} s");
     assert_eq!(of(2)["reached"], json!(true), "law: the force becomes steady, {}", of(2));
-    assert!(number(&of(2)["change_percent"]) <= 30.0, "law: within 30 %, {}", of(2));
+    let [steady, force] = &of(2)["conditions"].as_array().expect("two")[..] else {
+        panic!("law: each is reported, {}", of(2));
+    };
+    assert!(number(&steady["change_percent"]) <= 30.0, "law: within 30 %, {steady}");
+    assert_eq!((&steady["reached"], &force["reached"]), (&json!(true), &json!(false)));
+    assert_eq!(steady["condition"], json!("`steady_force_percent` of `lid`"), "law: it is named");
+    let told = String::from_utf8_lossy(&done.stdout);
+    assert!(told.contains("`steady_force_percent` of `lid` with a change of"), "law: {told}");
 }
 
 #[test]
@@ -186,6 +226,13 @@ fn a_recorded_motion_moves_pieces_and_is_checked_beforehand() {
     expect(folder, &value, "stages[1].ramp_s", "ends with its last");
     value["stages"][1]["velocity_mm_per_s"] = json!([0, 0, 1]);
     expect(folder, &value, "stages[1].velocity_mm_per_s", "pieces move in one way");
+    // Ended early, within a ramp.
+    let mut value = recorded("down.csv");
+    value["stages"][1]["ramp_s"] = json!(0.1);
+    value["stages"][1]["until"] = json!([{ "piece": "lid", "moved_mm": 4 }]);
+    assert_eq!(faults_in(folder, &value), [], "law: a recorded motion takes a condition");
+    value["stages"][1]["time_limit_s"] = json!(1);
+    expect(folder, &value, "stages[1].time_limit_s", "with its last row at the latest");
     let joined = changed("/stages/1/until", json!({ "piece": "lid", "moved_mm": 1 }));
     let mut value = joined;
     value["stages"][1]["interpolation"] = json!("linear");
@@ -265,9 +312,9 @@ fn a_mesh_is_a_piece_of_its_convex_parts_and_shows_in_pictures() {
     let mut value = of("blocks.obj");
     value["pieces"][0]["shape"]["mesh"] = json!({ "parts": inside_out });
     expect(folder, &value, "pieces[0].shape.mesh.parts[0]", "closed convex surface");
-    // Two parts cannot be pressed.
+    // Several parts are pressed as one body.
     let mut value = of("blocks.obj");
     let press = json!({ "stage": "press", "loads": [{ "piece": "blocks", "force_n": 1 }] });
     value["stages"].as_array_mut().expect("stages").push(press);
-    expect(folder, &value, "stages[1].loads[0].piece", "only solid pieces");
+    assert_eq!(faults_in(folder, &value), [], "law: a mesh of two parts can be pressed");
 }

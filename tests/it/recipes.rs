@@ -338,3 +338,62 @@ fn a_sheared_box_resists() {
     let drawn = recipe.mean(3, 0.3, "lower", |piece| piece.force_n.x);
     within("the lower half is held back as much", -drawn / shear, 0.8, 1.2);
 }
+
+#[test]
+fn a_footing_comes_to_rest_on_its_bed_and_bears_more_the_deeper_it_is() {
+    let recipe = Recipe::run(
+        "footing",
+        &[
+            "grains.total_mass_g=180",
+            "pieces.0.shape.box.inner_mm=[60,45,120]",
+            "pieces.1.shape.plate.size_mm=[20,40,20]",
+            "stages.0.area_mm=[50,35]",
+            "stages.1.mass_g=130",
+            "stages.2.loads.0.force_n=60",
+            r#"stages.2.until=[{"piece":"block","moved_mm":6},
+                {"piece":"block","direction":[0,0,1],"force_n":58}]"#,
+            "rest_test_s=0",
+        ],
+    );
+    let block = recipe.number("block");
+    let free = &recipe.ends[1].state.pieces;
+    let weight = 0.13 * recipe.gravity;
+    let moving = free[block].free.expect("let go").body.linear_velocity.norm();
+    within("at rest, m/s", moving, 0.0, 0.01);
+    within("the bed carries it", free[block].force_n.z / weight, 0.97, 1.03);
+    let all: Vector = free.iter().map(|piece| piece.force_n).sum();
+    within("the box carries all", -all.z / recipe.weight(), 0.98, 1.02);
+    within("it fell onto the bed, mm", 110.0 - recipe.height(1, "block") * 1e3, 5.0, 60.0);
+    let last = &recipe.ends[2].state.pieces[block];
+    let press = last.press.expect("pressed");
+    assert!(last.free.is_none(), "law: what is pressed is not free");
+    within("the bed bears more than its weight, N", press.force_n, 3.0 * weight, 60.0);
+    let sunk = (recipe.height(1, "block") - recipe.height(2, "block")) * 1e3;
+    within("it settles by mm", sunk, 0.05, 8.0);
+}
+
+#[test]
+fn a_vane_is_turned_by_a_moment_until_its_bed_fails() {
+    let recipe = Recipe::run(
+        "vane",
+        &[
+            "grains.total_mass_g=170",
+            "pieces.0.shape.cylinder.inner_diameter_mm=60",
+            "pieces.1.shape.vane.diameter_mm=30",
+            "stages.0.diameter_mm=50",
+            "rest_test_s=0.2",
+        ],
+    );
+    recipe.is_balanced();
+    let vane = recipe.number("vane");
+    let turned = |stage: usize| {
+        let press = recipe.ends[stage].state.pieces[vane].press.expect("pressed");
+        press.turns.expect("by a moment").turned_rad.to_degrees()
+    };
+    within("it has turned, degrees", turned(1), 45.0, 60.0);
+    let most = recipe.samples[1]
+        .iter()
+        .filter_map(|sample| Some(sample.pieces[vane].press?.force_n))
+        .fold(0.0, f64::max);
+    within("its strength, N m", most, 0.002, 0.9);
+}

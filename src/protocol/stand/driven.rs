@@ -68,7 +68,8 @@ impl Stand<'_> {
         let state = &self.specimen.state;
         let present = state.bodies.iter().filter(|g| g.fate == Fate::Present).map(|g| &g.body);
         let (mut squares, mut count, mut largest) = (0.0, 0u32, 0.0_f64);
-        for body in present.chain(state.top_plate.as_ref()) {
+        let free = self.pieces.free_motion(state).map(|(.., body)| body);
+        for body in present.chain(state.top_plate.as_ref()).chain(free) {
             let square = body.linear_velocity.norm_squared();
             squares += square;
             count += 1;

@@ -17,7 +17,7 @@ impl Stand<'_> {
         let plate = state.top_plate.iter().map(|s| (plate.mass, &plate.inertia, s));
         let lowest = self.whereabouts.lowest();
         let began = self.midway.began_s + self.midway.steps as f64 * self.world.time_step();
-        let bodies = bodies.chain(plate);
+        let bodies = bodies.chain(plate).chain(self.pieces.free_motion(state));
         let begins = self.midway.watch.begin(bodies, lowest, self.setup.gravity, table, began);
         if begins && let Some((kinetic, _)) = self.pieces.pressed_motion(state) {
             let springs = spring_energy(&state.contacts, &self.setup.engine);
@@ -32,7 +32,8 @@ impl Stand<'_> {
         let grains = grains.filter_map(|(g, id)| Some((g.mass, &g.inertia, body(id)?)));
         let plate = &self.of_plate;
         let plate = body(&self.plate).map(|s| (plate.mass, &plate.inertia, s));
-        let free = Tally::of(grains.chain(plate), self.setup.gravity);
+        let pieces = self.pieces.free_motion(&self.specimen.state);
+        let free = Tally::of(grains.chain(plate).chain(pieces), self.setup.gravity);
         let pressed = self.pieces.pressed_motion(&self.specimen.state);
         pressed.map_or(free, |(kinetic, fastest)| free.and(kinetic, fastest))
     }
@@ -49,6 +50,10 @@ impl Stand<'_> {
         let held = |id: &BodyId| self.snapshot.get(id.0 as usize).is_some_and(Option::is_some);
         if let Some(lost) = self.grains.iter().flatten().chain(&self.plate).find(|id| !held(id)) {
             let what = format!("body {} is no longer in the engine", lost.0);
+            return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
+        }
+        let lowest = self.whereabouts.lowest();
+        if let Some(what) = self.pieces.lost(self.setup, lowest, &self.specimen.state) {
             return Err(self.failed(WorldError::Unphysical { time_s: time, what }));
         }
         let now = self.tally();

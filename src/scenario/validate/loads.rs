@@ -1,9 +1,52 @@
-//! Loads on pieces that are pressed.
+//! Loads on pieces that are pressed, and pieces that are let go.
 
 use std::collections::HashSet;
 
 use super::Parts;
 use crate::scenario::{Backend, ContactSolver, LoadSpec};
+
+/// What computes the scenario, where that is not Bullet with native contacts.
+fn not_native(parts: &Parts) -> Option<&'static str> {
+    let engine = parts.engine.as_ref()?;
+    match (engine.backend, engine.contact_solver) {
+        (Backend::Rapier, _) => Some("rapier"),
+        (Backend::Bullet, ContactSolver::Stock) => Some("Bullet with stock contacts"),
+        (Backend::Bullet, ContactSolver::Native) => None,
+    }
+}
+
+/// Checks the pieces that a stage lets go; whether they stand is checked with all others.
+pub(super) fn check_release(
+    parts: &Parts,
+    names: &[String],
+    add: &mut impl FnMut(&str, String, &str, &str),
+) {
+    if let Some(who) = not_native(parts) {
+        add(
+            "stage",
+            "\"release\"".into(),
+            "it on Bullet with native contacts",
+            &format!("{who} moves no piece freely"),
+        );
+    }
+    let mut seen = HashSet::new();
+    for (k, name) in names.iter().enumerate() {
+        let field = format!("pieces[{k}]");
+        if !seen.insert(name) {
+            add(&field, format!("{name:?}"), "each piece once", "the piece is named twice");
+        }
+        let piece = parts.pieces().find(|(_, piece)| piece.name == *name);
+        if piece.is_some_and(|(_, piece)| piece.may_cross) {
+            let message = "what moves freely feels the pieces that it would stand in";
+            add(&field, format!("{name:?}"), "a piece without `may_cross`", message);
+        }
+    }
+    let all = parts.pieces().all(|(_, piece)| names.contains(&piece.name));
+    if all && parts.has_pieces() {
+        let message = "nothing is left that could carry what moves freely";
+        add("pieces", names.join(", "), "fewer than all pieces", message);
+    }
+}
 
 /// Checks the loads of a stage; whether their pieces stand is checked with all others.
 pub(super) fn check(
@@ -11,20 +54,13 @@ pub(super) fn check(
     loads: &[LoadSpec],
     add: &mut impl FnMut(&str, String, &str, &str),
 ) {
-    if let Some(engine) = &parts.engine {
-        let who = match (engine.backend, engine.contact_solver) {
-            (Backend::Rapier, _) => Some("rapier"),
-            (Backend::Bullet, ContactSolver::Stock) => Some("Bullet with stock contacts"),
-            (Backend::Bullet, ContactSolver::Native) => None,
-        };
-        if let Some(who) = who {
-            add(
-                "stage",
-                "\"press\"".into(),
-                "it on Bullet with native contacts",
-                &format!("{who} cannot press a piece along one direction"),
-            );
-        }
+    if let Some(who) = not_native(parts) {
+        add(
+            "stage",
+            "\"press\"".into(),
+            "it on Bullet with native contacts",
+            &format!("{who} cannot press a piece along one direction"),
+        );
     }
     let mut seen = HashSet::new();
     for (k, load) in loads.iter().enumerate() {
@@ -34,14 +70,6 @@ pub(super) fn check(
         if !seen.insert(&load.piece) {
             let name = format!("{:?}", load.piece);
             add("piece", name, "each piece once", "the piece has two loads");
-        }
-        let piece = parts.pieces().find(|(_, piece)| piece.name == load.piece);
-        if let Some((_, piece)) = piece
-            && piece.shape.shows_mm2([0.0, 0.0, 1.0]).is_none()
-        {
-            let kind = piece.shape.kinds().join(", ");
-            let message = "only solid pieces can be pressed";
-            add("piece", kind, "a `plate`, a `disc`, a `wedge` or a `mesh` of one part", message);
         }
         if load.direction.iter().all(|x| *x == 0.0) {
             add("direction", "0".into(), "not all of it 0", "the load has no direction");

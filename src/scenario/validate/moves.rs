@@ -138,8 +138,7 @@ fn check_recorded(spec: &StageSpec, add: &mut Add) {
         ("duration_s", number(duration_s)),
         ("travel_mm", number(travel_mm)),
         ("travel_deg", number(travel_deg)),
-        ("ramp_s", number(&Some(*ramp_s).filter(|ramp| *ramp != 0.0))),
-        ("until", until.as_ref().map(|_| "a condition".to_owned())),
+        ("ramp_s", number(&Some(*ramp_s).filter(|ramp| *ramp != 0.0 && until.is_none()))),
     ] {
         if let Some(found) = found {
             let message = "a recorded motion begins with its first row and ends with its last";

@@ -16,7 +16,7 @@ const BUILT_IN: [&str; 5] =
     ["fill_funnel", "slow_pluviation", "pour", "place_top_plate", "vibrate"];
 
 /// Stages of a laboratory of pieces.
-const OF_PIECES: [&str; 4] = ["deposit", "move", "press", "remove"];
+const OF_PIECES: [&str; 5] = ["deposit", "move", "press", "release", "remove"];
 
 pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
     check_pieces(parts, faults);
@@ -33,6 +33,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
         match spec {
             StageSpec::Deposit { .. } => check_deposit(spec, &mut add),
             StageSpec::Press { loads, .. } => loads::check(parts, loads, &mut add),
+            StageSpec::Release { pieces, .. } => loads::check_release(parts, pieces, &mut add),
             _ => {}
         }
     }
@@ -70,7 +71,7 @@ fn check_shape(shape: &ShapeSpec, add: &mut impl FnMut(&str, String, &str, &str)
         add(
             "shape",
             format!("{given} shapes"),
-            "one of `box`, `cylinder`, `plate`, `disc`, `hopper`, `wedge`, `drum` and `mesh`",
+            "one of `box`, `cylinder`, `plate`, `disc`, `hopper`, `wedge`, `drum`, `mesh` and `vane`",
             "a piece has one shape",
         );
     }
@@ -93,6 +94,16 @@ fn check_shape(shape: &ShapeSpec, add: &mut impl FnMut(&str, String, &str, &str)
             drum.lifter_mm.to_string(),
             &format!("less than {} mm, the inner radius", drum.inner_diameter_mm / 2.0),
             "the bars reach the axis of the drum",
+        );
+    }
+    if let Some(vane) = &shape.vane
+        && vane.diameter_mm / 2.0 <= vane.core_mm()
+    {
+        add(
+            "shape.vane.blade_mm",
+            vane.blade_mm.to_string(),
+            "blades thinner than they are long",
+            "nothing is left between the blades",
         );
     }
     if let Some(mesh) = &shape.mesh {
@@ -131,7 +142,7 @@ fn check_names_of_stages(parts: &Parts, faults: &mut Vec<Fault>) {
             faults.push(fault(
                 &path,
                 Value::from(name),
-                "`deposit`, `move`, `press`, `remove` and `rest`".into(),
+                "`deposit`, `move`, `press`, `release`, `remove` and `rest`".into(),
                 format!(
                     "`{name}` is done with the built-in apparatus, in whose place `pieces` stand"
                 ),
@@ -203,6 +214,7 @@ fn check_who_stands(parts: &Parts, faults: &mut Vec<Fault>) {
         let (names, path, takes): (Vec<&String>, &dyn Fn(usize) -> String, bool) = match &stage.spec
         {
             Some(StageSpec::Move { pieces, .. }) => (pieces.iter().collect(), &field, false),
+            Some(StageSpec::Release { pieces, .. }) => (pieces.iter().collect(), &field, false),
             Some(StageSpec::Remove { pieces, .. }) => (pieces.iter().collect(), &field, true),
             Some(StageSpec::Press { loads, .. }) => {
                 (loads.iter().map(|load| &load.piece).collect(), &of_load, false)

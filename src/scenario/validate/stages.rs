@@ -121,7 +121,10 @@ fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
         }
         if i == 0
             && begun.is_none()
-            && !matches!(name, "fill_funnel" | "slow_pluviation" | "deposit" | "move" | "remove")
+            && !matches!(
+                name,
+                "fill_funnel" | "slow_pluviation" | "deposit" | "move" | "release" | "remove"
+            )
         {
             add(
                 "\"fill_funnel\" or \"slow_pluviation\"",
@@ -174,6 +177,7 @@ fn check_time(parts: &Parts, faults: &mut Vec<Fault>) {
                 | StageSpec::Pour { time_limit_s, .. }
                 | StageSpec::Deposit { time_limit_s, .. }
                 | StageSpec::Press { time_limit_s, .. }
+                | StageSpec::Release { time_limit_s, .. }
                 | StageSpec::Remove { time_limit_s, .. }
                 | StageSpec::PlaceTopPlate { time_limit_s, .. } => ("time_limit_s", time_limit_s),
                 StageSpec::Vibrate { settle_limit_s, .. } => ("settle_limit_s", settle_limit_s),

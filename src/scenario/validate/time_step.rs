@@ -234,6 +234,13 @@ fn motions(parts: &Parts) -> Vec<Fast> {
             let what = "a piece at its fastest".to_owned();
             speed.is_finite().then_some(Fast { speed, what })
         }
+        StageSpec::Release { pieces, .. } => {
+            let lowest = lowest_mm(parts.pieces().map(|(_, piece)| piece))?;
+            let named = parts.pieces().filter(|(_, piece)| pieces.contains(&piece.name));
+            let highest = named.map(|(_, piece)| piece.at_mm[2]).fold(lowest, f64::max);
+            let what = "a piece that is let go and falls to the lowest".to_owned();
+            Some(Fast { what, ..fall(highest - lowest, "")? })
+        }
         StageSpec::Press { approach_mm_per_s, .. } => {
             let what = "a piece that is pressed on".to_owned();
             Some(Fast { speed: from_mm(*approach_mm_per_s), what })

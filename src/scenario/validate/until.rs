@@ -5,13 +5,13 @@ use std::collections::HashSet;
 use serde_json::Value;
 
 use super::{Parts, fault};
-use crate::scenario::{Fault, StageSpec, UntilSpec};
+use crate::scenario::{ConditionSpec, Fault, StageSpec};
 
 /// Where a condition is found at fault: field, what was found, what is allowed, what it means.
 type Add<'a> = dyn FnMut(&str, String, &str, &str) + 'a;
 
 pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
-    // Pieces that are pressed when a stage begins.
+    // Pieces that are pressed or free when a stage begins.
     let mut pressed: HashSet<&str> = HashSet::new();
     for (i, stage) in parts.stages.iter().enumerate() {
         let Some(spec) = &stage.spec else { continue };
@@ -20,8 +20,16 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
             let path = format!("stages[{i}].{field}");
             faults.push(fault(&path, found, allowed.into(), message.into()));
         };
-        if let StageSpec::Move { until, time_limit_s, .. } = spec {
+        if let StageSpec::Move { until, time_limit_s, motion_file, motion_rows, .. } = spec {
+            let recorded = motion_file.is_some() || motion_rows.is_some();
             match (until, time_limit_s) {
+                (_, Some(limit)) if recorded => add(
+                    "time_limit_s",
+                    limit.to_string(),
+                    "the field left out",
+                    "a recorded motion ends with its last row at the latest",
+                ),
+                (Some(_), None) if recorded => {}
                 (Some(_), None) => add(
                     "time_limit_s",
                     String::new(),
@@ -38,17 +46,19 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
             }
         }
         if let Some(until) = spec.until() {
-            let mut add = |field: &str, found: String, allowed: &str, message: &str| {
-                add(&format!("until.{field}"), found, allowed, message);
-            };
-            check_condition(until, &mut add);
-            check_names(parts, until, &mut add);
-            check_way(parts, spec, until, &pressed, &mut add);
+            for (place, condition) in until.placed() {
+                let mut add = |field: &str, found: String, allowed: &str, message: &str| {
+                    add(&format!("until{place}.{field}"), found, allowed, message);
+                };
+                check_condition(condition, &mut add);
+                check_names(parts, condition, &mut add);
+                check_way(parts, spec, condition, &pressed, &mut add);
+            }
         }
     }
 }
 
-/// Which pieces are pressed in and after a stage.
+/// Which pieces are pressed or free in and after a stage.
 fn follow<'a>(spec: &'a StageSpec, pressed: &mut HashSet<&'a str>) {
     match spec {
         StageSpec::Press { loads, .. } => {
@@ -59,6 +69,8 @@ fn follow<'a>(spec: &'a StageSpec, pressed: &mut HashSet<&'a str>) {
                 };
             }
         }
+        // What is free moves as well.
+        StageSpec::Release { pieces, .. } => pressed.extend(pieces.iter().map(String::as_str)),
         StageSpec::Move { pieces, .. } | StageSpec::Remove { pieces, .. } => {
             pressed.retain(|name| !pieces.iter().any(|piece| piece == name));
         }
@@ -67,12 +79,12 @@ fn follow<'a>(spec: &'a StageSpec, pressed: &mut HashSet<&'a str>) {
 }
 
 /// One condition, with what it needs and nothing else.
-fn check_condition(until: &UntilSpec, add: &mut Add) {
-    let given = until.conditions();
+fn check_condition(until: &ConditionSpec, add: &mut Add) {
+    let given = until.given();
     let [(condition, _)] = given[..] else {
         let names: Vec<&str> = given.iter().map(|(name, _)| *name).collect();
-        let allowed = "one of `force_n`, `steady_force_percent`, `moved_mm`, `flow_below_g_per_s` \
-                       and `steady_flow_percent`";
+        let allowed = "one of `force_n`, `steady_force_percent`, `moved_mm`, `turned_deg`, \
+                       `flow_below_g_per_s` and `steady_flow_percent`";
         return add("force_n", names.join(", "), allowed, "a stage ends by one condition");
     };
     let of_flow = condition.contains("flow");
@@ -99,7 +111,10 @@ fn check_condition(until: &UntilSpec, add: &mut Add) {
         }
         _ => {}
     }
-    if let (Some(window), "moved_mm") = (until.window_s, condition) {
+    if let (Some(to), "turned_deg") = (until.direction, condition) {
+        idle(condition, add, "direction", format!("{to:?}"));
+    }
+    if let (Some(window), "moved_mm" | "turned_deg") = (until.window_s, condition) {
         idle(condition, add, "window_s", window.to_string());
     }
 }
@@ -111,7 +126,7 @@ fn idle(condition: &str, add: &mut Add, field: &str, found: String) {
 }
 
 /// Names of what is there.
-fn check_names(parts: &Parts, until: &UntilSpec, add: &mut Add) {
+fn check_names(parts: &Parts, until: &ConditionSpec, add: &mut Add) {
     let mut known = |field: &str, name: &Option<String>, there: Vec<&str>, message: &str| {
         if let Some(name) = name.as_deref().filter(|name| !there.contains(name)) {
             add(field, Value::from(name).to_string(), &there.join(", "), message);
@@ -132,12 +147,12 @@ fn check_names(parts: &Parts, until: &UntilSpec, add: &mut Add) {
 fn check_way(
     parts: &Parts,
     spec: &StageSpec,
-    until: &UntilSpec,
+    until: &ConditionSpec,
     pressed: &HashSet<&str>,
     add: &mut Add,
 ) {
-    let (Some(name), Some(_), Some(measures)) = (&until.piece, until.moved_mm, &parts.measures)
-    else {
+    let way = until.moved_mm.or(until.turned_deg);
+    let (Some(name), Some(_), Some(measures)) = (&until.piece, way, &parts.measures) else {
         return;
     };
     let group = measures.groups.iter().find(|group| group.name == *name);
@@ -149,7 +164,7 @@ fn check_way(
     let moves = |name: &String| driven(name) || pressed.contains(name.as_str());
     let there = |name: &String| parts.pieces().any(|(_, piece)| piece.name == *name);
     if names.iter().all(there) && !names.iter().any(moves) {
-        let allowed = "a piece that is pressed, or moved by this stage";
+        let allowed = "a piece that is pressed or free, or moved by this stage";
         add("piece", Value::from(name.as_str()).to_string(), allowed, "the piece does not move");
     }
 }

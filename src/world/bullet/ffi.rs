@@ -294,6 +294,8 @@ mod bridge {
         ) -> Result<()>;
         /// Sets the force on it along the direction in N, or the moment about the axis in N m.
         fn set_force(self: Pin<&mut BulletWorld>, id: u32, force: f64) -> Result<()>;
+        /// Makes a body a further part of another, at the same pose: they move as one.
+        fn join_body(self: Pin<&mut BulletWorld>, id: u32, whole: u32) -> Result<()>;
         fn step(self: Pin<&mut BulletWorld>) -> Result<()>;
         fn read_one_body(self: &BulletWorld, id: u32) -> Result<BodyRead>;
         fn read_bodies(self: &BulletWorld, out: &mut Vec<BodyRead>);

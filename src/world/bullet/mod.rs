@@ -20,6 +20,8 @@ mod landing_tests;
 #[cfg(test)]
 mod native_tests;
 #[cfg(test)]
+mod part_tests;
+#[cfg(test)]
 mod press_tests;
 pub mod probe;
 #[cfg(test)]
@@ -312,6 +314,19 @@ impl World for BulletBackend {
             return Err(WorldError::NotPressed(id));
         }
         self.world.pin_mut().set_force(id.0, force).map_err(|_| WorldError::NoSuchBody(id))
+    }
+
+    fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError> {
+        let (a, b) = (self.read_body(part)?, self.read_body(whole)?);
+        if a.pose != b.pose {
+            return Err(WorldError::BadBody { reason: "its parts have not one pose".into() });
+        }
+        self.world
+            .pin_mut()
+            .join_body(part.0, whole.0)
+            .map_err(|error| WorldError::BadBody { reason: error.what().to_owned() })?;
+        self.driven[part.0 as usize] = false;
+        Ok(())
     }
 
     fn read_body(&self, id: BodyId) -> Result<BodyState, WorldError> {

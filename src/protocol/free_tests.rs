@@ -1,0 +1,194 @@
+//! Pieces that move freely, and pieces of several parts that are pressed, in the engine.
+
+use std::ops::ControlFlow;
+use std::sync::{Arc, atomic::AtomicBool};
+
+use super::*;
+use crate::geometry::Vector;
+use crate::grains::generate;
+use crate::scenario::{GrainsSpec, Scenario, StageSpec};
+use crate::specimen::SpecimenState;
+
+/// A box with a steel-like block above its floor, a vane and a few grains that wait.
+fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
+    let mut scenario: Scenario = serde_json::from_value(serde_json::json!({
+        "name": "test",
+        "grains": {
+            "total_mass_g": 60, "density_kg_per_m3": 2650,
+            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
+        },
+        "pieces": [
+            { "name": "box", "shape": { "box": { "inner_mm": [80, 80, 140] } } },
+            { "name": "block", "shape": { "plate": { "size_mm": [40, 30, 20] } },
+              "at_mm": [3, -2, 70], "rotation_deg": [3, 4, 5] },
+            { "name": "vane", "shape": { "vane": { "diameter_mm": 50, "height_mm": 40 } },
+              "at_mm": [0, 0, 115] }
+        ],
+        "stages": []
+    }))
+    .expect("a scenario");
+    scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
+    scenario
+}
+
+fn before_everything() -> Specimen {
+    let GrainsSpec::Sieved(spec) = scenario(None).grains else { panic!("sieved") };
+    let grains = Arc::new(generate(&spec, 1).expect("grains"));
+    let state = SpecimenState::before_everything(grains.grains.len());
+    Specimen { grains, state }
+}
+
+#[derive(Default)]
+struct Seams(Vec<Midway>);
+
+impl Observer for Seams {
+    fn observe(&mut self, _: &Specimen, _: Moment) {}
+
+    fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
+        self.0.push(midway.clone());
+        ControlFlow::Continue(())
+    }
+}
+
+fn try_go(
+    every: Option<f64>,
+    specimen: Specimen,
+    midway: Option<Midway>,
+    value: serde_json::Value,
+) -> (Result<StageOutcome, StageError>, Vec<Midway>) {
+    let setup = Setup::new(&scenario(every)).expect("a laboratory");
+    let mut seams = Seams::default();
+    let make = &crate::world::create;
+    let never = AtomicBool::new(false);
+    let stage: StageSpec = serde_json::from_value(value).expect("a stage");
+    (run(&setup, make, specimen, &stage, midway, &mut seams, &never), seams.0)
+}
+
+fn go(specimen: Specimen, value: serde_json::Value) -> StageOutcome {
+    try_go(None, specimen, None, value).0.expect("it runs")
+}
+
+fn near(what: &str, got: f64, expected: f64, tolerance: f64) {
+    assert!(
+        (got - expected).abs() <= tolerance,
+        "law: {what}: expected {expected} to {tolerance}, got {got}"
+    );
+}
+
+fn release(names: &[&str], mass_g: f64) -> serde_json::Value {
+    serde_json::json!({ "stage": "release", "pieces": names, "mass_g": mass_g, "time_limit_s": 4 })
+}
+
+/// Law: a block that is let go falls, comes to rest flat on the floor, which carries its weight;
+/// on a second one as well.
+#[test]
+fn what_is_let_go_falls_and_is_carried_by_other_pieces() {
+    let _turn = crate::world::shared_turn();
+    let outcome = go(before_everything(), release(&["block"], 500.0));
+    assert!(outcome.warnings.is_empty(), "law: it settles, {:?}", outcome.warnings);
+    let [floor, block, _] = outcome.specimen.state.pieces[..] else { panic!("three pieces") };
+    let free = block.free.expect("free");
+    let weight = 0.5 * 9.81;
+    near("the floor carries it, N", -floor.force_n.z, weight, 2e-3 * weight);
+    near("as it is carried, N", block.force_n.z, weight, 2e-3 * weight);
+    // On the springs of its four corners.
+    let spring = scenario(None).engine.native.contact_stiffness_n_per_m;
+    let sunk = weight / (4.0 * spring) * 1e3;
+    near("flat on the floor, mm", block.pose.translation.z * 1e3, 10.0 - sunk, 2e-3);
+    let up = block.pose.rotation * Vector::z();
+    near("upright", up.z, 1.0, 1e-6);
+    let centre = free.body.pose.translation.vector - block.pose.translation.vector;
+    near("its frame is in its middle", centre.norm(), 0.0, 1e-12);
+    assert!(free.body.linear_velocity.norm() < 1e-3, "law: at rest");
+    // Loss of what it had: m g times its way.
+    let fallen = weight * (0.070 - block.pose.translation.z);
+    let balance = outcome.watch.balance;
+    near("impacts and friction take what it had, J", balance.dissipated, fallen, 0.01 * fallen);
+    near("nothing is put in, J", balance.input, 0.0, 1e-3 * fallen);
+
+    // A free piece of five parts on a free block, carried by both.
+    let outcome = go(outcome.specimen, release(&["vane"], 200.0));
+    let [floor, block, vane] = outcome.specimen.state.pieces[..] else { panic!("three pieces") };
+    let both = 0.7 * 9.81;
+    near("the floor carries both, N", -floor.force_n.z, both, 5e-3 * both);
+    let sum = floor.force_n + block.force_n + vane.force_n;
+    near("there are no grains to carry, N", sum.norm(), 0.0, 5e-3 * both);
+    assert!(block.free.is_some(), "law: it stays free");
+
+    // Held where it is, it is lifted.
+    let lift = serde_json::json!({ "stage": "move", "pieces": ["block"],
+        "velocity_mm_per_s": [0, 0, 0.001], "duration_s": 0.05 });
+    let outcome = go(outcome.specimen, lift);
+    let [_, block, vane] = outcome.specimen.state.pieces[..] else { panic!("three pieces") };
+    assert!(block.free.is_none() && vane.free.is_some(), "law: what is moved is not free");
+}
+
+/// Law: an interrupted stage ends with the same bits, in the air, at impact and at rest.
+#[test]
+fn what_is_let_go_goes_on_from_a_checkpoint_with_the_same_bits() {
+    let _turn = crate::world::shared_turn();
+    let every = Some(0.05);
+    let begin = before_everything();
+    let mut value = release(&["block", "vane"], 300.0);
+    value["until"] = serde_json::json!([{ "piece": "block", "moved_mm": 1000 }]);
+    let (whole, seams) = try_go(every, begin.clone(), None, value.clone());
+    let whole = whole.expect("it runs");
+    assert!(seams.len() >= 4, "the check sees segments, {}", seams.len());
+    for n in [0, 1, 3, seams.len() - 1] {
+        let text = serde_json::to_string(&seams[n]).expect("JSON");
+        let midway: Midway = serde_json::from_str(&text).expect("a checkpoint");
+        midway.check(begin.grains.grains.len()).expect("a sound checkpoint");
+        assert_eq!(midway.state.pieces, seams[n].state.pieces, "law: a file keeps every bit");
+        let (got, _) = try_go(every, begin.clone(), Some(midway), value.clone());
+        let got = got.expect("it runs");
+        assert_eq!(got.steps, whole.steps, "law: the same end from seam {n}");
+        assert_eq!(got.specimen.state, whole.specimen.state, "law: the same from seam {n}");
+        assert_eq!(got.until, whole.until, "law: told alike from seam {n}");
+    }
+}
+
+/// Law: what falls out of the laboratory ends the run, and says so.
+#[test]
+fn what_nothing_carries_is_reported() {
+    let _turn = crate::world::shared_turn();
+    let away = serde_json::json!({ "stage": "move", "pieces": ["box"], "duration_s": 1,
+        "velocity_mm_per_s": [300, 0, 0] });
+    let moved = go(before_everything(), away).specimen;
+    let (got, _) = try_go(None, moved, None, release(&["block"], 500.0));
+    let told = got.expect_err("nothing carries it").to_string();
+    assert!(told.contains("`block` fell below all other pieces"), "law: {told}");
+    let (got, _) =
+        try_go(None, before_everything(), None, release(&["block", "vane", "box"], 500.0));
+    let told = got.expect_err("nothing carries them").to_string();
+    assert!(told.contains("nothing is left that could carry"), "law: {told}");
+}
+
+/// Law: a vane is turned by a moment as one body, α = M/I, and a box pressed as one.
+#[test]
+fn pieces_of_several_parts_are_pressed_as_one() {
+    let _turn = crate::world::shared_turn();
+    let turn = serde_json::json!({ "stage": "press", "time_limit_s": 0.5, "ramp_s": 0.001,
+        "approach_mm_per_s": 10000, "loads": [{ "piece": "vane", "moment_n_m": 1e-4,
+        "axis": [0, 0, 1] }], "until": [{ "piece": "box", "direction": [0, 0, 1], "force_n": 1e6 },
+            { "piece": "vane", "turned_deg": 100 }] });
+    let outcome = go(before_everything(), turn);
+    let setup = Setup::new(&scenario(None)).expect("a laboratory");
+    let mass = setup.pieces[2].volume() * 2700.0;
+    let inertia = setup.pieces[2].inertia_about(&Vector::z(), &Default::default(), mass);
+    // Four blades of 24 mm from 1 to 25 mm, and the core.
+    let blade = 2.0 * 24.0 * 40.0 * 2.7e-6;
+    let law = 4.0 * blade * ((24.0 * 24.0 + 4.0) / 12.0 + 13.0 * 13.0)
+        + 2.0 * 2.0 * 40.0 * 2.7e-6 * 8.0 / 12.0;
+    near("moment of inertia, kg m²", inertia, law * 1e-6, 1e-9 * law);
+    let press = outcome.specimen.state.pieces[2].press.expect("pressed");
+    let turned = press.turns.expect("turns").turned_rad;
+    let time = outcome.simulated;
+    near("α t²/2, rad", turned, 0.5 * 1e-4 / inertia * time * time, 0.02 * turned);
+    let found = outcome.until.as_ref().expect("conditions");
+    assert_eq!(found.conditions[1].turned_deg, Some(turned.to_degrees()), "law: {found:?}");
+    assert!(found.reached && turned.to_degrees() >= 100.0, "law: its angle, {found:?}");
+    let angle = outcome.specimen.state.pieces[2].pose.rotation.scaled_axis().z;
+    let whole = 2.0 * std::f64::consts::PI;
+    let off = (angle - turned + 0.5 * whole).rem_euclid(whole) - 0.5 * whole;
+    near("its pose says so, rad", off, 0.0, 1e-6);
+}
