@@ -118,8 +118,7 @@ void ContactSolver::sort_bodies(const btCollisionObjectArray &bodies) {
         const int whole = whole_of(body->getUserIndex());
         // What is driven counts as static with Bullet, too.
         if (whole != body->getUserIndex()) {
-            parts_.push_back(
-                {{body, number}, {wholes.at(whole), static_cast<std::size_t>(whole)}});
+            parts_.push_back({{body, number}, {wholes.at(whole), static_cast<std::size_t>(whole)}});
         } else if (is_pressed(body->getUserIndex())) {
             pressed_.push_back({body, number});
         } else if (body->isKinematicObject()) {

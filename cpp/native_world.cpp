@@ -85,8 +85,8 @@ void NativeWorld::join(btRigidBody &part, btRigidBody &whole) {
     const btCollisionObjectArray &objects = getCollisionObjectArray();
     for (int i = 0; i < objects.size(); ++i) {
         if (objects[i] != &part && solver_.whole_of(objects[i]->getUserIndex()) == number) {
-            getPairCache()->removeOverlappingPair(
-                part.getBroadphaseHandle(), objects[i]->getBroadphaseHandle(), &dispatcher);
+            getPairCache()->removeOverlappingPair(part.getBroadphaseHandle(),
+                                                  objects[i]->getBroadphaseHandle(), &dispatcher);
         }
     }
 }

@@ -338,7 +338,7 @@ pub const PICTURES: &[(&str, &str, &str)] = &[
     (
         "laboratory-footing.png",
         "scenarios/laboratory/footing.json",
-        "picture RUN --cylinder cut --colour-by displacement --width 900 --out PICTURE",
+        "picture RUN --cylinder cut --width 900 --out PICTURE",
     ),
     (
         "laboratory-vane.png",

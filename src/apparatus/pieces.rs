@@ -342,9 +342,8 @@ mod tests {
         let halves = RigidPiece { parts: parts.into(), ..whole.clone() };
         let (frame, moments) = halves.principal_frame();
         let (own, alone) = whole.principal_frame();
-        let expected = [[0.05, 0.01], [0.1, 0.01], [0.1, 0.05]];
-        for k in 0..3 {
-            let [a, b]: [f64; 2] = expected[k];
+        let expected: [[f64; 2]; 3] = [[0.05, 0.01], [0.1, 0.01], [0.1, 0.05]];
+        for (k, [a, b]) in expected.into_iter().enumerate() {
             let law = (a * a + b * b) / 12.0;
             for got in [moments[k], alone[k]] {
                 assert!((got / law - 1.0).abs() < 1e-12, "law: {law} m², got {got}");
