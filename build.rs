@@ -9,7 +9,7 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 37] = [
+const SHIMS: [&str; 40] = [
     "contact_bodies",
     "contact_colours",
     "contact_iterations",
@@ -39,6 +39,9 @@ const SHIMS: [&str; 37] = [
     "worker_probe",
     "shapes",
     "sphere_pair",
+    "core_distance",
+    "rounded_contact",
+    "rounded_pair",
     "bodies",
     "settings",
     "stock_world",

@@ -217,8 +217,8 @@ PLUVIA_INLINE void prepare(const Pack<L> &pack, Point<L> *points, PointMemory<L>
     for (int p = 0; p < pack.points; ++p) {
         Point<L> &c = points[p];
         PointMemory<L> &m = memory[p];
-        const Three<L> arm_a = turned(m.arm_a, displacement_a.turned);
-        const Three<L> arm_b = turned(m.arm_b, displacement_b.turned);
+        const Three<L> arm_a = turned(m.arm_a, displacement_a.turned, pack.normal);
+        const Three<L> arm_b = turned(m.arm_b, displacement_b.turned, pack.normal);
         const Three<L> displacement =
             displacement_a.moved - displacement_b.moved + (arm_a - m.arm_a) - (arm_b - m.arm_b);
         m.gap_now = m.gap + displacement.dot(pack.normal);

@@ -149,6 +149,8 @@ void load(const std::vector<Touching> &touching, const std::vector<PairPlace> &p
             set_three(m.arm_b, lane, arms.b);
             put(m.arm_a.turns, pair.a->hull->is_sphere() ? 0 : 1);
             put(m.arm_b.turns, pair.b->hull->is_sphere() ? 0 : 1);
+            put(m.arm_a.ball, -pair.a->hull->rounding);
+            put(m.arm_b.ball, pair.b->hull->rounding);
             put(m.gap, static_cast<double>(contact.points[p].gap));
             const Three<double> borne = three(load.impulse);
             const double kept = static_cast<double>(load.warm_start) / substeps;

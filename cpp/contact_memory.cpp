@@ -42,15 +42,27 @@ ContactRead described(const Units &units, const Touching &pair, int point) {
     return read;
 }
 
-// Where a point of a body is now that was where it is in the body's frame when the step began.
-btVector3 now(const HullBody &body, const float on[3]) {
+// Where a point of a body is now that was where it is in the body's frame when the step began;
+// `out` is the normal out of the body, in the world. What the ball of a rounded polyhedron adds to
+// its core, or a sphere to its centre, stays where it is.
+btVector3 now(const HullBody &body, const float on[3], const btVector3 &out) {
     const btTransform &pose = body.object->getWorldTransform();
-    if (!body.hull->is_sphere()) {
+    const bool rounded = body.hull->is_rounded();
+    if (!rounded && !body.hull->is_sphere()) {
         return pose(vector(on));
     }
     double arm[3];
     body.pose.turn(on, arm);
-    return pose.getOrigin() + vector(arm);
+    if (!rounded) {
+        return pose.getOrigin() + vector(arm);
+    }
+    const btVector3 ball = out * static_cast<btScalar>(body.hull->rounding);
+    const btVector3 core = vector(arm) - ball;
+    const double world[3] = {static_cast<double>(core.x()), static_cast<double>(core.y()),
+                             static_cast<double>(core.z())};
+    double local[3];
+    body.pose.inverse().turn(world, local);
+    return pose(vector(local)) + ball;
 }
 
 } // namespace
@@ -74,8 +86,8 @@ void remember(const Units &units, const Touching &pair, rust::Vec<ContactRead> &
         if (!(vector(pair.state->loads[p].impulse).dot(normal) > 0)) {
             continue;
         }
-        const btVector3 on_a = now(*pair.a, contact.points[p].on_a);
-        const btVector3 on_b = now(*pair.b, contact.points[p].on_b);
+        const btVector3 on_a = now(*pair.a, contact.points[p].on_a, -normal);
+        const btVector3 on_b = now(*pair.b, contact.points[p].on_b, normal);
         ContactRead read = described(units, pair, p);
         read.point = units.metres((on_a + on_b) * btScalar(0.5));
         read.gap = units.metres((on_a - on_b).dot(normal));

@@ -37,15 +37,20 @@ template <class L> struct alignas(64) Point {
     L impulse, impulse_1, impulse_2; // of the sub-step
 };
 
-// A moment arm, and whether its point turns with the body: 1, or 0 on a sphere, which
-// rolls while its contact point stays below it.
-template <class L> struct Arm : Three<L> { L turns; };
+// A moment arm, and what of its point turns with the body. `turns` is 1, or 0 on a sphere, which
+// rolls while its contact point stays below it. `ball` is the part of it along the normal of the
+// contact that the ball of a rounded polyhedron adds, which likewise stays; 0 for all others.
+template <class L> struct Arm : Three<L> { L turns, ball; };
 
-// As for any vector turned by a rotation vector, where the point turns with the body.
+// As for any vector turned by a rotation vector, of what turns with the body.
 template <class L>
-inline __attribute__((always_inline)) Three<L> turned(const Arm<L> &arm, const Three<L> &by) {
+inline __attribute__((always_inline)) Three<L> turned(const Arm<L> &arm, const Three<L> &by,
+                                                      const Three<L> &normal) {
     const Three<L> &bare = arm;
-    return turned(bare, Three<L>{by.x * arm.turns, by.y * arm.turns, by.z * arm.turns});
+    const Three<L> ball = normal * arm.ball;
+    return turned(Three<L>(bare - ball),
+                  Three<L>{by.x * arm.turns, by.y * arm.turns, by.z * arm.turns}) +
+           ball;
 }
 
 // The rest about it: what a sub-step is set up from.

@@ -2,6 +2,7 @@
 
 #include "pluvia/src/world/bullet/ffi.rs.h"
 #include "prefetch.h"
+#include "rounded_pair.h"
 #include "sphere_pair.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
@@ -56,10 +57,14 @@ void HullAlgorithm::find(const HullBody &a, const HullBody &b, double travelled,
     }
     PairContact contact;
     const PairMotion motion{a.motion, b.motion, shared_.step};
-    if (a.hull->is_sphere() || b.hull->is_sphere()) {
+    const bool sphere = a.hull->is_sphere() || b.hull->is_sphere();
+    if (sphere || a.hull->is_rounded() || b.hull->is_rounded()) {
         const Lightness lightness{lightness_of(a), lightness_of(b)};
         const double gap =
-            collide_sphere(*a.hull, *b.hull, a.pose, b.pose, motion, lightness, settings, contact);
+            sphere ? collide_sphere(*a.hull, *b.hull, a.pose, b.pose, motion, lightness, settings,
+                                    contact)
+                   : collide_rounded(*shared_.kernels, *a.hull, *b.hull, a.pose, b.pose, motion,
+                                     lightness, settings, state_.memory, scratch, contact);
         take_contact(contact, shared_.match, state_);
         points_ = contact.count;
         apart_until_ = points_ == 0 ? travelled + gap : -1;

@@ -63,9 +63,10 @@ HullBody hull_body(const btCollisionObject &object) {
         out.motion.spin[i] = static_cast<double>(body.getAngularVelocity()[i]);
     }
     // The surface of a sphere stays where it is while the sphere turns.
-    out.turning = out.hull->is_sphere()
-                      ? 0
-                      : static_cast<double>(body.getAngularVelocity().length() * shape.radius());
+    const btScalar turns = out.hull->is_sphere()    ? 0
+                           : out.hull->is_rounded() ? btScalar(out.hull->core_radius())
+                                                    : shape.radius();
+    out.turning = static_cast<double>(body.getAngularVelocity().length() * turns);
     return out;
 }
 
@@ -179,6 +180,11 @@ const HullRange &HullBodies::take(const btCollisionObjectArray &objects, int i,
         float turned[9];
         std::copy(body.pose.r, body.pose.r + 9, turned);
         kernels.box(*body.hull, turned, range.low, range.high);
+        const auto ball = static_cast<float>(body.hull->rounding);
+        for (int k = 0; k < 3; ++k) {
+            range.low[k] -= ball;
+            range.high[k] += ball;
+        }
     }
     const double speed = length(body.motion.velocity, frame_.velocity);
     fastest = std::max(fastest, speed);
@@ -201,7 +207,7 @@ double HullBodies::way(const HullBody &body, const Rigid &before, const double m
         turn += (body.pose.r[i] - before.r[i]) * (body.pose.r[i] - before.r[i]);
     }
     const double from[3] = {before.t[0] + moved[0], before.t[1] + moved[1], before.t[2] + moved[2]};
-    const double radius = body.hull->is_sphere() ? 0 : static_cast<double>(body.hull->radius);
+    const auto radius = static_cast<double>(body.hull->core_radius());
     return length(body.pose.t, from) + std::sqrt(turn / 2) * radius;
 }
 

@@ -50,7 +50,8 @@ struct Half {
 
 HullData::HullData(const double *coordinates, std::size_t vertex_count,
                    const std::uint32_t *face_starts, std::size_t face_count,
-                   const std::uint32_t *face_vertices) {
+                   const std::uint32_t *face_vertices, double rounding_radius)
+    : rounding(rounding_radius) {
     const std::size_t loop_length = face_count > 0 ? face_starts[face_count] : 0;
     if (vertex_count > MOST || face_count > MOST || loop_length > MOST) {
         throw std::runtime_error("a hull has more than 65535 vertices, faces or corners of faces");
@@ -84,6 +85,7 @@ HullData::HullData(const double *coordinates, std::size_t vertex_count,
         vz[v] = static_cast<float>(coordinates[3 * v + 2]);
         radius = std::max(radius, std::sqrt(vx[v] * vx[v] + vy[v] * vy[v] + vz[v] * vz[v]));
     }
+    radius += static_cast<float>(rounding);
     std::vector<std::vector<std::uint16_t>> around(vertex_count);
     for (std::size_t f = 0; f <= face_count; ++f) {
         loop_start[f] = static_cast<std::uint16_t>(face_starts[f]);

@@ -1,6 +1,6 @@
 // A convex polyhedron as the narrow phase reads it: vertices, planes, edges
 // with the faces that meet there, and loops of the faces. Or a sphere, whose centre is its one
-// vertex.
+// vertex. Or a rounded polyhedron: a core, which the arrays describe, swept by a ball.
 //
 // Built once, in double, from the exact polyhedron; kept in single precision,
 // one array a component, aligned for vectors of eight. The rounded vertices
@@ -29,9 +29,10 @@ class HullData {
     // face_vertices[face_starts[f]] up to face_vertices[face_starts[f + 1]],
     // counter-clockwise seen from outside; `face_starts` has faces + 1 entries.
     // Throws std::runtime_error for a surface that is not closed, a face
-    // without area, or more than 65535 vertices, faces or edges.
+    // without area, or more than 65535 vertices, faces or edges. `rounding`: radius of the ball
+    // that sweeps it.
     HullData(const double *coordinates, std::size_t vertex_count, const std::uint32_t *face_starts,
-             std::size_t face_count, const std::uint32_t *face_vertices);
+             std::size_t face_count, const std::uint32_t *face_vertices, double rounding = 0);
     // A sphere about the origin.
     explicit HullData(double radius);
     ~HullData();
@@ -43,6 +44,7 @@ class HullData {
     int edges = 0;
     float radius = 0;      // of the sphere about the origin that holds the hull
     double sphere = 0;     // radius of a sphere; 0 for a polyhedron
+    double rounding = 0;   // radius of the ball that sweeps the core; 0 for a polyhedron as it is
     std::size_t bytes = 0; // of the block that holds all arrays
 
     // Vertices; the padding repeats the first.
@@ -61,6 +63,10 @@ class HullData {
     std::uint16_t *around_start, *around_face;
 
     bool is_sphere() const { return sphere > 0; }
+    bool is_rounded() const { return rounding > 0; }
+    // Of the sphere about the origin that holds what turns when the body does: what the ball of a
+    // rounded one adds, or all of a sphere, looks where it did.
+    float core_radius() const { return is_sphere() ? 0 : radius - static_cast<float>(rounding); }
 
     void prefetch_edge(int e) const {
         __builtin_prefetch(ex + e);

@@ -7,8 +7,19 @@ namespace pluvia {
 
 namespace {
 
-// Turned about the origin of the body by its spin, to the second order, and moved.
-Rigid moved(const Rigid &pose, const HullMotion &motion, double step) {
+// Whether a face other than the one found has a gap of `most` at most, or is as deep.
+bool has_other(const float *gaps, int count, int besides, float most) {
+    for (int f = 0; f < count; ++f) {
+        if (f != besides && std::abs(gaps[f]) <= most) {
+            return true;
+        }
+    }
+    return false;
+}
+
+} // namespace
+
+Rigid ahead(const Rigid &pose, const HullMotion &motion, double step) {
     const double w[3] = {step * motion.spin[0], step * motion.spin[1], step * motion.spin[2]};
     const double half = (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) / 2;
     const double turn[9] = {
@@ -26,21 +37,9 @@ Rigid moved(const Rigid &pose, const HullMotion &motion, double step) {
     return out;
 }
 
-// Whether a face other than the one found has a gap of `most` at most, or is as deep.
-bool has_other(const float *gaps, int count, int besides, float most) {
-    for (int f = 0; f < count; ++f) {
-        if (f != besides && std::abs(gaps[f]) <= most) {
-            return true;
-        }
-    }
-    return false;
-}
-
-} // namespace
-
 Rigid b_to_a_ahead(const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion) {
-    return Rigid::between(moved(pose_b, motion.b, motion.step),
-                          moved(pose_a, motion.a, motion.step));
+    return Rigid::between(ahead(pose_b, motion.b, motion.step),
+                          ahead(pose_a, motion.a, motion.step));
 }
 
 PairFace passing_face(const AxisKernels &kernels, const HullData &a, const HullData &b,

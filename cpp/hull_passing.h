@@ -25,6 +25,10 @@ struct PairMotion {
     double step;
 };
 
+// Where a body is after a time if nothing stops it: turned about its origin by its spin, to the
+// second order, and moved.
+Rigid ahead(const Rigid &pose, const HullMotion &motion, double time);
+
 // From B's frame to A's at the end of the step, if nothing stops the bodies.
 Rigid b_to_a_ahead(const Rigid &pose_a, const Rigid &pose_b, const PairMotion &motion);
 

@@ -1,6 +1,7 @@
 #include "hull_probe.h"
 
 #include "pluvia/src/world/bullet/ffi.rs.h"
+#include "rounded_pair.h"
 #include "shapes.h"
 #include "sphere_pair.h"
 
@@ -65,6 +66,12 @@ void HullProbe::find(const Rigid &pose_a, const Rigid &pose_b) {
     if (a_->is_sphere() || b_->is_sphere()) {
         collide_sphere(*a_, *b_, pose_a, pose_b, PairMotion{}, Lightness{1, 1}, collision_.settings,
                        contact);
+        take_contact(contact, collision_.match, state_);
+        return;
+    }
+    if (a_->is_rounded() || b_->is_rounded()) {
+        collide_rounded(*collision_.kernels, *a_, *b_, pose_a, pose_b, PairMotion{},
+                        Lightness{1, 1}, collision_.settings, state_.memory, scratch_, contact);
         take_contact(contact, collision_.match, state_);
         return;
     }
@@ -142,13 +149,14 @@ double HullProbe::time_steps(rust::Slice<const HullProbePose> poses, std::size_t
 namespace {
 
 std::unique_ptr<const HullData> hull(double scale, const HullProbeShape &shape) {
-    if (shape.radius > 0) {
+    if (shape.radius > 0 && shape.coordinates.empty()) {
         return std::make_unique<const HullData>(shape.radius * scale);
     }
     const auto slice = [](const auto &list) { return rust::Slice(list.data(), list.size()); };
     return make_hull_data(
         Units(scale),
-        polyhedron(slice(shape.coordinates), slice(shape.face_starts), slice(shape.face_vertices)));
+        polyhedron(slice(shape.coordinates), slice(shape.face_starts), slice(shape.face_vertices)),
+        shape.radius);
 }
 
 } // namespace

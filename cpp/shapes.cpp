@@ -53,13 +53,17 @@ Polyhedron polyhedron(rust::Slice<const double> coordinates,
             face_vertices.data()};
 }
 
-std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &p) {
+std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &p,
+                                               double rounding) {
+    if (!(std::isfinite(rounding) && rounding >= 0)) {
+        throw std::runtime_error("the radius of a rounded polyhedron is negative");
+    }
     std::vector<double> scaled(p.coordinates, p.coordinates + 3 * p.vertices);
     for (double &x : scaled) {
         x *= units.scale();
     }
     return std::make_unique<const HullData>(scaled.data(), p.vertices, p.face_starts, p.faces,
-                                            p.face_vertices);
+                                            p.face_vertices, rounding * units.scale());
 }
 
 std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,
@@ -81,6 +85,15 @@ std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyh
         throw std::runtime_error("Bullet did not keep every vertex of a hull");
     }
     hull->set_data(make_hull_data(units, polyhedron));
+    return hull;
+}
+
+std::unique_ptr<TightHull> make_rounded(const Units &units, const Polyhedron &core, double radius) {
+    if (!(std::isfinite(radius) && radius > 0)) {
+        throw std::runtime_error("the radius of a rounded polyhedron is not positive");
+    }
+    auto hull = make_hull(units, core, radius);
+    hull->set_data(make_hull_data(units, core, radius));
     return hull;
 }
 
@@ -136,6 +149,17 @@ std::uint32_t append_corners(const Units &units, const btCollisionShape &shape, 
         }
     }
     return static_cast<std::uint32_t>(count);
+}
+
+double rounding_of(const Units &units, const btCollisionShape &shape, bool of_data) {
+    if (shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE) {
+        return 0;
+    }
+    const auto &hull = static_cast<const TightHull &>(shape);
+    if (!hull.data().is_rounded()) {
+        return 0;
+    }
+    return (of_data ? hull.data().rounding : static_cast<double>(hull.getMargin())) / units.scale();
 }
 
 } // namespace pluvia

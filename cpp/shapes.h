@@ -54,14 +54,19 @@ Polyhedron polyhedron(rust::Slice<const double> coordinates,
                       rust::Slice<const std::uint32_t> face_starts,
                       rust::Slice<const std::uint32_t> face_vertices);
 
-// The polyhedron in engine units for the narrow phase. Throws
-// std::runtime_error when its surface is not closed.
-std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &polyhedron);
+// The polyhedron in engine units for the narrow phase, swept by a ball of a radius in metres.
+// Throws std::runtime_error when its surface is not closed or the radius negative.
+std::unique_ptr<const HullData> make_hull_data(const Units &units, const Polyhedron &polyhedron,
+                                               double rounding = 0);
 
 // A hull over the polyhedron's vertices, with a collision margin in metres.
 // Throws std::runtime_error when Bullet does not keep the margin or a vertex.
 std::unique_ptr<TightHull> make_hull(const Units &units, const Polyhedron &polyhedron,
                                      double margin);
+
+// A rounded polyhedron: a core swept by a ball with a radius in metres. For Bullet the radius is
+// the collision margin, which here is a part of the shape. Throws as the others.
+std::unique_ptr<TightHull> make_rounded(const Units &units, const Polyhedron &core, double radius);
 
 // A sphere with a radius in metres: `native`, a TightHull; else Bullet's sphere shape. Throws
 // std::runtime_error when the radius is not positive.
@@ -71,9 +76,13 @@ std::unique_ptr<btConvexInternalShape> make_sphere(const Units &units, double ra
 btScalar bounding_radius(const btCollisionShape &shape);
 
 // Appends x, y, z in metres of every corner of a shape made here and returns how many
-// there are: of the hull data, with which Pluvia's own hull-hull test works, or
-// of Bullet's hull, without its margin. A sphere has one, on its surface.
+// there are, of a rounded polyhedron those of its core: of the hull data, with which Pluvia's own
+// hull-hull test works, or of Bullet's hull, without its margin. A sphere has one, on its surface.
 std::uint32_t append_corners(const Units &units, const btCollisionShape &shape, bool of_data,
                              rust::Vec<double> &coordinates);
+
+// Radius in metres of the ball of a rounded polyhedron, as the hull data (`of_data`) or Bullet's
+// hull holds it; 0 of all else.
+double rounding_of(const Units &units, const btCollisionShape &shape, bool of_data);
 
 } // namespace pluvia

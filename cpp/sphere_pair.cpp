@@ -77,6 +77,46 @@ bool beyond_sides(const HullData &hull, int face, const double point[3], double 
     return beyond;
 }
 
+Closest closest_of_polyhedron(const HullData &hull, const double point[3], double enough) {
+    int face = 0;
+    double widest = -std::numeric_limits<double>::infinity();
+    for (int f = 0; f < hull.faces; ++f) {
+        const double n[3] = {hull.nx[f], hull.ny[f], hull.nz[f]};
+        const double gap = dot(n, point) - static_cast<double>(hull.offset[f]);
+        if (gap > widest) {
+            widest = gap;
+            face = f;
+        }
+    }
+    Closest out{widest, {hull.nx[face], hull.ny[face], hull.nz[face]}, {0, 0, 0}};
+    add(point, -widest, out.normal, out.on);
+    if (widest <= 0 || widest > enough) {
+        return out;
+    }
+    double nearest = std::numeric_limits<double>::infinity();
+    double on[3] = {0, 0, 0};
+    for (int f = 0; f < hull.faces; ++f) {
+        const double n[3] = {hull.nx[f], hull.ny[f], hull.nz[f]};
+        const double gap = dot(n, point) - static_cast<double>(hull.offset[f]);
+        if (gap > 0 && !beyond_sides(hull, f, point, nearest, on)) {
+            out.distance = gap;
+            std::copy(n, n + 3, out.normal);
+            add(point, -gap, n, out.on);
+            return out;
+        }
+    }
+    const double distance = std::sqrt(nearest);
+    // On an edge there is no direction but that of a face.
+    if (distance > 1e-9 * static_cast<double>(hull.radius)) {
+        out.distance = distance;
+        for (int i = 0; i < 3; ++i) {
+            out.normal[i] = (point[i] - on[i]) / distance;
+            out.on[i] = on[i];
+        }
+    }
+    return out;
+}
+
 // How a sphere comes to another body, in the frame of the other.
 class Approach {
   public:
@@ -134,41 +174,13 @@ Closest closest(const HullData &hull, const double point[3], double enough) {
     if (hull.is_sphere()) {
         return closest_of_sphere(hull.sphere, point);
     }
-    int face = 0;
-    double widest = -std::numeric_limits<double>::infinity();
-    for (int f = 0; f < hull.faces; ++f) {
-        const double n[3] = {hull.nx[f], hull.ny[f], hull.nz[f]};
-        const double gap = dot(n, point) - static_cast<double>(hull.offset[f]);
-        if (gap > widest) {
-            widest = gap;
-            face = f;
-        }
+    if (!hull.is_rounded()) {
+        return closest_of_polyhedron(hull, point, enough);
     }
-    Closest out{widest, {hull.nx[face], hull.ny[face], hull.nz[face]}, {0, 0, 0}};
-    add(point, -widest, out.normal, out.on);
-    if (widest <= 0 || widest > enough) {
-        return out;
-    }
-    double nearest = std::numeric_limits<double>::infinity();
-    double on[3] = {0, 0, 0};
-    for (int f = 0; f < hull.faces; ++f) {
-        const double n[3] = {hull.nx[f], hull.ny[f], hull.nz[f]};
-        const double gap = dot(n, point) - static_cast<double>(hull.offset[f]);
-        if (gap > 0 && !beyond_sides(hull, f, point, nearest, on)) {
-            out.distance = gap;
-            std::copy(n, n + 3, out.normal);
-            add(point, -gap, n, out.on);
-            return out;
-        }
-    }
-    const double distance = std::sqrt(nearest);
-    // On an edge there is no direction but that of a face.
-    if (distance > 1e-9 * static_cast<double>(hull.radius)) {
-        out.distance = distance;
-        for (int i = 0; i < 3; ++i) {
-            out.normal[i] = (point[i] - on[i]) / distance;
-            out.on[i] = on[i];
-        }
+    Closest out = closest_of_polyhedron(hull, point, enough + hull.rounding);
+    out.distance -= hull.rounding;
+    for (int i = 0; i < 3; ++i) {
+        out.on[i] += hull.rounding * out.normal[i];
     }
     return out;
 }

@@ -34,6 +34,11 @@ btVector3 boxed_inertia(const btCollisionShape &original, btScalar mass, btScala
     }
     const auto &hull = static_cast<const TightHull &>(original);
     btConvexHullShape shape;
+    // Of a rounded one the margin is the shape itself.
+    if (hull.data().is_rounded()) {
+        margin = hull.getMargin();
+        stale = false;
+    }
     if (!stale) {
         shape.setMargin(margin);
     }

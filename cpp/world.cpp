@@ -101,6 +101,16 @@ std::uint32_t BulletWorld::add_shape(rust::Slice<const double> coordinates,
     return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
 }
 
+std::uint32_t BulletWorld::add_rounded(rust::Slice<const double> coordinates,
+                                       rust::Slice<const std::uint32_t> face_starts,
+                                       rust::Slice<const std::uint32_t> face_vertices,
+                                       double radius) {
+    const std::lock_guard<std::mutex> lock(construction_mutex());
+    impl_->shapes.push_back(
+        make_rounded(impl_->units, polyhedron(coordinates, face_starts, face_vertices), radius));
+    return static_cast<std::uint32_t>(impl_->shapes.size() - 1);
+}
+
 std::uint32_t BulletWorld::add_sphere(double radius) {
     const std::lock_guard<std::mutex> lock(construction_mutex());
     impl_->shapes.push_back(make_sphere(impl_->units, radius, impl_->world->has_hull_data()));
@@ -204,14 +214,18 @@ void BulletWorld::read_bodies(rust::Vec<BodyRead> &out) const {
     }
 }
 
-void BulletWorld::read_corners(rust::Vec<std::uint32_t> &counts,
-                               rust::Vec<double> &coordinates) const {
+void BulletWorld::read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<double> &coordinates,
+                               rust::Vec<double> &roundings) const {
     counts.clear();
     coordinates.clear();
+    roundings.clear();
     for (const auto &body : impl_->bodies) {
         counts.push_back(body ? append_corners(impl_->units, *body->getCollisionShape(),
                                                impl_->world->has_hull_data(), coordinates)
                               : 0);
+        roundings.push_back(body ? rounding_of(impl_->units, *body->getCollisionShape(),
+                                               impl_->world->has_hull_data())
+                                 : 0);
     }
 }
 

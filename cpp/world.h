@@ -28,6 +28,9 @@ class BulletWorld {
     std::uint32_t add_shape(rust::Slice<const double> coordinates,
                             rust::Slice<const std::uint32_t> face_starts,
                             rust::Slice<const std::uint32_t> face_vertices);
+    std::uint32_t add_rounded(rust::Slice<const double> coordinates,
+                              rust::Slice<const std::uint32_t> face_starts,
+                              rust::Slice<const std::uint32_t> face_vertices, double radius);
     std::uint32_t add_sphere(double radius);
     std::uint32_t add_body(const BodyDefinition &definition);
     void remove_body(std::uint32_t id);
@@ -43,7 +46,8 @@ class BulletWorld {
     void step();
     BodyRead read_one_body(std::uint32_t id) const;
     void read_bodies(rust::Vec<BodyRead> &out) const;
-    void read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<double> &coordinates) const;
+    void read_corners(rust::Vec<std::uint32_t> &counts, rust::Vec<double> &coordinates,
+                      rust::Vec<double> &roundings) const;
     void read_drives(rust::Vec<DriveRead> &out) const;
     void read_contacts(rust::Vec<ContactRead> &out) const;
     void find_contacts();

@@ -114,8 +114,11 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
     text += &format!("generated: {}\n", in_words(&made.sieve_analysis.generated));
     if let Some(shape) = &made.shape {
         text += &format!(
-            "medians: elongation {:.2}, flatness {:.2}, sphericity {:.2}\n",
-            shape.elongation.p50, shape.flatness.p50, shape.sphericity.p50
+            "medians: elongation {:.2}, flatness {:.2}, sphericity {:.2}{}\n",
+            shape.elongation.p50,
+            shape.flatness.p50,
+            shape.sphericity.p50,
+            shape.roundness.map_or(String::new(), |r| format!(", roundness {:.2}", r.p50))
         );
     }
     for note in &made.notes {

@@ -35,7 +35,7 @@ impl MassProperties {
     /// tensor of a polyhedron" (2004); it agrees with Mirtich, "Fast and
     /// accurate computation of polyhedral mass properties" (1996).
     ///
-    /// Of a sphere 4/3 π r³ and 2/5 V r².
+    /// Of a sphere 4/3 π r³ and 2/5 V r²; of a rounded polyhedron with its prisms and sectors.
     pub fn of(polyhedron: &ConvexPolyhedron) -> Self {
         if let Some(sphere) = polyhedron.sphere() {
             let volume = sphere.volume();
@@ -45,6 +45,9 @@ impl MassProperties {
                 centroid: sphere.centre,
                 inertia_per_density: Matrix3::identity() * moment,
             };
+        }
+        if let Some(rounded) = polyhedron.rounded() {
+            return rounded.mass_properties();
         }
         // Integrating about an inner point, not the origin, keeps the sums
         // free of cancellation when the body lies far from the origin.

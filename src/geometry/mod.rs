@@ -1,14 +1,21 @@
-//! Poses, convex polyhedra and spheres, and their exact mass properties.
+//! Poses, convex polyhedra, rounded or not, and spheres, and their exact mass properties.
 //!
 //! Everything here is pure geometry in SI units: it knows nothing of grains,
 //! apparatus or physics engines.
 
+mod convex;
+mod hull;
 mod mass;
+mod outline;
 mod polyhedron;
+mod rounded;
 mod sphere;
 
+pub(crate) use convex::{FLATNESS, cut, joined_polyhedron};
+pub(crate) use hull::{Hull, hull};
 pub use mass::{MassProperties, PrincipalFrame};
 pub use polyhedron::{ConvexPolyhedron, PolyhedronError};
+pub use rounded::{Rounded, eroded, inner_radius, rounded_within};
 pub use sphere::Sphere;
 
 /// Position and orientation of a rigid body: maps body coordinates to world

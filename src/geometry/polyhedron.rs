@@ -1,10 +1,14 @@
-//! Closed convex polyhedra with explicit faces, some of which stand for spheres.
+//! Closed convex polyhedra with explicit faces, some of which stand for rounded bodies.
 
 use std::{collections::HashMap, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Point, Pose, Sphere, Vector, sphere::unit_mesh};
+use super::{
+    Point, Pose, Rounded, Sphere, Vector,
+    outline::{STEP, outline},
+    sphere::unit_mesh,
+};
 
 /// Largest distance of a vertex from the plane of a face it should lie on or
 /// behind, as a fraction of the polyhedron's bounding radius.
@@ -76,6 +80,12 @@ pub enum PolyhedronError {
         /// Centre in metres.
         centre_m: [f64; 3],
     },
+    /// The ball that rounds a polyhedron has no positive radius, or its core is rounded itself.
+    #[error("the radius of the ball is {radius_m} m: it must be positive, its core have corners")]
+    BadRounding {
+        /// Radius in metres.
+        radius_m: f64,
+    },
     /// The enclosed volume is zero or negative.
     #[error("the enclosed volume is {volume_m3:e} m³, it must be positive")]
     NoVolume {
@@ -91,13 +101,15 @@ pub enum PolyhedronError {
 /// closed surface, outward faces, convex within rounding, positive volume.
 ///
 /// A polyhedron may stand for a [`Sphere`]: then its vertices lie on the sphere, lengths, volumes
-/// and moments are the sphere's, and only vertices, faces and triangles are those of a mesh.
+/// and moments are the sphere's, and only vertices, faces and triangles are those of a mesh. The
+/// same for a [`Rounded`] polyhedron.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Raw", into = "Raw")]
 pub struct ConvexPolyhedron {
     vertices: Vec<Point>,
     faces: Arc<Vec<Vec<u32>>>,
     sphere: Option<Sphere>,
+    rounded: Option<Arc<Rounded>>,
 }
 
 /// The unchecked form in which polyhedra are read from and written to files.
@@ -108,6 +120,9 @@ struct Raw {
     /// Centre and radius of a sphere, from which it is read; vertices and faces are for others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sphere_m: Option<(Point, f64)>,
+    /// Core and radius of a rounded polyhedron; vertices and faces are those of its mesh.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rounded_m: Option<(Box<Raw>, f64)>,
 }
 
 impl TryFrom<Raw> for ConvexPolyhedron {
@@ -116,7 +131,22 @@ impl TryFrom<Raw> for ConvexPolyhedron {
         if let Some((centre, radius)) = raw.sphere_m {
             return Self::of_sphere(Sphere { centre, radius });
         }
-        Self::new(raw.vertices_m, raw.faces)
+        let mut polyhedron = Self::new(raw.vertices_m, raw.faces)?;
+        if let Some((core, radius)) = raw.rounded_m {
+            polyhedron.rounded = Some(Arc::new(checked(Self::try_from(*core)?, radius)?));
+        }
+        Ok(polyhedron)
+    }
+}
+
+/// A rounded polyhedron with a radius in m, where it can be one.
+fn checked(core: ConvexPolyhedron, radius: f64) -> Result<Rounded, PolyhedronError> {
+    let sharp = core.sphere.is_none() && core.rounded.is_none();
+    let good = sharp && radius.is_finite() && radius > 0.0;
+    if good {
+        Ok(Rounded { core, radius })
+    } else {
+        Err(PolyhedronError::BadRounding { radius_m: radius })
     }
 }
 
@@ -126,6 +156,7 @@ impl From<ConvexPolyhedron> for Raw {
             vertices_m: p.vertices,
             faces: Arc::unwrap_or_clone(p.faces),
             sphere_m: p.sphere.map(|s| (s.centre, s.radius)),
+            rounded_m: p.rounded.map(|r| (Box::new(r.core.clone().into()), r.radius)),
         }
     }
 }
@@ -138,7 +169,7 @@ impl ConvexPolyhedron {
     /// # Errors
     /// The first fault found, as a [`PolyhedronError`].
     pub fn new(vertices: Vec<Point>, faces: Vec<Vec<u32>>) -> Result<Self, PolyhedronError> {
-        let polyhedron = Self { vertices, faces: Arc::new(faces), sphere: None };
+        let polyhedron = Self { vertices, faces: Arc::new(faces), sphere: None, rounded: None };
         polyhedron.sanity_check()?;
         Ok(polyhedron)
     }
@@ -155,7 +186,7 @@ impl ConvexPolyhedron {
         }
         let (vertices, faces) = unit_mesh();
         let vertices = vertices.iter().map(|v| centre + v.coords * radius).collect();
-        Ok(Self { vertices, faces: Arc::clone(faces), sphere: Some(sphere) })
+        Ok(Self { vertices, faces: Arc::clone(faces), sphere: Some(sphere), rounded: None })
     }
 
     /// A sphere about the origin.
@@ -172,6 +203,21 @@ impl ConvexPolyhedron {
     /// The sphere that the polyhedron stands for, if any.
     pub fn sphere(&self) -> Option<Sphere> {
         self.sphere
+    }
+
+    /// A polyhedron swept by a ball with a radius in m.
+    ///
+    /// # Errors
+    /// When the radius is not positive, or the core is not a polyhedron of flat faces.
+    pub fn of_rounded(core: Self, radius: f64) -> Result<Self, PolyhedronError> {
+        let rounded = checked(core, radius)?;
+        let mesh = outline(&rounded, STEP)?;
+        Ok(Self { rounded: Some(Arc::new(rounded)), ..mesh })
+    }
+
+    /// The rounded polyhedron that the polyhedron stands for, if any.
+    pub fn rounded(&self) -> Option<&Rounded> {
+        self.rounded.as_deref()
     }
 
     /// Checks every invariant of the type; `new` calls it, tests call it
@@ -305,10 +351,13 @@ impl ConvexPolyhedron {
     }
 
     /// Signed volume in cubic metres by the divergence theorem; positive for
-    /// outward faces. Of a sphere its volume.
+    /// outward faces. Of a sphere or a rounded polyhedron its volume.
     pub fn signed_volume(&self) -> f64 {
         if let Some(sphere) = self.sphere {
             return sphere.volume();
+        }
+        if let Some(rounded) = &self.rounded {
+            return rounded.volume();
         }
         let centre = self.vertex_average();
         self.triangles()
@@ -335,6 +384,9 @@ impl ConvexPolyhedron {
         if let Some(sphere) = self.sphere {
             return sphere.centre.coords.norm() + sphere.radius;
         }
+        if let Some(rounded) = &self.rounded {
+            return rounded.core.radius_about_origin() + rounded.radius;
+        }
         self.vertices.iter().map(|v| v.coords.norm()).fold(0.0, f64::max)
     }
 
@@ -342,6 +394,11 @@ impl ConvexPolyhedron {
     pub fn bounding_box(&self) -> (Point, Point) {
         if let Some(Sphere { centre, radius }) = self.sphere {
             return (centre - Vector::repeat(radius), centre + Vector::repeat(radius));
+        }
+        if let Some(rounded) = &self.rounded {
+            let (low, high) = rounded.core.bounding_box();
+            let reach = Vector::repeat(rounded.radius);
+            return (low - reach, high + reach);
         }
         let first = self.vertices[0];
         self.vertices.iter().fold((first, first), |(lo, hi), v| (lo.inf(v), hi.sup(v)))
@@ -352,6 +409,10 @@ impl ConvexPolyhedron {
         if let Some(Sphere { centre, radius }) = self.sphere {
             let z = (pose * centre).z;
             return (z - radius, z + radius);
+        }
+        if let Some(rounded) = &self.rounded {
+            let (low, high) = rounded.core.heights(pose);
+            return (low - rounded.radius, high + rounded.radius);
         }
         let heights = self.vertices.iter().map(|v| (pose * v).z);
         heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)))
@@ -371,6 +432,10 @@ impl ConvexPolyhedron {
             vertices: self.vertices.iter().map(|v| pose * v).collect(),
             faces: Arc::clone(&self.faces),
             sphere: self.sphere.map(|s| Sphere { centre: pose * s.centre, ..s }),
+            rounded: self
+                .rounded
+                .as_ref()
+                .map(|r| Arc::new(Rounded { core: r.core.transformed(pose), radius: r.radius })),
         }
     }
 
@@ -386,6 +451,9 @@ impl ConvexPolyhedron {
             sphere: self
                 .sphere
                 .map(|s| Sphere { centre: s.centre * factor, radius: s.radius * factor }),
+            rounded: self.rounded.as_ref().map(|r| {
+                Arc::new(Rounded { core: r.core.scaled(factor), radius: r.radius * factor })
+            }),
         }
     }
 

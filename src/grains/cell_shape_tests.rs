@@ -43,7 +43,7 @@ fn made(relaxation_steps: u32, elongation: f64, flatness: f64) -> Shape {
     spec.sieve_table[0].mass_percent = 100.0;
     let each = std::f64::consts::FRAC_PI_6 * 0.014_25_f64.powi(3) * spec.density_kg_per_m3;
     spec.total_mass_g = 1000.0 * each * 1000.0;
-    spec.cells = CellShape { relaxation_steps, elongation, flatness };
+    spec.cells = CellShape { relaxation_steps, elongation, flatness, rounding: 0.0 };
     let set = generate(&spec, 1).unwrap();
     assert_eq!(set.grains.len(), 1000, "one fraction of 1000 grains");
     shape_of(&set)

@@ -51,6 +51,20 @@ pub enum GrainsError {
         /// Largest number possible.
         limit: usize,
     },
+    /// A cell that cannot be rounded.
+    #[error(
+        "cell {cell} of a block of {cells} cannot be rounded: moved inwards by {rounding} times the \
+         radius of its largest inner sphere, its planes leave no polyhedron; a smaller `rounding`, \
+         or another seed, leaves one"
+    )]
+    NoRoundedCell {
+        /// Index of the cell.
+        cell: usize,
+        /// Cells of its block.
+        cells: usize,
+        /// The roundness asked for.
+        rounding: f64,
+    },
     /// Points that no tessellation can be made from.
     #[error("point {point} of the tessellation {reason}")]
     BadPoint {

@@ -56,7 +56,8 @@ pub struct SieveJson {
 /// One grain.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CellJson {
-    /// Radius of a sphere about the centroid, which has neither vertices nor faces here.
+    /// Radius of a sphere about the centroid, which has neither vertices nor faces here; or of the
+    /// ball that sweeps a rounded polyhedron, whose core the vertices and faces are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius_m: Option<f64>,
     /// Vertices.
@@ -82,12 +83,14 @@ pub fn to_json(grains: &GrainSet) -> GrainsJson {
     let cell = |cell: &ConvexPolyhedron| {
         let properties = MassProperties::of(cell);
         let inertia = properties.inertia_per_density * grains.density;
-        let (vertices, faces) = match cell.sphere() {
-            Some(_) => Default::default(),
-            None => (cell.vertices(), cell.faces()),
+        let (vertices, faces) = match (cell.sphere(), cell.rounded()) {
+            (Some(_), _) => Default::default(),
+            (None, Some(rounded)) => (rounded.core.vertices(), rounded.core.faces()),
+            (None, None) => (cell.vertices(), cell.faces()),
         };
+        let of_ball = cell.rounded().map(|rounded| rounded.radius);
         CellJson {
-            radius_m: cell.sphere().map(|sphere| sphere.radius),
+            radius_m: cell.sphere().map(|sphere| sphere.radius).or(of_ball),
             vertices_m: vertices.iter().map(|v| v.coords.into()).collect(),
             faces: faces.to_vec(),
             volume_m3: properties.volume,
@@ -190,19 +193,18 @@ fn read_block(index: usize, json: &BlockJson) -> Result<Block, GrainsError> {
     }
     let mut shapes = Vec::with_capacity(cells);
     for (cell, stated) in json.cells.iter().enumerate() {
+        let polyhedron = || {
+            let vertices = stated.vertices_m.iter().map(|&v| Point::from(v)).collect();
+            ConvexPolyhedron::new(vertices, stated.faces.clone())
+        };
         let shape = match stated.radius_m {
-            Some(_) if !(stated.vertices_m.is_empty() && stated.faces.is_empty()) => {
-                return fault(format!(
-                    "cell {cell} has a radius and a mesh, it is a sphere or a polyhedron"
-                ));
-            }
-            Some(radius) => {
+            Some(radius) if stated.vertices_m.is_empty() && stated.faces.is_empty() => {
                 ConvexPolyhedron::of_sphere(Sphere { centre: stated.centroid_m.into(), radius })
             }
-            None => {
-                let vertices = stated.vertices_m.iter().map(|&v| Point::from(v)).collect();
-                ConvexPolyhedron::new(vertices, stated.faces.clone())
+            Some(radius) => {
+                polyhedron().and_then(|core| ConvexPolyhedron::of_rounded(core, radius))
             }
+            None => polyhedron(),
         };
         shapes.push(shape.map_err(|source| GrainsError::BadShape {
             block: index,

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::{
     Block, Grain, GrainSet, GrainsError,
     psd::ParticleSizeDistribution,
@@ -9,7 +11,7 @@ use super::{
     voronoi::{Cube, random_cells},
 };
 use crate::{
-    geometry::{ConvexPolyhedron, MassProperties, Vector},
+    geometry::{ConvexPolyhedron, MassProperties, Pose, Rounded, Vector, rounded_within},
     scale::{self, Scale},
     scenario::{SievedGrains, SievedShape},
 };
@@ -54,11 +56,43 @@ pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError>
             origin,
             points: tessellation.points,
             first_grain: 0,
-            cells: tessellation.cells,
+            cells: rounded(tessellation.cells, spec.cells.rounding)?,
         });
         x += side + scale::BLOCK_GAP.at(&scale);
     }
     Ok(set)
+}
+
+/// Cells with rounded corners and edges, each about the cell's centroid and of its volume; the cells
+/// themselves with a roundness of 0.
+///
+/// # Errors
+/// A cell whose planes, moved inwards, leave no polyhedron.
+fn rounded(
+    cells: Vec<ConvexPolyhedron>,
+    roundness: f64,
+) -> Result<Vec<ConvexPolyhedron>, GrainsError> {
+    if roundness == 0.0 {
+        return Ok(cells);
+    }
+    let round = |cell: &ConvexPolyhedron| {
+        let Rounded { core, radius } = rounded_within(cell, roundness)?;
+        let whole = ConvexPolyhedron::of_rounded(core, radius).ok()?;
+        let (cell, found) = (MassProperties::of(cell), MassProperties::of(&whole));
+        let larger = (cell.volume / found.volume).cbrt();
+        let back = Pose::from(-found.centroid.coords);
+        let core = whole.rounded()?.core.transformed(&back).scaled(larger);
+        let core = core.transformed(&Pose::from(cell.centroid.coords));
+        ConvexPolyhedron::of_rounded(core, radius * larger).ok()
+    };
+    let all: Vec<Option<ConvexPolyhedron>> = cells.par_iter().map(round).collect();
+    let count = all.len();
+    all.into_iter()
+        .enumerate()
+        .map(|(cell, shape)| {
+            shape.ok_or(GrainsError::NoRoundedCell { cell, cells: count, rounding: roundness })
+        })
+        .collect()
 }
 
 impl GrainSet {

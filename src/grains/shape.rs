@@ -6,7 +6,8 @@
 //! L/I and flatness I/S as in `cells` of a scenario (Zingg's own are their inverses), 1 for
 //! what is as long as it is wide, and as wide as it is thick. Sphericity is Wadell's (1932, "Volume, shape and roundness of rock
 //! particles"): the surface of the sphere of the grain's volume over the
-//! grain's own, 1 for a sphere, 0.806 for a cube, 0.671 for a regular tetrahedron.
+//! grain's own, 1 for a sphere, 0.806 for a cube, 0.671 for a regular tetrahedron. Of a rounded
+//! polyhedron the box is that of its core, each side wider by the ball's diameter.
 
 use rayon::prelude::*;
 
@@ -14,7 +15,7 @@ use super::{
     GrainSet,
     fan::{EdgeFan, Piece, Shadow},
 };
-use crate::geometry::{ConvexPolyhedron, Vector};
+use crate::geometry::{ConvexPolyhedron, Rounded, Vector};
 
 /// How much larger than the smallest box the box that is taken can be, as a
 /// fraction of its volume, before it is narrowed down.
@@ -39,9 +40,12 @@ pub struct GrainShape {
     pub surface: f64,
     /// Volume in m³.
     pub volume: f64,
-    /// Number of faces; 0 for a sphere.
+    /// Mean radius of curvature of the corners over the radius of the largest sphere inside
+    /// (Wadell 1932): 0 for a polyhedron, 1 for a sphere, exact.
+    pub roundness: f64,
+    /// Number of flat faces; 0 for a sphere.
     pub faces: usize,
-    /// Number of vertices; 0 for a sphere.
+    /// Number of corners, rounded or not; 0 for a sphere.
     pub vertices: usize,
 }
 
@@ -73,19 +77,25 @@ impl GrainShape {
                 shortest,
                 surface,
                 volume,
+                roundness: 1.0,
                 faces: 0,
                 vertices: 0,
             };
         }
+        let rounded = body.rounded();
+        let volume = body.signed_volume();
+        let (body, wider) = rounded.map_or((body, 0.0), |r| (&r.core, 2.0 * r.radius));
         let corners: Vec<Vector> = body.vertices().iter().map(|v| v.coords).collect();
-        let [longest, intermediate, shortest] = smallest_box(&corners);
-        let surface = body.triangles().map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum();
+        let [longest, intermediate, shortest] = smallest_box(&corners).map(|side| side + wider);
+        let flat = || body.triangles().map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 2.0).sum();
+        let surface = rounded.map_or_else(flat, Rounded::surface);
         Self {
             longest,
             intermediate,
             shortest,
             surface,
-            volume: body.signed_volume(),
+            volume,
+            roundness: rounded.map_or(0.0, Rounded::roundness),
             faces: body.faces().len(),
             vertices: body.vertices().len(),
         }

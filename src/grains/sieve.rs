@@ -97,8 +97,10 @@ pub fn sieve_size(shape: &ConvexPolyhedron) -> f64 {
     if let Some(sphere) = shape.sphere() {
         return 2.0 * sphere.radius;
     }
+    // The shadow of what a ball sweeps is as much wider as the ball, in every direction.
+    let (shape, radius) = shape.rounded().map_or((shape, 0.0), |r| (&r.core, r.radius));
     let corners: Vec<Vector> = shape.vertices().iter().map(|v| v.coords).collect();
-    sieve_size_of(&corners)
+    sieve_size_of(&corners) + 2.0 * radius
 }
 
 /// A range of directions on the fan of an edge.

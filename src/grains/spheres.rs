@@ -114,7 +114,7 @@ mod tests {
             ("its centre", fault(&|c| c.centroid_m[1] = f64::INFINITY)),
             ("volume_m3", fault(&|c| c.radius_m = c.radius_m.map(|r| r * 1.001))),
             ("at least 4 vertices", fault(&|c| c.radius_m = None)),
-            ("a sphere or a polyhedron", fault(&|c| c.vertices_m = vec![[0.0; 3]])),
+            ("at least 4 vertices", fault(&|c| c.vertices_m = vec![[0.0; 3]])),
         ] {
             assert!(said.contains(words), "law: it says `{words}`, got `{said}`");
         }

@@ -408,7 +408,7 @@ mod tests {
             seed: u64, count in 1_usize..120, side in 1e-3..1.0, x in -2.0..2.0,
             steps in 0_u32..4, elongation in 1.0..3.0, flatness in 1.0..3.0,
         ) {
-            let shape = CellShape { relaxation_steps: steps, elongation, flatness };
+            let shape = CellShape { relaxation_steps: steps, elongation, flatness, rounding: 0.0 };
             let origin = Vector::new(x, 0.0, 0.5);
             let tessellation = random_cells(count, &cube(side, origin), &shape, (seed, "any")).unwrap();
             prop_assert_eq!(tessellation.cells.len(), count);

@@ -23,7 +23,8 @@ const MOST_ACROSS: usize = 4000;
 /// The grid is centred on the cylinder's axis: cell (i, j) of an n × n grid
 /// has its centre at (i − (n−1)/2, j − (n−1)/2) times the cell's side from the
 /// axis, and belongs to the map when that centre lies within the radius. The
-/// surface is taken at cell centres only; it is exact there. Where there is
+/// surface is taken at cell centres only; it is exact there, but for rounded polyhedra, whose edges
+/// and corners are those of their mesh, up to 3 % of their radius lower. Where there is
 /// no grain the height is 0, the floor.
 #[derive(Debug, Clone)]
 pub struct HeightMap {
@@ -94,6 +95,9 @@ impl HeightMap {
                 let centre = in_cells((pose * sphere.centre).coords);
                 surface.lay_sphere(&centre, sphere.radius, sphere.radius / cell);
                 continue;
+            }
+            if shape.rounded().is_some() {
+                highest = highest.max(shape.heights(pose).1);
             }
             let rotation = pose.rotation.to_rotation_matrix();
             vertices.clear();

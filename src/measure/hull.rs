@@ -1,4 +1,4 @@
-//! A convex polyhedron or a sphere in world coordinates, prepared for overlap tests.
+//! A convex polyhedron, rounded or not, or a sphere in world coordinates, prepared for overlap tests.
 
 use crate::geometry::{ConvexPolyhedron, Point, Pose, Sphere, Vector};
 
@@ -19,6 +19,9 @@ pub struct WorldHull {
     /// Corners of the bounding box in m.
     pub(super) low: Vector,
     pub(super) high: Vector,
+    /// Radius in m of the ball that sweeps the polyhedron of vertices, faces and edges; 0 where
+    /// these are the body itself. The bounding box is the body's.
+    pub(super) rounding: f64,
     /// The sphere that it is, which has no vertices, faces and edges.
     pub(super) sphere: Option<Sphere>,
 }
@@ -46,8 +49,9 @@ impl WorldHull {
             let reach = Vector::repeat(sphere.radius);
             let (low, high) = (sphere.centre.coords - reach, sphere.centre.coords + reach);
             let (vertices, faces, edges) = Default::default();
-            return Self { vertices, faces, edges, low, high, sphere: Some(sphere) };
+            return Self { vertices, faces, edges, low, high, rounding: 0.0, sphere: Some(sphere) };
         }
+        let (shape, rounding) = shape.rounded().map_or((shape, 0.0), |r| (&r.core, r.radius));
         let vertices: Vec<Vector> = shape.vertices().iter().map(|v| (pose * v).coords).collect();
         let normals: Vec<Vector> = (0..shape.faces().len())
             .map(|f| {
@@ -64,7 +68,9 @@ impl WorldHull {
             .collect();
         let (low, high) =
             vertices.iter().fold((vertices[0], vertices[0]), |(lo, hi), v| (lo.inf(v), hi.sup(v)));
-        Self { vertices, faces, edges, low, high, sphere: None }
+        let reach = Vector::repeat(rounding);
+        let (low, high) = (low - reach, high + reach);
+        Self { vertices, faces, edges, low, high, rounding, sphere: None }
     }
 
     /// Lowest and highest corner of the axis-aligned bounding box, exact, in m.

@@ -1,7 +1,7 @@
 //! Void ratio by height and by radius: exact shares of every grain in layers and rings.
 
-use super::region::{corners_at, cut, faces_at, volume};
-use crate::geometry::{Sphere, Vector};
+use super::region::{corners_at, faces_at, volume};
+use crate::geometry::{Sphere, Vector, cut};
 use crate::specimen::Specimen;
 
 /// Sides of the prism that stands for a round ring. It has the circle's area, and lies within
@@ -100,8 +100,9 @@ fn solid(specimen: &Specimen, grain: usize) -> Solid {
     let shape = &specimen.grains.grains[grain].shape;
     let pose = &specimen.state.bodies[grain].body.pose;
     let corners = corners_at(shape, pose);
-    // The mesh of a sphere reaches beyond it.
-    let larger = if shape.sphere().is_some() { 1.02 } else { 1.0 };
+    // The mesh of a sphere reaches beyond it, that of a rounded polyhedron as well.
+    let meshed = shape.sphere().is_some() || shape.rounded().is_some();
+    let larger = if meshed { 1.02 } else { 1.0 };
     Solid {
         faces: faces_at(shape, &corners),
         centroid: pose.translation.vector,

@@ -1,6 +1,6 @@
 //! Void ratio within a box, exact: grains that reach over its sides count with what lies inside.
 
-use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::geometry::{ConvexPolyhedron, MassProperties, Pose, Vector, cut};
 use crate::specimen::Specimen;
 
 /// A box along the axes, in m.
@@ -50,18 +50,19 @@ impl Region {
     }
 }
 
-/// The vertices of a shape at a pose, in m. Those of a sphere's mesh are enlarged to the volume of
-/// the sphere, by 1.2 % of its radius: what is found of a part differs from the sphere's by less than 0.1 % of
-/// the whole.
+/// The vertices of a shape at a pose, in m. Those of the mesh of a sphere or a rounded polyhedron are
+/// enlarged about its middle to its volume, a sphere's by 1.2 % of its radius: what is found of a part
+/// differs from the sphere's by less than 0.1 % of the whole.
 pub(super) fn corners_at(shape: &ConvexPolyhedron, pose: &Pose) -> Vec<Vector> {
     let vertices = shape.vertices().iter();
-    let Some(sphere) = shape.sphere() else {
-        return vertices.map(|v| (pose * v).coords).collect();
+    let centre = match (shape.sphere(), shape.rounded()) {
+        (Some(sphere), _) => sphere.centre,
+        (None, Some(_)) => MassProperties::of(shape).centroid,
+        (None, None) => return vertices.map(|v| (pose * v).coords).collect(),
     };
     let bare: Vec<Vector> = vertices.map(|v| v.coords).collect();
-    let of_mesh = volume(&faces_at(shape, &bare), &sphere.centre.coords);
-    let larger = (sphere.volume() / of_mesh).cbrt();
-    let centre = sphere.centre;
+    let of_mesh = volume(&faces_at(shape, &bare), &centre.coords);
+    let larger = (shape.signed_volume() / of_mesh).cbrt();
     bare.iter().map(|v| (pose * (centre + (v - centre.coords) * larger)).coords).collect()
 }
 
@@ -79,47 +80,6 @@ pub(super) fn volume(faces: &[Vec<Vector>], about: &Vector) -> f64 {
         .iter()
         .flat_map(|f| (1..f.len().max(2) - 1).map(move |i| triple(&f[0], &f[i], &f[i + 1])));
     fans.sum::<f64>() / 6.0
-}
-
-/// What of a closed convex surface lies where a height over a plane is not above 0, closed again;
-/// `onto` puts a point that is off the plane by a rounding onto it.
-pub(super) fn cut(
-    faces: Vec<Vec<Vector>>,
-    height: impl Fn(&Vector) -> f64,
-    onto: impl Fn(&mut Vector),
-) -> Vec<Vec<Vector>> {
-    let mut kept = Vec::new();
-    // Where faces leave and enter again: the rim of the cut, the other way round.
-    let mut rim: Vec<(Vector, Vector)> = Vec::new();
-    for face in faces {
-        let mut inside = Vec::new();
-        let (mut leaves, mut enters) = (None, None);
-        for (i, p) in face.iter().enumerate() {
-            let q = &face[(i + 1) % face.len()];
-            let (a, b) = (height(p), height(q));
-            if a <= 0.0 {
-                inside.push(*p);
-            }
-            if (a <= 0.0) != (b <= 0.0) {
-                let mut at = p + (q - p) * (a / (a - b));
-                onto(&mut at);
-                inside.push(at);
-                match a <= 0.0 {
-                    true => leaves = Some(at),
-                    false => enters = Some(at),
-                }
-            }
-        }
-        rim.extend(enters.zip(leaves));
-        if inside.len() >= 3 {
-            kept.push(inside);
-        }
-    }
-    if let Some(&(middle, _)) = rim.first() {
-        // Triangles of a convex cap; where it has been cut before, inner edges cancel.
-        kept.extend(rim.into_iter().map(|(enters, leaves)| vec![middle, enters, leaves]));
-    }
-    kept
 }
 
 /// Void ratio e = V/Vₛ − 1 of the grains present within a region; `None` where no grain is.

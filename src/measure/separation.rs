@@ -1,4 +1,4 @@
-//! How far two convex polyhedra or spheres are apart, or how deep they are in each other.
+//! How far two convex polyhedra, rounded or not, or spheres are apart, or how deep they are in each other.
 //!
 //! For a unit vector n let s(n) be the gap between A and B seen along n:
 //! lowest point of B minus highest point of A. Translating B by −s(n) along n
@@ -34,7 +34,7 @@ const PARALLEL: f64 = 1e-9;
 pub struct Separation {
     /// Gap in m. Negative: the penetration depth, exact, with the sign
     /// reversed; a sphere's centre within a body comes out through the face of least
-    /// penetration. Positive: of a sphere exact; of two polyhedra: the bodies are disjoint and at least this far
+    /// penetration. Positive: of a sphere or a rounded polyhedron exact; of two polyhedra: the bodies are disjoint and at least this far
     /// apart; the true distance is larger when the nearest features are not a
     /// face or two edges (vertex to vertex, vertex to edge).
     pub gap: f64,
@@ -64,6 +64,9 @@ pub fn penetration_depth(a: &WorldHull, b: &WorldHull) -> Option<f64> {
 
 /// Searches all axes for the widest gap, ending early when it exceeds `enough`.
 fn search(a: &WorldHull, b: &WorldHull, enough: f64) -> Separation {
+    if a.rounding > 0.0 || b.rounding > 0.0 {
+        return cores(a, b, enough);
+    }
     match (a.sphere, b.sphere) {
         (Some(a), _) => {
             let Separation { gap, axis } = from_body(b, &a.centre.coords);
@@ -75,6 +78,85 @@ fn search(a: &WorldHull, b: &WorldHull, enough: f64) -> Separation {
         }
         _ => {}
     }
+    along_axes(a, b, enough)
+}
+
+/// The gap of two of which one at least is rounded: exact, as moving two cores towards each other
+/// or apart moves what their balls sweep.
+fn cores(a: &WorldHull, b: &WorldHull, enough: f64) -> Separation {
+    let radii = a.rounding + b.rounding;
+    if let Some(sphere) = b.sphere {
+        let Separation { gap, axis } = from_body(a, &sphere.centre.coords);
+        return Separation { gap: gap - sphere.radius - radii, axis };
+    }
+    if let Some(sphere) = a.sphere {
+        let Separation { gap, axis } = from_body(b, &sphere.centre.coords);
+        return Separation { gap: gap - sphere.radius - radii, axis: -axis };
+    }
+    let found = along_axes(a, b, enough + radii);
+    if found.gap <= 0.0 || found.gap > enough + radii {
+        return Separation { gap: found.gap - radii, ..found };
+    }
+    let Separation { gap, axis } = distance(a, b, &found);
+    Separation { gap: gap - radii, axis }
+}
+
+/// Distance of two polyhedra that are apart, with the gap along an axis between them: of all
+/// corners from the other body, and of all edges from each other, that can be as close as that.
+fn distance(a: &WorldHull, b: &WorldHull, along: &Separation) -> Separation {
+    let n = along.axis;
+    let (top, bottom) = (highest_along(&a.vertices, &n), lowest_along(&b.vertices, &n));
+    let mut best = Separation { gap: f64::INFINITY, axis: n };
+    // What lies so far behind the foremost corner cannot be in the closest pair.
+    for v in &b.vertices {
+        if v.dot(&n) - top < best.gap {
+            let found = from_body(a, v);
+            if found.gap < best.gap {
+                best = found;
+            }
+        }
+    }
+    for v in &a.vertices {
+        if bottom - v.dot(&n) < best.gap {
+            let Separation { gap, axis } = from_body(b, v);
+            if gap < best.gap {
+                best = Separation { gap, axis: -axis };
+            }
+        }
+    }
+    let reach = |e: &Edge| (e.point.dot(&n), (e.point + e.direction * e.length).dot(&n));
+    for e in &a.edges {
+        let (one, other) = reach(e);
+        if bottom - one.max(other) >= best.gap {
+            continue;
+        }
+        for f in &b.edges {
+            let (low, high) = reach(f);
+            if low.min(high) - one.max(other) >= best.gap {
+                continue;
+            }
+            // Ends of edges are corners: what is left is where both are closest inside.
+            let (cosine, out) = (e.direction.dot(&f.direction), f.point - e.point);
+            let square = 1.0 - cosine * cosine;
+            if square <= PARALLEL {
+                continue;
+            }
+            let (p, q) = (out.dot(&e.direction), out.dot(&f.direction));
+            let (s, t) = ((p - cosine * q) / square, (cosine * p - q) / square);
+            if (0.0..=e.length).contains(&s) && (0.0..=f.length).contains(&t) {
+                let apart = out + f.direction * t - e.direction * s;
+                let gap = apart.norm();
+                if gap < best.gap {
+                    best = Separation { gap, axis: apart.try_normalize(0.0).unwrap_or(n) };
+                }
+            }
+        }
+    }
+    best
+}
+
+/// Searches the axes of faces and pairs of edges.
+fn along_axes(a: &WorldHull, b: &WorldHull, enough: f64) -> Separation {
     let mut best = Separation { gap: f64::NEG_INFINITY, axis: Vector::zeros() };
     for (normal, top) in &a.faces {
         let gap = lowest_along(&b.vertices, normal) - top;
@@ -193,6 +275,8 @@ fn same_side(x: f64, y: f64) -> bool {
     (x > ARC_TOLERANCE && y > ARC_TOLERANCE) || (x < -ARC_TOLERANCE && y < -ARC_TOLERANCE)
 }
 
+#[cfg(test)]
+mod rounded_tests;
 #[cfg(test)]
 mod sphere_tests;
 #[cfg(test)]

@@ -106,6 +106,7 @@ pub fn study(runs: &[RunRecord]) -> StudyView<'_> {
         }),
         shapes: vec![
             GrainShape {
+                roundness: 0.0,
                 longest: 14e-3,
                 intermediate: 11e-3,
                 shortest: 9e-3,

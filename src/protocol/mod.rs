@@ -59,7 +59,7 @@ use std::{ops::ControlFlow, time::Duration};
 use crate::apparatus::ApparatusError;
 use crate::geometry::Vector;
 use crate::specimen::Specimen;
-use crate::world::{EffectiveSettings, WorldError};
+use crate::world::{EffectiveSettings, HeldShape, WorldError};
 
 /// Sees the specimen at regular times: how series are recorded.
 pub trait Observer {
@@ -93,10 +93,10 @@ pub struct Moment {
 pub struct StageOutcome {
     /// The specimen at the end.
     pub specimen: Specimen,
-    /// Corners in m of every grain's shape as the engine held it at the end, in
+    /// Every grain's shape as the engine held it at the end, in
     /// the order of the grain set; `None` for a grain that was not there, all
     /// missing where the engine cannot be asked.
-    pub corners: Vec<Option<Vec<Vector>>>,
+    pub corners: Vec<Option<HeldShape>>,
     /// Engine steps taken.
     pub steps: u64,
     /// Simulated time in s.

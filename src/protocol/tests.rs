@@ -98,8 +98,13 @@ fn a_rest_lasts_as_long_as_it_says_and_is_observed_every_0_08_s() {
     let outcome = outcome.expect("rests");
     assert_eq!(outcome.steps, 480);
     let grains = &outcome.specimen.grains.grains;
-    let given = grains.iter().map(|g| g.shape.vertices().iter().map(|v| v.coords).collect());
-    let given: Vec<Option<Vec<Vector>>> = given.map(Some).collect();
+    let given: Vec<Option<HeldShape>> = grains
+        .iter()
+        .map(|g| {
+            let corners = g.shape.vertices().iter().map(|v| v.coords).collect();
+            Some(HeldShape { corners, rounding: 0.0 })
+        })
+        .collect();
     assert_eq!(outcome.corners, given, "the shapes that the world was given are read back");
     assert!((outcome.specimen.state.time - 1.0).abs() < 1e-12);
     assert_eq!(times.len(), 14, "at the start, 12 times in between, at the end: {times:?}");

@@ -189,6 +189,10 @@ pub struct ShapeSummary {
     pub flatness: Spread,
     /// Surface of the sphere of the same volume over the surface (Wadell 1932).
     pub sphericity: Spread,
+    /// Mean radius of curvature of the corners over the radius of the largest sphere inside
+    /// (Wadell 1932); left out where it is 0 for all, as for polyhedra that are not rounded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub roundness: Option<Spread>,
     /// Number of faces.
     pub faces: Spread,
     /// Number of vertices.
@@ -231,6 +235,7 @@ impl ShapeSummary {
             elongation: ratio(ShapeRatio::Elongation)?,
             flatness: ratio(ShapeRatio::Flatness)?,
             sphericity: ratio(ShapeRatio::Sphericity)?,
+            roundness: Spread::of(shapes.iter().map(|s| s.roundness)).filter(|s| s.mean > 0.0),
             faces: Spread::of(shapes.iter().map(|s| s.faces as f64))?,
             vertices: Spread::of(shapes.iter().map(|s| s.vertices as f64))?,
         })

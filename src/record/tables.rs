@@ -92,6 +92,7 @@ struct GrainRow {
     elongation: f64,
     flatness: f64,
     sphericity: f64,
+    roundness: f64,
 }
 
 /// One row a grain: what it is, where it is (centroid, m to mm, orientation of
@@ -144,6 +145,7 @@ pub fn grains_csv(
                 elongation: shape.ratio(ShapeRatio::Elongation),
                 flatness: shape.ratio(ShapeRatio::Flatness),
                 sphericity: shape.ratio(ShapeRatio::Sphericity),
+                roundness: shape.roundness,
             }
         },
     ))

@@ -58,6 +58,7 @@ fn grains(scenario: &Scenario) -> Choice {
                 )
             })
             .chain((!s.shape.is_default()).then(|| "spheres".to_owned()))
+            .chain((s.cells.rounding > 0.0).then(|| format!("roundness {}", s.cells.rounding)))
             .collect::<Vec<_>>()
             .join("; "),
         GrainsSpec::File(f) => format!("grains read from {}", f.file),

@@ -39,10 +39,25 @@ pub struct CellShape {
     /// Intermediate over shortest dimension, likewise.
     #[schemars(range(min = 1.0, max = 10.0))]
     pub flatness: f64,
+    /// Roundness: radius of corners and edges over that of the largest sphere inside the cell; 0,
+    /// or 0.01 to 0.9. The planes of a cell move inwards by the radius, a ball of the radius sweeps
+    /// what they leave, and the grain is enlarged to the cell's volume.
+    #[schemars(range(min = 0.0, max = 0.9))]
+    #[serde(skip_serializing_if = "is_zero")]
+    pub rounding: f64,
 }
+
+// By reference as serde asks for it.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+/// Least roundness other than 0: below, contacts of a core's corners would be deeper than the ball.
+pub const LEAST_ROUNDING: f64 = 0.01;
 
 impl Default for CellShape {
     fn default() -> Self {
-        Self { relaxation_steps: 0, elongation: 1.0, flatness: 1.0 }
+        Self { relaxation_steps: 0, elongation: 1.0, flatness: 1.0, rounding: 0.0 }
     }
 }

@@ -37,7 +37,7 @@ mod validate;
 
 pub use automatic::Grading;
 pub use begin::BeginSpec;
-pub use cells::{CellShape, SievedShape};
+pub use cells::{CellShape, LEAST_ROUNDING, SievedShape};
 pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactSolver, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};

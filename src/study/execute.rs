@@ -16,7 +16,6 @@ use super::{
     recorder::{Recorder, note},
 };
 use crate::caught::caught;
-use crate::geometry::Vector;
 use crate::grains::sieve_size_of;
 use crate::protocol::{Midway, Progress, Setup, StageError, WorldMaker, run as run_stage};
 use crate::record::{
@@ -26,6 +25,7 @@ use crate::record::{
 use crate::scenario::automatic_threads;
 use crate::specimen::{Specimen, SpecimenState};
 use crate::units::to_mm;
+use crate::world::HeldShape;
 
 /// What the threads share.
 struct Board {
@@ -362,11 +362,12 @@ impl Shop<'_> {
 }
 
 /// Sieves the grains that the engine held; nothing where it held none.
-fn sieved_mm(corners: &[Option<Vec<Vector>>]) -> Vec<Option<f64>> {
+fn sieved_mm(corners: &[Option<HeldShape>]) -> Vec<Option<f64>> {
     if corners.iter().all(Option::is_none) {
         return Vec::new();
     }
-    corners.par_iter().map(|c| Some(to_mm(sieve_size_of(c.as_ref()?)))).collect()
+    let size = |held: &HeldShape| sieve_size_of(&held.corners) + 2.0 * held.rounding;
+    corners.par_iter().map(|held| Some(to_mm(size(held.as_ref()?)))).collect()
 }
 
 #[cfg(test)]

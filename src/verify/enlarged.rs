@@ -6,9 +6,9 @@
 
 use std::sync::Arc;
 
-use crate::geometry::{Pose, Vector};
+use crate::geometry::Pose;
 use crate::world::{
-    Body, BodyId, BodyState, Contact, EffectiveSettings, Motion, PairCoefficients,
+    Body, BodyId, BodyState, Contact, EffectiveSettings, HeldShape, Motion, PairCoefficients,
     RememberedContact, Snapshot, World, WorldError,
 };
 
@@ -100,10 +100,13 @@ impl World for Enlarged {
         self.inner.recall_drive(id, &ends.map(|pose| scaled_pose(&pose, self.larger)))
     }
 
-    fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
+    fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
         self.inner.corners(into);
-        for corner in into.iter_mut().flatten().flatten() {
-            *corner /= self.larger;
+        for held in into.iter_mut().flatten() {
+            held.rounding /= self.larger;
+            for corner in &mut held.corners {
+                *corner /= self.larger;
+            }
         }
     }
 

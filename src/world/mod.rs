@@ -152,6 +152,16 @@ impl BodyState {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct BodyId(pub u32);
 
+/// A shape as an engine holds it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldShape {
+    /// Its corners in m and body coordinates; of a rounded polyhedron those of the core, of a
+    /// sphere one point of its surface.
+    pub corners: Vec<Vector>,
+    /// Radius in m of the ball that sweeps the core; 0 where it is not rounded.
+    pub rounding: f64,
+}
+
 /// One contact point between two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
@@ -334,8 +344,9 @@ pub trait World {
     /// Reads the corners of the shape that each body has in the engine, without
     /// any collision margin, in m and body coordinates, in order of [`BodyId`]
     /// into `into`, replacing its content; `None` where a body was removed.
-    /// Of a sphere one, on its surface. Empty for an engine that cannot be asked.
-    fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
+    /// Of a sphere one, on its surface; of a rounded polyhedron those of its core. Empty for an
+    /// engine that cannot be asked.
+    fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
         into.clear();
     }
 

@@ -2,8 +2,8 @@
 //! protocols are tested without an engine.
 
 use super::{
-    Body, BodyId, BodyState, Contact, EffectiveSettings, Motion, PairCoefficients, Snapshot, World,
-    WorldError,
+    Body, BodyId, BodyState, Contact, EffectiveSettings, HeldShape, Motion, PairCoefficients,
+    Snapshot, World, WorldError,
 };
 use crate::geometry::{Pose, Vector};
 
@@ -17,7 +17,7 @@ pub struct ScriptedWorld {
     steps: u64,
     bodies: Vec<Option<(Motion, BodyState)>>,
     /// Corners of every body that was added.
-    corners: Vec<Vec<Vector>>,
+    corners: Vec<HeldShape>,
     script: Script,
     /// Every pose that was driven, in order.
     pub driven: Vec<(BodyId, Pose)>,
@@ -62,7 +62,10 @@ impl ScriptedWorld {
 impl World for ScriptedWorld {
     fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
         self.bodies.push(Some((body.motion, body.state)));
-        self.corners.push(body.shape.vertices().iter().map(|v| v.coords).collect());
+        let (of, rounding) =
+            body.shape.rounded().map_or((&*body.shape, 0.0), |r| (&r.core, r.radius));
+        let corners = of.vertices().iter().map(|v| v.coords).collect();
+        self.corners.push(HeldShape { corners, rounding });
         Ok(BodyId(self.bodies.len() as u32 - 1))
     }
 
@@ -108,7 +111,7 @@ impl World for ScriptedWorld {
         into.clear();
     }
 
-    fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
+    fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
         into.clear();
         let there = self.bodies.iter().map(Option::is_some);
         into.extend(there.zip(&self.corners).map(|(there, c)| there.then(|| c.clone())));

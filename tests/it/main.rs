@@ -35,6 +35,7 @@ mod referee;
 mod repose;
 mod reproduce;
 mod results;
+mod rounded;
 mod same;
 mod scale;
 mod scenario;

@@ -31,7 +31,7 @@ fn files() -> Vec<PathBuf> {
         }
     }
     let mut found = Vec::new();
-    for folder in ["load", "paper", "quick", "scale", "spheres"] {
+    for folder in ["load", "paper", "quick", "scale", "rounded", "spheres"] {
         walk(&root().join("scenarios").join(folder), &mut found);
     }
     found.sort();

@@ -1,9 +1,8 @@
 //! Hulls hold all points, have the volumes geometry gives them, and lose
 //! little where they are made simpler.
 
-use super::*;
 use crate::{
-    geometry::ConvexPolyhedron,
+    geometry::{ConvexPolyhedron, Hull, Point, Vector, hull},
     grains::{
         generate,
         stones::surface::volume,

@@ -3,11 +3,12 @@
 //!
 //! The way of a mesh: a file is read into objects ([`read`]); of each the
 //! vertices are joined and the surface is checked ([`surface`]); it becomes a
-//! convex polyhedron, if it is not one already ([`shape`], [`hull`]); stones
+//! convex polyhedron, if it is not one already ([`shape`]); stones
 //! are drawn and scaled ([`draw`]). All faults of all files are reported at once.
 
 mod draw;
-mod hull;
+#[cfg(test)]
+mod hull_tests;
 mod obj;
 mod piece;
 mod ply;

@@ -90,6 +90,7 @@ mod tests {
     /// A body with the given sides of its box, and the volume and surface of that box.
     fn shape(longest: f64, intermediate: f64, shortest: f64) -> GrainShape {
         GrainShape {
+            roundness: 0.0,
             longest,
             intermediate,
             shortest,

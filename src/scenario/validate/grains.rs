@@ -1,7 +1,7 @@
 //! The sieve table, and how many grains it makes.
 
 use super::{Parts, fault, short};
-use crate::scenario::{CellShape, Fault, MeshGrains, SieveFraction, SievedShape};
+use crate::scenario::{CellShape, Fault, LEAST_ROUNDING, MeshGrains, SieveFraction, SievedShape};
 
 /// Allowed error of the sum of the mass percentages.
 const PERCENT_TOLERANCE: f64 = 0.01;
@@ -21,6 +21,15 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
             "",
             "this field, or `shape` \"spheres\"".into(),
             "spheres are cut from no cells, so there is nothing to relax or stretch".into(),
+        ));
+    }
+    let rounding = sieved.cells.rounding;
+    if rounding > 0.0 && rounding < LEAST_ROUNDING {
+        faults.push(fault(
+            "grains.cells.rounding",
+            rounding,
+            format!("0, or {LEAST_ROUNDING} to 0.9"),
+            "corners with so small a radius are neither sharp nor round in a contact".into(),
         ));
     }
     let table = &sieved.sieve_table;

@@ -170,9 +170,9 @@ mod bridge {
         id: u32,
     }
 
-    /// A probed hull, as in `BulletWorld::add_shape`, or a sphere.
+    /// A probed hull, as in `BulletWorld::add_shape` or `add_rounded`, or a sphere.
     struct HullProbeShape {
-        /// Of a sphere, in m; 0 for a hull.
+        /// Of a sphere, or of the ball that sweeps a hull, in m; 0 for a hull as it is.
         radius: f64,
         coordinates: Vec<f64>,
         face_starts: Vec<u32>,
@@ -259,6 +259,14 @@ mod bridge {
             face_starts: &[u32],
             face_vertices: &[u32],
         ) -> Result<u32>;
+        /// A hull swept by a ball with a radius in m, else as `add_shape`.
+        fn add_rounded(
+            self: Pin<&mut BulletWorld>,
+            coordinates: &[f64],
+            face_starts: &[u32],
+            face_vertices: &[u32],
+            radius: f64,
+        ) -> Result<u32>;
         /// A sphere about the body's origin, with its radius in m.
         fn add_sphere(self: Pin<&mut BulletWorld>, radius: f64) -> Result<u32>;
         fn add_body(self: Pin<&mut BulletWorld>, definition: &BodyDefinition) -> Result<u32>;
@@ -301,8 +309,13 @@ mod bridge {
         fn read_bodies(self: &BulletWorld, out: &mut Vec<BodyRead>);
         /// Corners of the hulls that contacts are found with, in m: how many
         /// each body has, and x, y, z of each; of a sphere one, on its surface; none for a
-        /// removed body.
-        fn read_corners(self: &BulletWorld, counts: &mut Vec<u32>, coordinates: &mut Vec<f64>);
+        /// removed body. `roundings`: radius in m of the ball that sweeps each hull, or 0.
+        fn read_corners(
+            self: &BulletWorld,
+            counts: &mut Vec<u32>,
+            coordinates: &mut Vec<f64>,
+            roundings: &mut Vec<f64>,
+        );
         /// How each kinematic body went through the last step. Empty with Bullet's own
         /// contacts, and once a body came or went.
         fn read_drives(self: &BulletWorld, out: &mut Vec<DriveRead>);

@@ -29,6 +29,8 @@ mod recall_tests;
 #[cfg(test)]
 mod rest_tests;
 #[cfg(test)]
+mod rounded_tests;
+#[cfg(test)]
 mod shim_tests;
 #[cfg(test)]
 mod sphere_tests;
@@ -50,8 +52,8 @@ use definition::definition;
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::{
-    BackendInfo, Body, BodyId, BodyState, Contact, EffectiveSettings, Motion, PairCoefficients,
-    PairTable, PhaseTimes, RememberedContact, Snapshot, World, WorldError,
+    BackendInfo, Body, BodyId, BodyState, Contact, EffectiveSettings, HeldShape, Motion,
+    PairCoefficients, PairTable, PhaseTimes, RememberedContact, Snapshot, World, WorldError,
 };
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 use crate::scenario::EngineSettings;
@@ -188,8 +190,15 @@ impl BulletBackend {
         }
         let flat = flat(shape);
         let mut world = self.world.pin_mut();
-        let index = if flat.radius > 0.0 {
+        let index = if shape.sphere().is_some() {
             world.as_mut().add_sphere(flat.radius)
+        } else if flat.radius > 0.0 {
+            world.as_mut().add_rounded(
+                &flat.coordinates,
+                &flat.face_starts,
+                &flat.face_vertices,
+                flat.radius,
+            )
         } else {
             world.as_mut().add_shape(&flat.coordinates, &flat.face_starts, &flat.face_vertices)
         }
@@ -199,7 +208,7 @@ impl BulletBackend {
     }
 }
 
-/// A polyhedron or a sphere as it crosses the bridge.
+/// A polyhedron, the core of a rounded one, or a sphere as it crosses the bridge.
 fn flat(shape: &ConvexPolyhedron) -> ffi::HullProbeShape {
     if let Some(sphere) = shape.sphere() {
         let (coordinates, face_starts, face_vertices) = Default::default();
@@ -210,6 +219,7 @@ fn flat(shape: &ConvexPolyhedron) -> ffi::HullProbeShape {
             face_vertices,
         };
     }
+    let (shape, radius) = shape.rounded().map_or((shape, 0.0), |r| (&r.core, r.radius));
     let mut face_starts = vec![0];
     let mut face_vertices = vec![];
     for face in shape.faces() {
@@ -217,7 +227,7 @@ fn flat(shape: &ConvexPolyhedron) -> ffi::HullProbeShape {
         face_starts.push(face_vertices.len() as u32);
     }
     let coordinates = shape.vertices().iter().flat_map(|v| [v.x, v.y, v.z]).collect();
-    ffi::HullProbeShape { radius: 0.0, coordinates, face_starts, face_vertices }
+    ffi::HullProbeShape { radius, coordinates, face_starts, face_vertices }
 }
 
 fn engine(error: cxx::Exception) -> WorldError {
@@ -348,16 +358,15 @@ impl World for BulletBackend {
         into.extend(bodies.iter().map(|b| b.present.then(|| state(b))));
     }
 
-    fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
-        let (mut counts, mut coordinates) = (Vec::new(), Vec::new());
-        self.world.read_corners(&mut counts, &mut coordinates);
+    fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
+        let (mut counts, mut coordinates, mut roundings) = (Vec::new(), Vec::new(), Vec::new());
+        self.world.read_corners(&mut counts, &mut coordinates, &mut roundings);
         let mut corners = coordinates.chunks_exact(3).map(Vector::from_column_slice);
         into.clear();
-        into.extend(
-            counts
-                .iter()
-                .map(|&count| (count > 0).then(|| corners.by_ref().take(count as usize).collect())),
-        );
+        into.extend(counts.iter().zip(&roundings).map(|(&count, &rounding)| {
+            let corners = corners.by_ref().take(count as usize).collect();
+            (count > 0).then_some(HeldShape { corners, rounding })
+        }));
     }
 
     fn contacts(&self, into: &mut Vec<Contact>) {

@@ -1,8 +1,10 @@
 //! Laws that every engine has to keep: one body of code, run over all of
 //! them, operation by operation. Here: pairs, adding and removing, refusals,
-//! determinism; in `motion`: how bodies move and touch; in `spheres`: how spheres do.
+//! determinism; in `motion`: how bodies move and touch; in `spheres`: how spheres do; in
+//! `rounded`: rounded polyhedra.
 
 mod motion;
+mod rounded;
 mod spheres;
 
 use std::sync::Arc;
@@ -244,7 +246,7 @@ fn shapes_are_read_back_as_the_engine_holds_them() {
         assert_eq!(corners.len(), 3, "{:?}: an entry a body", engine.backend);
         assert!(corners[1].is_none(), "{:?}: what was removed has no corners", engine.backend);
         for n in [0, 2] {
-            let mut held = corners[n].clone().expect("corners");
+            let mut held = corners[n].clone().expect("corners").corners;
             assert_eq!(held.len(), 8, "{:?}: a box has eight corners", engine.backend);
             for given in bodies[n].shape.vertices() {
                 let distance = |p: &Vector| (p - given.coords).norm();

@@ -176,7 +176,7 @@ fn a_sphere_is_read_back_with_its_radius() {
         steps(world.as_mut(), 2);
         let mut corners = Vec::new();
         world.corners(&mut corners);
-        let held = corners[0].clone().expect("it is there");
+        let held = corners[0].clone().expect("it is there").corners;
         assert_eq!(held.len(), 1, "{:?}: law: one point, on the surface", engine.backend);
         engine.expect("the radius is held, m", RADIUS, held[0].norm(), 1e-9);
     });

@@ -69,7 +69,8 @@ pub(super) fn plain(v: math::Vector) -> Vector {
 /// refused: at most a hundredth of a millimetre for a grain of 10 mm.
 const SIMPLIFIED_BY: [f64; 4] = [1e-6, 1e-5, 1e-4, 1e-3];
 
-/// The polyhedron in engine units, rapier's ball for a sphere; `None` where parry's own checks fail.
+/// The polyhedron in engine units, with parry's border radius where it is rounded, rapier's ball for
+/// a sphere; `None` where parry's own checks fail.
 ///
 /// Its faces are given as fans of triangles, which parry joins again where
 /// their normals agree to 1.7e-4 rad (`from_convex_mesh`, 0.31). Where joining
@@ -80,6 +81,12 @@ pub(super) fn shape(units: Units, polyhedron: &Arc<ConvexPolyhedron>) -> Option<
     if let Some(sphere) = polyhedron.sphere() {
         return Some(SharedShape::ball(sphere.radius * units.per_metre()));
     }
+    let (polyhedron, radius) =
+        polyhedron.rounded().map_or((&**polyhedron, 0.0), |r| (&r.core, r.radius));
+    let mesh = |points: Vec<_>, triangles: &[[u32; 3]]| match radius > 0.0 {
+        true => SharedShape::round_convex_mesh(points, triangles, radius * units.per_metre()),
+        false => SharedShape::convex_mesh(points, triangles),
+    };
     let points: Vec<_> = polyhedron.vertices().iter().map(|p| units.length(&p.coords)).collect();
     let triangles: Vec<[u32; 3]> = polyhedron
         .faces()
@@ -87,10 +94,10 @@ pub(super) fn shape(units: Units, polyhedron: &Arc<ConvexPolyhedron>) -> Option<
         .flat_map(|face| face[1..].windows(2).map(|pair| [face[0], pair[0], pair[1]]))
         .collect();
     let size = polyhedron.equivalent_diameter() * units.per_metre();
-    SharedShape::convex_mesh(points.clone(), &triangles).or_else(|| {
+    mesh(points.clone(), &triangles).or_else(|| {
         SIMPLIFIED_BY.iter().find_map(|share| {
             let (points, triangles) = try_convex_hull(&apart(&points, share * size)).ok()?;
-            SharedShape::convex_mesh(points, &triangles)
+            mesh(points, &triangles)
         })
     })
 }

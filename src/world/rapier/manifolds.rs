@@ -119,7 +119,15 @@ fn spanning(count: usize, place: impl Fn(usize) -> Vector, near: Vector) -> ([us
     ([kept[0], kept[1], kept[2], kept[3]], 4)
 }
 
-/// Parry's dispatcher, but for the manifolds of two polyhedra.
+/// A polyhedron, or the core of a rounded one, and the radius of its ball.
+fn polyhedron(shape: &dyn Shape) -> Option<(&ConvexPolyhedron, Real)> {
+    match shape.as_round_convex_polyhedron() {
+        Some(round) => Some((&round.inner_shape, round.border_radius)),
+        None => Some((shape.as_convex_polyhedron()?, 0.0)),
+    }
+}
+
+/// Parry's dispatcher, but for the manifolds of two polyhedra, rounded or not.
 pub(super) struct SpannedFaces;
 
 type Manifold = ContactManifold<ContactManifoldData, ContactData>;
@@ -134,7 +142,7 @@ impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for SpannedFace
         manifolds: &mut Vec<Manifold>,
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
-        if shape1.as_convex_polyhedron().is_none() || shape2.as_convex_polyhedron().is_none() {
+        if polyhedron(shape1).is_none() || polyhedron(shape2).is_none() {
             return DefaultQueryDispatcher
                 .contact_manifolds(pos12, shape1, shape2, prediction, manifolds, workspace);
         }
@@ -155,8 +163,8 @@ impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for SpannedFace
         prediction: Real,
         manifold: &mut Manifold,
     ) -> Result<(), Unsupported> {
-        let polyhedra = (shape1.as_convex_polyhedron(), shape2.as_convex_polyhedron());
-        let (Some(first), Some(second)) = polyhedra else {
+        let polyhedra = (polyhedron(shape1), polyhedron(shape2));
+        let (Some((first, radius1)), Some((second, radius2))) = polyhedra else {
             return DefaultQueryDispatcher.contact_manifold_convex_convex(
                 pos12,
                 shape1,
@@ -170,10 +178,10 @@ impl PersistentQueryDispatcher<ContactManifoldData, ContactData> for SpannedFace
         contact_manifold_pfm_pfm(
             pos12,
             &Spanned(first),
-            0.0,
+            radius1,
             constraints1,
             &Spanned(second),
-            0.0,
+            radius2,
             constraints2,
             prediction,
             manifold,

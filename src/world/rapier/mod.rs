@@ -28,8 +28,8 @@ use rapier3d_f64::prelude::{
 };
 
 use super::{
-    BackendInfo, Body, BodyId, BodyState, Contact, EffectiveSettings, Motion, PairCoefficients,
-    PairTable, Snapshot, World, WorldError,
+    BackendInfo, Body, BodyId, BodyState, Contact, EffectiveSettings, HeldShape, Motion,
+    PairCoefficients, PairTable, Snapshot, World, WorldError,
 };
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 use crate::scenario::EngineSettings;
@@ -250,15 +250,20 @@ impl World for RapierBackend {
         }));
     }
 
-    fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
+    fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
         into.clear();
         into.extend(self.bodies.iter().map(|present| {
             let collider = self.world.colliders.get(present.as_ref()?.collider)?;
             if let Some(ball) = collider.shape().as_ball() {
-                return Some(vec![Vector::new(ball.radius / self.units.per_metre(), 0.0, 0.0)]);
+                let on = Vector::new(ball.radius / self.units.per_metre(), 0.0, 0.0);
+                return Some(HeldShape { corners: vec![on], rounding: 0.0 });
             }
-            let hull = collider.shape().as_convex_polyhedron()?;
-            Some(hull.points().iter().map(|p| self.units.metres(*p)).collect())
+            let (hull, radius) = match collider.shape().as_round_convex_polyhedron() {
+                Some(round) => (&round.inner_shape, round.border_radius),
+                None => (collider.shape().as_convex_polyhedron()?, 0.0),
+            };
+            let corners = hull.points().iter().map(|p| self.units.metres(*p)).collect();
+            Some(HeldShape { corners, rounding: radius / self.units.per_metre() })
         }));
     }
 

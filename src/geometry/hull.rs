@@ -8,7 +8,7 @@
 
 use std::collections::{BinaryHeap, HashMap};
 
-use crate::geometry::{Point, Vector};
+use super::{Point, Vector};
 
 /// Points nearer to a face than this, as a fraction of the largest distance
 /// from the points' mean, are taken to lie on it. Meshes of single precision
@@ -17,7 +17,7 @@ const ROUNDING: f64 = 1e-7;
 
 /// A convex hull.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Hull {
+pub(crate) struct Hull {
     /// Its vertices, in the order of the points they are.
     pub vertices: Vec<Point>,
     /// Triangles, counter-clockwise seen from outside.
@@ -29,7 +29,7 @@ pub(super) struct Hull {
 
 /// The hull of finite points with at most so many vertices. `None` where the
 /// points lie in a plane within rounding.
-pub(super) fn hull(points: &[Point], most_vertices: usize) -> Option<Hull> {
+pub(crate) fn hull(points: &[Point], most_vertices: usize) -> Option<Hull> {
     let mean = points.iter().map(|p| p.coords).sum::<Vector>() / points.len().max(1) as f64;
     let radius = points.iter().map(|p| (p.coords - mean).norm()).fold(0.0, f64::max);
     if !(radius > 0.0 && radius.is_finite()) {
@@ -239,7 +239,3 @@ fn tetrahedron(points: &[Vector]) -> Option<Vec<Facet>> {
         .into_iter()
         .collect()
 }
-
-#[cfg(test)]
-#[path = "hull_tests.rs"]
-mod tests;

@@ -1,0 +1,164 @@
+//! Convex polyhedra out of points and triangles, and what a plane leaves of them.
+
+use std::collections::HashMap;
+
+use super::{ConvexPolyhedron, Point, PolyhedronError, Vector};
+
+/// Triangles whose corners lie within this of one plane, as a fraction of the
+/// stone's radius, make one face. Half of what a polyhedron allows its faces,
+/// and above the rounding of single precision a few dozen stones away from
+/// the origin.
+pub(crate) const FLATNESS: f64 = 5e-6;
+
+/// A polyhedron of closed faces, triangles that lie in one plane joined;
+/// `None` where it is not convex. Faces with more corners are left as they
+/// are: whoever made them joined what belongs together.
+pub(crate) fn joined_polyhedron(
+    vertices: &[Point],
+    faces: &[Vec<u32>],
+) -> Option<ConvexPolyhedron> {
+    if faces.iter().all(|face| face.len() == 3)
+        && let Some(joined) = joined(vertices, faces)
+        && let Ok(shape) = compact(vertices, joined)
+    {
+        return Some(shape);
+    }
+    ConvexPolyhedron::new(vertices.to_vec(), faces.to_vec()).ok()
+}
+
+fn compact(
+    vertices: &[Point],
+    mut faces: Vec<Vec<u32>>,
+) -> Result<ConvexPolyhedron, PolyhedronError> {
+    let mut used: Vec<u32> = faces.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    for corner in faces.iter_mut().flatten() {
+        *corner = used.partition_point(|v| v < corner) as u32;
+    }
+    ConvexPolyhedron::new(used.iter().map(|&v| vertices[v as usize]).collect(), faces)
+}
+
+/// Joins triangles into plane faces, beginning with the largest; vertices amid
+/// a face or an edge go. `None` where a face would have a hole.
+fn joined(vertices: &[Point], triangles: &[Vec<u32>]) -> Option<Vec<Vec<u32>>> {
+    let centre = vertices.iter().map(|v| v.coords).sum::<Vector>() / vertices.len().max(1) as f64;
+    let radius = vertices.iter().map(|v| (v.coords - centre).norm()).fold(0.0, f64::max);
+    let at = |v: u32| vertices[v as usize].coords;
+    let area = |t: &[u32]| (at(t[1]) - at(t[0])).cross(&(at(t[2]) - at(t[0])));
+    let mut owner: HashMap<(u32, u32), usize> = HashMap::new();
+    for (index, t) in triangles.iter().enumerate() {
+        for (i, &a) in t.iter().enumerate() {
+            owner.insert((a, t[(i + 1) % 3]), index);
+        }
+    }
+    let mut order: Vec<usize> = (0..triangles.len()).collect();
+    order.sort_by(|&a, &b| {
+        area(&triangles[b]).norm().total_cmp(&area(&triangles[a]).norm()).then(a.cmp(&b))
+    });
+    let mut taken = vec![false; triangles.len()];
+    let mut region_of = vec![usize::MAX; triangles.len()];
+    let mut faces: Vec<Vec<u32>> = Vec::new();
+    for seed in order {
+        if taken[seed] {
+            continue;
+        }
+        taken[seed] = true;
+        let normal = area(&triangles[seed]).try_normalize(0.0)?;
+        let offset = normal.dot(&at(triangles[seed][0]));
+        let mut next: HashMap<u32, u32> = HashMap::new();
+        region_of[seed] = seed;
+        let mut region = vec![seed];
+        let mut visited = 0;
+        while let Some(&triangle) = region.get(visited) {
+            visited += 1;
+            let t = &triangles[triangle];
+            for (i, &a) in t.iter().enumerate() {
+                let b = t[(i + 1) % 3];
+                let &beyond = owner.get(&(b, a))?;
+                let in_plane = |v: &u32| (normal.dot(&at(*v)) - offset).abs() <= FLATNESS * radius;
+                let belongs = !taken[beyond]
+                    && triangles[beyond].iter().all(in_plane)
+                    && area(&triangles[beyond]).dot(&normal) >= 0.0;
+                if belongs {
+                    taken[beyond] = true;
+                    region_of[beyond] = seed;
+                    region.push(beyond);
+                } else if region_of[beyond] != seed && next.insert(a, b).is_some() {
+                    return None;
+                }
+            }
+        }
+        faces.push(outline(&next)?);
+    }
+    Some(without_needless_vertices(faces))
+}
+
+/// The loop of a face's edges, beginning at its lowest vertex; `None` where
+/// they make several.
+fn outline(next: &HashMap<u32, u32>) -> Option<Vec<u32>> {
+    let start = *next.keys().min()?;
+    let mut face = vec![start];
+    let mut at = *next.get(&start)?;
+    while at != start {
+        if face.len() > next.len() {
+            return None;
+        }
+        face.push(at);
+        at = *next.get(&at)?;
+    }
+    (face.len() == next.len()).then_some(face)
+}
+
+/// A vertex where only two faces meet lies on their common edge.
+fn without_needless_vertices(mut faces: Vec<Vec<u32>>) -> Vec<Vec<u32>> {
+    let mut meeting: HashMap<u32, usize> = HashMap::new();
+    for &corner in faces.iter().flatten() {
+        *meeting.entry(corner).or_default() += 1;
+    }
+    for face in &mut faces {
+        face.retain(|corner| meeting[corner] > 2);
+    }
+    faces
+}
+
+/// What of a closed convex surface lies where a height over a plane is not above 0, closed again;
+/// `onto` puts a point that is off the plane by a rounding onto it.
+pub(crate) fn cut(
+    faces: Vec<Vec<Vector>>,
+    height: impl Fn(&Vector) -> f64,
+    onto: impl Fn(&mut Vector),
+) -> Vec<Vec<Vector>> {
+    let mut kept = Vec::new();
+    // Where faces leave and enter again: the rim of the cut, the other way round.
+    let mut rim: Vec<(Vector, Vector)> = Vec::new();
+    for face in faces {
+        let mut inside = Vec::new();
+        let (mut leaves, mut enters) = (None, None);
+        for (i, p) in face.iter().enumerate() {
+            let q = &face[(i + 1) % face.len()];
+            let (a, b) = (height(p), height(q));
+            if a <= 0.0 {
+                inside.push(*p);
+            }
+            if (a <= 0.0) != (b <= 0.0) {
+                let mut at = p + (q - p) * (a / (a - b));
+                onto(&mut at);
+                inside.push(at);
+                match a <= 0.0 {
+                    true => leaves = Some(at),
+                    false => enters = Some(at),
+                }
+            }
+        }
+        rim.extend(enters.zip(leaves));
+        if inside.len() >= 3 {
+            kept.push(inside);
+        }
+    }
+    if let Some(&(middle, _)) = rim.first() {
+        // Triangles of a convex cap; where it has been cut before, inner edges cancel.
+        kept.extend(rim.into_iter().map(|(enters, leaves)| vec![middle, enters, leaves]));
+    }
+    kept
+}
