@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::super::{Pose, mass::tests::near, outline::outline};
 use super::*;
+use crate::geometry::{Pose, mass::tests::near, outline::outline};
 
 fn of(core: ConvexPolyhedron, radius: f64) -> ConvexPolyhedron {
     ConvexPolyhedron::of_rounded(core, radius).expect("a rounded polyhedron")

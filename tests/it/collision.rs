@@ -3,6 +3,7 @@
 
 mod memory;
 mod pairs;
+mod rounded;
 mod spheres;
 
 use std::sync::Arc;

@@ -25,13 +25,13 @@ fn read_json(folder: &Path, name: &str) -> Value {
     serde_json::from_str(&text).expect("JSON")
 }
 
-/// Some 150 grains in a cylinder of seven.
+/// Some 200 grains in a cylinder of eight.
 fn gravel(rounding: f64) -> Value {
     json!({
         "name": "gravel",
         "grains": {
             "total_mass_g": 200, "density_kg_per_m3": 2650,
-            "sieve_table": [{ "passing_mm": 11, "retained_mm": 9, "mass_percent": 100 }],
+            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }],
             "cells": { "relaxation_steps": 5, "rounding": rounding }
         },
         "contact": { "grain_grain_friction": 0.5, "grain_wall_friction": 0.3, "restitution": 0.3 },
