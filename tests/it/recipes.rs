@@ -377,7 +377,7 @@ fn a_vane_is_turned_by_a_moment_until_its_bed_fails() {
     let recipe = Recipe::run(
         "vane",
         &[
-            "grains.total_mass_g=170",
+            "grains.total_mass_g=120",
             "pieces.0.shape.cylinder.inner_diameter_mm=60",
             "pieces.1.shape.vane.diameter_mm=30",
             "stages.0.diameter_mm=50",
