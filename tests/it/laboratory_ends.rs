@@ -137,7 +137,7 @@ fn conditions_are_checked_with_what_they_need() {
         (json!({ "all_of": [bad] }), vec![("until.all_of[0].piece", "no such piece")]),
         (
             json!([good, odd]),
-            vec![("until[1].moved_mm", "wrong type"), ("until[1].force", "did you mean")],
+            vec![("until[1].moved_mm", "wrong type"), ("until[1].force", "no such field")],
         ),
         (json!({ "all_of": [good], "piece": "lid" }), vec![("until.piece", "no such field")]),
         (json!("lid"), vec![("until", "wrong type")]),
@@ -185,8 +185,6 @@ fn what_ended_a_stage_stands_in_the_summary() {
     assert!(number(&steady["change_percent"]) <= 30.0, "law: within 30 %, {steady}");
     assert_eq!((&steady["reached"], &force["reached"]), (&json!(true), &json!(false)));
     assert_eq!(steady["condition"], json!("`steady_force_percent` of `lid`"), "law: it is named");
-    let told = String::from_utf8_lossy(&done.stdout);
-    assert!(told.contains("`steady_force_percent` of `lid` with a change of"), "law: {told}");
 }
 
 #[test]
