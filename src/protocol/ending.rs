@@ -87,9 +87,6 @@ pub struct Judged {
 /// What came of the condition, or the conditions, that were to end a stage.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct UntilFound {
-    /// Of one of several conditions, which: the field and the piece, group or opening.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub condition: Option<String>,
     /// Whether it held, so that it ended the stage; otherwise a limit of time did, or everything
     /// had settled.
     pub reached: bool,
@@ -113,10 +110,36 @@ pub struct UntilFound {
     /// Of several conditions, each of them: whether it held at the last look, and what was found
     /// last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub conditions: Vec<UntilFound>,
+    pub conditions: Vec<ConditionFound>,
     /// Of several conditions, whether all had to hold at the same time, and not any one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub all_of: bool,
+}
+
+/// What came of one of several conditions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ConditionFound {
+    /// Which: the field and the piece, group or opening.
+    pub condition: String,
+    /// Whether it held at the last look.
+    pub reached: bool,
+    /// When that was, in s since the stage began; null where it did not hold.
+    pub at_s: Option<f64>,
+    /// Force found last, in N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force_n: Option<f64>,
+    /// Displacement, likewise, in mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moved_mm: Option<f64>,
+    /// Angle turned, likewise, in degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turned_deg: Option<f64>,
+    /// Flow, likewise, in g/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flow_g_per_s: Option<f64>,
+    /// Change from window to window, likewise, in percent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub change_percent: Option<f64>,
 }
 
 /// An opening as a scenario has it.
@@ -147,9 +170,18 @@ impl Endings {
             return self.each[0].found(judged);
         }
         let nothing = Judged::default();
-        let of = |(k, ending): (usize, &Ending)| UntilFound {
-            condition: Some(ending.name.clone()),
-            ..ending.found(judged.each.get(k).unwrap_or(&nothing))
+        let of = |(k, ending): (usize, &Ending)| {
+            let found = ending.found(judged.each.get(k).unwrap_or(&nothing));
+            ConditionFound {
+                condition: ending.name.clone(),
+                reached: found.reached,
+                at_s: found.at_s,
+                force_n: found.force_n,
+                moved_mm: found.moved_mm,
+                turned_deg: found.turned_deg,
+                flow_g_per_s: found.flow_g_per_s,
+                change_percent: found.change_percent,
+            }
         };
         UntilFound {
             conditions: self.each.iter().enumerate().map(of).collect(),
@@ -220,7 +252,6 @@ impl UntilFound {
     /// When something held, and nothing of what was found.
     fn nothing(judged: &Judged) -> Self {
         Self {
-            condition: None,
             reached: judged.reached_s.is_some(),
             at_s: judged.reached_s,
             force_n: None,
@@ -233,33 +264,19 @@ impl UntilFound {
         }
     }
 
-    /// What was found of one condition, with its unit.
-    fn value(&self) -> String {
-        match *self {
-            Self { force_n: Some(n), .. } => format!("a force of {n:.3} N"),
-            Self { moved_mm: Some(mm), .. } => format!("{mm:.3} mm moved"),
-            Self { turned_deg: Some(deg), .. } => format!("{deg:.2}° turned"),
-            Self { flow_g_per_s: Some(rate), .. } => format!("a flow of {rate:.2} g/s"),
-            Self { change_percent: Some(p), .. } => format!("a change of {p:.2} %"),
-            _ => "nothing to tell".to_owned(),
-        }
-    }
-
     /// What was found, with its unit, for a reader. Of several conditions those that held come
     /// first.
     pub fn line(&self) -> String {
         let Self { conditions, all_of, .. } = self;
-        let named = |of: &Self| {
-            format!("{} with {}", of.condition.as_deref().unwrap_or_default(), of.value())
-        };
+        let named = |of: &ConditionFound| format!("{} with {}", of.condition, value(of));
         let list = |reached: bool| {
             let of = conditions.iter().filter(|of| of.reached == reached).map(named);
             of.collect::<Vec<_>>().join(", ")
         };
         let (held, not) = (list(true), list(false));
         match (self.at_s, conditions.is_empty()) {
-            (Some(at), true) => format!("`until` held after {at:.3} s: {}", self.value()),
-            (None, true) => format!("`until` was not reached: {} at the end", self.value()),
+            (Some(at), true) => format!("`until` held after {at:.3} s: {}", value(self)),
+            (None, true) => format!("`until` was not reached: {} at the end", value(self)),
             (Some(at), false) if not.is_empty() => format!("`until` held after {at:.3} s: {held}"),
             (Some(at), false) => format!("`until` held after {at:.3} s: {held}; not {not}"),
             (None, false) => {
@@ -268,6 +285,36 @@ impl UntilFound {
                 format!("`until` was not reached, which is {wanted} of: {all} at the end")
             }
         }
+    }
+}
+
+/// What was found of one condition.
+trait Found {
+    /// Force in N, way in mm, angle in degrees, flow in g/s, change in percent.
+    fn found(&self) -> [Option<f64>; 5];
+}
+
+impl Found for UntilFound {
+    fn found(&self) -> [Option<f64>; 5] {
+        [self.force_n, self.moved_mm, self.turned_deg, self.flow_g_per_s, self.change_percent]
+    }
+}
+
+impl Found for ConditionFound {
+    fn found(&self) -> [Option<f64>; 5] {
+        [self.force_n, self.moved_mm, self.turned_deg, self.flow_g_per_s, self.change_percent]
+    }
+}
+
+/// What was found of one condition, with its unit.
+fn value(of: &impl Found) -> String {
+    match of.found() {
+        [Some(n), ..] => format!("a force of {n:.3} N"),
+        [_, Some(mm), ..] => format!("{mm:.3} mm moved"),
+        [_, _, Some(deg), ..] => format!("{deg:.2}° turned"),
+        [_, _, _, Some(rate), _] => format!("a flow of {rate:.2} g/s"),
+        [.., Some(p)] => format!("a change of {p:.2} %"),
+        _ => "nothing to tell".to_owned(),
     }
 }
 
