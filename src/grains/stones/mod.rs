@@ -7,8 +7,6 @@
 //! are drawn and scaled ([`draw`]). All faults of all files are reported at once.
 
 mod draw;
-#[cfg(test)]
-mod hull_tests;
 mod obj;
 mod piece;
 mod ply;
@@ -188,5 +186,7 @@ fn rounded(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
+#[cfg(test)]
+mod hull_tests;
 #[cfg(test)]
 mod tests;

@@ -135,11 +135,17 @@ fn table(world: &mut World, slab: u32, kind: BodyKind) -> u32 {
 
 fn grain(world: &mut World, number: u32, position: [f64; 3], rotation: [f64; 4]) -> u32 {
     let side = 0.008 + 0.0005 * f64::from(number % 7);
-    // Every third one a sphere.
-    let shape = if number % 3 == 2 {
-        world.pin_mut().add_sphere(side / 2.0).expect("a sphere")
-    } else {
-        add(world, &cuboid([side, side * 0.8, side * 1.1]))
+    // Spheres, rounded boxes and boxes by turns.
+    let sides = [side, side * 0.8, side * 1.1];
+    let shape = match number % 3 {
+        2 => world.pin_mut().add_sphere(side / 2.0).expect("a sphere"),
+        1 => {
+            let core = cuboid(sides.map(|s| s - side / 4.0));
+            let (coordinates, starts) = (&core.coordinates, &core.face_starts);
+            let faces = &core.face_vertices;
+            world.pin_mut().add_rounded(coordinates, starts, faces, side / 8.0).expect("a hull")
+        }
+        _ => add(world, &cuboid(sides)),
     };
     let mass = 2673.9 * 0.88 * side.powi(3);
     world
@@ -163,7 +169,7 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
         })
         .collect();
     let (mut bodies, mut contacts, mut remembered) = (vec![], vec![], vec![]);
-    let (mut counts, mut corners) = (vec![], vec![]);
+    let (mut counts, mut corners, mut roundings) = (vec![], vec![], vec![]);
     let mut touched = 0;
     for step in 0..steps {
         let time = f64::from(step) / 480.0;
@@ -177,7 +183,7 @@ pub fn one(kind: Kind, grains: u32, steps: u32) -> u32 {
         if step % 16 == 0 {
             world.read_bodies(&mut bodies);
             world.remember_contacts(&mut remembered);
-            world.read_corners(&mut counts, &mut corners);
+            world.read_corners(&mut counts, &mut corners, &mut roundings);
             assert!(world.phases().collision >= 0.0 && !world.effective().is_empty());
             assert!(world.pair_value(floor, ids[0]).is_ok());
         }
