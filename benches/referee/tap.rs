@@ -9,8 +9,8 @@ use pluvia::{
     geometry::{Pose, Vector},
     scenario::EngineSettings,
     world::{
-        Body, BodyId, Contact, EffectiveSettings, PairCoefficients, PairTable, PhaseTimes,
-        RememberedContact, Snapshot, World, WorldError,
+        Body, BodyId, Contact, EffectiveSettings, HeldShape, PairCoefficients, PairTable,
+        PhaseTimes, RememberedContact, Snapshot, World, WorldError,
         bullet::{BulletBackend, SubstepRecord},
     },
 };
@@ -87,10 +87,13 @@ impl World for Tapped {
     fn remember(&self, into: &mut Vec<RememberedContact>) {
         self.world.remember(into);
     }
+    fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError> {
+        self.world.join(part, whole)
+    }
     fn recall(&mut self, contacts: &[RememberedContact]) -> Result<(), WorldError> {
         self.world.recall(contacts)
     }
-    fn corners(&self, into: &mut Vec<Option<Vec<Vector>>>) {
+    fn corners(&self, into: &mut Vec<Option<HeldShape>>) {
         self.world.corners(into);
     }
     fn phases(&self) -> Option<PhaseTimes> {
