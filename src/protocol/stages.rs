@@ -12,6 +12,7 @@ use super::{
     stand::{LegEnd, Stand, Until, WorldMaker},
 };
 use crate::apparatus::Funnel;
+use crate::geometry::Vector;
 use crate::grains;
 use crate::motion::TableMotion;
 use crate::scale;
@@ -290,14 +291,16 @@ impl<'a> Laboratory<'a> {
             stand.warn(not_settled("pouring", limit));
         }
         // The funnel is taken away, with what hangs in it.
-        let rim = self.setup.cylinder.height;
+        let cylinder = &self.setup.cylinder;
+        let (rim, radius) = (cylinder.height, cylinder.radius);
         let state = &mut stand.specimen_mut().state;
         state.funnel = None;
         let mut hanging = 0;
         for grain in state.bodies.iter_mut().filter(|s| s.fate == Fate::Present) {
-            if grain.body.pose.translation.z > rim {
-                grain.fate = Fate::LeftInFunnel;
-                hanging += 1;
+            let at = grain.body.pose.translation.vector;
+            if let Some(fate) = above_rim(&at, rim, radius, opening_height) {
+                grain.fate = fate;
+                hanging += usize::from(fate == Fate::LeftInFunnel);
             }
         }
         if hanging > 0 {
@@ -378,4 +381,34 @@ impl<'a> Laboratory<'a> {
 
 pub(super) fn not_settled(what: &str, limit: f64) -> String {
     format!("after {limit} s of {what} the grains had not settled by the stated criterion")
+}
+
+/// What became of a grain whose centroid is above the cylinder's rim when a pour ends, all in m:
+/// it hangs in the funnel, or lies on the wall. A heap that reaches above the rim is taken away
+/// with the funnel, which it may reach into.
+fn above_rim(at: &Vector, rim: f64, radius: f64, opening_height: f64) -> Option<Fate> {
+    let on_wall = at.z < opening_height && at.xy().norm() > radius;
+    (at.z > rim).then_some(if on_wall { Fate::Spilled } else { Fate::LeftInFunnel })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grain_above_the_rim_hangs_in_the_funnel_or_lies_on_the_wall() {
+        let (rim, radius, opening) = (0.145, 0.036, 0.195);
+        for (x, z, expected) in [
+            (0.0, 0.1, None),
+            (0.05, 0.1, None),
+            (0.044, 0.146, Some(Fate::Spilled)),
+            (0.0, 0.146, Some(Fate::LeftInFunnel)),
+            (0.044, 0.2, Some(Fate::LeftInFunnel)),
+        ] {
+            let got = above_rim(&Vector::new(0.0, x, z), rim, radius, opening);
+            assert_eq!(got, expected, "law: a grain {x} m off the axis, {z} m high");
+        }
+        let at_rim = above_rim(&Vector::new(0.044, 0.0, 0.146), rim, radius, rim);
+        assert_eq!(at_rim, Some(Fate::LeftInFunnel), "law: a funnel at the rim holds it");
+    }
 }
