@@ -164,7 +164,7 @@ pub const KEPT: &[Kept] = &[
         made: Made::Pluvia(&["sweep scenarios/quick/pluviation.json --configurations 20 \
                               --over contact.grain_grain_friction=0,0.793 \
                               --over contact.restitution=0,0.315 --out OUT"]),
-        build: build("2026-11-23", "8"),
+        build: build("2026-11-25", "14"),
         takes: "15 minutes",
     },
     Kept {
