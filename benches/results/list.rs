@@ -231,6 +231,15 @@ pub const KEPT: &[Kept] = &[
         takes: "",
     },
     Kept {
+        name: "rounding",
+        what: "Pours of the quick specimen over the roundness of its grains, three realisations",
+        files: &[("shape/rounding.csv", "sweep.csv")],
+        made: Made::Pluvia(&["sweep scenarios/rounded/rounded-gravel.json --configurations 3 \
+                              --over grains.cells.rounding=0,0.15,0.3,0.6 --out OUT"]),
+        build: build("2026-11-25", "14"),
+        takes: "3 minutes",
+    },
+    Kept {
         name: "twins",
         what: "The quick specimen 0.1, 1 and 5 times as large, 20 realisations",
         files: &[("scale/twins.csv", "")],
@@ -361,6 +370,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("stock", "stock-contacts.csv"),
     ("quick", "quick/vibration.csv"),
     ("quick-stock", "quick/stock-vibration.csv"),
+    ("rounding", "shape/rounding.csv"),
     ("native", "engines/native.csv"),
     ("rapier", "engines/rapier.csv"),
     ("native-eight", "engines/native-eight-iterations.csv"),
