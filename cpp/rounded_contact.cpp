@@ -21,7 +21,7 @@ constexpr double STILL_FLAT = 1 - 0.02 * 0.02 / 2;
 constexpr double NEARLY_FLAT = 1 - 0.1 * 0.1 / 2;
 
 // Share of the hysteresis within which gaps in single and in double precision agree.
-constexpr double ROUNDED_OFF = 1.0 / 400;
+constexpr double GAP_NOISE = 1.0 / 400;
 
 void cross(const double a[3], const double b[3], double out[3]) {
     for (int i = 0; i < 3; ++i) {
@@ -258,7 +258,7 @@ bool RoundedPair::take_face(bool is_a, int face, const Rigid &end) {
         deepest = std::min(deepest, point.gap);
     }
     // Where the closest points lie beside the face, they alone give the gap.
-    if (points.empty() || deepest > cores_.distance - radii_ + settings_.hysteresis * ROUNDED_OFF) {
+    if (points.empty() || deepest > cores_.distance - radii_ + settings_.hysteresis * GAP_NOISE) {
         return false;
     }
     int count = chosen(normal);

@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use super::{ConvexPolyhedron, Point, PolyhedronError, Vector};
 
 /// Triangles whose corners lie within this of one plane, as a fraction of the
-/// stone's radius, make one face. Half of what a polyhedron allows its faces,
-/// and above the rounding of single precision a few dozen stones away from
+/// grain's radius, make one face. Half of what a polyhedron allows its faces,
+/// and above the rounding of single precision a few dozen grains away from
 /// the origin.
 pub(crate) const FLATNESS: f64 = 5e-6;
 

@@ -92,21 +92,9 @@ pub struct UntilFound {
     pub reached: bool,
     /// When it held, in s since the stage began; null where it did not.
     pub at_s: Option<f64>,
-    /// Force found then, or last, in N.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub force_n: Option<f64>,
-    /// Displacement, likewise, in mm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub moved_mm: Option<f64>,
-    /// Angle turned, likewise, in degrees.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub turned_deg: Option<f64>,
-    /// Flow, likewise, in g/s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub flow_g_per_s: Option<f64>,
-    /// Change from window to window, likewise, in percent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub change_percent: Option<f64>,
+    /// What was found then, or last, of one condition.
+    #[serde(flatten)]
+    pub found: Found,
     /// Of several conditions, each of them: whether it held at the last look, and what was found
     /// last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -114,6 +102,26 @@ pub struct UntilFound {
     /// Of several conditions, whether all had to hold at the same time, and not any one.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub all_of: bool,
+}
+
+/// What was found of a condition: the one number that it is about.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Found {
+    /// Force in N.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force_n: Option<f64>,
+    /// Displacement in mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moved_mm: Option<f64>,
+    /// Angle turned in degrees.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turned_deg: Option<f64>,
+    /// Flow in g/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flow_g_per_s: Option<f64>,
+    /// Change from window to window in percent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub change_percent: Option<f64>,
 }
 
 /// What came of one of several conditions.
@@ -125,21 +133,9 @@ pub struct ConditionFound {
     pub reached: bool,
     /// When that was, in s since the stage began; null where it did not hold.
     pub at_s: Option<f64>,
-    /// Force found last, in N.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub force_n: Option<f64>,
-    /// Displacement, likewise, in mm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub moved_mm: Option<f64>,
-    /// Angle turned, likewise, in degrees.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub turned_deg: Option<f64>,
-    /// Flow, likewise, in g/s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub flow_g_per_s: Option<f64>,
-    /// Change from window to window, likewise, in percent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub change_percent: Option<f64>,
+    /// What was found last.
+    #[serde(flatten)]
+    pub found: Found,
 }
 
 /// An opening as a scenario has it.
@@ -176,11 +172,7 @@ impl Endings {
                 condition: ending.name.clone(),
                 reached: found.reached,
                 at_s: found.at_s,
-                force_n: found.force_n,
-                moved_mm: found.moved_mm,
-                turned_deg: found.turned_deg,
-                flow_g_per_s: found.flow_g_per_s,
-                change_percent: found.change_percent,
+                found: found.found,
             }
         };
         UntilFound {
@@ -234,17 +226,19 @@ impl Ending {
 
     /// What is reported of it.
     pub(super) fn found(&self, judged: &Judged) -> UntilFound {
-        let none = UntilFound::nothing(judged);
         let last = judged.last;
-        match (&self.subject, self.condition) {
+        let found = match (&self.subject, self.condition) {
             (_, Condition::Steady(_)) => {
-                UntilFound { change_percent: last.map(|share| 100.0 * share), ..none }
+                Found { change_percent: last.map(|share| 100.0 * share), ..Found::default() }
             }
-            (Subject::Force(..), _) => UntilFound { force_n: last, ..none },
-            (Subject::Turn(_), _) => UntilFound { turned_deg: last.map(f64::to_degrees), ..none },
-            (Subject::Way(..), _) => UntilFound { moved_mm: last.map(to_mm), ..none },
-            (Subject::Flow(_), _) => UntilFound { flow_g_per_s: last.map(to_g), ..none },
-        }
+            (Subject::Force(..), _) => Found { force_n: last, ..Found::default() },
+            (Subject::Turn(_), _) => {
+                Found { turned_deg: last.map(f64::to_degrees), ..Found::default() }
+            }
+            (Subject::Way(..), _) => Found { moved_mm: last.map(to_mm), ..Found::default() },
+            (Subject::Flow(_), _) => Found { flow_g_per_s: last.map(to_g), ..Found::default() },
+        };
+        UntilFound { found, ..UntilFound::nothing(judged) }
     }
 }
 
@@ -254,11 +248,7 @@ impl UntilFound {
         Self {
             reached: judged.reached_s.is_some(),
             at_s: judged.reached_s,
-            force_n: None,
-            moved_mm: None,
-            turned_deg: None,
-            flow_g_per_s: None,
-            change_percent: None,
+            found: Found::default(),
             conditions: Vec::new(),
             all_of: false,
         }
@@ -268,15 +258,15 @@ impl UntilFound {
     /// first.
     pub fn line(&self) -> String {
         let Self { conditions, all_of, .. } = self;
-        let named = |of: &ConditionFound| format!("{} with {}", of.condition, value(of));
+        let named = |of: &ConditionFound| format!("{} with {}", of.condition, of.found.value());
         let list = |reached: bool| {
             let of = conditions.iter().filter(|of| of.reached == reached).map(named);
             of.collect::<Vec<_>>().join(", ")
         };
         let (held, not) = (list(true), list(false));
         match (self.at_s, conditions.is_empty()) {
-            (Some(at), true) => format!("`until` held after {at:.3} s: {}", value(self)),
-            (None, true) => format!("`until` was not reached: {} at the end", value(self)),
+            (Some(at), true) => format!("`until` held after {at:.3} s: {}", self.found.value()),
+            (None, true) => format!("`until` was not reached: {} at the end", self.found.value()),
             (Some(at), false) if not.is_empty() => format!("`until` held after {at:.3} s: {held}"),
             (Some(at), false) => format!("`until` held after {at:.3} s: {held}; not {not}"),
             (None, false) => {
@@ -288,33 +278,17 @@ impl UntilFound {
     }
 }
 
-/// What was found of one condition.
-trait Found {
-    /// Force in N, way in mm, angle in degrees, flow in g/s, change in percent.
-    fn found(&self) -> [Option<f64>; 5];
-}
-
-impl Found for UntilFound {
-    fn found(&self) -> [Option<f64>; 5] {
-        [self.force_n, self.moved_mm, self.turned_deg, self.flow_g_per_s, self.change_percent]
-    }
-}
-
-impl Found for ConditionFound {
-    fn found(&self) -> [Option<f64>; 5] {
-        [self.force_n, self.moved_mm, self.turned_deg, self.flow_g_per_s, self.change_percent]
-    }
-}
-
-/// What was found of one condition, with its unit.
-fn value(of: &impl Found) -> String {
-    match of.found() {
-        [Some(n), ..] => format!("a force of {n:.3} N"),
-        [_, Some(mm), ..] => format!("{mm:.3} mm moved"),
-        [_, _, Some(deg), ..] => format!("{deg:.2}° turned"),
-        [_, _, _, Some(rate), _] => format!("a flow of {rate:.2} g/s"),
-        [.., Some(p)] => format!("a change of {p:.2} %"),
-        _ => "nothing to tell".to_owned(),
+impl Found {
+    /// With its unit.
+    fn value(&self) -> String {
+        match *self {
+            Self { force_n: Some(n), .. } => format!("a force of {n:.3} N"),
+            Self { moved_mm: Some(mm), .. } => format!("{mm:.3} mm moved"),
+            Self { turned_deg: Some(deg), .. } => format!("{deg:.2}° turned"),
+            Self { flow_g_per_s: Some(rate), .. } => format!("a flow of {rate:.2} g/s"),
+            Self { change_percent: Some(p), .. } => format!("a change of {p:.2} %"),
+            _ => "nothing to tell".to_owned(),
+        }
     }
 }
 

@@ -185,7 +185,7 @@ fn pieces_of_several_parts_are_pressed_as_one() {
     let time = outcome.simulated;
     near("α t²/2, rad", turned, 0.5 * 1e-4 / inertia * time * time, 0.02 * turned);
     let found = outcome.until.as_ref().expect("conditions");
-    assert_eq!(found.conditions[1].turned_deg, Some(turned.to_degrees()), "law: {found:?}");
+    assert_eq!(found.conditions[1].found.turned_deg, Some(turned.to_degrees()), "law: {found:?}");
     assert!(found.reached && turned.to_degrees() >= 100.0, "law: its angle, {found:?}");
     let angle = outcome.specimen.state.pieces[2].pose.rotation.scaled_axis().z;
     let whole = 2.0 * std::f64::consts::PI;
