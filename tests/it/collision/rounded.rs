@@ -98,7 +98,7 @@ fn body(rng: &mut Pcg64Mcg, kind: usize) -> ConvexPolyhedron {
 fn gaps_normals_and_points_are_exact() {
     let mut rng = Pcg64Mcg::seed_from_u64(11);
     let (mut contacts, mut many, mut none, mut leaning) = (0, 0, 0, 0);
-    for n in 0..3000 {
+    for n in 0..6000 {
         let kind = n % 7;
         let a = body(&mut rng, if kind > 4 { n / 7 % 5 } else { kind });
         let b = body(&mut rng, n / 7);
@@ -169,5 +169,5 @@ fn gaps_normals_and_points_are_exact() {
     }
     println!("{contacts} contacts, {many} of several points, {none} without, {leaning} lean");
     assert!(leaning < contacts / 4, "law: few normals lean, {leaning} of {contacts}");
-    assert!(contacts > 1500 && many > 80 && none > 300, "{contacts} {many} {none}");
+    assert!(contacts > 1500 && many > 150 && none > 300, "{contacts} {many} {none}");
 }
