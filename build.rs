@@ -57,28 +57,7 @@ const SHIMS: [&str; 40] = [
 const SANITIZE: &str = "PLUVIA_SANITIZE";
 
 fn main() {
-    for shim in SHIMS {
-        println!("cargo::rerun-if-changed=cpp/{shim}.h");
-        println!("cargo::rerun-if-changed=cpp/{shim}.cpp");
-    }
-    println!("cargo::rerun-if-changed=cpp/constants.h");
-    println!("cargo::rerun-if-changed=cpp/lanes.h");
-    println!("cargo::rerun-if-changed=cpp/prefetch.h");
-    println!("cargo::rerun-if-changed=cpp/sharing.h");
-    println!("cargo::rerun-if-changed=cpp/unset.h");
-    println!("cargo::rerun-if-changed=cpp/contact_few.h");
-    println!("cargo::rerun-if-changed=cpp/contact_impacts.h");
-    println!("cargo::rerun-if-changed=cpp/contact_kernels.h");
-    println!("cargo::rerun-if-changed=cpp/contact_law.h");
-    println!("cargo::rerun-if-changed=cpp/contact_load.h");
-    println!("cargo::rerun-if-changed=cpp/contact_packs.h");
-    println!("cargo::rerun-if-changed=cpp/contact_phases.h");
-    println!("cargo::rerun-if-changed=cpp/contact_residual.h");
-    println!("cargo::rerun-if-changed=cpp/contact_run.h");
-    println!("cargo::rerun-if-changed=cpp/contact_sequence.h");
-    println!("cargo::rerun-if-changed=cpp/contact_solve.h");
-    println!("cargo::rerun-if-changed=cpp/hull_axis_kernels.h");
-    println!("cargo::rerun-if-changed=cpp/hull_frames.h");
+    println!("cargo::rerun-if-changed=cpp");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-env-changed={SANITIZE}");
 

@@ -1,18 +1,55 @@
 //! The loosest and the densest state of grains.
 
-use pluvia::study::{DensityOptions, IndexDensities, IndexState, index_densities};
+use pluvia::{
+    report::{Chart, ChartCurve, CurveStyle, Panel},
+    study::{DensityOptions, IndexDensities, IndexState, index_densities},
+};
 
 use super::{
     bench::{Bench, root},
-    row::{Found, Published, Row, Rule},
+    row::{Found, Row, Rule},
 };
 
-const NOT_SEEN: &str = "not seen: Mathematical Problems in Engineering 2021, 5092612, Table 1, after \
-    Youd, was asked for and not found; gravel 7.5 to 19.2 mm, roundness 0.30 to 0.59";
+const TABLE: &str = "Mathematical Problems in Engineering 2021, 5092612, Table 1, after Youd, seen";
+
+/// How far from a published void ratio ours may be.
+const WANTED: f64 = 0.05;
+
+/// A material whose index densities are published.
+struct Material {
+    /// The scenario's name, and that of its rows.
+    name: &'static str,
+    /// What it is called in rows.
+    title: &'static str,
+    roundness: f64,
+    e_max: f64,
+    e_min: f64,
+    /// What the table says of it.
+    seen: &'static str,
+}
+
+const MATERIALS: [Material; 2] = [
+    Material {
+        name: "basalt",
+        title: "crushed basalt",
+        roundness: 0.19,
+        e_max: 1.257,
+        e_min: 0.705,
+        seen: "CB-Mix No. 1, two halves of 0.5 to 0.7 and 0.7 to 1 mm, roundness 0.19",
+    },
+    Material {
+        name: "gravel",
+        title: "river gravel",
+        roundness: 0.45,
+        e_max: 0.774,
+        e_min: 0.546,
+        seen: "G2-8, 7.49 to 19.21 mm in four fractions of roundness 0.30, 0.41, 0.59, 0.59",
+    },
+];
 
 /// A vertical vibration.
 struct Vibration {
-    /// Folder of its runs.
+    /// Ending of its folder of runs.
     name: &'static str,
     surcharge_kpa: f64,
     frequency_hz: f64,
@@ -25,7 +62,7 @@ struct Vibration {
 
 /// What makes grains dense within seconds.
 const STRONG: Vibration = Vibration {
-    name: "density",
+    name: "vibrated",
     surcharge_kpa: 0.0,
     frequency_hz: 12.0,
     double_amplitude_mm: 10.0,
@@ -35,7 +72,7 @@ const STRONG: Vibration = Vibration {
 
 /// As ASTM D4253 has it, but for its 8 minutes.
 const STANDARD: Vibration = Vibration {
-    name: "density-d4253",
+    name: "d4253",
     surcharge_kpa: 13.8,
     frequency_hz: 60.0,
     double_amplitude_mm: 0.33,
@@ -43,55 +80,128 @@ const STANDARD: Vibration = Vibration {
     most: 1,
 };
 
-/// Runs the test.
+/// Runs the test: of the paper's grains, and of those that are published.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {
-    let found = states(bench, &STRONG)?;
-    let standard = states(bench, &STANDARD)?;
-    let row = |id: &str, quantity: &str, published: Option<f64>, state: &IndexState| {
-        let published = published.map(|value| Published::Value { value });
-        let mut note = format!("{} grains, {}", found.grains, state.method);
-        for failure in &state.failures {
-            note += &format!("; {failure}");
-        }
-        let mut row = Row::of("density", id, quantity, Rule::Unseen(published), &state.values)
-            .seen(if published.is_some() { NOT_SEEN } else { "none is published" })
-            .noted(note);
-        row.decimals = 3;
-        bench.design().clone_into(&mut row.design);
-        row
+    let paper = format!("{}/pluviation", if bench.quick { "quick" } else { "paper" });
+    let found = states(bench, &paper, &STRONG)?;
+    let standard = states(bench, &paper, &STANDARD)?;
+    let none = |id: &str, state: &str, of: &IndexState, note: String| {
+        let quantity = format!("void ratio of the paper's grains, {state}");
+        row(bench, &format!("density-{id}"), &quantity, Rule::Unseen(None), of)
+            .seen("none is published")
+            .noted(note)
     };
-    let loosest = "void ratio of the loosest state";
-    let densest = "void ratio of the densest state";
-    let vibrated = "void ratio, vibrated as in ASTM D4253, but for seconds";
-    let bound = "void ratio without friction, a bound";
-    // Whether it has come to an end.
-    let vibrated_row = |id: &str, quantity: &str, of: &IndexDensities| {
-        let mut row = row(id, quantity, Some(0.546), &of.e_min);
-        if let Some(change) = pluvia::measure::statistics::mean(&of.second_half) {
-            row.note += &format!("; it fell by {change:.3} in the second half of that time");
-        }
-        row
-    };
-    let rows = vec![
-        row("density-e-max", loosest, Some(0.774), &found.e_max),
-        vibrated_row("density-e-min", densest, &found),
-        vibrated_row("density-d4253", vibrated, &standard),
-        row("density-frictionless", bound, None, &found.frictionless),
+    let mut rows = vec![
+        none("e-max", "loosest", &found.e_max, made(&found, &found.e_max)),
+        none("e-min", "densest", &found.e_min, made(&found, &found.e_min) + &still_falls(&found)),
+        none(
+            "d4253",
+            "vibrated as in ASTM D4253, but for seconds",
+            &standard.e_min,
+            made(&standard, &standard.e_min) + &still_falls(&standard),
+        ),
+        none("frictionless", BOUND, &found.frictionless, made(&found, &found.frictionless)),
     ];
-    Ok(Found { rows, charts: Vec::new() })
+    let mut points = Vec::new();
+    for material in &MATERIALS {
+        let found = states(bench, &format!("validation/density-{}", material.name), &STRONG)?;
+        let of = |id: &str, state: &str, of: &IndexState, published: Option<f64>| {
+            let rule = match published {
+                Some(value) => Rule::Range(value - WANTED, value + WANTED),
+                None => Rule::Unseen(None),
+            };
+            let id = format!("density-{}-{id}", material.name);
+            let quantity = format!("void ratio of {}, {state}", material.title);
+            let source = match published {
+                Some(value) => format!("{TABLE}: {}: {value}. ± {WANTED} is ours", material.seen),
+                None => "none is published".to_owned(),
+            };
+            let note = format!(
+                "{}; roundness {}, friction between grains 0.5",
+                made(&found, of),
+                material.roundness
+            );
+            row(bench, &id, &quantity, rule, of).seen(&source).noted(note)
+        };
+        rows.push(of("e-max", "loosest", &found.e_max, Some(material.e_max)));
+        let mut densest = of("e-min", "densest", &found.e_min, Some(material.e_min));
+        densest.note += &still_falls(&found);
+        rows.push(densest);
+        rows.push(of("frictionless", BOUND, &found.frictionless, None));
+        points.push((material, found));
+    }
+    Ok(Found { rows, charts: vec![chart(&points)] })
 }
 
-fn states(bench: &Bench, vibration: &Vibration) -> Result<IndexDensities, String> {
-    let name = if bench.quick { "quick" } else { "paper" };
+const BOUND: &str = "without friction, a bound";
+
+fn row(bench: &Bench, id: &str, quantity: &str, rule: Rule, state: &IndexState) -> Row {
+    let mut row = Row::of("density", id, quantity, rule, &state.values);
+    row.decimals = 3;
+    bench.design().clone_into(&mut row.design);
+    row
+}
+
+/// How a state was made.
+fn made(found: &IndexDensities, state: &IndexState) -> String {
+    let mut note = format!("{} grains, {}", found.grains, state.method);
+    for failure in &state.failures {
+        note += &format!("; {failure}");
+    }
+    note
+}
+
+/// Whether the vibration has come to an end.
+fn still_falls(found: &IndexDensities) -> String {
+    match pluvia::measure::statistics::mean(&found.second_half) {
+        Some(change) => format!("; it fell by {change:.3} in the second half of that time"),
+        None => String::new(),
+    }
+}
+
+fn states(bench: &Bench, scenario: &str, vibration: &Vibration) -> Result<IndexDensities, String> {
+    let folder = scenario.replace("validation/", "").replace('/', "-");
     index_densities(&DensityOptions {
-        scenario: root().join(format!("scenarios/{name}/pluviation.json")),
+        scenario: root().join(format!("scenarios/{scenario}.json")),
         changes: Vec::new(),
         configurations: bench.configurations.min(vibration.most),
         surcharge_kpa: vibration.surcharge_kpa,
         frequency_hz: vibration.frequency_hz,
         double_amplitude_mm: vibration.double_amplitude_mm,
         duration_s: vibration.duration_s[usize::from(!bench.quick)],
-        run: bench.options(vibration.name),
+        run: bench.options(&format!("{folder}-{}", vibration.name)),
     })
     .map_err(|e| e.to_string())
+}
+
+fn chart(found: &[(&Material, IndexDensities)]) -> Chart {
+    type Value = fn(&(&Material, IndexDensities)) -> Vec<f64>;
+    let curve = |name: &str, style, kind, values: Value| ChartCurve {
+        name: name.to_owned(),
+        style,
+        kind,
+        points: found
+            .iter()
+            .flat_map(|of| values(of).into_iter().map(|e| (of.0.roundness, e)))
+            .collect(),
+    };
+    Chart {
+        stem: "density".into(),
+        title: "Loosest and densest states of published materials".into(),
+        caption: "Void ratio over roundness: each realisation, and what is published.".into(),
+        panels: vec![Panel {
+            x: "Roundness".into(),
+            y: "Void ratio".into(),
+            curves: vec![
+                curve("Loosest", CurveStyle::Points, 0, |of| of.1.e_max.values.clone()),
+                curve("Densest", CurveStyle::Points, 1, |of| of.1.e_min.values.clone()),
+                curve("Without friction", CurveStyle::Points, 2, |of| {
+                    of.1.frictionless.values.clone()
+                }),
+                curve("Published, loosest", CurveStyle::Law, 0, |of| vec![of.0.e_max]),
+                curve("Published, densest", CurveStyle::Law, 1, |of| vec![of.0.e_min]),
+            ],
+            ..Panel::default()
+        }],
+    }
 }

@@ -2,21 +2,9 @@
 
 use std::{fs, path::Path};
 
-use assert_cmd::Command;
 use serde_json::Value;
 
-fn pluvia() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command
-}
-
-/// Runs the program; gives its exit code, standard output and standard error.
-fn run(args: &[&str]) -> (Option<i32>, String, String) {
-    let output = pluvia().args(args).output().expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code(), text(output.stdout), text(output.stderr))
-}
+use crate::program::run;
 
 const SCENARIO: &str = "scenarios/quick/pluviation.json";
 
