@@ -127,8 +127,7 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
     if written.moments > 1 {
         text += &format!(", {} moments", written.moments);
     }
-    context.print(&text, &written)?;
-    Ok(ExitStatus::Done)
+    context.done(&text, &written)
 }
 
 /// The specimen at the end of a stage, whole files at once.

@@ -127,8 +127,7 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
     for file in &made.files {
         text += &format!("{}\n", plain_path(file));
     }
-    context.print(&text, &made)?;
-    Ok(ExitStatus::Done)
+    context.done(&text, &made)
 }
 
 /// What is read off a curve, in a line.

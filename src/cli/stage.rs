@@ -59,11 +59,9 @@ pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, Cli
         for (n, (stages, missing)) in levels.iter().zip(&missing).enumerate() {
             text += &format!("level {n}: {stages} stages, {} not stored\n", missing.len());
         }
-        context.print(&text, &json!({ "levels": levels, "missing": missing }))?;
-        return Ok(ExitStatus::Done);
+        return context.done(&text, &json!({ "levels": levels, "missing": missing }));
     };
     context.stop_on_ctrl_c();
     let label = tasks.carry_out(level, task)?;
-    context.print(&format!("{label}: stored\n"), &json!({ "stored": label }))?;
-    Ok(ExitStatus::Done)
+    context.done(&format!("{label}: stored\n"), &json!({ "stored": label }))
 }

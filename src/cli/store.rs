@@ -46,7 +46,7 @@ pub(super) fn run(args: &StoreArgs, context: &Context) -> Result<ExitStatus, Cli
     let StoreAction::Check(args) = &args.action;
     let report = check_store(&store_in(&args.folder)?)?;
     context.print(&text(&report), &report)?;
-    Ok(if report.damaged == 0 { ExitStatus::Done } else { ExitStatus::ExpectationMissed })
+    Ok(ExitStatus::by(report.damaged == 0))
 }
 
 /// The store of an output folder, or the folder itself where that is one.

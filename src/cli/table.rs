@@ -2,6 +2,7 @@
 
 use super::paint;
 use crate::paper::ResultCounts;
+use crate::plain::without_zeros;
 use crate::record::{
     AngleOfRepose, Balance, LaboratorySummary, Settlement, StandingHeight, Summary,
     VibrationSummary,
@@ -26,8 +27,7 @@ pub(super) fn grams(mass: f64) -> String {
         return format!("{mass:.1}");
     }
     let digits = (2 - mass.log10().floor() as i32).max(0) as usize;
-    let text = format!("{mass:.digits$}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    without_zeros(&format!("{mass:.digits$}")).to_owned()
 }
 
 /// Rows of a name and what is to be said of it.
@@ -37,6 +37,11 @@ struct Rows(Vec<(String, String)>);
 impl Rows {
     fn add(&mut self, name: &str, text: String) {
         self.0.push((name.to_owned(), text));
+    }
+
+    /// Where there is something to be said.
+    fn add_some(&mut self, name: &str, text: Option<String>) {
+        self.0.extend(text.map(|text| (name.to_owned(), text)));
     }
 
     fn aligned(&self) -> String {
@@ -65,12 +70,9 @@ fn settlement(of: &Settlement) -> String {
 
 /// How many grains touch a grain, and how the contacts are loaded.
 fn coordination(of: &Summary) -> String {
-    let mut text = format!("{:.2}", of.coordination_number);
-    let contacts = of.contacts.as_ref();
-    if let Some(sliding) = contacts.and_then(|contacts| contacts.sliding_percent) {
-        text += &format!(", {sliding:.0} % of the loaded contacts slide");
-    }
-    text
+    let sliding = of.contacts.as_ref().and_then(|contacts| contacts.sliding_percent);
+    let sliding = sliding.map(|share| format!(", {share:.0} % of the loaded contacts slide"));
+    format!("{:.2}{}", of.coordination_number, sliding.unwrap_or_default())
 }
 
 /// How a vibration moved the table and came to rest.
@@ -102,13 +104,10 @@ fn rounded(value: f64, decimals: i32) -> f64 {
 
 /// Loads, flows and void ratios.
 fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
-    for piece in of.pieces.iter().filter(|piece| piece.present) {
-        let [x, y, z] = piece.force_n.map(|force| rounded(force, 3));
-        rows.add(&format!("force on {}", piece.name), format!("({x:.3}, {y:.3}, {z:.3}) N"));
-    }
-    for group in &of.groups {
-        let [x, y, z] = group.force_n.map(|force| rounded(force, 3));
-        rows.add(&format!("force on {}", group.name), format!("({x:.3}, {y:.3}, {z:.3}) N"));
+    let pieces = of.pieces.iter().filter(|piece| piece.present).map(|p| (&p.name, p.force_n));
+    for (name, force) in pieces.chain(of.groups.iter().map(|group| (&group.name, group.force_n))) {
+        let [x, y, z] = force.map(|force| rounded(force, 3));
+        rows.add(&format!("force on {name}"), format!("({x:.3}, {y:.3}, {z:.3}) N"));
     }
     let Balance { weight_n, carried_n, difference_percent, .. } = of.balance;
     let off =
@@ -171,38 +170,29 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         )
     };
     rows.add("", places);
-    if let Some(poured) = &summary.poured_height_mm {
-        rows.add("poured height", height(poured));
-    }
-    if let Some(void_ratio) = summary.poured_void_ratio {
-        rows.add("poured void ratio", format!("{void_ratio:.3}"));
-    }
+    let ratio = |void_ratio: f64| format!("{void_ratio:.3}");
+    rows.add_some("poured height", summary.poured_height_mm.as_ref().map(height));
+    rows.add_some("poured void ratio", summary.poured_void_ratio.map(ratio));
     if !pile && !is_withheld("standing_height_mm") {
         rows.add("standing height", height(&summary.standing_height_mm));
     }
     if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {
         rows.add("void ratio", format!("{void_ratio:.3} (porosity {porosity:.3})"));
     }
-    if let Some(core) = summary.core.as_ref().and_then(|core| core.void_ratio) {
-        rows.add("void ratio of the core", format!("{core:.3}"));
-    }
+    let core = summary.core.as_ref().and_then(|core| core.void_ratio);
+    rows.add_some("void ratio of the core", core.map(ratio));
     if let Some(laboratory) = laboratory {
         of_laboratory(laboratory, &mut rows);
     }
     for (n, of) in summary.stages.iter().enumerate() {
-        if let Some(until) = &of.until {
-            rows.add(&format!("stage {n}, {}", of.stage), until.line());
-        }
+        let until = of.until.as_ref().map(|until| until.line());
+        rows.add_some(&format!("stage {n}, {}", of.stage), until);
     }
     for of in &summary.vibrations {
         rows.add("vibration", vibration(of));
     }
-    if let Some(of) = &summary.settlement_mm {
-        rows.add("settlement, plate", settlement(of));
-    }
-    if let Some(of) = &summary.surface_settlement_mm {
-        rows.add("settlement, surface", settlement(of));
-    }
+    rows.add_some("settlement, plate", summary.settlement_mm.as_ref().map(settlement));
+    rows.add_some("settlement, surface", summary.surface_settlement_mm.as_ref().map(settlement));
     if let Some(of) = &summary.angle_of_repose {
         rows.add("angle of repose", angle_of_repose(of));
         rows.add(
@@ -222,9 +212,8 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         ),
     );
     rows.add("coordination", coordination(summary));
-    if let Some(creep) = summary.creep_um_per_s {
-        rows.add("creep at rest", format!("{creep:.1} µm/s"));
-    }
+    let creep = summary.creep_um_per_s.map(|creep| format!("{creep:.1} µm/s"));
+    rows.add_some("creep at rest", creep);
     let standard = if summary.meets_standard {
         paint::good("met")
     } else {
@@ -295,16 +284,13 @@ pub(super) fn of_comparison(record: &CompareRecord) -> String {
         row.push(format!("{}{verdict}", q.unit));
         rows.push(row);
     }
-    let met = |s: &Summary| {
-        if s.meets_standard { paint::good("met") } else { paint::bad("NOT met") }
+    let mut judged = |name: &str, of: fn(&Summary) -> bool, good: &str, bad: &str| {
+        let verdict = |is: bool| if is { paint::good(good) } else { paint::bad(bad) };
+        let verdicts = record.runs.iter().map(|run| verdict(of(&run.summary)));
+        rows.push([name.to_owned()].into_iter().chain(verdicts).collect());
     };
-    let mut row = vec!["accuracy standard".to_owned()];
-    row.extend(record.runs.iter().map(|r| met(&r.summary)));
-    rows.push(row);
-    let valid = |s: &Summary| if s.valid { paint::good("yes") } else { paint::bad("NOT valid") };
-    let mut row = vec!["valid".to_owned()];
-    row.extend(record.runs.iter().map(|r| valid(&r.summary)));
-    rows.push(row);
+    judged("accuracy standard", |s| s.meets_standard, "met", "NOT met");
+    judged("valid", |s| s.valid, "yes", "NOT valid");
     columns(&rows)
 }
 
@@ -392,8 +378,7 @@ pub(super) fn of_verdicts(verdicts: &[Verdict]) -> String {
 
 /// A number with up to three decimals.
 fn three_digits(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    without_zeros(&format!("{value:.3}")).to_owned()
 }
 
 #[cfg(test)]

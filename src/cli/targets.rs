@@ -45,6 +45,5 @@ pub(super) fn run(args: &TargetsArgs, context: &Context) -> Result<ExitStatus, C
     write_targets(&args.out, &found).map_err(StudyError::from)?;
     let text =
         format!("{}\nall of it in {}\n", found.page(), plain_path(&args.out.join("targets.md")));
-    context.print(&text, &found)?;
-    Ok(ExitStatus::Done)
+    context.done(&text, &found)
 }

@@ -101,8 +101,7 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
         remove_abandoned_beside(file);
         write_file(file, self_contained(&data).as_bytes())?;
         let shown = Shown::of(&data, None, Some(file.clone()));
-        context.print(&shown.text(), &shown)?;
-        return Ok(ExitStatus::Done);
+        return context.done(&shown.text(), &shown);
     }
     let (stop, stopped) = std::sync::mpsc::channel();
     // One sender stays here, so that waiting goes on where no handler can be set.

@@ -5,22 +5,23 @@ use super::colour::{Colour, round_up, scale, step};
 use crate::geometry::Vector;
 use crate::grains::GrainSet;
 use crate::measure::{WorldHull, pairs_within_of, touching_gap};
+use crate::plain::without_zeros;
 use crate::record::Frame;
 use crate::units::to_mm;
 
 /// What the colour of a grain tells.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum ColourBy {
-    /// The sieve fraction it belongs to.
+    /// Sieve fraction.
     #[default]
     Fraction,
-    /// How far its centroid has come since the stage began, as seen from the table.
+    /// Way since the stage began, as seen from the table.
     Displacement,
-    /// How fast its centroid is, as seen from the table.
+    /// Speed as seen from the table.
     Speed,
-    /// How many grains it touches.
+    /// Number of grains that each touches.
     Coordination,
-    /// Nothing.
+    /// Nothing: one colour.
     Plain,
 }
 
@@ -177,8 +178,7 @@ fn by_coordination(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
 
 /// A number without trailing zeros.
 pub fn number(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    without_zeros(&format!("{value:.3}")).to_owned()
 }
 
 #[cfg(test)]

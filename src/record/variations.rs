@@ -80,8 +80,7 @@ impl RunRow {
     /// The row of a run that has no results yet: what is known from its scenario.
     pub fn of_scenario(run: &str, variation: &str, group: &str, scenario: &Scenario) -> Self {
         let engine = &scenario.engine;
-        let native =
-            engine.backend == Backend::Bullet && engine.contact_solver == ContactSolver::Native;
+        let native = engine.is_native();
         let substeps = engine.native.substeps(engine.rate_hz);
         let info = crate::world::info(engine.backend);
         Self {

@@ -10,7 +10,7 @@ use serde_json::{Map, Number, Value};
 use super::{
     CylinderSpec, EngineSettings, FunnelSpec, MeshGrains, NativeSettings, RapierSettings,
     SettleSpec, SieveFraction, SievedGrains, TopPlateSpec,
-    accessors::field,
+    accessors::{field, read},
     stages::{
         drop_height, feed_rate, fill_limit, place_limit, pour_limit, settle_limit, slow_limit,
         spout_diameter,
@@ -74,12 +74,7 @@ impl Grading {
 
     /// Of the `grains` of a scenario's JSON that has a sieve table.
     pub(super) fn of_json(grains: &Value) -> Option<Self> {
-        let sieved: Option<SievedGrains> = serde::Deserialize::deserialize(grains).ok();
-        let of_meshes = || -> Option<SievedGrains> {
-            let meshes: MeshGrains = serde::Deserialize::deserialize(grains).ok()?;
-            meshes.as_sieved()
-        };
-        Self::of_table(&sieved.or_else(of_meshes)?)
+        Self::of_table(&sieved(grains)?)
     }
 
     fn scale(&self, gravity: f64) -> Scale {
@@ -90,6 +85,11 @@ impl Grading {
     pub(super) fn scale_for_filling(&self, gravity: f64) -> Scale {
         self.scale(gravity.max(WEAKEST))
     }
+}
+
+/// Grains by sieve fractions, also of meshes that are drawn by a sieve table.
+pub(super) fn sieved(grains: &Value) -> Option<SievedGrains> {
+    read(grains).or_else(|| read::<MeshGrains>(grains)?.as_sieved())
 }
 
 /// Fills in what is left out of a scenario's JSON and follows from its grains.

@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 use super::{
     Fault,
     fault::nearest,
-    source::{Document, Origin, merge},
+    source::{Document, merge},
 };
 use crate::input;
 
@@ -191,10 +191,7 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
 
 /// A path of a document from here.
 fn placed(path: &str, document: &Document) -> PathBuf {
-    match document.origin("begin.specimen") {
-        Origin::File(given_in) => given_in.parent().unwrap_or(Path::new("")).join(path),
-        Origin::Set(_) => PathBuf::from(path),
-    }
+    document.folder("begin.specimen").join(path)
 }
 
 /// Lays a document over the scenario of the run that it begins with.

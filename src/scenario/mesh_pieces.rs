@@ -1,7 +1,7 @@
 //! Pieces from mesh files: what a scenario names as a file is put into it as convex parts, so that
 //! the parts determine a stage, and a run folder holds what was there.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::{
     Fault,
-    source::{Document, Origin},
+    source::{self, Document},
 };
 
 /// A piece whose solid convex parts are those of a mesh.
@@ -97,10 +97,7 @@ pub(super) fn read(document: &mut Document, parts_of: PartsOf) -> Vec<Fault> {
         let Some(scale) = scale.filter(|s| *s > 0.0 && mesh.get("parts").is_none()) else {
             continue;
         };
-        let file = match document.origin(&path) {
-            Origin::File(given_in) => given_in.parent().unwrap_or(Path::new("")).join(name),
-            Origin::Set(_) => name.into(),
-        };
+        let file = document.folder(&path).join(name);
         match parts_of(&file, scale) {
             Ok(parts) => {
                 if let Some(mesh) = document.value["pieces"][i]["shape"]["mesh"].as_object_mut() {
@@ -127,14 +124,12 @@ pub(super) fn read(document: &mut Document, parts_of: PartsOf) -> Vec<Fault> {
 }
 
 /// Makes the mesh files of a scenario's pieces absolute, by the folders of the files that give them.
-pub(super) fn place(value: &mut Value, folder: impl Fn(&str) -> std::path::PathBuf) {
+pub(super) fn place(value: &mut Value, folder: impl Fn(&str) -> PathBuf) {
     // Indexing would put an empty list where there is none.
     let pieces = value.get_mut("pieces").and_then(Value::as_array_mut);
     for (i, piece) in pieces.into_iter().flatten().enumerate() {
-        if let Some(Value::String(file)) = piece.pointer_mut("/shape/mesh/file") {
-            let folder = folder(&format!("pieces[{i}].shape.mesh.file"));
-            *file = folder.join(&*file).to_string_lossy().into_owned();
-        }
+        let folder = folder(&format!("pieces[{i}].shape.mesh.file"));
+        source::place(piece.pointer_mut("/shape/mesh/file"), &folder);
     }
 }
 

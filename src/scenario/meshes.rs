@@ -48,8 +48,8 @@ pub struct MeshGrains {
     pub count: Option<u32>,
 }
 
-fn default_vertices() -> u32 {
-    64
+defaults! {
+    default_vertices: u32 = 64;
 }
 
 /// Unit of length of a mesh file.

@@ -5,6 +5,15 @@
 //! the units people typed; the modules that use them convert to SI through
 //! [`crate::units`].
 
+/// Functions by which serde knows what a field is where it is left out, one a line.
+macro_rules! defaults {
+    ($($of:vis $name:ident: $type:ty = $value:expr;)*) => {
+        $($of fn $name() -> $type {
+            $value
+        })*
+    };
+}
+
 mod accessors;
 mod automatic;
 mod begin;
@@ -32,7 +41,6 @@ mod stress;
 mod structure;
 mod until;
 mod unusual;
-mod unusual_pieces;
 mod validate;
 
 pub use automatic::Grading;
@@ -137,17 +145,11 @@ pub struct Scenario {
     pub found: Option<Grading>,
 }
 
-fn default_gravity() -> f64 {
-    9.81
-}
-fn default_seed() -> u64 {
-    1
-}
-fn default_configuration() -> u32 {
-    1
-}
-fn default_rest_test() -> f64 {
-    2.0
+defaults! {
+    default_gravity: f64 = 9.81;
+    default_seed: u64 = 1;
+    default_configuration: u32 = 1;
+    default_rest_test: f64 = 2.0;
 }
 
 /// Where the grains come from: cut from sieve data, read from a file, or with

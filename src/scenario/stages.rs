@@ -434,45 +434,19 @@ pub enum StageSpec {
     },
 }
 
-pub(super) fn fill_limit() -> f64 {
-    4.0
-}
-pub(super) fn feed_rate() -> f64 {
-    25.0
-}
-pub(super) fn drop_height() -> f64 {
-    10.0
-}
-pub(super) fn spout_diameter() -> f64 {
-    30.0
-}
-pub(super) fn slow_limit() -> f64 {
-    120.0
-}
-pub(super) fn pour_limit() -> f64 {
-    6.0
-}
-pub(super) fn deposit_limit() -> f64 {
-    10.0
-}
-pub(super) fn place_limit() -> f64 {
-    1.5
-}
-pub(super) fn settle_limit() -> f64 {
-    2.0
-}
-pub(super) fn half_turn() -> f64 {
-    180.0
-}
-fn press_ramp() -> f64 {
-    0.2
-}
-pub(super) fn approach() -> f64 {
-    50.0
-}
-fn half_stroke() -> StrokeKind {
-    StrokeKind::HalfStroke
-}
-fn one() -> u32 {
-    1
+defaults! {
+    pub(super) fill_limit: f64 = 4.0;
+    pub(super) feed_rate: f64 = 25.0;
+    pub(super) drop_height: f64 = 10.0;
+    pub(super) spout_diameter: f64 = 30.0;
+    pub(super) slow_limit: f64 = 120.0;
+    pub(super) pour_limit: f64 = 6.0;
+    pub(super) deposit_limit: f64 = 10.0;
+    pub(super) place_limit: f64 = 1.5;
+    pub(super) settle_limit: f64 = 2.0;
+    pub(super) half_turn: f64 = 180.0;
+    press_ramp: f64 = 0.2;
+    pub(super) approach: f64 = 50.0;
+    half_stroke: StrokeKind = StrokeKind::HalfStroke;
+    one: u32 = 1;
 }

@@ -5,12 +5,11 @@ use std::f64::consts::PI;
 use serde_json::Value;
 
 use super::{
-    Backend, ContactSolver, EngineSettings, Fault, Grading, NativeSettings, Scenario,
-    accessors::field as field_at,
-    automatic::{self, RATE, STIFFNESS, stiffness},
+    Backend, EngineSettings, Fault, Grading, NativeSettings, Scenario,
+    automatic::{self, RATE, STIFFNESS, number_at, stiffness},
+    fault::Faults,
     stress::largest_stress,
-    unusual_pieces::unusual_pieces,
-    validate::{fault, short},
+    validate::short,
 };
 use crate::scale::{Law, Scale};
 use crate::units::{from_mm, to_mm};
@@ -26,10 +25,10 @@ const OVERLAP_OF_STRESS: f64 = 2.2;
 const OVERLAP_ALLOWED: f64 = 0.03;
 
 /// Void ratio of a very loose specimen: more than the cylinder holds then may go over its rim.
-pub(super) const LOOSE: f64 = 1.1;
+const LOOSE: f64 = 1.1;
 
 /// Opening of a funnel or a cylinder in median grain sizes below which it jams now and then.
-pub(super) const JAMS_BELOW: f64 = 5.0;
+const JAMS_BELOW: f64 = 5.0;
 
 /// What is typed in a scenario, of which `value` is the JSON, and does not suit its grains.
 pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
@@ -39,13 +38,16 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
         None => scenario.scale(),
     };
     let mut found = Vec::new();
+    let faults = &mut Faults::of(&mut found);
     for field in fields() {
-        unusual_field(&field, scenario, value, grading.as_ref(), &scale, &mut found);
+        unusual_field(&field, scenario, value, grading.as_ref(), &scale, faults);
     }
     if let Some(grading) = grading {
-        unusual_load(scenario, value, &grading, &scale, &mut found);
-        unusual_apparatus(scenario, &grading, &mut found);
-        unusual_pieces(scenario, &grading, &mut found);
+        if !faults.has(STIFFNESS) {
+            unusual_load(scenario, value, &grading, &scale, faults);
+        }
+        unusual_apparatus(scenario, &grading, faults);
+        unusual_pieces(scenario, &grading, faults);
     }
     found
 }
@@ -179,20 +181,14 @@ fn fields() -> [Field; 17] {
 
 impl Of {
     /// Whether a scenario's contacts are among them.
-    fn holds(self, scenario: &Scenario) -> bool {
-        let bullet = scenario.engine.backend == Backend::Bullet;
+    fn holds(self, engine: &EngineSettings) -> bool {
         match self {
             Self::All => true,
-            Self::Bullet => bullet,
-            Self::Native => is_native(scenario),
-            Self::Rapier => scenario.engine.backend == Backend::Rapier,
+            Self::Bullet => engine.backend == Backend::Bullet,
+            Self::Native => engine.is_native(),
+            Self::Rapier => engine.backend == Backend::Rapier,
         }
     }
-}
-
-fn is_native(scenario: &Scenario) -> bool {
-    scenario.engine.backend == Backend::Bullet
-        && scenario.engine.contact_solver == ContactSolver::Native
 }
 
 /// What a field is where it is left out; of grains whose sizes are not known, by the law alone.
@@ -221,20 +217,18 @@ fn unusual_field(
     value: &Value,
     grading: Option<&Grading>,
     scale: &Scale,
-    found: &mut Vec<Fault>,
+    faults: &mut Faults,
 ) {
     let Field { path, of, low, high } = *field;
-    let typed = field_at(value, &format!("/{}", path.replace('.', "/"))).as_f64();
+    let typed = number_at(value, path);
     let (Some(typed), Some(automatic)) = (typed, automatic(path, value, grading, scale)) else {
         return;
     };
-    let goes_wrong = match () {
-        () if !of.holds(scenario) || is_unread(path, typed, automatic, scenario) => return,
-        () if typed < automatic / UNUSUAL => low,
-        () if typed > automatic * UNUSUAL => high,
-        () => return,
-    };
-    found.push(fault(
+    let engine = &scenario.engine;
+    let is_read = of.holds(engine) && !is_unread(path, typed, automatic, engine);
+    let goes_wrong = if typed < automatic / UNUSUAL { low } else { high };
+    faults.add_if(
+        is_read && (typed < automatic / UNUSUAL || typed > automatic * UNUSUAL),
         path,
         short(typed),
         format!("{} for these grains, or the field left out", short(automatic)),
@@ -242,14 +236,14 @@ fn unusual_field(
             "the value differs by more than a factor of {UNUSUAL} from what these grains ask for: \
              {goes_wrong}"
         ),
-    ));
+    );
 }
 
 /// Whether contacts do without the distance: native ones go by the shorter of it and their own
 /// margin, Bullet's by a share of the radius where one is typed.
-fn is_unread(path: &str, typed: f64, automatic: f64, scenario: &Scenario) -> bool {
-    let relative = scenario.engine.stock.relative_contact_threshold > 0.0;
-    path == "engine.contact_threshold_mm" && (relative || is_native(scenario) && typed > automatic)
+fn is_unread(path: &str, typed: f64, automatic: f64, engine: &EngineSettings) -> bool {
+    let relative = engine.stock.relative_contact_threshold > 0.0;
+    path == "engine.contact_threshold_mm" && (relative || engine.is_native() && typed > automatic)
 }
 
 /// Grains that would sink into each other by more than the accuracy standard allows.
@@ -258,68 +252,83 @@ fn unusual_load(
     value: &Value,
     grading: &Grading,
     scale: &Scale,
-    found: &mut Vec<Fault>,
+    faults: &mut Faults,
 ) {
     let typed = scenario.engine.native.contact_stiffness_n_per_m;
     let stress = largest_stress(value, grading, scale.gravity);
     let overlap = OVERLAP_OF_STRESS * stress * scale.sizes.median / typed;
-    if is_native(scenario)
-        && overlap > OVERLAP_ALLOWED
-        && !found.iter().any(|f| f.path == STIFFNESS)
-    {
-        found.push(fault(
-            STIFFNESS,
-            short(typed),
-            format!(
-                "at least {} N/m, or the field left out",
-                short(stiffness(value, grading, scale))
-            ),
-            format!(
-                "contacts too soft for {} Pa at the bottom of the specimen: grains would overlap \
-                 by some {} % of their size",
-                short(stress),
-                short(100.0 * overlap)
-            ),
-        ));
-    }
+    let least = stiffness(value, grading, scale);
+    faults.add_if(
+        scenario.engine.is_native() && overlap > OVERLAP_ALLOWED,
+        STIFFNESS,
+        short(typed),
+        format!("at least {} N/m, or the field left out", short(least)),
+        format!(
+            "contacts too soft for {} Pa at the bottom of the specimen: grains would overlap \
+             by some {} % of their size",
+            short(stress),
+            short(100.0 * overlap)
+        ),
+    );
 }
 
 /// A cylinder that runs over, or a funnel that jams.
-fn unusual_apparatus(scenario: &Scenario, grading: &Grading, found: &mut Vec<Fault>) {
+fn unusual_apparatus(scenario: &Scenario, grading: &Grading, faults: &mut Faults) {
     if !scenario.stages.iter().any(|s| s.name() == "pour") {
         return;
     }
+    let mut faults = faults.at("apparatus");
     let (cylinder, funnel) = (&scenario.apparatus.cylinder, &scenario.apparatus.funnel);
     let area = PI / 4.0 * from_mm(cylinder.inner_diameter_mm).powi(2);
     let height = to_mm(grading.solids * (1.0 + LOOSE) / area);
-    if height > cylinder.height_mm {
-        found.push(fault(
-            "apparatus.cylinder.height_mm",
-            short(cylinder.height_mm),
-            format!("at least {} mm", short(height)),
-            format!("grains may fall over the rim: a specimen with a void ratio of {LOOSE} stands higher than the cylinder"),
-        ));
-    }
+    faults.add_if(
+        height > cylinder.height_mm,
+        "cylinder.height_mm",
+        short(cylinder.height_mm),
+        format!("at least {} mm", short(height)),
+        format!("grains may fall over the rim: a specimen with a void ratio of {LOOSE} stands higher than the cylinder"),
+    );
     let least = JAMS_BELOW * to_mm(grading.sizes.median);
-    if cylinder.inner_diameter_mm < least {
-        found.push(fault(
-            "apparatus.cylinder.inner_diameter_mm",
-            short(cylinder.inner_diameter_mm),
-            format!("at least {} mm", short(least)),
-            format!(
-                "grains may bridge the cylinder or lie over its rim: it is narrower than \
-                 {JAMS_BELOW} median grain sizes"
-            ),
-        ));
+    for (field, across, jams) in [
+        (
+            "cylinder.inner_diameter_mm",
+            cylinder.inner_diameter_mm,
+            "grains may bridge the cylinder or lie over its rim: it is",
+        ),
+        (
+            "funnel.opening_diameter_mm",
+            funnel.opening_diameter_mm,
+            "the funnel may jam: its opening is",
+        ),
+    ] {
+        check_opening(field, across, least, jams, &mut faults);
     }
-    if funnel.opening_diameter_mm < least {
-        found.push(fault(
-            "apparatus.funnel.opening_diameter_mm",
-            short(funnel.opening_diameter_mm),
-            format!("at least {} mm", short(least)),
-            format!(
-                "the funnel may jam: its opening is narrower than {JAMS_BELOW} median grain sizes"
-            ),
-        ));
+}
+
+/// An opening that jams, or nearly does.
+fn check_opening(field: &str, across: f64, least: f64, jams: &str, faults: &mut Faults) {
+    let message = format!("{jams} narrower than {JAMS_BELOW} median grain sizes");
+    let allowed = format!("at least {} mm", short(least));
+    faults.add_if(across < least, field, short(across), allowed, message);
+}
+
+/// Openings of pieces that jam, and containers that run over.
+fn unusual_pieces(scenario: &Scenario, grading: &Grading, faults: &mut Faults) {
+    let least = JAMS_BELOW * to_mm(grading.sizes.median);
+    for (i, piece) in scenario.pieces.iter().enumerate() {
+        let Some(hopper) = &piece.shape.hopper else { continue };
+        let field = format!("pieces[{i}].shape.hopper.opening_diameter_mm");
+        let jams = "the hopper may jam: its opening is";
+        check_opening(&field, hopper.opening_diameter_mm, least, jams, faults);
     }
+    // A floor, a hopper or a ramp beside them may take what does not go in.
+    let holds: Vec<f64> = scenario.pieces.iter().filter_map(|p| p.shape.holds_mm3()).collect();
+    let (room, needed) = (holds.iter().sum::<f64>(), grading.solids * 1e9 * (1.0 + LOOSE));
+    faults.add_if(
+        !holds.is_empty() && room < needed,
+        "pieces",
+        format!("{} cm³", short(room / 1e3)),
+        format!("at least {} cm³", short(needed / 1e3)),
+        format!("grains may fall over the rims: containers hold less than all grains take with a void ratio of {LOOSE}"),
+    );
 }

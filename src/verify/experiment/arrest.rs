@@ -13,7 +13,7 @@
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Measured, Outcome, VerifyError};
 use crate::geometry::{Pose, Vector};
 use crate::units::{from_deg, from_mm, to_mm};
 use crate::verify::scene::{Scene, block, profile, solid, wall};
@@ -178,7 +178,7 @@ impl ApproachArrested {
         pairs
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let gravity = Vector::new(0.0, 0.0, -self.gravity_m_per_s2);
         let mut scene = bench.scene_under(gravity, &self.pairs())?;
         let holder = self.place(&mut scene)?;

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Point3, UnitQuaternion};
 
 use super::ode::runge_kutta;
-use super::{Bench, Outcome, Tumbling, VerifyError};
+use super::{Bench, Measured, Outcome, Tumbling, VerifyError};
 use crate::geometry::{Pose, Vector};
 use crate::units::{from_mm, to_mm};
 use crate::verify::bench::GRAVITY;
@@ -14,26 +14,17 @@ use crate::world::BodyState;
 
 const CUBE: f64 = 0.01;
 
-pub(super) fn free_fall(bench: &Bench, height: f64, duration: f64) -> Result<Outcome, VerifyError> {
+pub(super) fn free_fall(bench: &Bench, height: f64, duration: f64) -> Measured {
     flight(bench, Vector::new(0.0, 0.0, from_mm(height)), Vector::zeros(), duration)
 }
 
-pub(super) fn projectile(
-    bench: &Bench,
-    velocity: Vector,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn projectile(bench: &Bench, velocity: Vector, duration: f64) -> Measured {
     flight(bench, Vector::zeros(), velocity, duration)
 }
 
 /// Against x₀ + v t − g h²·n(n+1)/2 for n steps of h: velocity first, then
 /// position, once a step or once a sub-step where the engine has those.
-fn flight(
-    bench: &Bench,
-    from: Vector,
-    velocity: Vector,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
+fn flight(bench: &Bench, from: Vector, velocity: Vector, duration: f64) -> Measured {
     let mut scene = bench.scene(&uniform(0.0, 0.0))?;
     let mut body = block(Vector::repeat(CUBE), from)?;
     body.state.linear_velocity = velocity;
@@ -72,7 +63,7 @@ pub(super) fn tumbling(
     spin_rate: Vector,
     duration: f64,
     quantity: Tumbling,
-) -> Result<Outcome, VerifyError> {
+) -> Measured {
     let set = grains(20, 3)?;
     let mut body = grain_body(&set.grains[0], Pose::identity());
     body.state.angular_velocity = spin_rate;
@@ -129,11 +120,7 @@ fn first_crossing(curve: &[(f64, f64)]) -> Option<f64> {
     })
 }
 
-pub(super) fn flip(
-    bench: &Bench,
-    spin_rate: f64,
-    disturbance: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn flip(bench: &Bench, spin_rate: f64, disturbance: f64) -> Measured {
     // Moments ∝ 356, 292, 136: the middle axis is y.
     let mut body = block(Vector::new(0.006, 0.010, 0.016), Vector::zeros())?;
     let start = spin_rate * Vector::new(disturbance, 1.0, 0.0);
@@ -163,12 +150,7 @@ pub(super) fn flip(
 }
 
 /// Two irregular grains meet off their centres, each spinning.
-pub(super) fn collision(
-    bench: &Bench,
-    speed: f64,
-    friction: f64,
-    restitution: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn collision(bench: &Bench, speed: f64, friction: f64, restitution: f64) -> Measured {
     let set = grains(20, 3)?;
     let mut scene = bench.scene_under(Vector::zeros(), &uniform(friction, restitution))?;
     let mut bodies = Vec::new();

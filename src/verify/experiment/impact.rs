@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
 use super::impact_law::Impact;
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Measured, Outcome, VerifyError};
 use crate::geometry::{Pose, Vector};
 use crate::units::from_mm;
 use crate::verify::scene::{block, floor, lowest, mass_of, uniform};
@@ -93,7 +93,7 @@ impl ImpactTilted {
         found.ok_or_else(|| VerifyError::Setup("the impact is of another regime".into()))
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let mut outcome = Outcome::new("Time (s)", "Angular velocity (rad/s)");
         let (mut worst, mut notes) = (0.0_f64, Vec::new());
         for &restitution in &self.restitutions {

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bench, Outcome, VerifyError, largest};
+use super::{Bench, Measured, Outcome, VerifyError, largest};
 use crate::geometry::Vector;
 use crate::units::{from_deg, from_mm, to_mm};
 use crate::verify::bench::GRAVITY;
@@ -69,7 +69,7 @@ impl InnerEdge {
         Ok(path)
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let sides = Vector::from(self.sides_mm).map(from_mm);
         let mut outcome = Outcome::new("Time (s)", "Distance between the paths (mm)");
         let (mut worst, mut notes) = (0.0_f64, Vec::new());

@@ -11,7 +11,7 @@ use nalgebra::{UnitQuaternion, Vector2};
 use serde::{Deserialize, Serialize};
 
 use super::ode::runge_kutta;
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Measured, Outcome, VerifyError};
 use crate::geometry::{Pose, Vector};
 use crate::units::{from_deg, from_mm};
 use crate::verify::bench::GRAVITY;
@@ -100,7 +100,7 @@ impl Pivot {
         (GRAVITY * radius / (gyration + radius * radius), radius)
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let (rate_squared, radius) = self.pendulum_of();
         let (from, to) = (from_deg(self.from_deg), from_deg(self.to_deg));
         let law = pendulum(rate_squared, from, to);

@@ -1,6 +1,6 @@
 //! Restitution from the height of a rebound.
 
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Measured, Outcome, VerifyError};
 use crate::geometry::Vector;
 use crate::units::{from_mm, to_mm};
 use crate::verify::bench::GRAVITY;
@@ -11,12 +11,7 @@ const SIDE: f64 = 0.01;
 
 /// A cube falls flat from rest at a height h under its lower face; it rises
 /// again to e²h.
-pub(super) fn rebound(
-    bench: &Bench,
-    restitution: f64,
-    height: f64,
-    rates: &[f64],
-) -> Result<Outcome, VerifyError> {
+pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64]) -> Measured {
     let height = from_mm(height);
     let fall = (2.0 * height / GRAVITY).sqrt();
     let rise = 2.0 * restitution * fall;
@@ -87,12 +82,7 @@ fn peaks(motion: &[(f64, f64, f64)]) -> Vec<f64> {
 
 /// A cube falls flat from rest and bounces: each peak is e² times the one
 /// before it, whatever the body did earlier.
-pub(super) fn bounces(
-    bench: &Bench,
-    restitution: f64,
-    height: f64,
-    count: usize,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn bounces(bench: &Bench, restitution: f64, height: f64, count: usize) -> Measured {
     let height = from_mm(height);
     let mut scene = bench.scene(&uniform(0.5, restitution))?;
     scene.add(&floor(0.2, Motion::Static)?)?;

@@ -2,7 +2,7 @@
 
 use nalgebra::UnitQuaternion;
 
-use super::{Bench, Outcome, RestingBody, VerifyError};
+use super::{Bench, Measured, Outcome, RestingBody, VerifyError};
 use crate::geometry::{Pose, Vector};
 use crate::units::to_mm;
 use crate::verify::bench::GRAVITY;
@@ -50,12 +50,7 @@ fn still(outcome: &mut Outcome, curve: Vec<(f64, f64)>) {
     outcome.measured("Engine", curve);
 }
 
-pub(super) fn rests(
-    bench: &Bench,
-    body: RestingBody,
-    settle: f64,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn rests(bench: &Bench, body: RestingBody, settle: f64, duration: f64) -> Measured {
     let mut scene = bench.scene(&uniform(FRICTION, 0.0))?;
     scene.add(&floor(0.1, Motion::Static)?)?;
     let body = match body {
@@ -74,11 +69,7 @@ pub(super) fn rests(
     Ok(outcome.got(to_mm(moved)))
 }
 
-pub(super) fn grain_on_three(
-    bench: &Bench,
-    settle: f64,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn grain_on_three(bench: &Bench, settle: f64, duration: f64) -> Measured {
     let set = grains(20, 3)?;
     let mut scene = bench.scene(&uniform(FRICTION, 0.0))?;
     scene.add(&floor(0.1, Motion::Static)?)?;
@@ -105,12 +96,7 @@ pub(super) fn grain_on_three(
 
 /// Cubes set on top of each other; with `guided` between four frictionless
 /// walls a tenth of a millimetre away.
-pub(super) fn cubes(
-    bench: &Bench,
-    count: u32,
-    guided: bool,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn cubes(bench: &Bench, count: u32, guided: bool, duration: f64) -> Measured {
     const GUIDE_GAP: f64 = 1e-4;
     const GUIDE: f64 = 0.01;
     let friction = if guided { 0.0 } else { FRICTION };
@@ -151,12 +137,7 @@ pub(super) fn cubes(
 
 /// Vertical impulses on the floor over the weight of all grains; the box's
 /// sides are frictionless and carry nothing.
-pub(super) fn floor_force(
-    bench: &Bench,
-    count: usize,
-    settle: f64,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn floor_force(bench: &Bench, count: usize, settle: f64, duration: f64) -> Measured {
     let mut packing = Packing::new(bench, count, 0, 0.0)?;
     packing.scene.run(settle)?;
     let weight = packing.mass() * GRAVITY;

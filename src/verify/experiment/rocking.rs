@@ -12,7 +12,7 @@
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Measured, Outcome, VerifyError};
 use crate::geometry::{Pose, Vector};
 use crate::units::from_mm;
 use crate::verify::bench::GRAVITY;
@@ -120,14 +120,14 @@ impl RockingBlock {
         Housner::new(from_mm(self.sides_mm[0]) / 2.0, from_mm(self.sides_mm[2]) / 2.0)
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         match self.comes {
             Comes::Rocking => self.rocks(bench),
             Comes::Flying => self.flies(bench),
         }
     }
 
-    fn rocks(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    fn rocks(&self, bench: &Bench) -> Measured {
         let law = self.law();
         let sides = Vector::from(self.sides_mm).map(from_mm);
         let tilt = self.tilt * law.slenderness;
@@ -164,7 +164,7 @@ impl RockingBlock {
         Ok(outcome.got(ratio))
     }
 
-    fn flies(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    fn flies(&self, bench: &Bench) -> Measured {
         // Tilt at which it begins, small: its edge still is where it will touch.
         const BEGINS: f64 = 0.03;
         // Steps after which the impact is over, counted from when it began.

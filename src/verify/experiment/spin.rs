@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::spin_law::Slide;
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Measured, Outcome, VerifyError};
 use crate::geometry::Vector;
 use crate::units::{from_mm, to_mm};
 use crate::verify::scene::{START_GAP, block, floor, uniform};
@@ -76,7 +76,7 @@ impl SpinSlide {
         }
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let law = self.law().end();
         let sides = Vector::from(self.sides_mm).map(from_mm);
         let mut scene = bench.scene(&uniform(self.friction, 0.0))?;

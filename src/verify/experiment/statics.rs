@@ -21,7 +21,7 @@
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Measured, Outcome, VerifyError};
 use crate::geometry::{Pose, Vector};
 use crate::units::{from_deg, from_mm, to_mm};
 use crate::verify::scene::{START_GAP, block, floor, profile, solid, uniform, wall};
@@ -194,7 +194,7 @@ impl CriticalFriction {
         Ok(curve)
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let law = self.assembly.law();
         let mut outcome = Outcome::new("Time (s)", "Sinks by (mm)");
         let mut stands = |friction: f64, show: bool| -> Result<bool, VerifyError> {

@@ -18,7 +18,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Measured, Outcome, VerifyError};
 use crate::geometry::Vector;
 use crate::units::from_mm;
 use crate::verify::scene::{block, floor, mass_of, uniform, wall};
@@ -107,7 +107,7 @@ impl ImpactAtSeveralPoints {
         }
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let mut outcome = Outcome::new("Time (s)", "Upward velocity (m/s)");
         let (mut worst, mut notes) = (0.0_f64, Vec::new());
         for &restitution in &self.restitutions {

@@ -11,7 +11,7 @@
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 
-use super::{Bench, Outcome, VerifyError};
+use super::{Bench, Measured, Outcome, VerifyError};
 use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
 use crate::units::{from_deg, from_mm};
 use crate::verify::bench::GRAVITY;
@@ -105,7 +105,7 @@ impl Heading {
 }
 
 impl Top {
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let (side, height) = (from_mm(self.side_mm), from_mm(self.height_mm));
         let moments = Moments::of(side, height);
         let tilt = from_deg(self.tilt_deg);
