@@ -1,11 +1,6 @@
 //! `pluvia calibrate`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, table};
-use crate::plain::plain_path;
+use super::*;
 use crate::report::CalibrationEnding;
 use crate::study::{
     CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,

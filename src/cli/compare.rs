@@ -1,12 +1,8 @@
 //! `pluvia compare`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{CliError, Context, ExitStatus, changes::backend, jobs::Jobs, last_line, table};
+use super::changes::backend;
+use super::*;
 use crate::grains::load_scenario;
-use crate::plain::plain_path;
 use crate::scenario::{Backend, Override};
 use crate::study::compare;
 

@@ -2,10 +2,11 @@
 
 use std::io;
 
-use clap::{Args, CommandFactory};
+use clap::CommandFactory;
 use clap_complete::{Shell, generate};
 
-use super::{Cli, CliError, Context, ExitStatus, context::write_all};
+use super::context::write_all;
+use super::*;
 
 /// Print a script that lets a shell complete commands and options
 #[derive(Debug, Args)]

@@ -1,14 +1,7 @@
 //! `pluvia converge`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{
-    CliError, Context, ExitStatus,
-    designed::{DesignedArgs, page_until},
-    last_line,
-};
+use super::designed::{DesignedArgs, page_until};
+use super::*;
 use crate::study::ConvergenceStudy;
 
 /// Refine the engine's settings step by step, and find the cheapest that is fine enough

@@ -1,11 +1,6 @@
 //! `pluvia density`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs};
-use crate::plain::plain_path;
+use super::*;
 use crate::study::{DensityOptions, IndexState, index_densities};
 
 /// Find the loosest and the densest state of a scenario's grains

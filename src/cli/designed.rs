@@ -1,12 +1,6 @@
 //! Options of studies whose design is in a file.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
-
-use super::{Context, jobs::Jobs};
-use crate::plain::plain_path;
-use crate::record::{FileError, read_file};
+use super::*;
 use crate::study::StudyOptions;
 
 /// What both studies ask for.

@@ -1,18 +1,13 @@
 //! `pluvia export`.
 
-use std::path::PathBuf;
+use clap::ValueEnum;
 
-use clap::{Args, ValueEnum};
-use serde::Serialize;
-
-use super::{CliError, Context, ExitStatus, output_folder};
+use super::*;
 use crate::export::{
     DEFAULT_EVERY, ExportError, Exported, StageMoments, apparatus_obj, contacts_csv, glb,
     grains_csv, grains_obj, grains_ply, grains_stl, pairs_csv, read_at_rest, read_moments,
     read_run, stage_at_rest, write_vtk,
 };
-use crate::plain::plain_path;
-use crate::record::{FileError, write_file};
 use crate::specimen::Fate;
 
 /// Write a run's specimen, or how it moved, for other programs

@@ -1,12 +1,6 @@
 //! `pluvia interpretations`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, table};
-use crate::plain::plain_path;
-use crate::record::read_json;
+use super::*;
 use crate::study::{Interpretation, InterpretationsOptions, interpretations};
 
 /// Run the paper's programme under several interpretations of it, side by side

@@ -1,16 +1,13 @@
 //! `pluvia man`.
 
-use std::{io, path::PathBuf};
+use std::io;
 
-use clap::{Args, Command, CommandFactory};
-use clap_mangen::{
-    Man,
-    roff::{Roff, roman},
-};
+use clap::{Command, CommandFactory};
+use clap_mangen::Man;
+use clap_mangen::roff::{Roff, roman};
 
-use super::{Cli, CliError, Context, ExitStatus, context::write_all, output_folder};
-use crate::plain::plain_path;
-use crate::record::write_file;
+use super::context::write_all;
+use super::*;
 
 /// Write the manual pages
 #[derive(Debug, Args)]

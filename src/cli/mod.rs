@@ -46,12 +46,21 @@ pub use context::Context;
 pub use embedded::{Ended, News, embedded};
 pub use error::{CliError, ExitStatus};
 
-use std::process::ExitCode;
+// What subcommands are made of, too.
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use clap::{Args, Parser, Subcommand};
+use serde::Serialize;
+use serde_json::{Value, json};
 
 use crate::caught::{caught, note_panics};
-use crate::plain::plain_lines;
+use crate::plain::{plain, plain_lines, plain_path};
+use crate::record::{FileError, read_file, read_json, write_file};
+use changes::Changes;
+use jobs::Jobs;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 done, but verify, compare, calibrate or --strict found an expectation missed,

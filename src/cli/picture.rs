@@ -1,19 +1,12 @@
 //! `pluvia picture`.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
-use serde::Serialize;
-
-use super::{CliError, Context, ExitStatus, output_folder, table};
+use super::*;
 use crate::export::{Playback, read_playback, read_playback_for};
 use crate::grains;
 use crate::picture::{
     Animation, Background, ColourBy, LOOSE_VIEW, Shot, View, Walls, animate, at, loose_grains,
     picture,
 };
-use crate::plain::plain_path;
-use crate::record::{FileError, read_json, write_file};
 
 /// Make a picture or an animation of a run, or a picture of grains alone
 #[derive(Debug, Args)]

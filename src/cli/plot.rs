@@ -1,18 +1,8 @@
 //! `pluvia plot`.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
-use serde::Serialize;
-use serde_json::Value;
-
-use super::{
-    CliError, Context, ExitStatus,
-    picture::{ends_in, prepare},
-    table,
-};
-use crate::plain::{plain_lines, plain_path, without_zeros};
-use crate::record::{FileError, read_file, read_json, write_file};
+use super::picture::{ends_in, prepare};
+use super::*;
+use crate::plain::without_zeros;
 use crate::report::{ChartColumn, ChartStyle, ColumnChart, ColumnRange, ColumnTable, svg_to_png};
 
 /// Draw any columns of a run's tables over each other

@@ -1,12 +1,7 @@
 //! `pluvia reproduce`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, scorecard};
+use super::*;
 use crate::paper::Claim;
-use crate::plain::plain_path;
 use crate::study::{Interpretation, ReproduceOptions, reproduce};
 
 /// Run the whole paper and compare its claims

@@ -1,15 +1,7 @@
 //! `pluvia run`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{
-    CliError, Context, ExitStatus, changes::Changes, earlier_run, jobs::Jobs, last_line,
-    output_folder, table,
-};
+use super::*;
 use crate::grains::load_scenario;
-use crate::plain::plain_path;
 use crate::study::{RunOptions, run_scenario, tell_warnings};
 
 /// Run one scenario

@@ -1,14 +1,7 @@
 //! `pluvia sensitivity`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{
-    CliError, Context, ExitStatus,
-    designed::{DesignedArgs, page_until},
-    last_line,
-};
+use super::designed::{DesignedArgs, page_until};
+use super::*;
 use crate::study::SensitivityStudy;
 
 /// Vary each choice that the paper does not give by itself, and rank what it moves

@@ -1,11 +1,6 @@
 //! `pluvia stage`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-use serde_json::json;
-
-use super::{CliError, Context, ExitStatus};
+use super::*;
 use crate::record::remove_abandoned;
 use crate::study::{RunOptions, SweepTasks};
 

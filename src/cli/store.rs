@@ -1,11 +1,8 @@
 //! `pluvia store`.
 
-use std::path::{Path, PathBuf};
+use clap::Subcommand;
 
-use clap::{Args, Subcommand};
-
-use super::{CliError, Context, ExitStatus, paint, table};
-use crate::plain::{plain, plain_path};
+use super::*;
 use crate::record::{StoreReport, StoredItem, StoredState, check_store};
 
 /// Look after the stages that an output folder has in store

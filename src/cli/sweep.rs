@@ -1,15 +1,7 @@
 //! `pluvia sweep`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-use serde_json::json;
-
-use super::{
-    CliError, Context, ExitStatus, changes::Changes, designed::page_until, jobs::Jobs, last_line,
-    output_folder,
-};
-use crate::plain::plain_path;
+use super::designed::page_until;
+use super::*;
 use crate::report::Sweep;
 use crate::study::{
     Design, Factor, RunOptions, SNAKEFILE, SampledRange, SlurmRequest, SweepOptions, SweepStudy,

@@ -4,12 +4,13 @@ use super::paint;
 use crate::paper::ResultCounts;
 use crate::plain::without_zeros;
 use crate::record::{
-    AngleOfRepose, Balance, LaboratorySummary, Settlement, StandingHeight, Summary,
-    VibrationSummary,
+    AngleOfRepose, Balance, GrainsSummary, LaboratorySummary, Overlap, Settlement, StandingHeight,
+    Summary, VibrationSummary,
 };
 use crate::report::{Calibration, InterpretationColumn, calibration_rows};
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
+use crate::world::BackendInfo;
 
 /// A length of time for people.
 pub(super) fn duration(seconds: f64) -> String {
@@ -86,13 +87,12 @@ fn vibration(of: &VibrationSummary) -> String {
 }
 
 fn angle_of_repose(of: &AngleOfRepose) -> String {
+    let AngleOfRepose { degrees, by_volume_degrees, .. } = of;
+    let (low, high) = (of.confidence_low_degrees, of.confidence_high_degrees);
+    let between = of.standard_deviation_degrees;
     format!(
-        "{:.1}°, 95 % of this pile {:.1} to {:.1}°; {:.1}° between sectors; {:.1}° by volume",
-        of.degrees,
-        of.confidence_low_degrees,
-        of.confidence_high_degrees,
-        of.standard_deviation_degrees,
-        of.by_volume_degrees
+        "{degrees:.1}°, 95 % of this pile {low:.1} to {high:.1}°; {between:.1}° between sectors; \
+         {by_volume_degrees:.1}° by volume"
     )
 }
 
@@ -134,39 +134,30 @@ fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
 pub(super) fn of_summary(summary: &Summary) -> String {
     let grains = &summary.grains;
     let mut rows = Rows::default();
-    rows.add(
-        "engine",
-        format!(
-            "{} {}, {} precision, contacts by {}",
-            summary.backend.name,
-            summary.backend.version,
-            summary.backend.precision,
-            summary.contact_solver
-        ),
-    );
+    let BackendInfo { name, version, precision } = &summary.backend;
+    let solver = &summary.contact_solver;
+    rows.add("engine", format!("{name} {version}, {precision} precision, contacts by {solver}"));
     rows.add("grains", format!("{}, {} g", grains.count, grams(grains.mass_g)));
     // A pile has no walls: its grains lie, but in no cylinder and with no void ratio.
     let laboratory = summary.laboratory.as_ref();
     let is_withheld = |field: &str| summary.withheld.iter().any(|w| w.field == field);
     let pile = summary.void_ratio.is_none() && grains.in_cylinder > 0 && !is_withheld("void_ratio");
+    let GrainsSummary { in_cylinder, spilled, left_in_funnel, escaped, .. } = grains;
     let places = if laboratory.is_some() {
         format!(
-            "{} in the laboratory, {} fallen out of it, {} escaped through walls",
-            grains.in_cylinder, grains.spilled, grains.escaped
+            "{in_cylinder} in the laboratory, {spilled} fallen out of it, {escaped} escaped through \
+             walls"
         )
     } else if pile {
-        let mut text = format!("{} on the base, {} fallen off", grains.in_cylinder, grains.spilled);
-        if grains.left_in_funnel + grains.escaped > 0 {
-            text += &format!(
-                ", {} not fed, {} escaped through the base",
-                grains.left_in_funnel, grains.escaped
-            );
+        let mut text = format!("{in_cylinder} on the base, {spilled} fallen off");
+        if left_in_funnel + escaped > 0 {
+            text += &format!(", {left_in_funnel} not fed, {escaped} escaped through the base");
         }
         text
     } else {
         format!(
-            "{} in the cylinder, {} spilled, {} left in the funnel, {} escaped through walls",
-            grains.in_cylinder, grains.spilled, grains.left_in_funnel, grains.escaped
+            "{in_cylinder} in the cylinder, {spilled} spilled, {left_in_funnel} left in the funnel, \
+             {escaped} escaped through walls"
         )
     };
     rows.add("", places);
@@ -195,22 +186,15 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     rows.add_some("settlement, surface", summary.surface_settlement_mm.as_ref().map(settlement));
     if let Some(of) = &summary.angle_of_repose {
         rows.add("angle of repose", angle_of_repose(of));
-        rows.add(
-            "pile",
-            format!(
-                "{:.1} mm high, {:.1} mm to its toe; fallen off the base: {}",
-                of.pile_height_mm, of.base_radius_mm, of.fallen_off
-            ),
-        );
+        let (high, toe, off) = (of.pile_height_mm, of.base_radius_mm, of.fallen_off);
+        let pile = format!("{high:.1} mm high, {toe:.1} mm to its toe; fallen off the base: {off}");
+        rows.add("pile", pile);
     }
-    let overlap = &summary.overlap;
-    rows.add(
-        "overlap",
-        format!(
-            "{:.2} % mean, {:.2} % 99th percentile, {:.2} % largest",
-            overlap.mean_percent, overlap.p99_percent, overlap.max_percent
-        ),
+    let Overlap { mean_percent, p99_percent, max_percent, .. } = summary.overlap;
+    let overlap = format!(
+        "{mean_percent:.2} % mean, {p99_percent:.2} % 99th percentile, {max_percent:.2} % largest"
     );
+    rows.add("overlap", overlap);
     rows.add("coordination", coordination(summary));
     let creep = summary.creep_um_per_s.map(|creep| format!("{creep:.1} µm/s"));
     rows.add_some("creep at rest", creep);
@@ -224,23 +208,12 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         let line = checks.line();
         rows.add("checks", if checks.passed == Some(false) { paint::bad(line) } else { line });
     }
-    rows.add(
-        "cost",
-        format!(
-            "{:.2} s simulated in {} steps and {}, {:.0} MiB",
-            summary.simulated_s,
-            summary.steps,
-            duration(summary.wall_s),
-            summary.peak_memory_mib
-        ),
-    );
-    let mut text = format!(
-        "{}, configuration {}, seed {}\n{}",
-        summary.scenario,
-        summary.configuration,
-        summary.seed,
-        rows.aligned()
-    );
+    let Summary { scenario, configuration, seed, simulated_s, steps, .. } = summary;
+    let (took, memory) = (duration(summary.wall_s), summary.peak_memory_mib);
+    let cost = format!("{simulated_s:.2} s simulated in {steps} steps and {took}, {memory:.0} MiB");
+    rows.add("cost", cost);
+    let head = format!("{scenario}, configuration {configuration}, seed {seed}\n");
+    let mut text = head + &rows.aligned();
     for warning in &summary.warnings {
         text += &format!("  {}: {warning}\n", paint::notable("warning"));
     }

@@ -1,11 +1,6 @@
 //! `pluvia targets`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{CliError, Context, ExitStatus, output_folder};
-use crate::plain::plain_path;
+use super::*;
 use crate::report::{Target, write_targets};
 use crate::study::{StudyError, TargetRuns, meet_targets};
 

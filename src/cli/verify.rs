@@ -1,11 +1,8 @@
 //! `pluvia verify`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{CliError, Context, ExitStatus, changes::backend, jobs::cores_for, table};
-use crate::plain::plain_path;
+use super::changes::backend;
+use super::jobs::cores_for;
+use super::*;
 use crate::scenario::Backend;
 use crate::verify::{SuiteOptions, builtin, run_suite, settings};
 use crate::world;

@@ -1,18 +1,11 @@
 //! `pluvia view`.
 
-use std::{
-    path::PathBuf,
-    sync::mpsc::RecvTimeoutError,
-    time::{Duration, Instant},
-};
-
-use clap::Args;
-use serde::Serialize;
+use std::sync::mpsc::RecvTimeoutError;
+use std::time::{Duration, Instant};
 
 use super::context::say;
-use super::{CliError, Context, ExitStatus};
-use crate::plain::{plain, plain_path};
-use crate::record::{FileError, remove_abandoned_beside, write_file};
+use super::*;
+use crate::record::remove_abandoned_beside;
 use crate::viewer::{Redirect, RunData, Server, Site, read_run_data, self_contained};
 
 /// Play a run in the browser, in three dimensions

@@ -7,13 +7,11 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::{
-    Grading, GrainsSpec, InterpolationKind, Scenario, SieveFraction, StageSpec, StartPoint,
-    StrokeKind, UntilSpec, WaveformKind, stages::half_turn,
+    Grading, GrainsSpec, Scenario, SieveFraction, StageSpec, StrokeKind, UntilSpec, WaveformKind,
+    stages::half_turn,
 };
 use crate::geometry::{Point, Vector};
-use crate::motion::{
-    Interpolation, Path, PieceMotion, RecordedMotion, Start, TableMotion, Vertical, Waveform,
-};
+use crate::motion::{Path, PieceMotion, RecordedMotion, Start, TableMotion, Vertical, Waveform};
 use crate::scale::Scale;
 use crate::units::{from_g, from_mm};
 
@@ -28,7 +26,7 @@ impl StageSpec {
     ) -> Self {
         Self::Vibrate {
             waveform: WaveformKind::Sine,
-            start: StartPoint::Middle,
+            start: Start::Middle,
             frequency_hz: Some(frequency_hz),
             amplitude_mm: Some(amplitude_mm),
             stroke: StrokeKind::HalfStroke,
@@ -100,7 +98,7 @@ impl StageSpec {
         let frames_per_s = video_frames.map(|v| v.frames_per_s);
         if waveform == WaveformKind::File {
             let rows = motion_rows.as_ref()?;
-            let recorded = RecordedMotion::new(rows, joined(interpolation)).ok()?;
+            let recorded = RecordedMotion::new(rows, interpolation.unwrap_or_default()).ok()?;
             return Some(TableMotion {
                 periods,
                 rest: rest_s,
@@ -110,10 +108,6 @@ impl StageSpec {
                 ..TableMotion::sine(0.0, 0.0, 0.0)
             });
         }
-        let start = match start {
-            StartPoint::Middle => Start::Middle,
-            StartPoint::TurningPoint => Start::TurningPoint,
-        };
         let half = match stroke {
             StrokeKind::HalfStroke => 1.0,
             StrokeKind::FullStroke => 0.5,
@@ -159,7 +153,7 @@ impl StageSpec {
         };
         if let Some(rows) = motion_rows {
             let only = velocity_mm_per_s.is_none() && rotation.is_none() && sine.is_none();
-            let recorded = RecordedMotion::of_piece(rows, joined(interpolation)).ok();
+            let recorded = RecordedMotion::of_piece(rows, interpolation.unwrap_or_default()).ok();
             let recorded = recorded.filter(|_| only && (ramp == 0.0 || until.is_some()))?;
             let duration = recorded.duration();
             let path = Path::Recorded { rows: Arc::new(recorded), slows_from: None };
@@ -242,14 +236,6 @@ impl StageSpec {
     }
 }
 
-/// How a recorded displacement goes between rows.
-pub(super) fn joined(interpolation: Option<InterpolationKind>) -> Interpolation {
-    match interpolation {
-        Some(InterpolationKind::Linear) => Interpolation::Linear,
-        Some(InterpolationKind::Cubic) | None => Interpolation::Cubic,
-    }
-}
-
 impl SieveFraction {
     /// Number of grains as a plain quotient, n = V / (π/6 · d³): the volume of
     /// the fraction's solids over that of a sphere whose diameter is the mean
@@ -274,17 +260,6 @@ impl Scenario {
         let mut value = serde_json::to_value(self).expect("a scenario has a JSON form");
         value.sort_all_objects();
         value.to_string()
-    }
-
-    /// Opening in m of the finest sieve that retains grains; `None` for grains from a file
-    /// and for meshes in their own size.
-    pub fn smallest_sieve_m(&self) -> Option<f64> {
-        let table = match &self.grains {
-            GrainsSpec::Sieved(sieved) => &sieved.sieve_table,
-            GrainsSpec::Meshes(meshes) => &meshes.sieve_table,
-            GrainsSpec::File(_) => return None,
-        };
-        table.iter().map(|f| from_mm(f.retained_mm)).min_by(f64::total_cmp)
     }
 
     /// What our lengths, speeds and times follow from: the sizes of the sieve table, or
@@ -385,6 +360,5 @@ mod tests {
         let back: Scenario = serde_json::from_str(&a.canonical_json()).expect("it is a scenario");
         assert_eq!(back, a);
         assert_eq!(a.falling_height_mm(), Some(50.0));
-        assert_eq!(a.smallest_sieve_m(), Some(0.008));
     }
 }

@@ -63,8 +63,7 @@ pub use pieces::{
 pub use rapier::{FrictionModel, RapierSettings};
 pub use schema::schema;
 pub use stages::{
-    BaseKind, BaseSpec, InterpolationKind, StageSpec, StartPoint, StrokeKind, VerticalSpec,
-    VideoFramesSpec, WaveformKind,
+    BaseKind, BaseSpec, StageSpec, StrokeKind, VerticalSpec, VideoFramesSpec, WaveformKind,
 };
 pub use stock::{InertiaRule, StockSettings};
 pub use until::{AllOfSpec, ConditionSpec, UntilSpec};

@@ -7,6 +7,7 @@ use super::{
     pieces::{DepositKind, LoadSpec, RotationSpec, SineSpec},
     until::UntilSpec,
 };
+use crate::motion::{Interpolation, Start};
 
 /// What the stated amplitude of a sinusoid means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -29,27 +30,6 @@ pub enum WaveformKind {
     SliderCrank,
     /// As recorded: `motion_file`, or its rows in `motion_rows`.
     File,
-}
-
-/// Where a waveform begins and the table rests.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum StartPoint {
-    /// In the middle of the stroke: at full speed, unless there is a ramp.
-    #[default]
-    Middle,
-    /// At a turning point, from which the whole stroke lies on one side: at rest.
-    TurningPoint,
-}
-
-/// How a recorded displacement goes between two rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum InterpolationKind {
-    /// Natural cubic splines: no jump of position, velocity or acceleration.
-    Cubic,
-    /// Straight lines: the velocity jumps at every row.
-    Linear,
 }
 
 /// A vertical component of the table's motion, z(t) = A (sin(2πft + φ) − sin φ).
@@ -203,7 +183,7 @@ pub enum StageSpec {
         waveform: WaveformKind,
         /// Where a sine or a slider-crank begins.
         #[serde(default)]
-        start: StartPoint,
+        start: Start,
         /// Frequency in Hz; must be given but for a recorded motion.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1000.0))]
@@ -250,8 +230,8 @@ pub enum StageSpec {
         motion_rows: Option<Vec<[f64; 4]>>,
         /// How a recorded displacement goes between two rows; left out, `cubic`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "InterpolationKind")]
-        interpolation: Option<InterpolationKind>,
+        #[schemars(with = "Interpolation")]
+        interpolation: Option<Interpolation>,
         /// What the table does along z beside that; of a recorded motion, a column does.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "VerticalSpec")]
@@ -331,8 +311,8 @@ pub enum StageSpec {
         motion_rows: Option<Vec<[f64; 4]>>,
         /// How a recorded displacement goes between two rows; left out, `cubic`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "InterpolationKind")]
-        interpolation: Option<InterpolationKind>,
+        #[schemars(with = "Interpolation")]
+        interpolation: Option<Interpolation>,
         /// How long they move, in s; or `travel_mm`, `travel_deg` or `until`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]

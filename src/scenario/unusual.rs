@@ -39,8 +39,8 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
     };
     let mut found = Vec::new();
     let faults = &mut Faults::of(&mut found);
-    for field in fields() {
-        unusual_field(&field, scenario, value, grading.as_ref(), &scale, faults);
+    for field in FIELDS {
+        unusual_field(field, scenario, value, grading.as_ref(), &scale, faults);
     }
     if let Some(grading) = grading {
         if !faults.has(STIFFNESS) {
@@ -73,110 +73,72 @@ struct Field {
     high: &'static str,
 }
 
-/// The fields in the order in which they are reported.
-fn fields() -> [Field; 17] {
-    let field = |path, of, low, high| Field { path, of, low, high };
-    let slower = "the run takes longer in proportion and is no more exact";
-    [
-        field(
-            "engine.grain_size_mm",
-            Of::All,
-            "contacts are found late, and many boxes are renewed in a step",
-            "gaps and clearances are so wide that grains notice them",
-        ),
-        field(RATE, Of::All, "grains sink into each other within a step", slower),
-        field(
-            "engine.native.substep_rate_hz",
-            Of::Native,
-            "impacts and shaking are followed too coarsely",
-            slower,
-        ),
-        field(
-            STIFFNESS,
-            Of::Native,
-            "grains sink into each other",
-            "loads need more sub-steps and iterations to get through the packing, which costs time",
-        ),
-        field(
-            "engine.native.max_depenetration_velocity_m_per_s",
-            Of::Native,
-            "overlaps that impacts leave last",
-            "overlaps burst and throw grains apart",
-        ),
-        field(
-            "engine.restitution_velocity_threshold_m_per_s",
-            Of::Bullet,
-            "contacts at rest go on rebounding, and the specimen settles late",
-            "impacts that should rebound do not",
-        ),
-        field(
-            "engine.length_scale",
-            Of::Bullet,
-            "a grain is much smaller than an engine unit, and Bullet's tolerances are gaps that it \
-             notices",
-            "a grain is much larger than an engine unit, and Bullet's tolerances are lost in rounding",
-        ),
-        field(
-            "engine.contact_threshold_mm",
-            Of::Bullet,
-            "contacts are found late and lost between steps",
-            "contacts that bear nothing are kept",
-        ),
-        field(
-            "settle.rms_speed_mm_per_s",
-            Of::All,
-            "a stage may not count as settled before its time limit",
-            "a stage ends while the specimen still moves",
-        ),
-        field(
-            "settle.largest_speed_mm_per_s",
-            Of::All,
-            "a stage may not count as settled before its time limit",
-            "a stage ends while grains still fall",
-        ),
-        field(
-            "settle.hold_s",
-            Of::All,
-            "a stage may end at the top of a bounce",
-            "every stage that settles is simulated for longer than it needs",
-        ),
-        field(
-            "engine.rapier.contact_frequency_hz",
-            Of::Rapier,
-            "grains sink into each other",
-            "the packing jitters and creeps unless engine.rapier.substeps is raised, which costs time",
-        ),
-        field(
-            "engine.rapier.wall_contact_frequency_hz",
-            Of::Rapier,
-            "grains sink into the funnel",
-            "grains jitter in the funnel unless engine.rapier.substeps is raised, which costs time",
-        ),
-        field(
-            "engine.rapier.engine_unit_mm",
-            Of::Rapier,
-            "contact points are found anew for nothing",
-            "contact points are kept that are no longer there",
-        ),
-        field(
-            "engine.rapier.prediction_mm",
-            Of::Rapier,
-            "grains sink in before they are met",
-            "contacts that bear nothing are prepared, which costs time",
-        ),
-        field(
-            "engine.rapier.corrective_speed_m_per_s",
-            Of::Rapier,
-            "overlaps that impacts leave last",
-            "overlaps burst and throw grains apart",
-        ),
-        field(
-            "engine.rapier.recycling_distance_mm",
-            Of::Rapier,
-            "contact points change for nothing, and the packing creeps",
-            "contact normals are out of date",
-        ),
-    ]
+const SLOWER: &str = "the run takes longer in proportion and is no more exact";
+
+macro_rules! fields {
+    ($($path:expr => $of:ident: low $low:expr; high $high:expr;)*) => {
+        const FIELDS: &[Field] = &[$(Field { path: $path, of: Of::$of, low: $low, high: $high }),*];
+    };
+}
+
+// The fields in the order in which they are reported.
+fields! {
+    "engine.grain_size_mm" => All:
+        low "contacts are found late, and many boxes are renewed in a step";
+        high "gaps and clearances are so wide that grains notice them";
+    RATE => All:
+        low "grains sink into each other within a step";
+        high SLOWER;
+    "engine.native.substep_rate_hz" => Native:
+        low "impacts and shaking are followed too coarsely";
+        high SLOWER;
+    STIFFNESS => Native:
+        low "grains sink into each other";
+        high "loads need more sub-steps and iterations to get through the packing, which costs \
+              time";
+    "engine.native.max_depenetration_velocity_m_per_s" => Native:
+        low "overlaps that impacts leave last";
+        high "overlaps burst and throw grains apart";
+    "engine.restitution_velocity_threshold_m_per_s" => Bullet:
+        low "contacts at rest go on rebounding, and the specimen settles late";
+        high "impacts that should rebound do not";
+    "engine.length_scale" => Bullet:
+        low "a grain is much smaller than an engine unit, and Bullet's tolerances are gaps that \
+              it notices";
+        high "a grain is much larger than an engine unit, and Bullet's tolerances are lost in \
+              rounding";
+    "engine.contact_threshold_mm" => Bullet:
+        low "contacts are found late and lost between steps";
+        high "contacts that bear nothing are kept";
+    "settle.rms_speed_mm_per_s" => All:
+        low "a stage may not count as settled before its time limit";
+        high "a stage ends while the specimen still moves";
+    "settle.largest_speed_mm_per_s" => All:
+        low "a stage may not count as settled before its time limit";
+        high "a stage ends while grains still fall";
+    "settle.hold_s" => All:
+        low "a stage may end at the top of a bounce";
+        high "every stage that settles is simulated for longer than it needs";
+    "engine.rapier.contact_frequency_hz" => Rapier:
+        low "grains sink into each other";
+        high "the packing jitters and creeps unless engine.rapier.substeps is raised, which \
+              costs time";
+    "engine.rapier.wall_contact_frequency_hz" => Rapier:
+        low "grains sink into the funnel";
+        high "grains jitter in the funnel unless engine.rapier.substeps is raised, which costs \
+              time";
+    "engine.rapier.engine_unit_mm" => Rapier:
+        low "contact points are found anew for nothing";
+        high "contact points are kept that are no longer there";
+    "engine.rapier.prediction_mm" => Rapier:
+        low "grains sink in before they are met";
+        high "contacts that bear nothing are prepared, which costs time";
+    "engine.rapier.corrective_speed_m_per_s" => Rapier:
+        low "overlaps that impacts leave last";
+        high "overlaps burst and throw grains apart";
+    "engine.rapier.recycling_distance_mm" => Rapier:
+        low "contact points change for nothing, and the packing creeps";
+        high "contact normals are out of date";
 }
 
 impl Of {

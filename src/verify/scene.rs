@@ -126,6 +126,21 @@ impl Scene {
         Ok(())
     }
 
+    /// Steps for a time in s, and shows the time and the state of a body after each step.
+    pub fn follow(
+        &mut self,
+        id: BodyId,
+        duration: f64,
+        mut look: impl FnMut(f64, BodyState),
+    ) -> Result<(), VerifyError> {
+        for _ in 0..self.steps_in(duration) {
+            self.step()?;
+            let state = self.state(id)?;
+            look(self.time(), state);
+        }
+        Ok(())
+    }
+
     /// Whole steps in a time in s.
     pub fn steps_in(&self, duration: f64) -> u64 {
         (duration / self.world.time_step()).round() as u64

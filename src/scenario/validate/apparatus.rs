@@ -2,9 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Parts, short};
-use crate::scenario::fault::Faults;
-use crate::units::from_mm;
+use super::*;
 
 /// Length of the longest grain over the opening of the coarsest sieve. Voronoi
 /// cells of a 16 mm sieve are up to 32 to 38 mm long: a sieve measures the

@@ -1,9 +1,7 @@
 //! Engine settings that do not go together.
 
-use serde_json::Value;
-
-use super::Parts;
-use crate::scenario::{Backend, ContactSolver, StockSettings, fault::Faults};
+use super::*;
+use crate::scenario::StockSettings;
 
 /// stock Bullet contacts alone have a margin, inertia by boxes, a least mass
 /// and sleep; elsewhere these fields would be without effect, which nobody who

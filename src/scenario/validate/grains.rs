@@ -1,9 +1,7 @@
 //! The sieve table, and how many grains it makes.
 
-use super::{Parts, short};
-use crate::scenario::{
-    CellShape, LEAST_ROUNDING, MeshGrains, SieveFraction, SievedShape, fault::Faults,
-};
+use super::*;
+use crate::scenario::{CellShape, LEAST_ROUNDING, SieveFraction, SievedShape};
 
 /// Allowed error of the sum of the mass percentages.
 const PERCENT_TOLERANCE: f64 = 0.01;

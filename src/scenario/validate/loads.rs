@@ -1,9 +1,7 @@
 //! Loads on pieces that are pressed, and pieces that are let go.
 
-use std::collections::HashSet;
-
-use super::Parts;
-use crate::scenario::{Backend, ContactSolver, LoadSpec, fault::Faults};
+use super::*;
+use crate::scenario::LoadSpec;
 
 /// A stage that only Bullet with native contacts can do, and what others lack.
 fn check_solver(parts: &Parts, stage: &str, lack: &str, faults: &mut Faults) {

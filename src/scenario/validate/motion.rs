@@ -1,10 +1,8 @@
 //! Whether the fields of a vibration make a motion.
 
-use super::{Parts, short};
-use crate::motion::{LARGEST_CRANK, RecordedMotion, RowFault, TableMotion};
-use crate::scenario::{
-    StageSpec, StartPoint, StrokeKind, WaveformKind, accessors::joined, fault::Faults,
-};
+use super::*;
+use crate::motion::{LARGEST_CRANK, RowFault, Start};
+use crate::scenario::{StrokeKind, WaveformKind};
 
 /// How far a period may be from a whole number of cycles, in cycles: decimals
 /// of a fraction such as 0.6667 s at 3 Hz must do.
@@ -72,7 +70,7 @@ fn check_fields(spec: &StageSpec, faults: &mut Faults) {
     let rows = motion_rows.as_ref().map(|rows| format!("{} rows", rows.len()));
     let how = interpolation.map(|how| format!("{how:?}").to_lowercase());
     let full = (stroke != StrokeKind::HalfStroke).then(|| "full_stroke".to_owned());
-    let turning = (start != StartPoint::Middle).then(|| "turning_point".to_owned());
+    let turning = (start != Start::Middle).then(|| "turning_point".to_owned());
     let none = "only `file` is recorded";
     // Fields that are there, and with which motion they mean nothing.
     for (idle, field, found, why) in [
@@ -93,7 +91,7 @@ fn check_fields(spec: &StageSpec, faults: &mut Faults) {
         faults.idle(field, found.filter(|_| idle), why);
     }
     if let (true, Some(rows)) = (recorded, motion_rows)
-        && let Err(found) = RecordedMotion::new(rows, joined(interpolation))
+        && let Err(found) = RecordedMotion::new(rows, interpolation.unwrap_or_default())
     {
         report_rows(found, faults);
     }

@@ -1,8 +1,7 @@
 //! Prescribed motions of pieces.
 
-use super::{Parts, motion::report_rows, short};
-use crate::motion::RecordedMotion;
-use crate::scenario::{StageSpec, accessors::joined, fault::Faults};
+use super::motion::report_rows;
+use super::*;
 
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     for (i, spec) in parts.specs() {
@@ -10,7 +9,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
         let mut faults = faults.at(format!("stages[{i}]"));
         check_move(spec, &mut faults);
         if let Some(rows) = motion_rows
-            && let Err(found) = RecordedMotion::of_piece(rows, joined(*interpolation))
+            && let Err(found) = RecordedMotion::of_piece(rows, interpolation.unwrap_or_default())
         {
             report_rows(found, &mut faults);
         }

@@ -1,15 +1,8 @@
 //! Pieces of a laboratory, the stages that speak of them, and what is measured there.
 
-use std::collections::HashSet;
-
-use serde_json::Value;
-
-use super::{Parts, loads, moves, until};
-use crate::geometry::{ConvexPolyhedron, Point};
-use crate::scenario::{
-    DepositKind, MeasuresSpec, MeshPieceSpec, PieceSpec, ShapeSpec, StageSpec, fault::Faults,
-};
-use crate::units::from_mm;
+use super::*;
+use crate::geometry::ConvexPolyhedron;
+use crate::scenario::{DepositKind, MeshPieceSpec, ShapeSpec};
 
 /// Stages of the built-in apparatus.
 const BUILT_IN: [&str; 5] =

@@ -1,9 +1,7 @@
 //! Which stage may follow which, and how long all of them take.
 
-use serde_json::Value;
-
-use super::{Parts, short};
-use crate::scenario::{BaseKind, StageSpec, fault::Faults};
+use super::*;
+use crate::scenario::BaseKind;
 
 /// Longest simulated time of a scenario in s: an hour is 180 times the
 /// paper's longest test.

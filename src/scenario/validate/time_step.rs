@@ -8,14 +8,9 @@
 //! stand: twice the size is the limit set to it. And a sinusoid taken at N points a cycle is off in
 //! acceleration, (2π/N)²/12 of it, which is 0.2 % for N = 40.
 
-use serde_json::Value;
-
-use super::{Parts, short};
-use crate::geometry::Point;
-use crate::motion::TableMotion;
+use super::*;
 use crate::scenario::sizes_of_pieces::lowest_mm;
-use crate::scenario::{Fault, Grading, PieceSpec, StageSpec, fault::Faults};
-use crate::units::{from_deg, from_mm, to_mm};
+use crate::units::from_deg;
 
 /// Fewest steps in a cycle of vibration; see the module's text.
 const STEPS_A_CYCLE: f64 = 40.0;

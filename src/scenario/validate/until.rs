@@ -1,11 +1,7 @@
 //! Conditions that end stages.
 
-use std::collections::HashSet;
-
-use serde_json::Value;
-
-use super::Parts;
-use crate::scenario::{ConditionSpec, StageSpec, fault::Faults};
+use super::*;
+use crate::scenario::ConditionSpec;
 
 pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     // Pieces that are pressed or free when a stage begins.

@@ -10,14 +10,9 @@
 //! left, with √(2 g d), and rises to e² d; little gravity makes that last many
 //! steps.
 
-use nalgebra::UnitQuaternion;
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Measured, Outcome, VerifyError};
-use crate::geometry::{Pose, Vector};
-use crate::units::{from_deg, from_mm, to_mm};
-use crate::verify::scene::{Scene, block, profile, solid, wall};
-use crate::world::{Body, BodyId, Material, Motion, PairCoefficients, PairTable};
+use super::*;
+use crate::verify::scene::{profile, solid};
+use crate::world::PairTable;
 
 /// A block falls, is caught above a floor, and is let down on it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,16 +1,8 @@
 //! Bodies that touch nothing, or only each other.
 
-use std::f64::consts::TAU;
+use nalgebra::Point3;
 
-use nalgebra::{Point3, UnitQuaternion};
-
-use super::ode::runge_kutta;
-use super::{Bench, Measured, Outcome, Tumbling, VerifyError};
-use crate::geometry::{Pose, Vector};
-use crate::units::{from_mm, to_mm};
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{block, grain_body, grains, mass_of, uniform};
-use crate::world::BodyState;
+use super::*;
 
 const CUBE: f64 = 0.01;
 
@@ -37,14 +29,12 @@ fn flight(bench: &Bench, from: Vector, velocity: Vector, duration: f64) -> Measu
     };
     let mut outcome = Outcome::new("Time (s)", "Height (mm)");
     let (mut measured, mut stated, mut off) = (Vec::new(), Vec::new(), 0.0);
-    for _ in 0..scene.steps_in(duration) {
-        scene.step()?;
-        let at = scene.state(id)?.pose.translation.vector;
-        let expected = law(scene.time());
+    scene.follow(id, duration, |time, state| {
+        let (at, expected) = (state.pose.translation.vector, law(time));
         off = to_mm((at - expected).norm());
-        measured.push((scene.time(), to_mm(at.z)));
-        stated.push((scene.time(), to_mm(expected.z)));
-    }
+        measured.push((time, to_mm(at.z)));
+        stated.push((time, to_mm(expected.z)));
+    })?;
     outcome.measured("Engine", measured);
     outcome.law("Discrete solution", stated);
     Ok(outcome.got(off))
@@ -73,17 +63,16 @@ pub(super) fn tumbling(
     let (momentum, energy) = spin(&body.state, &inertia);
     let mut outcome = Outcome::new("Time (s)", "Relative change (%)");
     let (mut curve, mut worst) = (Vec::new(), 0.0_f64);
-    for _ in 0..scene.steps_in(duration) {
-        scene.step()?;
-        let (l, e) = spin(&scene.state(id)?, &inertia);
+    scene.follow(id, duration, |time, state| {
+        let (l, e) = spin(&state, &inertia);
         let change = 100.0
             * match quantity {
                 Tumbling::AngularMomentum => (l - momentum).norm() / momentum.norm(),
                 Tumbling::Energy => e / energy - 1.0,
             };
         worst = if change.abs() > worst.abs() || change.is_nan() { change } else { worst };
-        curve.push((scene.time(), change));
-    }
+        curve.push((time, change));
+    })?;
     let end = scene.time();
     outcome.measured("Engine", curve);
     outcome.law("Law", vec![(0.0, 0.0), (end, 0.0)]);
@@ -134,11 +123,9 @@ pub(super) fn flip(bench: &Bench, spin_rate: f64, disturbance: f64) -> Measured 
     let mut scene = bench.scene_under(Vector::zeros(), &uniform(0.0, 0.0))?;
     let id = scene.add(&body)?;
     let mut curve = vec![(0.0, spin_rate)];
-    for _ in 0..scene.steps_in(end) {
-        scene.step()?;
-        let state = scene.state(id)?;
-        curve.push((scene.time(), (state.pose.rotation.inverse() * state.angular_velocity).y));
-    }
+    scene.follow(id, end, |time, state| {
+        curve.push((time, (state.pose.rotation.inverse() * state.angular_velocity).y));
+    })?;
     let expected = first_crossing(&law).ok_or(VerifyError::NoEvent("a flip in the law itself"))?;
     let got = first_crossing(&curve).unwrap_or(f64::INFINITY);
     let mut outcome = Outcome::new("Time (s)", "Spin about the middle axis (rad/s)");

@@ -1,13 +1,6 @@
 //! Coulomb friction of a block on a plane.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Measured, Outcome};
-use crate::geometry::Vector;
-use crate::units::{from_deg, to_mm};
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{START_GAP, Scene, block, floor, uniform};
-use crate::world::{Material, Motion, PairCoefficients};
+use super::*;
 
 /// Flat enough not to tip over on any slope of these cases.
 const BLOCK: Vector = Vector::new(0.02, 0.02, 0.006);
@@ -147,12 +140,10 @@ impl SlideStops {
             let id = scene.add(&body)?;
             let mut curve = vec![(0.0, 0.0)];
             let mut moved = 0.0;
-            for _ in 0..scene.steps_in(duration) {
-                scene.step()?;
-                let at = scene.state(id)?.pose.translation.vector - start;
-                moved = at.xy().norm();
-                curve.push((scene.time(), to_mm(moved)));
-            }
+            scene.follow(id, duration, |time, state| {
+                moved = (state.pose.translation.vector - start).xy().norm();
+                curve.push((time, to_mm(moved)));
+            })?;
             let got = moved / in_steps(speed, friction * GRAVITY, &scene);
             outcome.measured(format!("{degrees}°"), curve);
             if worst.is_none_or(|w: f64| (got - 1.0).abs() > (w - 1.0).abs() || got.is_nan()) {

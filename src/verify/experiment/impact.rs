@@ -1,15 +1,8 @@
 //! A tilted block that falls on an edge or a corner: eccentric oblique impact
 //! with friction, without gravity, so that velocities before and after are plain.
 
-use nalgebra::{Matrix3, UnitQuaternion};
-use serde::{Deserialize, Serialize};
-
 use super::impact_law::Impact;
-use super::{Bench, Measured, Outcome, VerifyError};
-use crate::geometry::{Pose, Vector};
-use crate::units::from_mm;
-use crate::verify::scene::{block, floor, lowest, mass_of, uniform};
-use crate::world::{Body, Motion};
+use super::*;
 
 /// A block that does not turn meets the floor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,9 +1,6 @@
 //! Changes that should not matter.
 
-use nalgebra::UnitQuaternion;
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Experiment, Measured, Outcome};
+use super::*;
 use crate::verify::view::View;
 
 /// What is changed.

@@ -1,9 +1,7 @@
 //! Volume, centroid and inertia of polyhedra whose values are in any handbook.
 
-use nalgebra::{Matrix3, UnitQuaternion};
-
-use super::{Measured, Outcome, VerifyError};
-use crate::geometry::{ConvexPolyhedron, MassProperties, Point, Pose, Vector};
+use super::*;
+use crate::geometry::MassProperties;
 
 /// A polyhedron about its centroid with its exact volume and principal moments for unit density.
 struct Known {

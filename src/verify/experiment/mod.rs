@@ -22,9 +22,20 @@ mod supports;
 mod table;
 mod top;
 
+// What experiments are made of.
+use std::f64::consts::TAU;
+
+use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::{Bench, VerifyError};
+use super::scene::{
+    START_GAP, Scene, block, floor, grain_body, grains, lowest, mass_of, uniform, wall,
+};
+use super::{Bench, VerifyError, bench::GRAVITY};
+use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
+use crate::units::{from_deg, from_mm, to_mm};
+use crate::world::{Body, BodyId, BodyState, Material, Motion, PairCoefficients};
+use ode::runge_kutta;
 
 /// What becomes of an experiment.
 type Measured = Result<Outcome, VerifyError>;
@@ -223,6 +234,13 @@ impl Experiment {
             Self::Invariance { ref over, ref of } => invariance::invariance(bench, over, of),
         }
     }
+}
+
+/// A scene on a floor of a half width (m) with one friction coefficient, on which nothing rebounds.
+fn on_floor(bench: &Bench, half_width: f64, friction: f64) -> Result<Scene, VerifyError> {
+    let mut scene = bench.scene(&uniform(friction, 0.0))?;
+    scene.add(&floor(half_width, Motion::Static)?)?;
+    Ok(scene)
 }
 
 /// The largest of numbers that are not negative, 0 of none; no number as soon as one

@@ -1,14 +1,7 @@
 //! A packing of grains in a box, small enough to be run often.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Measured, Outcome, VerifyError};
-use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use super::*;
 use crate::grains::{GrainSet, streams};
-use crate::units::to_mm;
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{Scene, floor, grain_body, grains, uniform, wall};
-use crate::world::{Body, BodyId, BodyState, Material, Motion, PairCoefficients};
 
 /// Friction and restitution of the gravel (paper, section 4).
 pub(super) const FRICTION: f64 = 0.793;

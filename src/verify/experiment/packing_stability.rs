@@ -1,10 +1,7 @@
 //! Whether a packing stays as it is: at rest, after a restart, between walls that shake.
 
-use std::f64::consts::TAU;
-
 use super::packing::{FRICTION, OfGrains, Packing, WIDTH, corners, mass};
-use super::{Bench, Measured, Outcome, VerifyError, largest};
-use crate::units::to_mm;
+use super::*;
 
 /// The paper's vibration: 3 Hz, 25 mm to either side (sections 3 and 4).
 const FREQUENCY: f64 = 3.0;

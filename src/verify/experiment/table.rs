@@ -1,16 +1,7 @@
 //! A block on a shaking table: Newmark's sliding block, with the table moving
 //! both ways.
 
-use std::f64::consts::TAU;
-
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Measured, Outcome, largest};
-use crate::geometry::{Pose, Vector};
-use crate::units::{from_mm, to_mm};
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{START_GAP, block, floor, uniform};
-use crate::world::Motion;
+use super::*;
 
 const BLOCK: Vector = Vector::new(0.02, 0.02, 0.006);
 const FLOOR_CENTRE: f64 = -0.01;

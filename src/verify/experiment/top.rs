@@ -8,15 +8,8 @@
 //! Mechanics", section 5.7); Ω ≈ m g l/(I₃ ω₃) where it is fast. The slow root is taken.
 //! A point contact bears no moment: upright, the spin stays what it is.
 
-use nalgebra::UnitQuaternion;
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Measured, Outcome, VerifyError};
-use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
-use crate::units::{from_deg, from_mm};
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{START_GAP, floor, free, uniform};
-use crate::world::{BodyState, Motion};
+use super::*;
+use crate::verify::scene::free;
 
 /// A square pyramid that spins on its apex.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -125,8 +118,7 @@ impl Top {
             linear_velocity: turning.cross(&arm),
             angular_velocity: turning + axis * (self.spin_rad_per_s - rate * tilt.cos()),
         };
-        let mut scene = bench.scene(&uniform(self.friction, 0.0))?;
-        scene.add(&floor(0.2, Motion::Static)?)?;
+        let mut scene = on_floor(bench, 0.2, self.friction)?;
         let id = scene.add(&body)?;
         let mut heading = Heading { last: 0.0, total: 0.0 };
         let (mut curve, mut last, mut points) = (Vec::new(), body.state, 0);
