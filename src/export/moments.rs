@@ -1,18 +1,14 @@
 //! The moments of a run that are handed on: frames of its stages, thinned out,
 //! and the end of each with all that is known there.
 
-use std::{path::Path, sync::Arc};
-
 use super::parts::{Part, parts};
 use super::run_folder::{
     ExportError, Manifest, REST_TEST, StageEntry, fit, grains_of, setup_of, state_of,
 };
-use crate::geometry::{Pose, Vector};
-use crate::grains::GrainSet;
-use crate::protocol::Setup;
+use super::*;
 use crate::record::{Frame, StageStore, run_file};
 use crate::scale;
-use crate::specimen::{Fate, GrainState, PieceState, Specimen, SpecimenState};
+use crate::specimen::{Fate, GrainState, PieceState};
 use crate::world::BodyState;
 
 /// Least time in s between two frames where nothing else is asked for: every

@@ -1,14 +1,10 @@
 //! Reads back how a run went: the frames of its stages.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::path::PathBuf;
 
 use super::run_folder::{ExportError, Manifest, REST_TEST, fit, grains_of, setup_of, state_of};
-use crate::grains::GrainSet;
-use crate::protocol::Setup;
-use crate::record::{FileError, Frame, StageStore, run_file};
+use super::*;
+use crate::record::{Frame, StageStore, run_file};
 
 /// A run from its first stage to its last.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,23 +1,19 @@
 //! Reads a run folder back: its laboratory, its grains, and the specimen at
 //! the end of a stage.
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 
-use serde::{Deserialize, de::DeserializeOwned};
+use serde::de::DeserializeOwned;
 
 use super::exchange::{MadeBy, Scene};
+use super::*;
 use crate::apparatus::ApparatusError;
-use crate::grains::{self, GrainSet};
+use crate::grains;
 use crate::input::{self, Refusal};
 use crate::motion::TableMotion;
-use crate::protocol::Setup;
-use crate::record::{FileError, Frame, StageStore, read_json, read_unchanged, run_file};
+use crate::record::{Frame, StageStore, read_json, read_unchanged, run_file};
 use crate::scenario::{self, Scenario, StageSpec};
-use crate::specimen::{Specimen, SpecimenState};
 
 /// Why a run cannot be exported.
 #[derive(Debug, thiserror::Error)]

@@ -75,7 +75,7 @@ pub fn paint(
 ) -> Result<(Vec<Colour>, Key), PictureError> {
     let count = grains.grains.len();
     match by {
-        ColourBy::Plain => Ok((vec![Colour::STONE; count], Key::default())),
+        ColourBy::Plain => Ok((vec![Colour::GRAIN; count], Key::default())),
         ColourBy::Fraction => Ok(by_fraction(grains, moments.now)),
         ColourBy::Coordination => Ok(by_coordination(grains, moments.now)),
         ColourBy::Displacement | ColourBy::Speed => {
@@ -132,7 +132,7 @@ fn by_fraction(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
     // From small to large, whatever the order of the table.
     let mut order: Vec<usize> = (0..grains.blocks.len()).collect();
     order.sort_by(|&a, &b| grains.blocks[a].retained.total_cmp(&grains.blocks[b].retained));
-    let mut colours = vec![Colour::STONE; order.len()];
+    let mut colours = vec![Colour::GRAIN; order.len()];
     let mut steps = Vec::new();
     for (n, &fraction) in order.iter().enumerate() {
         let block = &grains.blocks[fraction];
@@ -144,7 +144,7 @@ fn by_fraction(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
         steps.push((colours[fraction], format!("{sizes}: {count}")));
     }
     steps.reverse();
-    let of = |g: &crate::grains::Grain| colours.get(g.fraction).copied().unwrap_or(Colour::STONE);
+    let of = |g: &crate::grains::Grain| colours.get(g.fraction).copied().unwrap_or(Colour::GRAIN);
     let title = ["Sieve fraction (mm)", "and number of grains"].map(str::to_owned).to_vec();
     let key = Key { title, steps, ..Key::default() };
     (grains.grains.iter().map(of).collect(), key)

@@ -4,55 +4,34 @@ use std::sync::Arc;
 
 use nalgebra::Unit;
 use serde::de::DeserializeOwned;
-use serde_json::Value;
 
-use super::{
-    Grading, GrainsSpec, Scenario, SieveFraction, StageSpec, StrokeKind, UntilSpec, WaveformKind,
-    stages::half_turn,
-};
+use super::*;
 use crate::geometry::{Point, Vector};
-use crate::motion::{Path, PieceMotion, RecordedMotion, Start, TableMotion, Vertical, Waveform};
+use crate::motion::{Path, PieceMotion, RecordedMotion, TableMotion, Vertical, Waveform};
 use crate::scale::Scale;
-use crate::units::{from_g, from_mm};
+use crate::units::from_g;
 
 impl StageSpec {
     /// A vibration of one period, a sine from the middle with a half stroke in mm, a frequency in Hz
     /// and a length in s, and the longest time in s to come to rest: all else at its default.
-    pub fn sine(
-        frequency_hz: f64,
-        amplitude_mm: f64,
-        duration_s: f64,
-        settle_limit_s: f64,
-    ) -> Self {
-        Self::Vibrate {
-            waveform: WaveformKind::Sine,
-            start: Start::Middle,
-            frequency_hz: Some(frequency_hz),
-            amplitude_mm: Some(amplitude_mm),
-            stroke: StrokeKind::HalfStroke,
-            duration_s: Some(duration_s),
-            periods: 1,
-            rest_s: 0.0,
-            ramp_s: 0.0,
-            crank_to_rod: None,
-            motion_file: None,
-            motion_rows: None,
-            interpolation: None,
-            vertical: None,
-            video_frames: None,
-            settle_limit_s,
-        }
+    ///
+    /// # Panics
+    /// When a number is not finite.
+    pub fn sine(frequency_hz: f64, amplitude_mm: f64, duration_s: f64, limit_s: f64) -> Self {
+        let fields = json!({
+            "stage": "vibrate", "frequency_hz": frequency_hz, "amplitude_mm": amplitude_mm,
+            "duration_s": duration_s, "settle_limit_s": limit_s,
+        });
+        read(&fields).expect("a stage")
     }
 
     /// The plate laid on the axis, with a limit in s: all else at its default.
+    ///
+    /// # Panics
+    /// When the number is not finite.
     pub fn top_plate(time_limit_s: f64) -> Self {
-        Self::PlaceTopPlate {
-            time_limit_s,
-            placement: 0,
-            offset_mm: None,
-            rotation_deg: half_turn(),
-            seating_load_n: 0.0,
-        }
+        let fields = json!({ "stage": "place_top_plate", "time_limit_s": time_limit_s });
+        read(&fields).expect("a stage")
     }
 
     /// Name of the stage as in the file.

@@ -4,17 +4,9 @@
 //! name and words aside. Which stage of it is meant is looked up in the run's `manifest.json` and
 //! noted in the scenario, so that a run folder says what it began with.
 
-use std::path::{Path, PathBuf};
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
-
-use super::{
-    Fault,
-    fault::nearest,
-    source::{Document, merge},
-};
+use super::fault::nearest;
+use super::source::merge;
+use super::*;
 use crate::input;
 
 /// The specimen that a scenario begins with, in place of its first stages.

@@ -1,15 +1,12 @@
 //! What can be wrong with a scenario, said so that it can be mended.
 
-use std::{
-    borrow::Cow,
-    fmt::{self, Display},
-    io,
-    path::{Path, PathBuf},
-};
+use std::borrow::Cow;
+use std::fmt::{self, Display};
+use std::io;
 
 use strsim::levenshtein;
 
-use super::source::field_path;
+use super::*;
 use crate::input::Refusal;
 use crate::plain::plain;
 

@@ -1,10 +1,6 @@
 //! The loosest and the densest state of grains in a laboratory's standard tests.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::fault::Faults;
+use super::*;
 
 /// Void ratios of the loosest and the densest state, as `pluvia density` or a laboratory finds
 /// them. With them `summary.json` gives relative densities.

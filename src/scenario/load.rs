@@ -1,16 +1,8 @@
 //! Reads a scenario and answers with every fault at once.
 
-use std::path::{Path, PathBuf};
-
-use serde_json::Value;
-
-use super::{
-    Fault, Grading, GrainsSpec, Override, Scenario, ScenarioErrors, automatic, begin,
-    mesh_pieces::{self, PartsOf},
-    motion_file,
-    source::{self, Document},
-    structure, validate,
-};
+use super::mesh_pieces::{self, PartsOf};
+use super::source;
+use super::*;
 
 /// A scenario as loaded.
 #[derive(Debug, Clone, PartialEq)]

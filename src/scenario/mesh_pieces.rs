@@ -1,16 +1,8 @@
 //! Pieces from mesh files: what a scenario names as a file is put into it as convex parts, so that
 //! the parts determine a stage, and a run folder holds what was there.
 
-use std::path::{Path, PathBuf};
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-
-use super::{
-    Fault,
-    source::{self, Document},
-};
+use super::source;
+use super::*;
 
 /// A piece whose solid convex parts are those of a mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,14 +1,8 @@
 //! Recorded motions: what a scenario names as a file is put into it as rows, so that the rows
 //! determine a stage, and a run folder holds what was done.
 
-use std::path::PathBuf;
-
-use serde_json::{Value, json};
-
-use super::{
-    Fault,
-    source::{self, Document},
-};
+use super::source;
+use super::*;
 use crate::input;
 use crate::motion::{Interpolation, RecordedMotion, rows_from_csv};
 

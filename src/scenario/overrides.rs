@@ -2,12 +2,8 @@
 
 use std::str::FromStr;
 
-use serde_json::{Map, Value};
-
-use super::{
-    Fault,
-    source::{Document, Origin, field_path, parse_value, shown},
-};
+use super::source::{Origin, parse_value};
+use super::*;
 
 /// One value laid over the scenario's.
 #[derive(Debug, Clone, PartialEq)]

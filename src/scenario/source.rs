@@ -1,19 +1,16 @@
 //! From files to one JSON value: reading, duplicate keys, `extends`.
 
-use std::{
-    borrow::Cow,
-    cell::RefCell,
-    collections::HashMap,
-    fmt,
-    io::Read,
-    path::{Path, PathBuf},
-};
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::fmt;
+use std::io::Read;
 
 use json_comments::CommentSettings;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
-use serde_json::{Map, Number, Value};
+use serde_json::Number;
 
-use super::{Fault, ScenarioErrors};
+use super::*;
 use crate::input;
 
 /// Longest chain of files that extend each other.

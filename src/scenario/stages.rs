@@ -1,12 +1,8 @@
 //! The stages a scenario can name.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::{
-    pieces::{DepositKind, LoadSpec, RotationSpec, SineSpec},
-    until::UntilSpec,
-};
+use super::pieces::{DepositKind, LoadSpec, RotationSpec, SineSpec};
+use super::until::UntilSpec;
+use super::*;
 use crate::motion::{Interpolation, Start};
 
 /// What the stated amplitude of a sinusoid means.

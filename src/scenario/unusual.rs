@@ -2,17 +2,12 @@
 
 use std::f64::consts::PI;
 
-use serde_json::Value;
-
-use super::{
-    Backend, EngineSettings, Fault, Grading, NativeSettings, Scenario,
-    automatic::{self, RATE, STIFFNESS, number_at, stiffness},
-    fault::Faults,
-    stress::largest_stress,
-    validate::short,
-};
-use crate::scale::{Law, Scale};
-use crate::units::{from_mm, to_mm};
+use super::automatic::{self, RATE, STIFFNESS, number_at, stiffness};
+use super::sized::fields as by_size;
+use super::stress::largest_stress;
+use super::validate::short;
+use super::*;
+use crate::scale::Scale;
 
 /// A typed value is unusual when it is off from the automatic one by more than this factor.
 const UNUSUAL: f64 = 4.0;
@@ -30,6 +25,15 @@ const LOOSE: f64 = 1.1;
 /// Opening of a funnel or a cylinder in median grain sizes below which it jams now and then.
 const JAMS_BELOW: f64 = 5.0;
 
+/// A scenario and what its values are compared with.
+struct Judged<'a> {
+    engine: &'a EngineSettings,
+    /// Its JSON.
+    value: &'a Value,
+    grading: Option<Grading>,
+    scale: Scale,
+}
+
 /// What is typed in a scenario, of which `value` is the JSON, and does not suit its grains.
 pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
     let grading = scenario.grading();
@@ -37,14 +41,15 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
         Some(grading) => grading.scale_for_filling(scenario.gravity_m_per_s2),
         None => scenario.scale(),
     };
+    let judged = Judged { engine: &scenario.engine, value, grading, scale };
     let mut found = Vec::new();
     let faults = &mut Faults::of(&mut found);
     for field in FIELDS {
-        unusual_field(field, scenario, value, grading.as_ref(), &scale, faults);
+        judged.check_field(field, faults);
     }
     if let Some(grading) = grading {
         if !faults.has(STIFFNESS) {
-            unusual_load(scenario, value, &grading, &scale, faults);
+            judged.check_load(&grading, faults);
         }
         unusual_apparatus(scenario, &grading, faults);
         unusual_pieces(scenario, &grading, faults);
@@ -153,85 +158,65 @@ impl Of {
     }
 }
 
-/// What a field is where it is left out; of grains whose sizes are not known, by the law alone.
-fn automatic(path: &str, value: &Value, grading: Option<&Grading>, scale: &Scale) -> Option<f64> {
-    let of_law = |default: f64, law: Law| default * law.factor(scale);
-    let number = match (path, grading) {
-        (RATE, Some(grading)) => automatic::rate(value, grading, scale),
-        (RATE, None) => of_law(EngineSettings::default().rate_hz, Law::Rate),
-        (STIFFNESS, Some(grading)) => stiffness(value, grading, scale),
-        (STIFFNESS, None) => {
-            let default = NativeSettings::default().contact_stiffness_n_per_m;
-            of_law(default, Law::Stiffness)
-        }
-        _ => {
-            let (_, law, default) = automatic::fields().into_iter().find(|f| f.0 == path)?;
-            of_law(default, law)
-        }
-    };
-    Some(automatic::within(path, number))
-}
+impl Judged<'_> {
+    /// What a field is where it is left out; of grains whose sizes are not known, by the law alone.
+    fn automatic(&self, path: &str) -> Option<f64> {
+        let number = match (path, &self.grading) {
+            (RATE, Some(grading)) => automatic::rate(self.value, grading, &self.scale),
+            (STIFFNESS, Some(grading)) => stiffness(self.value, grading, &self.scale),
+            _ => {
+                let (_, law, default) = by_size().find(|field| field.0 == path)?;
+                default * law.factor(&self.scale)
+            }
+        };
+        Some(automatic::within(path, number))
+    }
 
-/// A value that is off by more than the factor, in either direction.
-fn unusual_field(
-    field: &Field,
-    scenario: &Scenario,
-    value: &Value,
-    grading: Option<&Grading>,
-    scale: &Scale,
-    faults: &mut Faults,
-) {
-    let Field { path, of, low, high } = *field;
-    let typed = number_at(value, path);
-    let (Some(typed), Some(automatic)) = (typed, automatic(path, value, grading, scale)) else {
-        return;
-    };
-    let engine = &scenario.engine;
-    let is_read = of.holds(engine) && !is_unread(path, typed, automatic, engine);
-    let goes_wrong = if typed < automatic / UNUSUAL { low } else { high };
-    faults.add_if(
-        is_read && (typed < automatic / UNUSUAL || typed > automatic * UNUSUAL),
-        path,
-        short(typed),
-        format!("{} for these grains, or the field left out", short(automatic)),
-        format!(
-            "the value differs by more than a factor of {UNUSUAL} from what these grains ask for: \
-             {goes_wrong}"
-        ),
-    );
-}
+    /// A value that is off by more than the factor, in either direction.
+    fn check_field(&self, field: &Field, faults: &mut Faults) {
+        let Field { path, of, low, high } = *field;
+        let typed = number_at(self.value, path);
+        let (Some(typed), Some(automatic)) = (typed, self.automatic(path)) else { return };
+        let is_read = of.holds(self.engine) && !self.is_unread(path, typed, automatic);
+        let goes_wrong = if typed < automatic / UNUSUAL { low } else { high };
+        faults.add_if(
+            is_read && (typed < automatic / UNUSUAL || typed > automatic * UNUSUAL),
+            path,
+            short(typed),
+            format!("{} for these grains, or the field left out", short(automatic)),
+            format!(
+                "the value differs by more than a factor of {UNUSUAL} from what these grains ask \
+                 for: {goes_wrong}"
+            ),
+        );
+    }
 
-/// Whether contacts do without the distance: native ones go by the shorter of it and their own
-/// margin, Bullet's by a share of the radius where one is typed.
-fn is_unread(path: &str, typed: f64, automatic: f64, engine: &EngineSettings) -> bool {
-    let relative = engine.stock.relative_contact_threshold > 0.0;
-    path == "engine.contact_threshold_mm" && (relative || engine.is_native() && typed > automatic)
-}
+    /// Whether contacts do without the distance: native ones go by the shorter of it and their own
+    /// margin, Bullet's by a share of the radius where one is typed.
+    fn is_unread(&self, path: &str, typed: f64, automatic: f64) -> bool {
+        let relative = self.engine.stock.relative_contact_threshold > 0.0;
+        let shorter = self.engine.is_native() && typed > automatic;
+        path == "engine.contact_threshold_mm" && (relative || shorter)
+    }
 
-/// Grains that would sink into each other by more than the accuracy standard allows.
-fn unusual_load(
-    scenario: &Scenario,
-    value: &Value,
-    grading: &Grading,
-    scale: &Scale,
-    faults: &mut Faults,
-) {
-    let typed = scenario.engine.native.contact_stiffness_n_per_m;
-    let stress = largest_stress(value, grading, scale.gravity);
-    let overlap = OVERLAP_OF_STRESS * stress * scale.sizes.median / typed;
-    let least = stiffness(value, grading, scale);
-    faults.add_if(
-        scenario.engine.is_native() && overlap > OVERLAP_ALLOWED,
-        STIFFNESS,
-        short(typed),
-        format!("at least {} N/m, or the field left out", short(least)),
-        format!(
-            "contacts too soft for {} Pa at the bottom of the specimen: grains would overlap \
-             by some {} % of their size",
-            short(stress),
-            short(100.0 * overlap)
-        ),
-    );
+    /// Grains that would sink into each other by more than the accuracy standard allows.
+    fn check_load(&self, grading: &Grading, faults: &mut Faults) {
+        let typed = self.engine.native.contact_stiffness_n_per_m;
+        let stress = largest_stress(self.value, grading, self.scale.gravity);
+        let overlap = OVERLAP_OF_STRESS * stress * self.scale.sizes.median / typed;
+        let least = short(stiffness(self.value, grading, &self.scale));
+        let (stress, percent) = (short(stress), short(100.0 * overlap));
+        faults.add_if(
+            self.engine.is_native() && overlap > OVERLAP_ALLOWED,
+            STIFFNESS,
+            short(typed),
+            format!("at least {least} N/m, or the field left out"),
+            format!(
+                "contacts too soft for {stress} Pa at the bottom of the specimen: grains would \
+                 overlap by some {percent} % of their size"
+            ),
+        );
+    }
 }
 
 /// A cylinder that runs over, or a funnel that jams.

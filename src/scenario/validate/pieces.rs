@@ -52,7 +52,7 @@ fn check_pieces(parts: &Parts, faults: &mut Faults) {
 }
 
 fn check_shape(shape: &ShapeSpec, faults: &mut Faults) {
-    let given = shape.kinds().len();
+    let given = shape.kinds();
     faults.add_if(
         given != 1,
         "shape",

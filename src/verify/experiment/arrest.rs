@@ -216,7 +216,7 @@ impl ApproachArrested {
             let height = state.pose.translation.z - caught + gap;
             motion.push((scene.time() - begin, height, state.linear_velocity.z));
         }
-        let upwards = motion.iter().map(|m| m.2).fold(0.0_f64, nan_or_larger);
+        let upwards = largest(motion.iter().map(|m| m.2));
         let lowest = motion.iter().map(|m| m.1).fold(f64::INFINITY, f64::min);
         let mut outcome = Outcome::new("Time since it is let down (s)", "Height (µm)");
         outcome.note = Some(format!(
@@ -271,11 +271,7 @@ fn rise_after_fall(motion: &[(f64, f64, f64)]) -> f64 {
     let after = &motion[fallen..];
     // Where it no longer goes down it has struck.
     let struck = after.windows(2).position(|m| m[1].1 >= m[0].1).unwrap_or(after.len());
-    after[struck..].iter().map(|m| m.1).fold(0.0_f64, nan_or_larger)
-}
-
-fn nan_or_larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+    largest(after[struck..].iter().map(|m| m.1))
 }
 
 #[cfg(test)]
@@ -294,12 +290,6 @@ mod tests {
             .collect();
         assert!(found.len() >= 5, "expected the arrested approaches, found {}", found.len());
         found
-    }
-
-    #[test]
-    fn not_a_number_is_larger_than_any() {
-        assert!(nan_or_larger(f64::NAN, 1.0).is_nan() && nan_or_larger(1.0, f64::NAN).is_nan());
-        assert_eq!(nan_or_larger(1.0, 2.0), 2.0);
     }
 
     #[test]

@@ -78,7 +78,7 @@ fn pyramid(side: f64, height: f64) -> Result<ConvexPolyhedron, VerifyError> {
     vertices.push(Point::new(0.0, 0.0, apex));
     let mut faces = vec![vec![0, 1, 2, 3]];
     faces.extend((0..4).map(|i| vec![(i + 1) % 4, i, 4]));
-    ConvexPolyhedron::new(vertices, faces).map_err(|e| VerifyError::Setup(e.to_string()))
+    Ok(ConvexPolyhedron::new(vertices, faces)?)
 }
 
 /// Sum of the steps by which a direction turns about the vertical, in rad.
