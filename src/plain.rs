@@ -45,6 +45,14 @@ pub fn plain_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(plain)
 }
 
+/// A decimal number without the zeros at its end.
+pub fn without_zeros(number: &str) -> &str {
+    match number.contains('.') {
+        true => number.trim_end_matches('0').trim_end_matches('.'),
+        false => number,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

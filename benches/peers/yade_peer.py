@@ -36,7 +36,7 @@ def main():
             frictionAngle=math.atan(friction),
         )
 
-    stone, wall = material(job.grain["friction"]), material(job.wall["friction"])
+    of_grain, wall = material(job.grain["friction"]), material(job.wall["friction"])
     if job.wall["friction"] > job.grain["friction"]:
         raise SystemExit("friction on walls above that between grains cannot be had here")
     start = job.table.velocity(0.0)
@@ -56,7 +56,7 @@ def main():
         add(piece, wall, True)
     grains = []
     for grain in job.scene["grains"]:
-        body, turn = add(grain, stone, False)
+        body, turn = add(grain, of_grain, False)
         velocity = Vector3(*grain["linear_velocity_m_per_s"])
         velocity[0] -= start
         body.state.vel = velocity

@@ -1,17 +1,10 @@
 //! `pluvia calibrate`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{
-    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
-};
-use crate::plain::plain_path;
+use super::*;
 use crate::report::CalibrationEnding;
 use crate::study::{
     CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
-    RunOptions,
+    StudyError,
 };
 
 /// Where friction between grains is sought unless a range is given.
@@ -91,17 +84,10 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
         replicates: args.replicates,
         tolerance: args.tolerance,
         most_runs: args.most_runs,
-        run: RunOptions {
-            out: args.out.clone(),
-            jobs: args.jobs.cores(),
-            frames: false,
-            cancel: context.cancel.clone(),
-            progress: context.progress.clone(),
-        },
+        run: context.run_options(&args.out, args.jobs),
     };
     let study = CalibrationStudy::new(&options)?;
-    output_folder::prepare(&args.out)?;
-    context.stop_on_ctrl_c();
+    context.begin(&args.out)?;
     let found = study.carry_out()?;
     let mut text = table::of_calibration(&found);
     text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
@@ -111,9 +97,7 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
     context.print(&text, &found)?;
     match found.ending {
         CalibrationEnding::Found => Ok(ExitStatus::Done),
-        CalibrationEnding::Failed => {
-            Err(CliError::Study(crate::study::StudyError::Measure(found.statement)))
-        }
+        CalibrationEnding::Failed => Err(StudyError::Measure(found.statement).into()),
         _ => Ok(ExitStatus::ExpectationMissed),
     }
 }

@@ -1,16 +1,10 @@
 //! `pluvia compare`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{
-    CliError, Context, ExitStatus, changes::backend, jobs::Jobs, last_line, output_folder, table,
-};
+use super::changes::backend;
+use super::*;
 use crate::grains::load_scenario;
-use crate::plain::plain_path;
 use crate::scenario::{Backend, Override};
-use crate::study::{RunOptions, compare};
+use crate::study::compare;
 
 /// Run one scenario in several engines
 #[derive(Debug, Args)]
@@ -50,15 +44,8 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
         ));
     }
     let loaded = load_scenario(&args.scenario, &args.set)?;
-    output_folder::prepare(&args.out)?;
-    context.stop_on_ctrl_c();
-    let options = RunOptions {
-        out: args.out.clone(),
-        jobs: args.jobs.cores(),
-        frames: false,
-        cancel: context.cancel.clone(),
-        progress: context.progress.clone(),
-    };
+    context.begin(&args.out)?;
+    let options = context.run_options(&args.out, args.jobs);
     let record = compare(&loaded.scenario, &distinct, &options)?;
     let mut text = table::of_comparison(&record);
     if let Some(why) = &record.not_judged {
@@ -67,8 +54,5 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
     text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
     text += &last_line::of_runs(record.runs.iter().map(|r| (r.name.as_str(), &r.summary)));
     context.print(&text, &record)?;
-    match record.within_bands {
-        Some(true) => Ok(ExitStatus::Done),
-        Some(false) | None => Ok(ExitStatus::ExpectationMissed),
-    }
+    Ok(ExitStatus::by(record.within_bands == Some(true)))
 }

@@ -1,11 +1,12 @@
 //! `pluvia completions`.
 
-use std::io::{self, Write};
+use std::io;
 
-use clap::{Args, CommandFactory};
+use clap::CommandFactory;
 use clap_complete::{Shell, generate};
 
-use super::{Cli, CliError, ExitStatus};
+use super::context::write_all;
+use super::*;
 
 /// Print a script that lets a shell complete commands and options
 #[derive(Debug, Args)]
@@ -20,11 +21,9 @@ pub(super) struct CompletionsArgs {
     shell: Shell,
 }
 
-pub(super) fn run(args: &CompletionsArgs) -> Result<ExitStatus, CliError> {
+pub(super) fn run(args: &CompletionsArgs, _: &Context) -> Result<ExitStatus, CliError> {
     let mut script = Vec::new();
     generate(args.shell, &mut Cli::command(), "pluvia", &mut script);
-    match io::stdout().lock().write_all(&script) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(ExitStatus::Done),
-    }
+    write_all(&mut io::stdout().lock(), &script)?;
+    Ok(ExitStatus::Done)
 }

@@ -3,14 +3,19 @@
 use std::{
     cell::RefCell,
     io::{self, IsTerminal, Write},
+    path::Path,
     sync::{Arc, Mutex, atomic::AtomicBool},
 };
 
 use serde::Serialize;
 
-use super::{last_line, lines, paint, progress, stop};
+use super::{
+    CliError, ExitStatus, jobs::Jobs, last_line, lines, output_folder, paint, progress, stop,
+};
 use crate::plain::plain_lines;
 use crate::protocol::{Progress, Silent};
+use crate::record::FileError;
+use crate::study::RunOptions;
 
 /// How to tell of progress, print results, and stop.
 pub struct Context {
@@ -58,6 +63,33 @@ impl Context {
         }
     }
 
+    /// How a command that leaves its results in a folder runs its simulations.
+    pub(super) fn run_options(&self, out: &Path, jobs: Jobs) -> RunOptions {
+        RunOptions {
+            out: out.to_owned(),
+            jobs: jobs.cores(),
+            frames: false,
+            cancel: self.cancel.clone(),
+            progress: self.progress.clone(),
+        }
+    }
+
+    /// Makes the folder for results; from here on, Ctrl-C stops cleanly.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the folder.
+    pub(super) fn begin(&self, out: &Path) -> Result<(), FileError> {
+        output_folder::prepare(out)?;
+        self.stop_on_ctrl_c();
+        Ok(())
+    }
+
+    /// Prints a result as [`Context::print`] does: the command has done what it was asked.
+    pub(super) fn done(&self, text: &str, value: &impl Serialize) -> Result<ExitStatus, CliError> {
+        self.print(text, value)?;
+        Ok(ExitStatus::Done)
+    }
+
     /// Prints a result: the text, or the value as JSON where that was asked for. Quietly, the
     /// text is left out, but for a last line that says what is not valid: the standard error has it.
     ///
@@ -92,11 +124,15 @@ impl Context {
             return Ok(());
         }
         // Takes colours out where there is no terminal to show them.
-        let mut stdout = anstream::stdout().lock();
-        match stdout.write_all(out.as_bytes()).and_then(|()| stdout.flush()) {
-            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-            other => other,
-        }
+        write_all(&mut anstream::stdout().lock(), out.as_bytes())
+    }
+}
+
+/// Writes what a reader may have closed early, as `head` does, which is no error.
+pub(super) fn write_all(out: &mut impl Write, content: &[u8]) -> io::Result<()> {
+    match out.write_all(content).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
     }
 }
 

@@ -1,12 +1,7 @@
 //! `pluvia converge`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{CliError, Context, ExitStatus, designed::DesignedArgs, last_line, output_folder};
-use crate::plain::plain_path;
-use crate::record::read_file;
+use super::designed::{DesignedArgs, page_until};
+use super::*;
 use crate::study::ConvergenceStudy;
 
 /// Refine the engine's settings step by step, and find the cheapest that is fine enough
@@ -33,15 +28,9 @@ pub(super) struct ConvergeArgs {
 pub(super) fn run(args: &ConvergeArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let options = args.designed.options(&args.out, context);
     let study = ConvergenceStudy::read(&options)?;
-    output_folder::prepare(&args.out)?;
-    context.stop_on_ctrl_c();
+    context.begin(&args.out)?;
     let found = study.carry_out(&options.run)?;
-    let page = args.out.join("convergence.md");
-    let text = String::from_utf8_lossy(&read_file(&page)?).into_owned();
-    // Tables for the terminal; what comes after them is for the file.
-    let tables = text.split("\n## How to read it").next().unwrap_or_default();
-    let text = format!("{tables}\nall of it in {}\n", plain_path(&page));
+    let text = page_until(&args.out.join("convergence.md"), &["\n## How to read it"])?;
     let (left_out, with_result) = found.left_out();
-    context.print(&(text + &last_line::of_study(left_out, with_result)), &found)?;
-    Ok(ExitStatus::Done)
+    context.done(&(text + &last_line::of_study(left_out, with_result)), &found)
 }

@@ -1,12 +1,7 @@
 //! `pluvia density`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, output_folder};
-use crate::plain::plain_path;
-use crate::study::{DensityOptions, IndexState, RunOptions, index_densities};
+use super::*;
+use crate::study::{DensityOptions, IndexState, index_densities};
 
 /// Find the loosest and the densest state of a scenario's grains
 #[derive(Debug, Args)]
@@ -66,8 +61,7 @@ fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
 }
 
 pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    output_folder::prepare(&args.out)?;
-    context.stop_on_ctrl_c();
+    context.begin(&args.out)?;
     let found = index_densities(&DensityOptions {
         scenario: args.scenario.clone(),
         changes: args.changes.overrides(),
@@ -76,13 +70,7 @@ pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, C
         frequency_hz: args.frequency_hz,
         double_amplitude_mm: args.double_amplitude_mm,
         duration_s: args.seconds,
-        run: RunOptions {
-            out: args.out.clone(),
-            jobs: args.jobs.cores(),
-            frames: false,
-            cancel: context.cancel.clone(),
-            progress: context.progress.clone(),
-        },
+        run: context.run_options(&args.out, args.jobs),
     })?;
     let states =
         [("e_max", &found.e_max), ("e_min", &found.e_min), ("frictionless", &found.frictionless)];
@@ -98,10 +86,7 @@ pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, C
     }
     text += &format!("all of it in {}\n", plain_path(&args.out.join("density.json")));
     context.print(&text, &found)?;
-    if states.iter().all(|(_, state)| state.mean.is_none()) {
-        return Ok(ExitStatus::ExpectationMissed);
-    }
-    Ok(ExitStatus::Done)
+    Ok(ExitStatus::by(states.iter().any(|(_, state)| state.mean.is_some())))
 }
 
 /// A void ratio with its interval.

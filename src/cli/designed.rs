@@ -1,11 +1,7 @@
 //! Options of studies whose design is in a file.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{Context, jobs::Jobs};
-use crate::study::{RunOptions, StudyOptions};
+use super::*;
+use crate::study::StudyOptions;
 
 /// What both studies ask for.
 #[derive(Debug, Args)]
@@ -25,18 +21,20 @@ pub(super) struct DesignedArgs {
 
 impl DesignedArgs {
     /// As options of a study that leaves its results in a folder.
-    pub(super) fn options(&self, out: &std::path::Path, context: &Context) -> StudyOptions {
+    pub(super) fn options(&self, out: &Path, context: &Context) -> StudyOptions {
         StudyOptions {
             design: self.design.clone(),
             quick: self.quick,
             configurations: self.configurations,
-            run: RunOptions {
-                out: out.to_owned(),
-                jobs: self.jobs.cores(),
-                frames: false,
-                cancel: context.cancel.clone(),
-                progress: context.progress.clone(),
-            },
+            run: context.run_options(out, self.jobs),
         }
     }
+}
+
+/// The page of a study for a terminal: its tables, up to the first of the headings that is there;
+/// what comes after them is for the file.
+pub(super) fn page_until(page: &Path, headings: &[&str]) -> Result<String, FileError> {
+    let text = String::from_utf8_lossy(&read_file(page)?).into_owned();
+    let end = headings.iter().find_map(|heading| text.find(heading)).unwrap_or(text.len());
+    Ok(format!("{}\nall of it in {}\n", &text[..end], plain_path(page)))
 }

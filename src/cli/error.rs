@@ -19,6 +19,13 @@ pub enum ExitStatus {
     ExpectationMissed,
 }
 
+impl ExitStatus {
+    /// By whether all that was expected is so.
+    pub(super) fn by(is_met: bool) -> Self {
+        if is_met { Self::Done } else { Self::ExpectationMissed }
+    }
+}
+
 impl From<ExitStatus> for ExitCode {
     fn from(status: ExitStatus) -> Self {
         match status {

@@ -1,19 +1,16 @@
 //! `pluvia export`.
 
-use std::path::PathBuf;
+use std::io;
 
-use clap::{Args, ValueEnum};
-use serde::Serialize;
+use clap::ValueEnum;
 
-use super::{CliError, Context, ExitStatus, output_folder};
+use super::*;
 use crate::export::{
-    DEFAULT_EVERY, ExportError, Exported, StageMoments, apparatus_obj, contacts_csv, glb,
-    grains_csv, grains_obj, grains_ply, grains_stl, pairs_csv, read_at_rest, read_moments,
-    read_run, stage_at_rest, write_vtk,
+    DEFAULT_EVERY, ExportError, Exported, Moments, apparatus_obj, contacts_csv, glb, grains_csv,
+    grains_obj, grains_ply, grains_stl, pairs_csv, read_at_rest, read_moments, read_run,
+    stage_at_rest, write_vtk,
 };
-use crate::plain::plain_path;
-use crate::record::{FileError, write_file};
-use crate::specimen::Fate;
+use crate::specimen::{Fate, SpecimenState};
 
 /// Write a run's specimen, or how it moved, for other programs
 #[derive(Debug, Args)]
@@ -84,7 +81,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// What was written.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 struct Written {
     scenario: String,
     /// The stage at whose end the specimen is, or which the frames end with.
@@ -127,8 +124,7 @@ pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, Cl
     if written.moments > 1 {
         text += &format!(", {} moments", written.moments);
     }
-    context.print(&text, &written)?;
-    Ok(ExitStatus::Done)
+    context.done(&text, &written)
 }
 
 /// The specimen at the end of a stage, whole files at once.
@@ -162,19 +158,17 @@ fn contents(args: &ExportArgs, run: &Exported) -> Result<Vec<(&'static str, Vec<
     let manifest = args.run.join("manifest.json");
     let apparatus = |reason| ExportError::Apparatus { manifest: manifest.clone(), reason };
     let refused = |name: &str, why: String| FileError::new("write", &args.out.join(name), why);
-    let table = |name: &'static str, content: Result<Vec<u8>, csv::Error>| {
-        content.map(|content| (name, content)).map_err(|e| refused(name, e.to_string()))
+    let made = |name: &'static str, content: Result<Vec<u8>, String>| {
+        content.map(|content| (name, content)).map_err(|why| refused(name, why))
     };
-    let solid = |name: &'static str, content: std::io::Result<Vec<u8>>| {
-        content.map(|content| (name, content)).map_err(|e| refused(name, e.to_string()))
-    };
+    let table =
+        |name, content: Result<Vec<u8>, csv::Error>| made(name, content.map_err(|e| e.to_string()));
+    let solid = |name, content: io::Result<Vec<u8>>| made(name, content.map_err(|e| e.to_string()));
     Ok(match args.format {
         Format::Json => {
-            let scene = run.scene().map_err(apparatus)?;
-            let mut text =
-                serde_json::to_vec(&scene).map_err(|e| refused("scene.json", e.to_string()))?;
-            text.push(b'\n');
-            vec![("scene.json", text)]
+            let text = serde_json::to_string(&run.scene().map_err(apparatus)?);
+            let text = text.map(|text| format!("{text}\n").into_bytes());
+            vec![made("scene.json", text.map_err(|e| e.to_string()))?]
         }
         Format::Csv => vec![
             table("grains.csv", grains_csv(&run.specimen))?,
@@ -193,6 +187,23 @@ fn contents(args: &ExportArgs, run: &Exported) -> Result<Vec<(&'static str, Vec<
     })
 }
 
+/// What is said of the last stage of what was written.
+fn of_end(moments: &Moments) -> Written {
+    let (stage, end) = match moments.stages.last() {
+        Some(stage) => (stage.name.clone(), Some(&stage.end)),
+        None => Default::default(),
+    };
+    let present =
+        |end: &SpecimenState| end.bodies.iter().filter(|b| b.fate == Fate::Present).count();
+    Written {
+        scenario: moments.scenario.clone(),
+        stage,
+        time_s: end.map_or(0.0, |end| end.time),
+        grains: end.map_or(0, present),
+        ..Written::default()
+    }
+}
+
 /// Frames for ParaView.
 fn frames(args: &ExportArgs, context: &Context) -> Result<Written, CliError> {
     const ID: u64 = 0;
@@ -206,18 +217,12 @@ fn frames(args: &ExportArgs, context: &Context) -> Result<Written, CliError> {
     });
     context.progress.end_stage(ID);
     let files = files?;
-    let end = moments.stages.last();
-    let present =
-        |s: &StageMoments| s.end.bodies.iter().filter(|b| b.fate == Fate::Present).count();
     Ok(Written {
-        scenario: moments.scenario.clone(),
-        stage: end.map_or_else(String::new, |s| s.name.clone()),
-        time_s: end.map_or(0.0, |s| s.end.time),
-        grains: end.map_or(0, present),
         moments: count,
         bytes: files.bytes,
         more_files: files.data.len(),
         files: files.lists,
+        ..of_end(&moments)
     })
 }
 
@@ -234,15 +239,11 @@ fn scene(args: &ExportArgs) -> Result<Written, CliError> {
     output_folder::prepare(&args.out)?;
     let path = args.out.join("specimen.glb");
     write_file(&path, &made.bytes)?;
-    let end = moments.stages.last();
     Ok(Written {
-        scenario: moments.scenario.clone(),
-        stage: end.map_or_else(String::new, |s| s.name.clone()),
-        time_s: end.map_or(0.0, |s| s.end.time),
         grains: made.grains,
         moments: made.keys.max(1),
         bytes: made.bytes.len() as u64,
         files: vec![path],
-        more_files: 0,
+        ..of_end(&moments)
     })
 }

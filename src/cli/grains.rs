@@ -1,18 +1,13 @@
 //! `pluvia grains`.
 
-use std::path::PathBuf;
+use clap::ValueEnum;
 
-use clap::{Args, ValueEnum};
-use serde::Serialize;
-
-use super::{CliError, Context, ExitStatus, output_folder, table};
-use crate::grains::load_grains;
+use super::*;
 use crate::grains::{
-    GrainShape, ParticleSizeDistribution, SieveAnalysis, StoneRecord, write_obj, write_ply,
-    write_stl,
+    GrainShape, ParticleSizeDistribution, SieveAnalysis, StoneRecord, load_grains, write_obj,
+    write_ply, write_stl,
 };
-use crate::plain::plain_path;
-use crate::record::{FileError, GradationSummary, ShapeSummary, SieveSummary, write_file};
+use crate::record::{GradationSummary, ShapeSummary, SieveSummary};
 use crate::scenario::{GrainsSpec, Scenario};
 use crate::study::{make_grains, write_grains};
 use crate::units::{to_cm3, to_g};
@@ -127,21 +122,16 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
     for file in &made.files {
         text += &format!("{}\n", plain_path(file));
     }
-    context.print(&text, &made)?;
-    Ok(ExitStatus::Done)
+    context.done(&text, &made)
 }
 
 /// What is read off a curve, in a line.
-fn in_words(g: &GradationSummary) -> String {
+fn in_words(of: &GradationSummary) -> String {
+    let GradationSummary { d10_mm, d30_mm, d50_mm, d60_mm, uscs, .. } = of;
+    let (cu, cc) = (of.coefficient_of_uniformity, of.coefficient_of_curvature);
     format!(
-        "D10 {:.2} mm, D30 {:.2} mm, D50 {:.2} mm, D60 {:.2} mm, Cu {:.2}, Cc {:.2}, {}",
-        g.d10_mm,
-        g.d30_mm,
-        g.d50_mm,
-        g.d60_mm,
-        g.coefficient_of_uniformity,
-        g.coefficient_of_curvature,
-        g.uscs
+        "D10 {d10_mm:.2} mm, D30 {d30_mm:.2} mm, D50 {d50_mm:.2} mm, D60 {d60_mm:.2} mm, Cu {cu:.2}, \
+         Cc {cc:.2}, {uscs}"
     )
 }
 

@@ -1,9 +1,6 @@
 //! `pluvia info`.
 
-use clap::Args;
-use serde::Serialize;
-
-use super::{CliError, Context, ExitStatus};
+use super::*;
 use crate::study::available_cores;
 use crate::world::{self, BackendInfo};
 

@@ -1,14 +1,6 @@
 //! `pluvia interpretations`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{
-    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder, table,
-};
-use crate::plain::plain_path;
-use crate::record::read_json;
+use super::*;
 use crate::study::{Interpretation, InterpretationsOptions, interpretations};
 
 /// Run the paper's programme under several interpretations of it, side by side
@@ -50,8 +42,7 @@ pub(super) fn interpretation(name: &str) -> Result<Interpretation, String> {
 pub(super) fn run(args: &InterpretationsArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let interpretations_asked =
         if args.only.is_empty() { Interpretation::all()? } else { args.only.clone() };
-    output_folder::prepare(&args.out)?;
-    context.stop_on_ctrl_c();
+    context.begin(&args.out)?;
     let outcome = interpretations(&InterpretationsOptions {
         out: args.out.clone(),
         quick: args.quick,
@@ -67,6 +58,5 @@ pub(super) fn run(args: &InterpretationsArgs, context: &Context) -> Result<ExitS
     let runs = outcome.columns.iter().flat_map(|c| &c.runs);
     text += &last_line::of_runs(runs.map(|r| (r.name.as_str(), &r.summary)));
     let value: serde_json::Value = read_json(&args.out.join("interpretations.json"))?;
-    context.print(&text, &value)?;
-    Ok(ExitStatus::Done)
+    context.done(&text, &value)
 }

@@ -1,19 +1,13 @@
 //! `pluvia man`.
 
-use std::{
-    io::{self, Write},
-    path::PathBuf,
-};
+use std::io;
 
-use clap::{Args, Command, CommandFactory};
-use clap_mangen::{
-    Man,
-    roff::{Roff, roman},
-};
+use clap::{Command, CommandFactory};
+use clap_mangen::Man;
+use clap_mangen::roff::{Roff, roman};
 
-use super::{Cli, CliError, Context, ExitStatus, output_folder};
-use crate::plain::plain_path;
-use crate::record::write_file;
+use super::context::write_all;
+use super::*;
 
 /// Write the manual pages
 #[derive(Debug, Args)]
@@ -33,10 +27,8 @@ pub(super) struct ManArgs {
 pub(super) fn run(args: &ManArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let Some(out) = &args.out else {
         let (_, page) = page(program())?;
-        return match io::stdout().lock().write_all(&page) {
-            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
-            _ => Ok(ExitStatus::Done),
-        };
+        write_all(&mut io::stdout().lock(), &page)?;
+        return Ok(ExitStatus::Done);
     };
     output_folder::prepare(out)?;
     let mut files = Vec::new();
@@ -46,8 +38,7 @@ pub(super) fn run(args: &ManArgs, context: &Context) -> Result<ExitStatus, CliEr
         files.push(path);
     }
     let text: String = files.iter().map(|file| format!("{}\n", plain_path(file))).collect();
-    context.print(&text, &files)?;
-    Ok(ExitStatus::Done)
+    context.done(&text, &files)
 }
 
 /// The whole command, with the names under which its subcommands are called.

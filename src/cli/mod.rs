@@ -46,12 +46,21 @@ pub use context::Context;
 pub use embedded::{Ended, News, embedded};
 pub use error::{CliError, ExitStatus};
 
-use std::process::ExitCode;
+// What subcommands are made of, too.
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use clap::{Args, Parser, Subcommand};
+use serde::Serialize;
+use serde_json::{Value, json};
 
 use crate::caught::{caught, note_panics};
-use crate::plain::plain_lines;
+use crate::plain::{plain, plain_lines, plain_path};
+use crate::record::{FileError, read_file, read_json, write_file};
+use changes::Changes;
+use jobs::Jobs;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 done, but verify, compare, calibrate or --strict found an expectation missed,
@@ -86,30 +95,48 @@ struct Global {
     verbose: u8,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    Reproduce(Box<reproduce::ReproduceArgs>),
-    Interpretations(interpretations::InterpretationsArgs),
-    Run(run::RunArgs),
-    Grains(grains::GrainsArgs),
-    Compare(compare::CompareArgs),
-    Calibrate(Box<calibrate::CalibrateArgs>),
-    Density(density::DensityArgs),
-    Converge(converge::ConvergeArgs),
-    Sensitivity(sensitivity::SensitivityArgs),
-    Sweep(Box<sweep::SweepArgs>),
-    Targets(targets::TargetsArgs),
-    Stage(stage::StageArgs),
-    Store(store::StoreArgs),
-    Verify(verify::VerifyArgs),
-    Export(export::ExportArgs),
-    Picture(picture::PictureArgs),
-    Plot(plot::PlotArgs),
-    View(view::ViewArgs),
-    Schema(schema::SchemaArgs),
-    Info(info::InfoArgs),
-    Completions(completions::CompletionsArgs),
-    Man(man::ManArgs),
+/// The subcommands: each a module with its arguments and a function `run`.
+macro_rules! commands {
+    ($($name:ident: $module:ident::$arguments:ident,)*) => {
+        #[derive(Debug, Subcommand)]
+        enum Command {
+            $($name(Box<$module::$arguments>),)*
+        }
+
+        fn command(cli: &Cli, context: &Context) -> Result<ExitStatus, CliError> {
+            if cli.command.computes() {
+                jobs::start_pool()?;
+            }
+            match &cli.command {
+                $(Command::$name(arguments) => $module::run(arguments, context),)*
+            }
+        }
+    };
+}
+
+commands! {
+    Reproduce: reproduce::ReproduceArgs,
+    Interpretations: interpretations::InterpretationsArgs,
+    Run: run::RunArgs,
+    Grains: grains::GrainsArgs,
+    Compare: compare::CompareArgs,
+    Calibrate: calibrate::CalibrateArgs,
+    Density: density::DensityArgs,
+    Converge: converge::ConvergeArgs,
+    Sensitivity: sensitivity::SensitivityArgs,
+    Sweep: sweep::SweepArgs,
+    Targets: targets::TargetsArgs,
+    Stage: stage::StageArgs,
+    Store: store::StoreArgs,
+    Verify: verify::VerifyArgs,
+    Export: export::ExportArgs,
+    Picture: picture::PictureArgs,
+    Plot: plot::PlotArgs,
+    View: view::ViewArgs,
+    Schema: schema::SchemaArgs,
+    Info: info::InfoArgs,
+    Completions: completions::CompletionsArgs,
+    Man: man::ManArgs,
 }
 
 impl Command {
@@ -147,36 +174,6 @@ fn carried_out(cli: &Cli, context: impl FnOnce() -> Context) -> Result<ExitStatu
     let status = done.unwrap_or_else(|what| Err(CliError::Fault(what)))?;
     output_folder::still_there()?;
     Ok(status)
-}
-
-fn command(cli: &Cli, context: &Context) -> Result<ExitStatus, CliError> {
-    if cli.command.computes() {
-        jobs::start_pool()?;
-    }
-    match &cli.command {
-        Command::Reproduce(args) => reproduce::run(args, context),
-        Command::Interpretations(args) => interpretations::run(args, context),
-        Command::Run(args) => run::run(args, context),
-        Command::Grains(args) => grains::run(args, context),
-        Command::Compare(args) => compare::run(args, context),
-        Command::Calibrate(args) => calibrate::run(args, context),
-        Command::Density(args) => density::run(args, context),
-        Command::Converge(args) => converge::run(args, context),
-        Command::Sensitivity(args) => sensitivity::run(args, context),
-        Command::Sweep(args) => sweep::run(args, context),
-        Command::Targets(args) => targets::run(args, context),
-        Command::Stage(args) => stage::run(args, context),
-        Command::Store(args) => store::run(args, context),
-        Command::Verify(args) => verify::run(args, context),
-        Command::Export(args) => export::run(args, context),
-        Command::Picture(args) => picture::run(args, context),
-        Command::Plot(args) => plot::run(args, context),
-        Command::View(args) => view::run(args, context),
-        Command::Schema(args) => schema::run(args, context),
-        Command::Info(args) => info::run(args, context),
-        Command::Completions(args) => completions::run(args),
-        Command::Man(args) => man::run(args, context),
-    }
 }
 
 #[cfg(test)]

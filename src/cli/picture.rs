@@ -1,19 +1,12 @@
 //! `pluvia picture`.
 
-use std::path::{Path, PathBuf};
-
-use clap::{Args, ValueEnum};
-use serde::Serialize;
-
-use super::{CliError, Context, ExitStatus, output_folder, table};
+use super::*;
 use crate::export::{Playback, read_playback, read_playback_for};
 use crate::grains;
 use crate::picture::{
     Animation, Background, ColourBy, LOOSE_VIEW, Shot, View, Walls, animate, at, loose_grains,
     picture,
 };
-use crate::plain::plain_path;
-use crate::record::{FileError, read_json, write_file};
 
 /// Make a picture or an animation of a run, or a picture of grains alone
 #[derive(Debug, Args)]
@@ -50,11 +43,11 @@ pub(super) struct PictureArgs {
     #[arg(long)]
     grains: bool,
     /// What the grains' colours tell
-    #[arg(long, value_enum, default_value_t = By::Fraction)]
-    colour_by: By,
+    #[arg(long, value_enum, default_value_t = ColourBy::Fraction)]
+    colour_by: ColourBy,
     /// How cylinder and funnel are shown
-    #[arg(long, value_enum, default_value_t = Wall::Transparent)]
-    cylinder: Wall,
+    #[arg(long, value_enum, default_value_t = Walls::Transparent)]
+    cylinder: Walls,
     /// Where the camera stands, counter-clockwise from the front: at 0 the table shakes from left
     /// to right. [default: 25; 0 of grains alone]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
@@ -70,8 +63,8 @@ pub(super) struct PictureArgs {
     #[arg(long, value_name = "PX")]
     height: Option<u32>,
     /// What lies behind
-    #[arg(long, value_enum, default_value_t = Behind::White)]
-    background: Behind,
+    #[arg(long, value_enum, default_value_t = Background::White)]
+    background: Background,
     /// Leave out the key and the notes beside the picture
     #[arg(long)]
     no_key: bool,
@@ -84,38 +77,6 @@ pub(super) struct PictureArgs {
     /// Largest size of an animation; judged before it is made
     #[arg(long, value_name = "MB", default_value_t = 25.0, requires = "animate")]
     limit_mb: f64,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum By {
-    /// Sieve fraction
-    Fraction,
-    /// Way since the stage began, as seen from the table
-    Displacement,
-    /// Speed as seen from the table
-    Speed,
-    /// Number of grains that each touches
-    Coordination,
-    /// Nothing: one colour
-    Plain,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Wall {
-    /// As glass
-    Transparent,
-    /// The near half cut away
-    Cut,
-    /// Left out
-    Hidden,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Behind {
-    /// White paper
-    White,
-    /// Nothing, for slides
-    Transparent,
 }
 
 /// What was made.
@@ -142,22 +103,9 @@ impl PictureArgs {
                 azimuth_deg: self.azimuth.unwrap_or(view.azimuth_deg),
                 elevation_deg: self.elevation.unwrap_or(view.elevation_deg),
             },
-            walls: match self.cylinder {
-                Wall::Transparent => Walls::Transparent,
-                Wall::Cut => Walls::Cut,
-                Wall::Hidden => Walls::Hidden,
-            },
-            colour_by: match self.colour_by {
-                By::Fraction => ColourBy::Fraction,
-                By::Displacement => ColourBy::Displacement,
-                By::Speed => ColourBy::Speed,
-                By::Coordination => ColourBy::Coordination,
-                By::Plain => ColourBy::Plain,
-            },
-            background: match self.background {
-                Behind::White => Background::White,
-                Behind::Transparent => Background::Transparent,
-            },
+            walls: self.cylinder,
+            colour_by: self.colour_by,
+            background: self.background,
             notes: !self.no_key,
         }
     }
@@ -187,8 +135,7 @@ pub(super) fn run(args: &PictureArgs, context: &Context) -> Result<ExitStatus, C
         text += &format!(": {frames} frames, plays for {}", table::duration(plays));
     }
     text += &format!("\n{} ({} kB)\n", plain_path(&made.file), made.bytes.div_ceil(1000));
-    context.print(text.trim_start(), &made)?;
-    Ok(ExitStatus::Done)
+    context.done(text.trim_start(), &made)
 }
 
 /// Whether a subject is no folder of a run, but something that is there.

@@ -1,18 +1,8 @@
 //! `pluvia plot`.
 
-use std::path::{Path, PathBuf};
-
-use clap::Args;
-use serde::Serialize;
-use serde_json::Value;
-
-use super::{
-    CliError, Context, ExitStatus,
-    picture::{ends_in, prepare},
-    table,
-};
-use crate::plain::{plain_lines, plain_path};
-use crate::record::{FileError, read_file, read_json, write_file};
+use super::picture::{ends_in, prepare};
+use super::*;
+use crate::plain::without_zeros;
 use crate::report::{ChartColumn, ChartStyle, ColumnChart, ColumnRange, ColumnTable, svg_to_png};
 
 /// Draw any columns of a run's tables over each other
@@ -132,8 +122,7 @@ pub(super) fn run(args: &PlotArgs, context: &Context) -> Result<ExitStatus, CliE
         plain_path(&drawn.file),
         drawn.bytes.div_ceil(1000)
     );
-    context.print(&plain_lines(&text), &drawn)?;
-    Ok(ExitStatus::Done)
+    context.done(&plain_lines(&text), &drawn)
 }
 
 /// The file of a table in a folder.
@@ -172,16 +161,8 @@ fn rows(
         match whole.find("stage") {
             Ok(column) => {
                 let numbers = stage_numbers(&args.run, asked)?;
-                chosen = numbers
-                    .iter()
-                    .fold(None, |all: Option<ColumnTable>, number| {
-                        let of = whole.where_is(column, number);
-                        Some(match all {
-                            Some(all) => all.and(of),
-                            None => of,
-                        })
-                    })
-                    .unwrap_or_else(|| whole.clone());
+                let rows = numbers.iter().map(|number| whole.where_is(column, number));
+                chosen = rows.reduce(ColumnTable::and).unwrap_or_else(|| whole.clone());
             }
             Err(_) => faults.push(format!("--stage {asked}: {} has no stages", plain_path(path))),
         }
@@ -228,9 +209,8 @@ fn stage_numbers(folder: &Path, asked: &str) -> Result<Vec<String>, CliError> {
     if !found.is_empty() {
         return Ok(found);
     }
-    let known: Vec<String> =
-        names.iter().enumerate().map(|(number, name)| format!("{number} {name}")).collect();
-    let has = known.join(", ");
+    let known = names.iter().enumerate().map(|(number, name)| format!("{number} {name}"));
+    let has = known.collect::<Vec<_>>().join(", ");
     Err(CliError::Usage(format!("--stage {asked}: no such stage; the run has {has}")))
 }
 
@@ -310,8 +290,7 @@ fn list(context: &Context, path: PathBuf, rows: &ColumnTable) -> Result<ExitStat
         lines.push([column.name.clone(), column.numbers.to_string(), smallest, largest]);
     }
     let text = format!("{}, {} rows\n{}", plain_path(&path), rows.len(), table::columns(&lines));
-    context.print(&plain_lines(&text), &Listed { table: path, rows: rows.len(), columns })?;
-    Ok(ExitStatus::Done)
+    context.done(&plain_lines(&text), &Listed { table: path, rows: rows.len(), columns })
 }
 
 /// A number to five digits.
@@ -320,11 +299,7 @@ fn short(number: f64) -> String {
         return format!("{number:.4e}");
     }
     let digits = (4 - number.abs().max(1e-3).log10().floor() as i32).clamp(0, 7) as usize;
-    let text = format!("{number:.digits$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
+    without_zeros(&format!("{number:.digits$}")).to_owned()
 }
 
 #[cfg(test)]

@@ -1,15 +1,7 @@
 //! `pluvia reproduce`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{
-    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder,
-    scorecard,
-};
+use super::*;
 use crate::paper::Claim;
-use crate::plain::plain_path;
 use crate::study::{Interpretation, ReproduceOptions, reproduce};
 
 /// Run the whole paper and compare its claims
@@ -53,8 +45,7 @@ pub(super) struct ReproduceArgs {
 }
 
 pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    output_folder::prepare(&args.out)?;
-    context.stop_on_ctrl_c();
+    context.begin(&args.out)?;
     let outcome = reproduce(&ReproduceOptions {
         out: args.out.clone(),
         quick: args.quick,
@@ -73,8 +64,5 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
     let runs = outcome.runs.iter().map(|r| (r.name.as_str(), &r.summary));
     text += &last_line::of_runs(runs);
     context.print(&text, &outcome.claims)?;
-    if args.strict && outcome.claims.iter().any(Claim::is_missed) {
-        return Ok(ExitStatus::ExpectationMissed);
-    }
-    Ok(ExitStatus::Done)
+    Ok(ExitStatus::by(!args.strict || !outcome.claims.iter().any(Claim::is_missed)))
 }

@@ -1,15 +1,7 @@
 //! `pluvia run`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{
-    CliError, Context, ExitStatus, changes::Changes, earlier_run, jobs::Jobs, last_line,
-    output_folder, table,
-};
+use super::*;
 use crate::grains::load_scenario;
-use crate::plain::plain_path;
 use crate::study::{RunOptions, run_scenario, tell_warnings};
 
 /// Run one scenario
@@ -46,18 +38,11 @@ pub(super) fn run(args: &RunArgs, context: &Context) -> Result<ExitStatus, CliEr
     output_folder::prepare(&args.out)?;
     earlier_run::begin(&args.out, &loaded.scenario, args.force)?;
     context.stop_on_ctrl_c();
-    let options = RunOptions {
-        out: args.out.clone(),
-        jobs: args.jobs.cores(),
-        frames: true,
-        cancel: context.cancel.clone(),
-        progress: context.progress.clone(),
-    };
+    let options = RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) };
     let record = run_scenario(&loaded.scenario, &options)?;
     earlier_run::finished(&args.out);
     let mut text = table::of_summary(&record.summary);
     text += &format!("results in {}\n", plain_path(&args.out));
     text += &last_line::of_run(&record.summary);
-    context.print(&text, &record.summary)?;
-    Ok(ExitStatus::Done)
+    context.done(&text, &record.summary)
 }

@@ -1,8 +1,9 @@
 //! `pluvia schema`.
 
-use clap::{Args, ValueEnum};
+use clap::ValueEnum;
 
-use super::{CliError, Context, ExitStatus, field_page::page};
+use super::field_page::page;
+use super::*;
 use crate::scenario;
 use crate::study::{ConvergenceDesign, SensitivityDesign};
 

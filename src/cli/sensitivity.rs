@@ -1,12 +1,7 @@
 //! `pluvia sensitivity`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{CliError, Context, ExitStatus, designed::DesignedArgs, last_line, output_folder};
-use crate::plain::plain_path;
-use crate::record::read_file;
+use super::designed::{DesignedArgs, page_until};
+use super::*;
 use crate::study::SensitivityStudy;
 
 /// Vary each choice that the paper does not give by itself, and rank what it moves
@@ -32,16 +27,11 @@ pub(super) struct SensitivityArgs {
 pub(super) fn run(args: &SensitivityArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let options = args.designed.options(&args.out, context);
     let study = SensitivityStudy::read(&options)?;
-    output_folder::prepare(&args.out)?;
-    context.stop_on_ctrl_c();
+    context.begin(&args.out)?;
     let found = study.carry_out(&options.run)?;
-    let page = args.out.join("sensitivity.md");
-    let text = String::from_utf8_lossy(&read_file(&page)?).into_owned();
-    let tables = text.split("\n## Ranges").next().unwrap_or_default();
-    let lines = tables.lines().filter(|l| !l.starts_with("!["));
-    let tables: String = lines.map(|l| format!("{l}\n")).collect();
-    let text = format!("{tables}\nall of it in {}\n", plain_path(&page));
+    let page = page_until(&args.out.join("sensitivity.md"), &["\n## Ranges"])?;
+    let lines = page.lines().filter(|line| !line.starts_with("!["));
+    let text: String = lines.map(|line| format!("{line}\n")).collect();
     let (left_out, with_result) = found.left_out();
-    context.print(&(text + &last_line::of_study(left_out, with_result)), &found)?;
-    Ok(ExitStatus::Done)
+    context.done(&(text + &last_line::of_study(left_out, with_result)), &found)
 }

@@ -1,11 +1,6 @@
 //! `pluvia stage`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-use serde_json::json;
-
-use super::{CliError, Context, ExitStatus};
+use super::*;
 use crate::record::remove_abandoned;
 use crate::study::{RunOptions, SweepTasks};
 
@@ -59,11 +54,9 @@ pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, Cli
         for (n, (stages, missing)) in levels.iter().zip(&missing).enumerate() {
             text += &format!("level {n}: {stages} stages, {} not stored\n", missing.len());
         }
-        context.print(&text, &json!({ "levels": levels, "missing": missing }))?;
-        return Ok(ExitStatus::Done);
+        return context.done(&text, &json!({ "levels": levels, "missing": missing }));
     };
     context.stop_on_ctrl_c();
     let label = tasks.carry_out(level, task)?;
-    context.print(&format!("{label}: stored\n"), &json!({ "stored": label }))?;
-    Ok(ExitStatus::Done)
+    context.done(&format!("{label}: stored\n"), &json!({ "stored": label }))
 }

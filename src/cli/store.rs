@@ -1,11 +1,8 @@
 //! `pluvia store`.
 
-use std::path::{Path, PathBuf};
+use clap::Subcommand;
 
-use clap::{Args, Subcommand};
-
-use super::{CliError, Context, ExitStatus, paint, table};
-use crate::plain::{plain, plain_path};
+use super::*;
 use crate::record::{StoreReport, StoredItem, StoredState, check_store};
 
 /// Look after the stages that an output folder has in store
@@ -46,7 +43,7 @@ pub(super) fn run(args: &StoreArgs, context: &Context) -> Result<ExitStatus, Cli
     let StoreAction::Check(args) = &args.action;
     let report = check_store(&store_in(&args.folder)?)?;
     context.print(&text(&report), &report)?;
-    Ok(if report.damaged == 0 { ExitStatus::Done } else { ExitStatus::ExpectationMissed })
+    Ok(ExitStatus::by(report.damaged == 0))
 }
 
 /// The store of an output folder, or the folder itself where that is one.

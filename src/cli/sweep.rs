@@ -1,15 +1,7 @@
 //! `pluvia sweep`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-use serde_json::json;
-
-use super::{
-    CliError, Context, ExitStatus, changes::Changes, jobs::Jobs, last_line, output_folder,
-};
-use crate::plain::plain_path;
-use crate::record::read_file;
+use super::designed::page_until;
+use super::*;
 use crate::report::Sweep;
 use crate::study::{
     Design, Factor, RunOptions, SNAKEFILE, SampledRange, SlurmRequest, SweepOptions, SweepStudy,
@@ -121,30 +113,29 @@ fn samples(text: &str) -> Result<usize, String> {
 }
 
 pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let run = run_options(args, context);
+    let tasks = || SweepTasks::read(context.run_options(&args.out, args.jobs));
     if args.status {
-        return status(&SweepTasks::read(run)?, context);
+        return status(&tasks()?, context);
     }
     if args.collect {
-        let found = SweepTasks::read(run)?.study().collect()?;
+        let found = tasks()?.study().collect()?;
         return tell(args, &found, context);
     }
+    let run = context.run_options(&args.out, args.jobs);
     let study = SweepStudy::new(options(args, run)?)?;
     output_folder::prepare(&args.out)?;
     if args.plan_only || args.snakemake || args.slurm.slurm {
         let plan = study.write_plan()?;
         if args.slurm.slurm {
-            return on_slurm(args, context);
+            return on_slurm(&args.slurm, &tasks()?, context);
         }
         let mut text = format!("{} runs planned in {}\n", plan.runs.len(), plain_path(&args.out));
         if args.snakemake {
-            let tasks = SweepTasks::read(run_options(args, context))?;
-            write_snakefile(&tasks, &this_program()?)?;
+            write_snakefile(&tasks()?, &this_program()?)?;
             let file = args.out.join(SNAKEFILE);
             text += &format!("snakemake --cores 2 --snakefile {}\n", quoted(&file));
         }
-        context.print(&text, &json!({ "runs": plan.runs.len() }))?;
-        return Ok(ExitStatus::Done);
+        return context.done(&text, &json!({ "runs": plan.runs.len() }));
     }
     context.stop_on_ctrl_c();
     let found = study.carry_out()?;
@@ -177,26 +168,18 @@ fn options(args: &SweepArgs, run: RunOptions) -> Result<SweepOptions, CliError> 
     })
 }
 
-fn run_options(args: &SweepArgs, context: &Context) -> RunOptions {
-    RunOptions {
-        out: args.out.clone(),
-        jobs: args.jobs.cores(),
-        frames: false,
-        cancel: context.cancel.clone(),
-        progress: context.progress.clone(),
-    }
-}
-
-fn on_slurm(args: &SweepArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let tasks = SweepTasks::read(run_options(args, context))?;
-    let SlurmArgs { partition, time, mem, account, .. } = &args.slurm;
+fn on_slurm(
+    args: &SlurmArgs,
+    tasks: &SweepTasks,
+    context: &Context,
+) -> Result<ExitStatus, CliError> {
     let request = SlurmRequest {
-        partition: partition.clone(),
-        time: time.clone(),
-        memory: mem.clone(),
-        account: account.clone(),
+        partition: args.partition.clone(),
+        time: args.time.clone(),
+        memory: args.mem.clone(),
+        account: args.account.clone(),
     };
-    let jobs = submit_to_slurm(&tasks, &this_program()?, &request)?;
+    let jobs = submit_to_slurm(tasks, &this_program()?, &request)?;
     let mut text = String::new();
     for job in &jobs {
         text += &match job.level {
@@ -204,8 +187,7 @@ fn on_slurm(args: &SweepArgs, context: &Context) -> Result<ExitStatus, CliError>
             None => format!("job {}: collects the results when all have ended\n", job.id),
         };
     }
-    context.print(&text, &jobs)?;
-    Ok(ExitStatus::Done)
+    context.done(&text, &jobs)
 }
 
 fn status(tasks: &SweepTasks, context: &Context) -> Result<ExitStatus, CliError> {
@@ -217,21 +199,14 @@ fn status(tasks: &SweepTasks, context: &Context) -> Result<ExitStatus, CliError>
     for (stage, why) in &status.failed {
         text += &format!("failed: {stage}: {why}\n");
     }
-    context.print(&text, &status)?;
-    Ok(ExitStatus::Done)
+    context.done(&text, &status)
 }
 
 /// Prints what was found.
 fn tell(args: &SweepArgs, found: &Sweep, context: &Context) -> Result<ExitStatus, CliError> {
-    let page = args.out.join("sweep.md");
-    let text = String::from_utf8_lossy(&read_file(&page)?).into_owned();
-    let end = text.find("\n![").or_else(|| text.find("\n## How to read it")).unwrap_or(text.len());
-    let mut text = format!("{}\nall of it in {}\n", &text[..end], plain_path(&page));
+    let mut text = page_until(&args.out.join("sweep.md"), &["\n![", "\n## How to read it"])?;
     let with_result = found.runs.len() - found.failed().count();
     text += &last_line::of_study(found.left_out().count(), with_result);
     context.print(&text, found)?;
-    if found.failed().count() == found.runs.len() {
-        return Ok(ExitStatus::ExpectationMissed);
-    }
-    Ok(ExitStatus::Done)
+    Ok(ExitStatus::by(found.failed().count() < found.runs.len()))
 }

@@ -2,13 +2,15 @@
 
 use super::paint;
 use crate::paper::ResultCounts;
+use crate::plain::without_zeros;
 use crate::record::{
-    AngleOfRepose, Balance, LaboratorySummary, Settlement, StandingHeight, Summary,
-    VibrationSummary,
+    AngleOfRepose, Balance, GrainsSummary, LaboratorySummary, Overlap, Settlement, StandingHeight,
+    Summary, VibrationSummary,
 };
 use crate::report::{Calibration, InterpretationColumn, calibration_rows};
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
+use crate::world::BackendInfo;
 
 /// A length of time for people.
 pub(super) fn duration(seconds: f64) -> String {
@@ -26,8 +28,7 @@ pub(super) fn grams(mass: f64) -> String {
         return format!("{mass:.1}");
     }
     let digits = (2 - mass.log10().floor() as i32).max(0) as usize;
-    let text = format!("{mass:.digits$}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    without_zeros(&format!("{mass:.digits$}")).to_owned()
 }
 
 /// Rows of a name and what is to be said of it.
@@ -37,6 +38,11 @@ struct Rows(Vec<(String, String)>);
 impl Rows {
     fn add(&mut self, name: &str, text: String) {
         self.0.push((name.to_owned(), text));
+    }
+
+    /// Where there is something to be said.
+    fn add_some(&mut self, name: &str, text: Option<String>) {
+        self.0.extend(text.map(|text| (name.to_owned(), text)));
     }
 
     fn aligned(&self) -> String {
@@ -65,12 +71,9 @@ fn settlement(of: &Settlement) -> String {
 
 /// How many grains touch a grain, and how the contacts are loaded.
 fn coordination(of: &Summary) -> String {
-    let mut text = format!("{:.2}", of.coordination_number);
-    let contacts = of.contacts.as_ref();
-    if let Some(sliding) = contacts.and_then(|contacts| contacts.sliding_percent) {
-        text += &format!(", {sliding:.0} % of the loaded contacts slide");
-    }
-    text
+    let sliding = of.contacts.as_ref().and_then(|contacts| contacts.sliding_percent);
+    let sliding = sliding.map(|share| format!(", {share:.0} % of the loaded contacts slide"));
+    format!("{:.2}{}", of.coordination_number, sliding.unwrap_or_default())
 }
 
 /// How a vibration moved the table and came to rest.
@@ -84,13 +87,12 @@ fn vibration(of: &VibrationSummary) -> String {
 }
 
 fn angle_of_repose(of: &AngleOfRepose) -> String {
+    let AngleOfRepose { degrees, by_volume_degrees, .. } = of;
+    let (low, high) = (of.confidence_low_degrees, of.confidence_high_degrees);
+    let between = of.standard_deviation_degrees;
     format!(
-        "{:.1}°, 95 % of this pile {:.1} to {:.1}°; {:.1}° between sectors; {:.1}° by volume",
-        of.degrees,
-        of.confidence_low_degrees,
-        of.confidence_high_degrees,
-        of.standard_deviation_degrees,
-        of.by_volume_degrees
+        "{degrees:.1}°, 95 % of this pile {low:.1} to {high:.1}°; {between:.1}° between sectors; \
+         {by_volume_degrees:.1}° by volume"
     )
 }
 
@@ -102,13 +104,10 @@ fn rounded(value: f64, decimals: i32) -> f64 {
 
 /// Loads, flows and void ratios.
 fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
-    for piece in of.pieces.iter().filter(|piece| piece.present) {
-        let [x, y, z] = piece.force_n.map(|force| rounded(force, 3));
-        rows.add(&format!("force on {}", piece.name), format!("({x:.3}, {y:.3}, {z:.3}) N"));
-    }
-    for group in &of.groups {
-        let [x, y, z] = group.force_n.map(|force| rounded(force, 3));
-        rows.add(&format!("force on {}", group.name), format!("({x:.3}, {y:.3}, {z:.3}) N"));
+    let pieces = of.pieces.iter().filter(|piece| piece.present).map(|p| (&p.name, p.force_n));
+    for (name, force) in pieces.chain(of.groups.iter().map(|group| (&group.name, group.force_n))) {
+        let [x, y, z] = force.map(|force| rounded(force, 3));
+        rows.add(&format!("force on {name}"), format!("({x:.3}, {y:.3}, {z:.3}) N"));
     }
     let Balance { weight_n, carried_n, difference_percent, .. } = of.balance;
     let off =
@@ -135,96 +134,70 @@ fn of_laboratory(of: &LaboratorySummary, rows: &mut Rows) {
 pub(super) fn of_summary(summary: &Summary) -> String {
     let grains = &summary.grains;
     let mut rows = Rows::default();
-    rows.add(
-        "engine",
-        format!(
-            "{} {}, {} precision, contacts by {}",
-            summary.backend.name,
-            summary.backend.version,
-            summary.backend.precision,
-            summary.contact_solver
-        ),
-    );
+    let BackendInfo { name, version, precision } = &summary.backend;
+    let solver = &summary.contact_solver;
+    rows.add("engine", format!("{name} {version}, {precision} precision, contacts by {solver}"));
     rows.add("grains", format!("{}, {} g", grains.count, grams(grains.mass_g)));
     // A pile has no walls: its grains lie, but in no cylinder and with no void ratio.
     let laboratory = summary.laboratory.as_ref();
     let is_withheld = |field: &str| summary.withheld.iter().any(|w| w.field == field);
     let pile = summary.void_ratio.is_none() && grains.in_cylinder > 0 && !is_withheld("void_ratio");
+    let GrainsSummary { in_cylinder, spilled, left_in_funnel, escaped, .. } = grains;
     let places = if laboratory.is_some() {
         format!(
-            "{} in the laboratory, {} fallen out of it, {} escaped through walls",
-            grains.in_cylinder, grains.spilled, grains.escaped
+            "{in_cylinder} in the laboratory, {spilled} fallen out of it, {escaped} escaped through \
+             walls"
         )
     } else if pile {
-        let mut text = format!("{} on the base, {} fallen off", grains.in_cylinder, grains.spilled);
-        if grains.left_in_funnel + grains.escaped > 0 {
-            text += &format!(
-                ", {} not fed, {} escaped through the base",
-                grains.left_in_funnel, grains.escaped
-            );
+        let mut text = format!("{in_cylinder} on the base, {spilled} fallen off");
+        if left_in_funnel + escaped > 0 {
+            text += &format!(", {left_in_funnel} not fed, {escaped} escaped through the base");
         }
         text
     } else {
         format!(
-            "{} in the cylinder, {} spilled, {} left in the funnel, {} escaped through walls",
-            grains.in_cylinder, grains.spilled, grains.left_in_funnel, grains.escaped
+            "{in_cylinder} in the cylinder, {spilled} spilled, {left_in_funnel} left in the funnel, \
+             {escaped} escaped through walls"
         )
     };
     rows.add("", places);
-    if let Some(poured) = &summary.poured_height_mm {
-        rows.add("poured height", height(poured));
-    }
-    if let Some(void_ratio) = summary.poured_void_ratio {
-        rows.add("poured void ratio", format!("{void_ratio:.3}"));
-    }
+    let ratio = |void_ratio: f64| format!("{void_ratio:.3}");
+    rows.add_some("poured height", summary.poured_height_mm.as_ref().map(height));
+    rows.add_some("poured void ratio", summary.poured_void_ratio.map(ratio));
     if !pile && !is_withheld("standing_height_mm") {
         rows.add("standing height", height(&summary.standing_height_mm));
     }
     if let (Some(void_ratio), Some(porosity)) = (summary.void_ratio, summary.porosity) {
         rows.add("void ratio", format!("{void_ratio:.3} (porosity {porosity:.3})"));
     }
-    if let Some(core) = summary.core.as_ref().and_then(|core| core.void_ratio) {
-        rows.add("void ratio of the core", format!("{core:.3}"));
-    }
+    let core = summary.core.as_ref().and_then(|core| core.void_ratio);
+    rows.add_some("void ratio of the core", core.map(ratio));
     if let Some(laboratory) = laboratory {
         of_laboratory(laboratory, &mut rows);
     }
     for (n, of) in summary.stages.iter().enumerate() {
-        if let Some(until) = &of.until {
-            rows.add(&format!("stage {n}, {}", of.stage), until.line());
-        }
+        let until = of.until.as_ref().map(|until| until.line());
+        rows.add_some(&format!("stage {n}, {}", of.stage), until);
     }
     for of in &summary.vibrations {
         rows.add("vibration", vibration(of));
     }
-    if let Some(of) = &summary.settlement_mm {
-        rows.add("settlement, plate", settlement(of));
-    }
-    if let Some(of) = &summary.surface_settlement_mm {
-        rows.add("settlement, surface", settlement(of));
-    }
+    rows.add_some("settlement, plate", summary.settlement_mm.as_ref().map(settlement));
+    rows.add_some("settlement, surface", summary.surface_settlement_mm.as_ref().map(settlement));
     if let Some(of) = &summary.angle_of_repose {
         rows.add("angle of repose", angle_of_repose(of));
-        rows.add(
-            "pile",
-            format!(
-                "{:.1} mm high, {:.1} mm to its toe; fallen off the base: {}",
-                of.pile_height_mm, of.base_radius_mm, of.fallen_off
-            ),
-        );
+        let (high, toe, off) = (of.pile_height_mm, of.base_radius_mm, of.fallen_off);
+        let pile = format!("{high:.1} mm high, {toe:.1} mm to its toe; fallen off the base: {off}");
+        rows.add("pile", pile);
     }
-    let overlap = &summary.overlap;
-    rows.add(
-        "overlap",
-        format!(
-            "{:.2} % mean, {:.2} % 99th percentile, {:.2} % largest",
-            overlap.mean_percent, overlap.p99_percent, overlap.max_percent
-        ),
+    let Overlap { mean_percent, p99_percent, max_percent, .. } = summary.overlap;
+    let overlap = format!(
+        "{mean_percent:.2} % mean, {p99_percent:.2} % 99th percentile, {max_percent:.2} % largest"
     );
+    rows.add("overlap", overlap);
     rows.add("coordination", coordination(summary));
-    if let Some(creep) = summary.creep_um_per_s {
-        rows.add("creep at rest", format!("{creep:.1} µm/s"));
-    }
+    let creep = summary.creep_um_per_s.map(|creep| format!("{creep:.1} µm/s"));
+    rows.add_some("creep at rest", creep);
     let standard = if summary.meets_standard {
         paint::good("met")
     } else {
@@ -235,23 +208,12 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         let line = checks.line();
         rows.add("checks", if checks.passed == Some(false) { paint::bad(line) } else { line });
     }
-    rows.add(
-        "cost",
-        format!(
-            "{:.2} s simulated in {} steps and {}, {:.0} MiB",
-            summary.simulated_s,
-            summary.steps,
-            duration(summary.wall_s),
-            summary.peak_memory_mib
-        ),
-    );
-    let mut text = format!(
-        "{}, configuration {}, seed {}\n{}",
-        summary.scenario,
-        summary.configuration,
-        summary.seed,
-        rows.aligned()
-    );
+    let Summary { scenario, configuration, seed, simulated_s, steps, .. } = summary;
+    let (took, memory) = (duration(summary.wall_s), summary.peak_memory_mib);
+    let cost = format!("{simulated_s:.2} s simulated in {steps} steps and {took}, {memory:.0} MiB");
+    rows.add("cost", cost);
+    let head = format!("{scenario}, configuration {configuration}, seed {seed}\n");
+    let mut text = head + &rows.aligned();
     for warning in &summary.warnings {
         text += &format!("  {}: {warning}\n", paint::notable("warning"));
     }
@@ -295,16 +257,13 @@ pub(super) fn of_comparison(record: &CompareRecord) -> String {
         row.push(format!("{}{verdict}", q.unit));
         rows.push(row);
     }
-    let met = |s: &Summary| {
-        if s.meets_standard { paint::good("met") } else { paint::bad("NOT met") }
+    let mut judged = |name: &str, of: fn(&Summary) -> bool, good: &str, bad: &str| {
+        let verdict = |is: bool| if is { paint::good(good) } else { paint::bad(bad) };
+        let verdicts = record.runs.iter().map(|run| verdict(of(&run.summary)));
+        rows.push([name.to_owned()].into_iter().chain(verdicts).collect());
     };
-    let mut row = vec!["accuracy standard".to_owned()];
-    row.extend(record.runs.iter().map(|r| met(&r.summary)));
-    rows.push(row);
-    let valid = |s: &Summary| if s.valid { paint::good("yes") } else { paint::bad("NOT valid") };
-    let mut row = vec!["valid".to_owned()];
-    row.extend(record.runs.iter().map(|r| valid(&r.summary)));
-    rows.push(row);
+    judged("accuracy standard", |s| s.meets_standard, "met", "NOT met");
+    judged("valid", |s| s.valid, "yes", "NOT valid");
     columns(&rows)
 }
 
@@ -392,8 +351,7 @@ pub(super) fn of_verdicts(verdicts: &[Verdict]) -> String {
 
 /// A number with up to three decimals.
 fn three_digits(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    without_zeros(&format!("{value:.3}")).to_owned()
 }
 
 #[cfg(test)]

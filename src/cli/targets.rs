@@ -1,11 +1,6 @@
 //! `pluvia targets`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{CliError, Context, ExitStatus, output_folder};
-use crate::plain::plain_path;
+use super::*;
 use crate::report::{Target, write_targets};
 use crate::study::{StudyError, TargetRuns, meet_targets};
 
@@ -45,6 +40,5 @@ pub(super) fn run(args: &TargetsArgs, context: &Context) -> Result<ExitStatus, C
     write_targets(&args.out, &found).map_err(StudyError::from)?;
     let text =
         format!("{}\nall of it in {}\n", found.page(), plain_path(&args.out.join("targets.md")));
-    context.print(&text, &found)?;
-    Ok(ExitStatus::Done)
+    context.done(&text, &found)
 }

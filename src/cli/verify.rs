@@ -1,15 +1,10 @@
 //! `pluvia verify`.
 
-use std::path::PathBuf;
-
-use clap::Args;
-
-use super::{
-    CliError, Context, ExitStatus, changes::backend, jobs::cores_for, output_folder, table,
-};
-use crate::plain::plain_path;
+use super::changes::backend;
+use super::jobs::cores_for;
+use super::*;
 use crate::scenario::Backend;
-use crate::verify::{SuiteOptions, Verdict, builtin, run_suite, settings};
+use crate::verify::{SuiteOptions, builtin, run_suite, settings};
 use crate::world;
 
 /// Hold the engines against analytical solutions
@@ -67,8 +62,7 @@ pub(super) fn run(args: &VerifyArgs, context: &Context) -> Result<ExitStatus, Cl
         .filter(|s| args.backend.is_none_or(|b| s.engine.backend == b))
         .collect();
     let settings = choose("setting", offered, &args.setting, |s| &s.name)?;
-    output_folder::prepare(&args.out)?;
-    context.stop_on_ctrl_c();
+    context.begin(&args.out)?;
     let options = SuiteOptions {
         cases,
         settings,
@@ -81,9 +75,5 @@ pub(super) fn run(args: &VerifyArgs, context: &Context) -> Result<ExitStatus, Cl
     let mut text = table::of_verdicts(&verdicts);
     text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));
     context.print(&text, &verdicts)?;
-    let surprise = |v: &Verdict| !v.status.as_expected();
-    if verdicts.iter().any(surprise) {
-        return Ok(ExitStatus::ExpectationMissed);
-    }
-    Ok(ExitStatus::Done)
+    Ok(ExitStatus::by(verdicts.iter().all(|verdict| verdict.status.as_expected())))
 }

@@ -1,18 +1,11 @@
 //! `pluvia view`.
 
-use std::{
-    path::PathBuf,
-    sync::mpsc::RecvTimeoutError,
-    time::{Duration, Instant},
-};
-
-use clap::Args;
-use serde::Serialize;
+use std::sync::mpsc::RecvTimeoutError;
+use std::time::{Duration, Instant};
 
 use super::context::say;
-use super::{CliError, Context, ExitStatus};
-use crate::plain::{plain, plain_path};
-use crate::record::{FileError, remove_abandoned_beside, write_file};
+use super::*;
+use crate::record::remove_abandoned_beside;
 use crate::viewer::{Redirect, RunData, Server, Site, read_run_data, self_contained};
 
 /// Play a run in the browser, in three dimensions
@@ -101,8 +94,7 @@ pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliE
         remove_abandoned_beside(file);
         write_file(file, self_contained(&data).as_bytes())?;
         let shown = Shown::of(&data, None, Some(file.clone()));
-        context.print(&shown.text(), &shown)?;
-        return Ok(ExitStatus::Done);
+        return context.done(&shown.text(), &shown);
     }
     let (stop, stopped) = std::sync::mpsc::channel();
     // One sender stays here, so that waiting goes on where no handler can be set.

@@ -1,11 +1,8 @@
 //! The pieces of the apparatus that stand around a specimen, with their names.
 
-use serde::{Deserialize, Serialize};
-
+use super::*;
 use crate::apparatus::{ApparatusError, Funnel, Piece};
-use crate::grains::GrainSet;
-use crate::protocol::{Setup, base_pieces};
-use crate::specimen::SpecimenState;
+use crate::protocol::base_pieces;
 use crate::world::Material;
 
 /// What a piece of the apparatus stands on.

@@ -1,15 +1,12 @@
 //! The exchange format: one JSON file that holds all that another engine needs
 //! to carry on from a specimen. `docs/exchange.md` describes it.
 
-use serde::{Deserialize, Serialize};
-
 use super::apparatus::{Carrier, standing};
+use super::*;
 use crate::apparatus::ApparatusError;
-use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 use crate::grains::grain_name;
 use crate::motion::{Start, TableMotion, Waveform};
-use crate::protocol::Setup;
-use crate::specimen::{Other, Party, Specimen, SpecimenState};
+use crate::specimen::{Other, Party};
 use crate::world::{BodyState, Material};
 
 /// What `format` says in every such file.

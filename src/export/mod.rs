@@ -6,7 +6,6 @@ mod apparatus;
 mod exchange;
 mod glb;
 mod moments;
-mod obj;
 mod parts;
 mod playback;
 mod run_folder;
@@ -23,10 +22,20 @@ pub use exchange::{
 };
 pub use glb::{Glb, GlbTooLarge, glb};
 pub use moments::{DEFAULT_EVERY, Moment, Moments, StageMoments, read_moments};
-pub use obj::{apparatus_obj, grains_obj};
 pub use parts::{Part, PartKind, parts};
 pub use playback::{Playback, PlayedStage, read_playback, read_playback_ends, read_playback_for};
 pub use run_folder::{ExportError, Exported, read_at_rest, read_run, stage_at_rest};
-pub use solids::{grains_ply, grains_stl};
+pub use solids::{apparatus_obj, grains_obj, grains_ply, grains_stl};
 pub use tables::{contacts_csv, grains_csv, pairs_csv};
 pub use vtk::{VtkFiles, write_vtk};
+
+// What its parts are made of, too.
+use std::{path::Path, sync::Arc};
+
+use serde::{Deserialize, Serialize};
+
+use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use crate::grains::GrainSet;
+use crate::protocol::Setup;
+use crate::record::FileError;
+use crate::specimen::{Specimen, SpecimenState};

@@ -1,16 +1,14 @@
 //! The moments of a run that are handed on: frames of its stages, thinned out,
 //! and the end of each with all that is known there.
 
-use std::{path::Path, sync::Arc};
-
 use super::parts::{Part, parts};
-use super::run_folder::{ExportError, Manifest, REST_TEST, StageEntry, grains_of, setup_of};
-use crate::geometry::{Pose, Vector};
-use crate::grains::GrainSet;
-use crate::protocol::Setup;
-use crate::record::{FileError, Frame, StageStore, run_file};
+use super::run_folder::{
+    ExportError, Manifest, REST_TEST, StageEntry, fit, grains_of, setup_of, state_of,
+};
+use super::*;
+use crate::record::{Frame, StageStore, run_file};
 use crate::scale;
-use crate::specimen::{Fate, GrainState, PieceState, Specimen, SpecimenState};
+use crate::specimen::{Fate, GrainState, PieceState};
 use crate::world::BodyState;
 
 /// Least time in s between two frames where nothing else is asked for: every
@@ -82,24 +80,18 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
     let setup = setup_of(&manifest, &path)?;
     let grains = Arc::new(grains_of(folder, &manifest)?);
     let root = run_file(folder, "stages");
-    let state_of = |entry: &StageEntry| -> Result<SpecimenState, FileError> {
-        let (state, path) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
-        let sound = state.check(grains.grains.len());
-        sound.map_err(|reason| FileError::unfit(&path, reason))?;
-        Ok(state)
-    };
     let mut stages = Vec::new();
     for (name, entry, before) in chosen {
-        let end = state_of(entry)?;
+        let (end, _) = state_of(&root, entry, &grains)?;
         let base = end.base.clone().map(Arc::new);
         let (mut frames, kept) = StageStore::frames_in(&root, &entry.key)?.unwrap_or_default();
+        fit(&frames, &kept, &grains)?;
         for frame in &mut frames {
-            fits(&kept, frame.grains.len(), &grains)?;
             frame.base.clone_from(&base);
         }
         let begin = match (frames.first(), before) {
             (Some(first), _) => Some(first.clone()),
-            (None, Some(before)) => Some(Frame::of(&state_of(before)?)),
+            (None, Some(before)) => Some(Frame::of(&state_of(&root, before, &grains)?.0)),
             (None, None) => None,
         };
         stages.push(StageMoments { name, frames, begin, end });
@@ -108,16 +100,6 @@ pub fn read_moments(folder: &Path, stage: Option<&str>) -> Result<Moments, Expor
     let parts = parts(&setup, &grains, base)
         .map_err(|reason| ExportError::Apparatus { manifest: path.clone(), reason })?;
     Ok(Moments { scenario: manifest.scenario.name, setup, grains, parts, stages })
-}
-
-/// Whether a file speaks of as many grains as there are.
-fn fits(path: &Path, found: usize, grains: &GrainSet) -> Result<(), FileError> {
-    let expected = grains.grains.len();
-    if found == expected {
-        return Ok(());
-    }
-    let reason = format!("it has {found} grains, and grains.json {expected}");
-    Err(FileError::unfit(path, reason))
 }
 
 impl Moments {
@@ -155,7 +137,7 @@ impl Moment<'_> {
     /// The specimen at this moment: velocities and contacts only at the end of
     /// a stage.
     pub fn specimen(&self, grains: &Arc<GrainSet>) -> Specimen {
-        let state = self.end.cloned().unwrap_or_else(|| state_of(&self.frame));
+        let state = self.end.cloned().unwrap_or_else(|| as_state(&self.frame));
         Specimen { grains: grains.clone(), state }
     }
 
@@ -184,7 +166,7 @@ impl Moment<'_> {
 
 /// A frame as a state, with nothing moving and no contacts. Grains that were
 /// no longer there count as spilled; what became of them a frame does not say.
-fn state_of(frame: &Frame) -> SpecimenState {
+fn as_state(frame: &Frame) -> SpecimenState {
     let grain = |pose: &Option<Pose>| GrainState {
         body: BodyState::at_rest(pose.unwrap_or_else(Pose::identity)),
         fate: if pose.is_some() { Fate::Present } else { Fate::Spilled },

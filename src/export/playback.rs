@@ -1,14 +1,10 @@
 //! Reads back how a run went: the frames of its stages.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::path::PathBuf;
 
-use super::run_folder::{ExportError, Manifest, REST_TEST, grains_of, setup_of};
-use crate::grains::GrainSet;
-use crate::protocol::Setup;
-use crate::record::{FileError, Frame, StageStore, run_file};
+use super::run_folder::{ExportError, Manifest, REST_TEST, fit, grains_of, setup_of, state_of};
+use super::*;
+use crate::record::{Frame, StageStore, run_file};
 
 /// A run from its first stage to its last.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,9 +75,7 @@ fn read(
     let of_scenario = manifest.stages.iter().map(|entry| (entry.stage.clone(), entry));
     let rest_test = rest_test.into_iter().map(|(_, entry)| (REST_TEST.to_owned(), entry));
     for (name, entry) in of_scenario.chain(rest_test) {
-        let (end, end_file) = StageStore::state_in(&root, &entry.key, &entry.specimen_sha256)?;
-        let sound = end.check(grains.grains.len());
-        sound.map_err(|reason| FileError::unfit(&end_file, reason))?;
+        let (end, end_file) = state_of(&root, entry, &grains)?;
         let end = Frame::of(&end);
         let found = frames_in(&root, &entry.key)?;
         let is_kept = found.is_some();
@@ -89,12 +83,7 @@ fn read(
         for frame in &mut frames {
             frame.base.clone_from(&end.base);
         }
-        let expected = grains.grains.len();
-        if let Some(frame) = frames.iter().find(|frame| frame.grains.len() != expected) {
-            let reason =
-                format!("it has {} grains, and grains.json {expected}", frame.grains.len());
-            return Err(FileError::unfit(&path, reason).into());
-        }
+        fit(&frames, &path, &grains)?;
         stages.push(PlayedStage { name, frames, kept: is_kept });
     }
     Ok(Playback { scenario: manifest.scenario.name, setup, grains, stages })

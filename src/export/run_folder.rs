@@ -1,23 +1,19 @@
 //! Reads a run folder back: its laboratory, its grains, and the specimen at
 //! the end of a stage.
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 
-use serde::{Deserialize, de::DeserializeOwned};
+use serde::de::DeserializeOwned;
 
 use super::exchange::{MadeBy, Scene};
+use super::*;
 use crate::apparatus::ApparatusError;
-use crate::grains::{self, GrainSet};
+use crate::grains;
 use crate::input::{self, Refusal};
 use crate::motion::TableMotion;
-use crate::protocol::Setup;
-use crate::record::{FileError, StageStore, read_json, read_unchanged, run_file};
+use crate::record::{Frame, StageStore, read_json, read_unchanged, run_file};
 use crate::scenario::{self, Scenario, StageSpec};
-use crate::specimen::{Specimen, SpecimenState};
 
 /// Why a run cannot be exported.
 #[derive(Debug, thiserror::Error)]
@@ -141,6 +137,26 @@ pub fn stage_at_rest(folder: &Path) -> Result<Option<&'static str>, ExportError>
 pub(super) fn setup_of(manifest: &Manifest, path: &Path) -> Result<Setup, ExportError> {
     Setup::new(&manifest.scenario)
         .map_err(|reason| ExportError::Apparatus { manifest: path.to_owned(), reason })
+}
+
+/// The state at the end of a stored stage, which has as many bodies as there are grains, and the
+/// file it stands in.
+pub(super) fn state_of(
+    root: &Path,
+    entry: &StageEntry,
+    grains: &GrainSet,
+) -> Result<(SpecimenState, PathBuf), FileError> {
+    let (state, path) = StageStore::state_in(root, &entry.key, &entry.specimen_sha256)?;
+    state.check(grains.grains.len()).map_err(|reason| FileError::unfit(&path, reason))?;
+    Ok((state, path))
+}
+
+/// Whether the frames of a file have as many grains as there are.
+pub(super) fn fit(frames: &[Frame], path: &Path, grains: &GrainSet) -> Result<(), FileError> {
+    let expected = grains.grains.len();
+    let other = frames.iter().map(|frame| frame.grains.len()).find(|found| *found != expected);
+    let reason = other.map(|found| format!("it has {found} grains, and grains.json {expected}"));
+    reason.map_or(Ok(()), |reason| Err(FileError::unfit(path, reason)))
 }
 
 /// The grains of a run.

@@ -1,17 +1,14 @@
 //! A small run made up for the tests of this module.
 
-use std::sync::Arc;
-
 use serde_json::json;
 
 use super::moments::{Moments, StageMoments};
 use super::parts::parts;
-use crate::geometry::{Pose, Vector};
+use super::*;
 use crate::grains;
-use crate::protocol::Setup;
 use crate::record::Frame;
 use crate::scenario::{GrainsSpec, Scenario};
-use crate::specimen::{Fate, FunnelState, GrainState, Other, Party, SavedContact, SpecimenState};
+use crate::specimen::{Fate, FunnelState, GrainState, Other, Party, SavedContact};
 use crate::world::BodyState;
 
 /// Speed of every grain along z, in m/s.

@@ -1,5 +1,8 @@
 //! A motion as it was recorded: displacement over time from a table.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::geometry::Vector;
 use crate::units::from_mm;
 
@@ -14,13 +17,15 @@ pub(super) const POINTS_AN_INTERVAL: u32 = 16;
 /// Rows of time in s and displacement in mm along x, y and z.
 pub type Rows = Vec<[f64; 4]>;
 
-/// How displacement goes between two rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How a recorded displacement goes between two rows.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Interpolation {
-    /// A natural cubic spline a direction: position, velocity and acceleration are continuous,
-    /// the acceleration is 0 at both ends and largest at a row.
+    // One spline a direction, whose acceleration is 0 at both ends and largest at a row.
+    /// Natural cubic splines: no jump of position, velocity or acceleration.
+    #[default]
     Cubic,
-    /// A straight line: the velocity jumps at every row.
+    /// Straight lines: the velocity jumps at every row.
     Linear,
 }
 

@@ -2,18 +2,23 @@
 
 use std::sync::Arc;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use super::RecordedMotion;
 
 /// Largest ratio of crank to connecting rod: up to it the largest acceleration is that of the
 /// outer dead centre.
 pub const LARGEST_CRANK: f64 = 0.5;
 
-/// Where a waveform begins, and rests between periods.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// Where a waveform begins and the table rests.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Start {
-    /// In the middle of the stroke, at full speed.
+    /// In the middle of the stroke: at full speed, unless there is a ramp.
+    #[default]
     Middle,
-    /// At a turning point, at rest: the stroke lies on one side of it.
+    /// At a turning point, from which the whole stroke lies on one side: at rest.
     TurningPoint,
 }
 

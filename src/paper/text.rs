@@ -1,5 +1,7 @@
 //! Numbers for readers.
 
+use crate::plain::without_zeros;
+
 /// A number with a fixed count of decimals; a dash for what is none.
 pub(crate) fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
@@ -24,11 +26,7 @@ pub(crate) fn compact(value: f64) -> String {
         return format!("{value:.2e}").replace('-', "\u{2212}");
     }
     let decimals = (if magnitude >= 3.0 { 4.0 } else { 3.0 } - magnitude).clamp(0.0, 8.0) as usize;
-    let text = number(value, decimals);
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
+    without_zeros(&number(value, decimals)).to_owned()
 }
 
 #[cfg(test)]

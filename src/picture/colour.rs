@@ -10,7 +10,7 @@ pub struct Colour(pub [f32; 3]);
 
 impl Colour {
     /// Grains without a scale.
-    pub const STONE: Self = Self([0.45, 0.40, 0.33]);
+    pub const GRAIN: Self = Self([0.45, 0.40, 0.33]);
     /// What has no value.
     pub const GREY: Self = Self([0.45, 0.45, 0.45]);
     /// Walls that are not of glass.
@@ -61,7 +61,7 @@ pub fn scale(share: f64) -> Colour {
 /// The colour of the n-th of several steps, from small to large.
 pub fn step(n: usize, of: usize) -> Colour {
     match of {
-        0 | 1 => Colour::STONE,
+        0 | 1 => Colour::GRAIN,
         // Few steps are told apart in the middle of the scale, which shading spares most.
         5.. => scale(n as f64 / (of - 1) as f64),
         _ => scale(0.14 + 0.66 * n as f64 / (of - 1) as f64),

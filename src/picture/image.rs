@@ -17,12 +17,12 @@ pub struct Image {
 }
 
 /// What lies behind a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Background {
     /// White paper.
     #[default]
     White,
-    /// Nothing.
+    /// Nothing, for slides.
     Transparent,
 }
 

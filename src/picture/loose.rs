@@ -169,7 +169,7 @@ mod tests {
     fn grains_lie_on_a_face_and_apart() {
         let run = canned();
         let count = run.grains.grains.len();
-        let (bodies, bar) = laid_out(&run.grains, &vec![Colour::STONE; count]).expect("in rows");
+        let (bodies, bar) = laid_out(&run.grains, &vec![Colour::GRAIN; count]).expect("in rows");
         assert_eq!(bodies.len(), count + 1, "law: every grain of a few, and the bar");
         assert!((0.02..=0.1).contains(&bar), "a bar of a few cm, got {bar} m");
         for body in &bodies {

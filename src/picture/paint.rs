@@ -5,22 +5,23 @@ use super::colour::{Colour, round_up, scale, step};
 use crate::geometry::Vector;
 use crate::grains::GrainSet;
 use crate::measure::{WorldHull, pairs_within_of, touching_gap};
+use crate::plain::without_zeros;
 use crate::record::Frame;
 use crate::units::to_mm;
 
 /// What the colour of a grain tells.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum ColourBy {
-    /// The sieve fraction it belongs to.
+    /// Sieve fraction.
     #[default]
     Fraction,
-    /// How far its centroid has come since the stage began, as seen from the table.
+    /// Way since the stage began, as seen from the table.
     Displacement,
-    /// How fast its centroid is, as seen from the table.
+    /// Speed as seen from the table.
     Speed,
-    /// How many grains it touches.
+    /// Number of grains that each touches.
     Coordination,
-    /// Nothing.
+    /// Nothing: one colour.
     Plain,
 }
 
@@ -74,7 +75,7 @@ pub fn paint(
 ) -> Result<(Vec<Colour>, Key), PictureError> {
     let count = grains.grains.len();
     match by {
-        ColourBy::Plain => Ok((vec![Colour::STONE; count], Key::default())),
+        ColourBy::Plain => Ok((vec![Colour::GRAIN; count], Key::default())),
         ColourBy::Fraction => Ok(by_fraction(grains, moments.now)),
         ColourBy::Coordination => Ok(by_coordination(grains, moments.now)),
         ColourBy::Displacement | ColourBy::Speed => {
@@ -131,7 +132,7 @@ fn by_fraction(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
     // From small to large, whatever the order of the table.
     let mut order: Vec<usize> = (0..grains.blocks.len()).collect();
     order.sort_by(|&a, &b| grains.blocks[a].retained.total_cmp(&grains.blocks[b].retained));
-    let mut colours = vec![Colour::STONE; order.len()];
+    let mut colours = vec![Colour::GRAIN; order.len()];
     let mut steps = Vec::new();
     for (n, &fraction) in order.iter().enumerate() {
         let block = &grains.blocks[fraction];
@@ -143,7 +144,7 @@ fn by_fraction(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
         steps.push((colours[fraction], format!("{sizes}: {count}")));
     }
     steps.reverse();
-    let of = |g: &crate::grains::Grain| colours.get(g.fraction).copied().unwrap_or(Colour::STONE);
+    let of = |g: &crate::grains::Grain| colours.get(g.fraction).copied().unwrap_or(Colour::GRAIN);
     let title = ["Sieve fraction (mm)", "and number of grains"].map(str::to_owned).to_vec();
     let key = Key { title, steps, ..Key::default() };
     (grains.grains.iter().map(of).collect(), key)
@@ -177,8 +178,7 @@ fn by_coordination(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
 
 /// A number without trailing zeros.
 pub fn number(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    without_zeros(&format!("{value:.3}")).to_owned()
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ fn ball(planes: usize) -> Solid {
 
 #[test]
 fn the_silhouette_of_a_ball_has_its_area() {
-    let scene = Scene::new(vec![Body::new(ball(2000), Colour::STONE)], None);
+    let scene = Scene::new(vec![Body::new(ball(2000), Colour::GRAIN)], None);
     let view = View { azimuth_deg: 0.0, elevation_deg: 0.0 };
     let (camera, image) = picture(&scene, &view);
     // The cone that touches a unit ball from the distance d opens by asin(1/d): on
@@ -59,7 +59,7 @@ fn the_silhouette_of_a_ball_has_its_area() {
 #[test]
 fn a_face_on_covers_what_its_corners_enclose() {
     let scene =
-        Scene::new(vec![body(Vector::new(0.4, 1e-3, 0.2), Vector::zeros(), Colour::STONE)], None);
+        Scene::new(vec![body(Vector::new(0.4, 1e-3, 0.2), Vector::zeros(), Colour::GRAIN)], None);
     let (camera, image) = picture(&scene, &View { azimuth_deg: 0.0, elevation_deg: 0.0 });
     let corner = |x, z| camera.project(&crate::geometry::Point::new(x, -0.5e-3, z)).expect("seen");
     let (low, high) = (corner(-0.2, -0.1), corner(0.2, 0.1));
@@ -79,7 +79,7 @@ fn threads_change_no_bit() {
         .map(|n| {
             let n = f64::from(n);
             let at = Vector::new((n * 0.7).sin(), (n * 1.3).cos(), 0.1 * n);
-            let b = body(Vector::new(0.5, 0.3, 0.2), at, Colour::STONE);
+            let b = body(Vector::new(0.5, 0.3, 0.2), at, Colour::GRAIN);
             Body { glass: n > 25.0, ..b }
         })
         .collect();
@@ -98,7 +98,7 @@ fn threads_change_no_bit() {
 
 #[test]
 fn shadows_fall_on_the_ground_and_nowhere_else() {
-    let block = body(Vector::new(0.1, 0.1, 0.1), Vector::new(0.0, 0.0, 0.05), Colour::STONE);
+    let block = body(Vector::new(0.1, 0.1, 0.1), Vector::new(0.0, 0.0, 0.05), Colour::GRAIN);
     let bare = Scene::new(vec![block.clone()], None);
     let on_ground = Scene::new(vec![block], Some(0.0));
     let view = View { azimuth_deg: 0.0, elevation_deg: 30.0 };

@@ -14,14 +14,14 @@ use crate::record::Frame;
 use crate::specimen::{PieceState, SpecimenState};
 
 /// How cylinder and funnel are shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Walls {
     /// As glass.
     #[default]
     Transparent,
-    /// Without the half that is nearer to the camera.
+    /// The near half cut away.
     Cut,
-    /// Not at all.
+    /// Left out.
     Hidden,
 }
 

@@ -1,15 +1,12 @@
 //! Writing files so that a reader never sees half of one.
 
-use std::{
-    fmt::Display,
-    fs::{self, File},
-    io::{self, Write},
-    path::{Path, PathBuf},
-};
+use std::fmt::Display;
+use std::io::Write;
 
-use serde::{Serialize, de::DeserializeOwned};
+use serde::de::DeserializeOwned;
 
-use super::{hash_bytes, unfinished::begin_file};
+use super::unfinished::begin_file;
+use super::*;
 use crate::input::{self, Refusal};
 use crate::plain::{plain, plain_path};
 

@@ -7,24 +7,9 @@
 //! JSON. It says of which stage it is. One that is damaged, or of another stage,
 //! is passed over for the one before it.
 
-use std::{
-    fs::{self, File},
-    io,
-    path::{Path, PathBuf},
-};
-
-use serde::{Deserialize, Serialize};
-
-use super::{
-    AskedStage, EnergyRow, FRAMES_FILE, FileError, FrameWriter, LaboratorySeries, OverlapWatch,
-    SeriesRow, StageIdentity, create_folder,
-    frames::FramesSoFar,
-    hash_bytes,
-    lock::{Asked, ask_alone, has_name},
-    read_file, series_from_csv, to_csv,
-    unfinished::remove_abandoned_in,
-    write_file,
-};
+use super::frames::FramesSoFar;
+use super::lock::has_name;
+use super::*;
 use crate::protocol::Midway;
 
 /// How a checkpoint begins; the number is that of its format.

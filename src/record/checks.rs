@@ -138,47 +138,46 @@ pub struct CheckSummary {
 }
 
 impl CheckSummary {
+    /// Of what nobody looked at.
+    fn unseen(watches: &str, unit: &str, looks: u64) -> Self {
+        Self {
+            watches: watches.to_owned(),
+            unit: unit.to_owned(),
+            looks,
+            worst: None,
+            limit: None,
+            worst_at_s: None,
+            first_beyond_s: None,
+            passed: None,
+        }
+    }
+
     /// Of a quantity that was watched.
     pub fn of(watches: &str, unit: &str, watched: &Watched) -> Self {
         let seen = |value: f64| (watched.looks > 0).then_some(value);
         Self {
-            watches: watches.to_owned(),
-            unit: unit.to_owned(),
-            looks: watched.looks,
             worst: seen(watched.worst),
             limit: seen(watched.limit),
             worst_at_s: seen(watched.worst_at_s),
             first_beyond_s: watched.first_beyond_s,
             passed: watched.passed(),
+            ..Self::unseen(watches, unit, watched.looks)
         }
     }
 
     /// Of one figure over all looks, at most `limit`; `None` where there were no looks.
     pub fn at_most(watches: &str, limit: f64, figure: Option<f64>, looks: u64) -> Self {
         Self {
-            watches: watches.to_owned(),
-            unit: String::new(),
-            looks,
             worst: figure,
             limit: figure.map(|_| limit),
-            worst_at_s: None,
-            first_beyond_s: None,
             passed: figure.map(|figure| figure <= limit),
+            ..Self::unseen(watches, "", looks)
         }
     }
 
     /// Of what must not be at all, found so often in so many looks.
     pub fn none_of(watches: &str, unit: &str, found: u32, looks: u64) -> Self {
-        let seen = looks > 0;
-        Self {
-            watches: watches.to_owned(),
-            unit: unit.to_owned(),
-            looks,
-            worst: seen.then_some(f64::from(found)),
-            limit: seen.then_some(0.0),
-            worst_at_s: None,
-            first_beyond_s: None,
-            passed: seen.then_some(found == 0),
-        }
+        let found = (looks > 0).then_some(f64::from(found));
+        Self { unit: unit.to_owned(), ..Self::at_most(watches, 0.0, found, looks) }
     }
 }

@@ -16,26 +16,18 @@
 //!
 //! A quaternion's rounding turns a grain by less than 0.003°.
 
-use std::{
-    fs::{self, File},
-    io::{self, BufWriter, Read, Seek, SeekFrom, Write},
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
+use std::sync::Arc;
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::{
-    FileError,
-    atomic::make_readable,
-    hash::{hash_file, hash_of, hexadecimal},
-    read_unchanged,
-};
+use super::atomic::make_readable;
+use super::hash::{hash_file, hash_of, hexadecimal};
+use super::*;
 use crate::geometry::Pose;
 use crate::input;
-use crate::specimen::{Base, Fate, FunnelState, SpecimenState};
+use crate::specimen::{Base, Fate, FunnelState};
 
 /// Name of the file in a stage's folder.
 pub const FRAMES_FILE: &str = "frames.bin";

@@ -1,13 +1,10 @@
 //! Content hashes: the names under which results are stored.
 
-use std::{
-    io::{self, Read},
-    path::Path,
-};
+use std::io::Read;
 
-use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+use super::*;
 use crate::input;
 
 /// SHA-256 of bytes, in lower-case hexadecimal.

@@ -1,9 +1,6 @@
 //! What a stage is, as it says itself: so that none is taken for another.
 
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::{StoredStage, hash_json};
+use super::*;
 
 /// Letters of a key in messages.
 const SHOWN: usize = 12;

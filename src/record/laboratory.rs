@@ -202,30 +202,21 @@ pub fn with_laboratory(
     rows: &[LaboratoryRow],
 ) -> Result<Vec<u8>, csv::Error> {
     let stresses = rows.iter().any(|row| !row.stresses_kpa.is_empty());
-    let pressed_in = |row: &LaboratoryRow, k: usize| row.pieces.get(k).copied().flatten()?.pressed;
-    let presses = |k: &usize| rows.iter().any(|row| pressed_in(row, *k).is_some());
-    let pressed: Vec<usize> = (0..names.pieces.len()).filter(presses).collect();
-    let turned_in = |row: &LaboratoryRow, k: usize| row.pieces.get(k).copied().flatten()?.turned;
-    let turns = |k: &usize| rows.iter().any(|row| turned_in(row, *k).is_some());
-    let turned: Vec<usize> = (0..names.pieces.len()).filter(turns).collect();
-    let rotation_in =
-        |row: &LaboratoryRow, k: usize| row.pieces.get(k).copied().flatten()?.rotation_deg;
-    let rotates = |k: &usize| rows.iter().any(|row| rotation_in(row, *k).is_some());
-    let free: Vec<usize> = (0..names.pieces.len()).filter(rotates).collect();
+    let own = |row: &LaboratoryRow, k: usize, of: &Own| {
+        let own = of.values(row.pieces.get(k)?.as_ref()?)?;
+        Some(own.to_vec())
+    };
+    let has = |(k, of): &(usize, &Own)| rows.iter().any(|row| own(row, *k, of).is_some());
+    let all = OWN.iter().flat_map(|of| (0..names.pieces.len()).map(move |k| (k, of)));
+    let owned: Vec<(usize, &Own)> = all.filter(has).collect();
     let mut columns = Vec::new();
     for name in names.pieces.iter().chain(names.groups.iter().map(|(name, _)| name)) {
         for (quantity, unit) in [("", "mm"), ("_force", "n"), ("_moment", "n_m")] {
             columns.extend(["x", "y", "z"].map(|k| format!("{name}{quantity}_{k}_{unit}")));
         }
     }
-    for name in pressed.iter().map(|k| &names.pieces[*k]) {
-        columns.extend(["n", "kpa"].map(|unit| format!("{name}_pressed_{unit}")));
-    }
-    for name in turned.iter().map(|k| &names.pieces[*k]) {
-        columns.extend(["pressed_n_m", "turned_deg"].map(|what| format!("{name}_{what}")));
-    }
-    for name in free.iter().map(|k| &names.pieces[*k]) {
-        columns.extend(["x", "y", "z"].map(|axis| format!("{name}_rotation_{axis}_deg")));
+    for (k, of) in &owned {
+        columns.extend(of.columns().iter().map(|column| format!("{}_{column}", names.pieces[*k])));
     }
     columns.extend(names.openings.iter().map(|name| format!("{name}_passed_g")));
     columns.extend(names.regions.iter().map(|name| format!("{name}_void_ratio")));
@@ -241,17 +232,9 @@ pub fn with_laboratory(
             let numbers = piece.map(|p| [p.at_mm, p.force_n, p.moment_n_m]);
             cells.extend((0..9).map(|k| numbers.map(|n| n[k / 3][k % 3])));
         }
-        for k in &pressed {
-            let load = row.and_then(|row| pressed_in(row, *k));
-            cells.extend([0, 1].map(|i| load.map(|load| load[i])));
-        }
-        for k in &turned {
-            let load = row.and_then(|row| turned_in(row, *k));
-            cells.extend([0, 1].map(|i| load.map(|load| load[i])));
-        }
-        for k in &free {
-            let rotation = row.and_then(|row| rotation_in(row, *k));
-            cells.extend([0, 1, 2].map(|i| rotation.map(|rotation| rotation[i])));
+        for (k, of) in &owned {
+            let values = row.and_then(|row| own(row, *k, of));
+            cells.extend((0..of.columns().len()).map(|i| values.as_ref().map(|own| own[i])));
         }
         for k in 0..names.openings.len() {
             cells.push(row.and_then(|row| row.passed_g.get(k).copied()));
@@ -266,6 +249,35 @@ pub fn with_laboratory(
         cells
     };
     with_columns(table, &columns, cells)
+}
+
+/// What only some pieces have at some times.
+enum Own {
+    Pressed,
+    Turned,
+    Rotation,
+}
+
+const OWN: [Own; 3] = [Own::Pressed, Own::Turned, Own::Rotation];
+
+impl Own {
+    /// How the names of its columns end.
+    fn columns(&self) -> &'static [&'static str] {
+        match self {
+            Self::Pressed => &["pressed_n", "pressed_kpa"],
+            Self::Turned => &["pressed_n_m", "turned_deg"],
+            Self::Rotation => &["rotation_x_deg", "rotation_y_deg", "rotation_z_deg"],
+        }
+    }
+
+    /// Its values of a piece; none of a piece that has none.
+    fn values<'a>(&self, piece: &'a PieceRow) -> Option<&'a [f64]> {
+        match self {
+            Self::Pressed => piece.pressed.as_ref().map(<[f64; 2]>::as_slice),
+            Self::Turned => piece.turned.as_ref().map(<[f64; 2]>::as_slice),
+            Self::Rotation => piece.rotation_deg.as_ref().map(<[f64; 3]>::as_slice),
+        }
+    }
 }
 
 /// The components of a stress in a row.

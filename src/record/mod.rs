@@ -29,23 +29,17 @@ pub use atomic::{
 };
 pub use checkpoint::{Checkpoints, Observed, Reference, Resumed};
 pub use checks::{CheckSummary, Checks, OverlapWatch, StageChecks};
-pub use contacts::{ContactsSummary, CoreSummary, FabricSummary, ForceSummary, StressSummary};
-pub use energy::{EnergyRow, RotationSummary, StageEnergy, StageSummary, with_energy};
+pub use contacts::*;
+pub use energy::*;
 pub use frames::{FRAMES_FILE, Frame, FrameWriter};
 pub use hash::{hash_bytes, hash_json};
 pub use identity::{AskedStage, StageEnd, StageIdentity};
-pub use laboratory::{
-    Balance, GroupSummary, LaboratoryNames, LaboratoryRow, LaboratorySeries, LaboratorySummary,
-    OpeningSummary, PieceRow, PieceSummary, RegionSummary, of_group, with_laboratory,
-};
+pub use laboratory::*;
 pub use left_out::{MOST_MISSING, NO_VALID_RUN, left_out_in_words};
 pub use profile::{DistributionRow, ProfileRow, distributions};
 pub use run::{RunKind, RunRecord, run_file};
 pub use sealed::{Beside, keep_beside};
-pub use sieve::{
-    GradationSummary, NotSieved, SecondarySieve, ShapeSummary, SieveSummary, SievedFraction,
-    Spread, UNCHANGED,
-};
+pub use sieve::*;
 pub use stage::{StageRecord, StoredStage};
 pub use store::StageStore;
 pub use store_check::{StoreReport, StoredItem, StoredState, check_store};
@@ -53,3 +47,18 @@ pub use summary::*;
 pub use tables::{grains_csv, series_csv, series_from_csv, to_csv};
 pub use unfinished::{begin_file, remove_abandoned, remove_abandoned_beside};
 pub use variations::{RunRow, VariationRow, variation_runs_csv, variations_csv};
+
+// What its parts are made of, too.
+use std::{
+    fs::{self, File},
+    io,
+    path::{Path, PathBuf},
+};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::specimen::SpecimenState;
+use lock::{Asked, ask_alone};
+use unfinished::remove_abandoned_in;

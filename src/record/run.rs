@@ -1,10 +1,6 @@
 //! A finished run as claims and reports see it.
 
-use std::path::{Path, PathBuf};
-
-use serde::{Deserialize, Serialize};
-
-use super::{SeriesRow, Summary};
+use super::*;
 
 /// A file or folder that several runs of one command share: in the run's folder, or in the one
 /// that holds `runs/`.

@@ -1,8 +1,6 @@
 //! Sieve analysis and shape of the grains, as `summary.json` has them.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
+use super::*;
 use crate::grains::{
     Gradation, GrainShape, ParticleSizeDistribution, ShapeRatio, SieveAnalysis, Sieved,
 };

@@ -1,16 +1,9 @@
 //! A finished stage: what it says of itself, and its files.
 
-use std::path::Path;
-
-use serde::{Deserialize, Serialize};
-
-use super::{
-    EnergyRow, FRAMES_FILE, FileError, LaboratoryRow, SeriesRow, StageChecks, StageEnd,
-    StageIdentity, hash::hash_file, hash_json, identity::short, read_json, read_unchanged,
-    series_from_csv,
-};
+use super::hash::hash_file;
+use super::identity::short;
+use super::*;
 use crate::protocol::{Settling, UntilFound};
-use crate::specimen::SpecimenState;
 use crate::world::EffectiveSettings;
 
 /// Files of a stage.

@@ -1,28 +1,15 @@
 //! Finished stages on disk, each under the hash of everything that determines it.
 
-use std::{
-    fs::{self, File},
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::sync::Arc;
 
-use super::{
-    AskedStage, Checkpoints, FRAMES_FILE, FileError, Frame, FrameWriter,
-    atomic::{exchange, sync_folder},
-    create_folder,
-    frames::{read_frame_ends, read_frames},
-    hash_bytes,
-    lock::{Asked, ask_alone, wait_alone, wait_shared},
-    read_json,
-    stage::{
-        RECORD_FILE, SERIES_FILE, STATE_FILE, StageRecord, StoredStage, read_record,
-        read_record_of, read_stage, read_state,
-    },
-    to_csv,
-    unfinished::remove_abandoned_in,
-    write_file, write_json,
+use super::atomic::{exchange, sync_folder};
+use super::frames::{read_frame_ends, read_frames};
+use super::lock::{wait_alone, wait_shared};
+use super::stage::{
+    RECORD_FILE, SERIES_FILE, STATE_FILE, StageRecord, StoredStage, read_record, read_record_of,
+    read_stage, read_state,
 };
-use crate::specimen::SpecimenState;
+use super::*;
 
 /// Held by everybody who works in a store, together with others.
 pub(super) const LOCK: &str = ".lock";

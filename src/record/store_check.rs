@@ -1,20 +1,11 @@
 //! Looks a whole store over, changing nothing.
 
-use std::{
-    collections::BTreeMap,
-    fs::{self, File},
-    path::{Path, PathBuf},
-};
+use std::collections::BTreeMap;
 
-use serde::Serialize;
-
-use super::{
-    FileError, StageIdentity, StageRecord, StoredStage, checkpoint,
-    lock::{Asked, ask_alone},
-    stage::{RECORD_FILE, read_record, read_stage},
-    store::{LOCK, StageStore, is_vacant, parts_in},
-    unfinished::unfinished_in,
-};
+use super::stage::{RECORD_FILE, read_record, read_stage};
+use super::store::{LOCK, StageStore, is_vacant, parts_in};
+use super::unfinished::unfinished_in;
+use super::*;
 
 /// What became of something in a store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

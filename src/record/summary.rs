@@ -1,12 +1,6 @@
 //! `summary.json` and the rows of `series.csv`.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::{
-    Checks, ContactsSummary, CoreSummary, LaboratorySummary, ShapeSummary, SieveSummary,
-    StageSummary,
-};
+use super::*;
 use crate::motion::MotionFacts;
 use crate::protocol::Settling;
 use crate::world::BackendInfo;

@@ -4,15 +4,10 @@
 //! holds is abandoned, on whatever machine its writer ran. Where the file system
 //! has no locks, nothing is known to be abandoned, and nothing is removed.
 
-use std::{
-    fs::{self, File},
-    io,
-    path::Path,
-};
-
 use tempfile::{Builder, NamedTempFile};
 
-use super::lock::{Asked, ask_alone, has_name, wait_alone};
+use super::lock::{has_name, wait_alone};
+use super::*;
 
 /// How the names of files on their way begin and end.
 const BEGINS: &str = ".pluvia-";

@@ -8,7 +8,7 @@ use crate::scenario::{Backend, ContactSolver, Scenario};
 
 /// One run of one variation. What it did not measure, or did not come to
 /// measure because it failed, is `None`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunRow {
     /// Name of the run and of its folder.
     pub run: String,
@@ -80,8 +80,7 @@ impl RunRow {
     /// The row of a run that has no results yet: what is known from its scenario.
     pub fn of_scenario(run: &str, variation: &str, group: &str, scenario: &Scenario) -> Self {
         let engine = &scenario.engine;
-        let native =
-            engine.backend == Backend::Bullet && engine.contact_solver == ContactSolver::Native;
+        let native = engine.is_native();
         let substeps = engine.native.substeps(engine.rate_hz);
         let info = crate::world::info(engine.backend);
         Self {
@@ -89,7 +88,6 @@ impl RunRow {
             variation: variation.to_owned(),
             group: group.to_owned(),
             configuration: scenario.configuration,
-            changes: String::new(),
             experiment: experiment(scenario),
             contact_solver: match (engine.backend, engine.contact_solver) {
                 (Backend::Rapier, _) => "rapier".to_owned(),
@@ -106,24 +104,7 @@ impl RunRow {
             },
             substeps: native.then_some(substeps),
             contact_stiffness_n_per_m: native.then_some(engine.native.contact_stiffness_n_per_m),
-            grains: None,
-            grains_outside: None,
-            poured_height_mm: None,
-            void_ratio: None,
-            plate_settlement_mm: None,
-            plate_settlement_after_5_s_mm: None,
-            surface_settlement_mm: None,
-            surface_settlement_after_5_s_mm: None,
-            overlap_mean_percent: None,
-            overlap_p99_percent: None,
-            creep_um_per_s: None,
-            meets_standard: None,
-            valid: None,
-            left_out_of_means: None,
-            wall_s_per_simulated_s: None,
-            simulated_s: None,
-            steps: None,
-            failure: None,
+            ..Self::default()
         }
     }
 
@@ -308,6 +289,29 @@ impl VariationRow {
         self.left_out > 0 && self.left_out + self.failed == self.runs
     }
 
+    /// Name and value of what it is and how many runs it has.
+    fn settings(&self) -> [(&'static str, String); 16] {
+        let substeps = self.substeps.map(|substeps| substeps.to_string());
+        [
+            ("variation", self.variation.clone()),
+            ("group", self.group.clone()),
+            ("changes", self.changes.clone()),
+            ("experiment", self.experiment.clone()),
+            ("backend", self.backend.clone()),
+            ("precision", self.precision.clone()),
+            ("contact_solver", self.contact_solver.clone()),
+            ("rate_hz", self.rate_hz.to_string()),
+            ("iterations", self.iterations.to_string()),
+            ("substeps", substeps.unwrap_or_default()),
+            ("contact_stiffness_n_per_m", cell(self.contact_stiffness_n_per_m)),
+            ("runs", self.runs.to_string()),
+            ("failed", self.failed.to_string()),
+            ("meeting_standard", self.meeting_standard.to_string()),
+            ("valid", self.valid.to_string()),
+            ("left_out", self.left_out.to_string()),
+        ]
+    }
+
     /// Name and value of every mean.
     fn means(&self) -> [(&'static str, Option<Estimate>); 10] {
         [
@@ -335,55 +339,20 @@ fn cell(value: Option<f64>) -> String {
 /// # Errors
 /// The writer's; writing to memory does not fail.
 pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
-    const SETTINGS: [&str; 16] = [
-        "variation",
-        "group",
-        "changes",
-        "experiment",
-        "backend",
-        "precision",
-        "contact_solver",
-        "rate_hz",
-        "iterations",
-        "substeps",
-        "contact_stiffness_n_per_m",
-        "runs",
-        "failed",
-        "meeting_standard",
-        "valid",
-        "left_out",
-    ];
     let mut writer = csv::Writer::from_writer(Vec::new());
     for (index, row) in rows.iter().enumerate() {
-        let means = row.means();
+        let (settings, means) = (row.settings(), row.means());
         if index == 0 {
-            let names = means
+            let names = settings.iter().map(|(name, _)| (*name).to_owned());
+            let of_means = means
                 .iter()
                 .flat_map(|(name, _)| [(*name).to_owned(), format!("{name}_standard_error")]);
-            writer.write_record(SETTINGS.map(str::to_owned).into_iter().chain(names))?;
+            writer.write_record(names.chain(of_means))?;
         }
-        let settings = [
-            row.variation.clone(),
-            row.group.clone(),
-            row.changes.clone(),
-            row.experiment.clone(),
-            row.backend.clone(),
-            row.precision.clone(),
-            row.contact_solver.clone(),
-            row.rate_hz.to_string(),
-            row.iterations.to_string(),
-            row.substeps.map_or_else(String::new, |s| s.to_string()),
-            cell(row.contact_stiffness_n_per_m),
-            row.runs.to_string(),
-            row.failed.to_string(),
-            row.meeting_standard.to_string(),
-            row.valid.to_string(),
-            row.left_out.to_string(),
-        ];
         let values = means.iter().flat_map(|(_, estimate)| {
             [cell(estimate.map(|e| e.mean)), cell(estimate.and_then(|e| e.standard_error))]
         });
-        writer.write_record(settings.into_iter().chain(values))?;
+        writer.write_record(settings.into_iter().map(|(_, text)| text).chain(values))?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())
 }

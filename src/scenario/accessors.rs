@@ -3,57 +3,35 @@
 use std::sync::Arc;
 
 use nalgebra::Unit;
-use serde_json::Value;
+use serde::de::DeserializeOwned;
 
-use super::{
-    Grading, GrainsSpec, InterpolationKind, Scenario, SieveFraction, StageSpec, StartPoint,
-    StrokeKind, UntilSpec, WaveformKind, stages::half_turn,
-};
+use super::*;
 use crate::geometry::{Point, Vector};
-use crate::motion::{
-    Interpolation, Path, PieceMotion, RecordedMotion, Start, TableMotion, Vertical, Waveform,
-};
+use crate::motion::{Path, PieceMotion, RecordedMotion, TableMotion, Vertical, Waveform};
 use crate::scale::Scale;
-use crate::units::{from_g, from_mm};
+use crate::units::from_g;
 
 impl StageSpec {
     /// A vibration of one period, a sine from the middle with a half stroke in mm, a frequency in Hz
     /// and a length in s, and the longest time in s to come to rest: all else at its default.
-    pub fn sine(
-        frequency_hz: f64,
-        amplitude_mm: f64,
-        duration_s: f64,
-        settle_limit_s: f64,
-    ) -> Self {
-        Self::Vibrate {
-            waveform: WaveformKind::Sine,
-            start: StartPoint::Middle,
-            frequency_hz: Some(frequency_hz),
-            amplitude_mm: Some(amplitude_mm),
-            stroke: StrokeKind::HalfStroke,
-            duration_s: Some(duration_s),
-            periods: 1,
-            rest_s: 0.0,
-            ramp_s: 0.0,
-            crank_to_rod: None,
-            motion_file: None,
-            motion_rows: None,
-            interpolation: None,
-            vertical: None,
-            video_frames: None,
-            settle_limit_s,
-        }
+    ///
+    /// # Panics
+    /// When a number is not finite.
+    pub fn sine(frequency_hz: f64, amplitude_mm: f64, duration_s: f64, limit_s: f64) -> Self {
+        let fields = json!({
+            "stage": "vibrate", "frequency_hz": frequency_hz, "amplitude_mm": amplitude_mm,
+            "duration_s": duration_s, "settle_limit_s": limit_s,
+        });
+        read(&fields).expect("a stage")
     }
 
     /// The plate laid on the axis, with a limit in s: all else at its default.
+    ///
+    /// # Panics
+    /// When the number is not finite.
     pub fn top_plate(time_limit_s: f64) -> Self {
-        Self::PlaceTopPlate {
-            time_limit_s,
-            placement: 0,
-            offset_mm: None,
-            rotation_deg: half_turn(),
-            seating_load_n: 0.0,
-        }
+        let fields = json!({ "stage": "place_top_plate", "time_limit_s": time_limit_s });
+        read(&fields).expect("a stage")
     }
 
     /// Name of the stage as in the file.
@@ -99,7 +77,7 @@ impl StageSpec {
         let frames_per_s = video_frames.map(|v| v.frames_per_s);
         if waveform == WaveformKind::File {
             let rows = motion_rows.as_ref()?;
-            let recorded = RecordedMotion::new(rows, joined(interpolation)).ok()?;
+            let recorded = RecordedMotion::new(rows, interpolation.unwrap_or_default()).ok()?;
             return Some(TableMotion {
                 periods,
                 rest: rest_s,
@@ -109,10 +87,6 @@ impl StageSpec {
                 ..TableMotion::sine(0.0, 0.0, 0.0)
             });
         }
-        let start = match start {
-            StartPoint::Middle => Start::Middle,
-            StartPoint::TurningPoint => Start::TurningPoint,
-        };
         let half = match stroke {
             StrokeKind::HalfStroke => 1.0,
             StrokeKind::FullStroke => 0.5,
@@ -158,7 +132,7 @@ impl StageSpec {
         };
         if let Some(rows) = motion_rows {
             let only = velocity_mm_per_s.is_none() && rotation.is_none() && sine.is_none();
-            let recorded = RecordedMotion::of_piece(rows, joined(interpolation)).ok();
+            let recorded = RecordedMotion::of_piece(rows, interpolation.unwrap_or_default()).ok();
             let recorded = recorded.filter(|_| only && (ramp == 0.0 || until.is_some()))?;
             let duration = recorded.duration();
             let path = Path::Recorded { rows: Arc::new(recorded), slows_from: None };
@@ -241,14 +215,6 @@ impl StageSpec {
     }
 }
 
-/// How a recorded displacement goes between rows.
-pub(super) fn joined(interpolation: Option<InterpolationKind>) -> Interpolation {
-    match interpolation {
-        Some(InterpolationKind::Linear) => Interpolation::Linear,
-        Some(InterpolationKind::Cubic) | None => Interpolation::Cubic,
-    }
-}
-
 impl SieveFraction {
     /// Number of grains as a plain quotient, n = V / (π/6 · d³): the volume of
     /// the fraction's solids over that of a sphere whose diameter is the mean
@@ -273,17 +239,6 @@ impl Scenario {
         let mut value = serde_json::to_value(self).expect("a scenario has a JSON form");
         value.sort_all_objects();
         value.to_string()
-    }
-
-    /// Opening in m of the finest sieve that retains grains; `None` for grains from a file
-    /// and for meshes in their own size.
-    pub fn smallest_sieve_m(&self) -> Option<f64> {
-        let table = match &self.grains {
-            GrainsSpec::Sieved(sieved) => &sieved.sieve_table,
-            GrainsSpec::Meshes(meshes) => &meshes.sieve_table,
-            GrainsSpec::File(_) => return None,
-        };
-        table.iter().map(|f| from_mm(f.retained_mm)).min_by(f64::total_cmp)
     }
 
     /// What our lengths, speeds and times follow from: the sizes of the sieve table, or
@@ -327,6 +282,11 @@ impl Scenario {
     pub fn longest(&self) -> f64 {
         self.stages.iter().map(StageSpec::longest).sum::<f64>() + self.rest_test_s
     }
+}
+
+/// What a part of a scenario's JSON says; none where it cannot be read, which the schema reports.
+pub(super) fn read<T: DeserializeOwned>(value: &Value) -> Option<T> {
+    T::deserialize(value).ok()
 }
 
 /// A field of an object, `null` where it is missing.
@@ -379,6 +339,5 @@ mod tests {
         let back: Scenario = serde_json::from_str(&a.canonical_json()).expect("it is a scenario");
         assert_eq!(back, a);
         assert_eq!(a.falling_height_mm(), Some(50.0));
-        assert_eq!(a.smallest_sieve_m(), Some(0.008));
     }
 }

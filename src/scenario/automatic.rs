@@ -5,21 +5,19 @@
 //! for other grains that default times the law of [`crate::scale`]. A value that is typed
 //! is taken as it is.
 
-use serde_json::{Map, Number, Value};
+use serde_json::Number;
 
-use super::{
-    CylinderSpec, EngineSettings, FunnelSpec, MeshGrains, NativeSettings, RapierSettings,
-    SettleSpec, SieveFraction, SievedGrains, TopPlateSpec,
-    accessors::field,
-    stages::{
-        drop_height, feed_rate, fill_limit, place_limit, pour_limit, settle_limit, slow_limit,
-        spout_diameter,
-    },
-    stress::largest_stress,
-    validate::least_rate_hz,
+use super::accessors::field;
+use super::sized::fields;
+use super::stages::{
+    drop_height, feed_rate, fill_limit, place_limit, pour_limit, settle_limit, slow_limit,
+    spout_diameter,
 };
+use super::stress::largest_stress;
+use super::validate::least_rate_hz;
+use super::*;
 use crate::scale::{GrainSizes, Law, Scale, SieveMass};
-use crate::units::{from_g, from_mm, to_mm};
+use crate::units::from_g;
 
 /// What of the grains the values follow from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,12 +72,7 @@ impl Grading {
 
     /// Of the `grains` of a scenario's JSON that has a sieve table.
     pub(super) fn of_json(grains: &Value) -> Option<Self> {
-        let sieved: Option<SievedGrains> = serde::Deserialize::deserialize(grains).ok();
-        let of_meshes = || -> Option<SievedGrains> {
-            let meshes: MeshGrains = serde::Deserialize::deserialize(grains).ok()?;
-            meshes.as_sieved()
-        };
-        Self::of_table(&sieved.or_else(of_meshes)?)
+        Self::of_table(&sieved(grains)?)
     }
 
     fn scale(&self, gravity: f64) -> Scale {
@@ -90,6 +83,11 @@ impl Grading {
     pub(super) fn scale_for_filling(&self, gravity: f64) -> Scale {
         self.scale(gravity.max(WEAKEST))
     }
+}
+
+/// Grains by sieve fractions, also of meshes that are drawn by a sieve table.
+pub(super) fn sieved(grains: &Value) -> Option<SievedGrains> {
+    read(grains).or_else(|| read::<MeshGrains>(grains)?.as_sieved())
 }
 
 /// Fills in what is left out of a scenario's JSON and follows from its grains.
@@ -104,7 +102,7 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
     let scale = grading.scale_for_filling(gravity);
     fill_apparatus(value, &scale);
     fill_stages(value, &scale);
-    for (path, law, default) in fields() {
+    for (path, law, default) in fields().filter(|field| ![RATE, STIFFNESS].contains(&field.0)) {
         put(value, path, default, law.factor(&scale));
     }
     let stiffness = stiffness(value, grading, &scale);
@@ -195,38 +193,6 @@ pub(super) const AUTOMATIC_OF_STAGES: [&str; 5] = [
     "drop_height_mm",
     "spout_diameter_mm",
 ];
-
-/// Fields that are their default times the factor of a law.
-pub(super) fn fields() -> [(&'static str, Law, f64); 15] {
-    let engine = EngineSettings::default();
-    let (native, rapier) = (NativeSettings::default(), RapierSettings::default());
-    let settle = SettleSpec::default();
-    [
-        ("engine.grain_size_mm", Law::Fine, engine.grain_size_mm),
-        ("engine.length_scale", Law::PerLength, engine.length_scale),
-        ("engine.contact_threshold_mm", Law::Fine, engine.contact_threshold_mm),
-        (
-            "engine.restitution_velocity_threshold_m_per_s",
-            Law::Speed,
-            engine.restitution_velocity_threshold_m_per_s,
-        ),
-        ("engine.native.substep_rate_hz", Law::Rate, native.substep_rate_hz),
-        (
-            "engine.native.max_depenetration_velocity_m_per_s",
-            Law::Speed,
-            native.max_depenetration_velocity_m_per_s,
-        ),
-        ("engine.rapier.contact_frequency_hz", Law::Rate, rapier.contact_frequency_hz),
-        ("engine.rapier.wall_contact_frequency_hz", Law::Rate, rapier.wall_contact_frequency_hz),
-        ("engine.rapier.engine_unit_mm", Law::Fine, rapier.engine_unit_mm),
-        ("engine.rapier.prediction_mm", Law::Fine, rapier.prediction_mm),
-        ("engine.rapier.corrective_speed_m_per_s", Law::Speed, rapier.corrective_speed_m_per_s),
-        ("engine.rapier.recycling_distance_mm", Law::Fine, rapier.recycling_distance_mm),
-        ("settle.rms_speed_mm_per_s", Law::Speed, settle.rms_speed_mm_per_s),
-        ("settle.largest_speed_mm_per_s", Law::Speed, settle.largest_speed_mm_per_s),
-        ("settle.hold_s", Law::Time, settle.hold_s),
-    ]
-}
 
 /// Cylinder, funnel and plate are those of the paper times the size of the largest grains; funnel
 /// and plate are narrower where they would not fit into a cylinder that is typed.

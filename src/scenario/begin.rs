@@ -4,17 +4,9 @@
 //! name and words aside. Which stage of it is meant is looked up in the run's `manifest.json` and
 //! noted in the scenario, so that a run folder says what it began with.
 
-use std::path::{Path, PathBuf};
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
-
-use super::{
-    Fault,
-    fault::nearest,
-    source::{Document, Origin, merge},
-};
+use super::fault::nearest;
+use super::source::merge;
+use super::*;
 use crate::input;
 
 /// The specimen that a scenario begins with, in place of its first stages.
@@ -191,10 +183,7 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
 
 /// A path of a document from here.
 fn placed(path: &str, document: &Document) -> PathBuf {
-    match document.origin("begin.specimen") {
-        Origin::File(given_in) => given_in.parent().unwrap_or(Path::new("")).join(path),
-        Origin::Set(_) => PathBuf::from(path),
-    }
+    document.folder("begin.specimen").join(path)
 }
 
 /// Lays a document over the scenario of the run that it begins with.

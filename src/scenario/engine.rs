@@ -112,9 +112,7 @@ impl Serialize for EngineSettings {
             if self.backend == Backend::Bullet && self.rapier == RapierSettings::default() {
                 fields.shift_remove("rapier");
             }
-            let native =
-                self.backend == Backend::Bullet && self.contact_solver == ContactSolver::Native;
-            if !native && self.native == NativeSettings::default() {
+            if !self.is_native() && self.native == NativeSettings::default() {
                 fields.shift_remove("native");
             }
             if self.stock == StockSettings::default() {
@@ -125,6 +123,13 @@ impl Serialize for EngineSettings {
             }
         }
         written.serialize(serializer)
+    }
+}
+
+impl EngineSettings {
+    /// Whether the native contact solver finds and solves the contacts.
+    pub fn is_native(&self) -> bool {
+        self.backend == Backend::Bullet && self.contact_solver == ContactSolver::Native
     }
 }
 

@@ -1,13 +1,12 @@
 //! What can be wrong with a scenario, said so that it can be mended.
 
-use std::{
-    borrow::Cow,
-    fmt, io,
-    path::{Path, PathBuf},
-};
+use std::borrow::Cow;
+use std::fmt::{self, Display};
+use std::io;
 
 use strsim::levenshtein;
 
+use super::*;
 use crate::input::Refusal;
 use crate::plain::plain;
 
@@ -58,6 +57,74 @@ impl Fault {
             (false, false) => format!(" (found {}; allowed: {})", self.found, self.allowed),
         };
         line
+    }
+}
+
+/// Notes the faults of a part of a scenario, each below the place of that part; the file is not
+/// known there.
+pub(super) struct Faults<'a> {
+    place: String,
+    found: &'a mut Vec<Fault>,
+}
+
+impl<'a> Faults<'a> {
+    /// Those of a whole scenario.
+    pub fn of(found: &'a mut Vec<Fault>) -> Self {
+        Self { place: String::new(), found }
+    }
+
+    /// Those of a part, as `stages[1]`.
+    pub fn at(&mut self, place: impl Display) -> Faults<'_> {
+        Faults { place: field_path(&self.place, &place.to_string()), found: self.found }
+    }
+
+    /// A field at fault: what was found, what is allowed, what is wrong.
+    pub fn add(
+        &mut self,
+        field: &str,
+        found: impl ToString,
+        allowed: impl Into<String>,
+        message: impl Into<String>,
+    ) {
+        self.found.push(Fault {
+            file: String::new(),
+            path: field_path(&self.place, field),
+            found: found.to_string(),
+            allowed: allowed.into(),
+            message: message.into(),
+        });
+    }
+
+    /// The same where something is wrong.
+    pub fn add_if(
+        &mut self,
+        is_wrong: bool,
+        field: &str,
+        found: impl ToString,
+        allowed: impl Into<String>,
+        message: impl Into<String>,
+    ) {
+        if is_wrong {
+            self.add(field, found, allowed, message);
+        }
+    }
+
+    /// Whether one is noted at a path.
+    pub fn has(&self, path: &str) -> bool {
+        self.found.iter().any(|fault| fault.path == path)
+    }
+
+    /// A field that means nothing there, where it is given.
+    pub fn idle(&mut self, field: &str, found: Option<impl ToString>, why: impl Into<String>) {
+        if let Some(found) = found {
+            self.add(field, found, "the field left out", why);
+        }
+    }
+
+    /// Numbers of which one at least must not be 0: a direction, a velocity.
+    pub fn not_zero(&mut self, field: &str, numbers: impl AsRef<[f64]>, why: &str) {
+        let is_zero = numbers.as_ref().iter().all(|x| *x == 0.0);
+        self.add_if(is_zero, field, "0", "not all of it 0", why);
     }
 }
 

@@ -1,10 +1,6 @@
 //! The loosest and the densest state of grains in a laboratory's standard tests.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-use super::{Fault, validate::fault};
+use super::*;
 
 /// Void ratios of the loosest and the densest state, as `pluvia density` or a laboratory finds
 /// them. With them `summary.json` gives relative densities.
@@ -27,16 +23,15 @@ impl IndexDensitiesSpec {
     }
 
     /// What of it makes no sense, in the JSON of a scenario.
-    pub(super) fn check(value: &Value, faults: &mut Vec<Fault>) {
+    pub(super) fn check(value: &Value, faults: &mut Faults) {
         let Some(Ok(spec)) = value.get("index_densities").map(Self::deserialize) else { return };
-        if spec.e_min >= spec.e_max {
-            faults.push(fault(
-                "index_densities.e_min",
-                spec.e_min,
-                format!("less than e_max, {}", spec.e_max),
-                "the densest state has less voids than the loosest".to_owned(),
-            ));
-        }
+        faults.add_if(
+            spec.e_min >= spec.e_max,
+            "index_densities.e_min",
+            spec.e_min,
+            format!("less than e_max, {}", spec.e_max),
+            "the densest state has less voids than the loosest",
+        );
     }
 }
 
@@ -60,7 +55,7 @@ mod tests {
         let faults_of = |e_max: f64, e_min: f64| {
             let mut faults = Vec::new();
             let value = json!({ "index_densities": { "e_max": e_max, "e_min": e_min } });
-            IndexDensitiesSpec::check(&value, &mut faults);
+            IndexDensitiesSpec::check(&value, &mut Faults::of(&mut faults));
             faults.iter().map(ToString::to_string).collect::<Vec<_>>()
         };
         assert!(faults_of(1.0, 0.6).is_empty(), "law: denser is less void");
@@ -68,7 +63,7 @@ mod tests {
         assert_eq!(told.len(), 1, "law: equal states are a fault: {told:?}");
         assert!(told[0].contains("index_densities.e_min"), "law: it is named: {told:?}");
         let mut none = Vec::new();
-        IndexDensitiesSpec::check(&json!({}), &mut none);
+        IndexDensitiesSpec::check(&json!({}), &mut Faults::of(&mut none));
         assert!(none.is_empty(), "law: they may be left out");
     }
 }

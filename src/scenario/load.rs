@@ -1,16 +1,8 @@
 //! Reads a scenario and answers with every fault at once.
 
-use std::path::{Path, PathBuf};
-
-use serde_json::Value;
-
-use super::{
-    Fault, Grading, GrainsSpec, Override, Scenario, ScenarioErrors, automatic, begin,
-    mesh_pieces::{self, PartsOf},
-    motion_file,
-    source::{self, Document, Origin},
-    structure, validate,
-};
+use super::mesh_pieces::{self, PartsOf};
+use super::source;
+use super::*;
 
 /// A scenario as loaded.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,28 +96,22 @@ fn load_document_with(
     if let Some(grading) = &grading {
         automatic::fill(&mut document.value, grading);
     }
-    let checked = check_value(&document.value, grading.as_ref());
-    let (scenario, found) = match checked {
+    let (scenario, found) = match check_value(&document.value, grading.as_ref()) {
         Ok(scenario) => (Some(scenario), Vec::new()),
         Err(found) => (None, found),
     };
-    faults.extend(
-        found
-            .into_iter()
-            .map(|fault| Fault { file: document.origin(&fault.path).to_string(), ..fault }),
-    );
+    let from = |fault: Fault| Fault { file: document.origin(&fault.path).to_string(), ..fault };
+    faults.extend(found.into_iter().map(from));
     faults.extend(unread);
-    match scenario {
-        Some(mut scenario) if faults.is_empty() => {
-            place_grains_files(&mut scenario.grains, &document);
-            if let Some(begin) = &mut scenario.begin {
-                begin::place(begin, &document);
-            }
-            scenario.found = grading.filter(|_| scenario.grading_by_sieves().is_none());
-            Ok(Loaded { scenario, files: document.files })
-        }
-        _ => Err(ScenarioErrors::Faults(faults)),
+    let Some(mut scenario) = scenario.filter(|_| faults.is_empty()) else {
+        return Err(ScenarioErrors::Faults(faults));
+    };
+    place_grains_files(&mut scenario.grains, &document);
+    if let Some(begin) = &mut scenario.begin {
+        begin::place(begin, &document);
     }
+    scenario.found = grading.filter(|_| scenario.grading_by_sieves().is_none());
+    Ok(Loaded { scenario, files: document.files })
 }
 
 /// A scenario's JSON as its files give it: after `extends`, before defaults and
@@ -138,20 +124,13 @@ fn load_document_with(
 pub fn gathered(path: &Path) -> Result<Value, ScenarioErrors> {
     let document = source::read(path)?;
     let mut value = document.value.clone();
-    let folder = |place: &str| match document.origin(place) {
-        Origin::File(given_in) => {
-            let folder = given_in.parent().unwrap_or(Path::new("")).to_owned();
-            std::path::absolute(if folder.as_os_str().is_empty() { ".".into() } else { folder })
-                .unwrap_or_default()
-        }
-        Origin::Set(_) => PathBuf::new(),
+    let folder = |place: &str| {
+        let folder = document.folder(place);
+        std::path::absolute(if folder.as_os_str().is_empty() { ".".into() } else { folder })
+            .unwrap_or_default()
     };
-    if let Some(Value::String(specimen)) = value.pointer_mut("/begin/specimen") {
-        *specimen = folder("begin.specimen").join(&*specimen).to_string_lossy().into_owned();
-    }
-    if let Some(Value::String(file)) = value.pointer_mut("/grains/file") {
-        *file = folder("grains.file").join(&*file).to_string_lossy().into_owned();
-    }
+    source::place(value.pointer_mut("/begin/specimen"), &folder("begin.specimen"));
+    source::place(value.pointer_mut("/grains/file"), &folder("grains.file"));
     if let Some(Value::Array(meshes)) = value.pointer_mut("/grains/meshes") {
         for (i, mesh) in meshes.iter_mut().enumerate() {
             if let Value::String(mesh) = mesh {
@@ -228,16 +207,12 @@ fn grading_of(document: &Document, of_others: GradingOf) -> Option<Grading> {
 fn place_grains_files(grains: &mut GrainsSpec, document: &Document) {
     match grains {
         GrainsSpec::File(grains) => {
-            if let Origin::File(given_in) = document.origin("grains.file") {
-                let folder = given_in.parent().unwrap_or(Path::new(""));
-                grains.file = folder.join(&grains.file).to_string_lossy().into_owned();
-            }
+            let file = document.folder("grains.file").join(&grains.file);
+            grains.file = file.to_string_lossy().into_owned();
         }
         GrainsSpec::Meshes(grains) => {
             for (i, mesh) in grains.meshes.iter_mut().enumerate() {
-                if let Origin::File(given_in) = document.origin(&format!("grains.meshes[{i}]")) {
-                    *mesh = placed_pattern(given_in.parent().unwrap_or(Path::new("")), mesh);
-                }
+                *mesh = placed_pattern(&document.folder(&format!("grains.meshes[{i}]")), mesh);
             }
         }
         GrainsSpec::Sieved(_) => {}

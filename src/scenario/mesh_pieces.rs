@@ -1,16 +1,8 @@
 //! Pieces from mesh files: what a scenario names as a file is put into it as convex parts, so that
 //! the parts determine a stage, and a run folder holds what was there.
 
-use std::path::Path;
-
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-
-use super::{
-    Fault,
-    source::{Document, Origin},
-};
+use super::source;
+use super::*;
 
 /// A piece whose solid convex parts are those of a mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -97,10 +89,7 @@ pub(super) fn read(document: &mut Document, parts_of: PartsOf) -> Vec<Fault> {
         let Some(scale) = scale.filter(|s| *s > 0.0 && mesh.get("parts").is_none()) else {
             continue;
         };
-        let file = match document.origin(&path) {
-            Origin::File(given_in) => given_in.parent().unwrap_or(Path::new("")).join(name),
-            Origin::Set(_) => name.into(),
-        };
+        let file = document.folder(&path).join(name);
         match parts_of(&file, scale) {
             Ok(parts) => {
                 if let Some(mesh) = document.value["pieces"][i]["shape"]["mesh"].as_object_mut() {
@@ -127,14 +116,12 @@ pub(super) fn read(document: &mut Document, parts_of: PartsOf) -> Vec<Fault> {
 }
 
 /// Makes the mesh files of a scenario's pieces absolute, by the folders of the files that give them.
-pub(super) fn place(value: &mut Value, folder: impl Fn(&str) -> std::path::PathBuf) {
+pub(super) fn place(value: &mut Value, folder: impl Fn(&str) -> PathBuf) {
     // Indexing would put an empty list where there is none.
     let pieces = value.get_mut("pieces").and_then(Value::as_array_mut);
     for (i, piece) in pieces.into_iter().flatten().enumerate() {
-        if let Some(Value::String(file)) = piece.pointer_mut("/shape/mesh/file") {
-            let folder = folder(&format!("pieces[{i}].shape.mesh.file"));
-            *file = folder.join(&*file).to_string_lossy().into_owned();
-        }
+        let folder = folder(&format!("pieces[{i}].shape.mesh.file"));
+        source::place(piece.pointer_mut("/shape/mesh/file"), &folder);
     }
 }
 

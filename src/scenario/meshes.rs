@@ -1,9 +1,6 @@
 //! Grains whose shapes are those of meshes, such as scanned stones.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::{CellShape, SieveFraction, SievedGrains, SievedShape};
+use super::*;
 
 /// Grains with the shapes of meshes. With a sieve table, stones are drawn and
 /// scaled until every fraction has its mass; without one they are taken in
@@ -48,8 +45,8 @@ pub struct MeshGrains {
     pub count: Option<u32>,
 }
 
-fn default_vertices() -> u32 {
-    64
+defaults! {
+    default_vertices: u32 = 64;
 }
 
 /// Unit of length of a mesh file.

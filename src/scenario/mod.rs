@@ -5,13 +5,20 @@
 //! the units people typed; the modules that use them convert to SI through
 //! [`crate::units`].
 
+/// Functions by which serde knows what a field is where it is left out, one a line.
+macro_rules! defaults {
+    ($($of:vis $name:ident: $type:ty = $value:expr;)*) => {
+        $($of fn $name() -> $type {
+            $value
+        })*
+    };
+}
+
 mod accessors;
 mod automatic;
 mod begin;
 mod cells;
-mod document;
 mod engine;
-mod enlarged;
 mod fault;
 mod index_densities;
 mod load;
@@ -24,6 +31,7 @@ mod pieces;
 mod rapier;
 mod renamed;
 mod schema;
+mod sized;
 mod sizes_of_pieces;
 mod source;
 mod stages;
@@ -32,13 +40,11 @@ mod stress;
 mod structure;
 mod until;
 mod unusual;
-mod unusual_pieces;
 mod validate;
 
 pub use automatic::Grading;
 pub use begin::BeginSpec;
 pub use cells::{CellShape, LEAST_ROUNDING, SievedShape};
-pub use document::{document_schema, load_document};
 pub use engine::{Backend, ContactSolver, EngineSettings};
 pub use fault::{Fault, ScenarioErrors};
 pub use index_densities::IndexDensitiesSpec;
@@ -47,23 +53,25 @@ pub use mesh_pieces::{MOST_PARTS, MeshPart, MeshPieceSpec, PartsOf};
 pub use meshes::{MeshGrains, MeshUnit};
 pub use native::{NativeSettings, automatic_threads};
 pub use overrides::{NotAnOverride, Override};
-pub use pieces::{
-    BoxSide, BoxSpec, CylinderPieceSpec, DepositKind, DiscSpec, DrumSpec, GroupSpec, HopperSpec,
-    LoadSpec, MeasuresSpec, OpeningSpec, PieceSpec, PlateSpec, RegionSpec, RotationSpec, ShapeSpec,
-    SineSpec, VaneSpec, WedgeSpec,
-};
+pub use pieces::*;
 pub use rapier::{FrictionModel, RapierSettings};
-pub use schema::schema;
-pub use stages::{
-    BaseKind, BaseSpec, InterpolationKind, StageSpec, StartPoint, StrokeKind, VerticalSpec,
-    VideoFramesSpec, WaveformKind,
-};
+pub use schema::{document_schema, load_document, schema};
+pub use stages::*;
 pub use stock::{InertiaRule, StockSettings};
 pub use until::{AllOfSpec, ConditionSpec, UntilSpec};
 pub use validate::{Warning, warnings};
 
+// What its parts are made of, too.
+use std::path::{Path, PathBuf};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+
+use crate::units::{from_mm, to_mm};
+use accessors::read;
+use fault::Faults;
+use source::{Document, field_path, shown};
 
 /// One laboratory procedure: grains, apparatus, contact properties, engine
 /// settings and the stages run one after the other.
@@ -137,17 +145,11 @@ pub struct Scenario {
     pub found: Option<Grading>,
 }
 
-fn default_gravity() -> f64 {
-    9.81
-}
-fn default_seed() -> u64 {
-    1
-}
-fn default_configuration() -> u32 {
-    1
-}
-fn default_rest_test() -> f64 {
-    2.0
+defaults! {
+    default_gravity: f64 = 9.81;
+    default_seed: u64 = 1;
+    default_configuration: u32 = 1;
+    default_rest_test: f64 = 2.0;
 }
 
 /// Where the grains come from: cut from sieve data, read from a file, or with

@@ -1,11 +1,8 @@
 //! Recorded motions: what a scenario names as a file is put into it as rows, so that the rows
 //! determine a stage, and a run folder holds what was done.
 
-use std::path::Path;
-
-use serde_json::{Value, json};
-
-use super::{Fault, source::Document, source::Origin};
+use super::source;
+use super::*;
 use crate::input;
 use crate::motion::{Interpolation, RecordedMotion, rows_from_csv};
 
@@ -30,10 +27,7 @@ pub(super) fn read(document: &mut Document) -> Vec<Fault> {
         if stage.get("motion_rows").is_some() {
             continue;
         }
-        let file = match document.origin(&path) {
-            Origin::File(given_in) => given_in.parent().unwrap_or(Path::new("")).join(name),
-            Origin::Set(_) => name.into(),
-        };
+        let file = document.folder(&path).join(name);
         let mut fault = |found: String, allowed: &str, message: String| {
             faults.push(Fault {
                 file: document.origin(&path).to_string(),
@@ -86,11 +80,8 @@ pub(super) fn read(document: &mut Document) -> Vec<Fault> {
 }
 
 /// Makes the motion files of a scenario's JSON absolute, by the folders of the files that give them.
-pub(super) fn place(value: &mut Value, folder: impl Fn(&str) -> std::path::PathBuf) {
+pub(super) fn place(value: &mut Value, folder: impl Fn(&str) -> PathBuf) {
     for (i, stage) in value["stages"].as_array_mut().into_iter().flatten().enumerate() {
-        if let Some(Value::String(file)) = stage.get_mut("motion_file") {
-            let folder = folder(&format!("stages[{i}].motion_file"));
-            *file = folder.join(&*file).to_string_lossy().into_owned();
-        }
+        source::place(stage.get_mut("motion_file"), &folder(&format!("stages[{i}].motion_file")));
     }
 }

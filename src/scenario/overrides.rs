@@ -2,12 +2,8 @@
 
 use std::str::FromStr;
 
-use serde_json::{Map, Value};
-
-use super::{
-    Fault,
-    source::{Document, Origin, field_path, parse_value, shown},
-};
+use super::source::{Origin, parse_value};
+use super::*;
 
 /// One value laid over the scenario's.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,59 +80,56 @@ impl Override {
     /// Lays the value over the document. A field that is not there is made;
     /// whether the scenario knows it is found when everything is checked.
     pub(super) fn apply(&self, document: &mut Document) -> Result<(), Fault> {
-        let mut path = String::new();
-        let mut made = Vec::new();
+        let origin = Origin::Set(self.text.clone());
+        let (mut path, mut made) = (String::new(), Vec::new());
         let mut at = &mut document.value;
         for step in &self.path {
             if at.is_null() {
                 *at = Value::Object(Map::new());
             }
-            let fault = |path: &str, found: &Value, allowed: String| Fault {
-                file: Origin::Set(self.text.clone()).to_string(),
+            let nowhere = |path: &str, found: &Value, allowed: String| Fault {
+                file: origin.to_string(),
                 path: path.to_owned(),
                 found: shown(found),
                 allowed,
                 message: "the path leads nowhere".into(),
             };
-            at = match at {
-                Value::Object(map) => {
-                    let name = match step {
-                        Step::Name(name) => name.clone(),
-                        Step::Index(index) => {
-                            let found = Value::from(*index);
-                            return Err(fault(&path, &found, "the name of a field".into()));
-                        }
-                    };
-                    path = field_path(&path, &name);
-                    if !map.contains_key(&name) {
+            at = match (at, step) {
+                (Value::Object(map), Step::Name(name)) => {
+                    path = field_path(&path, name);
+                    if !map.contains_key(name) {
                         made.push(path.clone());
                     }
-                    map.entry(name).or_insert(Value::Null)
+                    map.entry(name.clone()).or_insert(Value::Null)
                 }
-                Value::Array(items) => {
+                (Value::Object(_), Step::Index(index)) => {
+                    let allowed = "the name of a field".into();
+                    return Err(nowhere(&path, &Value::from(*index), allowed));
+                }
+                (Value::Array(items), step) => {
                     let count = items.len();
-                    let allowed = format!("0 to {}, the elements of the list", count.max(1) - 1);
                     let index = match step {
                         Step::Index(index) => Ok(*index),
                         Step::Name(name) => name.parse().map_err(|_| Value::from(name.as_str())),
                     };
-                    match index {
-                        Ok(index) if index < count => {
-                            path = format!("{path}[{index}]");
-                            &mut items[index]
+                    let index = match index {
+                        Ok(index) if index < count => index,
+                        other => {
+                            let found = other.map_or_else(|name| name, Value::from);
+                            let last = count.max(1) - 1;
+                            let allowed = format!("0 to {last}, the elements of the list");
+                            return Err(nowhere(&path, &found, allowed));
                         }
-                        Ok(index) => return Err(fault(&path, &Value::from(index), allowed)),
-                        Err(found) => return Err(fault(&path, &found, allowed)),
-                    }
+                    };
+                    path = format!("{path}[{index}]");
+                    &mut items[index]
                 }
-                other => {
-                    let found = other.clone();
-                    return Err(fault(&path, &found, "nothing below this value".into()));
+                (other, _) => {
+                    return Err(nowhere(&path, other, "nothing below this value".into()));
                 }
             };
         }
         *at = self.value.clone();
-        let origin = Origin::Set(self.text.clone());
         for path in made {
             document.set_origin(&path, &Value::Null, origin.clone());
         }

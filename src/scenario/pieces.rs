@@ -388,24 +388,12 @@ pub struct OpeningSpec {
     pub direction: [f64; 3],
 }
 
-fn wall() -> f64 {
-    10.0
-}
-fn four() -> u32 {
-    4
-}
-fn blade() -> f64 {
-    2.0
-}
-fn sides() -> u32 {
-    32
-}
-fn yes() -> bool {
-    true
-}
-fn open_above() -> Vec<BoxSide> {
-    vec![BoxSide::Top]
-}
-fn down() -> [f64; 3] {
-    [0.0, 0.0, -1.0]
+defaults! {
+    wall: f64 = 10.0;
+    four: u32 = 4;
+    blade: f64 = 2.0;
+    sides: u32 = 32;
+    yes: bool = true;
+    open_above: Vec<BoxSide> = vec![BoxSide::Top];
+    down: [f64; 3] = [0.0, 0.0, -1.0];
 }

@@ -1,11 +1,11 @@
-//! JSON Schema of the scenario file, for editors that check and complete.
+//! JSON Schema of the scenario file, for editors that check and complete; other files that people
+//! write, checked against that of their type, all faults at once.
 
-use serde_json::{Map, Value, json};
+use schemars::SchemaGenerator;
+use serde::de::DeserializeOwned;
 
-use super::{
-    Scenario,
-    automatic::{AUTOMATIC, AUTOMATIC_OF_STAGES},
-};
+use super::automatic::{AUTOMATIC, AUTOMATIC_OF_STAGES};
+use super::*;
 
 /// The JSON Schema (draft 2020-12) of a scenario file.
 ///
@@ -34,9 +34,7 @@ pub fn schema() -> Value {
     if let Some(properties) = root.get_mut("properties").and_then(Value::as_object_mut) {
         let grains = "#/$defs/GrainsChange";
         properties.insert("grains".into(), json!({ "$ref": grains }));
-        let of_schema = "Where this file's JSON Schema lies, for editors; not read.";
-        let schema_field = json!({ "description": of_schema, "type": "string" });
-        properties.insert("$schema".into(), schema_field);
+        properties.insert("$schema".into(), schema_field());
         let extends = json!({
             "description": "Path, relative to this file, of a scenario from which everything not \
                             given here is taken. Objects are merged field by field, lists replaced.",
@@ -60,6 +58,12 @@ pub fn schema() -> Value {
     schema
 }
 
+/// What stands at the top of a file for its editor.
+pub(super) fn schema_field() -> Value {
+    let of_schema = "Where this file's JSON Schema lies, for editors; not read.";
+    json!({ "description": of_schema, "type": "string" })
+}
+
 /// The schema of the type, as its definition declares it.
 pub(super) fn typed() -> Value {
     let mut schema = schemars::schema_for!(Scenario).to_value();
@@ -77,6 +81,45 @@ pub(super) fn typed() -> Value {
         mark(stage, &AUTOMATIC_OF_STAGES);
     }
     schema
+}
+
+/// The JSON Schema (draft 2020-12) of another file that people write, checked as scenarios are.
+pub fn document_schema<T: JsonSchema>() -> Value {
+    let mut schema = schema_of::<T>();
+    if let Some(properties) = schema["properties"].as_object_mut() {
+        properties.insert("$schema".into(), schema_field());
+    }
+    schema
+}
+
+fn schema_of<T: JsonSchema>() -> Value {
+    SchemaGenerator::default().into_root_schema_for::<T>().to_value()
+}
+
+/// Reads a JSON file of a type that has no unions. A `$schema` for editors may
+/// stand at its top.
+///
+/// # Errors
+/// [`ScenarioErrors::Unreadable`] for a file that cannot be read, and else
+/// [`ScenarioErrors::Faults`] with all faults found.
+pub fn load_document<T: JsonSchema + DeserializeOwned>(file: &Path) -> Result<T, ScenarioErrors> {
+    let (mut value, mut faults) = source::read_alone(file)?;
+    if let Some(fields) = value.as_object_mut() {
+        fields.shift_remove("$schema");
+    }
+    faults.extend(structure::check_against(schema_of::<T>(), &value));
+    let named = |fault: Fault| Fault { file: file.display().to_string(), ..fault };
+    if faults.is_empty() {
+        match serde_path_to_error::deserialize::<_, T>(&value) {
+            Ok(document) => return Ok(document),
+            Err(error) => faults.push(Fault {
+                path: error.path().to_string(),
+                message: format!("the value cannot be used: {}", error.inner()),
+                ..Fault::default()
+            }),
+        }
+    }
+    Err(ScenarioErrors::Faults(faults.into_iter().map(named).collect()))
 }
 
 #[cfg(test)]

@@ -1,19 +1,16 @@
 //! From files to one JSON value: reading, duplicate keys, `extends`.
 
-use std::{
-    borrow::Cow,
-    cell::RefCell,
-    collections::HashMap,
-    fmt,
-    io::Read,
-    path::{Path, PathBuf},
-};
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::fmt;
+use std::io::Read;
 
 use json_comments::CommentSettings;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
-use serde_json::{Map, Number, Value};
+use serde_json::Number;
 
-use super::{Fault, ScenarioErrors};
+use super::*;
 use crate::input;
 
 /// Longest chain of files that extend each other.
@@ -65,6 +62,15 @@ impl Document {
         }
     }
 
+    /// The folder in which the value at a path names files: that of the file that gives it, of an
+    /// override the working directory.
+    pub fn folder(&self, path: &str) -> PathBuf {
+        match self.origin(path) {
+            Origin::File(given_in) => given_in.parent().unwrap_or(Path::new("")).to_owned(),
+            Origin::Set(_) => PathBuf::new(),
+        }
+    }
+
     /// Notes that a value and everything in it came from an override.
     pub fn set_origin(&mut self, path: &str, value: &Value, origin: Origin) {
         note_origins(path, value, &origin, &mut self.origins);
@@ -74,6 +80,13 @@ impl Document {
 /// Path of a field of the value at a path.
 pub(super) fn field_path(path: &str, field: &str) -> String {
     if path.is_empty() { field.to_owned() } else { format!("{path}.{field}") }
+}
+
+/// Puts the name of a file into a folder; what is no name stays.
+pub(super) fn place(name: Option<&mut Value>, folder: &Path) {
+    if let Some(Value::String(name)) = name {
+        *name = folder.join(&*name).to_string_lossy().into_owned();
+    }
 }
 
 fn note_origins(path: &str, value: &Value, origin: &Origin, into: &mut HashMap<String, Origin>) {
@@ -165,41 +178,30 @@ impl Chain {
             allowed: allowed.into(),
             message,
         };
-        match base {
-            None => Ok(()),
-            Some(Value::String(base)) => {
-                let path = file.parent().unwrap_or(Path::new("")).join(&base);
-                let found = Value::String(base);
-                let met = path.canonicalize().ok();
-                if self.links.iter().any(|link| Some(&link.canonical) == met.as_ref()) {
-                    let circle: Vec<_> =
-                        self.links.iter().map(|link| link.file.display().to_string()).collect();
-                    let message = format!(
-                        "files extend each other in a circle: {} → {}",
-                        circle.join(" → "),
-                        path.display()
-                    );
-                    return Err(self.fail(fault(
-                        &found,
-                        "a file that does not lead back",
-                        message,
-                    )));
-                }
-                if self.links.len() >= LONGEST_CHAIN {
-                    let message = format!(
-                        "more than {LONGEST_CHAIN} files extend each other one after the other"
-                    );
-                    return Err(self.fail(fault(&found, "a shorter chain", message)));
-                }
-                self.read(&path, Some(file))
-            }
+        let base = match base {
+            None => return Ok(()),
+            Some(Value::String(base)) => base,
             Some(other) => {
-                let message = "the value has the wrong type".into();
                 let allowed = "a text, the path of another scenario relative to this one";
-                self.faults.push(fault(&other, allowed, message));
-                Ok(())
+                self.faults.push(fault(&other, allowed, "the value has the wrong type".into()));
+                return Ok(());
             }
+        };
+        let path = file.parent().unwrap_or(Path::new("")).join(&base);
+        let (found, met) = (Value::String(base), path.canonicalize().ok());
+        if self.links.iter().any(|link| Some(&link.canonical) == met.as_ref()) {
+            let mut circle: Vec<_> =
+                self.links.iter().map(|link| link.file.display().to_string()).collect();
+            circle.push(path.display().to_string());
+            let message = format!("files extend each other in a circle: {}", circle.join(" → "));
+            return Err(self.fail(fault(&found, "a file that does not lead back", message)));
         }
+        if self.links.len() >= LONGEST_CHAIN {
+            let message =
+                format!("more than {LONGEST_CHAIN} files extend each other one after the other");
+            return Err(self.fail(fault(&found, "a shorter chain", message)));
+        }
+        self.read(&path, Some(file))
     }
 
     fn fail(&mut self, fault: Fault) -> ScenarioErrors {
@@ -233,12 +235,9 @@ pub(super) fn merge(base: &mut Value, over: Value, path: &str) {
                 return;
             }
             for (key, value) in over {
-                match base.get_mut(&key) {
-                    Some(below) => merge(below, value, &field_path(path, &key)),
-                    None => {
-                        base.insert(key, value);
-                    }
-                }
+                let place = field_path(path, &key);
+                // What lies under nothing is laid over null.
+                merge(base.entry(key).or_insert(Value::Null), value, &place);
             }
         }
         (base, over) => *base = over,

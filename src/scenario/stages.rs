@@ -1,12 +1,9 @@
 //! The stages a scenario can name.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::{
-    pieces::{DepositKind, LoadSpec, RotationSpec, SineSpec},
-    until::UntilSpec,
-};
+use super::pieces::{DepositKind, LoadSpec, RotationSpec, SineSpec};
+use super::until::UntilSpec;
+use super::*;
+use crate::motion::{Interpolation, Start};
 
 /// What the stated amplitude of a sinusoid means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -29,27 +26,6 @@ pub enum WaveformKind {
     SliderCrank,
     /// As recorded: `motion_file`, or its rows in `motion_rows`.
     File,
-}
-
-/// Where a waveform begins and the table rests.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum StartPoint {
-    /// In the middle of the stroke: at full speed, unless there is a ramp.
-    #[default]
-    Middle,
-    /// At a turning point, from which the whole stroke lies on one side: at rest.
-    TurningPoint,
-}
-
-/// How a recorded displacement goes between two rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum InterpolationKind {
-    /// Natural cubic splines: no jump of position, velocity or acceleration.
-    Cubic,
-    /// Straight lines: the velocity jumps at every row.
-    Linear,
 }
 
 /// A vertical component of the table's motion, z(t) = A (sin(2πft + φ) − sin φ).
@@ -203,7 +179,7 @@ pub enum StageSpec {
         waveform: WaveformKind,
         /// Where a sine or a slider-crank begins.
         #[serde(default)]
-        start: StartPoint,
+        start: Start,
         /// Frequency in Hz; must be given but for a recorded motion.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1000.0))]
@@ -250,8 +226,8 @@ pub enum StageSpec {
         motion_rows: Option<Vec<[f64; 4]>>,
         /// How a recorded displacement goes between two rows; left out, `cubic`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "InterpolationKind")]
-        interpolation: Option<InterpolationKind>,
+        #[schemars(with = "Interpolation")]
+        interpolation: Option<Interpolation>,
         /// What the table does along z beside that; of a recorded motion, a column does.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "VerticalSpec")]
@@ -331,8 +307,8 @@ pub enum StageSpec {
         motion_rows: Option<Vec<[f64; 4]>>,
         /// How a recorded displacement goes between two rows; left out, `cubic`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "InterpolationKind")]
-        interpolation: Option<InterpolationKind>,
+        #[schemars(with = "Interpolation")]
+        interpolation: Option<Interpolation>,
         /// How long they move, in s; or `travel_mm`, `travel_deg` or `until`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
@@ -434,45 +410,19 @@ pub enum StageSpec {
     },
 }
 
-pub(super) fn fill_limit() -> f64 {
-    4.0
-}
-pub(super) fn feed_rate() -> f64 {
-    25.0
-}
-pub(super) fn drop_height() -> f64 {
-    10.0
-}
-pub(super) fn spout_diameter() -> f64 {
-    30.0
-}
-pub(super) fn slow_limit() -> f64 {
-    120.0
-}
-pub(super) fn pour_limit() -> f64 {
-    6.0
-}
-pub(super) fn deposit_limit() -> f64 {
-    10.0
-}
-pub(super) fn place_limit() -> f64 {
-    1.5
-}
-pub(super) fn settle_limit() -> f64 {
-    2.0
-}
-pub(super) fn half_turn() -> f64 {
-    180.0
-}
-fn press_ramp() -> f64 {
-    0.2
-}
-pub(super) fn approach() -> f64 {
-    50.0
-}
-fn half_stroke() -> StrokeKind {
-    StrokeKind::HalfStroke
-}
-fn one() -> u32 {
-    1
+defaults! {
+    pub(super) fill_limit: f64 = 4.0;
+    pub(super) feed_rate: f64 = 25.0;
+    pub(super) drop_height: f64 = 10.0;
+    pub(super) spout_diameter: f64 = 30.0;
+    pub(super) slow_limit: f64 = 120.0;
+    pub(super) pour_limit: f64 = 6.0;
+    pub(super) deposit_limit: f64 = 10.0;
+    pub(super) place_limit: f64 = 1.5;
+    pub(super) settle_limit: f64 = 2.0;
+    pub(super) half_turn: f64 = 180.0;
+    press_ramp: f64 = 0.2;
+    pub(super) approach: f64 = 50.0;
+    half_stroke: StrokeKind = StrokeKind::HalfStroke;
+    one: u32 = 1;
 }

@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 
 use nalgebra::UnitQuaternion;
-use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::{CylinderSpec, Grading, LoadSpec, PieceSpec, TopPlateSpec, automatic::number_at};
+use super::{
+    CylinderSpec, Grading, LoadSpec, PieceSpec, TopPlateSpec, accessors::read, automatic::number_at,
+};
 use crate::geometry::Vector;
 use crate::units::{from_deg, from_g, from_kpa, from_mm};
 
@@ -16,48 +17,48 @@ pub(super) fn largest_stress(value: &Value, grading: &Grading, gravity: f64) -> 
     weight_stress(value, grading, gravity) + pressed_stress(value).max(free_stress(value, gravity))
 }
 
+/// The elements of a list; none of what is no list.
+fn list<'a>(value: &'a Value, name: &str) -> impl Iterator<Item = &'a Value> {
+    value[name].as_array().into_iter().flatten()
+}
+
+/// Area in m² that a piece of a name, as it was put up, shows along a direction.
+fn shown_area(value: &Value, name: &str, direction: Vector) -> Option<f64> {
+    let mut pieces = list(value, "pieces").filter_map(read::<PieceSpec>);
+    let piece = pieces.find(|piece| piece.name == name)?;
+    let [x, y, z] = piece.rotation_deg.map(from_deg);
+    let turn = UnitQuaternion::from_euler_angles(x, y, z);
+    let along = turn.inverse() * direction.try_normalize(0.0)?;
+    Some(piece.shape.shows_mm2(along.into())? * 1e-6)
+}
+
+/// The largest of stresses that are numbers; 0 without any.
+fn largest(stresses: impl Iterator<Item = f64>) -> f64 {
+    stresses.filter(|stress| stress.is_finite()).fold(0.0, f64::max)
+}
+
 /// The largest stress in Pa of the weight of a piece that is let go, lying as it was put up, of
 /// those whose mass is given; 0 without any.
 fn free_stress(value: &Value, gravity: f64) -> f64 {
-    let list = |name: &str| value[name].as_array().into_iter().flatten();
-    let pieces: Vec<PieceSpec> = list("pieces").filter_map(typed).collect();
-    let stages = list("stages").filter(|stage| stage["stage"] == "release");
-    let stresses = stages.flat_map(|stage| {
+    let stages = list(value, "stages").filter(|stage| stage["stage"] == "release");
+    largest(stages.flat_map(|stage| {
         let weight = stage["mass_g"].as_f64().map_or(0.0, from_g) * gravity;
-        let names = stage["pieces"].as_array().into_iter().flatten().filter_map(Value::as_str);
-        let of = names.filter_map(|name| pieces.iter().find(|piece| piece.name == name));
-        of.filter_map(move |piece| {
-            let [x, y, z] = piece.rotation_deg.map(from_deg);
-            let down = UnitQuaternion::from_euler_angles(x, y, z).inverse() * Vector::z();
-            Some(weight / (piece.shape.shows_mm2(down.into())? * 1e-6))
-        })
-    });
-    stresses.filter(|stress| stress.is_finite()).fold(0.0, f64::max)
+        let areas =
+            list(stage, "pieces").filter_map(|name| shown_area(value, name.as_str()?, Vector::z()));
+        areas.map(move |area| weight / area)
+    }))
 }
 
 /// The largest stress in Pa of a piece that is pressed; 0 without any.
 fn pressed_stress(value: &Value) -> f64 {
-    let list = |name: &str| value[name].as_array().into_iter().flatten();
-    let pieces: Vec<PieceSpec> = list("pieces").filter_map(typed).collect();
-    let loads = list("stages").filter(|stage| stage["stage"] == "press");
-    let loads = loads.flat_map(|stage| stage["loads"].as_array().into_iter().flatten());
-    let stresses = loads.filter_map(typed::<LoadSpec>).filter_map(|load| {
+    let stages = list(value, "stages").filter(|stage| stage["stage"] == "press");
+    let loads = stages.flat_map(|stage| list(stage, "loads")).filter_map(read::<LoadSpec>);
+    largest(loads.filter_map(|load| {
         if let Some(stress) = load.stress_kpa {
             return Some(from_kpa(stress));
         }
-        let piece = pieces.iter().find(|piece| piece.name == load.piece)?;
-        let [x, y, z] = piece.rotation_deg.map(from_deg);
-        let turn = UnitQuaternion::from_euler_angles(x, y, z);
-        let along = turn.inverse() * Vector::from(load.direction).try_normalize(0.0)?;
-        let area = piece.shape.shows_mm2(along.into())? * 1e-6;
-        Some(load.force_n? / area)
-    });
-    stresses.filter(|stress| stress.is_finite()).fold(0.0, f64::max)
-}
-
-/// A part of a scenario that can be read; others are reported elsewhere.
-fn typed<T: DeserializeOwned>(value: &Value) -> Option<T> {
-    T::deserialize(value).ok()
+        Some(load.force_n? / shown_area(value, &load.piece, load.direction.into())?)
+    }))
 }
 
 fn weight_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {

@@ -5,17 +5,14 @@
 //! or has `all_of` — and the part is then checked against that
 //! variant alone: "not valid under any of the schemas" helps nobody.
 
-use std::{collections::HashSet, sync::LazyLock};
+use std::collections::HashSet;
+use std::sync::LazyLock;
 
-use jsonschema::{Validator, error::ValidationErrorKind};
-use serde_json::{Value, json};
+use jsonschema::Validator;
+use jsonschema::error::ValidationErrorKind;
 
-use super::{
-    Fault,
-    fault::nearest,
-    renamed, schema,
-    source::{field_path, shown},
-};
+use super::fault::nearest;
+use super::*;
 
 /// Elements of the longest list that a scenario may have, the rows of a recorded motion.
 const LONGEST_LIST: usize = crate::motion::MOST_ROWS;

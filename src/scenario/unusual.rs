@@ -2,18 +2,12 @@
 
 use std::f64::consts::PI;
 
-use serde_json::Value;
-
-use super::{
-    Backend, ContactSolver, EngineSettings, Fault, Grading, NativeSettings, Scenario,
-    accessors::field as field_at,
-    automatic::{self, RATE, STIFFNESS, stiffness},
-    stress::largest_stress,
-    unusual_pieces::unusual_pieces,
-    validate::{fault, short},
-};
-use crate::scale::{Law, Scale};
-use crate::units::{from_mm, to_mm};
+use super::automatic::{self, RATE, STIFFNESS, number_at, stiffness};
+use super::sized::fields as by_size;
+use super::stress::largest_stress;
+use super::validate::short;
+use super::*;
+use crate::scale::Scale;
 
 /// A typed value is unusual when it is off from the automatic one by more than this factor.
 const UNUSUAL: f64 = 4.0;
@@ -26,10 +20,19 @@ const OVERLAP_OF_STRESS: f64 = 2.2;
 const OVERLAP_ALLOWED: f64 = 0.03;
 
 /// Void ratio of a very loose specimen: more than the cylinder holds then may go over its rim.
-pub(super) const LOOSE: f64 = 1.1;
+const LOOSE: f64 = 1.1;
 
 /// Opening of a funnel or a cylinder in median grain sizes below which it jams now and then.
-pub(super) const JAMS_BELOW: f64 = 5.0;
+const JAMS_BELOW: f64 = 5.0;
+
+/// A scenario and what its values are compared with.
+struct Judged<'a> {
+    engine: &'a EngineSettings,
+    /// Its JSON.
+    value: &'a Value,
+    grading: Option<Grading>,
+    scale: Scale,
+}
 
 /// What is typed in a scenario, of which `value` is the JSON, and does not suit its grains.
 pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
@@ -38,14 +41,18 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
         Some(grading) => grading.scale_for_filling(scenario.gravity_m_per_s2),
         None => scenario.scale(),
     };
+    let judged = Judged { engine: &scenario.engine, value, grading, scale };
     let mut found = Vec::new();
-    for field in fields() {
-        unusual_field(&field, scenario, value, grading.as_ref(), &scale, &mut found);
+    let faults = &mut Faults::of(&mut found);
+    for field in FIELDS {
+        judged.check_field(field, faults);
     }
     if let Some(grading) = grading {
-        unusual_load(scenario, value, &grading, &scale, &mut found);
-        unusual_apparatus(scenario, &grading, &mut found);
-        unusual_pieces(scenario, &grading, &mut found);
+        if !faults.has(STIFFNESS) {
+            judged.check_load(&grading, faults);
+        }
+        unusual_apparatus(scenario, &grading, faults);
+        unusual_pieces(scenario, &grading, faults);
     }
     found
 }
@@ -71,255 +78,204 @@ struct Field {
     high: &'static str,
 }
 
-/// The fields in the order in which they are reported.
-fn fields() -> [Field; 17] {
-    let field = |path, of, low, high| Field { path, of, low, high };
-    let slower = "the run takes longer in proportion and is no more exact";
-    [
-        field(
-            "engine.grain_size_mm",
-            Of::All,
-            "contacts are found late, and many boxes are renewed in a step",
-            "gaps and clearances are so wide that grains notice them",
-        ),
-        field(RATE, Of::All, "grains sink into each other within a step", slower),
-        field(
-            "engine.native.substep_rate_hz",
-            Of::Native,
-            "impacts and shaking are followed too coarsely",
-            slower,
-        ),
-        field(
-            STIFFNESS,
-            Of::Native,
-            "grains sink into each other",
-            "loads need more sub-steps and iterations to get through the packing, which costs time",
-        ),
-        field(
-            "engine.native.max_depenetration_velocity_m_per_s",
-            Of::Native,
-            "overlaps that impacts leave last",
-            "overlaps burst and throw grains apart",
-        ),
-        field(
-            "engine.restitution_velocity_threshold_m_per_s",
-            Of::Bullet,
-            "contacts at rest go on rebounding, and the specimen settles late",
-            "impacts that should rebound do not",
-        ),
-        field(
-            "engine.length_scale",
-            Of::Bullet,
-            "a grain is much smaller than an engine unit, and Bullet's tolerances are gaps that it \
-             notices",
-            "a grain is much larger than an engine unit, and Bullet's tolerances are lost in rounding",
-        ),
-        field(
-            "engine.contact_threshold_mm",
-            Of::Bullet,
-            "contacts are found late and lost between steps",
-            "contacts that bear nothing are kept",
-        ),
-        field(
-            "settle.rms_speed_mm_per_s",
-            Of::All,
-            "a stage may not count as settled before its time limit",
-            "a stage ends while the specimen still moves",
-        ),
-        field(
-            "settle.largest_speed_mm_per_s",
-            Of::All,
-            "a stage may not count as settled before its time limit",
-            "a stage ends while grains still fall",
-        ),
-        field(
-            "settle.hold_s",
-            Of::All,
-            "a stage may end at the top of a bounce",
-            "every stage that settles is simulated for longer than it needs",
-        ),
-        field(
-            "engine.rapier.contact_frequency_hz",
-            Of::Rapier,
-            "grains sink into each other",
-            "the packing jitters and creeps unless engine.rapier.substeps is raised, which costs time",
-        ),
-        field(
-            "engine.rapier.wall_contact_frequency_hz",
-            Of::Rapier,
-            "grains sink into the funnel",
-            "grains jitter in the funnel unless engine.rapier.substeps is raised, which costs time",
-        ),
-        field(
-            "engine.rapier.engine_unit_mm",
-            Of::Rapier,
-            "contact points are found anew for nothing",
-            "contact points are kept that are no longer there",
-        ),
-        field(
-            "engine.rapier.prediction_mm",
-            Of::Rapier,
-            "grains sink in before they are met",
-            "contacts that bear nothing are prepared, which costs time",
-        ),
-        field(
-            "engine.rapier.corrective_speed_m_per_s",
-            Of::Rapier,
-            "overlaps that impacts leave last",
-            "overlaps burst and throw grains apart",
-        ),
-        field(
-            "engine.rapier.recycling_distance_mm",
-            Of::Rapier,
-            "contact points change for nothing, and the packing creeps",
-            "contact normals are out of date",
-        ),
-    ]
+const SLOWER: &str = "the run takes longer in proportion and is no more exact";
+
+macro_rules! fields {
+    ($($path:expr => $of:ident: low $low:expr; high $high:expr;)*) => {
+        const FIELDS: &[Field] = &[$(Field { path: $path, of: Of::$of, low: $low, high: $high }),*];
+    };
+}
+
+// The fields in the order in which they are reported.
+fields! {
+    "engine.grain_size_mm" => All:
+        low "contacts are found late, and many boxes are renewed in a step";
+        high "gaps and clearances are so wide that grains notice them";
+    RATE => All:
+        low "grains sink into each other within a step";
+        high SLOWER;
+    "engine.native.substep_rate_hz" => Native:
+        low "impacts and shaking are followed too coarsely";
+        high SLOWER;
+    STIFFNESS => Native:
+        low "grains sink into each other";
+        high "loads need more sub-steps and iterations to get through the packing, which costs \
+              time";
+    "engine.native.max_depenetration_velocity_m_per_s" => Native:
+        low "overlaps that impacts leave last";
+        high "overlaps burst and throw grains apart";
+    "engine.restitution_velocity_threshold_m_per_s" => Bullet:
+        low "contacts at rest go on rebounding, and the specimen settles late";
+        high "impacts that should rebound do not";
+    "engine.length_scale" => Bullet:
+        low "a grain is much smaller than an engine unit, and Bullet's tolerances are gaps that \
+              it notices";
+        high "a grain is much larger than an engine unit, and Bullet's tolerances are lost in \
+              rounding";
+    "engine.contact_threshold_mm" => Bullet:
+        low "contacts are found late and lost between steps";
+        high "contacts that bear nothing are kept";
+    "settle.rms_speed_mm_per_s" => All:
+        low "a stage may not count as settled before its time limit";
+        high "a stage ends while the specimen still moves";
+    "settle.largest_speed_mm_per_s" => All:
+        low "a stage may not count as settled before its time limit";
+        high "a stage ends while grains still fall";
+    "settle.hold_s" => All:
+        low "a stage may end at the top of a bounce";
+        high "every stage that settles is simulated for longer than it needs";
+    "engine.rapier.contact_frequency_hz" => Rapier:
+        low "grains sink into each other";
+        high "the packing jitters and creeps unless engine.rapier.substeps is raised, which \
+              costs time";
+    "engine.rapier.wall_contact_frequency_hz" => Rapier:
+        low "grains sink into the funnel";
+        high "grains jitter in the funnel unless engine.rapier.substeps is raised, which costs \
+              time";
+    "engine.rapier.engine_unit_mm" => Rapier:
+        low "contact points are found anew for nothing";
+        high "contact points are kept that are no longer there";
+    "engine.rapier.prediction_mm" => Rapier:
+        low "grains sink in before they are met";
+        high "contacts that bear nothing are prepared, which costs time";
+    "engine.rapier.corrective_speed_m_per_s" => Rapier:
+        low "overlaps that impacts leave last";
+        high "overlaps burst and throw grains apart";
+    "engine.rapier.recycling_distance_mm" => Rapier:
+        low "contact points change for nothing, and the packing creeps";
+        high "contact normals are out of date";
 }
 
 impl Of {
     /// Whether a scenario's contacts are among them.
-    fn holds(self, scenario: &Scenario) -> bool {
-        let bullet = scenario.engine.backend == Backend::Bullet;
+    fn holds(self, engine: &EngineSettings) -> bool {
         match self {
             Self::All => true,
-            Self::Bullet => bullet,
-            Self::Native => is_native(scenario),
-            Self::Rapier => scenario.engine.backend == Backend::Rapier,
+            Self::Bullet => engine.backend == Backend::Bullet,
+            Self::Native => engine.is_native(),
+            Self::Rapier => engine.backend == Backend::Rapier,
         }
     }
 }
 
-fn is_native(scenario: &Scenario) -> bool {
-    scenario.engine.backend == Backend::Bullet
-        && scenario.engine.contact_solver == ContactSolver::Native
-}
+impl Judged<'_> {
+    /// What a field is where it is left out; of grains whose sizes are not known, by the law alone.
+    fn automatic(&self, path: &str) -> Option<f64> {
+        let number = match (path, &self.grading) {
+            (RATE, Some(grading)) => automatic::rate(self.value, grading, &self.scale),
+            (STIFFNESS, Some(grading)) => stiffness(self.value, grading, &self.scale),
+            _ => {
+                let (_, law, default) = by_size().find(|field| field.0 == path)?;
+                default * law.factor(&self.scale)
+            }
+        };
+        Some(automatic::within(path, number))
+    }
 
-/// What a field is where it is left out; of grains whose sizes are not known, by the law alone.
-fn automatic(path: &str, value: &Value, grading: Option<&Grading>, scale: &Scale) -> Option<f64> {
-    let of_law = |default: f64, law: Law| default * law.factor(scale);
-    let number = match (path, grading) {
-        (RATE, Some(grading)) => automatic::rate(value, grading, scale),
-        (RATE, None) => of_law(EngineSettings::default().rate_hz, Law::Rate),
-        (STIFFNESS, Some(grading)) => stiffness(value, grading, scale),
-        (STIFFNESS, None) => {
-            let default = NativeSettings::default().contact_stiffness_n_per_m;
-            of_law(default, Law::Stiffness)
-        }
-        _ => {
-            let (_, law, default) = automatic::fields().into_iter().find(|f| f.0 == path)?;
-            of_law(default, law)
-        }
-    };
-    Some(automatic::within(path, number))
-}
+    /// A value that is off by more than the factor, in either direction.
+    fn check_field(&self, field: &Field, faults: &mut Faults) {
+        let Field { path, of, low, high } = *field;
+        let typed = number_at(self.value, path);
+        let (Some(typed), Some(automatic)) = (typed, self.automatic(path)) else { return };
+        let is_read = of.holds(self.engine) && !self.is_unread(path, typed, automatic);
+        let goes_wrong = if typed < automatic / UNUSUAL { low } else { high };
+        faults.add_if(
+            is_read && (typed < automatic / UNUSUAL || typed > automatic * UNUSUAL),
+            path,
+            short(typed),
+            format!("{} for these grains, or the field left out", short(automatic)),
+            format!(
+                "the value differs by more than a factor of {UNUSUAL} from what these grains ask \
+                 for: {goes_wrong}"
+            ),
+        );
+    }
 
-/// A value that is off by more than the factor, in either direction.
-fn unusual_field(
-    field: &Field,
-    scenario: &Scenario,
-    value: &Value,
-    grading: Option<&Grading>,
-    scale: &Scale,
-    found: &mut Vec<Fault>,
-) {
-    let Field { path, of, low, high } = *field;
-    let typed = field_at(value, &format!("/{}", path.replace('.', "/"))).as_f64();
-    let (Some(typed), Some(automatic)) = (typed, automatic(path, value, grading, scale)) else {
-        return;
-    };
-    let goes_wrong = match () {
-        () if !of.holds(scenario) || is_unread(path, typed, automatic, scenario) => return,
-        () if typed < automatic / UNUSUAL => low,
-        () if typed > automatic * UNUSUAL => high,
-        () => return,
-    };
-    found.push(fault(
-        path,
-        short(typed),
-        format!("{} for these grains, or the field left out", short(automatic)),
-        format!(
-            "the value differs by more than a factor of {UNUSUAL} from what these grains ask for: \
-             {goes_wrong}"
-        ),
-    ));
-}
+    /// Whether contacts do without the distance: native ones go by the shorter of it and their own
+    /// margin, Bullet's by a share of the radius where one is typed.
+    fn is_unread(&self, path: &str, typed: f64, automatic: f64) -> bool {
+        let relative = self.engine.stock.relative_contact_threshold > 0.0;
+        let shorter = self.engine.is_native() && typed > automatic;
+        path == "engine.contact_threshold_mm" && (relative || shorter)
+    }
 
-/// Whether contacts do without the distance: native ones go by the shorter of it and their own
-/// margin, Bullet's by a share of the radius where one is typed.
-fn is_unread(path: &str, typed: f64, automatic: f64, scenario: &Scenario) -> bool {
-    let relative = scenario.engine.stock.relative_contact_threshold > 0.0;
-    path == "engine.contact_threshold_mm" && (relative || is_native(scenario) && typed > automatic)
-}
-
-/// Grains that would sink into each other by more than the accuracy standard allows.
-fn unusual_load(
-    scenario: &Scenario,
-    value: &Value,
-    grading: &Grading,
-    scale: &Scale,
-    found: &mut Vec<Fault>,
-) {
-    let typed = scenario.engine.native.contact_stiffness_n_per_m;
-    let stress = largest_stress(value, grading, scale.gravity);
-    let overlap = OVERLAP_OF_STRESS * stress * scale.sizes.median / typed;
-    if is_native(scenario)
-        && overlap > OVERLAP_ALLOWED
-        && !found.iter().any(|f| f.path == STIFFNESS)
-    {
-        found.push(fault(
+    /// Grains that would sink into each other by more than the accuracy standard allows.
+    fn check_load(&self, grading: &Grading, faults: &mut Faults) {
+        let typed = self.engine.native.contact_stiffness_n_per_m;
+        let stress = largest_stress(self.value, grading, self.scale.gravity);
+        let overlap = OVERLAP_OF_STRESS * stress * self.scale.sizes.median / typed;
+        let least = short(stiffness(self.value, grading, &self.scale));
+        let (stress, percent) = (short(stress), short(100.0 * overlap));
+        faults.add_if(
+            self.engine.is_native() && overlap > OVERLAP_ALLOWED,
             STIFFNESS,
             short(typed),
+            format!("at least {least} N/m, or the field left out"),
             format!(
-                "at least {} N/m, or the field left out",
-                short(stiffness(value, grading, scale))
+                "contacts too soft for {stress} Pa at the bottom of the specimen: grains would \
+                 overlap by some {percent} % of their size"
             ),
-            format!(
-                "contacts too soft for {} Pa at the bottom of the specimen: grains would overlap \
-                 by some {} % of their size",
-                short(stress),
-                short(100.0 * overlap)
-            ),
-        ));
+        );
     }
 }
 
 /// A cylinder that runs over, or a funnel that jams.
-fn unusual_apparatus(scenario: &Scenario, grading: &Grading, found: &mut Vec<Fault>) {
+fn unusual_apparatus(scenario: &Scenario, grading: &Grading, faults: &mut Faults) {
     if !scenario.stages.iter().any(|s| s.name() == "pour") {
         return;
     }
+    let mut faults = faults.at("apparatus");
     let (cylinder, funnel) = (&scenario.apparatus.cylinder, &scenario.apparatus.funnel);
     let area = PI / 4.0 * from_mm(cylinder.inner_diameter_mm).powi(2);
     let height = to_mm(grading.solids * (1.0 + LOOSE) / area);
-    if height > cylinder.height_mm {
-        found.push(fault(
-            "apparatus.cylinder.height_mm",
-            short(cylinder.height_mm),
-            format!("at least {} mm", short(height)),
-            format!("grains may fall over the rim: a specimen with a void ratio of {LOOSE} stands higher than the cylinder"),
-        ));
-    }
+    faults.add_if(
+        height > cylinder.height_mm,
+        "cylinder.height_mm",
+        short(cylinder.height_mm),
+        format!("at least {} mm", short(height)),
+        format!("grains may fall over the rim: a specimen with a void ratio of {LOOSE} stands higher than the cylinder"),
+    );
     let least = JAMS_BELOW * to_mm(grading.sizes.median);
-    if cylinder.inner_diameter_mm < least {
-        found.push(fault(
-            "apparatus.cylinder.inner_diameter_mm",
-            short(cylinder.inner_diameter_mm),
-            format!("at least {} mm", short(least)),
-            format!(
-                "grains may bridge the cylinder or lie over its rim: it is narrower than \
-                 {JAMS_BELOW} median grain sizes"
-            ),
-        ));
+    for (field, across, jams) in [
+        (
+            "cylinder.inner_diameter_mm",
+            cylinder.inner_diameter_mm,
+            "grains may bridge the cylinder or lie over its rim: it is",
+        ),
+        (
+            "funnel.opening_diameter_mm",
+            funnel.opening_diameter_mm,
+            "the funnel may jam: its opening is",
+        ),
+    ] {
+        check_opening(field, across, least, jams, &mut faults);
     }
-    if funnel.opening_diameter_mm < least {
-        found.push(fault(
-            "apparatus.funnel.opening_diameter_mm",
-            short(funnel.opening_diameter_mm),
-            format!("at least {} mm", short(least)),
-            format!(
-                "the funnel may jam: its opening is narrower than {JAMS_BELOW} median grain sizes"
-            ),
-        ));
+}
+
+/// An opening that jams, or nearly does.
+fn check_opening(field: &str, across: f64, least: f64, jams: &str, faults: &mut Faults) {
+    let message = format!("{jams} narrower than {JAMS_BELOW} median grain sizes");
+    let allowed = format!("at least {} mm", short(least));
+    faults.add_if(across < least, field, short(across), allowed, message);
+}
+
+/// Openings of pieces that jam, and containers that run over.
+fn unusual_pieces(scenario: &Scenario, grading: &Grading, faults: &mut Faults) {
+    let least = JAMS_BELOW * to_mm(grading.sizes.median);
+    for (i, piece) in scenario.pieces.iter().enumerate() {
+        let Some(hopper) = &piece.shape.hopper else { continue };
+        let field = format!("pieces[{i}].shape.hopper.opening_diameter_mm");
+        let jams = "the hopper may jam: its opening is";
+        check_opening(&field, hopper.opening_diameter_mm, least, jams, faults);
     }
+    // A floor, a hopper or a ramp beside them may take what does not go in.
+    let holds: Vec<f64> = scenario.pieces.iter().filter_map(|p| p.shape.holds_mm3()).collect();
+    let (room, needed) = (holds.iter().sum::<f64>(), grading.solids * 1e9 * (1.0 + LOOSE));
+    faults.add_if(
+        !holds.is_empty() && room < needed,
+        "pieces",
+        format!("{} cm³", short(room / 1e3)),
+        format!("at least {} cm³", short(needed / 1e3)),
+        format!("grains may fall over the rims: containers hold less than all grains take with a void ratio of {LOOSE}"),
+    );
 }

@@ -83,13 +83,44 @@ impl Case {
     }
 }
 
+/// The files of the cases, a line about one thing.
 macro_rules! files {
-    ($($id:literal),* $(,)?) => {
-        [$((
+    ($($id:literal)*) => {
+        const FILES: &[(&str, &str)] = &[$((
             concat!("scenarios/verification/", $id, ".json"),
             include_str!(concat!("../../scenarios/verification/", $id, ".json")),
-        )),*]
+        )),*];
     };
+}
+
+files! {
+    "mass-properties" "free-fall" "projectile" "tumbling-momentum" "tumbling-energy" "tumbling-flip"
+    "collision-momentum"
+    "incline-holds" "incline-slides" "slide-stops" "slide-pair-friction" "touches-exactly"
+    "inner-edge" "inner-edge-strips" "inner-edge-spinning"
+    "spin-slide-0" "spin-slide-25" "spin-slide-50" "spin-slide-100" "spin-slide-200"
+    "spin-slide-angle" "spin-slide-time" "spin-slide-large"
+    "spin-slide-rough" "spin-slide-slippery" "spin-slide-oblong" "spin-stops"
+    "table-sticks" "table-slips" "rebound" "rebound-none" "rebound-again"
+    "impact-tilted" "impact-tilted-plastic" "impact-tilted-slips"
+    "impact-tilted-slips-back" "impact-tilted-slip-stops" "impact-tilted-reversal"
+    "impact-tilted-corner" "impact-at-several-points" "impact-flat-plastic" "impact-flat-sliding"
+    "impact-two-supports" "impact-one-side"
+    "approach-arrested" "approach-arrested-near" "approach-arrested-half"
+    "approach-arrested-far" "approach-arrested-slow" "approach-arrested-wedged"
+    "approach-arrested-piled" "approach-arrested-dropped" "approach-arrested-again"
+    "approach-arrested-lifted"
+    "rocking-block" "rocking-block-slender" "rocking-block-flying"
+    "pivot-on-edge" "pivot-on-corner" "top-precesses" "top-keeps-tilt" "top-sleeps"
+    "arch-critical-friction" "arch-critical-friction-flat" "ladder-critical-friction"
+    "cube-rests" "grain-rests" "grain-on-three" "stack-of-ten"
+    "column-of-ten" "floor-carries-weight"
+    "packing-rests" "packing-keeps-grains" "packing-energy" "packing-walls-hold"
+    "packing-order" "packing-reload" "packing-turned" "packing-size"
+    "table-turned" "spin-slide-turned" "spin-slide-mirrored" "spin-slide-order"
+    "spin-slide-boosted" "impact-tilted-turned" "impact-tilted-mirrored" "impact-tilted-order"
+    "impact-tilted-boosted"
+    "slide-length-scale" "slide-size" "spin-slide-size" "impact-tilted-size"
 }
 
 /// The cases under `scenarios/verification/`, built into the program so that
@@ -98,103 +129,7 @@ macro_rules! files {
 /// # Errors
 /// [`VerifyError::Case`] for a file with a fault.
 pub fn builtin() -> Result<Vec<Case>, VerifyError> {
-    files![
-        "mass-properties",
-        "free-fall",
-        "projectile",
-        "tumbling-momentum",
-        "tumbling-energy",
-        "tumbling-flip",
-        "collision-momentum",
-        "incline-holds",
-        "incline-slides",
-        "slide-stops",
-        "slide-pair-friction",
-        "touches-exactly",
-        "inner-edge",
-        "inner-edge-strips",
-        "inner-edge-spinning",
-        "spin-slide-0",
-        "spin-slide-25",
-        "spin-slide-50",
-        "spin-slide-100",
-        "spin-slide-200",
-        "spin-slide-angle",
-        "spin-slide-time",
-        "spin-slide-large",
-        "spin-slide-rough",
-        "spin-slide-slippery",
-        "spin-slide-oblong",
-        "spin-stops",
-        "table-sticks",
-        "table-slips",
-        "rebound",
-        "rebound-none",
-        "rebound-again",
-        "impact-tilted",
-        "impact-tilted-plastic",
-        "impact-tilted-slips",
-        "impact-tilted-slips-back",
-        "impact-tilted-slip-stops",
-        "impact-tilted-reversal",
-        "impact-tilted-corner",
-        "impact-at-several-points",
-        "impact-flat-plastic",
-        "impact-flat-sliding",
-        "impact-two-supports",
-        "impact-one-side",
-        "approach-arrested",
-        "approach-arrested-near",
-        "approach-arrested-half",
-        "approach-arrested-far",
-        "approach-arrested-slow",
-        "approach-arrested-wedged",
-        "approach-arrested-piled",
-        "approach-arrested-dropped",
-        "approach-arrested-again",
-        "approach-arrested-lifted",
-        "rocking-block",
-        "rocking-block-slender",
-        "rocking-block-flying",
-        "pivot-on-edge",
-        "pivot-on-corner",
-        "top-precesses",
-        "top-keeps-tilt",
-        "top-sleeps",
-        "arch-critical-friction",
-        "arch-critical-friction-flat",
-        "ladder-critical-friction",
-        "cube-rests",
-        "grain-rests",
-        "grain-on-three",
-        "stack-of-ten",
-        "column-of-ten",
-        "floor-carries-weight",
-        "packing-rests",
-        "packing-keeps-grains",
-        "packing-energy",
-        "packing-walls-hold",
-        "packing-order",
-        "packing-reload",
-        "packing-turned",
-        "packing-size",
-        "table-turned",
-        "spin-slide-turned",
-        "spin-slide-mirrored",
-        "spin-slide-order",
-        "spin-slide-boosted",
-        "impact-tilted-turned",
-        "impact-tilted-mirrored",
-        "impact-tilted-order",
-        "impact-tilted-boosted",
-        "slide-length-scale",
-        "slide-size",
-        "spin-slide-size",
-        "impact-tilted-size",
-    ]
-    .iter()
-    .map(|(file, text)| Case::from_json(file, text))
-    .collect()
+    FILES.iter().map(|(file, text)| Case::from_json(file, text)).collect()
 }
 
 #[cfg(test)]

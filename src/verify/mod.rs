@@ -9,25 +9,23 @@
 
 mod bench;
 mod case;
-mod enlarged;
 mod experiment;
 mod judge;
 mod scene;
-mod settings;
 mod suite;
 mod view;
 
-pub use bench::{Bench, Maker};
+pub use bench::{Bench, Maker, Setting, settings};
 pub use case::{Case, KnownFailure, builtin};
 pub use experiment::Outcome;
 pub use judge::{Status, Verdict, within};
 pub use scene::grains;
-pub use settings::{Setting, settings};
 pub use suite::{SuiteError, SuiteOptions, run_suite, tally};
 pub use view::View;
 
 use std::sync::RwLock;
 
+use crate::geometry::PolyhedronError;
 use crate::world::WorldError;
 
 /// Why a case could not be run.
@@ -50,6 +48,12 @@ pub enum VerifyError {
     /// The experiment ended without the event it waits for.
     #[error("the experiment ended without {0}")]
     NoEvent(&'static str),
+}
+
+impl From<PolyhedronError> for VerifyError {
+    fn from(error: PolyhedronError) -> Self {
+        Self::Setup(error.to_string())
+    }
 }
 
 /// Worlds of one process must agree on what Bullet keeps per process. Cases

@@ -21,10 +21,15 @@ pub const DENSITY: f64 = 2673.9;
 pub const START_GAP: f64 = 1e-6;
 
 /// A world in which positions and velocities are given and read in the
-/// laboratory's axes, however the laboratory stands in it.
+/// laboratory's axes, however the laboratory stands in it, and however large it is there: in an
+/// engine of the scale of bodies λ times as large (`EngineSettings::enlarged`) lengths are λ times
+/// as large, times and speeds √λ, masses λ³, moments of inertia λ⁵, impulses λ³ √λ, while gravity
+/// stays, and what is seen is the same (Froude's law, [`crate::scale`]).
 pub struct Scene {
     world: Box<dyn World + Send>,
     view: View,
+    /// λ.
+    larger: f64,
     snapshot: Snapshot,
     steps: u64,
     /// Bodies given since the last step, which the world does not have yet:
@@ -37,10 +42,11 @@ pub struct Scene {
 }
 
 impl Scene {
-    pub(super) fn new(world: Box<dyn World + Send>, view: View) -> Self {
+    pub(super) fn new(world: Box<dyn World + Send>, view: View, larger: f64) -> Self {
         Self {
             world,
             view,
+            larger,
             snapshot: Snapshot::new(),
             steps: 0,
             waiting: Vec::new(),
@@ -74,6 +80,9 @@ impl Scene {
                 body.state.linear_velocity = Vector::zeros();
                 self.carried.push((BodyId((first + n) as u32), waiting[n].state.pose));
             }
+            if self.larger != 1.0 {
+                body = enlarged(&body, self.larger);
+            }
             self.ids[first + n] = self.world.add(&body)?;
         }
         Ok(())
@@ -102,16 +111,21 @@ impl Scene {
             *carried = *pose;
             return Ok(());
         }
-        let end = self.view.pose_out(pose, self.time() + self.time_step());
-        Ok(self.world.drive(self.id(id)?, &end)?)
+        self.drive_out(id, pose, self.time() + self.time_step())
+    }
+
+    fn drive_out(&mut self, id: BodyId, pose: &Pose, time: f64) -> Result<(), VerifyError> {
+        let pose = scaled_pose(&self.view.pose_out(pose, time), self.larger);
+        Ok(self.world.drive(self.id(id)?, &pose)?)
     }
 
     /// One step.
     pub fn step(&mut self) -> Result<(), VerifyError> {
         self.enter()?;
         let end = self.time() + self.time_step();
-        for (id, pose) in &self.carried {
-            self.world.drive(self.id(*id)?, &self.view.pose_out(pose, end))?;
+        for n in 0..self.carried.len() {
+            let (id, pose) = self.carried[n];
+            self.drive_out(id, &pose, end)?;
         }
         self.world.step()?;
         self.steps += 1;
@@ -126,19 +140,34 @@ impl Scene {
         Ok(())
     }
 
+    /// Steps for a time in s, and shows the time and the state of a body after each step.
+    pub fn follow(
+        &mut self,
+        id: BodyId,
+        duration: f64,
+        mut look: impl FnMut(f64, BodyState),
+    ) -> Result<(), VerifyError> {
+        for _ in 0..self.steps_in(duration) {
+            self.step()?;
+            let state = self.state(id)?;
+            look(self.time(), state);
+        }
+        Ok(())
+    }
+
     /// Whole steps in a time in s.
     pub fn steps_in(&self, duration: f64) -> u64 {
-        (duration / self.world.time_step()).round() as u64
+        (duration / self.time_step()).round() as u64
     }
 
     /// Simulated time in s.
     pub fn time(&self) -> f64 {
-        self.steps as f64 * self.world.time_step()
+        self.steps as f64 * self.time_step()
     }
 
     /// Length of a step in s.
     pub fn time_step(&self) -> f64 {
-        self.world.time_step()
+        self.world.time_step() / self.larger.sqrt()
     }
 
     /// Steps of integration inside one step of the engine, as it says itself;
@@ -166,7 +195,7 @@ impl Scene {
             .map(|id| {
                 let state = self.snapshot.get(self.id(*id)?.0 as usize).copied().flatten();
                 let state = state.ok_or(WorldError::NoSuchBody(*id))?;
-                Ok(self.view.state_back(&state, time))
+                Ok(self.view.state_back(&scaled_state(&state, 1.0 / self.larger), time))
             })
             .collect()
     }
@@ -176,6 +205,9 @@ impl Scene {
         let mut contacts = Vec::new();
         self.world.contacts(&mut contacts);
         for contact in &mut contacts {
+            contact.point /= self.larger;
+            contact.gap /= self.larger;
+            contact.impulse /= self.larger.powi(3) * self.larger.sqrt();
             contact.a = self.number(contact.a);
             contact.b = self.number(contact.b);
             contact.point = self.view.point_back(contact.point, self.time());
@@ -199,6 +231,30 @@ impl Scene {
     }
 }
 
+fn scaled_pose(pose: &Pose, by: f64) -> Pose {
+    Pose::from_parts((pose.translation.vector * by).into(), pose.rotation)
+}
+
+fn scaled_state(state: &BodyState, by: f64) -> BodyState {
+    BodyState {
+        pose: scaled_pose(&state.pose, by),
+        linear_velocity: state.linear_velocity * by.sqrt(),
+        angular_velocity: state.angular_velocity / by.sqrt(),
+    }
+}
+
+/// A body λ times as large.
+fn enlarged(body: &Body, by: f64) -> Body {
+    let motion = match body.motion {
+        Motion::Free { mass, inertia } => {
+            Motion::Free { mass: mass * by.powi(3), inertia: inertia * by.powi(5) }
+        }
+        other => other,
+    };
+    let state = scaled_state(&body.state, by);
+    Body { shape: Arc::new(body.shape.scaled(by)), motion, material: body.material, state }
+}
+
 /// The same friction and restitution for every pair.
 pub fn uniform(friction: f64, restitution: f64) -> PairTable {
     PairTable::uniform(PairCoefficients { friction, restitution })
@@ -206,8 +262,7 @@ pub fn uniform(friction: f64, restitution: f64) -> PairTable {
 
 /// A box of grain material with given sides (m), upright, its centroid at a place (m).
 pub fn block(sides: Vector, at: Vector) -> Result<Body, VerifyError> {
-    let shape = ConvexPolyhedron::cuboid(sides).map_err(|e| VerifyError::Setup(e.to_string()))?;
-    Ok(free(shape, at))
+    Ok(free(ConvexPolyhedron::cuboid(sides)?, at))
 }
 
 /// A free homogeneous body of a shape whose frame is central and principal.
@@ -235,8 +290,7 @@ pub fn solid(shape: &ConvexPolyhedron) -> Body {
 /// A prism over a polygon of the x-z plane (corners counter-clockwise seen
 /// against y, in m), from −depth/2 to depth/2 along y.
 pub fn profile(polygon: &[(f64, f64)], depth: f64) -> Result<ConvexPolyhedron, VerifyError> {
-    let prism = ConvexPolyhedron::prism(polygon, -depth / 2.0, depth / 2.0)
-        .map_err(|e| VerifyError::Setup(e.to_string()))?;
+    let prism = ConvexPolyhedron::prism(polygon, -depth / 2.0, depth / 2.0)?;
     // The prism stands on its polygon: its z becomes −y.
     let upright = UnitQuaternion::from_axis_angle(&Vector::x_axis(), std::f64::consts::FRAC_PI_2);
     Ok(prism.transformed(&Pose::from_parts(Vector::zeros().into(), upright)))

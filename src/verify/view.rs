@@ -140,16 +140,15 @@ impl View {
 fn reflected_shape(shape: &ConvexPolyhedron) -> Result<ConvexPolyhedron, VerifyError> {
     if let Some(sphere) = shape.sphere() {
         let sphere = Sphere { centre: Point::from(reflected(sphere.centre.coords)), ..sphere };
-        return ConvexPolyhedron::of_sphere(sphere).map_err(|e| VerifyError::Setup(e.to_string()));
+        return Ok(ConvexPolyhedron::of_sphere(sphere)?);
     }
     if let Some(rounded) = shape.rounded() {
         let core = reflected_shape(&rounded.core)?;
-        return ConvexPolyhedron::of_rounded(core, rounded.radius)
-            .map_err(|e| VerifyError::Setup(e.to_string()));
+        return Ok(ConvexPolyhedron::of_rounded(core, rounded.radius)?);
     }
     let vertices = shape.vertices().iter().map(|v| Point::from(reflected(v.coords))).collect();
     let faces = shape.faces().iter().map(|f| f.iter().rev().copied().collect()).collect();
-    ConvexPolyhedron::new(vertices, faces).map_err(|e| VerifyError::Setup(e.to_string()))
+    Ok(ConvexPolyhedron::new(vertices, faces)?)
 }
 
 #[cfg(test)]

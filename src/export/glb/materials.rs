@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::buffers::{number, numbers};
 use crate::grains::GrainSet;
+use crate::plain::without_zeros;
 use crate::units::to_mm;
 
 /// Colours that colour-blind readers tell apart (Okabe & Ito 2008), in sRGB,
@@ -48,8 +49,7 @@ pub fn materials(grains: &GrainSet) -> (Vec<Value>, usize) {
 
 /// A length in mm without digits that say nothing.
 fn short(metres: f64) -> String {
-    let text = format!("{:.3}", to_mm(metres));
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    without_zeros(&format!("{:.3}", to_mm(metres))).to_owned()
 }
 
 /// From the sRGB of screens to the linear scale of glTF's factors (IEC 61966-2-1).

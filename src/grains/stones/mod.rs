@@ -23,6 +23,7 @@ pub use report::{StoneRecord, stones_csv};
 use std::path::{Path, PathBuf};
 
 use super::{GrainSet, sieve_size};
+use crate::plain::without_zeros;
 use crate::{
     geometry::{ConvexPolyhedron, MassProperties, Pose},
     scenario::{Fault, MeshGrains, MeshUnit, ScenarioErrors},
@@ -179,11 +180,7 @@ fn rounded(value: f64) -> String {
         return format!("{value:.2e}");
     }
     let digits = (2.0 - exponent).max(0.0) as usize;
-    let text = format!("{value:.digits$}");
-    if !text.contains('.') {
-        return text;
-    }
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    without_zeros(&format!("{value:.digits$}")).to_owned()
 }
 
 #[cfg(test)]

@@ -1,14 +1,12 @@
 //! Engine settings that do not go together.
 
-use serde_json::Value;
-
-use super::{Parts, fault};
-use crate::scenario::{Backend, ContactSolver, Fault, StockSettings};
+use super::*;
+use crate::scenario::StockSettings;
 
 /// stock Bullet contacts alone have a margin, inertia by boxes, a least mass
 /// and sleep; elsewhere these fields would be without effect, which nobody who
 /// sets them means.
-pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
+pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     let Some(engine) = &parts.engine else { return };
     let who = match (engine.backend, engine.contact_solver) {
         (Backend::Bullet, ContactSolver::Stock) => return,
@@ -20,13 +18,12 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
     let as_json = |s: &StockSettings| serde_json::to_value(s).unwrap_or(Value::Null);
     let (asked, default) = (as_json(&engine.stock), as_json(&StockSettings::default()));
     for (field, value) in asked.as_object().into_iter().flatten() {
-        if *value != default[field] {
-            faults.push(fault(
-                &format!("engine.stock.{field}"),
-                value,
-                format!("{}, or \"contact_solver\": \"stock\" on Bullet", default[field]),
-                format!("a setting of stock Bullet contacts, which is not for {who}"),
-            ));
-        }
+        faults.at("engine.stock").add_if(
+            *value != default[field],
+            field,
+            value,
+            format!("{}, or \"contact_solver\": \"stock\" on Bullet", default[field]),
+            format!("a setting of stock Bullet contacts, which is not for {who}"),
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! The sieve table, and how many grains it makes.
 
-use super::{Parts, fault, short};
-use crate::scenario::{CellShape, Fault, LEAST_ROUNDING, MeshGrains, SieveFraction, SievedShape};
+use super::*;
+use crate::scenario::{CellShape, LEAST_ROUNDING, SieveFraction, SievedShape};
 
 /// Allowed error of the sum of the mass percentages.
 const PERCENT_TOLERANCE: f64 = 0.01;
@@ -10,111 +10,96 @@ const PERCENT_TOLERANCE: f64 = 0.01;
 /// 10 ms, and the time grows a little faster than the number.
 const MOST_GRAINS: f64 = 1e6;
 
-pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
+pub(super) fn check(parts: &Parts, faults: &mut Faults) {
+    let mut faults = faults.at("grains");
     if let Some(meshes) = &parts.meshes {
-        check_meshes(meshes, faults);
+        check_meshes(meshes, &mut faults);
     }
     let Some(sieved) = &parts.sieved else { return };
-    if sieved.shape == SievedShape::Spheres && sieved.cells != CellShape::default() {
-        faults.push(fault(
-            "grains.cells",
-            "",
-            "this field, or `shape` \"spheres\"".into(),
-            "spheres are cut from no cells, so there is nothing to relax or stretch".into(),
-        ));
-    }
+    faults.add_if(
+        sieved.shape == SievedShape::Spheres && sieved.cells != CellShape::default(),
+        "cells",
+        "",
+        "this field, or `shape` \"spheres\"",
+        "spheres are cut from no cells, so there is nothing to relax or stretch",
+    );
     let rounding = sieved.cells.rounding;
-    if rounding > 0.0 && rounding < LEAST_ROUNDING {
-        faults.push(fault(
-            "grains.cells.rounding",
-            rounding,
-            format!("0, or {LEAST_ROUNDING} to 0.9"),
-            "corners with so small a radius are neither sharp nor round in a contact".into(),
-        ));
-    }
+    faults.add_if(
+        rounding > 0.0 && rounding < LEAST_ROUNDING,
+        "cells.rounding",
+        rounding,
+        format!("0, or {LEAST_ROUNDING} to 0.9"),
+        "corners with so small a radius are neither sharp nor round in a contact",
+    );
     let table = &sieved.sieve_table;
-    check_order(table, faults);
-    check_sum(table, faults);
-    if !(sieved.total_mass_g > 0.0 && sieved.density_kg_per_m3 > 0.0) {
+    check_order(table, &mut faults);
+    check_sum(table, &mut faults);
+    let (mass, density) = (sieved.total_mass_g, sieved.density_kg_per_m3);
+    if !(mass > 0.0 && density > 0.0) {
         return;
     }
+    let is_sound =
+        |f: &SieveFraction| f.passing_mm > 0.0 && f.retained_mm > 0.0 && f.mass_percent > 0.0;
     let mut total = 0.0;
-    for (i, fraction) in table.iter().enumerate() {
-        if !(fraction.passing_mm > 0.0 && fraction.retained_mm > 0.0 && fraction.mass_percent > 0.0)
-        {
-            continue;
-        }
-        let count = fraction.grain_count(sieved.total_mass_g, sieved.density_kg_per_m3);
+    for (i, fraction) in table.iter().enumerate().filter(|(_, fraction)| is_sound(fraction)) {
+        let count = fraction.grain_count(mass, density);
         total += count;
-        if count < 1.0 {
-            faults.push(fault(
-                &format!("grains.sieve_table[{i}].mass_percent"),
-                fraction.mass_percent,
-                format!("at least {} %", short(fraction.mass_percent / count)),
-                format!(
-                    "the fraction {} to {} mm is lighter than one grain of its mean size",
-                    fraction.passing_mm, fraction.retained_mm
-                ),
-            ));
-        }
-    }
-    if total > MOST_GRAINS {
-        faults.push(fault(
-            "grains.total_mass_g",
-            sieved.total_mass_g,
+        faults.at(format!("sieve_table[{i}]")).add_if(
+            count < 1.0,
+            "mass_percent",
+            fraction.mass_percent,
+            format!("at least {} %", short(fraction.mass_percent / count)),
             format!(
-                "at most {} g of this gravel",
-                short(sieved.total_mass_g * MOST_GRAINS / total)
+                "the fraction {} to {} mm is lighter than one grain of its mean size",
+                fraction.passing_mm, fraction.retained_mm
             ),
-            format!("this makes {total:.0} grains, more than {MOST_GRAINS:.0}"),
-        ));
+        );
     }
+    faults.add_if(
+        total > MOST_GRAINS,
+        "total_mass_g",
+        mass,
+        format!("at most {} g of this gravel", short(mass * MOST_GRAINS / total)),
+        format!("this makes {total:.0} grains, more than {MOST_GRAINS:.0}"),
+    );
 }
 
 /// A sieve table needs a mass to share out, and leaves nothing else to choose.
-fn check_meshes(meshes: &MeshGrains, faults: &mut Vec<Fault>) {
+fn check_meshes(meshes: &MeshGrains, faults: &mut Faults) {
     let sieved = !meshes.sieve_table.is_empty();
     match (sieved, meshes.total_mass_g) {
-        (true, None) => faults.push(fault(
-            "grains.total_mass_g",
+        (true, None) => faults.add(
+            "total_mass_g",
             "",
-            "a number above 0".into(),
-            "the field is missing: the mass that `sieve_table` shares out".into(),
-        )),
-        (false, Some(mass)) => faults.push(fault(
-            "grains.total_mass_g",
+            "a number above 0",
+            "the field is missing: the mass that `sieve_table` shares out",
+        ),
+        (false, Some(mass)) => faults.add(
+            "total_mass_g",
             mass,
-            "this field together with `sieve_table`, or neither".into(),
-            "without a sieve table the stones keep their own mass".into(),
-        )),
+            "this field together with `sieve_table`, or neither",
+            "without a sieve table the stones keep their own mass",
+        ),
         _ => {}
     }
     if let (true, Some(count)) = (sieved, meshes.count) {
-        faults.push(fault(
-            "grains.count",
-            count,
-            "this field or `sieve_table`, not both".into(),
-            "the number of stones follows from the sieve table and the total mass".into(),
-        ));
+        let message = "the number of stones follows from the sieve table and the total mass";
+        faults.add("count", count, "this field or `sieve_table`, not both", message);
     }
 }
 
-fn check_order(table: &[SieveFraction], faults: &mut Vec<Fault>) {
+fn check_order(table: &[SieveFraction], faults: &mut Faults) {
     for (i, fraction) in table.iter().enumerate() {
-        if fraction.passing_mm <= fraction.retained_mm {
-            faults.push(fault(
-                &format!("grains.sieve_table[{i}].retained_mm"),
-                fraction.retained_mm,
-                format!("less than passing_mm, {}", fraction.passing_mm),
-                "grains that pass a sieve are retained by a finer one".into(),
-            ));
-        }
+        faults.at(format!("sieve_table[{i}]")).add_if(
+            fraction.passing_mm <= fraction.retained_mm,
+            "retained_mm",
+            fraction.retained_mm,
+            format!("less than passing_mm, {}", fraction.passing_mm),
+            "grains that pass a sieve are retained by a finer one",
+        );
     }
     for (i, pair) in table.windows(2).enumerate() {
         let (above, below) = (&pair[0], &pair[1]);
-        if below.passing_mm == above.retained_mm {
-            continue;
-        }
         let message = if below.passing_mm > above.passing_mm {
             "the sieve table is out of order: it goes from coarse to fine"
         } else if below.passing_mm > above.retained_mm {
@@ -122,24 +107,24 @@ fn check_order(table: &[SieveFraction], faults: &mut Vec<Fault>) {
         } else {
             "the sieve table has a gap: a fraction begins where the one before it ends"
         };
-        faults.push(fault(
-            &format!("grains.sieve_table[{}].passing_mm", i + 1),
+        faults.at(format!("sieve_table[{}]", i + 1)).add_if(
+            below.passing_mm != above.retained_mm,
+            "passing_mm",
             below.passing_mm,
             format!("{}, the retained_mm of the fraction before", above.retained_mm),
-            message.into(),
-        ));
+            message,
+        );
     }
 }
 
-fn check_sum(table: &[SieveFraction], faults: &mut Vec<Fault>) {
+fn check_sum(table: &[SieveFraction], faults: &mut Faults) {
     let sum: f64 = table.iter().map(|f| f.mass_percent).sum();
-    // The margin keeps a sum of decimals that is off by the tolerance itself inside.
-    if !((sum - 100.0).abs() <= PERCENT_TOLERANCE + 1e-9) {
-        faults.push(fault(
-            "grains.sieve_table",
-            format!("a sum of {} %", short(sum)),
-            format!("100 ± {PERCENT_TOLERANCE} %"),
-            "the mass percentages of the fractions do not add up".into(),
-        ));
-    }
+    faults.add_if(
+        // The margin keeps a sum of decimals that is off by the tolerance itself inside.
+        !((sum - 100.0).abs() <= PERCENT_TOLERANCE + 1e-9),
+        "sieve_table",
+        format!("a sum of {} %", short(sum)),
+        format!("100 ± {PERCENT_TOLERANCE} %"),
+        "the mass percentages of the fractions do not add up",
+    );
 }

@@ -1,96 +1,65 @@
 //! Loads on pieces that are pressed, and pieces that are let go.
 
-use std::collections::HashSet;
+use super::*;
+use crate::scenario::LoadSpec;
 
-use super::Parts;
-use crate::scenario::{Backend, ContactSolver, LoadSpec};
-
-/// What computes the scenario, where that is not Bullet with native contacts.
-fn not_native(parts: &Parts) -> Option<&'static str> {
-    let engine = parts.engine.as_ref()?;
-    match (engine.backend, engine.contact_solver) {
-        (Backend::Rapier, _) => Some("rapier"),
-        (Backend::Bullet, ContactSolver::Stock) => Some("Bullet with stock contacts"),
-        (Backend::Bullet, ContactSolver::Native) => None,
-    }
+/// A stage that only Bullet with native contacts can do, and what others lack.
+fn check_solver(parts: &Parts, stage: &str, lack: &str, faults: &mut Faults) {
+    let Some(engine) = &parts.engine else { return };
+    let who = match (engine.backend, engine.contact_solver) {
+        (Backend::Rapier, _) => "rapier",
+        (Backend::Bullet, ContactSolver::Stock) => "Bullet with stock contacts",
+        (Backend::Bullet, ContactSolver::Native) => return,
+    };
+    let message = format!("{who} {lack}");
+    faults.add("stage", format!("{stage:?}"), "it on Bullet with native contacts", message);
 }
 
 /// Checks the pieces that a stage lets go; whether they stand is checked with all others.
-pub(super) fn check_release(
-    parts: &Parts,
-    names: &[String],
-    add: &mut impl FnMut(&str, String, &str, &str),
-) {
-    if let Some(who) = not_native(parts) {
-        add(
-            "stage",
-            "\"release\"".into(),
-            "it on Bullet with native contacts",
-            &format!("{who} moves no piece freely"),
-        );
-    }
+pub(super) fn check_release(parts: &Parts, names: &[String], faults: &mut Faults) {
+    check_solver(parts, "release", "moves no piece freely", faults);
     let mut seen = HashSet::new();
     for (k, name) in names.iter().enumerate() {
-        let field = format!("pieces[{k}]");
-        if !seen.insert(name) {
-            add(&field, format!("{name:?}"), "each piece once", "the piece is named twice");
-        }
+        let (field, shown) = (format!("pieces[{k}]"), format!("{name:?}"));
+        let message = "the piece is named twice";
+        faults.add_if(!seen.insert(name), &field, &shown, "each piece once", message);
         let piece = parts.pieces().find(|(_, piece)| piece.name == *name);
-        if piece.is_some_and(|(_, piece)| piece.may_cross) {
-            let message = "what moves freely feels the pieces that it would stand in";
-            add(&field, format!("{name:?}"), "a piece without `may_cross`", message);
-        }
+        let crosses = piece.is_some_and(|(_, piece)| piece.may_cross);
+        let message = "what moves freely feels the pieces that it would stand in";
+        faults.add_if(crosses, &field, &shown, "a piece without `may_cross`", message);
     }
     let all = parts.pieces().all(|(_, piece)| names.contains(&piece.name));
-    if all && parts.has_pieces() {
-        let message = "nothing is left that could carry what moves freely";
-        add("pieces", names.join(", "), "fewer than all pieces", message);
-    }
+    faults.add_if(
+        all && parts.has_pieces(),
+        "pieces",
+        names.join(", "),
+        "fewer than all pieces",
+        "nothing is left that could carry what moves freely",
+    );
 }
 
 /// Checks the loads of a stage; whether their pieces stand is checked with all others.
-pub(super) fn check(
-    parts: &Parts,
-    loads: &[LoadSpec],
-    add: &mut impl FnMut(&str, String, &str, &str),
-) {
-    if let Some(who) = not_native(parts) {
-        add(
-            "stage",
-            "\"press\"".into(),
-            "it on Bullet with native contacts",
-            &format!("{who} cannot press a piece along one direction"),
-        );
-    }
+pub(super) fn check(parts: &Parts, loads: &[LoadSpec], faults: &mut Faults) {
+    check_solver(parts, "press", "cannot press a piece along one direction", faults);
     let mut seen = HashSet::new();
     for (k, load) in loads.iter().enumerate() {
-        let mut add = |field: &str, found: String, allowed: &str, message: &str| {
-            add(&format!("loads[{k}].{field}"), found, allowed, message);
-        };
-        if !seen.insert(&load.piece) {
-            let name = format!("{:?}", load.piece);
-            add("piece", name, "each piece once", "the piece has two loads");
-        }
-        if load.direction.iter().all(|x| *x == 0.0) {
-            add("direction", "0".into(), "not all of it 0", "the load has no direction");
-        }
-        let none = |axis: [f64; 3]| axis.iter().all(|x| *x == 0.0);
+        let mut faults = faults.at(format!("loads[{k}]"));
+        let (twice, name) = (!seen.insert(&load.piece), format!("{:?}", load.piece));
+        faults.add_if(twice, "piece", name, "each piece once", "the piece has two loads");
+        faults.not_zero("direction", load.direction, "the load has no direction");
         match (load.moment_n_m, load.axis) {
             (Some(_), None) => {
-                add("axis", String::new(), "a direction, as [0, 0, 1]", "a moment needs its axis");
+                faults.add("axis", "", "a direction, as [0, 0, 1]", "a moment needs its axis");
             }
-            (Some(_), Some(axis)) if none(axis) => {
-                add("axis", "0".into(), "not all of it 0", "the moment has no axis");
+            (Some(_), Some(axis)) => faults.not_zero("axis", axis, "the moment has no axis"),
+            (None, axis) => {
+                for (field, found) in [("axis", axis), ("about_mm", load.about_mm)] {
+                    if let Some(found) = found {
+                        let (found, allowed) = (format!("{found:?}"), "`moment_n_m` beside it");
+                        faults.add(field, found, allowed, "only a moment has an axis");
+                    }
+                }
             }
-            (None, Some(axis)) => {
-                let message = "only a moment has an axis";
-                add("axis", format!("{axis:?}"), "`moment_n_m` beside it", message);
-            }
-            _ => {}
-        }
-        if let (None, Some(about)) = (load.moment_n_m, load.about_mm) {
-            let message = "only a moment has an axis";
-            add("about_mm", format!("{about:?}"), "`moment_n_m` beside it", message);
         }
         let given = [
             ("force_n", load.force_n.is_some()),
@@ -99,10 +68,12 @@ pub(super) fn check(
             ("locked", load.locked),
         ];
         let given: Vec<&str> = given.iter().filter(|(_, is)| *is).map(|(name, _)| *name).collect();
-        if given.len() != 1 {
-            let found = given.join(", ");
-            let allowed = "one of `force_n`, `stress_kpa`, `moment_n_m` and `locked`";
-            add("force_n", found, allowed, "a load is a force, a stress, a moment or a lock");
-        }
+        faults.add_if(
+            given.len() != 1,
+            "force_n",
+            given.join(", "),
+            "one of `force_n`, `stress_kpa`, `moment_n_m` and `locked`",
+            "a load is a force, a stress, a moment or a lock",
+        );
     }
 }

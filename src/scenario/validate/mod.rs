@@ -17,19 +17,29 @@ mod until;
 
 pub(super) use time_step::least_rate_hz;
 
-use std::{collections::BTreeSet, fmt};
+// What the checks are made of, too.
+use std::{
+    collections::{BTreeSet, HashSet},
+    fmt,
+};
 
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use crate::units::to_mm;
-
 use super::{
-    BeginSpec, CylinderSpec, EngineSettings, Fault, FunnelSpec, Grading, IndexDensitiesSpec,
-    MeasuresSpec, MeshGrains, PieceSpec, Scenario, SettleSpec, SievedGrains, StageSpec,
-    TopPlateSpec, accessors::field, source::shown, unusual,
+    Backend, BeginSpec, ContactSolver, CylinderSpec, EngineSettings, Fault, FunnelSpec, Grading,
+    IndexDensitiesSpec, MeasuresSpec, MeshGrains, PieceSpec, Scenario, SettleSpec, SievedGrains,
+    StageSpec, TopPlateSpec,
+    accessors::{field, read},
+    automatic::sieved,
+    fault::Faults,
+    source::shown,
+    unusual,
 };
-use crate::plain::misleads;
+use crate::geometry::Point;
+use crate::motion::{RecordedMotion, TableMotion};
+use crate::plain::{misleads, without_zeros};
+use crate::units::{from_mm, to_mm};
 
 /// The parts of a scenario that could be read.
 struct Parts {
@@ -72,9 +82,7 @@ impl Parts {
             None => Some(default),
             Some(value) => value.as_f64(),
         };
-        let meshes: Option<MeshGrains> = read(field(value, "/grains"));
-        let sieved: Option<SievedGrains> = read(field(value, "/grains"));
-        let sieved = sieved.or_else(|| meshes.as_ref().and_then(MeshGrains::as_sieved));
+        let sieved = sieved(field(value, "/grains"));
         Self {
             name: field(value, "/name").as_str().map(str::to_owned),
             grading: match &sieved {
@@ -82,7 +90,7 @@ impl Parts {
                 None => found.copied(),
             },
             sieved,
-            meshes,
+            meshes: read(field(value, "/grains")),
             cylinder: read_or_default(value, "/apparatus/cylinder"),
             funnel: read_or_default(value, "/apparatus/funnel"),
             top_plate: read_or_default(value, "/apparatus/top_plate"),
@@ -115,6 +123,11 @@ impl Parts {
         Some(mm).filter(|mm| *mm > 0.0)
     }
 
+    /// The stages that could be read, with their numbers.
+    fn specs(&self) -> impl Iterator<Item = (usize, &StageSpec)> {
+        self.stages.iter().enumerate().filter_map(|(i, stage)| Some((i, stage.spec.as_ref()?)))
+    }
+
     fn has_stage(&self, name: &str) -> bool {
         self.stages.iter().any(|stage| stage.name.as_deref() == Some(name))
     }
@@ -124,10 +137,6 @@ impl Parts {
 fn shown_mm(size: f64) -> f64 {
     let mm = to_mm(size);
     format!("{mm:.8e}").parse().unwrap_or(mm)
-}
-
-fn read<T: DeserializeOwned>(value: &Value) -> Option<T> {
-    T::deserialize(value).ok()
 }
 
 fn read_or_default<T: DeserializeOwned>(value: &Value, pointer: &str) -> Option<T> {
@@ -141,17 +150,18 @@ fn read_or_default<T: DeserializeOwned>(value: &Value, pointer: &str) -> Option<
 /// of grains that have no sieve table.
 pub(super) fn faults(value: &Value, found: Option<&Grading>) -> Vec<Fault> {
     let parts = Parts::of(value, found);
-    let mut faults = Vec::new();
-    check_name(&parts, &mut faults);
-    grains::check(&parts, &mut faults);
-    IndexDensitiesSpec::check(value, &mut faults);
-    apparatus::check(&parts, &mut faults);
-    pieces::check(&parts, &mut faults);
-    stages::check(&parts, &mut faults);
-    motion::check(&parts, &mut faults);
-    engine::check(&parts, &mut faults);
-    time_step::check(&parts, &mut faults);
-    faults
+    let mut found = Vec::new();
+    let faults = &mut Faults::of(&mut found);
+    check_name(&parts, faults);
+    grains::check(&parts, faults);
+    IndexDensitiesSpec::check(value, faults);
+    apparatus::check(&parts, faults);
+    pieces::check(&parts, faults);
+    stages::check(&parts, faults);
+    motion::check(&parts, faults);
+    engine::check(&parts, faults);
+    time_step::check(&parts, faults);
+    found
 }
 
 /// Something that a reader of a scenario's results must know, and that the
@@ -186,51 +196,39 @@ pub fn warnings(scenario: &Scenario) -> Vec<Warning> {
     warnings
 }
 
-pub(super) fn fault(path: &str, found: impl ToString, allowed: String, message: String) -> Fault {
-    Fault { file: String::new(), path: path.to_owned(), found: found.to_string(), allowed, message }
-}
-
 /// A number for people: four significant digits, no trailing zeros.
 pub(super) fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
     }
-    let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 12);
-    let text = format!("{value:.*}", digits as usize);
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
+    let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
+    without_zeros(&format!("{value:.digits$}")).to_owned()
 }
 
 /// The name becomes the name of a folder.
-fn check_name(parts: &Parts, faults: &mut Vec<Fault>) {
+fn check_name(parts: &Parts, faults: &mut Faults) {
     let Some(name) = &parts.name else { return };
+    let shown = shown(&Value::from(name.as_str()));
     let misleading: BTreeSet<char> = name.chars().filter(|c| misleads(*c)).collect();
-    if !misleading.is_empty() {
-        let misleading: Vec<String> =
-            misleading.into_iter().map(|c| format!("U+{:04X}", u32::from(c))).collect();
-        faults.push(fault(
-            "name",
-            shown(&Value::from(name.as_str())),
-            "letters, digits and signs that are seen, and spaces".into(),
-            format!(
-                "the name holds what is not seen but changes how it is read: {}",
-                misleading.join(", ")
-            ),
-        ));
-    }
-    let bad = |c: char| matches!(c, '/' | '\\');
-    if name.contains(bad) || name.starts_with('.') || name.trim() != name {
-        faults.push(fault(
-            "name",
-            shown(&Value::from(name.as_str())),
-            "a text without / and \\, that begins with no dot and begins and ends with no space"
-                .into(),
-            "the name cannot be that of a folder".into(),
-        ));
-    }
+    let points: Vec<String> =
+        misleading.into_iter().map(|c| format!("U+{:04X}", u32::from(c))).collect();
+    faults.add_if(
+        !points.is_empty(),
+        "name",
+        &shown,
+        "letters, digits and signs that are seen, and spaces",
+        format!(
+            "the name holds what is not seen but changes how it is read: {}",
+            points.join(", ")
+        ),
+    );
+    faults.add_if(
+        name.contains(['/', '\\']) || name.starts_with('.') || name.trim() != name,
+        "name",
+        shown,
+        "a text without / and \\, that begins with no dot and begins and ends with no space",
+        "the name cannot be that of a folder",
+    );
 }
 
 #[cfg(test)]

@@ -1,99 +1,84 @@
 //! Which stage may follow which, and how long all of them take.
 
-use serde_json::Value;
-
-use super::{Parts, fault, short};
-use crate::scenario::{BaseKind, Fault, StageSpec};
+use super::*;
+use crate::scenario::BaseKind;
 
 /// Longest simulated time of a scenario in s: an hour is 180 times the
 /// paper's longest test.
 const LONGEST: f64 = 3600.0;
 
-pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
+pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     check_order(parts, faults);
     check_time(parts, faults);
-    check_piles(parts, faults);
+    for (i, spec) in parts.specs() {
+        check_pile(parts, spec, &mut faults.at(format!("stages[{i}]")));
+    }
     check_placements(parts, faults);
 }
 
 /// A plate that would be laid into the wall.
-fn check_placements(parts: &Parts, faults: &mut Vec<Fault>) {
+fn check_placements(parts: &Parts, faults: &mut Faults) {
     let (Some(cylinder), Some(plate)) = (&parts.cylinder, &parts.top_plate) else { return };
     let clearance = (cylinder.inner_diameter_mm - plate.diameter_mm) / 2.0;
-    for (i, stage) in parts.stages.iter().enumerate() {
-        let Some(StageSpec::PlaceTopPlate { offset_mm: Some(offset), .. }) = stage.spec else {
-            continue;
-        };
-        if offset > clearance && clearance > 0.0 {
-            faults.push(fault(
-                &format!("stages[{i}].offset_mm"),
-                offset,
-                format!(
-                    "at most the clearance between plate and cylinder, {} mm",
-                    short(clearance)
-                ),
-                "the plate would be laid into the wall".into(),
-            ));
-        }
+    for (i, spec) in parts.specs() {
+        let StageSpec::PlaceTopPlate { offset_mm: Some(offset), .. } = *spec else { continue };
+        faults.at(format!("stages[{i}]")).add_if(
+            offset > clearance && clearance > 0.0,
+            "offset_mm",
+            offset,
+            format!("at most the clearance between plate and cylinder, {} mm", short(clearance)),
+            "the plate would be laid into the wall",
+        );
     }
 }
 
 /// Base and time of a pile.
-fn check_piles(parts: &Parts, faults: &mut Vec<Fault>) {
-    let specs = parts.stages.iter().enumerate().filter_map(|(i, s)| Some((i, s.spec.as_ref()?)));
-    for (i, spec) in specs {
-        let StageSpec::SlowPluviation {
-            feed_rate_grains_per_s,
-            spout_diameter_mm,
-            base,
-            base_diameter_mm,
-            time_limit_s,
-            ..
-        } = spec
-        else {
-            continue;
-        };
-        let mut add = |field: &str, found: String, allowed: String, message: &str| {
-            faults.push(fault(&format!("stages[{i}].{field}"), found, allowed, message.into()));
-        };
-        match (base.kind, base.friction) {
-            (BaseKind::Plane, None) => add(
-                "base.friction",
-                String::new(),
-                "a number of at least 0 and at most 10".into(),
-                "a plane needs its friction with the grains",
-            ),
-            (BaseKind::FixedGrains, Some(friction)) => add(
-                "base.friction",
-                friction.to_string(),
-                "the field left out; contact.grain_grain_friction is that of fixed grains, too"
-                    .into(),
-                "fixed grains have the friction between grains",
-            ),
-            _ => {}
-        }
-        if spout_diameter_mm >= base_diameter_mm {
-            add(
-                "base_diameter_mm",
-                base_diameter_mm.to_string(),
-                format!("more than the spout's diameter, {spout_diameter_mm} mm"),
-                "grains would be let go beside the base",
-            );
-        }
-        let Some(grading) = &parts.grading else { continue };
-        let feeding = grading.count / feed_rate_grains_per_s;
-        if feeding.is_finite() && *time_limit_s <= feeding {
-            add(
-                "time_limit_s",
-                time_limit_s.to_string(),
-                format!("more than {} s", short(feeding)),
-                "the stage ends before all grains have been fed",
-            );
-        }
+fn check_pile(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
+    let StageSpec::SlowPluviation {
+        feed_rate_grains_per_s,
+        spout_diameter_mm,
+        base,
+        base_diameter_mm,
+        time_limit_s,
+        ..
+    } = spec
+    else {
+        return;
+    };
+    match (base.kind, base.friction) {
+        (BaseKind::Plane, None) => faults.add(
+            "base.friction",
+            "",
+            "a number of at least 0 and at most 10",
+            "a plane needs its friction with the grains",
+        ),
+        (BaseKind::FixedGrains, Some(friction)) => faults.add(
+            "base.friction",
+            friction,
+            "the field left out; contact.grain_grain_friction is that of fixed grains, too",
+            "fixed grains have the friction between grains",
+        ),
+        _ => {}
     }
+    faults.add_if(
+        spout_diameter_mm >= base_diameter_mm,
+        "base_diameter_mm",
+        base_diameter_mm,
+        format!("more than the spout's diameter, {spout_diameter_mm} mm"),
+        "grains would be let go beside the base",
+    );
+    let Some(grading) = &parts.grading else { return };
+    let feeding = grading.count / feed_rate_grains_per_s;
+    faults.add_if(
+        feeding.is_finite() && *time_limit_s <= feeding,
+        "time_limit_s",
+        time_limit_s,
+        format!("more than {} s", short(feeding)),
+        "the stage ends before all grains have been fed",
+    );
 }
 
-fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
+fn check_order(parts: &Parts, faults: &mut Faults) {
     if parts.has_pieces() {
         return;
     }
@@ -105,72 +90,62 @@ fn check_order(parts: &Parts, faults: &mut Vec<Fault>) {
         |end: usize| !unknown && parts.stages[..end].iter().all(|stage| stage.name.is_some());
     for (i, stage) in parts.stages.iter().enumerate() {
         let Some(name) = stage.name.as_deref() else { continue };
+        let mut faults = faults.at(format!("stages[{i}]"));
         let mut add = |allowed: &str, message: String| {
-            let path = format!("stages[{i}].stage");
-            faults.push(fault(&path, Value::from(name), allowed.into(), message));
+            faults.add("stage", Value::from(name), allowed, message);
         };
         let before = |other: &str| {
             let own = parts.stages[..i].iter().any(|s| s.name.as_deref() == Some(other));
             own || begun.into_iter().flatten().any(|name| name == other)
         };
-        if name == "fill_funnel" && begun.is_some() {
-            let message =
-                "`fill_funnel` begins with loose grains, and this scenario with a specimen";
-            add("another stage, or `begin` left out", message.to_owned());
-            continue;
-        }
-        if i == 0
-            && begun.is_none()
-            && !matches!(
-                name,
-                "fill_funnel" | "slow_pluviation" | "deposit" | "move" | "release" | "remove"
-            )
-        {
-            add(
+        let is_first = i == 0 && begun.is_none();
+        // What may be done with all grains at hand.
+        let begins = matches!(
+            name,
+            "fill_funnel" | "slow_pluviation" | "deposit" | "move" | "release" | "remove"
+        );
+        let (allowed, message) = match name {
+            "fill_funnel" if begun.is_some() => (
+                "another stage, or `begin` left out",
+                "`fill_funnel` begins with loose grains, and this scenario with a specimen".into(),
+            ),
+            _ if is_first && !begins => (
                 "\"fill_funnel\" or \"slow_pluviation\"",
                 "the first stage fills the funnel, or builds a pile".into(),
-            );
-            continue;
-        }
-        if name == "slow_pluviation" && (i > 0 || begun.is_some()) {
-            add(
+            ),
+            "slow_pluviation" if !is_first => (
                 "it as the first stage",
                 "`slow_pluviation` begins with an empty base and all grains at hand".into(),
-            );
-            continue;
-        }
-        if before("slow_pluviation") && name != "rest" {
-            add(
+            ),
+            _ if before("slow_pluviation") && name != "rest" => (
                 "`rest` after `slow_pluviation`",
                 format!("a pile stands in no cylinder: `{name}` cannot be done with it"),
-            );
-            continue;
-        }
-        let needs = match name {
-            "pour" => "fill_funnel",
-            "place_top_plate" | "vibrate" => "pour",
-            _ => "",
+            ),
+            _ => {
+                let needs = match name {
+                    "pour" => "fill_funnel",
+                    "place_top_plate" | "vibrate" => "pour",
+                    _ => "",
+                };
+                if !needs.is_empty() && !before(needs) && known(i) {
+                    let message = format!("`{name}` cannot be done before `{needs}`");
+                    add(&format!("`{name}` after a stage `{needs}`"), message);
+                }
+                let once = matches!(name, "fill_funnel" | "pour" | "place_top_plate");
+                if once && before(name) {
+                    let allowed = "it once; only `vibrate` and `rest` may be repeated";
+                    add(allowed, format!("`{name}` is there twice"));
+                }
+                continue;
+            }
         };
-        if !needs.is_empty() && !before(needs) && known(i) {
-            add(
-                &format!("`{name}` after a stage `{needs}`"),
-                format!("`{name}` cannot be done before `{needs}`"),
-            );
-        }
-        let once = matches!(name, "fill_funnel" | "pour" | "place_top_plate");
-        if once && before(name) {
-            add(
-                "it once; only `vibrate` and `rest` may be repeated",
-                format!("`{name}` is there twice"),
-            );
-        }
+        add(allowed, message);
     }
 }
 
-fn check_time(parts: &Parts, faults: &mut Vec<Fault>) {
-    let specs = || parts.stages.iter().enumerate().filter_map(|(i, s)| Some((i, s.spec.as_ref()?)));
+fn check_time(parts: &Parts, faults: &mut Faults) {
     if let Some(settle) = &parts.settle {
-        for (i, spec) in specs() {
+        for (i, spec) in parts.specs() {
             let (field, limit) = match *spec {
                 StageSpec::FillFunnel { time_limit_s }
                 | StageSpec::SlowPluviation { time_limit_s, .. }
@@ -186,24 +161,22 @@ fn check_time(parts: &Parts, faults: &mut Vec<Fault>) {
                 }
                 StageSpec::Move { .. } | StageSpec::Rest { .. } => continue,
             };
-            if limit <= settle.hold_s {
-                faults.push(fault(
-                    &format!("stages[{i}].{field}"),
-                    limit,
-                    format!("more than settle.hold_s, {} s", settle.hold_s),
-                    "the stage ends before anything can count as settled".into(),
-                ));
-            }
+            faults.at(format!("stages[{i}]")).add_if(
+                limit <= settle.hold_s,
+                field,
+                limit,
+                format!("more than settle.hold_s, {} s", settle.hold_s),
+                "the stage ends before anything can count as settled",
+            );
         }
     }
-    let total =
-        specs().map(|(_, spec)| spec.longest()).sum::<f64>() + parts.rest_test_s.unwrap_or(0.0);
-    if total > LONGEST {
-        faults.push(fault(
-            "stages",
-            format!("{} s", short(total)),
-            format!("at most {LONGEST} s"),
-            "stages and rest test together take too long".into(),
-        ));
-    }
+    let stages: f64 = parts.specs().map(|(_, spec)| spec.longest()).sum();
+    let total = stages + parts.rest_test_s.unwrap_or(0.0);
+    faults.add_if(
+        total > LONGEST,
+        "stages",
+        format!("{} s", short(total)),
+        format!("at most {LONGEST} s"),
+        "stages and rest test together take too long",
+    );
 }

@@ -8,24 +8,19 @@
 //! stand: twice the size is the limit set to it. And a sinusoid taken at N points a cycle is off in
 //! acceleration, (2π/N)²/12 of it, which is 0.2 % for N = 40.
 
-use serde_json::Value;
-
-use super::{Parts, fault, short};
-use crate::geometry::Point;
-use crate::motion::TableMotion;
+use super::*;
 use crate::scenario::sizes_of_pieces::lowest_mm;
-use crate::scenario::{Backend, ContactSolver, Fault, Grading, PieceSpec, StageSpec};
-use crate::units::{from_deg, from_mm, to_mm};
+use crate::units::from_deg;
 
 /// Fewest steps in a cycle of vibration; see the module's text.
 const STEPS_A_CYCLE: f64 = 40.0;
 
 const RATE: &str = "engine.rate_hz";
 
-pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
+pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     check_threshold(parts, faults);
     if !parts.engine.as_ref().is_some_and(|e| e.allow_coarse_steps) {
-        faults.extend(coarse_steps(parts));
+        find_coarse_steps(parts, faults);
     }
 }
 
@@ -34,7 +29,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
 /// `found` is what is known of grains that have no sieve table.
 pub(in crate::scenario) fn least_rate_hz(value: &Value, found: Option<&Grading>) -> Option<f64> {
     let parts = Parts::of(value, found);
-    let specs = || parts.stages.iter().filter_map(|s| s.spec.as_ref());
+    let specs = || parts.specs().map(|(_, spec)| spec);
     let vibrations = specs().filter_map(StageSpec::motion);
     let followed = vibrations.map(|v| STEPS_A_CYCLE * cycles_a_second(&v));
     let of_pieces = specs().map(cycles_of_pieces).filter(|cycles| *cycles > 0.0);
@@ -47,58 +42,43 @@ pub(in crate::scenario) fn least_rate_hz(value: &Value, found: Option<&Grading>)
 /// What the time step cannot resolve: faults, unless `engine.allow_coarse_steps`
 /// lets them pass.
 pub(super) fn coarse_steps(parts: &Parts) -> Vec<Fault> {
-    let mut faults = Vec::new();
-    find_coarse_steps(parts, &mut faults);
-    faults
+    let mut found = Vec::new();
+    find_coarse_steps(parts, &mut Faults::of(&mut found));
+    found
 }
 
-fn find_coarse_steps(parts: &Parts, faults: &mut Vec<Fault>) {
-    let Some(engine) = &parts.engine else { return };
-    if !(engine.rate_hz > 0.0) {
-        return;
-    }
+fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
+    let Some(engine) = parts.engine.as_ref().filter(|engine| engine.rate_hz > 0.0) else { return };
     let rate = engine.rate_hz;
     find_coarse_frames(parts, faults);
-    let mut too_slow = |at_least: f64, what: String| {
-        faults.push(fault(
-            RATE,
-            rate,
-            format!("at least {} Hz", at_least.ceil()),
-            format!("a time step that cannot resolve the motion: {what}"),
-        ));
+    let too_slow = |at_least: f64, what: String, faults: &mut Faults| {
+        let message = format!("a time step that cannot resolve the motion: {what}");
+        faults.add(RATE, rate, format!("at least {} Hz", at_least.ceil()), message);
     };
-    for stage in parts.stages.iter().filter_map(|s| s.spec.as_ref()) {
+    for (_, stage) in parts.specs() {
         let frequency = stage.motion().map_or(0.0, |motion| cycles_a_second(&motion));
         let frequency = frequency.max(cycles_of_pieces(stage));
         if rate < STEPS_A_CYCLE * frequency {
-            too_slow(
-                STEPS_A_CYCLE * frequency,
-                format!(
-                    "a vibration of {frequency} Hz has {} steps a cycle, it needs {STEPS_A_CYCLE}",
-                    short(rate / frequency)
-                ),
+            let steps = short(rate / frequency);
+            let what = format!(
+                "a vibration of {frequency} Hz has {steps} steps a cycle, it needs {STEPS_A_CYCLE}"
             );
+            too_slow(STEPS_A_CYCLE * frequency, what, faults);
         }
     }
-    let Some(fastest) = motions(parts).into_iter().max_by(|a, b| a.speed.total_cmp(&b.speed))
-    else {
-        return;
-    };
-    let mut step = fastest.speed / rate;
-    let foreseen =
-        engine.backend == Backend::Bullet && engine.contact_solver == ContactSolver::Native;
+    let fastest = motions(parts).into_iter().max_by(|a, b| a.speed.total_cmp(&b.speed));
+    let Some(Fast { speed, what }) = fastest else { return };
+    let mut step = speed / rate;
+    let foreseen = engine.is_native();
     let (sizes, than) = if foreseen { (2.0, "twice ") } else { (1.0, "") };
     if let Some(size) = parts.finest_mm()
         && step > sizes * from_mm(size)
     {
-        too_slow(
-            fastest.speed / (sizes * from_mm(size)),
-            format!(
-                "{} moves {} mm in a step, more than {than}the smallest grain's size, {size} mm",
-                fastest.what,
-                short(to_mm(step))
-            ),
+        let way = short(to_mm(step));
+        let what = format!(
+            "{what} moves {way} mm in a step, more than {than}the smallest grain's size, {size} mm"
         );
+        too_slow(speed / (sizes * from_mm(size)), what, faults);
         // The walls are judged at the rate that is asked for.
         step = from_mm(size);
     }
@@ -107,23 +87,21 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Vec<Fault>) {
     }
     // What is past the middle of a wall at the end of a step is pushed outwards.
     for (path, thickness) in walls(parts) {
-        if step > from_mm(thickness) / 2.0 {
-            faults.push(fault(
-                &path,
-                thickness,
-                format!(
-                    "at least {} mm, or {RATE} of at least {} Hz",
-                    short(2.0 * to_mm(step)),
-                    (2.0 * fastest.speed / from_mm(thickness)).ceil()
-                ),
-                format!(
-                    "a wall through which grains can pass: {} moves {} mm in a step, more than \
-                     half of its thickness",
-                    fastest.what,
-                    short(to_mm(step))
-                ),
-            ));
-        }
+        let way = short(to_mm(step));
+        faults.add_if(
+            step > from_mm(thickness) / 2.0,
+            &path,
+            thickness,
+            format!(
+                "at least {} mm, or {RATE} of at least {} Hz",
+                short(2.0 * to_mm(step)),
+                (2.0 * speed / from_mm(thickness)).ceil()
+            ),
+            format!(
+                "a wall through which grains can pass: {what} moves {way} mm in a step, more than \
+                 half of its thickness"
+            ),
+        );
     }
 }
 
@@ -142,24 +120,23 @@ fn cycles_of_pieces(stage: &StageSpec) -> f64 {
 }
 
 /// Tables that are set from frame to frame by more than a grain, in one step of any length.
-fn find_coarse_frames(parts: &Parts, faults: &mut Vec<Fault>) {
+fn find_coarse_frames(parts: &Parts, faults: &mut Faults) {
     let Some(size) = parts.finest_mm() else { return };
-    for (i, stage) in parts.stages.iter().enumerate() {
-        let Some(motion) = stage.spec.as_ref().and_then(StageSpec::motion) else { continue };
+    for (i, spec) in parts.specs() {
+        let Some(motion) = spec.motion() else { continue };
         let Some(rate) = motion.frames_per_s else { continue };
         let way = motion.peak_speed() / rate;
-        if way > from_mm(size) {
-            faults.push(fault(
-                &format!("stages[{i}].video_frames.frames_per_s"),
-                rate,
-                format!("at least {} frames a second", (motion.peak_speed() / from_mm(size)).ceil()),
-                format!(
-                    "frames that cannot resolve the motion: the shaking table is set by up to {} mm \
-                     in one step, more than the smallest grain's size, {size} mm",
-                    short(to_mm(way))
-                ),
-            ));
-        }
+        faults.at(format!("stages[{i}]")).add_if(
+            way > from_mm(size),
+            "video_frames.frames_per_s",
+            rate,
+            format!("at least {} frames a second", (motion.peak_speed() / from_mm(size)).ceil()),
+            format!(
+                "frames that cannot resolve the motion: the shaking table is set by up to {} mm in \
+                 one step, more than the smallest grain's size, {size} mm",
+                short(to_mm(way))
+            ),
+        );
     }
 }
 
@@ -247,17 +224,17 @@ fn motions(parts: &Parts) -> Vec<Fast> {
         }
         _ => None,
     };
-    parts.stages.iter().filter_map(|s| motion(s.spec.as_ref()?)).collect()
+    parts.specs().filter_map(|(_, spec)| motion(spec)).collect()
 }
 
-fn check_threshold(parts: &Parts, faults: &mut Vec<Fault>) {
+fn check_threshold(parts: &Parts, faults: &mut Faults) {
     let (Some(engine), Some(finest)) = (&parts.engine, parts.finest_mm()) else { return };
-    if engine.stock.relative_contact_threshold == 0.0 && engine.contact_threshold_mm >= finest {
-        faults.push(fault(
-            "engine.contact_threshold_mm",
-            engine.contact_threshold_mm,
-            format!("less than the smallest grain's size, {finest} mm"),
-            "contacts would be kept over a distance longer than a grain".into(),
-        ));
-    }
+    let threshold = engine.contact_threshold_mm;
+    faults.add_if(
+        engine.stock.relative_contact_threshold == 0.0 && threshold >= finest,
+        "engine.contact_threshold_mm",
+        threshold,
+        format!("less than the smallest grain's size, {finest} mm"),
+        "contacts would be kept over a distance longer than a grain",
+    );
 }

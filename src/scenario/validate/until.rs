@@ -1,61 +1,48 @@
 //! Conditions that end stages.
 
-use std::collections::HashSet;
+use super::*;
+use crate::scenario::ConditionSpec;
 
-use serde_json::Value;
-
-use super::{Parts, fault};
-use crate::scenario::{ConditionSpec, Fault, StageSpec};
-
-/// Where a condition is found at fault: field, what was found, what is allowed, what it means.
-type Add<'a> = dyn FnMut(&str, String, &str, &str) + 'a;
-
-pub(super) fn check(parts: &Parts, faults: &mut Vec<Fault>) {
+pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     // Pieces that are pressed or free when a stage begins.
     let mut pressed: HashSet<&str> = HashSet::new();
-    for (i, stage) in parts.stages.iter().enumerate() {
-        let Some(spec) = &stage.spec else { continue };
+    for (i, spec) in parts.specs() {
         follow(spec, &mut pressed);
-        let mut add = |field: &str, found: String, allowed: &str, message: &str| {
-            let path = format!("stages[{i}].{field}");
-            faults.push(fault(&path, found, allowed.into(), message.into()));
-        };
-        if let StageSpec::Move { until, time_limit_s, motion_file, motion_rows, .. } = spec {
-            let recorded = motion_file.is_some() || motion_rows.is_some();
-            match (until, time_limit_s) {
-                (_, Some(limit)) if recorded => add(
-                    "time_limit_s",
-                    limit.to_string(),
-                    "the field left out",
-                    "a recorded motion ends with its last row at the latest",
-                ),
-                (Some(_), None) if recorded => {}
-                (Some(_), None) => add(
-                    "time_limit_s",
-                    String::new(),
-                    "a number above 0",
-                    "the motion would go on for ever where `until` is not reached",
-                ),
-                (None, Some(limit)) => add(
-                    "time_limit_s",
-                    limit.to_string(),
-                    "`duration_s`, or `until` beside it",
-                    "it is the limit of a motion with `until`",
-                ),
-                _ => {}
-            }
-        }
-        if let Some(until) = spec.until() {
-            for (place, condition) in until.placed() {
-                let mut add = |field: &str, found: String, allowed: &str, message: &str| {
-                    add(&format!("until{place}.{field}"), found, allowed, message);
-                };
-                check_condition(condition, &mut add);
-                check_names(parts, condition, &mut add);
-                check_way(parts, spec, condition, &pressed, &mut add);
-            }
+        let mut faults = faults.at(format!("stages[{i}]"));
+        check_limit(spec, &mut faults);
+        for (place, condition) in spec.until().into_iter().flat_map(|until| until.placed()) {
+            let mut faults = faults.at(format!("until{place}"));
+            check_condition(condition, &mut faults);
+            check_names(parts, condition, &mut faults);
+            check_way(parts, spec, condition, &pressed, &mut faults);
         }
     }
+}
+
+/// The limit of a motion that a condition ends.
+fn check_limit(spec: &StageSpec, faults: &mut Faults) {
+    let StageSpec::Move { until, time_limit_s, motion_file, motion_rows, .. } = spec else {
+        return;
+    };
+    let recorded = motion_file.is_some() || motion_rows.is_some();
+    let (found, allowed, message) = match (until, time_limit_s) {
+        (_, Some(limit)) if recorded => {
+            let why = "a recorded motion ends with its last row at the latest";
+            return faults.idle("time_limit_s", Some(limit), why);
+        }
+        (Some(_), None) if !recorded => (
+            String::new(),
+            "a number above 0",
+            "the motion would go on for ever where `until` is not reached",
+        ),
+        (None, Some(limit)) => (
+            limit.to_string(),
+            "`duration_s`, or `until` beside it",
+            "it is the limit of a motion with `until`",
+        ),
+        _ => return,
+    };
+    faults.add("time_limit_s", found, allowed, message);
 }
 
 /// Which pieces are pressed or free in and after a stage.
@@ -79,65 +66,50 @@ fn follow<'a>(spec: &'a StageSpec, pressed: &mut HashSet<&'a str>) {
 }
 
 /// One condition, with what it needs and nothing else.
-fn check_condition(until: &ConditionSpec, add: &mut Add) {
+fn check_condition(until: &ConditionSpec, faults: &mut Faults) {
     let given = until.given();
     let [(condition, _)] = given[..] else {
         let names: Vec<&str> = given.iter().map(|(name, _)| *name).collect();
         let allowed = "one of `force_n`, `steady_force_percent`, `moved_mm`, `turned_deg`, \
                        `flow_below_g_per_s` and `steady_flow_percent`";
-        return add("force_n", names.join(", "), allowed, "a stage ends by one condition");
+        return faults.add("force_n", names.join(", "), allowed, "a stage ends by one condition");
     };
     let of_flow = condition.contains("flow");
-    let (needed, other) = if of_flow { ("opening", "piece") } else { ("piece", "opening") };
-    let name = |field: &str| match field {
-        "piece" => until.piece.as_ref(),
-        _ => until.opening.as_ref(),
-    };
-    if name(needed).is_none() {
-        let message = format!("`{condition}` is that of one");
-        add(needed, String::new(), "a name", &message);
-    }
-    if let Some(name) = name(other) {
-        idle(condition, add, other, format!("{name:?}"));
-    }
+    let (piece, opening) = (("piece", &until.piece), ("opening", &until.opening));
+    let (needed, other) = if of_flow { (opening, piece) } else { (piece, opening) };
+    let message = format!("`{condition}` is that of one");
+    faults.add_if(needed.1.is_none(), needed.0, "", "a name", message);
+    let idle = format!("it means nothing with `{condition}`");
+    faults.idle(other.0, other.1.as_ref().map(|name| format!("{name:?}")), &idle);
     match (until.direction, condition) {
-        (Some(to), _) if of_flow => idle(condition, add, "direction", format!("{to:?}")),
-        (Some(to), _) if to.iter().all(|x| *x == 0.0) => {
-            add("direction", "0".into(), "not all of it 0", "nothing counts along it");
+        (Some(to), "turned_deg") => {
+            faults.not_zero("direction", to, "nothing counts along it");
+            faults.idle("direction", Some(format!("{to:?}")), &idle);
         }
+        (Some(to), _) if of_flow => faults.idle("direction", Some(format!("{to:?}")), &idle),
+        (Some(to), _) => faults.not_zero("direction", to, "nothing counts along it"),
         (None, "force_n" | "steady_force_percent") => {
             let allowed = "a direction, as [0, 0, 1]";
-            add("direction", String::new(), allowed, "a force counts along a direction");
+            faults.add("direction", "", allowed, "a force counts along a direction");
         }
         _ => {}
     }
-    if let (Some(to), "turned_deg") = (until.direction, condition) {
-        idle(condition, add, "direction", format!("{to:?}"));
-    }
-    if let (Some(window), "moved_mm" | "turned_deg") = (until.window_s, condition) {
-        idle(condition, add, "window_s", window.to_string());
-    }
-}
-
-/// A field that does not go with the condition.
-fn idle(condition: &str, add: &mut Add, field: &str, found: String) {
-    let message = format!("it means nothing with `{condition}`");
-    add(field, found, "the field left out", &message);
+    let without = matches!(condition, "moved_mm" | "turned_deg");
+    faults.idle("window_s", until.window_s.filter(|_| without), &idle);
 }
 
 /// Names of what is there.
-fn check_names(parts: &Parts, until: &ConditionSpec, add: &mut Add) {
+fn check_names(parts: &Parts, until: &ConditionSpec, faults: &mut Faults) {
     let mut known = |field: &str, name: &Option<String>, there: Vec<&str>, message: &str| {
         if let Some(name) = name.as_deref().filter(|name| !there.contains(name)) {
-            add(field, Value::from(name).to_string(), &there.join(", "), message);
+            faults.add(field, Value::from(name), there.join(", "), message);
         }
     };
     let Some(measures) = &parts.measures else { return };
     // A piece that cannot be read may have any name.
-    if parts.pieces().count() == parts.pieces.len() {
-        let groups = measures.groups.iter().map(|group| group.name.as_str());
-        let pieces = parts.pieces().map(|(_, piece)| piece.name.as_str()).chain(groups);
-        known("piece", &until.piece, pieces.collect(), "there is no such piece or group");
+    if let Some(mut pieces) = parts.names_of_pieces() {
+        pieces.extend(measures.groups.iter().map(|group| group.name.as_str()));
+        known("piece", &until.piece, pieces, "there is no such piece or group");
     }
     let openings = measures.openings.iter().map(|opening| opening.name.as_str());
     known("opening", &until.opening, openings.collect(), "there is no such opening");
@@ -149,7 +121,7 @@ fn check_way(
     spec: &StageSpec,
     until: &ConditionSpec,
     pressed: &HashSet<&str>,
-    add: &mut Add,
+    faults: &mut Faults,
 ) {
     let way = until.moved_mm.or(until.turned_deg);
     let (Some(name), Some(_), Some(measures)) = (&until.piece, way, &parts.measures) else {
@@ -163,8 +135,11 @@ fn check_way(
     };
     let moves = |name: &String| driven(name) || pressed.contains(name.as_str());
     let there = |name: &String| parts.pieces().any(|(_, piece)| piece.name == *name);
-    if names.iter().all(there) && !names.iter().any(moves) {
-        let allowed = "a piece that is pressed or free, or moved by this stage";
-        add("piece", Value::from(name.as_str()).to_string(), allowed, "the piece does not move");
-    }
+    faults.add_if(
+        names.iter().all(there) && !names.iter().any(moves),
+        "piece",
+        Value::from(name.as_str()),
+        "a piece that is pressed or free, or moved by this stage",
+        "the piece does not move",
+    );
 }

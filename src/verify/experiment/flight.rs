@@ -1,39 +1,22 @@
 //! Bodies that touch nothing, or only each other.
 
-use std::f64::consts::TAU;
+use nalgebra::Point3;
 
-use nalgebra::{Point3, UnitQuaternion};
-
-use super::ode::runge_kutta;
-use super::{Bench, Outcome, Tumbling, VerifyError};
-use crate::geometry::{Pose, Vector};
-use crate::units::{from_mm, to_mm};
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{block, grain_body, grains, mass_of, uniform};
-use crate::world::BodyState;
+use super::*;
 
 const CUBE: f64 = 0.01;
 
-pub(super) fn free_fall(bench: &Bench, height: f64, duration: f64) -> Result<Outcome, VerifyError> {
+pub(super) fn free_fall(bench: &Bench, height: f64, duration: f64) -> Measured {
     flight(bench, Vector::new(0.0, 0.0, from_mm(height)), Vector::zeros(), duration)
 }
 
-pub(super) fn projectile(
-    bench: &Bench,
-    velocity: Vector,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn projectile(bench: &Bench, velocity: Vector, duration: f64) -> Measured {
     flight(bench, Vector::zeros(), velocity, duration)
 }
 
 /// Against x₀ + v t − g h²·n(n+1)/2 for n steps of h: velocity first, then
 /// position, once a step or once a sub-step where the engine has those.
-fn flight(
-    bench: &Bench,
-    from: Vector,
-    velocity: Vector,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
+fn flight(bench: &Bench, from: Vector, velocity: Vector, duration: f64) -> Measured {
     let mut scene = bench.scene(&uniform(0.0, 0.0))?;
     let mut body = block(Vector::repeat(CUBE), from)?;
     body.state.linear_velocity = velocity;
@@ -46,14 +29,12 @@ fn flight(
     };
     let mut outcome = Outcome::new("Time (s)", "Height (mm)");
     let (mut measured, mut stated, mut off) = (Vec::new(), Vec::new(), 0.0);
-    for _ in 0..scene.steps_in(duration) {
-        scene.step()?;
-        let at = scene.state(id)?.pose.translation.vector;
-        let expected = law(scene.time());
+    scene.follow(id, duration, |time, state| {
+        let (at, expected) = (state.pose.translation.vector, law(time));
         off = to_mm((at - expected).norm());
-        measured.push((scene.time(), to_mm(at.z)));
-        stated.push((scene.time(), to_mm(expected.z)));
-    }
+        measured.push((time, to_mm(at.z)));
+        stated.push((time, to_mm(expected.z)));
+    })?;
     outcome.measured("Engine", measured);
     outcome.law("Discrete solution", stated);
     Ok(outcome.got(off))
@@ -72,7 +53,7 @@ pub(super) fn tumbling(
     spin_rate: Vector,
     duration: f64,
     quantity: Tumbling,
-) -> Result<Outcome, VerifyError> {
+) -> Measured {
     let set = grains(20, 3)?;
     let mut body = grain_body(&set.grains[0], Pose::identity());
     body.state.angular_velocity = spin_rate;
@@ -82,17 +63,16 @@ pub(super) fn tumbling(
     let (momentum, energy) = spin(&body.state, &inertia);
     let mut outcome = Outcome::new("Time (s)", "Relative change (%)");
     let (mut curve, mut worst) = (Vec::new(), 0.0_f64);
-    for _ in 0..scene.steps_in(duration) {
-        scene.step()?;
-        let (l, e) = spin(&scene.state(id)?, &inertia);
+    scene.follow(id, duration, |time, state| {
+        let (l, e) = spin(&state, &inertia);
         let change = 100.0
             * match quantity {
                 Tumbling::AngularMomentum => (l - momentum).norm() / momentum.norm(),
                 Tumbling::Energy => e / energy - 1.0,
             };
         worst = if change.abs() > worst.abs() || change.is_nan() { change } else { worst };
-        curve.push((scene.time(), change));
-    }
+        curve.push((time, change));
+    })?;
     let end = scene.time();
     outcome.measured("Engine", curve);
     outcome.law("Law", vec![(0.0, 0.0), (end, 0.0)]);
@@ -129,11 +109,7 @@ fn first_crossing(curve: &[(f64, f64)]) -> Option<f64> {
     })
 }
 
-pub(super) fn flip(
-    bench: &Bench,
-    spin_rate: f64,
-    disturbance: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn flip(bench: &Bench, spin_rate: f64, disturbance: f64) -> Measured {
     // Moments ∝ 356, 292, 136: the middle axis is y.
     let mut body = block(Vector::new(0.006, 0.010, 0.016), Vector::zeros())?;
     let start = spin_rate * Vector::new(disturbance, 1.0, 0.0);
@@ -147,11 +123,9 @@ pub(super) fn flip(
     let mut scene = bench.scene_under(Vector::zeros(), &uniform(0.0, 0.0))?;
     let id = scene.add(&body)?;
     let mut curve = vec![(0.0, spin_rate)];
-    for _ in 0..scene.steps_in(end) {
-        scene.step()?;
-        let state = scene.state(id)?;
-        curve.push((scene.time(), (state.pose.rotation.inverse() * state.angular_velocity).y));
-    }
+    scene.follow(id, end, |time, state| {
+        curve.push((time, (state.pose.rotation.inverse() * state.angular_velocity).y));
+    })?;
     let expected = first_crossing(&law).ok_or(VerifyError::NoEvent("a flip in the law itself"))?;
     let got = first_crossing(&curve).unwrap_or(f64::INFINITY);
     let mut outcome = Outcome::new("Time (s)", "Spin about the middle axis (rad/s)");
@@ -163,12 +137,7 @@ pub(super) fn flip(
 }
 
 /// Two irregular grains meet off their centres, each spinning.
-pub(super) fn collision(
-    bench: &Bench,
-    speed: f64,
-    friction: f64,
-    restitution: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn collision(bench: &Bench, speed: f64, friction: f64, restitution: f64) -> Measured {
     let set = grains(20, 3)?;
     let mut scene = bench.scene_under(Vector::zeros(), &uniform(friction, restitution))?;
     let mut bodies = Vec::new();

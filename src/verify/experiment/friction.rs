@@ -1,11 +1,6 @@
 //! Coulomb friction of a block on a plane.
 
-use super::{Bench, Incline, Outcome, VerifyError};
-use crate::geometry::Vector;
-use crate::units::{from_deg, to_mm};
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{START_GAP, Scene, block, floor, uniform};
-use crate::world::{Material, Motion, PairCoefficients};
+use super::*;
 
 /// Flat enough not to tip over on any slope of these cases.
 const BLOCK: Vector = Vector::new(0.02, 0.02, 0.006);
@@ -15,83 +10,96 @@ fn heading(degrees: f64) -> Vector {
     Vector::new(cos, sin, 0.0)
 }
 
-/// A slope and the friction on it.
-pub(super) struct Slope {
-    pub friction: f64,
-    /// In rad.
-    pub angle: f64,
+/// A block on a slope.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Incline {
+    friction: f64,
+    share_of_friction_angle: f64,
+    headings_deg: Vec<f64>,
+    duration_s: f64,
+    quantity: Quantity,
 }
 
-/// The slope is made by tilting gravity, the heading by turning it about the
-/// normal: the block lies as it lies, and the solver's own directions with it.
-pub(super) fn incline(
-    bench: &Bench,
-    slope: Slope,
-    headings: &[f64],
-    duration: f64,
-    quantity: Incline,
-) -> Result<Outcome, VerifyError> {
-    let Slope { friction, angle } = slope;
-    let acceleration = (GRAVITY * (angle.sin() - friction * angle.cos())).max(0.0);
-    let reach = (acceleration * duration * duration).max(0.2);
-    let y = match quantity {
-        Incline::Drift => "Distance moved (mm)",
-        Incline::Acceleration => "Speed down the slope (m/s)",
-    };
-    let mut outcome = Outcome::new("Time (s)", y);
-    let mut worst: Option<f64> = None;
-    let law = |got: f64| match quantity {
-        Incline::Drift => got,
-        Incline::Acceleration => (got - 1.0).abs(),
-    };
-    for &degrees in headings {
-        let down = heading(degrees);
-        let gravity = GRAVITY * (angle.sin() * down - angle.cos() * Vector::z());
-        let mut scene = bench.scene_under(gravity, &uniform(friction, 0.0))?;
-        scene.add(&floor(reach, Motion::Static)?)?;
-        let start = Vector::new(0.0, 0.0, BLOCK.z / 2.0 + START_GAP);
-        let id = scene.add(&block(BLOCK, start)?)?;
-        let mut curve = Vec::new();
-        let steps = scene.steps_in(duration);
-        let mut last = (0.0, 0.0);
-        for n in 1..=steps {
-            scene.step()?;
-            if n % (steps / 400).max(1) == 0 || n == steps {
-                let state = scene.state(id)?;
-                let moved = (state.pose.translation.vector - start).norm();
-                last = (moved, state.linear_velocity.dot(&down));
-                let shown = match quantity {
-                    Incline::Drift => to_mm(moved),
-                    Incline::Acceleration => last.1,
-                };
-                curve.push((scene.time(), shown));
+/// What is watched of a block on a slope, the worst heading counting.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Distance moved, in mm.
+    Drift,
+    /// Acceleration over g (sin θ − μ cos θ).
+    Acceleration,
+}
+
+impl Incline {
+    /// The slope is made by tilting gravity, the heading by turning it about the
+    /// normal: the block lies as it lies, and the solver's own directions with it.
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
+        let Self { friction, share_of_friction_angle, duration_s: duration, quantity, .. } = *self;
+        let angle = share_of_friction_angle * friction.atan();
+        let acceleration = (GRAVITY * (angle.sin() - friction * angle.cos())).max(0.0);
+        let reach = (acceleration * duration * duration).max(0.2);
+        let y = match quantity {
+            Quantity::Drift => "Distance moved (mm)",
+            Quantity::Acceleration => "Speed down the slope (m/s)",
+        };
+        let mut outcome = Outcome::new("Time (s)", y);
+        let mut worst: Option<f64> = None;
+        let law = |got: f64| match quantity {
+            Quantity::Drift => got,
+            Quantity::Acceleration => (got - 1.0).abs(),
+        };
+        for &degrees in &self.headings_deg {
+            let down = heading(degrees);
+            let gravity = GRAVITY * (angle.sin() * down - angle.cos() * Vector::z());
+            let mut scene = bench.scene_under(gravity, &uniform(friction, 0.0))?;
+            scene.add(&floor(reach, Motion::Static)?)?;
+            let start = Vector::new(0.0, 0.0, BLOCK.z / 2.0 + START_GAP);
+            let id = scene.add(&block(BLOCK, start)?)?;
+            let mut curve = Vec::new();
+            let steps = scene.steps_in(duration);
+            let mut last = (0.0, 0.0);
+            for n in 1..=steps {
+                scene.step()?;
+                if n % (steps / 400).max(1) == 0 || n == steps {
+                    let state = scene.state(id)?;
+                    let moved = (state.pose.translation.vector - start).norm();
+                    last = (moved, state.linear_velocity.dot(&down));
+                    let shown = match quantity {
+                        Quantity::Drift => to_mm(moved),
+                        Quantity::Acceleration => last.1,
+                    };
+                    curve.push((scene.time(), shown));
+                }
+            }
+            let got = match quantity {
+                Quantity::Drift => to_mm(last.0),
+                Quantity::Acceleration => last.1 / scene.time() / acceleration,
+            };
+            outcome.measured(format!("{degrees}°"), curve);
+            if worst.is_none_or(|w| law(got) > law(w) || got.is_nan()) {
+                worst = Some(got);
             }
         }
-        let got = match quantity {
-            Incline::Drift => to_mm(last.0),
-            Incline::Acceleration => last.1 / scene.time() / acceleration,
+        let end = match quantity {
+            Quantity::Drift => 0.0,
+            Quantity::Acceleration => acceleration * duration,
         };
-        outcome.measured(format!("{degrees}°"), curve);
-        if worst.is_none_or(|w| law(got) > law(w) || got.is_nan()) {
-            worst = Some(got);
-        }
+        outcome.law("Law", vec![(0.0, 0.0), (duration, end)]);
+        Ok(outcome.got(worst.unwrap_or(f64::NAN)))
     }
-    let end = match quantity {
-        Incline::Drift => 0.0,
-        Incline::Acceleration => acceleration * duration,
-    };
-    outcome.law("Law", vec![(0.0, 0.0), (duration, end)]);
-    Ok(outcome.got(worst.unwrap_or(f64::NAN)))
 }
 
-/// How a sliding block begins.
-pub(super) struct Start {
-    /// In m/s.
-    pub speed: f64,
-    /// Gap to the floor in m.
-    pub gap: f64,
-    /// Whether the block is of the plate's material.
-    pub plate: bool,
+/// A sliding block. With `plate` it is of the plate's material and only its pair with
+/// the wall has the stated friction, every other pair twice as much.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlideStops {
+    speed_m_per_s: f64,
+    friction: f64,
+    headings_deg: Vec<f64>,
+    plate: bool,
+    start_gap_um: f64,
 }
 
 /// Distance in m of a body that starts with a speed and loses an acceleration's
@@ -103,58 +111,52 @@ fn in_steps(speed: f64, deceleration: f64, scene: &Scene) -> f64 {
     step * (n * speed - lost * n * (n + 1.0) / 2.0)
 }
 
-/// With `plate` the block is of the plate's material and only its pair with
-/// the wall has the stated friction, every other pair twice as much.
-pub(super) fn slide_stops(
-    bench: &Bench,
-    start: Start,
-    friction: f64,
-    headings: &[f64],
-) -> Result<Outcome, VerifyError> {
-    let Start { speed, gap, plate } = start;
-    // In space and time without steps; the law in steps is below.
-    let smooth = speed * speed / (2.0 * friction * GRAVITY);
-    let pairs = if plate {
-        let mut pairs = uniform(2.0 * friction, 0.0);
-        let of_pair = PairCoefficients { friction, restitution: 0.0 };
-        pairs.set(Material::Plate, Material::Wall, of_pair);
-        pairs
-    } else {
-        uniform(friction, 0.0)
-    };
-    let mut outcome = Outcome::new("Time (s)", "Distance (mm)");
-    let mut worst: Option<f64> = None;
-    let duration = 1.5 * speed / (friction * GRAVITY);
-    for &degrees in headings {
-        let mut scene = bench.scene(&pairs)?;
-        scene.add(&floor(4.0 * smooth, Motion::Static)?)?;
-        let start = Vector::new(0.0, 0.0, BLOCK.z / 2.0 + gap);
-        let mut body = block(BLOCK, start)?;
-        body.state.linear_velocity = speed * heading(degrees);
-        if plate {
-            body.material = Material::Plate;
+impl SlideStops {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
+        let Self { speed_m_per_s: speed, friction, plate, start_gap_um, .. } = *self;
+        let gap = start_gap_um * 1e-6;
+        // In space and time without steps; the law in steps is below.
+        let smooth = speed * speed / (2.0 * friction * GRAVITY);
+        let pairs = if plate {
+            let mut pairs = uniform(2.0 * friction, 0.0);
+            let of_pair = PairCoefficients { friction, restitution: 0.0 };
+            pairs.set(Material::Plate, Material::Wall, of_pair);
+            pairs
+        } else {
+            uniform(friction, 0.0)
+        };
+        let mut outcome = Outcome::new("Time (s)", "Distance (mm)");
+        let mut worst: Option<f64> = None;
+        let duration = 1.5 * speed / (friction * GRAVITY);
+        for &degrees in &self.headings_deg {
+            let mut scene = bench.scene(&pairs)?;
+            scene.add(&floor(4.0 * smooth, Motion::Static)?)?;
+            let start = Vector::new(0.0, 0.0, BLOCK.z / 2.0 + gap);
+            let mut body = block(BLOCK, start)?;
+            body.state.linear_velocity = speed * heading(degrees);
+            if plate {
+                body.material = Material::Plate;
+            }
+            let id = scene.add(&body)?;
+            let mut curve = vec![(0.0, 0.0)];
+            let mut moved = 0.0;
+            scene.follow(id, duration, |time, state| {
+                moved = (state.pose.translation.vector - start).xy().norm();
+                curve.push((time, to_mm(moved)));
+            })?;
+            let got = moved / in_steps(speed, friction * GRAVITY, &scene);
+            outcome.measured(format!("{degrees}°"), curve);
+            if worst.is_none_or(|w: f64| (got - 1.0).abs() > (w - 1.0).abs() || got.is_nan()) {
+                worst = Some(got);
+            }
         }
-        let id = scene.add(&body)?;
-        let mut curve = vec![(0.0, 0.0)];
-        let mut moved = 0.0;
-        for _ in 0..scene.steps_in(duration) {
-            scene.step()?;
-            let at = scene.state(id)?.pose.translation.vector - start;
-            moved = at.xy().norm();
-            curve.push((scene.time(), to_mm(moved)));
-        }
-        let got = moved / in_steps(speed, friction * GRAVITY, &scene);
-        outcome.measured(format!("{degrees}°"), curve);
-        if worst.is_none_or(|w: f64| (got - 1.0).abs() > (w - 1.0).abs() || got.is_nan()) {
-            worst = Some(got);
-        }
+        let stop = speed / (friction * GRAVITY);
+        let parabola = (0..=100).map(|i| {
+            let t = duration * f64::from(i) / 100.0;
+            let t_moving = t.min(stop);
+            (t, to_mm(speed * t_moving - 0.5 * friction * GRAVITY * t_moving * t_moving))
+        });
+        outcome.law("v t − μ g t²/2", parabola.collect());
+        Ok(outcome.got(worst.unwrap_or(f64::NAN)))
     }
-    let stop = speed / (friction * GRAVITY);
-    let parabola = (0..=100).map(|i| {
-        let t = duration * f64::from(i) / 100.0;
-        let t_moving = t.min(stop);
-        (t, to_mm(speed * t_moving - 0.5 * friction * GRAVITY * t_moving * t_moving))
-    });
-    outcome.law("v t − μ g t²/2", parabola.collect());
-    Ok(outcome.got(worst.unwrap_or(f64::NAN)))
 }

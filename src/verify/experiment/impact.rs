@@ -1,15 +1,8 @@
 //! A tilted block that falls on an edge or a corner: eccentric oblique impact
 //! with friction, without gravity, so that velocities before and after are plain.
 
-use nalgebra::{Matrix3, UnitQuaternion};
-use serde::{Deserialize, Serialize};
-
 use super::impact_law::Impact;
-use super::{Bench, Outcome, VerifyError};
-use crate::geometry::{Pose, Vector};
-use crate::units::from_mm;
-use crate::verify::scene::{block, floor, lowest, mass_of, uniform};
-use crate::world::{Body, Motion};
+use super::*;
 
 /// A block that does not turn meets the floor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -93,7 +86,7 @@ impl ImpactTilted {
         found.ok_or_else(|| VerifyError::Setup("the impact is of another regime".into()))
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let mut outcome = Outcome::new("Time (s)", "Angular velocity (rad/s)");
         let (mut worst, mut notes) = (0.0_f64, Vec::new());
         for &restitution in &self.restitutions {

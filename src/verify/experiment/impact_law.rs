@@ -13,9 +13,7 @@
 //! the velocity are zero at the end, and p = −K⁻¹ u. Where slip reverses they
 //! disagree; no energy may come from it, and the impulse stays in the cone.
 
-use nalgebra::Matrix3;
-
-use crate::geometry::Vector;
+use super::*;
 
 /// A body at the moment of its impact on a floor with normal +z.
 #[derive(Debug, Clone, Copy)]

@@ -3,14 +3,7 @@
 //! Pieces of equal height are one floor: no contact point may push against
 //! the sides of a piece ("ghost collisions" at inner edges).
 
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Outcome, VerifyError, largest};
-use crate::geometry::Vector;
-use crate::units::{from_deg, from_mm, to_mm};
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{START_GAP, block, uniform, wall};
-use crate::world::{BodyState, Motion};
+use super::*;
 
 /// A block slides over a floor of pieces and over one without joints.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,14 +55,12 @@ impl InnerEdge {
         let radius = sides.xy().norm() / 2.0;
         let motion = self.speed_m_per_s.abs() + radius * self.spin_rad_per_s.abs();
         let mut path = Vec::new();
-        for _ in 0..scene.steps_in(1.2 * motion / (self.friction * GRAVITY)) {
-            scene.step()?;
-            path.push((scene.time(), scene.state(id)?));
-        }
+        let duration = 1.2 * motion / (self.friction * GRAVITY);
+        scene.follow(id, duration, |time, state| path.push((time, state)))?;
         Ok(path)
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let sides = Vector::from(self.sides_mm).map(from_mm);
         let mut outcome = Outcome::new("Time (s)", "Distance between the paths (mm)");
         let (mut worst, mut notes) = (0.0_f64, Vec::new());

@@ -1,9 +1,6 @@
 //! Changes that should not matter.
 
-use nalgebra::UnitQuaternion;
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Experiment, Outcome, VerifyError};
+use super::*;
 use crate::verify::view::View;
 
 /// What is changed.
@@ -36,11 +33,7 @@ pub enum Change {
     },
 }
 
-pub(super) fn invariance(
-    bench: &Bench,
-    over: &Change,
-    of: &Experiment,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn invariance(bench: &Bench, over: &Change, of: &Experiment) -> Measured {
     let seen = |name: String, view: View| (name, bench.seen(view));
     let benches: Vec<(String, Bench)> = match over {
         Change::Frame { turns_deg } => turns_deg

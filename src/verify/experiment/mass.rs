@@ -1,9 +1,7 @@
 //! Volume, centroid and inertia of polyhedra whose values are in any handbook.
 
-use nalgebra::{Matrix3, UnitQuaternion};
-
-use super::{Outcome, VerifyError};
-use crate::geometry::{ConvexPolyhedron, MassProperties, Point, Pose, Vector};
+use super::*;
+use crate::geometry::MassProperties;
 
 /// A polyhedron about its centroid with its exact volume and principal moments for unit density.
 struct Known {
@@ -13,8 +11,17 @@ struct Known {
     moments: Vector,
 }
 
-fn setup(error: impl ToString) -> VerifyError {
-    VerifyError::Setup(error.to_string())
+/// A polyhedron of corners and faces.
+fn of(
+    name: &'static str,
+    corners: impl IntoIterator<Item = [f64; 3]>,
+    faces: &[[u32; 3]],
+    volume: f64,
+    moment: f64,
+) -> Result<Known, VerifyError> {
+    let corners = corners.into_iter().map(Point::from).collect();
+    let shape = ConvexPolyhedron::new(corners, faces.iter().map(|face| face.to_vec()).collect())?;
+    Ok(Known { name, shape, volume, moments: Vector::repeat(moment) })
 }
 
 /// Box: V = abc, I = V/12 (b² + c², ...). Regular tetrahedron of side a:
@@ -24,65 +31,32 @@ fn known() -> Result<Vec<Known>, VerifyError> {
         let volume = s.x * s.y * s.z;
         let q = s.component_mul(&s);
         let moments = volume / 12.0 * Vector::new(q.y + q.z, q.x + q.z, q.x + q.y);
-        Ok(Known { name, shape: ConvexPolyhedron::cuboid(s).map_err(setup)?, volume, moments })
+        Ok(Known { name, shape: ConvexPolyhedron::cuboid(s)?, volume, moments })
     };
-    let point = |x: f64, y: f64, z: f64| Point::new(x, y, z);
     // Alternate corners of the cube of half side 1: side 2√2.
-    let tetrahedron = ConvexPolyhedron::new(
-        vec![
-            point(1.0, 1.0, 1.0),
-            point(1.0, -1.0, -1.0),
-            point(-1.0, 1.0, -1.0),
-            point(-1.0, -1.0, 1.0),
-        ],
-        vec![vec![0, 1, 2], vec![0, 3, 1], vec![0, 2, 3], vec![1, 3, 2]],
-    )
-    .map_err(setup)?;
+    let corners = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     let a2 = 8.0_f64;
-    let tetrahedron_volume = a2.powf(1.5) / (6.0 * 2.0_f64.sqrt());
+    let volume = a2.powf(1.5) / (6.0 * 2.0_f64.sqrt());
+    let faces = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+    let tetrahedron = of("regular tetrahedron", corners, &faces, volume, volume * a2 / 20.0)?;
     // The six points at distance 1 on the axes: side √2.
-    let octahedron = ConvexPolyhedron::new(
-        vec![
-            point(1.0, 0.0, 0.0),
-            point(-1.0, 0.0, 0.0),
-            point(0.0, 1.0, 0.0),
-            point(0.0, -1.0, 0.0),
-            point(0.0, 0.0, 1.0),
-            point(0.0, 0.0, -1.0),
-        ],
-        vec![
-            vec![0, 2, 4],
-            vec![2, 1, 4],
-            vec![1, 3, 4],
-            vec![3, 0, 4],
-            vec![2, 0, 5],
-            vec![1, 2, 5],
-            vec![3, 1, 5],
-            vec![0, 3, 5],
-        ],
-    )
-    .map_err(setup)?;
-    let octahedron_volume = 2.0_f64.sqrt() / 3.0 * 2.0_f64.powf(1.5);
+    let corners = (0..3)
+        .flat_map(|axis| [1.0, -1.0].map(|at| [0, 1, 2].map(|k| if k == axis { at } else { 0.0 })));
+    let above = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4]];
+    let below = [[2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    let volume = 2.0_f64.sqrt() / 3.0 * 2.0_f64.powf(1.5);
+    let octahedron =
+        of("regular octahedron", corners, &[above, below].concat(), volume, volume * 2.0 / 10.0)?;
     Ok(vec![
         cuboid("cube", Vector::repeat(1.0))?,
         cuboid("box 1 × 2 × 3", Vector::new(1.0, 2.0, 3.0))?,
         cuboid("slab 4 × 4 × 0.1", Vector::new(4.0, 4.0, 0.1))?,
-        Known {
-            name: "regular tetrahedron",
-            shape: tetrahedron,
-            volume: tetrahedron_volume,
-            moments: Vector::repeat(tetrahedron_volume * a2 / 20.0),
-        },
-        Known {
-            name: "regular octahedron",
-            shape: octahedron,
-            volume: octahedron_volume,
-            moments: Vector::repeat(octahedron_volume * 2.0 / 10.0),
-        },
+        tetrahedron,
+        octahedron,
     ])
 }
 
-pub(super) fn properties() -> Result<Outcome, VerifyError> {
+pub(super) fn properties() -> Measured {
     let mut outcome = Outcome::new("Scale factor", "Largest relative error");
     let mut worst = 0.0_f64;
     for body in known()? {

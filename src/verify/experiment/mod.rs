@@ -22,9 +22,23 @@ mod supports;
 mod table;
 mod top;
 
+// What experiments are made of.
+use std::f64::consts::TAU;
+
+use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector2};
 use serde::{Deserialize, Serialize};
 
-use super::{Bench, VerifyError};
+use super::scene::{
+    START_GAP, Scene, block, floor, grain_body, grains, lowest, mass_of, uniform, wall,
+};
+use super::{Bench, VerifyError, bench::GRAVITY};
+use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
+use crate::units::{from_deg, from_mm, to_mm};
+use crate::world::{Body, BodyId, BodyState, Material, Motion, PairCoefficients};
+use ode::runge_kutta;
+
+/// What becomes of an experiment.
+type Measured = Result<Outcome, VerifyError>;
 
 /// What an experiment measured, and the curves to show.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -90,24 +104,12 @@ pub enum Experiment {
     /// Two grains collide without gravity: relative change of momentum, in %.
     Collision { speed_m_per_s: f64, friction: f64, restitution: f64 },
     /// A block on a slope of a share of the friction angle.
-    Incline {
-        friction: f64,
-        share_of_friction_angle: f64,
-        headings_deg: Vec<f64>,
-        duration_s: f64,
-        quantity: Incline,
-    },
+    Incline(friction::Incline),
     /// A block slides to rest: distance over v²/2μg, the worst heading.
-    SlideStops {
-        speed_m_per_s: f64,
-        friction: f64,
-        headings_deg: Vec<f64>,
-        plate: bool,
-        start_gap_um: f64,
-    },
+    SlideStops(friction::SlideStops),
     /// A block on a shaking table: largest distance in mm between its travel
     /// on the table and the law's.
-    BlockOnTable { friction: f64, frequency_hz: f64, amplitude_mm: f64, duration_s: f64 },
+    BlockOnTable(table::BlockOnTable),
     /// A cube dropped flat: restitution from the rebound height, the rate
     /// with the largest error.
     Rebound { restitution: f64, height_mm: f64, rates_hz: Vec<f64> },
@@ -144,7 +146,7 @@ pub enum Experiment {
     /// Grains in a box: vertical force on the floor over their weight.
     FloorForce { grains: usize, settle_s: f64, duration_s: f64 },
     /// A packing of grains in a box.
-    Packing { grains: usize, settle_s: f64, duration_s: f64, quantity: packing::Quantity },
+    Packing(packing::OfGrains),
     /// Another experiment under changes that should not matter: largest
     /// difference between the values got.
     Invariance { over: invariance::Change, of: Box<Experiment> },
@@ -158,16 +160,6 @@ pub enum Tumbling {
     AngularMomentum,
     /// Kinetic energy.
     Energy,
-}
-
-/// What is watched of a block on a slope, the worst heading counting.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Incline {
-    /// Distance moved, in mm.
-    Drift,
-    /// Acceleration over g (sin θ − μ cos θ).
-    Acceleration,
 }
 
 /// A body to lie still.
@@ -191,80 +183,64 @@ impl Experiment {
     /// # Errors
     /// [`VerifyError`] when the engine fails or the event waited for does not come.
     pub fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
-        match self {
+        match *self {
             Self::MassProperties => mass::properties(),
             Self::FreeFall { height_mm, duration_s } => {
-                flight::free_fall(bench, *height_mm, *duration_s)
+                flight::free_fall(bench, height_mm, duration_s)
             }
             Self::Projectile { speed_m_per_s, duration_s } => {
-                flight::projectile(bench, (*speed_m_per_s).into(), *duration_s)
+                flight::projectile(bench, speed_m_per_s.into(), duration_s)
             }
             Self::Tumbling { spin_rad_per_s, duration_s, quantity } => {
-                flight::tumbling(bench, (*spin_rad_per_s).into(), *duration_s, *quantity)
+                flight::tumbling(bench, spin_rad_per_s.into(), duration_s, quantity)
             }
             Self::Flip { spin_rad_per_s, disturbance } => {
-                flight::flip(bench, *spin_rad_per_s, *disturbance)
+                flight::flip(bench, spin_rad_per_s, disturbance)
             }
             Self::Collision { speed_m_per_s, friction, restitution } => {
-                flight::collision(bench, *speed_m_per_s, *friction, *restitution)
+                flight::collision(bench, speed_m_per_s, friction, restitution)
             }
-            Self::Incline {
-                friction,
-                share_of_friction_angle,
-                headings_deg,
-                duration_s,
-                quantity,
-            } => {
-                let slope = friction::Slope {
-                    friction: *friction,
-                    angle: share_of_friction_angle * friction.atan(),
-                };
-                friction::incline(bench, slope, headings_deg, *duration_s, *quantity)
-            }
-            Self::SlideStops { speed_m_per_s, friction, headings_deg, plate, start_gap_um } => {
-                let start = friction::Start {
-                    speed: *speed_m_per_s,
-                    gap: start_gap_um * 1e-6,
-                    plate: *plate,
-                };
-                friction::slide_stops(bench, start, *friction, headings_deg)
-            }
-            Self::BlockOnTable { friction, frequency_hz, amplitude_mm, duration_s } => {
-                table::block_on_table(bench, *friction, *frequency_hz, *amplitude_mm, *duration_s)
-            }
-            Self::Rebound { restitution, height_mm, rates_hz } => {
-                rebound::rebound(bench, *restitution, *height_mm, rates_hz)
+            Self::Incline(ref incline) => incline.run(bench),
+            Self::SlideStops(ref slide) => slide.run(bench),
+            Self::BlockOnTable(ref on_table) => on_table.run(bench),
+            Self::Rebound { restitution, height_mm, ref rates_hz } => {
+                rebound::rebound(bench, restitution, height_mm, rates_hz)
             }
             Self::Bounces { restitution, height_mm, count } => {
-                rebound::bounces(bench, *restitution, *height_mm, *count)
+                rebound::bounces(bench, restitution, height_mm, count)
             }
-            Self::SpinSlide(slide) => slide.run(bench),
-            Self::RockingBlock(rocking) => rocking.run(bench),
-            Self::Pivot(pivot) => pivot.run(bench),
-            Self::Top(top) => top.run(bench),
-            Self::ImpactTilted(impact) => impact.run(bench),
-            Self::ImpactAtSeveralPoints(impact) => impact.run(bench),
-            Self::ApproachArrested(arrested) => arrested.run(bench),
-            Self::CriticalFriction(critical) => critical.run(bench),
-            Self::InnerEdge(joints) => joints.run(bench),
+            Self::SpinSlide(ref slide) => slide.run(bench),
+            Self::RockingBlock(ref rocking) => rocking.run(bench),
+            Self::Pivot(ref pivot) => pivot.run(bench),
+            Self::Top(ref top) => top.run(bench),
+            Self::ImpactTilted(ref impact) => impact.run(bench),
+            Self::ImpactAtSeveralPoints(ref impact) => impact.run(bench),
+            Self::ApproachArrested(ref arrested) => arrested.run(bench),
+            Self::CriticalFriction(ref critical) => critical.run(bench),
+            Self::InnerEdge(ref joints) => joints.run(bench),
             Self::Rests { body, settle_s, duration_s } => {
-                resting::rests(bench, *body, *settle_s, *duration_s)
+                resting::rests(bench, body, settle_s, duration_s)
             }
             Self::GrainOnThree { settle_s, duration_s } => {
-                resting::grain_on_three(bench, *settle_s, *duration_s)
+                resting::grain_on_three(bench, settle_s, duration_s)
             }
             Self::Cubes { count, guided, duration_s } => {
-                resting::cubes(bench, *count, *guided, *duration_s)
+                resting::cubes(bench, count, guided, duration_s)
             }
             Self::FloorForce { grains, settle_s, duration_s } => {
-                resting::floor_force(bench, *grains, *settle_s, *duration_s)
+                resting::floor_force(bench, grains, settle_s, duration_s)
             }
-            Self::Packing { grains, settle_s, duration_s, quantity } => {
-                packing::packing(bench, *grains, *settle_s, *duration_s, *quantity)
-            }
-            Self::Invariance { over, of } => invariance::invariance(bench, over, of),
+            Self::Packing(ref packing) => packing.run(bench),
+            Self::Invariance { ref over, ref of } => invariance::invariance(bench, over, of),
         }
     }
+}
+
+/// A scene on a floor of a half width (m) with one friction coefficient, on which nothing rebounds.
+fn on_floor(bench: &Bench, half_width: f64, friction: f64) -> Result<Scene, VerifyError> {
+    let mut scene = bench.scene(&uniform(friction, 0.0))?;
+    scene.add(&floor(half_width, Motion::Static)?)?;
+    Ok(scene)
 }
 
 /// The largest of numbers that are not negative, 0 of none; no number as soon as one

@@ -1,14 +1,7 @@
 //! A packing of grains in a box, small enough to be run often.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Outcome, VerifyError, packing_stability};
-use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+use super::*;
 use crate::grains::{GrainSet, streams};
-use crate::units::to_mm;
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{Scene, floor, grain_body, grains, uniform, wall};
-use crate::world::{Body, BodyId, BodyState, Material, Motion, PairCoefficients};
 
 /// Friction and restitution of the gravel (paper, section 4).
 pub(super) const FRICTION: f64 = 0.793;
@@ -17,6 +10,16 @@ const RESTITUTION: f64 = 0.315;
 pub(super) const WIDTH: f64 = 0.04;
 const WALL: f64 = 0.02;
 const SEED: u64 = 11;
+
+/// A packing of grains in a box.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OfGrains {
+    pub(super) grains: usize,
+    pub(super) settle_s: f64,
+    pub(super) duration_s: f64,
+    quantity: Quantity,
+}
 
 /// What is measured of a packing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -190,79 +193,70 @@ fn laid_out(set: &GrainSet) -> Vec<Body> {
         .collect()
 }
 
-pub(super) fn packing(
-    bench: &Bench,
-    count: usize,
-    settle: f64,
-    duration: f64,
-    quantity: Quantity,
-) -> Result<Outcome, VerifyError> {
-    match quantity {
-        Quantity::Creep => packing_stability::creep(bench, count, settle, duration),
-        Quantity::Reload => packing_stability::reload(bench, count, settle, duration),
-        Quantity::GrainsKept => packing_stability::kept(bench, count, settle, duration),
-        Quantity::BeyondWalls => packing_stability::beyond(bench, count, settle, duration),
-        Quantity::EnergyGain => energy_gain(bench, count, settle),
-        Quantity::OtherOrders => other_orders(bench, count, settle),
-        Quantity::MeanHeight => {
-            let (curve, height) = settled(&mut Packing::new(bench, count, 0, FRICTION)?, settle)?;
-            let mut outcome = Outcome::new("Time (s)", "Mean grain height (mm)");
-            outcome.measured("Engine", curve);
-            Ok(outcome.got(to_mm(height)))
+impl OfGrains {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
+        match self.quantity {
+            Quantity::Creep => self.creep(bench),
+            Quantity::Reload => self.reload(bench),
+            Quantity::GrainsKept => self.kept(bench),
+            Quantity::BeyondWalls => self.beyond(bench),
+            Quantity::EnergyGain => self.energy_gain(bench),
+            Quantity::OtherOrders => self.other_orders(bench),
+            Quantity::MeanHeight => {
+                let mut outcome = Outcome::new("Time (s)", "Mean grain height (mm)");
+                let (curve, height) = self.settled(bench, 0)?;
+                outcome.measured("Engine", curve);
+                Ok(outcome.got(to_mm(height)))
+            }
         }
     }
-}
 
-/// Lets a packing settle; the mean height in mm over time, and in m at the end.
-fn settled(packing: &mut Packing, settle: f64) -> Result<(Vec<(f64, f64)>, f64), VerifyError> {
-    let steps = packing.scene.steps_in(settle);
-    let mut curve = Vec::new();
-    for n in 1..=steps {
-        packing.scene.step()?;
-        if n % (steps / 300).max(1) == 0 || n == steps {
-            curve.push((packing.scene.time(), to_mm(packing.mean_height()?)));
+    /// The packing in an order, with the friction of the gravel on every surface.
+    pub(super) fn in_order(&self, bench: &Bench, order: u64) -> Result<Packing, VerifyError> {
+        Packing::new(bench, self.grains, order, FRICTION)
+    }
+
+    /// Lets a packing settle; the mean height in mm over time, and in m at the end.
+    fn settled(&self, bench: &Bench, order: u64) -> Result<(Vec<(f64, f64)>, f64), VerifyError> {
+        let mut packing = self.in_order(bench, order)?;
+        let steps = packing.scene.steps_in(self.settle_s);
+        let mut curve = Vec::new();
+        for n in 1..=steps {
+            packing.scene.step()?;
+            if n % (steps / 300).max(1) == 0 || n == steps {
+                curve.push((packing.scene.time(), to_mm(packing.mean_height()?)));
+            }
         }
+        Ok((curve, packing.mean_height()?))
     }
-    Ok((curve, packing.mean_height()?))
-}
 
-/// The packing with the friction of the gravel on every surface.
-pub(super) fn rough(bench: &Bench, count: usize) -> Result<Packing, VerifyError> {
-    Packing::new(bench, count, 0, FRICTION)
-}
-
-/// The same from bodies.
-pub(super) fn rough_of(bench: &Bench, bodies: Vec<Body>) -> Result<Packing, VerifyError> {
-    Packing::of(bench, bodies, FRICTION)
-}
-
-fn energy_gain(bench: &Bench, count: usize, settle: f64) -> Result<Outcome, VerifyError> {
-    let mut packing = rough(bench, count)?;
-    let start = packing.energy()?;
-    let mut outcome = Outcome::new("Time (s)", "Energy of the grains (J)");
-    let (mut curve, mut lowest, mut gain) = (vec![(0.0, start)], start, 0.0_f64);
-    for _ in 0..packing.scene.steps_in(settle) {
-        packing.scene.step()?;
-        let now = packing.energy()?;
-        gain = gain.max(now - lowest);
-        lowest = lowest.min(now);
-        curve.push((packing.scene.time(), now));
+    fn energy_gain(&self, bench: &Bench) -> Measured {
+        let mut packing = self.in_order(bench, 0)?;
+        let start = packing.energy()?;
+        let mut outcome = Outcome::new("Time (s)", "Energy of the grains (J)");
+        let (mut curve, mut lowest, mut gain) = (vec![(0.0, start)], start, 0.0_f64);
+        for _ in 0..packing.scene.steps_in(self.settle_s) {
+            packing.scene.step()?;
+            let now = packing.energy()?;
+            gain = gain.max(now - lowest);
+            lowest = lowest.min(now);
+            curve.push((packing.scene.time(), now));
+        }
+        outcome.measured("Kinetic and potential", curve);
+        Ok(outcome.got(100.0 * gain / (start - lowest)))
     }
-    outcome.measured("Kinetic and potential", curve);
-    Ok(outcome.got(100.0 * gain / (start - lowest)))
-}
 
-fn other_orders(bench: &Bench, count: usize, settle: f64) -> Result<Outcome, VerifyError> {
-    const ORDERS: u64 = 4;
-    let mut outcome = Outcome::new("Time (s)", "Mean grain height (mm)");
-    let mut heights = Vec::new();
-    for order in 0..=ORDERS {
-        let mut packing = Packing::new(bench, count, order, FRICTION)?;
-        let (curve, height) = settled(&mut packing, settle)?;
-        let name = if order == 0 { "As cut".into() } else { format!("Order {order}") };
-        outcome.measured(name, curve);
-        heights.push(height);
+    fn other_orders(&self, bench: &Bench) -> Measured {
+        const ORDERS: u64 = 4;
+        let mut outcome = Outcome::new("Time (s)", "Mean grain height (mm)");
+        let mut heights = Vec::new();
+        for order in 0..=ORDERS {
+            let (curve, height) = self.settled(bench, order)?;
+            let name = if order == 0 { "As cut".into() } else { format!("Order {order}") };
+            outcome.measured(name, curve);
+            heights.push(height);
+        }
+        let others = heights[1..].iter().sum::<f64>() / ORDERS as f64;
+        Ok(outcome.got(others / heights[0]))
     }
-    let others = heights[1..].iter().sum::<f64>() / ORDERS as f64;
-    Ok(outcome.got(others / heights[0]))
 }

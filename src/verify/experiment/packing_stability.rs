@@ -1,10 +1,7 @@
 //! Whether a packing stays as it is: at rest, after a restart, between walls that shake.
 
-use std::f64::consts::TAU;
-
-use super::packing::{FRICTION, Packing, WIDTH, corners, mass, rough, rough_of};
-use super::{Bench, Outcome, VerifyError, largest};
-use crate::units::to_mm;
+use super::packing::{FRICTION, OfGrains, Packing, WIDTH, corners, mass};
+use super::*;
 
 /// The paper's vibration: 3 Hz, 25 mm to either side (sections 3 and 4).
 const FREQUENCY: f64 = 3.0;
@@ -12,130 +9,111 @@ const AMPLITUDE: f64 = 0.025;
 /// Orders in which the grains of a packing are added.
 const ORDERS: u64 = 5;
 
-pub(super) fn creep(
-    bench: &Bench,
-    count: usize,
-    settle: f64,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
-    let mut packing = rough(bench, count)?;
-    packing.scene.run(settle)?;
-    let start = packing.mean_height()?;
-    let steps = packing.scene.steps_in(duration);
-    let (mut curve, mut lost) = (Vec::new(), 0.0);
-    for n in 1..=steps {
-        packing.scene.step()?;
-        if n % (steps / 400).max(1) == 0 || n == steps {
-            lost = to_mm(start - packing.mean_height()?);
-            curve.push((n as f64 * packing.scene.time_step(), lost));
-        }
-    }
-    let mut outcome = Outcome::new("Time at rest (s)", "Mean grain height lost (mm)");
-    outcome.law("Law", vec![(0.0, 0.0), (duration, 0.0)]);
-    outcome.measured("Engine", curve);
-    Ok(outcome.got(lost))
-}
-
-pub(super) fn reload(
-    bench: &Bench,
-    count: usize,
-    settle: f64,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
-    let mut packing = rough(bench, count)?;
-    packing.scene.run(settle)?;
-    let mut again = rough_of(bench, packing.as_now()?)?;
-    again.scene.recall(&packing.scene.remember())?;
-    let start = packing.mean_height()?;
-    let mut outcome = Outcome::new("Time since the restart (s)", "Mean grain height lost (mm)");
-    let mut lost = Vec::new();
-    for (name, packing) in [("Went on", &mut packing), ("Restarted", &mut again)] {
-        let steps = packing.scene.steps_in(duration);
-        let mut curve = vec![(0.0, 0.0)];
+impl OfGrains {
+    pub(super) fn creep(&self, bench: &Bench) -> Measured {
+        let mut packing = self.in_order(bench, 0)?;
+        packing.scene.run(self.settle_s)?;
+        let start = packing.mean_height()?;
+        let steps = packing.scene.steps_in(self.duration_s);
+        let (mut curve, mut lost) = (Vec::new(), 0.0);
         for n in 1..=steps {
             packing.scene.step()?;
             if n % (steps / 400).max(1) == 0 || n == steps {
-                let time = n as f64 * packing.scene.time_step();
-                curve.push((time, to_mm(start - packing.mean_height()?)));
+                lost = to_mm(start - packing.mean_height()?);
+                curve.push((n as f64 * packing.scene.time_step(), lost));
             }
         }
-        lost.push(to_mm(start - packing.mean_height()?));
-        outcome.measured(name, curve);
+        let mut outcome = Outcome::new("Time at rest (s)", "Mean grain height lost (mm)");
+        outcome.law("Law", vec![(0.0, 0.0), (self.duration_s, 0.0)]);
+        outcome.measured("Engine", curve);
+        Ok(outcome.got(lost))
     }
-    Ok(outcome.got(lost[1] - lost[0]))
-}
 
-/// Shakes a settled packing, step by step, and hands on the time and how far in m
-/// each grain's furthest vertex lies beyond a wall's or the floor's face.
-fn shake(
-    packing: &mut Packing,
-    settle: f64,
-    duration: f64,
-    mut watch: impl FnMut(f64, &[f64], &Packing),
-) -> Result<(), VerifyError> {
-    packing.scene.run(settle)?;
-    for n in 1..=packing.scene.steps_in(duration) {
-        let time = n as f64 * packing.scene.time_step();
-        let x = AMPLITUDE * (TAU * FREQUENCY * time).sin();
-        packing.drive(x)?;
-        packing.scene.step()?;
-        let beyond = beyond_walls(packing, x)?;
-        watch(time, &beyond, packing);
+    pub(super) fn reload(&self, bench: &Bench) -> Measured {
+        let mut packing = self.in_order(bench, 0)?;
+        packing.scene.run(self.settle_s)?;
+        let mut again = Packing::of(bench, packing.as_now()?, FRICTION)?;
+        again.scene.recall(&packing.scene.remember())?;
+        let start = packing.mean_height()?;
+        let mut outcome = Outcome::new("Time since the restart (s)", "Mean grain height lost (mm)");
+        let mut lost = Vec::new();
+        for (name, packing) in [("Went on", &mut packing), ("Restarted", &mut again)] {
+            let steps = packing.scene.steps_in(self.duration_s);
+            let mut curve = vec![(0.0, 0.0)];
+            for n in 1..=steps {
+                packing.scene.step()?;
+                if n % (steps / 400).max(1) == 0 || n == steps {
+                    let time = n as f64 * packing.scene.time_step();
+                    curve.push((time, to_mm(start - packing.mean_height()?)));
+                }
+            }
+            lost.push(to_mm(start - packing.mean_height()?));
+            outcome.measured(name, curve);
+        }
+        Ok(outcome.got(lost[1] - lost[0]))
     }
-    Ok(())
-}
 
-/// Share of grains and mass that stays inside a packing that is shaken.
-pub(super) fn kept(
-    bench: &Bench,
-    count: usize,
-    settle: f64,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
-    let (mut curve, mut share) = (Vec::new(), 1.0_f64);
-    shake(&mut rough(bench, count)?, settle, duration, |time, beyond, packing| {
-        // Outside: the grain as a whole has passed a wall.
-        let inside: f64 = beyond
-            .iter()
-            .zip(&packing.bodies)
-            .filter(|(b, body)| **b < 2.0 * body.shape.radius_about_origin())
-            .map(|(_, body)| mass(body))
-            .sum();
-        share = share.min(inside / packing.mass());
-        curve.push((time, share));
-    })?;
-    let mut outcome = Outcome::new("Time (s)", "Share of the mass inside");
-    outcome.law("Law", vec![(0.0, 1.0), (duration, 1.0)]);
-    outcome.measured("Engine", curve);
-    Ok(outcome.got(share))
-}
+    /// Shakes a settled packing, step by step, and hands on the time and how far in m
+    /// each grain's furthest vertex lies beyond a wall's or the floor's face.
+    fn shake(
+        &self,
+        packing: &mut Packing,
+        mut watch: impl FnMut(f64, &[f64], &Packing),
+    ) -> Result<(), VerifyError> {
+        packing.scene.run(self.settle_s)?;
+        for n in 1..=packing.scene.steps_in(self.duration_s) {
+            let time = n as f64 * packing.scene.time_step();
+            let x = AMPLITUDE * (TAU * FREQUENCY * time).sin();
+            packing.drive(x)?;
+            packing.scene.step()?;
+            let beyond = beyond_walls(packing, x)?;
+            watch(time, &beyond, packing);
+        }
+        Ok(())
+    }
 
-/// How far in mm a vertex gets beyond a wall's or the floor's face, at the worst
-/// of [`ORDERS`] packings of the same grains: how hard a grain is driven against a wall
-/// is chance.
-pub(super) fn beyond(
-    bench: &Bench,
-    count: usize,
-    settle: f64,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
-    let mut outcome = Outcome::new("Time (s)", "Furthest vertex beyond a wall (mm)");
-    outcome.law("Law", vec![(0.0, 0.0), (duration, 0.0)]);
-    let (mut furthest, mut notes) = (0.0_f64, Vec::new());
-    for order in 0..ORDERS {
-        let (mut curve, mut worst) = (Vec::new(), 0.0_f64);
-        let mut packing = Packing::new(bench, count, order, FRICTION)?;
-        shake(&mut packing, settle, duration, |time, beyond, _| {
-            let far = largest(beyond.iter().copied());
-            worst = largest([worst, far]);
-            curve.push((time, to_mm(far)));
+    /// Share of grains and mass that stays inside a packing that is shaken.
+    pub(super) fn kept(&self, bench: &Bench) -> Measured {
+        let (mut curve, mut share) = (Vec::new(), 1.0_f64);
+        self.shake(&mut self.in_order(bench, 0)?, |time, beyond, packing| {
+            // Outside: the grain as a whole has passed a wall.
+            let inside: f64 = beyond
+                .iter()
+                .zip(&packing.bodies)
+                .filter(|(b, body)| **b < 2.0 * body.shape.radius_about_origin())
+                .map(|(_, body)| mass(body))
+                .sum();
+            share = share.min(inside / packing.mass());
+            curve.push((time, share));
         })?;
-        furthest = largest([furthest, worst]);
-        notes.push(format!("{:.3}", to_mm(worst)));
-        outcome.measured(format!("Order {order}"), curve);
+        let mut outcome = Outcome::new("Time (s)", "Share of the mass inside");
+        outcome.law("Law", vec![(0.0, 1.0), (self.duration_s, 1.0)]);
+        outcome.measured("Engine", curve);
+        Ok(outcome.got(share))
     }
-    outcome.note = Some(format!("mm in each order: {}", notes.join(", ")));
-    Ok(outcome.got(to_mm(furthest)))
+
+    /// How far in mm a vertex gets beyond a wall's or the floor's face, at the worst
+    /// of [`ORDERS`] packings of the same grains: how hard a grain is driven against a wall
+    /// is chance.
+    pub(super) fn beyond(&self, bench: &Bench) -> Measured {
+        let mut outcome = Outcome::new("Time (s)", "Furthest vertex beyond a wall (mm)");
+        outcome.law("Law", vec![(0.0, 0.0), (self.duration_s, 0.0)]);
+        let (mut furthest, mut notes) = (0.0_f64, Vec::new());
+        for order in 0..ORDERS {
+            let (mut curve, mut worst) = (Vec::new(), 0.0_f64);
+            let mut packing = self.in_order(bench, order)?;
+            self.shake(&mut packing, |time, beyond, _| {
+                let far = largest(beyond.iter().copied());
+                worst = largest([worst, far]);
+                curve.push((time, to_mm(far)));
+            })?;
+            furthest = largest([furthest, worst]);
+            notes.push(format!("{:.3}", to_mm(worst)));
+            outcome.measured(format!("Order {order}"), curve);
+        }
+        outcome.note = Some(format!("mm in each order: {}", notes.join(", ")));
+        Ok(outcome.got(to_mm(furthest)))
+    }
 }
 
 /// How far in m each grain's furthest vertex lies beyond the inner faces of

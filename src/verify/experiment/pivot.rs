@@ -7,16 +7,7 @@
 //! through the corner across its diagonal, because a cube's inertia is the
 //! same about all axes. The equation is integrated by Runge-Kutta.
 
-use nalgebra::{UnitQuaternion, Vector2};
-use serde::{Deserialize, Serialize};
-
-use super::ode::runge_kutta;
-use super::{Bench, Outcome, VerifyError};
-use crate::geometry::{Pose, Vector};
-use crate::units::{from_deg, from_mm};
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{START_GAP, block, floor, mass_of, uniform};
-use crate::world::Motion;
+use super::*;
 
 /// A block let go at an angle from where it would balance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -100,14 +91,13 @@ impl Pivot {
         (GRAVITY * radius / (gyration + radius * radius), radius)
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let (rate_squared, radius) = self.pendulum_of();
         let (from, to) = (from_deg(self.from_deg), from_deg(self.to_deg));
         let law = pendulum(rate_squared, from, to);
         let expected = law[law.len() - 1].0;
         let arm = self.arm();
-        let mut scene = bench.scene(&uniform(self.friction, 0.0))?;
-        scene.add(&floor(0.2, Motion::Static)?)?;
+        let mut scene = on_floor(bench, 0.2, self.friction)?;
         let upright = UnitQuaternion::rotation_between(&-arm, &Vector::z())
             .ok_or_else(|| VerifyError::Setup("a pivot above the centroid".into()))?;
         let rotation = UnitQuaternion::from_axis_angle(&Vector::y_axis(), from) * upright;
@@ -120,16 +110,14 @@ impl Pivot {
         }
         let id = scene.add(&body)?;
         let (mut curve, mut slip) = (vec![(0.0, from)], 0.0_f64);
-        for _ in 0..scene.steps_in(1.5 * expected + 0.02) {
-            scene.step()?;
-            let pose = scene.state(id)?.pose;
+        scene.follow(id, 1.5 * expected + 0.02, |time, BodyState { pose, .. }| {
             let pivot = pose.translation.vector + pose.rotation * arm;
             let angle = (pose.rotation * -arm).angle(&Vector::z());
             if angle < to {
                 slip = slip.max(pivot.xy().norm());
             }
-            curve.push((scene.time(), angle));
-        }
+            curve.push((time, angle));
+        })?;
         // Velocity first, then position: in steps of length h everything comes h/2 early.
         let late = scene.integration_step() / 2.0;
         let got = reaches(&curve, to).ok_or(VerifyError::NoEvent("a fall"))? + late;

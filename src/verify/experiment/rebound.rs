@@ -1,22 +1,12 @@
 //! Restitution from the height of a rebound.
 
-use super::{Bench, Outcome, VerifyError};
-use crate::geometry::Vector;
-use crate::units::{from_mm, to_mm};
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{block, floor, uniform};
-use crate::world::Motion;
+use super::*;
 
 const SIDE: f64 = 0.01;
 
 /// A cube falls flat from rest at a height h under its lower face; it rises
 /// again to e²h.
-pub(super) fn rebound(
-    bench: &Bench,
-    restitution: f64,
-    height: f64,
-    rates: &[f64],
-) -> Result<Outcome, VerifyError> {
+pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64]) -> Measured {
     let height = from_mm(height);
     let fall = (2.0 * height / GRAVITY).sqrt();
     let rise = 2.0 * restitution * fall;
@@ -30,17 +20,15 @@ pub(super) fn rebound(
             scene.add(&block(Vector::repeat(SIDE), Vector::new(0.0, 0.0, height + SIDE / 2.0))?)?;
         let mut curve = vec![(0.0, to_mm(height))];
         let (mut struck, mut peak) = (false, 0.0_f64);
-        for _ in 0..scene.steps_in(fall + rise + 0.1) {
-            scene.step()?;
-            let state = scene.state(id)?;
+        scene.follow(id, fall + rise + 0.1, |time, state| {
             let z = state.pose.translation.vector.z - SIDE / 2.0;
             // Struck once it no longer falls; the first peak after that counts.
-            struck |= scene.time() > 0.5 * fall && state.linear_velocity.z > -0.5 * GRAVITY * fall;
+            struck |= time > 0.5 * fall && state.linear_velocity.z > -0.5 * GRAVITY * fall;
             if struck {
                 peak = peak.max(z);
             }
-            curve.push((scene.time(), to_mm(z)));
-        }
+            curve.push((time, to_mm(z)));
+        })?;
         if !struck {
             return Err(VerifyError::NoEvent("an impact"));
         }
@@ -87,12 +75,7 @@ fn peaks(motion: &[(f64, f64, f64)]) -> Vec<f64> {
 
 /// A cube falls flat from rest and bounces: each peak is e² times the one
 /// before it, whatever the body did earlier.
-pub(super) fn bounces(
-    bench: &Bench,
-    restitution: f64,
-    height: f64,
-    count: usize,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn bounces(bench: &Bench, restitution: f64, height: f64, count: usize) -> Measured {
     let height = from_mm(height);
     let mut scene = bench.scene(&uniform(0.5, restitution))?;
     scene.add(&floor(0.2, Motion::Static)?)?;
@@ -103,12 +86,10 @@ pub(super) fn bounces(
     let flights = (1..=count as i32).map(|n| 2.0 * fall * restitution.powi(n));
     let duration = fall + flights.sum::<f64>() + 0.02;
     let (mut motion, mut turns) = (vec![(0.0, height, 0.0)], 0.0_f64);
-    for _ in 0..scene.steps_in(duration) {
-        scene.step()?;
-        let state = scene.state(id)?;
+    scene.follow(id, duration, |time, state| {
         turns = turns.max(state.angular_velocity.norm());
-        motion.push((scene.time(), state.pose.translation.z - SIDE / 2.0, state.linear_velocity.z));
-    }
+        motion.push((time, state.pose.translation.z - SIDE / 2.0, state.linear_velocity.z));
+    })?;
     let peaks = peaks(&motion);
     let mut ratios: Vec<f64> =
         peaks.windows(2).take(count).map(|p| (p[1] / p[0]).max(0.0).sqrt()).collect();

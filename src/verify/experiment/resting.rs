@@ -1,14 +1,7 @@
 //! Bodies that must lie still.
 
-use nalgebra::UnitQuaternion;
-
-use super::{Bench, Outcome, RestingBody, VerifyError};
-use crate::geometry::{Pose, Vector};
-use crate::units::to_mm;
-use crate::verify::bench::GRAVITY;
+use super::*;
 use crate::verify::experiment::packing::Packing;
-use crate::verify::scene::{Scene, block, floor, grain_body, grains, lowest, uniform, wall};
-use crate::world::{BodyId, Motion};
 
 /// Friction of the gravel (paper, section 4).
 const FRICTION: f64 = 0.793;
@@ -50,14 +43,8 @@ fn still(outcome: &mut Outcome, curve: Vec<(f64, f64)>) {
     outcome.measured("Engine", curve);
 }
 
-pub(super) fn rests(
-    bench: &Bench,
-    body: RestingBody,
-    settle: f64,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
-    let mut scene = bench.scene(&uniform(FRICTION, 0.0))?;
-    scene.add(&floor(0.1, Motion::Static)?)?;
+pub(super) fn rests(bench: &Bench, body: RestingBody, settle: f64, duration: f64) -> Measured {
+    let mut scene = on_floor(bench, 0.1, FRICTION)?;
     let body = match body {
         RestingBody::Cube => block(Vector::repeat(SIDE), Vector::new(0.0, 0.0, SIDE / 2.0))?,
         RestingBody::Grain => {
@@ -74,14 +61,9 @@ pub(super) fn rests(
     Ok(outcome.got(to_mm(moved)))
 }
 
-pub(super) fn grain_on_three(
-    bench: &Bench,
-    settle: f64,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn grain_on_three(bench: &Bench, settle: f64, duration: f64) -> Measured {
     let set = grains(20, 3)?;
-    let mut scene = bench.scene(&uniform(FRICTION, 0.0))?;
-    scene.add(&floor(0.1, Motion::Static)?)?;
+    let mut scene = on_floor(bench, 0.1, FRICTION)?;
     let mut ids = Vec::new();
     for (index, grain) in set.grains.iter().take(4).enumerate() {
         // Three around the middle, close to each other; the fourth above them.
@@ -105,17 +87,11 @@ pub(super) fn grain_on_three(
 
 /// Cubes set on top of each other; with `guided` between four frictionless
 /// walls a tenth of a millimetre away.
-pub(super) fn cubes(
-    bench: &Bench,
-    count: u32,
-    guided: bool,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn cubes(bench: &Bench, count: u32, guided: bool, duration: f64) -> Measured {
     const GUIDE_GAP: f64 = 1e-4;
     const GUIDE: f64 = 0.01;
     let friction = if guided { 0.0 } else { FRICTION };
-    let mut scene = bench.scene(&uniform(friction, 0.0))?;
-    scene.add(&floor(0.1, Motion::Static)?)?;
+    let mut scene = on_floor(bench, 0.1, friction)?;
     if guided {
         let height = SIDE * f64::from(count + 2);
         let off = SIDE / 2.0 + GUIDE_GAP + GUIDE / 2.0;
@@ -151,12 +127,7 @@ pub(super) fn cubes(
 
 /// Vertical impulses on the floor over the weight of all grains; the box's
 /// sides are frictionless and carry nothing.
-pub(super) fn floor_force(
-    bench: &Bench,
-    count: usize,
-    settle: f64,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
+pub(super) fn floor_force(bench: &Bench, count: usize, settle: f64, duration: f64) -> Measured {
     let mut packing = Packing::new(bench, count, 0, 0.0)?;
     packing.scene.run(settle)?;
     let weight = packing.mass() * GRAVITY;

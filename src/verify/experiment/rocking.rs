@@ -9,15 +9,7 @@
 //! rebound. The angular momentum about that edge is kept:
 //! m R² (1/3 + cos 2α) ω = 4/3 m R² ω', and ω'/ω = 1 − 3/2 sin² α.
 
-use nalgebra::UnitQuaternion;
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Outcome, VerifyError};
-use crate::geometry::{Pose, Vector};
-use crate::units::from_mm;
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{START_GAP, block, floor, uniform};
-use crate::world::{BodyState, Motion};
+use super::*;
 
 /// A block let go from a tilt about one of its lower edges.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -120,19 +112,18 @@ impl RockingBlock {
         Housner::new(from_mm(self.sides_mm[0]) / 2.0, from_mm(self.sides_mm[2]) / 2.0)
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         match self.comes {
             Comes::Rocking => self.rocks(bench),
             Comes::Flying => self.flies(bench),
         }
     }
 
-    fn rocks(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    fn rocks(&self, bench: &Bench) -> Measured {
         let law = self.law();
         let sides = Vector::from(self.sides_mm).map(from_mm);
         let tilt = self.tilt * law.slenderness;
-        let mut scene = bench.scene(&uniform(self.friction, 0.0))?;
-        scene.add(&floor(0.2, Motion::Static)?)?;
+        let mut scene = on_floor(bench, 0.2, self.friction)?;
         // About the edge at +x: the top leans towards +x.
         let rotation = UnitQuaternion::from_axis_angle(&Vector::y_axis(), tilt);
         let edge = Vector::new(sides.x, 0.0, -sides.z) / 2.0;
@@ -143,12 +134,10 @@ impl RockingBlock {
         let next = law.next_peak(tilt);
         let (falls, rises) = (law.quarter(tilt), law.quarter(next));
         let mut motion: Rocking = vec![(0.0, tilt, 0.0)];
-        for _ in 0..scene.steps_in(1.1 * (falls + rises)) {
-            scene.step()?;
-            let state = scene.state(id)?;
+        scene.follow(id, 1.1 * (falls + rises), |time, state| {
             let up = state.pose.rotation * Vector::z();
-            motion.push((scene.time(), up.x.atan2(up.z), state.angular_velocity.y));
-        }
+            motion.push((time, up.x.atan2(up.z), state.angular_velocity.y));
+        })?;
         let mut outcome = Outcome::new("Time (s)", "Tilt (°)");
         outcome.measured("Engine", motion.iter().map(|(t, a, _)| (*t, a.to_degrees())).collect());
         let peaks = [(0.0, tilt), (falls, 0.0), (falls + rises, -next)];
@@ -164,7 +153,7 @@ impl RockingBlock {
         Ok(outcome.got(ratio))
     }
 
-    fn flies(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    fn flies(&self, bench: &Bench) -> Measured {
         // Tilt at which it begins, small: its edge still is where it will touch.
         const BEGINS: f64 = 0.03;
         // Steps after which the impact is over, counted from when it began.

@@ -1,14 +1,7 @@
 //! A thin block that slides and spins on a floor.
 
-use nalgebra::Vector2;
-use serde::{Deserialize, Serialize};
-
 use super::spin_law::Slide;
-use super::{Bench, Outcome, VerifyError};
-use crate::geometry::Vector;
-use crate::units::{from_mm, to_mm};
-use crate::verify::scene::{START_GAP, block, floor, uniform};
-use crate::world::Motion;
+use super::*;
 
 /// A thin block with a velocity along its side and an angular velocity about
 /// the vertical.
@@ -76,11 +69,11 @@ impl SpinSlide {
         }
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let law = self.law().end();
         let sides = Vector::from(self.sides_mm).map(from_mm);
-        let mut scene = bench.scene(&uniform(self.friction, 0.0))?;
-        scene.add(&floor(2.0 * (law.displacement.norm() + sides.x + sides.y), Motion::Static)?)?;
+        let reach = 2.0 * (law.displacement.norm() + sides.x + sides.y);
+        let mut scene = on_floor(bench, reach, self.friction)?;
         let start = Vector::new(0.0, 0.0, sides.z / 2.0 + START_GAP);
         let mut body = block(sides, start)?;
         body.state.linear_velocity.x = self.speed_m_per_s;

@@ -11,10 +11,7 @@
 //! for one of them alone; the equations are integrated by Runge-Kutta with
 //! steps that shrink with the motion that is left.
 
-use nalgebra::{SVector, Vector2};
-
-use super::ode::runge_kutta;
-use crate::verify::bench::GRAVITY;
+use super::*;
 
 /// A block and how it begins.
 #[derive(Debug, Clone, Copy)]

@@ -18,14 +18,8 @@
 //! used, the wall's N₂ = μ N₁, N₁ + μ N₂ = W, and moments about the foot give
 //! W (L/2 cos θ − t/2 sin θ) = N₂ (L sin θ + μ L cos θ).
 
-use nalgebra::UnitQuaternion;
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Outcome, VerifyError};
-use crate::geometry::{Pose, Vector};
-use crate::units::{from_deg, from_mm, to_mm};
-use crate::verify::scene::{START_GAP, block, floor, profile, solid, uniform, wall};
-use crate::world::{Body, Motion};
+use super::*;
+use crate::verify::scene::{profile, solid};
 
 /// An assembly that is set down with ever closer coefficients of friction
 /// with which it stands and falls.
@@ -171,8 +165,7 @@ impl Assembly {
 impl CriticalFriction {
     /// How far in mm the first body sinks, over time.
     fn sinks(&self, bench: &Bench, friction: f64) -> Result<Vec<(f64, f64)>, VerifyError> {
-        let mut scene = bench.scene(&uniform(friction, 0.0))?;
-        scene.add(&floor(0.3, Motion::Static)?)?;
+        let mut scene = on_floor(bench, 0.3, friction)?;
         let (free, fixed) = self.assembly.bodies()?;
         for body in &fixed {
             scene.add(body)?;
@@ -194,7 +187,7 @@ impl CriticalFriction {
         Ok(curve)
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let law = self.assembly.law();
         let mut outcome = Outcome::new("Time (s)", "Sinks by (mm)");
         let mut stands = |friction: f64, show: bool| -> Result<bool, VerifyError> {

@@ -16,13 +16,7 @@
 //! farther one leaves by itself and bears nothing. p = (1 + e) m v/(1 + x₁²/k²),
 //! v' = −v + p/m, ω' = x₁ p/I.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Outcome, VerifyError};
-use crate::geometry::Vector;
-use crate::units::from_mm;
-use crate::verify::scene::{block, floor, mass_of, uniform, wall};
-use crate::world::Motion;
+use super::*;
 
 /// A level block falls on a floor or on supports.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -107,7 +101,7 @@ impl ImpactAtSeveralPoints {
         }
     }
 
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let mut outcome = Outcome::new("Time (s)", "Upward velocity (m/s)");
         let (mut worst, mut notes) = (0.0_f64, Vec::new());
         for &restitution in &self.restitutions {

@@ -1,14 +1,7 @@
 //! A block on a shaking table: Newmark's sliding block, with the table moving
 //! both ways.
 
-use std::f64::consts::TAU;
-
-use super::{Bench, Outcome, VerifyError, largest};
-use crate::geometry::{Pose, Vector};
-use crate::units::{from_mm, to_mm};
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{START_GAP, block, floor, uniform};
-use crate::world::Motion;
+use super::*;
 
 const BLOCK: Vector = Vector::new(0.02, 0.02, 0.006);
 const FLOOR_CENTRE: f64 = -0.01;
@@ -64,35 +57,41 @@ fn newmark(table: Table, friction: f64, times: &[f64]) -> Vec<f64> {
     out
 }
 
-pub(super) fn block_on_table(
-    bench: &Bench,
+/// A block on a shaking table.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BlockOnTable {
     friction: f64,
-    frequency: f64,
-    amplitude: f64,
-    duration: f64,
-) -> Result<Outcome, VerifyError> {
-    let table = Table { amplitude: from_mm(amplitude), omega: TAU * frequency };
-    let mut scene = bench.scene(&uniform(friction, 0.0))?;
-    let plate = scene.add(&floor(0.3, Motion::Kinematic)?)?;
-    let mut body = block(BLOCK, Vector::new(0.0, 0.0, BLOCK.z / 2.0 + START_GAP))?;
-    body.state.linear_velocity.x = table.speed(0.0);
-    let id = scene.add(&body)?;
-    let (mut times, mut travel) = (Vec::new(), Vec::new());
-    for n in 1..=scene.steps_in(duration) {
-        let time = n as f64 * scene.time_step();
-        scene.drive(plate, &Pose::translation(table.place(time), 0.0, FLOOR_CENTRE))?;
-        scene.step()?;
-        times.push(time);
-        travel.push(scene.state(id)?.pose.translation.vector.x - table.place(time));
+    frequency_hz: f64,
+    amplitude_mm: f64,
+    duration_s: f64,
+}
+
+impl BlockOnTable {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
+        let table = Table { amplitude: from_mm(self.amplitude_mm), omega: TAU * self.frequency_hz };
+        let mut scene = bench.scene(&uniform(self.friction, 0.0))?;
+        let plate = scene.add(&floor(0.3, Motion::Kinematic)?)?;
+        let mut body = block(BLOCK, Vector::new(0.0, 0.0, BLOCK.z / 2.0 + START_GAP))?;
+        body.state.linear_velocity.x = table.speed(0.0);
+        let id = scene.add(&body)?;
+        let (mut times, mut travel) = (Vec::new(), Vec::new());
+        for n in 1..=scene.steps_in(self.duration_s) {
+            let time = n as f64 * scene.time_step();
+            scene.drive(plate, &Pose::translation(table.place(time), 0.0, FLOOR_CENTRE))?;
+            scene.step()?;
+            times.push(time);
+            travel.push(scene.state(id)?.pose.translation.vector.x - table.place(time));
+        }
+        let law = newmark(table, self.friction, &times);
+        let off = largest(travel.iter().zip(&law).map(|(got, law)| (got - law).abs()));
+        let in_mm =
+            |values: &[f64]| times.iter().copied().zip(values.iter().map(|v| to_mm(*v))).collect();
+        let mut outcome = Outcome::new("Time (s)", "Travel of the block on the table (mm)");
+        outcome.measured("Engine", in_mm(&travel));
+        outcome.law("Newmark's sliding block", in_mm(&law));
+        Ok(outcome.got(to_mm(off)))
     }
-    let law = newmark(table, friction, &times);
-    let off = largest(travel.iter().zip(&law).map(|(got, law)| (got - law).abs()));
-    let in_mm =
-        |values: &[f64]| times.iter().copied().zip(values.iter().map(|v| to_mm(*v))).collect();
-    let mut outcome = Outcome::new("Time (s)", "Travel of the block on the table (mm)");
-    outcome.measured("Engine", in_mm(&travel));
-    outcome.law("Newmark's sliding block", in_mm(&law));
-    Ok(outcome.got(to_mm(off)))
 }
 
 #[cfg(test)]

@@ -8,15 +8,8 @@
 //! Mechanics", section 5.7); Ω ≈ m g l/(I₃ ω₃) where it is fast. The slow root is taken.
 //! A point contact bears no moment: upright, the spin stays what it is.
 
-use nalgebra::UnitQuaternion;
-use serde::{Deserialize, Serialize};
-
-use super::{Bench, Outcome, VerifyError};
-use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
-use crate::units::{from_deg, from_mm};
-use crate::verify::bench::GRAVITY;
-use crate::verify::scene::{START_GAP, floor, free, uniform};
-use crate::world::{BodyState, Motion};
+use super::*;
+use crate::verify::scene::free;
 
 /// A square pyramid that spins on its apex.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -85,7 +78,7 @@ fn pyramid(side: f64, height: f64) -> Result<ConvexPolyhedron, VerifyError> {
     vertices.push(Point::new(0.0, 0.0, apex));
     let mut faces = vec![vec![0, 1, 2, 3]];
     faces.extend((0..4).map(|i| vec![(i + 1) % 4, i, 4]));
-    ConvexPolyhedron::new(vertices, faces).map_err(|e| VerifyError::Setup(e.to_string()))
+    Ok(ConvexPolyhedron::new(vertices, faces)?)
 }
 
 /// Sum of the steps by which a direction turns about the vertical, in rad.
@@ -105,7 +98,7 @@ impl Heading {
 }
 
 impl Top {
-    pub(super) fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
         let (side, height) = (from_mm(self.side_mm), from_mm(self.height_mm));
         let moments = Moments::of(side, height);
         let tilt = from_deg(self.tilt_deg);
@@ -125,8 +118,7 @@ impl Top {
             linear_velocity: turning.cross(&arm),
             angular_velocity: turning + axis * (self.spin_rad_per_s - rate * tilt.cos()),
         };
-        let mut scene = bench.scene(&uniform(self.friction, 0.0))?;
-        scene.add(&floor(0.2, Motion::Static)?)?;
+        let mut scene = on_floor(bench, 0.2, self.friction)?;
         let id = scene.add(&body)?;
         let mut heading = Heading { last: 0.0, total: 0.0 };
         let (mut curve, mut last, mut points) = (Vec::new(), body.state, 0);
