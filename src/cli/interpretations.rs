@@ -9,7 +9,7 @@ use super::{
 };
 use crate::plain::plain_path;
 use crate::record::read_json;
-use crate::study::{Interpretation, InterpretationsOptions, interpretations};
+use crate::study::{Interpretation, InterpretationsOptions, RunOptions, interpretations};
 
 /// Run the paper's programme under several interpretations of it, side by side
 #[derive(Debug, Args)]
@@ -53,14 +53,17 @@ pub(super) fn run(args: &InterpretationsArgs, context: &Context) -> Result<ExitS
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
     let outcome = interpretations(&InterpretationsOptions {
-        out: args.out.clone(),
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
         interpretations: interpretations_asked,
-        jobs: args.jobs.cores(),
         changes: args.changes.overrides(),
-        cancel: context.cancel.clone(),
-        progress: context.progress.clone(),
+        run: RunOptions {
+            out: args.out.clone(),
+            jobs: args.jobs.cores(),
+            frames: false,
+            cancel: context.cancel.clone(),
+            progress: context.progress.clone(),
+        },
     })?;
     let mut text = table::of_interpretations(&outcome.columns);
     text += &format!("report in {}\n", plain_path(&outcome.report));

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::paper::Claim;
 use crate::plain::plain_path;
-use crate::study::{Interpretation, ReproduceOptions, reproduce};
+use crate::study::{Interpretation, ReproduceOptions, RunOptions, reproduce};
 
 /// Run the whole paper and compare its claims
 #[derive(Debug, Args)]
@@ -56,15 +56,18 @@ pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus,
     output_folder::prepare(&args.out)?;
     context.stop_on_ctrl_c();
     let outcome = reproduce(&ReproduceOptions {
-        out: args.out.clone(),
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
         placements: args.placements,
-        jobs: args.jobs.cores(),
         changes: args.changes.overrides(),
         interpretation: args.interpretation.clone(),
-        cancel: context.cancel.clone(),
-        progress: context.progress.clone(),
+        run: RunOptions {
+            out: args.out.clone(),
+            jobs: args.jobs.cores(),
+            frames: true,
+            cancel: context.cancel.clone(),
+            progress: context.progress.clone(),
+        },
     })?;
     let mut text = scorecard::of(&outcome.scorecard);
     let (report, claims) = (args.out.join("report.html"), args.out.join("claims.json"));

@@ -240,10 +240,5 @@ pub fn write_calibration_runs(out: &Path, runs: &[CalibrationRun]) -> Result<(),
 pub fn write_calibration(out: &Path, of: &Calibration) -> Result<(), ReportError> {
     write_calibration_runs(out, &of.runs)?;
     write_json(&out.join("calibrate.json"), of)?;
-    let figure = figures::of_calibration(of)?;
-    figure.write(&out.join("figures"))?;
-    let page = page(of, &figure);
-    write_file(&out.join("calibrate.md"), page.markdown().as_bytes())?;
-    write_file(&out.join("report.html"), page.html(&figure).as_bytes())?;
-    Ok(())
+    page(of, figures::of_calibration(of)?).write(out, &["calibrate.md", "report.html"])
 }

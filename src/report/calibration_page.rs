@@ -1,35 +1,16 @@
 //! The page of a calibration, as Markdown and as HTML.
 
-use std::fmt::Write;
-
-use maud::{DOCTYPE, Markup, html};
-
 use super::{
     Calibration, CalibrationEnding, CalibrationValue, Figure, FrictionIdentity,
     calibration::{target_in_words, with_unit},
     figures::capital,
-    html::{figure_block, glue, head},
-    text_table::{TextTable, in_markdown},
+    page::{Block, Page},
+    table::{Cell, Table, besides, dash, missing, plus_minus, table},
 };
 use crate::paper::{
     constants::ANGLE_OF_REPOSE_DEG,
     text::{compact, number},
 };
-use crate::record::NO_VALID_RUN;
-
-/// What the page says, without its form.
-pub(super) struct Page {
-    title: String,
-    lead: String,
-    good: bool,
-    /// Name and value.
-    found: Vec<(String, String)>,
-    values: TextTable,
-    notes: Vec<String>,
-    figure: (String, String, String),
-}
-
-const HEADER: [&str; 6] = ["value", "runs", "mean", "± 95 %", "standard deviation", "in the line"];
 
 const HOW_TO_READ: &str = "Every value is run in the same configurations, each the same grains mixed anew. A \
      line is fitted to each configuration's results near the solution; the configurations' lines \
@@ -38,20 +19,19 @@ const HOW_TO_READ: &str = "Every value is run in the same configurations, each t
      grains are missing, are left out as runs that failed are (docs/accuracy.md). It says what chance in mixing does, not \
      what a time step, an engine or a model does.";
 
-/// Puts the page together.
-pub(super) fn page(of: &Calibration, figure: &Figure) -> Page {
-    Page {
-        title: format!("Calibration: {} by {}", target_in_words(&of.target), of.unknown_in_words()),
-        lead: format!("{}.", capital(&of.statement)),
-        good: of.ending == CalibrationEnding::Found,
-        found: found(of),
-        values: TextTable {
-            header: HEADER.map(str::to_owned).to_vec(),
-            rows: of.values.iter().map(|v| value_row(v, of).to_vec()).collect(),
-        },
-        notes: of.notes.iter().map(|n| format!("{}.", capital(n))).collect(),
-        figure: (figure.title.clone(), figure.stem.clone(), figure.caption.clone()),
-    }
+/// The page.
+pub(super) fn page(of: &Calibration, figure: Figure) -> Page {
+    let title =
+        format!("Calibration: {} by {}", target_in_words(&of.target), of.unknown_in_words());
+    let lead = format!("{}.", capital(&of.statement));
+    let found = found(of).into_iter().map(|(name, value)| (capital(&name), value));
+    let notes = of.notes.iter().map(|note| format!("{}.", capital(note))).collect();
+    Page::new(title, [Block::lead(lead, of.ending == CalibrationEnding::Found)])
+        .section("found", "What was found", [Block::Table(Table::of_pairs(found))])
+        .section("notes", "To be known", [Block::List(notes)])
+        .figures("figure", "Figure", [figure])
+        .section("values", "Values tried", [Block::Table(values(of))])
+        .section("reading", "How to read it", [Block::Text(HOW_TO_READ.to_owned())])
 }
 
 /// Name and value of what was found.
@@ -67,24 +47,13 @@ pub fn found(of: &Calibration) -> Vec<(String, String)> {
     let mut row = |name: &str, value: String| rows.push((name.to_owned(), value));
     if let Some(s) = of.solution {
         row(&format!("{} needed", of.unknown_in_words()), compact(s.value));
-        row(
-            "its 95 % confidence interval",
-            s.interval_95.map_or_else(
-                || "none: the slope cannot be told from zero".to_owned(),
-                |i| format!("{} to {}", compact(i.low), compact(i.high)),
-            ),
-        );
-        row(
-            &format!("{} there", target_in_words(&of.target)),
-            with_unit(
-                &format!("{} ± {}", compact(of.wanted), compact(s.result_half_width_95)),
-                &of.unit,
-            ),
-        );
-        let per_unit = with_unit(
-            &format!("{} ± {}", compact(s.slope), compact(s.slope_half_width_95)),
-            &of.unit,
-        );
+        let none = || "none: the slope cannot be told from zero".to_owned();
+        let interval = s.interval_95.map(|i| format!("{} to {}", compact(i.low), compact(i.high)));
+        row("its 95 % confidence interval", interval.unwrap_or_else(none));
+        let known_to = |mean, off| with_unit(&plus_minus(mean, Some(off), compact), &of.unit);
+        let there = known_to(of.wanted, s.result_half_width_95);
+        row(&format!("{} there", target_in_words(&of.target)), there);
+        let per_unit = known_to(s.slope, s.slope_half_width_95);
         row("change for one unit", format!("{per_unit}, {} configurations", s.configurations));
     }
     if let Some(scatter) = of.scatter {
@@ -94,12 +63,8 @@ pub fn found(of: &Calibration) -> Vec<(String, String)> {
         let whence = if of.tolerance_given { "given" } else { "that of a single run" };
         row("tolerance", format!("{} ({whence})", unit(tolerance)));
     }
-    let mut runs = format!("{} of at most {}", of.runs.len(), of.most_runs);
-    let left_out = of.runs.iter().filter(|r| r.is_left_out()).count();
-    if left_out > 0 {
-        let _ = write!(runs, ", {left_out} left out");
-    }
-    row("runs", runs);
+    let left_out = besides(of.runs.iter().filter(|r| r.is_left_out()).count(), "left out");
+    row("runs", format!("{} of at most {}{left_out}", of.runs.len(), of.most_runs));
     if let Some(identity) = &of.identity {
         identity_rows(of, identity, &mut row);
     }
@@ -144,95 +109,21 @@ fn identity_rows(of: &Calibration, of_it: &FrictionIdentity, row: &mut impl FnMu
     }
 }
 
-fn value_row(v: &CalibrationValue, of: &Calibration) -> [String; 6] {
-    let shown = |value: Option<f64>| {
-        value.map_or_else(|| "–".to_owned(), |v| with_unit(&compact(v), &of.unit))
+fn values(of: &Calibration) -> Table {
+    let shown = |value: Option<f64>| value.map(|v| with_unit(&compact(v), &of.unit));
+    let or_dash = |value| Cell::number(shown(value).unwrap_or_else(dash));
+    let has_no_valid_run = |v: &CalibrationValue| v.left_out > 0 && v.left_out + v.failed == v.runs;
+    let runs = |v: &CalibrationValue| {
+        let (failed, left_out) =
+            (besides(v.failed, "without result"), besides(v.left_out, "left out"));
+        format!("{}{failed}{left_out}", v.runs)
     };
-    let mut failed =
-        if v.failed > 0 { format!(", {} without result", v.failed) } else { String::new() };
-    if v.left_out > 0 {
-        let _ = write!(failed, ", {} left out", v.left_out);
-    }
-    let none = v.left_out > 0 && v.left_out + v.failed == v.runs;
-    [
-        v.value.to_string(),
-        format!("{}{failed}", v.runs),
-        if none { NO_VALID_RUN.to_owned() } else { shown(v.mean) },
-        shown(v.half_width_95),
-        shown(v.standard_deviation),
-        if v.in_fit { "yes" } else { "" }.to_owned(),
-    ]
-}
-
-impl Page {
-    /// As Markdown.
-    pub(super) fn markdown(&self) -> String {
-        let mut text = format!(
-            "# {}\n\n{}\n\n| | |\n| --- | --- |\n",
-            in_markdown(&self.title),
-            in_markdown(&self.lead)
-        );
-        for (name, value) in &self.found {
-            let _ = writeln!(text, "| {} | {} |", in_markdown(name), in_markdown(value));
-        }
-        let _ = write!(text, "\n## Values tried\n\n{}", self.values.markdown());
-        if !self.notes.is_empty() {
-            text += "\n## To be known\n\n";
-            for note in &self.notes {
-                let _ = writeln!(text, "- {}", in_markdown(note));
-            }
-        }
-        let (title, stem, caption) = &self.figure;
-        let _ = write!(
-            text,
-            "\n![{}](figures/{stem}.png)\n\n{}\n",
-            in_markdown(title),
-            in_markdown(caption)
-        );
-        let _ = write!(text, "\n## How to read it\n\n{HOW_TO_READ}\n");
-        text
-    }
-
-    /// As a page that needs nothing else.
-    pub(super) fn html(&self, figure: &Figure) -> String {
-        html! {
-            (DOCTYPE)
-            html lang="en" {
-                (head(&self.title))
-                body {
-                    header {
-                        h1 { bdi { (self.title) } }
-                        @if self.good { p.lead { (glue(&self.lead)) } }
-                        @else { p.banner { (glue(&self.lead)) } }
-                    }
-                    main {
-                        section id="found" { h2 { "What was found" } (self.found_table()) }
-                        @if !self.notes.is_empty() {
-                            section id="notes" {
-                                h2 { "To be known" }
-                                ul { @for note in &self.notes { li { bdi { (glue(note)) } } } }
-                            }
-                        }
-                        section id="figure" { h2 { "Figure" } (figure_block(figure)) }
-                        section id="values" {
-                            h2 { "Values tried" }
-                            (self.values.html(Some("n"), capital))
-                        }
-                        section id="reading" { h2 { "How to read it" } p { (HOW_TO_READ) } }
-                    }
-                }
-            }
-        }
-        .into_string()
-    }
-
-    fn found_table(&self) -> Markup {
-        html! {
-            div.scroll { table { tbody {
-                @for (name, value) in &self.found {
-                    tr { th { bdi { (glue(&capital(name))) } } td { bdi { (glue(value)) } } }
-                }
-            } } }
-        }
-    }
+    table!(&of.values, |v| {
+        "Value" => v.value,
+        "Runs" => runs(v),
+        "Mean" => Cell::number(shown(v.mean).unwrap_or_else(|| missing(has_no_valid_run(v)))),
+        "± 95 %" => or_dash(v.half_width_95),
+        "Standard deviation" => or_dash(v.standard_deviation),
+        "In the line" => if v.in_fit { "yes" } else { "" },
+    })
 }

@@ -24,7 +24,7 @@ pub struct Choice {
     pub sensitivity: String,
 }
 
-fn choice(parameter: &str, value: String, reason: &str, sensitivity: &str) -> Choice {
+pub(super) fn choice(parameter: &str, value: String, reason: &str, sensitivity: &str) -> Choice {
     Choice {
         parameter: parameter.to_owned(),
         value,

@@ -2,18 +2,14 @@
 
 use std::path::Path;
 
-use maud::{DOCTYPE, Markup, html};
 use serde::Serialize;
 
 use super::{
-    Figure, ReportError, Standard, figures, html::figure_block, html::glue, html::head, html::name,
+    Figure, ReportError, Standard, figures,
+    page::{Block, Page},
+    table::{Cell, Table, dash, row},
 };
-use crate::{
-    paper::text::number,
-    plain::plain,
-    record::{RunRecord, write_file},
-    world::BackendInfo,
-};
+use crate::{paper::text::number, plain::plain, record::RunRecord, world::BackendInfo};
 
 /// Everything the page is made from.
 #[derive(Debug, Clone)]
@@ -65,48 +61,29 @@ pub struct ComparedQuantity {
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write_comparison(out: &Path, of: &Comparison) -> Result<(), ReportError> {
-    let figures = figures::of_comparison(of)?;
-    for figure in &figures {
-        figure.write(&out.join("figures"))?;
-    }
-    write_file(&out.join("report.html"), page(of, &figures).as_bytes())?;
-    Ok(())
+    page(of, figures::of_comparison(of)?).write(out, &["report.html"])
 }
 
-fn page(of: &Comparison, figures: &[Figure]) -> String {
+fn page(of: &Comparison, figures: Vec<Figure>) -> Page {
     let names: Vec<&str> = of.engines.iter().map(|e| e.name.as_str()).collect();
     let title = format!("{}: {} side by side", plain(&of.scenario), names.join(" and "));
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            (head(&title))
-            body {
-                header {
-                    h1 { (title) }
-                    p.soft {
-                        @for (i, e) in of.engines.iter().enumerate() {
-                            @if i > 0 { "; " } (e.name) " " (e.version) ", " (e.precision) " precision"
-                        }
-                    }
-                    p.lead { (glue(&lead(of))) }
-                }
-                main {
-                    section id="table" { h2 { "Figures" } (table(of)) }
-                    section id="curves" {
-                        h2 { "Curves" }
-                        @for figure in figures { (figure_block(figure)) }
-                    }
-                    section id="reasons" {
-                        h2 { "Why they differ" }
-                        ul { @for reason in reasons(of) { li { (glue(&reason)) } } }
-                    }
-                }
-            }
-        }
-    }
-    .into_string()
+    let engine = |e: &BackendInfo| format!("{} {}, {} precision", e.name, e.version, e.precision);
+    let engines: Vec<String> = of.engines.iter().map(engine).collect();
+    let standard = format!(
+        "Wall times can be compared only between runs that meet the accuracy standard (overlap mean \
+         below {} %, 99th percentile below {} %, creep below {} µm/s): a step that lets grains overlap \
+         more is cheaper, not better.",
+        of.standard.overlap_mean_percent,
+        of.standard.overlap_p99_percent,
+        of.standard.creep_um_per_s
+    );
+    Page::new(title, [Block::Soft(engines.join("; ")), Block::Lead(lead(of))])
+        .section("table", "Figures", [Block::Table(table(of)), Block::Soft(standard)])
+        .figures("curves", "Curves", figures)
+        .section("reasons", "Why they differ", [Block::List(reasons(of))])
 }
 
+/// What the engines come to, and whether they agree.
 fn lead(of: &Comparison) -> String {
     let mut sentences = vec![
         "Every engine run the whole scenario with the same grains in the same places.".to_owned(),
@@ -160,51 +137,32 @@ fn shown(value: f64) -> String {
     number(value, if value.fract() == 0.0 { 0 } else { 3 })
 }
 
-fn table(of: &Comparison) -> Markup {
-    html! {
-        div.scroll { table {
-            thead { tr {
-                th { "Quantity" } th { "Unit" }
-                @for run in &of.runs { th.n { (name(&run.record.name)) } }
-                th.n { "Band" } th { "Agree" }
-            } }
-            tbody {
-                @for q in &of.quantities { tr {
-                    th { (q.quantity) }
-                    td { (q.unit) }
-                    @for value in &q.values {
-                        td.n { @match value { Some(v) => (shown(*v)), None => "–" } }
-                    }
-                    td.n { @match q.band { Some(b) => { "± " (number(b, 2)) }, None => "" } }
-                    td { @match q.within_band {
-                        Some(true) => span.verdict.within { "✓ yes" },
-                        Some(false) => span.verdict.outside { "✗ no" },
-                        None => "",
-                    } }
-                } }
-                tr {
-                    th { "accuracy standard" } td {}
-                    @for run in &of.runs {
-                        td.n { (if run.record.summary.meets_standard { "met" } else { "not met" }) }
-                    }
-                    td {} td {}
-                }
-                tr {
-                    th { "valid" } td {}
-                    @for run in &of.runs {
-                        td.n { (if run.record.summary.valid { "yes" } else { "NOT valid" }) }
-                    }
-                    td {} td {}
-                }
-            }
-        } }
-        p.soft {
-            "Wall times can be compared only between runs that meet the accuracy standard (overlap "
-            "mean below " (of.standard.overlap_mean_percent) " %, 99th percentile below "
-            (of.standard.overlap_p99_percent) " %, creep below " (of.standard.creep_um_per_s)
-            " µm/s): a step that lets grains overlap more is cheaper, not better."
-        }
+fn table(of: &Comparison) -> Table {
+    let names = of.runs.iter().map(|run| run.record.name.as_str());
+    let header = ["Quantity", "Unit"].into_iter().chain(names).chain(["Band", "Agree"]);
+    let mut table = Table::new(header);
+    for q in &of.quantities {
+        let mut cells = row![&q.quantity, &q.unit];
+        let of_run = |v: &Option<f64>| Cell::number(v.map_or_else(dash, shown));
+        cells.extend(q.values.iter().map(of_run));
+        cells
+            .push(Cell::number(q.band.map_or_else(String::new, |b| format!("± {}", number(b, 2)))));
+        cells.push(match q.within_band {
+            Some(true) => Cell::badge("within", "✓ yes"),
+            Some(false) => Cell::badge("outside", "✗ no"),
+            None => Cell::default(),
+        });
+        table.row(cells);
     }
+    let mut add = |what: &str, said: fn(&RunRecord) -> &'static str| {
+        let mut cells = row![what, ""];
+        cells.extend(of.runs.iter().map(|run| Cell::number(said(&run.record))));
+        cells.extend(row!["", ""]);
+        table.row(cells);
+    };
+    add("accuracy standard", |r| if r.summary.meets_standard { "met" } else { "not met" });
+    add("valid", |r| if r.summary.valid { "yes" } else { "NOT valid" });
+    table
 }
 
 /// What is known of the differences, with this comparison's own numbers.

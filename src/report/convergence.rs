@@ -5,9 +5,14 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{ReportError, Standard, convergence_page::page, figures};
+use super::{
+    ReportError, Standard,
+    convergence_page::page,
+    figures,
+    table::{Record, Table},
+};
 use crate::measure::Estimate;
-use crate::record::{FileError, VariationRow, write_file, write_json};
+use crate::record::{VariationRow, write_json};
 
 /// Deviation of a result from a converged one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -141,14 +146,20 @@ impl Convergence {
     /// Runs that are left out of the means, and runs with a result; a setting that stands in
     /// several ladders once.
     pub fn left_out(&self) -> (usize, usize) {
+        let settings = self.settings();
+        let results = settings.iter().map(|row| &row.result);
+        results.fold((0, 0), |(out, all), v| (out + v.left_out, all + v.runs - v.failed))
+    }
+
+    /// Every setting once, though it may stand in several ladders.
+    pub(super) fn settings(&self) -> Vec<&ConvergenceRow> {
         let mut settings: Vec<&ConvergenceRow> = Vec::new();
         for row in &self.rows {
             if !settings.iter().any(|known| known.same_setting(row)) {
                 settings.push(row);
             }
         }
-        let results = settings.iter().map(|row| &row.result);
-        results.fold((0, 0), |(out, all), v| (out + v.left_out, all + v.runs - v.failed))
+        settings
     }
 }
 
@@ -157,81 +168,41 @@ impl Convergence {
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write_convergence(out: &Path, of: &Convergence) -> Result<(), ReportError> {
-    let path = out.join("convergence.csv");
-    let table = csv(of).map_err(|e| FileError::new("write", &path, e))?;
-    write_file(&path, &table)?;
+    table(of).write(&out.join("convergence.csv"))?;
     write_json(&out.join("convergence.json"), of)?;
-    let figures = figures::of_convergence(of)?;
-    for figure in &figures {
-        figure.write(&out.join("figures"))?;
-    }
-    write_file(&out.join("convergence.md"), page(of, &figures).as_bytes())?;
-    Ok(())
+    page(of, figures::of_convergence(of)?).write(out, &["convergence.md"])
 }
 
-fn csv(of: &Convergence) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut header: Vec<String> = [
-        "ladder",
-        "rung",
-        "precision",
-        "contact_solver",
-        "rate_hz",
-        "iterations",
-        "substeps",
-        "contact_stiffness_n_per_m",
-        "runs",
-        "failed",
-        "left_out",
-    ]
-    .map(str::to_owned)
-    .into();
-    let estimates = |r: &ConvergenceRow| {
-        let v = &r.result;
-        [
-            ("poured_height_mm", v.poured_height_mm),
-            ("plate_settlement_mm", v.plate_settlement_mm),
-            ("surface_settlement_mm", v.surface_settlement_mm),
-            ("overlap_mean_percent", v.overlap_mean_percent),
-            ("overlap_p99_percent", v.overlap_p99_percent),
-            ("creep_um_per_s", v.creep_um_per_s),
-            ("wall_s_per_simulated_s", v.wall_s_per_simulated_s),
-            ("height_from_ladder_percent", r.from_ladder.height.percent),
-            ("plate_from_ladder_percent", r.from_ladder.plate.percent),
-            ("surface_from_ladder_percent", r.from_ladder.surface.percent),
-            ("height_from_study_percent", r.from_study.height.percent),
-            ("plate_from_study_percent", r.from_study.plate.percent),
-            ("surface_from_study_percent", r.from_study.surface.percent),
-        ]
-    };
-    for (name, _) in of.rows.first().map(estimates).into_iter().flatten() {
-        header.extend([name.to_owned(), format!("{name}_standard_error")]);
-    }
-    header.extend(["error_over_limit", "meets", "open"].map(str::to_owned));
-    writer.write_record(header)?;
-    let number = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());
-    let answer = |a: Option<bool>| a.map_or_else(String::new, |a| a.to_string());
-    for row in &of.rows {
+fn table(of: &Convergence) -> Table {
+    Table::of_records(of.rows.iter().map(|row| {
         let v = &row.result;
-        let mut cells = vec![
-            row.ladder.clone(),
-            row.rung.clone(),
-            v.precision.clone(),
-            v.contact_solver.clone(),
-            v.rate_hz.to_string(),
-            v.iterations.to_string(),
-            v.substeps.map_or_else(String::new, |s| s.to_string()),
-            number(v.contact_stiffness_n_per_m),
-            v.runs.to_string(),
-            v.failed.to_string(),
-            v.left_out.to_string(),
-        ];
-        for (_, estimate) in estimates(row) {
-            cells.push(number(estimate.map(|e| e.mean)));
-            cells.push(number(estimate.and_then(|e| e.standard_error)));
+        let mut record = Record::default();
+        record.add("ladder", &row.ladder);
+        record.add("rung", &row.rung);
+        record.add("precision", &v.precision);
+        record.add("contact_solver", &v.contact_solver);
+        record.add("rate_hz", v.rate_hz);
+        record.add("iterations", v.iterations);
+        record.add("substeps", v.substeps);
+        record.add("contact_stiffness_n_per_m", v.contact_stiffness_n_per_m);
+        record.add("runs", v.runs);
+        record.add("failed", v.failed);
+        record.add("left_out", v.left_out);
+        record.add_estimate("poured_height_mm", v.poured_height_mm);
+        record.add_estimate("plate_settlement_mm", v.plate_settlement_mm);
+        record.add_estimate("surface_settlement_mm", v.surface_settlement_mm);
+        record.add_estimate("overlap_mean_percent", v.overlap_mean_percent);
+        record.add_estimate("overlap_p99_percent", v.overlap_p99_percent);
+        record.add_estimate("creep_um_per_s", v.creep_um_per_s);
+        record.add_estimate("wall_s_per_simulated_s", v.wall_s_per_simulated_s);
+        for (from, of) in [("ladder", &row.from_ladder), ("study", &row.from_study)] {
+            record.add_estimate(&format!("height_from_{from}_percent"), of.height.percent);
+            record.add_estimate(&format!("plate_from_{from}_percent"), of.plate.percent);
+            record.add_estimate(&format!("surface_from_{from}_percent"), of.surface.percent);
         }
-        cells.extend([number(row.error_over_limit), answer(row.meets), answer(row.open)]);
-        writer.write_record(cells)?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
+        record.add("error_over_limit", row.error_over_limit);
+        record.add("meets", row.meets);
+        record.add("open", row.open);
+        record
+    }))
 }

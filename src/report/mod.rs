@@ -18,12 +18,12 @@ mod html;
 mod interpretations;
 mod laws;
 mod mean_settlement;
+mod page;
 mod picture;
 mod pile_choices;
 mod plot;
 mod png;
 mod quality;
-mod scorecard;
 mod sections;
 mod sensitivity;
 mod sensitivity_page;
@@ -32,8 +32,8 @@ mod silhouette;
 mod style;
 mod sweep;
 mod sweep_page;
+mod table;
 mod targets;
-mod text_table;
 mod uncertainty;
 
 #[cfg(test)]
@@ -45,7 +45,7 @@ use crate::{
     grains::{GrainShape, ParticleSizeDistribution, SieveAnalysis},
     measure,
     paper::{Claim, Gradation, Scorecard, StudyView},
-    record::{AngleOfRepose, FileError, RunRecord, create_folder, write_file},
+    record::{AngleOfRepose, FileError, RunRecord, create_folder},
     specimen::Specimen,
     units::to_mm,
     world::EffectiveSettings,
@@ -61,7 +61,7 @@ pub use calibration_page::found as calibration_rows;
 pub use chart::{Chart, ChartCurve, ChartMark, CurveStyle, Panel};
 pub use choices::{Choice, choices};
 pub use column_chart::{ChartColumn, ChartStyle, ColumnChart};
-pub use columns::{ColumnRange, ColumnTable};
+pub use columns::{ColumnRange, ColumnTable, unit_of};
 pub use comparison::{ComparedQuantity, ComparedRun, Comparison, write_comparison};
 pub use convergence::{
     Cheapest, Convergence, ConvergenceRow, Deviation, Deviations, write_convergence,
@@ -138,15 +138,10 @@ pub fn write(out: &Path, input: &ReportInput) -> Result<(), ReportError> {
     let headline = figures::headline(&input.study, input.beside)?;
     let mut figures = figures::of_study(&input.study, &input.standard)?;
     figures.extend_from_slice(input.piles);
-    for figure in std::iter::once(&headline).chain(&figures) {
-        figure.write(&out.join("figures"))?;
-    }
     for picture in input.pictures {
         picture.write(&out.join("figures"))?;
     }
-    let page = html::page(input, &headline, &figures);
-    write_file(&out.join("report.html"), page.as_bytes())?;
-    Ok(())
+    html::page(input, headline, figures).write(out, &["report.html"])
 }
 
 /// Writes the figures of a set of grains into a folder: `grain-size-distribution`

@@ -1,6 +1,6 @@
 //! What is ours of a pile, for the report's table of choices.
 
-use super::Choice;
+use super::choices::{Choice, choice};
 use crate::scenario::{BaseKind, Scenario, StageSpec};
 
 /// The choices of a scenario that builds a pile; none of one that does not.
@@ -19,12 +19,6 @@ pub fn pile_choices(scenario: &Scenario) -> Vec<Choice> {
     let base_value = match (base.kind, base.friction) {
         (BaseKind::FixedGrains, _) => "a layer of the same grains, fixed".to_owned(),
         (BaseKind::Plane, friction) => format!("a plane of friction {}", friction.unwrap_or(0.0)),
-    };
-    let choice = |parameter: &str, value: String, reason: &str, sensitivity: &str| Choice {
-        parameter: parameter.to_owned(),
-        value,
-        reason: reason.to_owned(),
-        sensitivity: sensitivity.to_owned(),
     };
     vec![
         choice(

@@ -33,6 +33,51 @@ pub struct Look {
     pub marker_spacing: Option<f64>,
 }
 
+impl Look {
+    /// A solid curve in the n-th colour.
+    pub fn line(n: usize) -> Self {
+        Self::of(style::colour(n))
+    }
+
+    /// A solid curve of a colour.
+    pub fn of(colour: RGBColor) -> Self {
+        let (line, width) = (Some(style::SOLID), style::CURVE);
+        Self { colour, line, width, marker: None, marker_spacing: None }
+    }
+
+    /// A solid curve with the n-th colour and the n-th marker at every point.
+    pub fn marked(n: usize) -> Self {
+        Self::line(n).marker(style::marker(n))
+    }
+
+    /// The n-th markers in the n-th colour, without a line.
+    pub fn points(n: usize) -> Self {
+        Self { line: None, ..Self::marked(n) }
+    }
+
+    /// Thin rings where single runs are.
+    pub fn rings() -> Self {
+        Self { line: None, ..Self::of(style::LIMIT).thin().marker(Marker::Ring) }
+    }
+
+    pub fn dash(self, dash: Dash) -> Self {
+        Self { line: Some(dash), ..self }
+    }
+
+    pub fn thin(self) -> Self {
+        Self { width: style::THIN, ..self }
+    }
+
+    pub fn marker(self, marker: Marker) -> Self {
+        Self { marker: Some(marker), ..self }
+    }
+
+    /// With a marker at every so many SVG units.
+    pub fn every(self, spacing: f64) -> Self {
+        Self { marker_spacing: Some(spacing), ..self }
+    }
+}
+
 /// A series of points.
 #[derive(Debug, Clone)]
 pub struct Series {
@@ -111,6 +156,61 @@ impl Plot {
             series: Vec::new(),
             frame_height: style::FRAME_HEIGHT,
         }
+    }
+
+    /// An empty plot with a named row for each of some things, from the top, and so much height
+    /// for each.
+    pub fn of_rows(x: Axis, names: Vec<String>, height: u32) -> Self {
+        let count = names.len().max(1);
+        let frame_height = (height * count as u32).max(3 * height);
+        Self { y_names: Some(names), frame_height, ..Self::new(x, Axis::rows(count)) }
+    }
+
+    /// Adds a series.
+    pub fn add(&mut self, label: impl Into<String>, look: Look, points: Vec<(f64, f64)>) {
+        self.series.push(Series { label: label.into(), look, points });
+    }
+
+    /// Adds an entry to the legend that explains a look.
+    pub fn add_key(&mut self, label: &str, look: Look) {
+        self.add(label, look, Vec::new());
+    }
+
+    /// Adds a series, and its entry in the legend, where it has points.
+    pub fn add_some(&mut self, label: impl Into<String>, look: Look, points: Vec<(f64, f64)>) {
+        if !points.is_empty() {
+            self.add(label, look, points);
+        }
+    }
+
+    /// Adds an upright line from one value to another, with a stroke of this half width at
+    /// either end.
+    pub fn add_interval(
+        &mut self,
+        label: &str,
+        look: Look,
+        (at, low, high): (f64, f64, f64),
+        stroke: f64,
+    ) {
+        self.add(label, look, vec![(at, low), (at, high)]);
+        for end in [low, high] {
+            self.add("", look, vec![(at - stroke, end), (at + stroke, end)]);
+        }
+    }
+
+    /// Marks a value of the vertical axis.
+    pub fn mark_level(&mut self, label: impl Into<String>, at: f64) {
+        self.marks.push(Mark { label: label.into(), at, upright: false });
+    }
+
+    /// Marks a value of the horizontal axis.
+    pub fn mark_upright(&mut self, label: impl Into<String>, at: f64) {
+        self.marks.push(Mark { label: label.into(), at, upright: true });
+    }
+
+    /// Hatches the laboratory's range on the vertical axis.
+    pub fn add_band(&mut self, label: &str, between: (f64, f64)) {
+        self.bands.push(BandArea { label: label.to_owned(), between });
     }
 
     /// The plot as SVG.
@@ -193,13 +293,17 @@ impl Plot {
     }
 }
 
-/// Plots drawn as SVG, one below the other, as one SVG.
+/// Plots as one SVG, one below the other.
 ///
 /// # Errors
-/// A sentence on what is no SVG of a plot.
-pub fn stacked(panels: &[String]) -> Result<String, String> {
+/// A sentence on what could not be drawn.
+pub fn stacked(plots: &[Plot]) -> Result<String, String> {
+    if let [alone] = plots {
+        return alone.svg();
+    }
     let (mut inside, mut top) = (String::new(), 0);
-    for panel in panels {
+    for plot in plots {
+        let panel = plot.svg()?;
         let height = panel.split_once(" height=\"").and_then(|(_, rest)| rest.split_once('"'));
         let height: u32 = height
             .and_then(|(number, _)| number.parse().ok())
@@ -459,17 +563,11 @@ mod tests {
     #[test]
     fn nothing_to_draw_is_still_a_plot() {
         let mut plot = Plot::new(Axis::linear("x", []), Axis::logarithmic("y", []));
-        let look = Look {
-            colour: INK,
-            line: Some(style::DASHED),
-            width: 3,
-            marker: Some(Marker::Cross),
-            marker_spacing: None,
-        };
+        let look = Look::of(INK).dash(style::DASHED).thin().marker(Marker::Cross);
         for points in [vec![], vec![(f64::NAN, 1.0)], vec![(0.5, 0.0)], vec![(1e300, 1e300)]] {
-            plot.series.push(Series { label: "a < b & c".into(), look, points });
+            plot.add("a < b & c", look, points);
         }
-        plot.bands.push(BandArea { label: "band".into(), between: (f64::NAN, 1.0) });
+        plot.add_band("band", (f64::NAN, 1.0));
         let svg = plot.svg().expect("drawn");
         assert!(svg.contains("a &lt; b &amp; c"), "labels are escaped");
         assert!(!svg.contains("NaN"), "no NaN reaches the file");

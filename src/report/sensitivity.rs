@@ -5,9 +5,13 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{ReportError, figures, sensitivity_page::page};
+use super::{
+    ReportError, figures,
+    sensitivity_page::page,
+    table::{Record, Table},
+};
 use crate::measure::Estimate;
-use crate::record::{FileError, VariationRow, write_file, write_json};
+use crate::record::{VariationRow, write_json};
 
 /// How far a parameter moves a length, in mm. Differences are paired by
 /// configuration.
@@ -113,66 +117,39 @@ pub(super) fn ranked(
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write_sensitivity(out: &Path, of: &Sensitivity) -> Result<(), ReportError> {
-    let path = out.join("sensitivity.csv");
-    let table = csv(of).map_err(|e| FileError::new("write", &path, e))?;
-    write_file(&path, &table)?;
+    table(of).write(&out.join("sensitivity.csv"))?;
     write_json(&out.join("sensitivity.json"), of)?;
-    let figure = figures::of_sensitivity(of)?;
-    figure.write(&out.join("figures"))?;
-    write_file(&out.join("sensitivity.md"), page(of, &figure).as_bytes())?;
-    Ok(())
+    page(of, figures::of_sensitivity(of)?).write(out, &["sensitivity.md"])
 }
 
-fn csv(of: &Sensitivity) -> Result<Vec<u8>, csv::Error> {
-    const OUTCOMES: [&str; 3] = ["height", "plate_settlement", "surface_settlement"];
-    const DIFFERENCES: [&str; 5] = [
-        "low_minus_default_mm",
-        "high_minus_default_mm",
-        "high_minus_low_mm",
-        "per_unit_mm",
-        "largest_mm",
-    ];
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut header: Vec<String> = [
-        "parameter",
-        "unit",
-        "path",
-        "low",
-        "default",
-        "high",
-        "failed",
-        "left_out",
-        "grains_outside",
-    ]
-    .map(str::to_owned)
-    .into();
-    for outcome in OUTCOMES {
-        for difference in DIFFERENCES {
-            header.push(format!("{outcome}_{difference}"));
-            header.push(format!("{outcome}_{difference}_standard_error"));
+fn table(of: &Sensitivity) -> Table {
+    Table::of_records(of.parameters.iter().map(|row| {
+        let mut record = Record::default();
+        record.add("parameter", &row.parameter);
+        record.add("unit", &row.unit);
+        record.add("path", &row.path);
+        record.add("low", row.low);
+        record.add("default", row.default);
+        record.add("high", row.high);
+        record.add("failed", row.failed);
+        record.add("left_out", row.left_out);
+        record.add("grains_outside", row.grains_outside);
+        for (outcome, e) in [
+            ("height", &row.height),
+            ("plate_settlement", &row.plate),
+            ("surface_settlement", &row.surface),
+        ] {
+            record.add_estimate(&format!("{outcome}_low_minus_default_mm"), e.low_mm);
+            record.add_estimate(&format!("{outcome}_high_minus_default_mm"), e.high_mm);
+            record.add_estimate(&format!("{outcome}_high_minus_low_mm"), e.range_mm);
+            record.add_estimate(&format!("{outcome}_per_unit_mm"), e.per_unit_mm);
+            record.add_estimate(&format!("{outcome}_largest_mm"), e.largest_mm);
+            let half_width = e.per_unit_half_width_95_mm;
+            record.add(format!("{outcome}_per_unit_mm_half_width_95"), half_width);
+            record.add(format!("{outcome}_inside_scatter"), e.inside_scatter);
         }
-        header.push(format!("{outcome}_per_unit_mm_half_width_95"));
-        header.push(format!("{outcome}_inside_scatter"));
-    }
-    writer.write_record(header)?;
-    let number = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());
-    for row in &of.parameters {
-        let mut cells = vec![row.parameter.clone(), row.unit.clone(), row.path.clone()];
-        cells.extend([row.low, row.default, row.high].map(|v| v.to_string()));
-        cells.push(row.failed.to_string());
-        cells.push(row.left_out.to_string());
-        cells.push(number(row.grains_outside));
-        for e in [&row.height, &row.plate, &row.surface] {
-            for d in [e.low_mm, e.high_mm, e.range_mm, e.per_unit_mm, e.largest_mm] {
-                cells.push(number(d.map(|d| d.mean)));
-                cells.push(number(d.and_then(|d| d.standard_error)));
-            }
-            cells.push(number(e.per_unit_half_width_95_mm));
-            cells.push(e.inside_scatter.map_or_else(String::new, |s| s.to_string()));
-        }
-        writer.write_record(cells)?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
+        record
+    }))
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::{
     RunOptions, StudyError,
     plan::{PlannedRun, Prepared},
-    run::{carry_out, kind_of, make_grains, write_grains},
+    run::{carry_out, folder_of, kind_of, make_grains, write_grains},
     summarise::standard,
     told::tell_warnings,
 };
@@ -86,8 +86,7 @@ pub fn compare(
         .unwrap_or(scenario.stages.len());
     let runs = planned(scenario, backends, &grains, handed_on);
     tell_warnings(runs.iter().map(|run| &run.scenario), options.progress.as_ref());
-    let folder = |run: &PlannedRun| options.out.join("runs").join(&run.name);
-    let records = carry_out(&runs, options, folder)?.records;
+    let records = carry_out(&runs, options, |run| folder_of(&options.out, run))?.records;
     for record in &records {
         let folder = options.out.join("runs").join(&record.name).join("figures");
         report::run_figures(&folder, record)?;
@@ -177,102 +176,50 @@ fn compare_run(run: &ComparedRun) -> CompareRun {
     }
 }
 
-/// What is compared: name, unit, value of a run, and the band relative to the
-/// first engine's value, or absolute.
-struct Compared {
-    name: &'static str,
-    unit: &'static str,
-    value: fn(&RunRecord) -> Option<f64>,
-    band: Option<Band>,
-}
+/// What is compared: its name, its unit, its value of a run, and the band within which the engines
+/// agree where one is asked for.
+type Compared = (&'static str, &'static str, fn(&RunRecord) -> Option<f64>, Option<Band>);
 
+#[derive(Clone, Copy)]
 enum Band {
     Relative(f64),
     Absolute(f64),
 }
 
 const QUANTITIES: [Compared; 13] = [
-    Compared {
-        name: "standing height after pouring, mean surface",
-        unit: "mm",
-        value: |r| {
-            let s = &r.summary;
-            s.poured_height_mm.unwrap_or(s.standing_height_mm).mean()
-        },
-        band: Some(Band::Relative(HEIGHT_BAND)),
-    },
-    Compared {
-        name: "void ratio after pouring",
-        unit: "",
-        value: |r| r.summary.poured_void_ratio.or(r.summary.void_ratio),
-        band: Some(Band::Absolute(VOID_RATIO_BAND)),
-    },
-    Compared {
-        name: "standing height at the end, mean surface",
-        unit: "mm",
-        value: |r| r.summary.standing_height_mm.mean(),
-        band: None,
-    },
-    Compared {
-        name: "void ratio at the end",
-        unit: "",
-        value: |r| r.summary.void_ratio,
-        band: None,
-    },
-    Compared {
-        name: "settlement of the plate",
-        unit: "mm",
-        value: |r| r.summary.settlement_mm.as_ref().map(|s| s.final_mm),
-        band: None,
-    },
-    Compared {
-        name: "settlement of the surface",
-        unit: "mm",
-        value: |r| r.summary.surface_settlement_mm.as_ref().map(|s| s.final_mm),
-        band: None,
-    },
-    Compared {
-        name: "overlap, mean",
-        unit: "%",
-        value: |r| Some(r.summary.overlap.mean_percent),
-        band: None,
-    },
-    Compared {
-        name: "overlap, 99th percentile",
-        unit: "%",
-        value: |r| Some(r.summary.overlap.p99_percent),
-        band: None,
-    },
-    Compared {
-        name: "creep at rest",
-        unit: "µm/s",
-        value: |r| r.summary.creep_um_per_s,
-        band: None,
-    },
-    Compared {
-        name: "coordination number",
-        unit: "",
-        value: |r| Some(r.summary.coordination_number),
-        band: None,
-    },
-    Compared {
-        name: "grains in the cylinder",
-        unit: "",
-        value: |r| Some(r.summary.grains.in_cylinder as f64),
-        band: None,
-    },
-    Compared {
-        name: "grains through a wall",
-        unit: "",
-        value: |r| Some(r.summary.grains.escaped as f64),
-        band: None,
-    },
-    Compared {
-        name: "wall time per simulated second",
-        unit: "s",
-        value: |r| Some(wall_per_simulated(r)),
-        band: None,
-    },
+    (
+        "standing height after pouring, mean surface",
+        "mm",
+        |r| r.summary.poured_height_mm.unwrap_or(r.summary.standing_height_mm).mean(),
+        Some(Band::Relative(HEIGHT_BAND)),
+    ),
+    (
+        "void ratio after pouring",
+        "",
+        |r| r.summary.poured_void_ratio.or(r.summary.void_ratio),
+        Some(Band::Absolute(VOID_RATIO_BAND)),
+    ),
+    (
+        "standing height at the end, mean surface",
+        "mm",
+        |r| r.summary.standing_height_mm.mean(),
+        None,
+    ),
+    ("void ratio at the end", "", |r| r.summary.void_ratio, None),
+    ("settlement of the plate", "mm", |r| Some(r.summary.settlement_mm.as_ref()?.final_mm), None),
+    (
+        "settlement of the surface",
+        "mm",
+        |r| Some(r.summary.surface_settlement_mm.as_ref()?.final_mm),
+        None,
+    ),
+    ("overlap, mean", "%", |r| Some(r.summary.overlap.mean_percent), None),
+    ("overlap, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent), None),
+    ("creep at rest", "µm/s", |r| r.summary.creep_um_per_s, None),
+    ("coordination number", "", |r| Some(r.summary.coordination_number), None),
+    ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64), None),
+    ("grains through a wall", "", |r| Some(r.summary.grains.escaped as f64), None),
+    ("wall time per simulated second", "s", |r| Some(wall_per_simulated(r)), None),
 ];
 
 /// Why engines cannot be compared: a run from grains of its own that is not
@@ -292,8 +239,8 @@ fn quantities(runs: &[ComparedRun]) -> Vec<ComparedQuantity> {
     let judged = not_judged(runs).is_none();
     QUANTITIES
         .iter()
-        .map(|q| {
-            let values: Vec<Option<f64>> = runs.iter().map(|r| (q.value)(&r.record)).collect();
+        .map(|(quantity, unit, value, band)| {
+            let values: Vec<Option<f64>> = runs.iter().map(|r| value(&r.record)).collect();
             // A band holds between engines that made their own specimen.
             let own: Vec<f64> = runs
                 .iter()
@@ -301,7 +248,7 @@ fn quantities(runs: &[ComparedRun]) -> Vec<ComparedQuantity> {
                 .filter(|(r, _)| r.specimen_by.is_none())
                 .filter_map(|(_, v)| *v)
                 .collect();
-            let band = match (&q.band, own.first()) {
+            let band = match (band, own.first()) {
                 (Some(Band::Relative(share)), Some(first)) => Some(share * first),
                 (Some(Band::Absolute(band)), _) => Some(*band),
                 _ => None,
@@ -311,8 +258,8 @@ fn quantities(runs: &[ComparedRun]) -> Vec<ComparedQuantity> {
                     others.iter().all(|other| (other - first).abs() <= band)
                 });
             ComparedQuantity {
-                quantity: q.name.to_owned(),
-                unit: q.unit.to_owned(),
+                quantity: (*quantity).to_owned(),
+                unit: (*unit).to_owned(),
                 values,
                 band,
                 within_band: within,

@@ -1,14 +1,15 @@
 //! Results against the rate, deviations of every setting, cost against error.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     measure::Estimate,
     record::VariationRow,
     report::{
         Convergence, ConvergenceRow, Deviation, ReportError,
         axis::Axis,
-        plot::{Look, Mark, Plot, Series},
+        plot::{Look, Plot},
         style::{self, Dash},
+        table::{Table, row},
     },
 };
 
@@ -139,28 +140,6 @@ fn ladders(of: &Convergence) -> Vec<(String, Vec<&ConvergenceRow>)> {
     ladders
 }
 
-fn look(n: usize, line: Option<Dash>) -> Look {
-    Look {
-        colour: style::colour(n),
-        line,
-        width: style::CURVE,
-        marker: Some(style::marker(n)),
-        marker_spacing: None,
-    }
-}
-
-/// A straight line from one end of a standard error to the other.
-fn whisker(n: usize, ends: [(f64, f64); 2]) -> Series {
-    let look = Look {
-        colour: style::colour(n),
-        line: Some(style::SOLID),
-        width: style::THIN,
-        marker: None,
-        marker_spacing: None,
-    };
-    Series { label: String::new(), look, points: ends.into() }
-}
-
 fn against_rate(of: &Convergence) -> Result<Vec<Figure>, ReportError> {
     let lines = lines(of);
     SHOWN.iter().map(|shown| one_against_rate(of, &lines, shown)).collect()
@@ -183,13 +162,8 @@ fn one_against_rate(
         .flat_map(ends)
         .chain(limits.iter().map(|l| l.1))
         .collect();
-    let y = if shown.log {
-        Axis::logarithmic(shown.axis, values)
-    } else {
-        Axis::linear(shown.axis, values)
-    };
-    let mut plot = Plot::new(rate_axis(lines), y);
-    let mut table = Table::new(&["line", "rate_hz", "what", "value", "standard_error", "runs"]);
+    let mut plot = Plot::new(rate_axis(lines), Axis::scaled(shown.log, shown.axis, values));
+    let mut table = Table::new(["line", "rate_hz", "what", "value", "standard_error", "runs"]);
     for (n, (name, rows)) in lines.iter().enumerate() {
         for curve in shown.curves {
             let mut points = Vec::new();
@@ -201,27 +175,22 @@ fn one_against_rate(
                     // On a logarithmic axis a whisker may not reach zero.
                     let low = value.mean - error;
                     let low = if shown.log { low.max(0.01 * value.mean) } else { low };
-                    plot.series.push(whisker(n, [(rate, low), (rate, value.mean + error)]));
+                    let ends = vec![(rate, low), (rate, value.mean + error)];
+                    plot.add("", Look::line(n).thin(), ends);
                 }
-                table.row([
-                    name.clone(),
-                    cell(rate),
-                    curve.name.to_owned(),
-                    cell(value.mean),
-                    cell(value.standard_error),
-                    value.count.to_string(),
-                ]);
+                let (mean, error) = (value.mean, value.standard_error);
+                table.row(row![name, rate, curve.name, mean, error, value.count]);
             }
-            let label = if curve.name.is_empty() { name.clone() } else { String::new() };
-            plot.series.push(Series { label, look: look(n, Some(curve.line)), points });
+            let label = if curve.name.is_empty() { name.as_str() } else { "" };
+            plot.add(label, Look::marked(n).dash(curve.line), points);
         }
     }
-    plot.marks = limits.into_iter().map(|(label, at)| Mark { label, at, upright: false }).collect();
+    limits.into_iter().for_each(|(label, at)| plot.mark_level(label, at));
     let caption = format!(
         "{} Means over configurations; upright lines: ± standard error. One line a ladder of rates.",
         shown.caption
     );
-    Figure::new(shown.stem, shown.title, caption, &plot, &table)
+    Figure::new(shown.stem, shown.title, caption, &[plot], &table)
 }
 
 /// A logarithmic axis numbered at the rates themselves.
@@ -267,13 +236,10 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
         "Deviation from the finest rung (%)",
         values.chain(limits).chain(limits.map(|l| -l)),
     );
-    let count = rows.len().max(1);
-    let y = Axis::rows(count);
-    let mut plot = Plot::new(x, y);
-    plot.y_names = Some(rows.iter().map(|(name, r)| format!("{name}: {}", r.rung)).collect());
-    plot.frame_height = (ROW * count as u32).max(3 * ROW);
+    let names = rows.iter().map(|(name, r)| format!("{name}: {}", r.rung)).collect();
+    let mut plot = Plot::of_rows(x, names, ROW);
     let mut table =
-        Table::new(&["setting", "what", "deviation_percent", "standard_error", "inside_scatter"]);
+        Table::new(["setting", "what", "deviation_percent", "standard_error", "inside_scatter"]);
     for (n, (label, what, value, offset)) in parts.into_iter().enumerate() {
         let mut points = Vec::new();
         for (i, (name, row)) in rows.iter().enumerate() {
@@ -283,22 +249,17 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
             points.push((percent.mean, at));
             if percent.standard_error.is_some() {
                 let [low, high] = ends(deviation);
-                plot.series.push(whisker(n, [(low, at), (high, at)]));
+                plot.add("", Look::line(n).thin(), vec![(low, at), (high, at)]);
             }
-            table.row([
-                format!("{name}: {}", row.rung),
-                what.to_owned(),
-                cell(percent.mean),
-                cell(percent.standard_error),
-                deviation.inside_scatter.map_or_else(String::new, |s| s.to_string()),
-            ]);
+            let setting = format!("{name}: {}", row.rung);
+            let (mean, error) = (percent.mean, percent.standard_error);
+            table.row(row![setting, what, mean, error, deviation.inside_scatter]);
         }
-        plot.series.push(Series { label: label.to_owned(), look: look(n, None), points });
+        plot.add(label, Look::points(n), points);
     }
     for limit in limits {
-        let label = format!("± {limit} %");
-        plot.marks.push(Mark { label, at: limit, upright: true });
-        plot.marks.push(Mark { label: String::new(), at: -limit, upright: true });
+        plot.mark_upright(format!("± {limit} %"), limit);
+        plot.mark_upright("", -limit);
     }
     Figure::new(
         "convergence-deviations",
@@ -308,7 +269,7 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
              error. Dotted: {} % for the height, {} % for the settlements.",
             of.height_limit_percent, of.settlement_limit_percent
         ),
-        &plot,
+        &[plot],
         &table,
     )
 }
@@ -326,33 +287,23 @@ fn cost(of: &Convergence) -> Result<Figure, ReportError> {
     let y = Axis::logarithmic("Largest error over what is allowed", errors);
     let mut plot = Plot::new(x, y);
     let mut table =
-        Table::new(&["ladder", "setting", "wall_s_per_simulated_s", "error_over_limit", "meets"]);
+        Table::new(["ladder", "setting", "wall_s_per_simulated_s", "error_over_limit", "meets"]);
     for (n, (name, rows)) in ladders.iter().enumerate() {
-        plot.series.push(Series {
-            label: name.clone(),
-            look: look(n, Some(style::SOLID)),
-            points: rows.iter().filter_map(|r| point(r)).collect(),
-        });
-        for row in rows {
-            table.row([
-                name.clone(),
-                row.rung.clone(),
-                cell(row.result.wall_s_per_simulated_s.map(|c| c.mean)),
-                cell(row.error_over_limit),
-                row.meets.map_or_else(String::new, |m| m.to_string()),
-            ]);
+        plot.add(name, Look::marked(n), rows.iter().filter_map(|r| point(r)).collect());
+        for r in rows {
+            let cost = r.result.wall_s_per_simulated_s.map(|c| c.mean);
+            table.row(row![name, &r.rung, cost, r.error_over_limit, r.meets]);
         }
     }
-    plot.marks.push(Mark { label: "what is allowed".to_owned(), at: 1.0, upright: false });
+    plot.mark_level("what is allowed", 1.0);
     Figure::new(
         "convergence-cost",
         "Cost against error",
         "The largest of overlap, creep and deviations, each over what the standard allows, against \
          wall time; below the dotted line the whole standard is met. Lines join the rungs of a ladder \
          in order. The setting that the study is held against is left out: it cannot deviate from \
-         itself."
-            .to_owned(),
-        &plot,
+         itself.",
+        &[plot],
         &table,
     )
 }

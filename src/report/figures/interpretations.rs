@@ -1,6 +1,6 @@
 //! Curves of several interpretations of the paper in one frame.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     measure::statistics::mean,
     paper::{bands, constants},
@@ -8,8 +8,9 @@ use crate::{
     report::{
         InterpretationColumn, InterpretationRun, ReportError,
         axis::Axis,
-        plot::{BandArea, Look, Plot, Series},
+        plot::{Look, Plot},
         style,
+        table::{Table, row},
     },
 };
 
@@ -39,12 +40,11 @@ pub(in crate::report) fn of_interpretations(
 }
 
 fn look(n: usize, marker_spacing: Option<f64>) -> Look {
+    let again = n >= DISTINCT;
     Look {
-        colour: style::colour(n),
-        line: Some(if n < DISTINCT { style::SOLID } else { style::DASHED }),
-        width: style::CURVE,
-        marker: Some(style::marker(if n < DISTINCT { n } else { n + 1 })),
+        marker: Some(style::marker(n + usize::from(again))),
         marker_spacing,
+        ..Look::line(n).dash(if again { style::DASHED } else { style::SOLID })
     }
 }
 
@@ -60,7 +60,7 @@ fn missing(columns: &[InterpretationColumn], shown: &[&str]) -> String {
 }
 
 fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
-    let mut table = Table::new(&[
+    let mut table = Table::new([
         "interpretation",
         "configurations",
         "falling_height_mm",
@@ -82,26 +82,21 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
             if let Some(mean) = mean(&heights) {
                 points.push((fh / MM_IN_CM, mean));
                 some_not_valid |= left_out.all;
-                let count = heights.len().to_string();
-                let valid = (!left_out.all).to_string();
-                let left_out = left_out.runs.to_string();
-                table.row([column.name.clone(), count, cell(fh), cell(mean), valid, left_out]);
+                let (valid, count) = (!left_out.all, heights.len());
+                table.row(row![&column.name, count, fh, mean, valid, left_out.runs]);
             }
         }
         if !points.is_empty() {
             curves.push((n, column, points, some_not_valid));
         }
     }
-    let mut x = Axis::with_ticks("Falling height (cm)", &[0.0, 5.0, 10.0, 15.0, 20.0]);
-    // Markers at the ends stand clear of the frame.
-    (x.from, x.to) = (-1.0, 21.0);
+    let x = Axis::falling_heights(20.0);
     let all = curves.iter().flat_map(|(_, _, points, _)| points.iter().map(|p| p.1));
     let mut plot = Plot::new(x, Axis::linear("Standing height (mm)", all));
     let shown: Vec<&str> = curves.iter().map(|(_, c, _, _)| c.name.as_str()).collect();
     let missing = missing(columns, &shown);
     for (n, column, points, not_valid) in curves {
-        let label = label(column, not_valid);
-        plot.series.push(Series { label, look: look(n, None), points });
+        plot.add(label(column, not_valid), look(n, None), points);
     }
     let caption = format!(
         "Mean surface after pluviation over falling height, mean over the configurations. The \
@@ -110,7 +105,7 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
          grains do not overlap: see the table. {MIND}{missing}"
     );
     let stem = "interpretations-standing-height";
-    Figure::new(stem, "Figure 7 under each interpretation", caption, &plot, &table)
+    Figure::new(stem, "Figure 7 under each interpretation", caption, &[plot], &table)
 }
 
 /// A curve's name in the legend.
@@ -141,19 +136,15 @@ fn settlement(
     kind: RunKind,
     plate: bool,
 ) -> Result<Figure, ReportError> {
-    let mut table = Table::new(&["interpretation", "time_s", "settlement_mm", "valid"]);
+    let mut table = Table::new(["interpretation", "time_s", "settlement_mm", "valid"]);
     let mut curves = Vec::new();
     for (n, column) in columns.iter().enumerate() {
-        let (points, not_valid) =
-            mean_curve(
-                column.of_kind(kind),
-                |r| {
-                    if plate { &r.plate_curve } else { &r.surface_curve }
-                },
-            );
+        let (points, not_valid) = mean_curve(column.of_kind(kind), |r| match plate {
+            true => &r.plate_curve,
+            false => &r.surface_curve,
+        });
         for (time, value) in &points {
-            let valid = (!not_valid).to_string();
-            table.row([column.name.clone(), cell(*time), cell(*value), valid]);
+            table.row(row![&column.name, *time, *value, !not_valid]);
         }
         if !points.is_empty() {
             curves.push((n, column, points, not_valid));
@@ -167,16 +158,12 @@ fn settlement(
     let x = Axis::linear("Time since vibration began (s)", points().map(|p| p.0).chain([0.0]));
     let mut plot = Plot::new(x, Axis::linear("Settlement (mm)", depths).reversed());
     if let Some(band) = band {
-        plot.bands.push(BandArea {
-            label: "Laboratory, range of the final settlement".into(),
-            between: (band.low, band.high),
-        });
+        plot.add_band("Laboratory, range of the final settlement", (band.low, band.high));
     }
     let shown: Vec<&str> = curves.iter().map(|(_, c, _, _)| c.name.as_str()).collect();
     let missing = missing(columns, &shown);
     for (n, column, points, not_valid) in curves {
-        let look = look(n, Some(MARKER_SPACING));
-        plot.series.push(Series { label: label(column, not_valid), look, points });
+        plot.add(label(column, not_valid), look(n, Some(MARKER_SPACING)), points);
     }
     let what = if plate { "top plate" } else { "mean surface" };
     let (number, mode) = if continuous { (9, "continuous") } else { (10, "intermittent") };
@@ -191,5 +178,5 @@ fn settlement(
     );
     let stem = format!("interpretations-{mode}-{}", if plate { "plate" } else { "surface" });
     let title = format!("Figure {number} under each interpretation: {what}");
-    Figure::new(&stem, &title, caption, &plot, &table)
+    Figure::new(&stem, &title, caption, &[plot], &table)
 }

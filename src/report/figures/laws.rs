@@ -1,12 +1,13 @@
 //! The figure of a verification case: the law dashed, every engine's curves
 //! in its own colour.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::report::{
     LawCase, LawCurve, ReportError,
     axis::Axis,
-    plot::{Look, Plot, Series},
+    plot::{Look, Plot},
     style,
+    table::{Table, row},
 };
 
 /// Points of a curve that are drawn and tabulated.
@@ -26,13 +27,12 @@ pub(in crate::report) fn of_law(case: &LawCase) -> Result<Figure, ReportError> {
         let high = values.iter().copied().fold(0.0, f64::max);
         low > 0.0 && high / low > 1e3
     };
-    let axis = |name: &str, values: Vec<f64>| match decades(&values) && !name.contains("(s)") {
-        true => Axis::logarithmic(name, values),
-        false => Axis::linear(name, values),
+    let axis = |name: &str, values: Vec<f64>| {
+        Axis::scaled(decades(&values) && !name.contains("(s)"), name, values)
     };
     let mut plot = Plot::new(axis(&case.x, x_values), axis(&case.y, y_values));
     let mut settings: Vec<&str> = Vec::new();
-    let mut table = Table::new(&["setting", "curve", "x", "y"]);
+    let mut table = Table::new(["setting", "curve", "x", "y"]);
     // The law is drawn over the engines' curves.
     let order = case.curves.iter().filter(|c| c.setting.is_some());
     let laws: Vec<&LawCurve> = case.curves.iter().filter(|c| c.setting.is_none()).collect();
@@ -43,33 +43,19 @@ pub(in crate::report) fn of_law(case: &LawCase) -> Result<Figure, ReportError> {
             settings.push(setting);
         }
         let n = settings.iter().position(|s| *s == setting).unwrap_or(0);
-        let look = Look {
-            colour: style::colour(n),
-            line: Some(style::SOLID),
-            width: style::THIN,
-            marker: None,
-            marker_spacing: None,
-        };
-        let label = if first { setting.to_owned() } else { String::new() };
-        plot.series.push(Series { label, look, points: thinned(&curve.points) });
+        let label = if first { setting } else { "" };
+        plot.add(label, Look::line(n).thin(), thinned(&curve.points));
     }
     if let Some(law) = laws.first() {
-        let look = Look {
-            colour: style::INK,
-            line: Some(style::DASHED),
-            width: style::CURVE,
-            marker: None,
-            marker_spacing: None,
-        };
-        plot.series.push(Series { label: law.name.clone(), look, points: thinned(&law.points) });
+        plot.add(&law.name, Look::of(style::INK).dash(style::DASHED), thinned(&law.points));
     }
     for curve in &case.curves {
         let setting = curve.setting.as_deref().unwrap_or("law");
         for (x, y) in thinned(&curve.points) {
-            table.row([setting.to_owned(), curve.name.clone(), cell(x), cell(y)]);
+            table.row(row![setting, &curve.name, x, y]);
         }
     }
-    Figure::new(&case.id, &case.title, case.quantity.clone(), &plot, &table)
+    Figure::new(&case.id, &case.title, &case.quantity, &[plot], &table)
 }
 
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::super::StudyError;
 use crate::record::Summary;
+use crate::report::unit_of;
 use crate::scenario::{Override, Scenario};
 
 /// A result of a run that is to have a value: a number of its `summary.json`.
@@ -71,30 +72,13 @@ impl CalibrationTarget {
 
     /// Its unit, as its name says; empty for pure numbers.
     pub fn unit(&self) -> &'static str {
-        const ENDINGS: [(&str, &str); 12] = [
-            ("um_per_s", "µm/s"),
-            ("degrees", "°"),
-            ("deg", "°"),
-            ("percent", "%"),
-            ("mm3", "mm³"),
-            ("cm3", "cm³"),
-            ("mib", "MiB"),
-            ("mm", "mm"),
-            ("hz", "Hz"),
-            ("g", "g"),
-            ("j", "J"),
-            ("s", "s"),
-        ];
-        let ends = |name: &str, ending: &str| {
-            name == ending || name.strip_suffix(ending).is_some_and(|rest| rest.ends_with('_'))
-        };
-        let of = |name: &str| ENDINGS.iter().find(|(e, _)| ends(name, e)).map(|(_, unit)| *unit);
         // A share of a length in mm is no length.
         let last = self.field.rsplit('.').next().unwrap_or_default();
         if last.starts_with("share_") || last == "count" {
             return "";
         }
-        self.field.rsplit('.').find_map(|part| of(part.split('[').next()?)).unwrap_or("")
+        let parts = self.field.rsplit('.').map(|part| part.split('[').next().unwrap_or_default());
+        parts.map(unit_of).find(|unit| !unit.is_empty()).unwrap_or("")
     }
 
     /// Reads it from a summary.

@@ -15,7 +15,7 @@ use super::{
     presets::DesignFile,
     summarise,
     told::tell_warnings,
-    variations::{Kept, Varied, carry_out_variations, keep_and_read, write_variations},
+    variations::{Kept, Varied, conclude_so_far, keep_and_read, write_variations},
 };
 use crate::protocol::Progress;
 use crate::record::RunRow;
@@ -68,17 +68,13 @@ impl ConvergenceStudy {
         let varied = &self.design.varied;
         tell_warnings(varied.scenarios(), options.progress.as_ref());
         let programme = varied.programme(self.configurations);
-        let mut found = None;
-        let mut so_far = |rows: &[RunRow]| {
+        conclude_so_far(varied, self.configurations, options, |rows| {
             let all = beside_other_builds(options, &programme, rows)?;
             write_variations(&options.out, &all)?;
             let convergence = self.judged(varied, &all);
             report::write_convergence(&options.out, &convergence)?;
-            found = Some(convergence);
-            Ok(())
-        };
-        carry_out_variations(varied, self.configurations, options, &mut so_far)?;
-        found.ok_or_else(|| StudyError::Scenario("the design has no variation".to_owned()))
+            Ok(convergence)
+        })
     }
 
     fn judged(&self, varied: &Varied, runs: &[RunRow]) -> Convergence {
