@@ -4,9 +4,9 @@
 use super::{
     Figure, ReportError,
     axis::Axis,
-    figures,
     plot::{Look, Mark, Plot},
     style,
+    table::{Cell, Table},
 };
 
 /// How the points of a curve are drawn.
@@ -121,8 +121,23 @@ impl Chart {
     /// # Errors
     /// [`ReportError::Figure`].
     pub fn figure(&self) -> Result<Figure, ReportError> {
+        let x = self.panels.first().map_or("", |panel| panel.x.as_str());
+        let header: Vec<&str> = ["curve", x]
+            .into_iter()
+            .chain(self.panels.iter().map(|panel| panel.y.as_str()))
+            .collect();
+        let mut table = Table::new(header);
+        for (n, panel) in self.panels.iter().enumerate() {
+            for curve in &panel.curves {
+                for (x, y) in &curve.points {
+                    let mut row = vec![Cell::from(&curve.name), Cell::from(*x)];
+                    row.extend((0..self.panels.len()).map(|k| (k == n).then_some(*y).into()));
+                    table.row(row);
+                }
+            }
+        }
         let plots: Vec<Plot> = self.panels.iter().map(Panel::plot).collect();
-        figures::of_chart(self, &plots)
+        Figure::new(&self.stem, &self.title, &self.caption, &plots, &table)
     }
 }
 

@@ -4,14 +4,12 @@
 mod axis;
 mod beside;
 mod calibration;
-mod calibration_page;
 mod chart;
 mod choices;
 mod column_chart;
 mod columns;
 mod comparison;
 mod convergence;
-mod convergence_page;
 mod dash;
 mod figures;
 mod html;
@@ -20,13 +18,11 @@ mod laws;
 mod mean_settlement;
 mod page;
 mod picture;
-mod pile_choices;
 mod plot;
 mod png;
 mod quality;
 mod sections;
 mod sensitivity;
-mod sensitivity_page;
 mod shortfalls;
 mod silhouette;
 mod style;
@@ -54,15 +50,14 @@ use crate::{
 pub use beside::{Column, Finding};
 pub use calibration::{
     Calibration, CalibrationEnding, CalibrationRun, CalibrationSolution, CalibrationValue,
-    FrictionIdentity, target_in_words, unknown_in_words, with_unit, write_calibration,
-    write_calibration_runs,
+    FrictionIdentity, found as calibration_rows, target_in_words, unknown_in_words, with_unit,
+    write_calibration, write_calibration_runs,
 };
-pub use calibration_page::found as calibration_rows;
 pub use chart::{Chart, ChartCurve, ChartMark, CurveStyle, Panel};
-pub use choices::{Choice, choices};
+pub use choices::{Choice, choices, pile_choices};
 pub use column_chart::{ChartColumn, ChartStyle, ColumnChart};
 pub use columns::{ColumnRange, ColumnTable, unit_of};
-pub use comparison::{ComparedQuantity, ComparedRun, Comparison, write_comparison};
+pub use comparison::{CompareRecord, CompareRun, ComparedQuantity, write_comparison};
 pub use convergence::{
     Cheapest, Convergence, ConvergenceRow, Deviation, Deviations, write_convergence,
 };
@@ -74,7 +69,6 @@ pub use interpretations::{
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use mean_settlement::MeanSettlement;
 pub use picture::Picture;
-pub use pile_choices::pile_choices;
 pub use png::{draw as draw_svg, render as svg_to_png};
 pub use quality::Standard;
 pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};

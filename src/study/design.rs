@@ -141,6 +141,13 @@ impl<'a> Faults<'a> {
     }
 }
 
+/// The ends of a range as a command has it, `low..high`.
+pub(super) fn range(text: &str) -> Option<(f64, f64)> {
+    let number = |text: &str| text.trim().parse().ok().filter(|v: &f64| v.is_finite());
+    let (low, high) = text.split_once("..")?;
+    Some((number(low)?, number(high)?))
+}
+
 /// What `quick` of a part of a design is where it is not given.
 pub(super) fn yes() -> bool {
     true

@@ -5,7 +5,7 @@ use crate::{
     measure::Estimate,
     record::VariationRow,
     report::{
-        Convergence, ConvergenceRow, Deviation, ReportError,
+        Convergence, ConvergenceRow, Deviation, ReportError, Standard,
         axis::Axis,
         plot::{Look, Plot},
         style::{self, Dash},
@@ -30,50 +30,46 @@ pub(in crate::report) fn of_convergence(of: &Convergence) -> Result<Vec<Figure>,
     Ok(figures)
 }
 
-/// What a figure against the rate shows.
+type Value = fn(&VariationRow) -> Option<Estimate>;
+
+/// What a figure against the rate shows; on a logarithmic axis where there are limits.
 struct Shown {
     stem: &'static str,
     title: &'static str,
     axis: &'static str,
     caption: &'static str,
-    log: bool,
-    curves: &'static [Curve],
-    limits: fn(&Convergence) -> Vec<(String, f64)>,
+    value: Value,
+    percentile: Option<Value>,
+    limits: fn(&Standard) -> Vec<(String, f64)>,
 }
 
-struct Curve {
-    name: &'static str,
-    line: Dash,
-    value: fn(&VariationRow) -> Option<Estimate>,
-}
+const LENGTH: Shown = Shown {
+    stem: "convergence-height",
+    title: "Standing height against the step rate",
+    axis: "Height of the mean surface (mm)",
+    caption: "Height of the mean surface after pouring.",
+    value: |v| v.poured_height_mm,
+    percentile: None,
+    limits: |_| Vec::new(),
+};
 
 const SHOWN: [Shown; 5] = [
-    Shown {
-        stem: "convergence-height",
-        title: "Standing height against the step rate",
-        axis: "Height of the mean surface (mm)",
-        caption: "Height of the mean surface after pouring.",
-        log: false,
-        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.poured_height_mm }],
-        limits: |_| Vec::new(),
-    },
+    LENGTH,
     Shown {
         stem: "convergence-plate-settlement",
         title: "Settlement of the plate against the step rate",
         axis: "Settlement of the plate (mm)",
         caption: "Settlement of the top plate after 5 s of vibration, or at the end of a shorter one.",
-        log: false,
-        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.plate_settlement_mm }],
-        limits: |_| Vec::new(),
+        value: |v| v.plate_settlement_mm,
+        ..LENGTH
     },
     Shown {
         stem: "convergence-surface-settlement",
         title: "Settlement of the mean surface against the step rate",
         axis: "Settlement of the surface (mm)",
         caption: "Settlement of the mean surface after 5 s of vibration, or at the end of a shorter one.",
-        log: false,
-        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.surface_settlement_mm }],
-        limits: |_| Vec::new(),
+        value: |v| v.surface_settlement_mm,
+        ..LENGTH
     },
     Shown {
         stem: "convergence-overlap",
@@ -81,17 +77,9 @@ const SHOWN: [Shown; 5] = [
         axis: "Overlap (% of the equivalent diameter)",
         caption: "Overlap at the end, exact, measured outside the engine: mean (solid) and 99th \
                   percentile (dashed). Dotted: what the accuracy standard allows.",
-        log: true,
-        curves: &[
-            Curve { name: "", line: style::SOLID, value: |v| v.overlap_mean_percent },
-            Curve {
-                name: "99th percentile",
-                line: style::DASHED,
-                value: |v| v.overlap_p99_percent,
-            },
-        ],
-        limits: |of| {
-            let s = &of.standard;
+        value: |v| v.overlap_mean_percent,
+        percentile: Some(|v| v.overlap_p99_percent),
+        limits: |s| {
             vec![
                 (format!("Standard, mean: {} %", s.overlap_mean_percent), s.overlap_mean_percent),
                 (format!("99th percentile: {} %", s.overlap_p99_percent), s.overlap_p99_percent),
@@ -102,14 +90,10 @@ const SHOWN: [Shown; 5] = [
         stem: "convergence-creep",
         title: "Creep against the step rate",
         axis: "Creep at rest (µm/s)",
-        caption: "Creep in the rest test, without its sign. Dotted: what the accuracy \
-                  standard allows.",
-        log: true,
-        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.creep_um_per_s }],
-        limits: |of| {
-            let limit = of.standard.creep_um_per_s;
-            vec![(format!("Standard: {limit} µm/s"), limit)]
-        },
+        caption: "Creep in the rest test, without its sign. Dotted: what the accuracy standard allows.",
+        value: |v| v.creep_um_per_s,
+        limits: |s| vec![(format!("Standard: {} µm/s", s.creep_um_per_s), s.creep_um_per_s)],
+        ..LENGTH
     },
 ];
 
@@ -150,39 +134,38 @@ fn one_against_rate(
     lines: &[(String, Vec<&ConvergenceRow>)],
     shown: &Shown,
 ) -> Result<Figure, ReportError> {
-    let limits = (shown.limits)(of);
+    let limits = (shown.limits)(&of.standard);
+    let is_log = !limits.is_empty();
     let ends = |e: Estimate| {
         let error = e.standard_error.unwrap_or(0.0);
         [e.mean - error, e.mean, e.mean + error]
     };
-    let values: Vec<f64> = lines
-        .iter()
-        .flat_map(|(_, rows)| rows.iter())
-        .flat_map(|r| shown.curves.iter().filter_map(|c| (c.value)(&r.result)))
-        .flat_map(ends)
-        .chain(limits.iter().map(|l| l.1))
-        .collect();
-    let mut plot = Plot::new(rate_axis(lines), Axis::scaled(shown.log, shown.axis, values));
+    let mut curves: Vec<(&str, Dash, Value)> = vec![("", style::SOLID, shown.value)];
+    curves.extend(shown.percentile.map(|value| ("99th percentile", style::DASHED, value)));
+    let rows = lines.iter().flat_map(|(_, rows)| rows);
+    let values = rows.flat_map(|r| curves.iter().filter_map(|(_, _, value)| value(&r.result)));
+    let values: Vec<f64> = values.flat_map(ends).chain(limits.iter().map(|l| l.1)).collect();
+    let mut plot = Plot::new(rate_axis(lines), Axis::scaled(is_log, shown.axis, values));
     let mut table = Table::new(["line", "rate_hz", "what", "value", "standard_error", "runs"]);
-    for (n, (name, rows)) in lines.iter().enumerate() {
-        for curve in shown.curves {
+    for (n, (line, rows)) in lines.iter().enumerate() {
+        for (name, dash, value) in &curves {
             let mut points = Vec::new();
             for row in rows {
                 let rate = row.result.rate_hz;
-                let Some(value) = (curve.value)(&row.result) else { continue };
+                let Some(value) = value(&row.result) else { continue };
                 points.push((rate, value.mean));
                 if let Some(error) = value.standard_error {
                     // On a logarithmic axis a whisker may not reach zero.
                     let low = value.mean - error;
-                    let low = if shown.log { low.max(0.01 * value.mean) } else { low };
+                    let low = if is_log { low.max(0.01 * value.mean) } else { low };
                     let ends = vec![(rate, low), (rate, value.mean + error)];
                     plot.add("", Look::line(n).thin(), ends);
                 }
                 let (mean, error) = (value.mean, value.standard_error);
-                table.row(row![name, rate, curve.name, mean, error, value.count]);
+                table.row(row![line, rate, *name, mean, error, value.count]);
             }
-            let label = if curve.name.is_empty() { name.as_str() } else { "" };
-            plot.add(label, Look::marked(n).dash(curve.line), points);
+            let label = if name.is_empty() { line.as_str() } else { "" };
+            plot.add(label, Look::marked(n).dash(dash), points);
         }
     }
     limits.into_iter().for_each(|(label, at)| plot.mark_level(label, at));

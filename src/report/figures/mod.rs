@@ -2,13 +2,10 @@
 //! the runs can be trusted.
 
 mod calibration;
-mod chart;
-mod comparison;
 mod convergence;
 mod grain_size;
 mod headline;
 mod interpretations;
-mod laws;
 mod of_run;
 mod pile;
 mod quality;
@@ -33,13 +30,10 @@ use crate::{
 };
 
 pub(super) use calibration::{capital, of_calibration};
-pub(super) use chart::of_chart;
-pub(super) use comparison::of_comparison;
 pub(super) use convergence::of_convergence;
 pub(super) use grain_size::of_grains;
 pub(super) use headline::figure as headline;
 pub(super) use interpretations::of_interpretations;
-pub(super) use laws::of_law;
 pub(super) use of_run::of_run;
 pub(super) use pile::{of_pile, side_view};
 pub(super) use sensitivity::of_sensitivity;
@@ -63,7 +57,7 @@ pub struct Figure {
 
 impl Figure {
     /// A figure of plots below each other.
-    fn new(
+    pub(super) fn new(
         stem: &str,
         title: &str,
         caption: impl Into<String>,

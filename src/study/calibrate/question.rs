@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde_json::Value;
 
-use super::super::StudyError;
+use super::super::{StudyError, design::range};
 use crate::record::Summary;
 use crate::report::unit_of;
 use crate::scenario::{Override, Scenario};
@@ -146,11 +146,7 @@ impl FromStr for CalibrationRange {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let ends = text.split_once("..").and_then(|(low, high)| {
-            let end = |t: &str| t.trim().parse().ok().filter(|v: &f64| v.is_finite());
-            Some((end(low)?, end(high)?))
-        });
-        match ends {
+        match range(text) {
             Some((low, high)) if low < high => Ok(Self { low, high }),
             Some((low, high)) => Err(format!(
                 "the range {low}..{high} is empty or reversed: the lower end comes first"

@@ -89,7 +89,7 @@ pub struct ParameterDesign {
 }
 
 /// A parameter that was checked, with what makes its ends.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
     /// Short name.
     pub name: String,

@@ -80,7 +80,10 @@ mod tests {
         for quick in [false, true] {
             let design = design::read(&file.path, quick, &[])
                 .unwrap_or_else(|e| panic!("quick {quick}: {e}"));
-            assert!(design.configurations >= 2, "one configuration tells nothing of scatter");
+            assert!(
+                design.chosen.configurations >= 2,
+                "one configuration tells nothing of scatter"
+            );
             let parameters = design.parameters.len();
             assert!(parameters >= 12, "every choice that is ours, found {parameters}");
             // A range that ends at the default needs one run, any other two.

@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use super::{
     StudyError,
-    held::held,
+    believed::held,
     plan::{Plan, PlannedRun, stage_label},
     run::{RunOptions, carry_out_each, folder_of, kind_of, make_grains, write_grains},
 };
