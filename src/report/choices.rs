@@ -346,7 +346,7 @@ mod tests {
         let mut s = scenario(
             r#"{"stage": "place_top_plate"}, {"stage": "vibrate", "frequency_hz": 3,
             "amplitude_mm": 25, "duration_s": 5, "periods": 4, "rest_s": 1},
-            {"stage": "slow_pluviation"}"#,
+            {"stage": "slow_pluviation", "base_diameter_mm": 300}"#,
         );
         let mut all = Vec::new();
         for (backend, solver) in [

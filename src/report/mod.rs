@@ -41,7 +41,7 @@ use crate::{
     grains::{GrainShape, ParticleSizeDistribution, SieveAnalysis},
     measure,
     paper::{Claim, Gradation, Scorecard, StudyView},
-    record::{AngleOfRepose, FileError, RunRecord, create_folder},
+    record::{AngleOfRepose, FileError, RunRecord},
     specimen::Specimen,
     units::to_mm,
     world::EffectiveSettings,
@@ -166,11 +166,7 @@ pub fn grain_figures(
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn run_figures(folder: &Path, run: &RunRecord) -> Result<(), ReportError> {
-    create_folder(folder)?;
-    for figure in figures::of_run(run)? {
-        figure.write(folder)?;
-    }
-    Ok(())
+    figures::of_run(run)?.iter().try_for_each(|figure| figure.write(folder))
 }
 
 /// Writes the figures of a pile into a folder: `pile`, its side view with the
@@ -183,11 +179,8 @@ pub fn pile_figures(
     specimen: &Specimen,
     pile: &AngleOfRepose,
 ) -> Result<(), ReportError> {
-    create_folder(folder)?;
-    for figure in figures::of_pile(specimen, pile, base_level_mm(specimen))? {
-        figure.write(folder)?;
-    }
-    Ok(())
+    let figures = figures::of_pile(specimen, pile, base_level_mm(specimen))?;
+    figures.iter().try_for_each(|figure| figure.write(folder))
 }
 
 /// The side view of a pile with its fitted flanks, to be shown elsewhere.

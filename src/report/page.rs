@@ -196,3 +196,42 @@ impl Page {
 fn without_empty(blocks: impl IntoIterator<Item = Block>) -> Vec<Block> {
     blocks.into_iter().filter(|block| !block.is_empty()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::table::table;
+
+    /// Law: both forms say the same in the same order; what is empty leaves no section, and no
+    /// name brings in a tag.
+    #[test]
+    fn a_page_says_the_same_in_both_forms() {
+        let rows = table!([("<b>a", 1.5)], |(name, value)| {
+            "name" => name,
+            "value" => value,
+        });
+        let page = Page::new("Of <b>", [Block::lead("One run.".to_owned(), false)])
+            .section("none", "Nothing", [Block::List(Vec::new())])
+            .section("found", "Found", [Block::Table(rows), Block::Soft("5 mm".to_owned())])
+            .section("notes", "Notes", [Block::List(vec!["first".into(), "second".into()])])
+            .with_contents();
+        assert_eq!(
+            page.markdown(),
+            "# Of &lt;b>\n\n**One run.**\n\n## Found\n\n| name | value |\n| --- | ---: |\n\
+             | &lt;b>a | 1.5 |\n\n5 mm\n\n## Notes\n\n- first\n- second\n"
+        );
+        let html = page.html();
+        let order = [
+            "<title>Of &lt;b&gt;</title>",
+            "<p class=\"banner\">One run.</p>",
+            "<section id=\"found\"><h2>Found</h2>",
+            "<bdi>&lt;b&gt;a</bdi>",
+            "<p class=\"soft\">5\u{a0}mm</p>",
+            "<nav aria-label=\"Contents\"><ul><li><a href=\"#found\">Found</a></li>",
+            "<li><bdi>second</bdi></li>",
+        ];
+        let place = |piece: &str| html.find(piece).unwrap_or_else(|| panic!("{piece}: {html}"));
+        assert!(order.map(place).is_sorted(), "law: in this order: {html}");
+        assert!(!html.contains("Nothing"), "law: no section without content");
+    }
+}

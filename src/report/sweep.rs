@@ -157,7 +157,7 @@ pub struct SweepPoint {
 }
 
 /// How one factor moves one result, all others averaged over.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct SweepEffect {
     /// The field of the scenario.
     pub factor: String,
