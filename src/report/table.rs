@@ -285,7 +285,8 @@ impl Table {
             div.scroll[!is_cards] { table class=[(!self.class.is_empty()).then_some(self.class)] {
                 @if has_header {
                     thead { tr { @for (n, cell) in self.header.iter().enumerate() {
-                        th class=[self.is_number(n).then_some("n")] { (cell) }
+                        @let is_right = self.is_number(n) && (n > 0 || is_cards);
+                        th class=[is_right.then_some("n")] { (cell) }
                     } } }
                 }
                 tbody { @for row in &self.rows { @match row {
@@ -357,7 +358,7 @@ mod tests {
         let html = table.html().into_string();
         for piece in [
             "<div class=\"scroll\">",
-            "<th class=\"n\"><bdi>a</bdi></th><th><bdi>b</bdi></th>",
+            "<th><bdi>a</bdi></th><th><bdi>b</bdi></th>",
             "<th scope=\"row\"><bdi>1.5</bdi></th><td><bdi>x|y</bdi></td>",
             "<bdi>&lt;b&gt;</bdi>",
             "colspan=\"2\">more</th>",
