@@ -13,7 +13,7 @@ use super::{
     table::{Cell, Table, dash, row},
 };
 use crate::{
-    paper::text::number,
+    paper::text::{compact, number},
     plain::plain,
     record::{SeriesRow, Summary, write_json},
     world::BackendInfo,
@@ -99,7 +99,7 @@ fn page(of: &CompareRecord, figures: Vec<Figure>) -> Page {
          more is cheaper, not better.",
         of.standard.overlap_mean_percent,
         of.standard.overlap_p99_percent,
-        of.standard.creep_um_per_s
+        compact(of.standard.creep_um_per_s)
     );
     Page::new(title, [Block::Soft(engines.join("; ")), Block::Lead(lead(of))])
         .section("table", "Figures", [Block::Table(table(of)), Block::Soft(standard)])
@@ -110,7 +110,7 @@ fn page(of: &CompareRecord, figures: Vec<Figure>) -> Page {
 /// What the engines come to, and whether they agree.
 fn lead(of: &CompareRecord) -> String {
     let mut sentences = vec![
-        "Every engine run the whole scenario with the same grains in the same places.".to_owned(),
+        "Every engine ran the whole scenario with the same grains in the same places.".to_owned(),
     ];
     if let Some(handed) = of.runs.iter().find_map(|r| r.specimen_by.as_ref()) {
         let what = if of.vibrated { "vibrated" } else { "left at rest" };
