@@ -44,14 +44,11 @@ pub(super) fn run(args: &InterpretationsArgs, context: &Context) -> Result<ExitS
         if args.only.is_empty() { Interpretation::all()? } else { args.only.clone() };
     context.begin(&args.out)?;
     let outcome = interpretations(&InterpretationsOptions {
-        out: args.out.clone(),
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
         interpretations: interpretations_asked,
-        jobs: args.jobs.cores(),
         changes: args.changes.overrides(),
-        cancel: context.cancel.clone(),
-        progress: context.progress.clone(),
+        run: context.run_options(&args.out, args.jobs),
     })?;
     let mut text = table::of_interpretations(&outcome.columns);
     text += &format!("report in {}\n", plain_path(&outcome.report));

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::paper::Claim;
-use crate::study::{Interpretation, ReproduceOptions, reproduce};
+use crate::study::{Interpretation, ReproduceOptions, RunOptions, reproduce};
 
 /// Run the whole paper and compare its claims
 #[derive(Debug, Args)]
@@ -47,15 +47,12 @@ pub(super) struct ReproduceArgs {
 pub(super) fn run(args: &ReproduceArgs, context: &Context) -> Result<ExitStatus, CliError> {
     context.begin(&args.out)?;
     let outcome = reproduce(&ReproduceOptions {
-        out: args.out.clone(),
         quick: args.quick,
         configurations: args.configurations.unwrap_or(if args.quick { 1 } else { 3 }),
         placements: args.placements,
-        jobs: args.jobs.cores(),
         changes: args.changes.overrides(),
         interpretation: args.interpretation.clone(),
-        cancel: context.cancel.clone(),
-        progress: context.progress.clone(),
+        run: RunOptions { frames: true, ..context.run_options(&args.out, args.jobs) },
     })?;
     let mut text = scorecard::of(&outcome.scorecard);
     let (report, claims) = (args.out.join("report.html"), args.out.join("claims.json"));

@@ -23,14 +23,12 @@ const HAIR: f64 = 5e-3;
 impl Axis {
     /// An axis of rows below each other, numbered from 0 at the top.
     pub fn rows(count: usize) -> Self {
-        Self {
-            name: String::new(),
-            from: count as f64 - 0.4,
-            to: -0.6,
-            log: false,
-            ticks: (0..count).map(|i| i as f64).collect(),
-            minor: Vec::new(),
-        }
+        let ticks = (0..count).map(|i| i as f64).collect();
+        Self::between("", (count as f64 - 0.4, -0.6), ticks)
+    }
+
+    fn between(name: &str, (from, to): (f64, f64), ticks: Vec<f64>) -> Self {
+        Self { name: name.to_owned(), from, to, log: false, ticks, minor: Vec::new() }
     }
 
     /// A linear axis that holds all finite values, its ends on round numbers.
@@ -49,27 +47,13 @@ impl Axis {
         let (first, last) =
             ((low / step + HAIR).floor() as i64, (high / step - HAIR).ceil() as i64);
         let ticks: Vec<f64> = (first..=last).map(|i| i as f64 * step).collect();
-        Self {
-            name: name.to_owned(),
-            from: first as f64 * step,
-            to: last as f64 * step,
-            log: false,
-            ticks,
-            minor: Vec::new(),
-        }
+        Self::between(name, (first as f64 * step, last as f64 * step), ticks)
     }
 
     /// A linear axis with given ticks, from the first to the last.
     pub fn with_ticks(name: &str, ticks: &[f64]) -> Self {
-        let (from, to) = extent(ticks.iter().copied()).unwrap_or((0.0, 1.0));
-        Self {
-            name: name.to_owned(),
-            from,
-            to,
-            log: false,
-            ticks: ticks.to_vec(),
-            minor: Vec::new(),
-        }
+        let ends = extent(ticks.iter().copied()).unwrap_or((0.0, 1.0));
+        Self::between(name, ends, ticks.to_vec())
     }
 
     /// A logarithmic axis that holds all positive values; within two decades
@@ -94,6 +78,18 @@ impl Axis {
             .filter(inside)
             .collect();
         Self { name: name.to_owned(), from, to, log: true, ticks, minor }
+    }
+
+    /// Logarithmic or linear.
+    pub fn scaled(is_log: bool, name: &str, values: impl IntoIterator<Item = f64>) -> Self {
+        if is_log { Self::logarithmic(name, values) } else { Self::linear(name, values) }
+    }
+
+    /// Falling heights in cm from 0 to a highest; markers at the ends stand clear of the frame.
+    pub fn falling_heights(highest: f64) -> Self {
+        let ticks: Vec<f64> = (0..=4).map(|i| f64::from(i) * highest / 4.0).collect();
+        let axis = Self::with_ticks("Falling height (cm)", &ticks);
+        Self { from: -0.05 * highest, to: 1.05 * highest, ..axis }
     }
 
     /// The same axis with its values growing the other way.

@@ -4,9 +4,9 @@
 use super::{
     Figure, ReportError,
     axis::Axis,
-    figures,
-    plot::{Look, Mark, Plot, Series, stacked},
+    plot::{Look, Mark, Plot},
     style,
+    table::{Cell, Table},
 };
 
 /// How the points of a curve are drawn.
@@ -85,58 +85,33 @@ const MARKER_SPACING: f64 = 170.0;
 
 impl CurveStyle {
     fn look(self, kind: usize) -> Look {
-        let (line, marker) = match self {
-            Self::Points | Self::Dots => (None, true),
-            Self::Measured | Self::Marked => (Some(style::SOLID), true),
-            Self::Line => (Some(style::SOLID), false),
-            Self::Law => (Some(style::DASHED), false),
-        };
-        Look {
-            colour: style::colour(kind),
-            line,
-            width: if self == Self::Dots { style::THIN } else { style::CURVE },
-            marker: marker.then(|| style::marker(kind)),
-            marker_spacing: (self == Self::Marked).then_some(MARKER_SPACING),
+        match self {
+            Self::Points => Look::points(kind),
+            Self::Dots => Look::points(kind).thin(),
+            Self::Measured => Look::marked(kind),
+            Self::Line => Look::line(kind),
+            Self::Marked => Look::marked(kind).every(MARKER_SPACING),
+            Self::Law => Look::line(kind).dash(style::DASHED),
         }
     }
 }
 
 impl Panel {
-    fn plot(&self) -> Plot {
+    pub(super) fn plot(&self) -> Plot {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
         let zero = |n: usize| self.from_zero[n].then_some(0.0);
         let levels = self.marks.iter().filter(|mark| !mark.upright).map(|mark| mark.at);
-        let x = axis(self.log[0], &self.x, points().map(|p| p.0).chain(zero(0)));
-        let y = axis(self.log[1], &self.y, points().map(|p| p.1).chain(levels).chain(zero(1)));
+        let x = Axis::scaled(self.log[0], &self.x, points().map(|p| p.0).chain(zero(0)));
+        let y =
+            Axis::scaled(self.log[1], &self.y, points().map(|p| p.1).chain(levels).chain(zero(1)));
         let mut plot = Plot::new(x, y);
         for ChartMark { name, at, upright } in &self.marks {
             plot.marks.push(Mark { label: name.clone(), at: *at, upright: *upright });
         }
-        let series = |curve: &ChartCurve| Series {
-            label: curve.name.clone(),
-            look: curve.style.look(curve.kind),
-            points: curve.points.clone(),
-        };
-        plot.series = self.curves.iter().map(series).collect();
+        for curve in &self.curves {
+            plot.add(&curve.name, curve.style.look(curve.kind), curve.points.clone());
+        }
         plot
-    }
-}
-
-fn axis(log: bool, name: &str, values: impl Iterator<Item = f64>) -> Axis {
-    if log { Axis::logarithmic(name, values) } else { Axis::linear(name, values) }
-}
-
-/// Panels below each other, as SVG.
-///
-/// # Errors
-/// A sentence on what cannot be drawn.
-pub(super) fn svg(panels: &[Panel]) -> Result<String, String> {
-    let drawn: Result<Vec<String>, String> =
-        panels.iter().map(|panel| panel.plot().svg()).collect();
-    let mut drawn = drawn?;
-    match drawn.len() {
-        1 => Ok(drawn.remove(0)),
-        _ => stacked(&drawn),
     }
 }
 
@@ -146,8 +121,23 @@ impl Chart {
     /// # Errors
     /// [`ReportError::Figure`].
     pub fn figure(&self) -> Result<Figure, ReportError> {
-        let failed = |reason| ReportError::Figure { figure: self.stem.clone(), reason };
-        figures::of_chart(self, svg(&self.panels).map_err(failed)?)
+        let x = self.panels.first().map_or("", |panel| panel.x.as_str());
+        let header: Vec<&str> = ["curve", x]
+            .into_iter()
+            .chain(self.panels.iter().map(|panel| panel.y.as_str()))
+            .collect();
+        let mut table = Table::new(header);
+        for (n, panel) in self.panels.iter().enumerate() {
+            for curve in &panel.curves {
+                for (x, y) in &curve.points {
+                    let mut row = vec![Cell::from(&curve.name), Cell::from(*x)];
+                    row.extend((0..self.panels.len()).map(|k| (k == n).then_some(*y).into()));
+                    table.row(row);
+                }
+            }
+        }
+        let plots: Vec<Plot> = self.panels.iter().map(Panel::plot).collect();
+        Figure::new(&self.stem, &self.title, &self.caption, &plots, &table)
     }
 }
 

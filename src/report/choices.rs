@@ -1,13 +1,15 @@
 //! What the paper does not give, what was chosen, and why.
 
-use serde::Serialize;
+use std::{collections::BTreeMap, sync::LazyLock};
+
+use serde::{Deserialize, Serialize};
 
 use crate::{
     motion::MotionFacts,
     paper::text::compact,
     scenario::{
-        Backend, ContactSolver, EngineSettings, GrainsSpec, Scenario, StageSpec, StockSettings,
-        StrokeKind,
+        Backend, BaseKind, ContactSolver, EngineSettings, GrainsSpec, Scenario, StageSpec,
+        StockSettings, StrokeKind,
     },
 };
 
@@ -24,13 +26,25 @@ pub struct Choice {
     pub sensitivity: String,
 }
 
-fn choice(parameter: &str, value: String, reason: &str, sensitivity: &str) -> Choice {
-    Choice {
-        parameter: parameter.to_owned(),
-        value,
-        reason: reason.to_owned(),
-        sensitivity: sensitivity.to_owned(),
-    }
+/// What is said of each choice, whatever its value is.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Said {
+    parameter: String,
+    reason: String,
+    sensitivity: String,
+}
+
+fn said() -> &'static BTreeMap<String, Said> {
+    static SAID: LazyLock<BTreeMap<String, Said>> =
+        LazyLock::new(|| serde_json::from_str(include_str!("choices.json")).unwrap_or_default());
+    &SAID
+}
+
+/// A choice by its name in `choices.json`.
+fn choice(name: &str, value: impl Into<String>) -> Choice {
+    let Said { parameter, reason, sensitivity } = said().get(name).cloned().unwrap_or_default();
+    Choice { parameter, value: value.into(), reason, sensitivity }
 }
 
 /// The choices in a scenario, from grains to rest test.
@@ -64,37 +78,22 @@ fn grains(scenario: &Scenario) -> Choice {
         GrainsSpec::File(f) => format!("grains read from {}", f.file),
         GrainsSpec::Meshes(m) => format!("stones of {}", m.meshes.join(", ")),
     };
-    choice(
-        "Sieve table",
-        value,
-        "In Figure 1, which was not available to us (only the paper's text was). Usual sieves; fractions such that the text's numbers come out: 1456 \
-         grains of 2343 g, 55 to 65 in 100 g, poorly graded.",
-        "Other tables meet the same numbers; a wider grading packs more densely. Not varied here.",
-    )
+    choice("sieve_table", value)
 }
 
 fn apparatus(scenario: &Scenario) -> Vec<Choice> {
     let (f, c) = (&scenario.apparatus.funnel, &scenario.apparatus.cylinder);
     vec![
         choice(
-            "Funnel",
+            "funnel",
             format!(
                 "opening {} mm, top {} mm, wall {}° from the vertical",
                 compact(f.opening_diameter_mm),
                 compact(f.top_diameter_mm),
                 compact(f.half_angle_deg)
             ),
-            "The text gives no size. The opening is about eight grains wide, below which arches are \
-             expected; the rest holds all grains and lets them out.",
-            "The opening sets the rate of pouring and with it the density: a slower rain packs more \
-             densely. Too narrow, and grains hang.",
         ),
-        choice(
-            "Round walls",
-            format!("{} flat pieces, of the circle's area", c.wall_pieces),
-            "Convex pieces are what the engine collides exactly; the area keeps the void ratio.",
-            "Less than a grain's roughness at this number.",
-        ),
+        choice("round_walls", format!("{} flat pieces, of the circle's area", c.wall_pieces)),
     ]
 }
 
@@ -102,35 +101,19 @@ fn contact(scenario: &Scenario) -> Vec<Choice> {
     let c = &scenario.contact;
     vec![
         choice(
-            "Meaning of friction 0.793 and restitution 0.315",
+            "grain_contact",
             format!(
                 "values of the pair: {} and {} between grains",
                 compact(c.grain_grain_friction),
                 compact(c.restitution)
             ),
-            "The friction ratio is the tangent of the measured angle of repose, a property of grain \
-             on grain. Typed into the engine of the time for each body, it would have been \
-             multiplied: 0.629 and 0.099 at the contact.",
-            "Less friction gives a denser packing and more settlement.",
         ),
+        choice("wall_friction", compact(c.grain_wall_friction)),
         choice(
-            "Friction of grains on cylinder, floor, funnel and lid",
-            compact(c.grain_wall_friction),
-            "Not given; a usual value for stone on smooth plastic.",
-            "More of it carries grains at the wall and keeps the packing looser.",
-        ),
-        choice(
-            "Friction of grains on the top plate; of the plate on the cylinder",
+            "plate_friction",
             format!("{}; {}", compact(c.grain_plate_friction), compact(c.plate_wall_friction)),
-            "Not given; the plate must be free to follow the grains.",
-            "A plate that sticks to the wall settles less than the grains below it.",
         ),
-        choice(
-            "Restitution of walls and plate",
-            compact(c.restitution),
-            "The text gives one value, for limestone; it is used for every pair.",
-            "Small: grains hit walls rarely in a dense specimen.",
-        ),
+        choice("wall_restitution", compact(c.restitution)),
     ]
 }
 
@@ -139,12 +122,8 @@ fn stages(scenario: &Scenario) -> Vec<Choice> {
     let stage = |wanted: fn(&StageSpec) -> bool| scenario.stages.iter().find(|s| wanted(s));
     if stage(|s| matches!(s, StageSpec::PlaceTopPlate { .. })).is_some() {
         choices.push(choice(
-            "Placing of the top plate",
+            "placing",
             "laid on the highest grain and let go at rest, after pouring".to_owned(),
-            "Section 2 places it before pouring, section 3 lets it fall slowly on the grains; only \
-             the latter can be meant for the simulations.",
-            "It rests tilted on a few high grains: its settlement varies by millimetres with them. \
-             The settlement of the surface is shown beside it.",
         ));
     }
     let shaken = stage(|s| matches!(s, StageSpec::Vibrate { .. }));
@@ -154,31 +133,20 @@ fn stages(scenario: &Scenario) -> Vec<Choice> {
             StrokeKind::FullStroke => "full stroke: the table moves by as much from end to end",
         };
         choices.push(choice(
-            "Meaning of the amplitude",
+            "amplitude",
             amplitude_mm.map_or_else(
                 || "as recorded".to_owned(),
                 |amplitude| format!("{} mm, {reading}", compact(amplitude)),
             ),
-            "\"Amplitude\" in its usual sense; the text does not say which.",
-            "The other meaning halves or doubles speed and acceleration.",
         ));
         choices.push(choice(
-            "Motion of the table",
+            "motion",
             shaken.and_then(StageSpec::motion).map_or_else(String::new, |motion| {
                 MotionFacts::of(&motion, 1.0 / scenario.engine.rate_hz).line()
             }),
-            "Not given but for \"sinusoidal\"; every period starts and ends at the table's place.",
-            "An abrupt start and stop of the table at either end of each period loosens the grains; a \
-             ramp in its place makes the intermittent settlement smaller (--set, ramp_s).",
         ));
         if *periods > 1 {
-            choices.push(choice(
-                "Rest between periods",
-                format!("{} s", compact(*rest_s)),
-                "Not given; in the laboratory the plate was read meanwhile. Long enough for the \
-                 grains to come to rest.",
-                "None, where the specimen does not creep.",
-            ));
+            choices.push(choice("rest", format!("{} s", compact(*rest_s))));
         }
     }
     choices
@@ -202,10 +170,8 @@ fn engine(scenario: &Scenario) -> Vec<Choice> {
         (Backend::Rapier, _) => rapier_contacts(e),
     };
     choices.push(choice(
-        "Damping",
+        "damping",
         format!("{} linear, {} angular", compact(e.linear_damping), compact(e.angular_damping)),
-        "Not given; the tool's defaults slowed grains like a liquid would.",
-        "Damping hides creep without curing it.",
     ));
     choices
 }
@@ -213,42 +179,27 @@ fn engine(scenario: &Scenario) -> Vec<Choice> {
 fn native_contacts(e: &EngineSettings) -> Vec<Choice> {
     let m = &e.native;
     vec![
+        choice("native_contacts", "native: Pluvia's own on Bullet".to_owned()),
         choice(
-            "Contacts",
-            "native: Pluvia's own on Bullet".to_owned(),
-            "The paper used its tool's own contacts, with which a packing at rest creeps by as \
-             much as the settlement that is to be measured.",
-            "Among the largest effects; Bullet's own can stand beside these in the report.",
-        ),
-        choice(
-            "Time step",
+            "native_time_step",
             format!("{} steps a second in {} sub-steps", compact(e.rate_hz), m.substeps(e.rate_hz)),
-            "Not given; the tool's default of the time was 60.",
-            "Longer steps resolve impacts less well; docs/accuracy.md says how far void ratio and \
-             settlement depend on it.",
         ),
         choice(
-            "Solver iterations",
+            "native_iterations",
             format!(
                 "at least {} iterations a sub-step, until one changes no contact by more than {} %",
                 m.iterations,
                 compact(100.0 * m.solver_tolerance)
             ),
-            "Not given; the tool's default of the time was 10.",
-            "Fewer: contacts give way under the weight above them.",
         ),
         choice(
-            "Contact spring",
+            "native_spring",
             format!(
                 "{} N/m a point, damping ratio {}, pushed apart with at most {} m/s",
                 compact(m.contact_stiffness_n_per_m),
                 compact(m.contact_damping_ratio),
                 compact(m.max_depenetration_velocity_m_per_s)
             ),
-            "Not in the paper, whose grains are rigid: soft enough for the solver, stiff enough \
-             for overlaps of a hundredth of a millimetre.",
-            "At rest a point sinks in by its load over the stiffness. Softer: a shaken specimen \
-             settles more (docs/parameters.md).",
         ),
     ]
 }
@@ -256,27 +207,18 @@ fn native_contacts(e: &EngineSettings) -> Vec<Choice> {
 fn rapier_contacts(e: &EngineSettings) -> Vec<Choice> {
     let r = &e.rapier;
     vec![
+        choice("rapier_contacts", "rapier's own".to_owned()),
         choice(
-            "Contacts",
-            "rapier's own".to_owned(),
-            "Another engine, to tell soil from engine.",
-            "Among the largest effects.",
-        ),
-        choice(
-            "Time step",
+            "rapier_time_step",
             format!("{} steps a second in {} sub-steps", compact(e.rate_hz), r.substeps),
-            "Not given.",
-            "Too long, and springs that stiff shake the packing.",
         ),
         choice(
-            "Contact spring",
+            "rapier_spring",
             format!(
                 "{} Hz, damping ratio {}",
                 compact(r.contact_frequency_hz),
                 compact(r.contact_damping_ratio)
             ),
-            "Not in the paper; with rapier's defaults grains of 10 mm sink into each other.",
-            "Softer: grains overlap more.",
         ),
     ]
 }
@@ -284,64 +226,29 @@ fn rapier_contacts(e: &EngineSettings) -> Vec<Choice> {
 fn bullet_contacts(e: &EngineSettings) -> Vec<Choice> {
     let mut choices = vec![
         choice(
-            "Contacts",
+            "stock_contacts",
             format!(
                 "{}, {} friction directions",
                 as_typed(e.contact_solver),
                 e.friction_directions
             ),
-            "The paper used its tool's defaults. With one friction direction, the engine's default, \
-             grains slide freely across it.",
-            "Among the largest effects: one direction packs far too densely.",
         ),
+        choice("stock_time_step", format!("{} steps a second", compact(e.rate_hz))),
+        choice("stock_iterations", e.iterations.to_string()),
+        choice("length_scale", format!("{} engine units in a metre", compact(e.length_scale))),
+        choice("threshold", format!("{} mm", compact(e.contact_threshold_mm))),
         choice(
-            "Time step",
-            format!("{} steps a second", compact(e.rate_hz)),
-            "Not given; the tool's default of the time was 60, at which grains of 10 mm sink into \
-             each other.",
-            "Settlement under vibration falls as the step gets shorter, more than with any other \
-             setting.",
-        ),
-        choice(
-            "Solver iterations",
-            e.iterations.to_string(),
-            "Not given; the tool's default of the time was 10.",
-            "More make contacts stiffer and the packing somewhat looser.",
-        ),
-        choice(
-            "Length scale",
-            format!("{} engine units in a metre", compact(e.length_scale)),
-            "Not given. The engine's absolute tolerances are made for bodies of about one unit.",
-            "Too few units in a metre: overlaps are missed and grains leave through walls.",
-        ),
-        choice(
-            "Contact threshold",
-            format!("{} mm", compact(e.contact_threshold_mm)),
-            "The engine's default is absolute and larger than a grain's roughness; set so that \
-             contacts persist from step to step.",
-            "Too small, and the packing collapses.",
-        ),
-        choice(
-            "Correction of overlaps, warm start",
+            "correction",
             format!(
                 "{} of the overlap a step, {} of the last impulses, split impulse {}",
                 compact(e.erp),
                 compact(e.warm_start),
                 if e.split_impulse { "on" } else { "off" }
             ),
-            "Not given.",
-            "What the solver forgets from step to step feeds creep; the rest test measures it.",
         ),
     ];
     if e.stock != StockSettings::default() {
-        choices.push(choice(
-            "Margin, inertia, least mass, relative threshold, sleeping",
-            as_typed(&e.stock),
-            "What the tool of the time did beside Bullet's own defaults, where an interpretation of the paper \
-             asks for it; by default none of it.",
-            "Sleeping hides creep; inertia that is too large keeps grains from rolling; a margin \
-             makes them larger.",
-        ));
+        choices.push(choice("of_the_tool", as_typed(&e.stock)));
     }
     choices
 }
@@ -350,39 +257,54 @@ fn procedure(scenario: &Scenario) -> Vec<Choice> {
     let s = &scenario.settle;
     vec![
         choice(
-            "Settled",
+            "settled",
             format!(
                 "root mean square speed below {} mm/s and every speed below {} mm/s for {} s",
                 compact(s.rms_speed_mm_per_s),
                 compact(s.largest_speed_mm_per_s),
                 compact(s.hold_s)
             ),
-            "\"Settled in a static state\" in the text, without a measure.",
-            "A looser criterion ends a stage earlier; what still moves then settles in the next.",
         ),
+        choice("gravity", format!("{} m/s²", compact(scenario.gravity_m_per_s2))),
         choice(
-            "Gravity",
-            format!("{} m/s²", compact(scenario.gravity_m_per_s2)),
-            "Not given.",
-            "None worth mention.",
-        ),
-        choice(
-            "Mixing and seed",
+            "mixing",
             format!("configuration {}, seed {}", scenario.configuration, scenario.seed),
-            "\"Additional mixing\" in the text: order and orientation are drawn anew, the grains \
-             stay the same.",
-            "The spread over configurations in Figures 7, 9 and 10.",
         ),
         choice(
-            "Rest test",
+            "rest_test",
             if scenario.rest_test_s > 0.0 {
                 format!("{} s after the end", compact(scenario.rest_test_s))
             } else {
                 "none".to_owned()
             },
-            "Not in the paper: settlement cannot be told from creep without it.",
-            "None on the results; it comes after them.",
         ),
+    ]
+}
+
+/// The choices of a scenario that builds a pile; none of one that does not.
+pub fn pile_choices(scenario: &Scenario) -> Vec<Choice> {
+    let Some(StageSpec::SlowPluviation {
+        feed_rate_grains_per_s,
+        drop_height_mm,
+        spout_diameter_mm,
+        base,
+        base_diameter_mm,
+        ..
+    }) = scenario.stages.iter().find(|s| matches!(s, StageSpec::SlowPluviation { .. }))
+    else {
+        return Vec::new();
+    };
+    let base_value = match (base.kind, base.friction) {
+        (BaseKind::FixedGrains, _) => "a layer of the same grains, fixed".to_owned(),
+        (BaseKind::Plane, friction) => format!("a plane of friction {}", friction.unwrap_or(0.0)),
+    };
+    vec![
+        choice("pile_feed", format!("{feed_rate_grains_per_s} grains a second")),
+        choice(
+            "pile_drop",
+            format!("{drop_height_mm} mm above its top, within {spout_diameter_mm} mm"),
+        ),
+        choice("pile_base", format!("{base_value}, {base_diameter_mm} mm in diameter")),
     ]
 }
 
@@ -416,6 +338,33 @@ mod tests {
         assert_eq!(value(&c, "Rest between periods").as_deref(), Some("1.5 s"));
         let amplitude = value(&c, "Meaning of the amplitude").expect("vibrated");
         assert!(amplitude.starts_with("12.5 mm, full stroke"), "got {amplitude}");
+    }
+
+    /// Law: every text of `choices.json` is that of a choice, and every choice has one.
+    #[test]
+    fn every_choice_is_explained() {
+        let mut s = scenario(
+            r#"{"stage": "place_top_plate"}, {"stage": "vibrate", "frequency_hz": 3,
+            "amplitude_mm": 25, "duration_s": 5, "periods": 4, "rest_s": 1},
+            {"stage": "slow_pluviation", "base_diameter_mm": 300}"#,
+        );
+        let mut all = Vec::new();
+        for (backend, solver) in [
+            (Backend::Bullet, ContactSolver::Native),
+            (Backend::Bullet, ContactSolver::Stock),
+            (Backend::Rapier, ContactSolver::Native),
+        ] {
+            (s.engine.backend, s.engine.contact_solver) = (backend, solver);
+            s.engine.stock.collision_margin_mm = 1.0;
+            all.extend(choices(&s));
+        }
+        all.extend(pile_choices(&s));
+        let unexplained = all.iter().find(|c| c.parameter.is_empty() || c.reason.is_empty());
+        assert_eq!(unexplained, None, "law: every choice has a text");
+        for (name, text) in said() {
+            let is_told = |c: &Choice| (&c.parameter, &c.reason) == (&text.parameter, &text.reason);
+            assert!(all.iter().any(is_told), "law: `{name}` is a choice");
+        }
     }
 
     /// Law: what a choice moves is said without a number: results belong to runs, and a text

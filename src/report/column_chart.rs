@@ -2,9 +2,10 @@
 //! axes.
 
 use super::{
-    chart::{ChartCurve, ChartMark, CurveStyle, Panel, svg},
+    chart::{ChartCurve, ChartMark, CurveStyle, Panel},
     columns::quantity_and_unit,
     figures::capital,
+    plot::{Plot, stacked},
 };
 
 /// A column: its name and its numbers, row by row.
@@ -56,9 +57,8 @@ impl ColumnChart {
                 units.push(unit);
             }
         }
-        let panels: Result<Vec<Panel>, String> =
-            units.iter().map(|unit| self.panel(unit)).collect();
-        svg(&panels?)
+        let plots = units.iter().map(|unit| Ok(self.panel(unit)?.plot()));
+        stacked(&plots.collect::<Result<Vec<Plot>, String>>()?)
     }
 
     /// The columns of one unit.

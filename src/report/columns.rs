@@ -65,6 +65,11 @@ pub fn quantity_and_unit(name: &str) -> (String, &'static str) {
     (quantity.replace('_', " "), unit)
 }
 
+/// The unit that a name ends in, or is; empty where there is none.
+pub fn unit_of(name: &str) -> &'static str {
+    quantity_and_unit(&format!("of_{name}")).1
+}
+
 /// The number in a cell; none where it is empty, text, or not finite.
 fn number(cell: &str) -> Option<f64> {
     cell.trim().parse().ok().filter(|number: &f64| number.is_finite())

@@ -2,45 +2,64 @@
 
 use std::path::Path;
 
-use maud::{DOCTYPE, Markup, html};
 use serde::Serialize;
 
 use super::{
-    Figure, ReportError, Standard, figures, html::figure_block, html::glue, html::head, html::name,
+    Figure, ReportError, Standard,
+    axis::Axis,
+    page::{Block, Page},
+    plot::{Look, Plot},
+    style,
+    table::{Cell, Table, dash, row},
 };
 use crate::{
-    paper::text::number,
+    paper::text::{compact, number},
     plain::plain,
-    record::{RunRecord, write_file},
+    record::{SeriesRow, Summary, write_json},
     world::BackendInfo,
 };
 
-/// Everything the page is made from.
-#[derive(Debug, Clone)]
-pub struct Comparison {
+/// `compare.json`, and what only its page needs.
+#[derive(Debug, Clone, Serialize)]
+pub struct CompareRecord {
     /// Name of the scenario.
     pub scenario: String,
-    /// The engines; the first one's specimen is handed to the others.
-    pub engines: Vec<BackendInfo>,
+    /// The engines, the first one's specimen being handed on.
+    pub backends: Vec<BackendInfo>,
+    /// Stages of the scenario run before the specimen is handed on.
+    pub handed_on_after_stages: usize,
+    /// One entry a run.
+    pub runs: Vec<CompareRun>,
+    /// One entry a quantity: the first engine's value and the others'.
+    pub quantities: Vec<ComparedQuantity>,
+    /// Whether every quantity with a band lies within it; null where the bands are not judged.
+    pub within_bands: Option<bool>,
+    /// Why the bands are not judged: the runs that are left out of means, with the reasons.
+    pub not_judged: Option<String>,
     /// Whether the scenario vibrates the specimen.
+    #[serde(skip)]
     pub vibrated: bool,
     /// The accuracy standard.
+    #[serde(skip)]
     pub standard: Standard,
-    /// The runs.
-    pub runs: Vec<ComparedRun>,
-    /// The table.
-    pub quantities: Vec<ComparedQuantity>,
 }
 
-/// A run of the comparison.
-#[derive(Debug, Clone)]
-pub struct ComparedRun {
+/// One run of a comparison.
+#[derive(Debug, Clone, Serialize)]
+pub struct CompareRun {
+    /// Its name, also of its folder.
+    pub name: String,
     /// The engine that carried it out, or its last part.
     pub backend: String,
-    /// The engine that made its specimen, where that was another one.
+    /// The engine that made the specimen it began with; null when it made its own.
     pub specimen_by: Option<String>,
-    /// The run.
-    pub record: RunRecord,
+    /// Wall time over simulated time.
+    pub wall_s_per_simulated_s: f64,
+    /// Its figures.
+    pub summary: Summary,
+    /// Its course.
+    #[serde(skip)]
+    pub series: Vec<SeriesRow>,
 }
 
 /// A row of the table.
@@ -60,56 +79,38 @@ pub struct ComparedQuantity {
     pub within_band: Option<bool>,
 }
 
-/// Writes `report.html` and `figures/` of a comparison into a folder.
+/// Writes `compare.json`, `report.html` and `figures/` of a comparison into a folder.
 ///
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
-pub fn write_comparison(out: &Path, of: &Comparison) -> Result<(), ReportError> {
-    let figures = figures::of_comparison(of)?;
-    for figure in &figures {
-        figure.write(&out.join("figures"))?;
-    }
-    write_file(&out.join("report.html"), page(of, &figures).as_bytes())?;
-    Ok(())
+pub fn write_comparison(out: &Path, of: &CompareRecord) -> Result<(), ReportError> {
+    write_json(&out.join("compare.json"), of)?;
+    page(of, figures(of)?).write(out, &["report.html"])
 }
 
-fn page(of: &Comparison, figures: &[Figure]) -> String {
-    let names: Vec<&str> = of.engines.iter().map(|e| e.name.as_str()).collect();
+fn page(of: &CompareRecord, figures: Vec<Figure>) -> Page {
+    let names: Vec<&str> = of.backends.iter().map(|e| e.name.as_str()).collect();
     let title = format!("{}: {} side by side", plain(&of.scenario), names.join(" and "));
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            (head(&title))
-            body {
-                header {
-                    h1 { (title) }
-                    p.soft {
-                        @for (i, e) in of.engines.iter().enumerate() {
-                            @if i > 0 { "; " } (e.name) " " (e.version) ", " (e.precision) " precision"
-                        }
-                    }
-                    p.lead { (glue(&lead(of))) }
-                }
-                main {
-                    section id="table" { h2 { "Figures" } (table(of)) }
-                    section id="curves" {
-                        h2 { "Curves" }
-                        @for figure in figures { (figure_block(figure)) }
-                    }
-                    section id="reasons" {
-                        h2 { "Why they differ" }
-                        ul { @for reason in reasons(of) { li { (glue(&reason)) } } }
-                    }
-                }
-            }
-        }
-    }
-    .into_string()
+    let engine = |e: &BackendInfo| format!("{} {}, {} precision", e.name, e.version, e.precision);
+    let engines: Vec<String> = of.backends.iter().map(engine).collect();
+    let standard = format!(
+        "Wall times can be compared only between runs that meet the accuracy standard (overlap mean \
+         below {} %, 99th percentile below {} %, creep below {} µm/s): a step that lets grains overlap \
+         more is cheaper, not better.",
+        of.standard.overlap_mean_percent,
+        of.standard.overlap_p99_percent,
+        compact(of.standard.creep_um_per_s)
+    );
+    Page::new(title, [Block::Soft(engines.join("; ")), Block::Lead(lead(of))])
+        .section("table", "Figures", [Block::Table(table(of)), Block::Soft(standard)])
+        .figures("curves", "Curves", figures)
+        .section("reasons", "Why they differ", [Block::List(reasons(of))])
 }
 
-fn lead(of: &Comparison) -> String {
+/// What the engines come to, and whether they agree.
+fn lead(of: &CompareRecord) -> String {
     let mut sentences = vec![
-        "Every engine run the whole scenario with the same grains in the same places.".to_owned(),
+        "Every engine ran the whole scenario with the same grains in the same places.".to_owned(),
     ];
     if let Some(handed) = of.runs.iter().find_map(|r| r.specimen_by.as_ref()) {
         let what = if of.vibrated { "vibrated" } else { "left at rest" };
@@ -139,8 +140,8 @@ fn lead(of: &Comparison) -> String {
         ));
     }
     let against = of.runs.iter().filter_map(|r| {
-        let why = r.record.summary.why_left_out();
-        (!why.is_empty()).then(|| format!("{} ({})", r.record.name, why.join("; ")))
+        let why = r.summary.why_left_out();
+        (!why.is_empty()).then(|| format!("{} ({})", r.name, why.join("; ")))
     });
     let against: Vec<String> = against.collect();
     if !against.is_empty() {
@@ -160,58 +161,39 @@ fn shown(value: f64) -> String {
     number(value, if value.fract() == 0.0 { 0 } else { 3 })
 }
 
-fn table(of: &Comparison) -> Markup {
-    html! {
-        div.scroll { table {
-            thead { tr {
-                th { "Quantity" } th { "Unit" }
-                @for run in &of.runs { th.n { (name(&run.record.name)) } }
-                th.n { "Band" } th { "Agree" }
-            } }
-            tbody {
-                @for q in &of.quantities { tr {
-                    th { (q.quantity) }
-                    td { (q.unit) }
-                    @for value in &q.values {
-                        td.n { @match value { Some(v) => (shown(*v)), None => "–" } }
-                    }
-                    td.n { @match q.band { Some(b) => { "± " (number(b, 2)) }, None => "" } }
-                    td { @match q.within_band {
-                        Some(true) => span.verdict.within { "✓ yes" },
-                        Some(false) => span.verdict.outside { "✗ no" },
-                        None => "",
-                    } }
-                } }
-                tr {
-                    th { "accuracy standard" } td {}
-                    @for run in &of.runs {
-                        td.n { (if run.record.summary.meets_standard { "met" } else { "not met" }) }
-                    }
-                    td {} td {}
-                }
-                tr {
-                    th { "valid" } td {}
-                    @for run in &of.runs {
-                        td.n { (if run.record.summary.valid { "yes" } else { "NOT valid" }) }
-                    }
-                    td {} td {}
-                }
-            }
-        } }
-        p.soft {
-            "Wall times can be compared only between runs that meet the accuracy standard (overlap "
-            "mean below " (of.standard.overlap_mean_percent) " %, 99th percentile below "
-            (of.standard.overlap_p99_percent) " %, creep below " (of.standard.creep_um_per_s)
-            " µm/s): a step that lets grains overlap more is cheaper, not better."
-        }
+fn table(of: &CompareRecord) -> Table {
+    let names = of.runs.iter().map(|run| run.name.as_str());
+    let header = ["Quantity", "Unit"].into_iter().chain(names).chain(["Band", "Agree"]);
+    let mut table = Table::new(header);
+    for q in &of.quantities {
+        let mut cells = row![&q.quantity, &q.unit];
+        let of_run = |v: &Option<f64>| Cell::number(v.map_or_else(dash, shown));
+        cells.extend(q.values.iter().map(of_run));
+        cells
+            .push(Cell::number(q.band.map_or_else(String::new, |b| format!("± {}", number(b, 2)))));
+        cells.push(match q.within_band {
+            Some(true) => Cell::badge("within", "✓ yes"),
+            Some(false) => Cell::badge("outside", "✗ no"),
+            None => Cell::default(),
+        });
+        table.row(cells);
     }
+    let mut add = |what: &str, said: fn(&Summary) -> &'static str| {
+        let mut cells = row![what, ""];
+        cells.extend(of.runs.iter().map(|run| Cell::number(said(&run.summary))));
+        cells.extend(row!["", ""]);
+        table.row(cells);
+    };
+    add("accuracy standard", |s| if s.meets_standard { "met" } else { "not met" });
+    add("valid", |s| if s.valid { "yes" } else { "NOT valid" });
+    table
 }
 
 /// What is known of the differences, with this comparison's own numbers.
-fn reasons(of: &Comparison) -> Vec<String> {
+fn reasons(of: &CompareRecord) -> Vec<String> {
     let mut reasons = Vec::new();
     for run in &of.runs {
-        let s = &run.record.summary;
+        let s = &run.summary;
         let creep = s.creep_um_per_s.map_or_else(
             || "its creep was not measured".to_owned(),
             |c| format!("it sinks by {} µm/s at rest", number(c, 1)),
@@ -219,7 +201,7 @@ fn reasons(of: &Comparison) -> Vec<String> {
         reasons.push(format!(
             "{}: overlap {} % on average, {} % at the 99th percentile; {creep}; {} grains touch a \
              grain.",
-            run.record.name,
+            run.name,
             number(s.overlap.mean_percent, 2),
             number(s.overlap.p99_percent, 2),
             number(s.coordination_number, 2)
@@ -230,7 +212,7 @@ fn reasons(of: &Comparison) -> Vec<String> {
          A height is comparable only between runs whose overlaps are both small."
             .to_owned(),
     );
-    if of.runs.iter().any(|r| r.backend == "bullet" && r.record.summary.contact_solver == "stock") {
+    if of.runs.iter().any(|r| r.backend == "bullet" && r.summary.contact_solver == "stock") {
         reasons.push(
             "stock Bullet contacts lose 15 % of the normal and all of the friction impulses at \
              every step, while contact points come and go; twenty iterations cannot build up the \
@@ -246,4 +228,89 @@ fn reasons(of: &Comparison) -> Vec<String> {
         );
     }
     reasons
+}
+
+/// What a figure shows of every run, over its time.
+struct Shown {
+    stem: &'static str,
+    title: &'static str,
+    caption: &'static str,
+    axis: &'static str,
+    column: &'static str,
+    is_log: bool,
+    needs_vibration: bool,
+    value: fn(&SeriesRow) -> Option<f64>,
+}
+
+const SHOWN: [Shown; 4] = [
+    Shown {
+        stem: "compare-height",
+        title: "Mean height of the grains",
+        caption: "Mean height of the grains in the cylinder over the time of each run; dashed where \
+                  the specimen came from another engine.",
+        axis: "Mean grain height (mm)",
+        column: "mean_grain_height_mm",
+        is_log: false,
+        needs_vibration: false,
+        value: |r| (r.grains_in_cylinder > 0).then_some(r.mean_grain_height_mm),
+    },
+    Shown {
+        stem: "compare-energy",
+        title: "Kinetic energy",
+        caption: "Kinetic energy of grains and plate relative to the table.",
+        axis: "Kinetic energy (J)",
+        column: "kinetic_energy_j",
+        is_log: true,
+        needs_vibration: false,
+        value: |r| Some(r.kinetic_energy_j),
+    },
+    Shown {
+        stem: "compare-settlement",
+        title: "Settlement of the mean surface",
+        caption: "Drop of the mean surface since the vibration began, at the times of each run.",
+        axis: "Settlement of the surface (mm)",
+        column: "surface_settlement_mm",
+        is_log: false,
+        needs_vibration: true,
+        value: |r| r.surface_settlement_mm,
+    },
+    Shown {
+        stem: "compare-plate",
+        title: "Settlement of the top plate",
+        caption: "Drop of the plate's centre since the vibration began, at the times of each run.",
+        axis: "Settlement of the plate (mm)",
+        column: "settlement_mm",
+        is_log: false,
+        needs_vibration: true,
+        value: |r| r.settlement_mm,
+    },
+];
+
+/// Heights, energy and, where vibrated, settlement.
+///
+/// # Errors
+/// [`ReportError::Figure`].
+fn figures(of: &CompareRecord) -> Result<Vec<Figure>, ReportError> {
+    let shown = SHOWN.iter().filter(|shown| of.vibrated || !shown.needs_vibration);
+    shown.map(|shown| overlaid(of, shown)).collect()
+}
+
+fn overlaid(of: &CompareRecord, shown: &Shown) -> Result<Figure, ReportError> {
+    let point = |r: &SeriesRow| Some((r.time_s, (shown.value)(r)?));
+    let curves: Vec<Vec<(f64, f64)>> =
+        of.runs.iter().map(|r| r.series.iter().filter_map(point).collect()).collect();
+    let all = || curves.iter().flatten();
+    let values = all().map(|p| p.1).chain((!shown.is_log).then_some(0.0));
+    let y = Axis::scaled(shown.is_log, shown.axis, values);
+    let mut plot = Plot::new(Axis::linear("Time (s)", all().map(|p| p.0)), y);
+    let mut table = Table::new(["run", "time_s", shown.column]);
+    for (n, (run, points)) in of.runs.iter().zip(&curves).enumerate() {
+        for (time, value) in points {
+            table.row(row![&run.name, *time, *value]);
+        }
+        let is_handed = run.specimen_by.is_some();
+        let dash = if is_handed { style::DASHED } else { style::SOLID };
+        plot.add(&run.name, Look::line(n).dash(dash), points.clone());
+    }
+    Figure::new(shown.stem, shown.title, shown.caption, &[plot], &table)
 }

@@ -2,90 +2,66 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::{Figure, Picture, ReportInput, scorecard, sections, shortfalls, uncertainty};
+use super::{
+    Figure, Picture, ReportInput,
+    page::{Block, Page},
+    sections, shortfalls, uncertainty,
+};
 use crate::plain::{plain, plain_lines};
 
 const CSS: &str = include_str!("report.css");
 
-/// The head of every page: its title, and the style within.
-pub(super) fn head(title: &str) -> Markup {
+/// A whole document: its title, the style within, and what it shows.
+pub(super) fn document(title: &str, body: &Markup) -> String {
     html! {
-        head {
-            meta charset="utf-8";
-            meta name="viewport" content="width=device-width, initial-scale=1";
-            title { (plain(title)) }
-            style { (PreEscaped(CSS)) }
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (plain(title)) }
+                style { (PreEscaped(CSS)) }
+            }
+            body { (body) }
         }
     }
+    .into_string()
 }
 
 /// The page: the paragraph, the scorecard and one figure; then everything else.
-pub(super) fn page(input: &ReportInput, headline: &Figure, figures: &[Figure]) -> String {
+pub(super) fn page(input: &ReportInput, headline: Figure, figures: Vec<Figure>) -> Page {
     let title = if input.study.quick {
         "Gravel poured and vibrated: quick study"
     } else {
         "Gravel poured and vibrated: the paper's programme simulated"
     };
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            (head(title))
-            body {
-                header {
-                    h1 { (title) }
-                    p.soft {
-                        "Compared with Izadi & Bezuijen (2014), “Simulation of granular soil "
-                        "behaviour using the Bullet physics library”. Its figures were not available to "
-                        "us (only its text was)."
-                    }
-                    p.lead { (glue(&input.scorecard.paragraph)) }
-                }
-                main {
-                    section id="scorecard" {
-                        h2 { "Scorecard" }
-                        (scorecard::section(input.scorecard))
-                        (figure_block(headline))
-                        (contents(!input.pictures.is_empty()))
-                    }
-                    section id="figures" {
-                        h2 { "Figures" }
-                        @for figure in figures { (figure_block(figure)) }
-                    }
-                    @if !input.pictures.is_empty() {
-                        section id="pictures" {
-                            h2 { "Pictures" }
-                            @for picture in input.pictures { (picture_block(picture)) }
-                        }
-                    }
-                    section id="claims" {
-                        h2 { "What the paper states, and what was found" }
-                        (sections::claims(input.claims, input.beside))
-                    }
-                    section id="uncertainty" {
-                        h2 { "How sure the numbers are" }
-                        (uncertainty::section(&crate::paper::uncertainty(&input.study)))
-                    }
-                    section id="runs" {
-                        h2 { "Runs" }
-                        (sections::runs(&input.study))
-                    }
-                    section id="shortfalls" {
-                        h2 { "What falls short" }
-                        (list(&shortfalls::list(input)))
-                    }
-                    section id="choices" {
-                        h2 { "Parameters the paper does not give" }
-                        (sections::choices(input.choices))
-                    }
-                    section id="provenance" {
-                        h2 { "Provenance" }
-                        (sections::provenance(input))
-                    }
-                }
-            }
-        }
-    }
-    .into_string()
+    let source = "Compared with Izadi & Bezuijen (2014), “Simulation of granular soil behaviour using \
+                  the Bullet physics library”. Its figures were not available to us (only its text \
+                  was).";
+    let mut scorecard = sections::scorecard(input.scorecard);
+    scorecard.push(Block::Figure(headline));
+    let pictures = input.pictures.iter().map(|picture| Block::Html(picture_block(picture)));
+    let head = [Block::Soft(source.to_owned()), Block::Lead(input.scorecard.paragraph.clone())];
+    let said = "What the paper states, and what was found";
+    Page::new(title, head)
+        .section("scorecard", "Scorecard", scorecard)
+        .figures("figures", "Figures", figures)
+        .section("pictures", "Pictures", pictures)
+        .section("claims", said, sections::claims(input.claims, input.beside))
+        .section(
+            "uncertainty",
+            "How sure the numbers are",
+            uncertainty::section(&crate::paper::uncertainty(&input.study)),
+        )
+        .section("runs", "Runs", sections::runs(&input.study))
+        .section("shortfalls", "What falls short", [Block::List(shortfalls::list(input))])
+        .section(
+            "choices",
+            "Parameters the paper does not give",
+            [sections::choices(input.choices)],
+        )
+        .section("provenance", "Provenance", sections::provenance(input))
+        .with_contents()
 }
 
 /// A name that somebody gave, isolated: whatever direction its letters have, the text around it
@@ -104,31 +80,6 @@ pub(super) fn glue(text: &str) -> String {
     })
 }
 
-fn contents(pictures: bool) -> Markup {
-    let mut entries = vec![
-        ("scorecard", "Scorecard"),
-        ("figures", "Figures"),
-        ("claims", "Every statement"),
-        ("uncertainty", "How sure"),
-        ("runs", "Runs"),
-        ("shortfalls", "What falls short"),
-        ("choices", "Our choices"),
-        ("provenance", "Provenance"),
-    ];
-    if pictures {
-        entries.insert(2, ("pictures", "Pictures"));
-    }
-    html! {
-        nav aria-label="Contents" {
-            ul { @for (id, name) in entries { li { a href={ "#" (id) } { (name) } } } }
-        }
-    }
-}
-
-fn list(items: &[String]) -> Markup {
-    html! { ul { @for item in items { li { bdi { (glue(item)) } } } } }
-}
-
 fn picture_block(picture: &Picture) -> Markup {
     html! {
         figure id=(picture.stem) {
@@ -142,20 +93,32 @@ fn picture_block(picture: &Picture) -> Markup {
     }
 }
 
+/// A figure with its title and caption.
 pub(super) fn figure_block(figure: &Figure) -> Markup {
-    let file = |extension: &str| format!("figures/{}.{extension}", figure.stem);
     html! {
         figure id=(figure.stem) {
             h3 { bdi { (plain(&figure.title)) } }
-            div.sheet role="img" aria-label=(plain(&figure.title)) { (PreEscaped(figure.svg.as_str())) }
-            figcaption {
-                (glue(&figure.caption)) " "
-                span.soft.files {
-                    a href=(file("svg")) { "SVG" } " · "
-                    a href=(file("png")) { "PNG" } " · "
-                    a href=(file("csv")) { "numbers (CSV)" }
-                }
-            }
+            (sheet(figure))
+            figcaption { (glue(&figure.caption)) " " (files(figure)) }
+        }
+    }
+}
+
+/// The drawing of a figure.
+pub(super) fn sheet(figure: &Figure) -> Markup {
+    html! {
+        div.sheet role="img" aria-label=(plain(&figure.title)) { (PreEscaped(figure.svg.as_str())) }
+    }
+}
+
+/// Links to the files of a figure.
+pub(super) fn files(figure: &Figure) -> Markup {
+    let file = |extension: &str| format!("figures/{}.{extension}", figure.stem);
+    html! {
+        span.soft.files {
+            a href=(file("svg")) { "SVG" } " · "
+            a href=(file("png")) { "PNG" } " · "
+            a href=(file("csv")) { "numbers (CSV)" }
         }
     }
 }

@@ -3,10 +3,18 @@
 
 use std::path::Path;
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
-use super::{Figure, ReportError, figures, html::glue, html::head};
-use crate::{paper::text::compact, record::write_file};
+use super::{
+    Figure, ReportError,
+    axis::Axis,
+    html::{files, glue, sheet},
+    page::{Block, Page},
+    plot::{Look, Plot},
+    style,
+    table::{Cell, Table, dash, row, table},
+};
+use crate::paper::text::compact;
 
 /// A law with what each engine made of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,63 +82,53 @@ pub struct LawCurve {
 pub fn write_laws(out: &Path, cases: &[LawCase]) -> Result<(), ReportError> {
     let mut drawn = Vec::new();
     for case in cases {
-        let figure = figures::of_law(case)?;
+        let figure = figure(case)?;
         figure.write(&out.join("figures"))?;
         drawn.push(figure);
     }
-    write_file(&out.join("report.html"), page(cases, &drawn).as_bytes())?;
-    Ok(())
+    page(cases, &drawn).write(out, &["report.html"])
 }
 
-fn page(cases: &[LawCase], figures: &[Figure]) -> String {
+fn page(cases: &[LawCase], figures: &[Figure]) -> Page {
     let rows = || cases.iter().flat_map(|c| &c.rows);
     let met = rows().filter(|r| r.met).count();
     let unexpected: Vec<&LawCase> =
         cases.iter().filter(|c| c.rows.iter().any(|r| !r.as_expected)).collect();
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            (head("Exact laws and what engines make of them"))
-            body {
-                header {
-                    h1 { "Exact laws and what engines make of them" }
-                    p.lead {
-                        "Of " (rows().count()) " experiments, " (met) " obey their law within the stated "
-                        "tolerance. " (rows().filter(|r| !r.met && r.as_expected).count()) " do not, for "
-                        "reasons that are known and given below"
-                        @if unexpected.is_empty() { "; none is a surprise." }
-                        @else { "; " (unexpected.len()) " cases came out otherwise than expected." }
-                    }
-                    @if !unexpected.is_empty() {
-                        p.banner {
-                            "Unexpected: "
-                            @for (i, case) in unexpected.iter().enumerate() {
-                                @if i > 0 { ", " }
-                                a href={ "#" (case.id) } { (case.id) }
-                            }
-                        }
-                    }
-                }
-                main {
-                    section id="table" { h2 { "All cases" } (table(cases)) }
-                    section id="cases" {
-                        h2 { "Case by case" }
-                        @for (case, figure) in cases.iter().zip(figures) { (one(case, figure)) }
-                    }
+    let lead = format!(
+        "Of {} experiments, {met} obey their law within the stated tolerance. {} do not, for reasons \
+         that are known and given below; {}.",
+        rows().count(),
+        rows().filter(|r| !r.met && r.as_expected).count(),
+        match unexpected.len() {
+            0 => "none is a surprise".to_owned(),
+            n => format!("{n} cases came out otherwise than expected"),
+        }
+    );
+    let mut head = vec![Block::Lead(lead)];
+    if !unexpected.is_empty() {
+        head.push(Block::Html(html! {
+            p.banner {
+                "Unexpected: "
+                @for (i, case) in unexpected.iter().enumerate() {
+                    @if i > 0 { ", " }
+                    a href={ "#" (case.id) } { (case.id) }
                 }
             }
-        }
+        }));
     }
-    .into_string()
+    let each = cases.iter().zip(figures).map(|(case, figure)| Block::Html(one(case, figure)));
+    Page::new("Exact laws and what engines make of them", head)
+        .section("table", "All cases", [Block::Table(table(cases))])
+        .section("cases", "Case by case", each)
 }
 
-fn badge(row: &LawRow) -> Markup {
+fn badge(row: &LawRow) -> Cell {
     let class = match (row.met, row.as_expected) {
         (true, true) => "within",
         (false, true) => "not_stated",
         (_, false) => "outside",
     };
-    html! { span.verdict.(class) { (row.verdict) } }
+    Cell::badge(class, &row.verdict)
 }
 
 fn value(value: f64) -> String {
@@ -141,38 +139,28 @@ fn value(value: f64) -> String {
     }
 }
 
-fn table(cases: &[LawCase]) -> Markup {
-    html! {
-        div.scroll { table {
-            thead { tr {
-                th { "Case" } th { "Setting" } th.n { "Expected" } th.n { "Got" }
-                th.n { "Tolerance" } th { "Unit" } th { "Verdict" }
-            } }
-            tbody {
-                @for case in cases { @for (i, row) in case.rows.iter().enumerate() {
-                    tr {
-                        th { @if i == 0 { a href={ "#" (case.id) } { (case.id) } } }
-                        td { (row.setting) }
-                        td.n { (value(row.expected)) }
-                        td.n { @match row.got { Some(got) => (value(got)), None => "–" } }
-                        td.n { (value(row.tolerance)) }
-                        td { (row.unit) }
-                        td { (badge(row)) }
-                    }
-                } }
-            }
-        } }
-    }
+fn table(cases: &[LawCase]) -> Table {
+    let rows = cases.iter().flat_map(|c| c.rows.iter().enumerate().map(move |(i, r)| (c, i, r)));
+    table!(rows, |(case, i, row)| {
+        "Case" => Cell::default().on_page(&html! {
+            @if i == 0 { a href={ "#" (case.id) } { (case.id) } }
+        }),
+        "Setting" => &row.setting,
+        "Expected" => Cell::number(value(row.expected)),
+        "Got" => Cell::number(row.got.map_or_else(dash, value)),
+        "Tolerance" => Cell::number(value(row.tolerance)),
+        "Unit" => &row.unit,
+        "Verdict" => badge(row),
+    })
 }
 
 fn one(case: &LawCase, figure: &Figure) -> Markup {
-    let file = |extension: &str| format!("figures/{}.{extension}", figure.stem);
     html! {
         figure id=(case.id) {
             h3 { (case.title) }
             p { "Law: " (glue(&case.law)) ". Measured: " (glue(&case.quantity)) "." }
             p.soft { (glue(&case.source)) }
-            div.sheet role="img" aria-label=(case.title) { (PreEscaped(figure.svg.as_str())) }
+            (sheet(figure))
             figcaption {
                 @for row in &case.rows {
                     p {
@@ -182,12 +170,67 @@ fn one(case: &LawCase, figure: &Figure) -> Markup {
                         @for remark in &row.remarks { ". " (glue(remark)) }
                     }
                 }
-                span.soft.files {
-                    a href=(file("svg")) { "SVG" } " · "
-                    a href=(file("png")) { "PNG" } " · "
-                    a href=(file("csv")) { "numbers (CSV)" }
-                }
+                (files(figure))
             }
         }
     }
+}
+
+/// Points of a curve that are drawn and tabulated.
+const MOST_POINTS: usize = 1500;
+
+/// The figure of one case.
+///
+/// # Errors
+/// [`ReportError::Figure`].
+fn figure(case: &LawCase) -> Result<Figure, ReportError> {
+    let points = || case.curves.iter().flat_map(|c| &c.points);
+    let x_values: Vec<f64> = points().map(|p| p.0).filter(|v| v.is_finite()).collect();
+    let y_values: Vec<f64> = points().map(|p| p.1).filter(|v| v.is_finite()).collect();
+    // Errors over scales of length: both over many decades.
+    let decades = |values: &[f64]| {
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(0.0, f64::max);
+        low > 0.0 && high / low > 1e3
+    };
+    let axis = |name: &str, values: Vec<f64>| {
+        Axis::scaled(decades(&values) && !name.contains("(s)"), name, values)
+    };
+    let mut plot = Plot::new(axis(&case.x, x_values), axis(&case.y, y_values));
+    let mut settings: Vec<&str> = Vec::new();
+    let mut table = Table::new(["setting", "curve", "x", "y"]);
+    // The law is drawn over the engines' curves.
+    let order = case.curves.iter().filter(|c| c.setting.is_some());
+    let laws: Vec<&LawCurve> = case.curves.iter().filter(|c| c.setting.is_none()).collect();
+    for curve in order {
+        let setting = curve.setting.as_deref().unwrap_or_default();
+        let first = !settings.contains(&setting);
+        if first {
+            settings.push(setting);
+        }
+        let n = settings.iter().position(|s| *s == setting).unwrap_or(0);
+        let label = if first { setting } else { "" };
+        plot.add(label, Look::line(n).thin(), thinned(&curve.points));
+    }
+    if let Some(law) = laws.first() {
+        plot.add(&law.name, Look::of(style::INK).dash(style::DASHED), thinned(&law.points));
+    }
+    for curve in &case.curves {
+        let setting = curve.setting.as_deref().unwrap_or("law");
+        for (x, y) in thinned(&curve.points) {
+            table.row(row![setting, &curve.name, x, y]);
+        }
+    }
+    Figure::new(&case.id, &case.title, &case.quantity, &[plot], &table)
+}
+
+fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let every = points.len().div_ceil(MOST_POINTS).max(1);
+    let last = points.len().saturating_sub(1);
+    points
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| i % every == 0 || *i == last)
+        .map(|(_, p)| *p)
+        .collect()
 }

@@ -4,36 +4,32 @@
 mod axis;
 mod beside;
 mod calibration;
-mod calibration_page;
 mod chart;
 mod choices;
 mod column_chart;
 mod columns;
 mod comparison;
 mod convergence;
-mod convergence_page;
 mod dash;
 mod figures;
 mod html;
 mod interpretations;
 mod laws;
 mod mean_settlement;
+mod page;
 mod picture;
-mod pile_choices;
 mod plot;
 mod png;
 mod quality;
-mod scorecard;
 mod sections;
 mod sensitivity;
-mod sensitivity_page;
 mod shortfalls;
 mod silhouette;
 mod style;
 mod sweep;
 mod sweep_page;
+mod table;
 mod targets;
-mod text_table;
 mod uncertainty;
 
 #[cfg(test)]
@@ -45,7 +41,7 @@ use crate::{
     grains::{GrainShape, ParticleSizeDistribution, SieveAnalysis},
     measure,
     paper::{Claim, Gradation, Scorecard, StudyView},
-    record::{AngleOfRepose, FileError, RunRecord, create_folder, write_file},
+    record::{AngleOfRepose, FileError, RunRecord},
     specimen::Specimen,
     units::to_mm,
     world::EffectiveSettings,
@@ -54,15 +50,14 @@ use crate::{
 pub use beside::{Column, Finding};
 pub use calibration::{
     Calibration, CalibrationEnding, CalibrationRun, CalibrationSolution, CalibrationValue,
-    FrictionIdentity, target_in_words, unknown_in_words, with_unit, write_calibration,
-    write_calibration_runs,
+    FrictionIdentity, found as calibration_rows, target_in_words, unknown_in_words, with_unit,
+    write_calibration, write_calibration_runs,
 };
-pub use calibration_page::found as calibration_rows;
 pub use chart::{Chart, ChartCurve, ChartMark, CurveStyle, Panel};
-pub use choices::{Choice, choices};
+pub use choices::{Choice, choices, pile_choices};
 pub use column_chart::{ChartColumn, ChartStyle, ColumnChart};
-pub use columns::{ColumnRange, ColumnTable};
-pub use comparison::{ComparedQuantity, ComparedRun, Comparison, write_comparison};
+pub use columns::{ColumnRange, ColumnTable, unit_of};
+pub use comparison::{CompareRecord, CompareRun, ComparedQuantity, write_comparison};
 pub use convergence::{
     Cheapest, Convergence, ConvergenceRow, Deviation, Deviations, write_convergence,
 };
@@ -74,7 +69,6 @@ pub use interpretations::{
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use mean_settlement::MeanSettlement;
 pub use picture::Picture;
-pub use pile_choices::pile_choices;
 pub use png::{draw as draw_svg, render as svg_to_png};
 pub use quality::Standard;
 pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};
@@ -138,15 +132,10 @@ pub fn write(out: &Path, input: &ReportInput) -> Result<(), ReportError> {
     let headline = figures::headline(&input.study, input.beside)?;
     let mut figures = figures::of_study(&input.study, &input.standard)?;
     figures.extend_from_slice(input.piles);
-    for figure in std::iter::once(&headline).chain(&figures) {
-        figure.write(&out.join("figures"))?;
-    }
     for picture in input.pictures {
         picture.write(&out.join("figures"))?;
     }
-    let page = html::page(input, &headline, &figures);
-    write_file(&out.join("report.html"), page.as_bytes())?;
-    Ok(())
+    html::page(input, headline, figures).write(out, &["report.html"])
 }
 
 /// Writes the figures of a set of grains into a folder: `grain-size-distribution`
@@ -177,11 +166,7 @@ pub fn grain_figures(
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn run_figures(folder: &Path, run: &RunRecord) -> Result<(), ReportError> {
-    create_folder(folder)?;
-    for figure in figures::of_run(run)? {
-        figure.write(folder)?;
-    }
-    Ok(())
+    figures::of_run(run)?.iter().try_for_each(|figure| figure.write(folder))
 }
 
 /// Writes the figures of a pile into a folder: `pile`, its side view with the
@@ -194,11 +179,8 @@ pub fn pile_figures(
     specimen: &Specimen,
     pile: &AngleOfRepose,
 ) -> Result<(), ReportError> {
-    create_folder(folder)?;
-    for figure in figures::of_pile(specimen, pile, base_level_mm(specimen))? {
-        figure.write(folder)?;
-    }
-    Ok(())
+    let figures = figures::of_pile(specimen, pile, base_level_mm(specimen))?;
+    figures.iter().try_for_each(|figure| figure.write(folder))
 }
 
 /// The side view of a pile with its fitted flanks, to be shown elsewhere.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::record::RunRecord;
+use crate::record::{RunRecord, left_out_in_words};
 
 /// The accuracy standard (`docs/accuracy.md`): what a run must stay below.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -46,6 +46,14 @@ impl CreepShare {
 /// to rest.
 pub fn vibration_s(run: &RunRecord) -> Option<f64> {
     run.summary.shaken_s().map(|(first, last)| last - first).filter(|t| *t > 0.0)
+}
+
+/// That runs are left out of means, as another sentence with how it ends; nothing where none is.
+pub(super) fn sentence_of_left_out(left_out: usize, of: usize, end: &str) -> String {
+    match left_out_in_words(left_out, of) {
+        said if said.is_empty() => said,
+        said => format!(" {said}{end}."),
+    }
 }
 
 #[cfg(test)]

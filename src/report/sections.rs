@@ -5,17 +5,17 @@ use maud::{Markup, html};
 use super::{
     Choice, Column, ReportInput,
     html::{glue, name},
+    page::Block,
+    table::{Cell, Table, dash, row, table},
 };
 use crate::{
     paper::{
-        Claim, ClaimKind, Interval, NotValid, PaperValue, StudyView, Verdict,
+        Claim, ClaimKind, Interval, NotValid, PaperValue, Scorecard, StudyView, Verdict,
         text::{compact, number},
     },
-    plain::plain,
-    record::{AngleOfRepose, NO_VALID_RUN, RunKind, RunRecord, Settlement, left_out_in_words},
+    record::{NO_VALID_RUN, RunKind, RunRecord, left_out_in_words},
 };
 
-/// Class and name of a verdict.
 fn verdict(verdict: Verdict) -> (&'static str, &'static str) {
     match verdict {
         Verdict::Within => ("within", "✓ within"),
@@ -26,8 +26,8 @@ fn verdict(verdict: Verdict) -> (&'static str, &'static str) {
     }
 }
 
-/// A verdict with why there is none, in words.
-pub(super) fn verdict_badge(of: Verdict, reason: &str) -> Markup {
+/// A verdict, with what makes it where it is not obvious.
+fn verdict_badge(of: Verdict, reason: &str) -> Markup {
     let (class, name) = verdict(of);
     html! {
         span.verdict.(class) { (name) }
@@ -37,107 +37,137 @@ pub(super) fn verdict_badge(of: Verdict, reason: &str) -> Markup {
     }
 }
 
-/// The claims as a table, results first, with a tally of the results above; what other engines
-/// made of them in a column each.
-pub(super) fn claims(claims: &[Claim], beside: &[Column]) -> Markup {
+/// How many runs a number is without.
+fn left_out(count: usize) -> Markup {
+    html! { @if count > 0 { " " span.unit { "(left out: " (count) ")" } } }
+}
+
+fn number_on_page(shown: &Markup) -> Cell {
+    Cell::number("").on_page(shown)
+}
+
+/// The results that decide.
+pub(super) fn scorecard(card: &Scorecard) -> Vec<Block> {
+    let table = table!(&card.rows, |row| {
+        "Statement" => Cell::default().on_page(&html! {
+            @match row.claims.first() {
+                Some(claim) => { a href={ "#claim-" (claim) } { (row.statement) } }
+                None => { (row.statement) }
+            }
+            " " span.soft { (row.source) }
+        }),
+        "Paper" => number_on_page(&html! { (glue(&row.paper)) }),
+        "Ours" => number_on_page(&html! { (glue(&row.in_words)) (left_out(row.left_out)) }),
+        "Verdict" => Cell::default().on_page(&html! {
+            (verdict_badge(row.verdict, &row.reason))
+            @if row.is_undecided() { " " span.soft { "not decided" } }
+        }),
+    });
+    let reading = html! {
+        p.soft {
+            "Means over the configurations, each the same grains mixed anew, with the 95 % confidence "
+            "interval of the mean in brackets. “Within”: the mean lies where the paper's number is read to "
+            "lie; of a count: all show it; of the angle: the interval holds the paper's. “Not decided”: the "
+            "interval reaches across an end of the paper's range. Every statement by itself: "
+            a href="#claims" { "table" } "."
+        }
+    };
+    vec![Block::Table(table.class("claims cards scorecard")), Block::Html(reading)]
+}
+
+/// Every statement of the paper, what was found, and what other engines and settings found.
+pub(super) fn claims(claims: &[Claim], beside: &[Column]) -> Vec<Block> {
     let count = |v| claims.iter().filter(|c| c.kind == ClaimKind::Result && c.verdict == v).count();
-    let kinds = [
-        (ClaimKind::Result, "Results"),
-        (ClaimKind::NoNumber, "Statements without a number in the paper's text"),
-        (ClaimKind::Input, "Inputs, and what follows from them"),
-    ];
-    html! {
+    let tally = html! {
         ul.tally {
             @for v in [Verdict::Within, Verdict::Outside, Verdict::NotRun, Verdict::NotComparable] {
                 @let (class, name) = verdict(v);
                 li { span.verdict.(class) { (name) ": " (count(v)) } }
             }
         }
-        p.soft {
-            "Counted are the results alone. “Within”: our number lies where the paper's is read to lie. "
-            "“Outside”: it does not. “Not run”: it was not measured. “Not comparable”: it was, but on a "
-            "smaller specimen, or in runs that do not count; what such runs show stands in "
-            "brackets. “Not stated”: the text gives no number; ours is for information. Ours is of the runs "
-            "that count (docs/accuracy.md)."
-            @if !beside.is_empty() {
-                " The last columns are the same programme by other engines or settings."
-            }
-        }
-        table.claims.cards {
-            thead { tr {
-                th { "Statement" } th.n { "Paper" } th.n { "Ours" } th { "Verdict" }
-                @for column in beside { th.n { (name(&column.label)) } }
-            } }
-            @for (kind, title) in kinds {
-                @let of_kind: Vec<&Claim> = claims.iter().filter(|c| c.kind == kind).collect();
-                @if !of_kind.is_empty() {
-                    tbody {
-                        tr.kind { th scope="rowgroup" colspan=(4 + beside.len()) { (title) } }
-                        @for claim in of_kind { (claim_row(claim, beside)) }
-                    }
-                }
-            }
-        }
+    };
+    let mut reading =
+        "Counted are the results alone. “Within”: our number lies where the paper's is read to lie. \
+         “Outside”: it does not. “Not run”: it was not measured. “Not comparable”: it was, but on a \
+         smaller specimen, or in runs that do not count; what such runs show stands in brackets. “Not \
+         stated”: the text gives no number; ours is for information. Ours is of the runs that count \
+         (docs/accuracy.md)."
+            .to_owned();
+    if !beside.is_empty() {
+        reading += " The last columns are the same programme by other engines or settings.";
     }
+    let header = ["Statement", "Paper", "Ours", "Verdict"].into_iter();
+    let mut table = Table::new(header.chain(beside.iter().map(|c| c.label.as_str())));
+    for (kind, title) in [
+        (ClaimKind::Result, "Results"),
+        (ClaimKind::NoNumber, "Statements without a number in the paper's text"),
+        (ClaimKind::Input, "Inputs, and what follows from them"),
+    ] {
+        let mut of_kind = claims.iter().filter(|c| c.kind == kind).peekable();
+        if of_kind.peek().is_some() {
+            table.part(title);
+        }
+        of_kind.for_each(|claim| table.row(claim_row(claim, beside)));
+    }
+    vec![Block::Html(tally), Block::Soft(reading), Block::Table(table.class("claims cards"))]
 }
 
-fn claim_row(claim: &Claim, beside: &[Column]) -> Markup {
-    let paper = match claim.paper {
-        None => "–".to_owned(),
-        Some(PaperValue::Value { value }) => compact(value),
-        Some(PaperValue::Range(i)) => format!("{} to {}", compact(i.low), compact(i.high)),
-    };
+fn claim_row(claim: &Claim, beside: &[Column]) -> Vec<Cell> {
     // The interval is worth a line where it is not what the paper prints.
     let read_as = claim.read_as.filter(|i| {
         i.high - i.low > 1e-3 * i.high.abs().max(1.0)
             && !matches!(claim.paper, Some(PaperValue::Range(_)))
     });
-    html! {
-        tr id={ "claim-" (claim.id) } {
-            td {
-                (claim.statement) " " span.soft { (claim.source) }
-                @if !claim.note.is_empty() || !claim.runs.is_empty() {
-                    details {
-                        summary { "How read" }
-                        span.soft {
-                            (glue(&claim.note))
-                            @if !claim.runs.is_empty() { " Runs: " (name(&claim.runs.join(", "))) "." }
-                        }
-                    }
-                }
-            }
-            td.n data-label="Paper" {
-                (paper)
-                @if let Some(i) = read_as {
-                    " " span.unit { "(read as " (compact(i.low)) " to " (compact(i.high)) ")" }
-                }
-            }
-            td.n data-label="Ours" {
-                (value_or_not_valid(claim.ours, claim.spread, claim.not_valid, &claim.unit))
-                @if !claim.left_out.is_empty() {
-                    " " span.unit { "(left out: " (claim.left_out.len()) ")" }
-                }
-            }
-            td { (verdict_badge(claim.verdict, &claim.reason)) }
-            @for column in beside {
-                td.n data-label=(plain(&column.label)) {
-                    @match column.claims.get(&claim.id) {
-                        None => { "–" }
-                        Some(found) => {
-                            (value_or_not_valid(found.ours, found.spread, found.not_valid, &claim.unit)) " "
-                            @let (class, name) = verdict(found.verdict);
-                            @if found.ours.is_some()
-                                && matches!(found.verdict, Verdict::Within | Verdict::Outside) {
-                                span.verdict.(class) title=(name) {
-                                    (name.chars().take(1).collect::<String>())
-                                }
-                            }
-                        }
-                    }
+    let statement = html! {
+        span id={ "claim-" (claim.id) } { (claim.statement) } " " span.soft { (claim.source) }
+        @if !claim.note.is_empty() || !claim.runs.is_empty() {
+            details {
+                summary { "How read" }
+                span.soft {
+                    (glue(&claim.note))
+                    @if !claim.runs.is_empty() { " Runs: " (name(&claim.runs.join(", "))) "." }
                 }
             }
         }
-    }
+    };
+    let paper = html! {
+        (paper_value(claim).unwrap_or_else(dash))
+        @if let Some(i) = read_as { " " span.unit { "(read as " (range(i)) ")" } }
+    };
+    let ours = html! {
+        (value_or_not_valid(claim.ours, claim.spread, claim.not_valid, &claim.unit))
+        (left_out(claim.left_out.len()))
+    };
+    let mut cells = row![
+        Cell::default().on_page(&statement),
+        number_on_page(&paper),
+        number_on_page(&ours),
+        Cell::default().on_page(&verdict_badge(claim.verdict, &claim.reason)),
+    ];
+    cells.extend(beside.iter().map(|column| {
+        let Some(found) = column.claims.get(&claim.id) else { return Cell::number(dash()) };
+        let (class, name) = verdict(found.verdict);
+        let is_judged = matches!(found.verdict, Verdict::Within | Verdict::Outside);
+        number_on_page(&html! {
+            (value_or_not_valid(found.ours, found.spread, found.not_valid, &claim.unit)) " "
+            @if found.ours.is_some() && is_judged {
+                span.verdict.(class) title=(name) { (name.chars().take(1).collect::<String>()) }
+            }
+        })
+    }));
+    cells
+}
+
+fn range(of: Interval) -> String {
+    format!("{} to {}", compact(of.low), compact(of.high))
+}
+
+/// What the paper gives, in words.
+pub(super) fn paper_value(claim: &Claim) -> Option<String> {
+    Some(match claim.paper? {
+        PaperValue::Value { value } => compact(value),
+        PaperValue::Range(i) => range(i),
+    })
 }
 
 /// A value, or in brackets what runs show that are not valid.
@@ -158,170 +188,133 @@ fn value_or_not_valid(
 
 /// A value with its unit and, where several make it, its spread.
 fn value(value: Option<f64>, unit: &str, spread: Option<Interval>) -> Markup {
+    let Some(value) = value else { return html! { "–" } };
     html! {
-        @match value {
-            None => { "–" }
-            Some(value) => {
-                (compact(value)) " "
-                @if unit != "–" { span.unit { (unit) } }
-                @if let Some(s) = spread {
-                    @if s.high > s.low {
-                        " " span.unit { "[" (compact(s.low)) " … " (compact(s.high)) "]" }
-                    }
-                }
-            }
+        (compact(value)) " "
+        @if unit != "–" { span.unit { (unit) } }
+        @if let Some(s) = spread.filter(|s| s.high > s.low) {
+            " " span.unit { "[" (compact(s.low)) " … " (compact(s.high)) "]" }
         }
     }
 }
 
-/// One line a run.
-pub(super) fn runs(study: &StudyView) -> Markup {
-    html! {
-        @if study.runs.is_empty() {
-            p { "No run is finished." }
-        } @else {
-            (counting(study))
-            p.soft {
-                "Heights in mm above the floor: mean of the surface, its 95th percentile, highest "
-                "point of any grain. e: void ratio to the mean surface. Settlement in mm at the end, "
-                "of the plate and of the mean surface, and the plate's share after 5 s. Overlap in % of "
-                "the equivalent diameter. Creep in µm/s, and the drop of the mean grain height in the "
-                "rest test in µm over its length. Z: mean number of grains touching a grain. Grains "
-                "through a wall / over the rim / left in the funnel are listed as lost."
-            }
-            div.scroll { table {
-                thead { tr {
-                    th { "Run" } th.n { "FH, cm" }
-                    th.n { "Mean" } th.n { "p95" } th.n { "Highest" } th.n { "e" }
-                    th.n { "Plate" } th.n { "Surface" } th.n { "In 5 s" }
-                    th.n { "Overlap mean / p99 / max" }
-                    th.n { "Creep" } th.n { "RestTest" } th.n { "Z" }
-                    th.n { "Lost" } th { "Standard" } th { "Valid" } th.n { "Wall time" }
-                } }
-                tbody { @for run in study.runs.iter().filter(|r| r.kind != RunKind::Repose) {
-                    (run_row(run))
-                } }
-            } }
-            (piles(study))
-        }
+/// One line a run, and one a pile.
+pub(super) fn runs(study: &StudyView) -> Vec<Block> {
+    if study.runs.is_empty() {
+        return vec![Block::Text("No run is finished.".to_owned())];
     }
+    let reading = "Heights in mm above the floor: mean of the surface, its 95th percentile, highest \
+                   point of any grain. e: void ratio to the mean surface. Settlement in mm at the end, \
+                   of the plate and of the mean surface, and the plate's share after 5 s. Overlap in % \
+                   of the equivalent diameter. Creep in µm/s, and the drop of the mean grain height in \
+                   the rest test in µm over its length. Z: mean number of grains touching a grain. \
+                   Grains through a wall / over the rim / left in the funnel are listed as lost.";
+    let of_cylinder = study.runs.iter().filter(|r| r.kind != RunKind::Repose);
+    let table = table!(of_cylinder.map(|r| (r, &r.summary)), |(run, s)| {
+        "Run" => &run.name,
+        "FH, cm" => Cell::fixed(run.falling_height_mm / 10.0, 0),
+        "Mean" => Cell::fixed(s.standing_height_mm.mean_surface, 1),
+        "p95" => Cell::fixed(s.standing_height_mm.p95, 1),
+        "Highest" => Cell::fixed(s.standing_height_mm.highest, 1),
+        "e" => Cell::fixed(s.void_ratio, 3),
+        "Plate" => Cell::fixed(s.settlement_mm.as_ref().map(|s| s.final_mm), 2),
+        "Surface" => Cell::fixed(s.surface_settlement_mm.as_ref().map(|s| s.final_mm), 2),
+        "In 5 s" => Cell::number(share_after_5_s(run)),
+        "Overlap mean / p99 / max" => Cell::number(overlaps(run)),
+        "Creep" => Cell::fixed(s.creep_um_per_s, 1),
+        "Rest test" => Cell::number(rest_test(run)),
+        "Z" => Cell::fixed(s.coordination_number, 2),
+        "Lost" => Cell::number(lost(run)),
+        "Standard" => standard_badge(s.meets_standard),
+        "Valid" => valid_badge(run),
+        "Wall time" => Cell::number(wall_time(s.wall_s)),
+    });
+    let mut blocks = vec![counting(study), Block::Soft(reading.to_owned()), Block::Table(table)];
+    blocks.extend(piles(study));
+    blocks
+}
+
+fn share_after_5_s(run: &RunRecord) -> String {
+    let share = run.summary.settlement_mm.as_ref().and_then(|s| s.share_after_5_s);
+    share.map_or_else(dash, |share| format!("{} %", number(100.0 * share, 0)))
+}
+
+fn overlaps(run: &RunRecord) -> String {
+    let o = run.summary.overlap;
+    [o.mean_percent, o.p99_percent, o.max_percent].map(|v| number(v, 2)).join(" / ")
+}
+
+fn rest_test(run: &RunRecord) -> String {
+    run.summary.rest_test.map_or_else(dash, |test| {
+        let um = 1e3 * test.mean_grain_height_drop_mm;
+        format!("{} in {} s", number(um, 1), number(test.duration_s, 1))
+    })
+}
+
+fn lost(run: &RunRecord) -> String {
+    let g = &run.summary.grains;
+    format!("{} / {} / {}", g.escaped, g.spilled, g.left_in_funnel)
 }
 
 /// One line a pile; nothing without any.
-fn piles(study: &StudyView) -> Markup {
-    let piles: Vec<&RunRecord> = study.of_kind(RunKind::Repose).collect();
-    if piles.is_empty() {
-        return html! {};
+fn piles(study: &StudyView) -> Vec<Block> {
+    let reading = "Angle of repose with the 95 % confidence interval of that pile's mean slope, standard \
+                   deviation over sectors of 10°, and the slope of the cone of the same volume and \
+                   height. Height and radius in mm. Grains fallen off the base.";
+    let degrees = |v: Option<f64>| Cell::number(v.map_or_else(dash, |v| number(v, 1)) + "°");
+    let of_piles = study.of_kind(RunKind::Repose);
+    let of_piles = of_piles.map(|r| (r, &r.summary, r.summary.angle_of_repose.as_ref()));
+    let table = table!(of_piles, |(run, s, pile)| {
+        "Run" => &run.name,
+        "Angle" => degrees(pile.map(|p| p.degrees)),
+        "95 %" => Cell::number(pile.map_or_else(dash, |p| {
+            let ends = [p.confidence_low_degrees, p.confidence_high_degrees];
+            ends.map(|v| number(v, 1)).join(" to ") + "°"
+        })),
+        "Sectors" => degrees(pile.map(|p| p.standard_deviation_degrees)),
+        "By volume" => degrees(pile.map(|p| p.by_volume_degrees)),
+        "Height" => Cell::fixed(pile.map(|p| p.pile_height_mm), 1),
+        "Radius" => Cell::fixed(pile.map(|p| p.base_radius_mm), 1),
+        "Fallen off" => s.grains.spilled,
+        "Overlap mean / p99 / max" => Cell::number(overlaps(run)),
+        "Creep" => Cell::fixed(s.creep_um_per_s, 1),
+        "Standard" => standard_badge(s.meets_standard),
+        "Valid" => valid_badge(run),
+        "Wall time" => Cell::number(wall_time(s.wall_s)),
+    });
+    if table.is_empty() {
+        return Vec::new();
     }
-    html! {
-        h3 { "Piles" }
-        p.soft {
-            "Angle of repose with the 95 % confidence interval of that pile's mean slope, standard "
-            "deviation over sectors of 10°, and the slope of the cone of the same volume and height. "
-            "Height and radius in mm. Grains fallen off the base."
-        }
-        div.scroll { table {
-            thead { tr {
-                th { "Run" } th.n { "Angle" } th.n { "95 %" } th.n { "Sectors" } th.n { "By volume" }
-                th.n { "Height" } th.n { "Radius" } th.n { "Fallen off" }
-                th.n { "Overlap mean / p99 / max" } th.n { "Creep" } th { "Standard" } th { "Valid" }
-                th.n { "Wall time" }
-            } }
-            tbody { @for run in piles { (pile_row(run)) } }
-        } }
-    }
+    vec![Block::Heading("Piles".to_owned()), Block::Soft(reading.to_owned()), Block::Table(table)]
 }
 
-fn pile_row(run: &RunRecord) -> Markup {
-    let s = &run.summary;
-    let of = |value: fn(&AngleOfRepose) -> f64| {
-        s.angle_of_repose.as_ref().map_or("–".to_owned(), |a| number(value(a), 1))
-    };
-    let o = s.overlap;
-    let overlaps = [o.mean_percent, o.p99_percent, o.max_percent].map(|v| number(v, 2));
-    html! {
-        tr {
-            th scope="row" { (name(&run.name)) }
-            td.n { (of(|a| a.degrees)) "°" }
-            td.n { (of(|a| a.confidence_low_degrees)) " to " (of(|a| a.confidence_high_degrees)) "°" }
-            td.n { (of(|a| a.standard_deviation_degrees)) "°" }
-            td.n { (of(|a| a.by_volume_degrees)) "°" }
-            td.n { (of(|a| a.pile_height_mm)) }
-            td.n { (of(|a| a.base_radius_mm)) }
-            td.n { (s.grains.spilled) }
-            td.n { (overlaps.join(" / ")) }
-            td.n { (s.creep_um_per_s.map_or("–".to_owned(), |c| number(c, 1))) }
-            td { (standard_badge(s.meets_standard)) }
-            td { (valid_badge(run)) }
-            td.n { (wall_time(s.wall_s)) }
-        }
-    }
-}
-
-fn standard_badge(met: bool) -> Markup {
-    let (class, name) = if met { ("within", "✓ met") } else { ("outside", "✗ not met") };
-    html! { span.verdict.(class) { (name) } }
+fn standard_badge(is_met: bool) -> Cell {
+    if is_met { Cell::badge("within", "✓ met") } else { Cell::badge("outside", "✗ not met") }
 }
 
 /// Whether a run is valid and counts in means, with what is against it.
-fn valid_badge(run: &RunRecord) -> Markup {
+fn valid_badge(run: &RunRecord) -> Cell {
     let against = run.summary.why_left_out();
     let (class, name) = match (run.summary.valid, against.is_empty()) {
         (true, true) => ("within", "✓ valid"),
         (true, false) => ("outside", "✗ left out of means"),
         (false, _) => ("outside", "✗ not valid"),
     };
-    html! {
+    Cell::default().on_page(&html! {
         span.verdict.(class) { (name) }
         @if !against.is_empty() { br; span.soft { (glue(&against.join("; "))) } }
-    }
+    })
 }
 
 /// How many runs count in means, and which do not.
-fn counting(study: &StudyView) -> Markup {
+fn counting(study: &StudyView) -> Block {
     let left_out: Vec<&str> =
         study.runs.iter().filter(|r| !r.counts_in_means()).map(|r| r.name.as_str()).collect();
-    let said = left_out_in_words(left_out.len(), study.runs.len());
-    html! {
-        @if said.is_empty() {
-            p { "All " (study.runs.len()) " runs are valid and count in means." }
-        } @else {
-            p.banner { (said) ", ranges and claims: " (left_out.join(", ")) "." }
+    match left_out_in_words(left_out.len(), study.runs.len()) {
+        said if said.is_empty() => {
+            Block::Text(format!("All {} runs are valid and count in means.", study.runs.len()))
         }
-    }
-}
-
-fn run_row(run: &RunRecord) -> Markup {
-    let s = &run.summary;
-    let optional = |v: Option<f64>, decimals| v.map_or("–".to_owned(), |v| number(v, decimals));
-    let end = |s: &Option<Settlement>| optional(s.as_ref().map(|s| s.final_mm), 2);
-    let share = s.settlement_mm.as_ref().and_then(|s| s.share_after_5_s).map(|s| 100.0 * s);
-    let rest_test = s.rest_test.map_or("–".to_owned(), |c| {
-        let um = 1e3 * c.mean_grain_height_drop_mm;
-        format!("{} in {} s", number(um, 1), number(c.duration_s, 1))
-    });
-    let o = s.overlap;
-    let overlaps = [o.mean_percent, o.p99_percent, o.max_percent].map(|v| number(v, 2));
-    html! {
-        tr {
-            th scope="row" { (name(&run.name)) }
-            td.n { (number(run.falling_height_mm / 10.0, 0)) }
-            td.n { (number(s.standing_height_mm.mean_surface, 1)) }
-            td.n { (number(s.standing_height_mm.p95, 1)) }
-            td.n { (number(s.standing_height_mm.highest, 1)) }
-            td.n { (optional(s.void_ratio, 3)) }
-            td.n { (end(&s.settlement_mm)) }
-            td.n { (end(&s.surface_settlement_mm)) }
-            td.n { (optional(share, 0)) @if share.is_some() { " %" } }
-            td.n { (overlaps.join(" / ")) }
-            td.n { (optional(s.creep_um_per_s, 1)) }
-            td.n { (rest_test) }
-            td.n { (number(s.coordination_number, 2)) }
-            td.n { (s.grains.escaped) " / " (s.grains.spilled) " / " (s.grains.left_in_funnel) }
-            td { (standard_badge(s.meets_standard)) }
-            td { (valid_badge(run)) }
-            td.n { (wall_time(s.wall_s)) }
-        }
+        said => Block::Banner(format!("{said}, ranges and claims: {}.", left_out.join(", "))),
     }
 }
 
@@ -334,70 +327,70 @@ fn wall_time(seconds: f64) -> String {
     }
 }
 
+/// A name in bold, as the first cell of a card.
+fn strong(text: &str) -> Cell {
+    Cell::from(text).on_page(&html! { strong { (text) } })
+}
+
+fn code(text: &str) -> Cell {
+    Cell::from(text).on_page(&html! { code { (name(text)) } })
+}
+
 /// What was chosen where the paper is silent.
-pub(super) fn choices(choices: &[Choice]) -> Markup {
-    html! {
-        table.cards {
-            thead { tr { th { "Parameter" } th { "Value" } th { "Why" } th { "What it moves" } } }
-            tbody { @for c in choices { tr {
-                td { strong { (c.parameter) } }
-                td data-label="Value" { (c.value) }
-                td data-label="Why" { (c.reason) }
-                td data-label="What it moves" { (c.sensitivity) }
-            } } }
-        }
-    }
+pub(super) fn choices(choices: &[Choice]) -> Block {
+    let table = table!(choices, |choice| {
+        "Parameter" => strong(&choice.parameter),
+        "Value" => &choice.value,
+        "Why" => &choice.reason,
+        "What it moves" => &choice.sensitivity,
+    });
+    Block::Table(table.class("cards"))
 }
 
 /// What was watched while the runs went on, in a line each where something was found.
-fn checks(input: &ReportInput) -> Markup {
-    let runs = input.study.runs;
-    let line = |run: &RunRecord| match &run.summary.checks {
-        Some(checks) => (checks.passed, checks.line()),
-        None => (None, "not watched, being stored before checks were".to_owned()),
+fn checks(runs: &[RunRecord]) -> Vec<Block> {
+    let said = |run: &RunRecord| match &run.summary.checks {
+        Some(checks) if checks.passed == Some(true) => None,
+        Some(checks) => Some(format!("{}: {}", run.name, checks.line())),
+        None => Some(format!("{}: not watched, being stored before checks were", run.name)),
     };
-    let lines: Vec<(&str, Option<bool>, String)> = runs
-        .iter()
-        .map(|run| {
-            let (passed, line) = line(run);
-            (run.name.as_str(), passed, line)
-        })
-        .collect();
-    let passed = lines.iter().filter(|(_, passed, _)| *passed == Some(true)).count();
-    html! {
-        p { (passed) " of " (lines.len()) " runs passed every check: numbers, grains, walls, speeds, energy, overlap and creep are watched while a run goes on (docs/accuracy.md)." }
-        @if passed < lines.len() {
-            ul { @for (run, _, line) in lines.iter().filter(|(_, p, _)| *p != Some(true)) {
-                li { strong { (name(run)) } ": " bdi { (glue(line)) } }
-            } }
-        }
-    }
+    let said: Vec<String> = runs.iter().filter_map(said).collect();
+    let passed = format!(
+        "{} of {} runs passed every check: numbers, grains, walls, speeds, energy, overlap and creep \
+         are watched while a run goes on (docs/accuracy.md).",
+        runs.len() - said.len(),
+        runs.len()
+    );
+    vec![Block::Heading("Checks".to_owned()), Block::Text(passed), Block::List(said)]
 }
 
-/// Versions, settings, warnings.
-pub(super) fn provenance(input: &ReportInput) -> Markup {
-    let mut warnings: Vec<(&str, String)> =
-        input.warnings.iter().map(|w| ("study", w.clone())).collect();
-    for run in input.study.runs {
-        warnings.extend(run.summary.warnings.iter().map(|w| (run.name.as_str(), w.clone())));
+/// Versions, settings, checks, warnings.
+pub(super) fn provenance(input: &ReportInput) -> Vec<Block> {
+    let runs = input.study.runs;
+    let of_runs = runs.iter().flat_map(|run| {
+        run.summary.warnings.iter().map(|warning| format!("{}: {warning}", run.name))
+    });
+    let of_study = input.warnings.iter().map(|warning| format!("study: {warning}"));
+    let mut warnings: Vec<String> = of_study.chain(of_runs).collect();
+    if warnings.is_empty() {
+        warnings.push("None.".to_owned());
     }
-    html! {
-        table.cards { tbody { @for (what, value) in input.provenance {
-            tr { td { strong { (what) } } td { code { (name(value)) } } }
-        } } }
+    let versions = table!(input.provenance, |(what, value)| {
+        "" => strong(what),
+        "" => code(value),
+    });
+    let settings = table!(input.effective, |(name, value)| {
+        "" => code(name),
+        "" => code(&value.to_string()),
+    });
+    let settings = html! {
         details {
             summary { "Engine settings, as read back from the engine (" (input.effective.len()) ")" }
-            table { tbody { @for (name, value) in input.effective {
-                tr { td { code { (name) } } td { code { (value.to_string()) } } }
-            } } }
+            (settings.class("cards").html())
         }
-        h3 { "Checks" }
-        (checks(input))
-        h3 { "Warnings" }
-        @if warnings.is_empty() {
-            p { "None." }
-        } @else {
-            ul { @for (source, text) in &warnings { li { strong { (name(source)) } ": " bdi { (glue(text)) } } } }
-        }
-    }
+    };
+    let mut blocks = vec![Block::Table(versions.class("cards")), Block::Html(settings)];
+    blocks.extend(checks(runs));
+    blocks.extend([Block::Heading("Warnings".to_owned()), Block::List(warnings)]);
+    blocks
 }

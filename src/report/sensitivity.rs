@@ -5,9 +5,19 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{ReportError, figures, sensitivity_page::page};
-use crate::measure::Estimate;
-use crate::record::{FileError, VariationRow, write_file, write_json};
+use super::{
+    Figure, ReportError,
+    calibration::with_unit,
+    convergence::{estimate, specimen},
+    figures,
+    page::{Block, Page},
+    table::{Cell, Record, Table, dash, missing, plus_minus, table},
+};
+use crate::{
+    measure::Estimate,
+    paper::text::{compact, number},
+    record::{VariationRow, write_json},
+};
 
 /// How far a parameter moves a length, in mm. Differences are paired by
 /// configuration.
@@ -113,66 +123,130 @@ pub(super) fn ranked(
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write_sensitivity(out: &Path, of: &Sensitivity) -> Result<(), ReportError> {
-    let path = out.join("sensitivity.csv");
-    let table = csv(of).map_err(|e| FileError::new("write", &path, e))?;
-    write_file(&path, &table)?;
+    table(of).write(&out.join("sensitivity.csv"))?;
     write_json(&out.join("sensitivity.json"), of)?;
-    let figure = figures::of_sensitivity(of)?;
-    figure.write(&out.join("figures"))?;
-    write_file(&out.join("sensitivity.md"), page(of, &figure).as_bytes())?;
-    Ok(())
+    page(of, figures::of_sensitivity(of)?).write(out, &["sensitivity.md"])
 }
 
-fn csv(of: &Sensitivity) -> Result<Vec<u8>, csv::Error> {
-    const OUTCOMES: [&str; 3] = ["height", "plate_settlement", "surface_settlement"];
-    const DIFFERENCES: [&str; 5] = [
-        "low_minus_default_mm",
-        "high_minus_default_mm",
-        "high_minus_low_mm",
-        "per_unit_mm",
-        "largest_mm",
-    ];
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut header: Vec<String> = [
-        "parameter",
-        "unit",
-        "path",
-        "low",
-        "default",
-        "high",
-        "failed",
-        "left_out",
-        "grains_outside",
-    ]
-    .map(str::to_owned)
-    .into();
-    for outcome in OUTCOMES {
-        for difference in DIFFERENCES {
-            header.push(format!("{outcome}_{difference}"));
-            header.push(format!("{outcome}_{difference}_standard_error"));
+fn table(of: &Sensitivity) -> Table {
+    Table::of_records(of.parameters.iter().map(|row| {
+        let mut record = Record::default();
+        record.add("parameter", &row.parameter);
+        record.add("unit", &row.unit);
+        record.add("path", &row.path);
+        record.add("low", row.low);
+        record.add("default", row.default);
+        record.add("high", row.high);
+        record.add("failed", row.failed);
+        record.add("left_out", row.left_out);
+        record.add("grains_outside", row.grains_outside);
+        for (outcome, e) in [
+            ("height", &row.height),
+            ("plate_settlement", &row.plate),
+            ("surface_settlement", &row.surface),
+        ] {
+            record.add_estimate(&format!("{outcome}_low_minus_default_mm"), e.low_mm);
+            record.add_estimate(&format!("{outcome}_high_minus_default_mm"), e.high_mm);
+            record.add_estimate(&format!("{outcome}_high_minus_low_mm"), e.range_mm);
+            record.add_estimate(&format!("{outcome}_per_unit_mm"), e.per_unit_mm);
+            record.add_estimate(&format!("{outcome}_largest_mm"), e.largest_mm);
+            let half_width = e.per_unit_half_width_95_mm;
+            record.add(format!("{outcome}_per_unit_mm_half_width_95"), half_width);
+            record.add(format!("{outcome}_inside_scatter"), e.inside_scatter);
         }
-        header.push(format!("{outcome}_per_unit_mm_half_width_95"));
-        header.push(format!("{outcome}_inside_scatter"));
-    }
-    writer.write_record(header)?;
-    let number = |v: Option<f64>| v.map_or_else(String::new, |v| v.to_string());
-    for row in &of.parameters {
-        let mut cells = vec![row.parameter.clone(), row.unit.clone(), row.path.clone()];
-        cells.extend([row.low, row.default, row.high].map(|v| v.to_string()));
-        cells.push(row.failed.to_string());
-        cells.push(row.left_out.to_string());
-        cells.push(number(row.grains_outside));
-        for e in [&row.height, &row.plate, &row.surface] {
-            for d in [e.low_mm, e.high_mm, e.range_mm, e.per_unit_mm, e.largest_mm] {
-                cells.push(number(d.map(|d| d.mean)));
-                cells.push(number(d.and_then(|d| d.standard_error)));
-            }
-            cells.push(number(e.per_unit_half_width_95_mm));
-            cells.push(e.inside_scatter.map_or_else(String::new, |s| s.to_string()));
-        }
-        writer.write_record(cells)?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
+        record
+    }))
+}
+
+/// The page.
+fn page(of: &Sensitivity, figure: Figure) -> Page {
+    let intro = format!(
+        "{}, {} configuration{}. Each parameter is varied by itself, all others at their defaults. \
+         Differences in mm ± standard error, paired by configuration: runs of a pair have the same \
+         grains in the same order. A packing is chaotic, so that pairs scatter; \"~\" marks an effect \
+         that lies inside that scatter: the 95 % confidence interval (Student's t) of its largest \
+         difference holds zero. Grains outside are those that do not lie in the cylinder at the end: a \
+         jam in the funnel lowers the specimen by what is stuck there. Runs that are not valid, or short \
+         of grains, are left out of every difference with their pair (docs/accuracy.md), and counted.",
+        specimen(&of.scenario, of.grains, of.quick),
+        of.configurations,
+        if of.configurations == 1 { "" } else { "s" },
+    );
+    let default = of.default.as_ref().map(without_a_change).unwrap_or_default();
+    let effects = |effect| [Block::Table(effects(of, effect))];
+    let ranges = table!(&of.parameters, |p| {
+        "parameter" => &p.title,
+        "from" => with_unit(&compact(p.low), &p.unit),
+        "default" => with_unit(&compact(p.default), &p.unit),
+        "to" => with_unit(&compact(p.high), &p.unit),
+        "why" => &p.reason,
+    });
+    Page::new("Sensitivity", [Block::Text(intro), Block::Text(default)])
+        .figures("figure", "Figure", [figure])
+        .section("height", "Height after pouring", effects(|r| r.height))
+        .section("plate", "Settlement of the plate", effects(|r| r.plate))
+        .section("surface", "Settlement of the mean surface", effects(|r| r.surface))
+        .section("ranges", "Ranges", [Block::Table(ranges)])
+}
+
+/// Results of the scenario as it is.
+fn without_a_change(default: &VariationRow) -> String {
+    let spread = |e: Option<Estimate>| {
+        let Some(e) = e else { return missing(default.has_no_valid_run()) };
+        let deviation = e.standard_error.map(|error| error * (e.count as f64).sqrt());
+        let deviation = deviation.map(|s| format!(" (standard deviation {})", number(s, 1)));
+        format!("{}{}", number(e.mean, 1), deviation.unwrap_or_default())
+    };
+    let left_out = match default.left_out {
+        0 => String::new(),
+        n => format!("; left out of these means: {n} of {} runs", default.runs),
+    };
+    format!(
+        "Without a change, over configurations, in mm: height {}, settlement of the plate {}, of the \
+         surface {}{left_out}.",
+        spread(default.poured_height_mm),
+        spread(default.plate_settlement_mm),
+        spread(default.surface_settlement_mm),
+    )
+}
+
+fn effects(of: &Sensitivity, effect: fn(&ParameterRow) -> Effect) -> Table {
+    let default_left_out = of.default.as_ref().is_some_and(|d| d.left_out > 0);
+    let rows = ranked(&of.parameters, effect).into_iter().map(|row| (row, effect(row)));
+    let change = |row: &ParameterRow, e: Option<Estimate>, shown: fn(Estimate) -> String| match e {
+        Some(e) => shown(e),
+        None if row.left_out > 0 && row.valid == 0 => missing(true),
+        None if row.left_out > 0 || default_left_out => "no valid pair".to_owned(),
+        None => dash(),
+    };
+    let mm = |e: Estimate| estimate(e, 1);
+    let per_unit = |e: Estimate| plus_minus(e.mean, e.standard_error, compact);
+    table!(rows, |(row, e)| {
+        "parameter" => &row.title,
+        "range" => with_unit(&range(row), &row.unit),
+        "at the low end" => Cell::number(change(row, e.low_mm, mm)),
+        "at the high end" => Cell::number(change(row, e.high_mm, mm)),
+        "over the range" => Cell::number(change(row, e.range_mm, mm)),
+        "for one unit" => Cell::number(change(row, e.per_unit_mm, per_unit)),
+        "remarks" => remarks(row, &e),
+    })
+}
+
+fn range(row: &ParameterRow) -> String {
+    format!("{} to {}", compact(row.low), compact(row.high))
+}
+
+fn remarks(row: &ParameterRow, effect: &Effect) -> String {
+    let scatter = match effect.inside_scatter {
+        Some(true) => Some("~".to_owned()),
+        Some(false) => None,
+        None => Some("scatter unknown".to_owned()),
+    };
+    let failed = (row.failed > 0).then(|| format!("{} failed", row.failed));
+    let left_out = (row.left_out > 0).then(|| format!("{} left out", row.left_out));
+    let outside = row.grains_outside.filter(|g| *g >= 0.5);
+    let outside = outside.map(|g| format!("grains outside: {}", number(g, 1)));
+    [failed, left_out, scatter, outside].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

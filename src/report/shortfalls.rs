@@ -1,7 +1,5 @@
 //! What falls short, said from the data.
 
-use std::collections::BTreeMap;
-
 use super::{
     ReportInput, Standard,
     quality::{CreepShare, vibration_s},
@@ -174,41 +172,31 @@ fn overlap(study: &StudyView, standard: &Standard) -> Option<String> {
 fn grains_lost(study: &StudyView) -> Vec<String> {
     let total = |of: fn(&RunRecord) -> usize| {
         let runs: Vec<&RunRecord> = study.runs.iter().filter(|r| of(r) > 0).collect();
-        (runs.iter().map(|r| of(r)).sum::<usize>(), runs)
+        let count = runs.iter().map(|r| of(r)).sum::<usize>();
+        let grains = if count == 1 { "1 grain".to_owned() } else { format!("{count} grains") };
+        (!runs.is_empty()).then_some((grains, runs))
     };
-    let mut found = Vec::new();
-    let (escaped, runs) = total(|r| r.summary.grains.escaped);
-    if escaped > 0 {
-        let what = if escaped == 1 { "grain" } else { "grains" };
-        found.push(format!(
-            "{escaped} {what} passed through a wall or the floor, which no grain should: {}.",
-            names(&runs)
-        ));
-    }
-    let mut by_fate = BTreeMap::new();
+    let lacking = |fate: &str, (grains, runs): (String, Vec<&RunRecord>)| {
+        let lost =
+            runs.iter().map(|r| r.summary.grains.mass_g - r.summary.grains.mass_in_cylinder_g);
+        format!(
+            "{grains} {fate} ({} of {} runs); a cylinder lacks at most {} g of its grains. Void ratios \
+             count only what is in the cylinder.",
+            runs.len(),
+            study.runs.len(),
+            number(lost.fold(0.0, f64::max), 1)
+        )
+    };
+    let escaped = total(|r| r.summary.grains.escaped).map(|(grains, runs)| {
+        let runs = names(&runs);
+        format!("{grains} passed through a wall or the floor, which no grain should: {runs}.")
+    });
     // What rolls off a pile's base is no loss of a cylinder's.
-    let spilled =
-        |r: &RunRecord| if r.kind == RunKind::Repose { 0 } else { r.summary.grains.spilled };
-    by_fate.insert("fell over the rim", total(spilled));
-    by_fate.insert("stayed in the funnel", total(|r| r.summary.grains.left_in_funnel));
-    for (fate, (count, runs)) in by_fate {
-        if count > 0 {
-            let what = if count == 1 { "grain" } else { "grains" };
-            let each = runs
-                .iter()
-                .map(|r| &r.summary.grains)
-                .map(|g| g.mass_g - g.mass_in_cylinder_g)
-                .fold(0.0, f64::max);
-            found.push(format!(
-                "{count} {what} {fate} ({} of {} runs); a cylinder lacks at most {} g of its \
-                 grains. Void ratios count only what is in the cylinder.",
-                runs.len(),
-                study.runs.len(),
-                number(each, 1)
-            ));
-        }
-    }
-    found
+    let spilled = total(|r| if r.kind == RunKind::Repose { 0 } else { r.summary.grains.spilled });
+    let spilled = spilled.map(|lost| lacking("fell over the rim", lost));
+    let left = total(|r| r.summary.grains.left_in_funnel);
+    let left = left.map(|lost| lacking("stayed in the funnel", lost));
+    [escaped, spilled, left].into_iter().flatten().collect()
 }
 
 /// The two ways to read a settlement differ; by how much.

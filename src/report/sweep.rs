@@ -5,9 +5,13 @@ use std::{collections::BTreeMap, path::Path};
 use serde::Serialize;
 use serde_json::Value;
 
-use super::{ReportError, figures, sweep_page::page};
+use super::{
+    ReportError, figures,
+    sweep_page::page,
+    table::{Cell, Table, row, table},
+};
 use crate::measure::{bootstrap_interval, inference::MeanTest};
-use crate::record::{FileError, write_file, write_json};
+use crate::record::write_json;
 
 /// Numbers of a run that stand in the table, by their path in `summary.json`,
 /// with what they are in words. The first five have figures.
@@ -153,7 +157,7 @@ pub struct SweepPoint {
 }
 
 /// How one factor moves one result, all others averaged over.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct SweepEffect {
     /// The field of the scenario.
     pub factor: String,
@@ -219,40 +223,39 @@ pub(super) fn in_words(outcome: &str) -> &str {
     OUTCOMES.iter().find(|(path, _)| *path == outcome).map_or(outcome, |(_, words)| words)
 }
 
-/// `sweep.csv`: one row a run, one column a factor and result. The same sweep
-/// gives the same bytes, wherever and in whatever order it was run.
-fn table(of: &Sweep) -> Result<Vec<u8>, csv::Error> {
-    let results = || OUTCOMES.iter().map(|(path, _)| *path).filter(|path| *path != WALL_TIME);
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let mut header = vec!["run", "point", "configuration"];
-    header.extend(of.factors.iter().map(|f| f.path.as_str()));
-    header.extend(results());
-    header.extend(["meets_standard", "valid", "left_out_of_means", "failure"]);
-    writer.write_record(&header)?;
-    for run in &of.runs {
-        let mut row = vec![run.run.clone(), run.point.clone(), run.configuration.to_string()];
-        row.extend(run.values.iter().map(shown));
-        let number = |path: &str| run.outcomes.get(path).map_or(String::new(), f64::to_string);
-        row.extend(results().map(number));
-        let stated = |answer: Option<bool>| answer.map_or(String::new(), |a| a.to_string());
-        row.extend([stated(run.meets_standard), stated(run.valid)]);
-        row.extend(
-            [&run.left_out_of_means, &run.failure].map(|why| why.clone().unwrap_or_default()),
-        );
-        writer.write_record(&row)?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
+/// The main results that there are, in words.
+pub(super) fn outcomes_of(
+    has: impl Fn(&str) -> bool,
+) -> impl Iterator<Item = (&'static str, &'static str)> {
+    OUTCOMES[..MAIN_OUTCOMES].iter().copied().filter(move |(path, _)| has(path))
 }
 
-/// `sweep-times.csv`: the wall time of each run.
-fn times(of: &Sweep) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(["run", WALL_TIME])?;
+/// `sweep.csv`: one row a run, one column a factor and result. The same sweep
+/// gives the same bytes, wherever and in whatever order it was run.
+fn table(of: &Sweep) -> Table {
+    let results = || OUTCOMES.iter().map(|(path, _)| *path).filter(|path| *path != WALL_TIME);
+    let factors = of.factors.iter().map(|f| f.path.as_str());
+    let header = ["run", "point", "configuration"].into_iter().chain(factors).chain(results());
+    let mut table =
+        Table::new(header.chain(["meets_standard", "valid", "left_out_of_means", "failure"]));
     for run in &of.runs {
-        let time = run.outcomes.get(WALL_TIME).map_or(String::new(), f64::to_string);
-        writer.write_record([&run.run, &time])?;
+        let mut cells = row![&run.run, &run.point, run.configuration];
+        cells.extend(run.values.iter().map(|value| Cell::from(shown(value))));
+        cells.extend(results().map(|path| run.outcomes.get(path).copied().into()));
+        let why = [&run.left_out_of_means, &run.failure].map(Clone::clone);
+        cells.extend(row![run.meets_standard, run.valid]);
+        cells.extend(why.map(Cell::from));
+        table.row(cells);
     }
-    writer.into_inner().map_err(|e| e.into_error().into())
+    table
+}
+
+/// Wall times, which no two machines have alike, by themselves.
+fn times(of: &Sweep) -> Table {
+    table!(&of.runs, |run| {
+        "run" => &run.run,
+        WALL_TIME => run.outcomes.get(WALL_TIME).copied(),
+    })
 }
 
 /// A value without the quotes of a text.
@@ -265,20 +268,10 @@ pub(super) fn shown(value: &Value) -> String {
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write_sweep(out: &Path, of: &Sweep) -> Result<(), ReportError> {
-    for (name, rows) in [("sweep.csv", table(of)), ("sweep-times.csv", times(of))] {
-        let path = out.join(name);
-        let rows = rows.map_err(|e| FileError::new("write", &path, e))?;
-        write_file(&path, &rows)?;
-    }
+    table(of).write(&out.join("sweep.csv"))?;
+    times(of).write(&out.join("sweep-times.csv"))?;
     write_json(&out.join("sweep.json"), of)?;
-    let figures = figures::of_sweep(of)?;
-    for figure in &figures {
-        figure.write(&out.join("figures"))?;
-    }
-    let page = page(of, &figures);
-    write_file(&out.join("sweep.md"), page.markdown().as_bytes())?;
-    write_file(&out.join("report.html"), page.html(&figures).as_bytes())?;
-    Ok(())
+    page(of, figures::of_sweep(of)?).write(out, &["sweep.md", "report.html"])
 }
 
 #[cfg(test)]
@@ -327,7 +320,7 @@ mod tests {
 
     #[test]
     fn the_table_says_of_every_run_whether_it_is_valid() {
-        let written = table(&sweep()).expect("written");
+        let written = table(&sweep()).csv().expect("written");
         let mut reader = csv::Reader::from_reader(&written[..]);
         let names = reader.headers().expect("names").clone();
         let place = |name: &str| names.iter().position(|n| n == name).expect(name);
@@ -347,7 +340,7 @@ mod tests {
     #[test]
     fn the_page_counts_runs_below_the_standard_and_those_whose_checks_found_something() {
         let of = sweep();
-        let page = page(&of, &[]);
+        let page = page(&of, vec![]);
         let text = page.markdown();
         for said in [
             "; 1 does not meet the accuracy standard for overlap and creep; in 1 that does a \
@@ -364,10 +357,10 @@ mod tests {
             planned: 1,
             ..of
         };
-        let page = super::page(&valid, &[]);
+        let page = super::page(&valid, vec![]);
         let lead = page.markdown().lines().nth(2).unwrap_or_default().to_owned();
         assert!(lead.ends_with("1 of 1 runs have results."), "law: nothing to warn of, got {lead}");
-        assert!(page.html(&[]).contains("p class=\"lead\""), "law: no banner");
+        assert!(page.html().contains("p class=\"lead\""), "law: no banner");
     }
 
     /// Law: a mean or slope of which every run is left out is no dash, and no number.
@@ -390,7 +383,7 @@ mod tests {
             configurations_needed: None,
         };
         let line = |of: &Sweep, start: &str| {
-            let page = page(of, &[]).markdown();
+            let page = page(of, vec![]).markdown();
             page.lines().find(|l| l.starts_with(start)).unwrap_or_default().to_owned()
         };
         of.points[0].valid = 0;

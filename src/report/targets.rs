@@ -5,10 +5,14 @@ use std::{collections::BTreeMap, fmt::Write, path::Path};
 
 use serde::Serialize;
 
-use super::{ReportError, text_table::TextTable};
+use super::{
+    ReportError,
+    page::{Block, Page},
+    table::{Cell, Table, plus_minus, row, table},
+};
 use crate::measure::regression::LinearFit;
 use crate::paper::text::compact;
-use crate::record::{write_file, write_json};
+use crate::record::write_json;
 
 /// A result and the range in which it is wanted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -142,84 +146,79 @@ impl TargetsFound {
         names.join(" and ")
     }
 
-    fn alone(&self) -> TextTable {
-        let header =
-            ["target", "wanted", "smallest to largest", "runs that meet it", "fit", "best"];
-        let row = |t: &TargetFound| {
-            vec![
-                t.target.title(),
-                t.target.range(),
-                format!("{} to {}", compact(t.values[0]), compact(t.values[1])),
-                format!(
-                    "{} of {} ({} to {})",
-                    t.runs_meeting,
-                    t.runs_counted,
-                    percent(t.share_meeting[0]),
-                    percent(t.share_meeting[1])
-                ),
-                format!("{:.2}, {:.2} unseen", t.fit.explained, t.fit.predicted),
-                percent(t.best),
-            ]
-        };
-        TextTable {
-            header: header.map(str::to_owned).to_vec(),
-            rows: self.targets.iter().map(row).collect(),
-        }
+    fn alone(&self) -> Table {
+        table!(&self.targets, |t| {
+            "target" => t.target.title(),
+            "wanted" => t.target.range(),
+            "smallest to largest" => range(t.values),
+            "runs that meet it" => format!(
+                "{} of {} ({} to {})",
+                t.runs_meeting,
+                t.runs_counted,
+                percent(t.share_meeting[0]),
+                percent(t.share_meeting[1])
+            ),
+            "fit" => format!("{:.2}, {:.2} unseen", t.fit.explained, t.fit.predicted),
+            "best" => Cell::number(percent(t.best)),
+        })
     }
 
-    fn effects(&self) -> TextTable {
-        let mut header = vec!["factor".to_owned(), "range".to_owned()];
-        header.extend(self.targets.iter().map(|t| t.target.title()));
-        let row = |(name, range): (&String, &[f64; 2])| {
-            let mut row =
-                vec![name.clone(), format!("{} to {}", compact(range[0]), compact(range[1]))];
-            row.extend(self.targets.iter().map(|t| {
+    fn effects(&self) -> Table {
+        let titles = self.targets.iter().map(|t| t.target.title());
+        let mut table =
+            Table::new(["factor", "range"].map(str::to_owned).into_iter().chain(titles));
+        for (name, ends) in &self.factors {
+            let mut cells = row![name, range(*ends)];
+            cells.extend(self.targets.iter().map(|t| {
                 let effect = t.effects.get(name);
-                effect.map_or(String::new(), |(by, half)| {
-                    format!("{} ± {}", compact(*by), compact(*half))
-                })
+                effect.map(|(by, half)| Cell::number(plus_minus(*by, Some(*half), compact))).into()
             }));
-            row
-        };
-        TextTable { header, rows: self.factors.iter().map(row).collect() }
+            table.row(cells);
+        }
+        table
     }
 
-    fn together(&self) -> TextTable {
-        let header = ["together", "runs that meet them", "mean", "best", "at"];
-        let row = |found: &Together| {
-            let names = match found.targets.len() == self.targets.len() {
+    fn together(&self) -> Table {
+        let pairs = self.pairs.iter().filter(|pair| pair.targets.len() < self.targets.len());
+        table!(pairs.chain([&self.all]), |found| {
+            "together" => match found.targets.len() == self.targets.len() {
                 true => "all".to_owned(),
                 false => self.names(&found.targets),
-            };
-            let runs = found.runs.map_or(String::new(), |(met, of)| format!("{met} of {of}"));
-            vec![names, runs, percent(found.mean), percent(found.best), place(&found.at)]
-        };
-        let pairs = self.pairs.iter().filter(|pair| pair.targets.len() < self.targets.len());
-        TextTable {
-            header: header.map(str::to_owned).to_vec(),
-            rows: pairs.chain([&self.all]).map(row).collect(),
-        }
+            },
+            "runs that meet them" => found.runs.map(|(met, of)| format!("{met} of {of}")),
+            "mean" => Cell::number(percent(found.mean)),
+            "best" => Cell::number(percent(found.best)),
+            "at" => place(&found.at),
+        })
     }
 
     /// `targets.md`.
     pub fn page(&self) -> String {
-        format!(
-            "# Targets met together\n\n{}\n\n{}\n\
-             Runs that meet a target, with the 95 % interval of their share; fit: share of the \
-             variance that a linear model of all factors explains, and of runs that it has not \
-             seen; best: largest probability that a run meets the target, by that model with its \
-             scatter.\n\n{}\n\
-             Change of each result over the range of a factor, ± half of its 95 % confidence \
-             interval.\n\n{}\n\
-             Probability of meeting targets together, over {} points that fill the ranges, and where \
-             it is largest. Residuals of different targets are taken to be independent.\n",
-            self.answer(),
-            self.alone().markdown(),
-            self.effects().markdown(),
-            self.together().markdown(),
-            self.points,
-        )
+        self.as_page().markdown()
     }
+
+    fn as_page(&self) -> Page {
+        let alone = "Runs that meet a target, with the 95 % interval of their share; fit: share of the \
+                     variance that a linear model of all factors explains, and of runs that it has not \
+                     seen; best: largest probability that a run meets the target, by that model with \
+                     its scatter.";
+        let effects = "Change of each result over the range of a factor, ± half of its 95 % confidence \
+                       interval.";
+        let together = format!(
+            "Probability of meeting targets together, over {} points that fill the ranges, and where it \
+             is largest. Residuals of different targets are taken to be independent.",
+            self.points
+        );
+        let section = |said: &str, table| [Block::Text(said.to_owned()), Block::Table(table)];
+        Page::new("Targets met together", [Block::Lead(self.answer())])
+            .section("alone", "Each target by itself", section(alone, self.alone()))
+            .section("effects", "What each factor moves", section(effects, self.effects()))
+            .section("together", "Together", section(&together, self.together()))
+    }
+}
+
+fn range([low, high]: [f64; 2]) -> String {
+    format!("{} to {}", compact(low), compact(high))
 }
 
 fn percent(share: f64) -> String {
@@ -242,6 +241,5 @@ fn place(at: &BTreeMap<String, f64>) -> String {
 /// [`ReportError`] naming the file.
 pub fn write_targets(out: &Path, found: &TargetsFound) -> Result<(), ReportError> {
     write_json(&out.join("targets.json"), found)?;
-    write_file(&out.join("targets.md"), found.page().as_bytes())?;
-    Ok(())
+    found.as_page().write(out, &["targets.md"])
 }

@@ -51,8 +51,8 @@ fn make_report(study: StudyView, choices: &[Choice]) -> (String, Vec<Figure>) {
     with_input(study, choices, |input| {
         let headline = figures::headline(&input.study, input.beside).expect("a figure");
         let figures = figures::of_study(&input.study, &input.standard).expect("figures");
-        let page = html::page(input, &headline, &figures);
-        (page, [vec![headline], figures].concat())
+        let page = html::page(input, headline.clone(), figures.clone());
+        (page.html(), [vec![headline], figures].concat())
     })
 }
 

@@ -1,11 +1,11 @@
 //! Whether a stored stage, or a checkpoint, can be what it says: compared with
 //! its laboratory, its grains and the stage before it.
 
-use super::plan::Node;
+use super::plan::{Node, Plan};
 use crate::geometry::Vector;
 use crate::measure::{grain_energy, overlap_statistics, pairs_within};
 use crate::protocol::{Midway, Setup, plausible};
-use crate::record::{StageEnd, StoredStage};
+use crate::record::{AskedStage, StageEnd, StageStore, StoredStage};
 use crate::scenario::StageSpec;
 use crate::specimen::{Specimen, SpecimenState};
 
@@ -126,6 +126,41 @@ fn times(stage: &StageSpec, before: &SpecimenState, stored: &StoredStage) -> Res
     let (first, last) = first.zip(last).ok_or("its series has no rows")?;
     same_time("its series begins", first.time_s, before.time)?;
     same_time("its series ends", last.time_s, before.time + stored.record.simulated_s)
+}
+
+/// Whether each stage of a plan is stored, whole, unchanged and the one that is asked for, and
+/// everything that it goes on from as well: what would be used, and nothing would be run anew.
+pub(super) fn held(plan: &Plan, store: &StageStore) -> Vec<bool> {
+    let mut held = vec![false; plan.nodes.len()];
+    // What later stages go on from, as long as there are any.
+    let mut ends: Vec<Option<(SpecimenState, String)>> = vec![None; plan.nodes.len()];
+    let mut last_child = vec![0; plan.nodes.len()];
+    for (n, node) in plan.nodes.iter().enumerate() {
+        node.parent.into_iter().for_each(|parent| last_child[parent] = n);
+    }
+    // Parents come before children.
+    for (n, node) in plan.nodes.iter().enumerate() {
+        let before = match node.parent {
+            None => Some((SpecimenState::before_everything(node.grains.grains.len()), None)),
+            Some(parent) => {
+                let end = &mut ends[parent];
+                let end = if last_child[parent] == n { end.take() } else { end.clone() };
+                end.map(|(state, sha256)| (state, Some(sha256)))
+            }
+        };
+        let Some((before, began_with)) = before else { continue };
+        let plausible = |stored: &StoredStage| stage(node, &before, stored);
+        let asked = AskedStage {
+            identity: &node.identity,
+            began_with: began_with.as_deref(),
+            plausible: &plausible,
+        };
+        if let Some(stored) = store.sound(&asked) {
+            held[n] = true;
+            ends[n] = (last_child[n] > n).then_some((stored.state, stored.record.specimen_sha256));
+        }
+    }
+    held
 }
 
 #[cfg(test)]

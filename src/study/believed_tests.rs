@@ -7,7 +7,7 @@ use std::{
     sync::{Arc, Mutex, atomic::AtomicBool},
 };
 
-#[path = "crafts.rs"]
+#[path = "crafts_tests.rs"]
 mod crafts;
 
 use crafts::{craft, crafts};
@@ -20,6 +20,7 @@ use crate::record::{
 };
 use crate::specimen::{Base, Fate, FixedGrain};
 use crate::study::{
+    believed::held,
     execute::execute,
     plan::Plan,
     tests::{planned, scenario},
@@ -109,7 +110,7 @@ fn what_is_held_is_what_would_be_used() {
     let (done, _) = run(&plan, folder.path());
     let held = || {
         let store = StageStore::open(folder.path()).expect("a store");
-        crate::study::held::held(&plan, &store)
+        held(&plan, &store)
     };
     let all = vec![true; plan.nodes.len()];
     assert_eq!(held(), all, "law: sound stages are held");

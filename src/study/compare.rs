@@ -8,19 +8,16 @@
 
 use std::sync::Arc;
 
-use serde::Serialize;
-
 use super::{
     RunOptions, StudyError,
     plan::{PlannedRun, Prepared},
-    run::{carry_out, kind_of, make_grains, write_grains},
+    run::{carry_out, folder_of, kind_of, make_grains, write_grains},
     summarise::standard,
     told::tell_warnings,
 };
-use crate::record::{RunRecord, Summary, create_folder, write_json};
-use crate::report::{self, ComparedQuantity, ComparedRun, Comparison};
+use crate::record::create_folder;
+use crate::report::{self, CompareRecord, CompareRun, ComparedQuantity};
 use crate::scenario::{Backend, Scenario, StageSpec};
-use crate::world::BackendInfo;
 
 /// Largest difference of standing height between two engines that is not a
 /// finding, as a fraction of the height: pours of a few hundred grains differ
@@ -31,40 +28,6 @@ pub const HEIGHT_BAND: f64 = 0.05;
 /// The same for the void ratio, which is height over the height of the solids
 /// less one: 5 % of the height are 0.05 (1 + e), 0.1 for e near 0.95.
 pub const VOID_RATIO_BAND: f64 = 0.1;
-
-/// `compare.json`.
-#[derive(Debug, Clone, Serialize)]
-pub struct CompareRecord {
-    /// Name of the scenario.
-    pub scenario: String,
-    /// The engines, the first one's specimen being handed on.
-    pub backends: Vec<BackendInfo>,
-    /// Stages of the scenario run before the specimen is handed on.
-    pub handed_on_after_stages: usize,
-    /// One entry a run.
-    pub runs: Vec<CompareRun>,
-    /// One entry a quantity: the first engine's value and the others'.
-    pub quantities: Vec<ComparedQuantity>,
-    /// Whether every quantity with a band lies within it; null where the bands are not judged.
-    pub within_bands: Option<bool>,
-    /// Why the bands are not judged: the runs that are left out of means, with the reasons.
-    pub not_judged: Option<String>,
-}
-
-/// One run of a comparison.
-#[derive(Debug, Clone, Serialize)]
-pub struct CompareRun {
-    /// Its name, also of its folder.
-    pub name: String,
-    /// The engine that carried it out, or its last part.
-    pub backend: String,
-    /// The engine that made the specimen it began with; null when it made its own.
-    pub specimen_by: Option<String>,
-    /// Wall time over simulated time.
-    pub wall_s_per_simulated_s: f64,
-    /// Its figures.
-    pub summary: Summary,
-}
 
 /// Runs a comparison and writes `compare.json`, `report.html`,
 /// `figures/` and `runs/<name>/`.
@@ -86,21 +49,20 @@ pub fn compare(
         .unwrap_or(scenario.stages.len());
     let runs = planned(scenario, backends, &grains, handed_on);
     tell_warnings(runs.iter().map(|run| &run.scenario), options.progress.as_ref());
-    let folder = |run: &PlannedRun| options.out.join("runs").join(&run.name);
-    let records = carry_out(&runs, options, folder)?.records;
+    let records = carry_out(&runs, options, |run| folder_of(&options.out, run))?.records;
     for record in &records {
         let folder = options.out.join("runs").join(&record.name).join("figures");
         report::run_figures(&folder, record)?;
     }
-    let compared: Vec<ComparedRun> = runs
-        .iter()
-        .zip(&records)
-        .map(|(run, record)| ComparedRun {
-            backend: name(run.scenario.engine.backend),
-            specimen_by: run.prepared.as_ref().map(|p| name(p.engine.backend)),
-            record: record.clone(),
-        })
-        .collect();
+    let compared = runs.iter().zip(records).map(|(run, record)| CompareRun {
+        name: record.name,
+        backend: name(run.scenario.engine.backend),
+        specimen_by: run.prepared.as_ref().map(|p| name(p.engine.backend)),
+        wall_s_per_simulated_s: record.summary.wall_s / record.summary.simulated_s,
+        summary: record.summary,
+        series: record.series,
+    });
+    let compared: Vec<CompareRun> = compared.collect();
     let quantities = quantities(&compared);
     let not_judged = not_judged(&compared);
     let within = quantities.iter().all(|q| q.within_band != Some(false));
@@ -108,23 +70,14 @@ pub fn compare(
         scenario: scenario.name.clone(),
         backends: backends.iter().map(|b| crate::world::info(*b)).collect(),
         handed_on_after_stages: handed_on,
-        runs: compared.iter().map(compare_run).collect(),
-        quantities: quantities.clone(),
+        runs: compared,
+        quantities,
         within_bands: not_judged.is_none().then_some(within),
         not_judged,
+        vibrated: handed_on < scenario.stages.len(),
+        standard: standard(&scenario.scale()),
     };
-    write_json(&options.out.join("compare.json"), &record)?;
-    report::write_comparison(
-        &options.out,
-        &Comparison {
-            scenario: scenario.name.clone(),
-            engines: record.backends.clone(),
-            vibrated: handed_on < scenario.stages.len(),
-            standard: standard(&scenario.scale()),
-            runs: compared,
-            quantities,
-        },
-    )?;
+    report::write_comparison(&options.out, &record)?;
     Ok(record)
 }
 
@@ -163,137 +116,71 @@ fn planned(
     runs
 }
 
-fn wall_per_simulated(record: &RunRecord) -> f64 {
-    record.summary.wall_s / record.summary.simulated_s
-}
+/// What is compared: its name, its unit, its value of a run, and the band within which the engines
+/// agree where one is asked for.
+type Compared = (&'static str, &'static str, fn(&CompareRun) -> Option<f64>, Option<Band>);
 
-fn compare_run(run: &ComparedRun) -> CompareRun {
-    CompareRun {
-        name: run.record.name.clone(),
-        backend: run.backend.clone(),
-        specimen_by: run.specimen_by.clone(),
-        wall_s_per_simulated_s: wall_per_simulated(&run.record),
-        summary: run.record.summary.clone(),
-    }
-}
-
-/// What is compared: name, unit, value of a run, and the band relative to the
-/// first engine's value, or absolute.
-struct Compared {
-    name: &'static str,
-    unit: &'static str,
-    value: fn(&RunRecord) -> Option<f64>,
-    band: Option<Band>,
-}
-
+#[derive(Clone, Copy)]
 enum Band {
     Relative(f64),
     Absolute(f64),
 }
 
 const QUANTITIES: [Compared; 13] = [
-    Compared {
-        name: "standing height after pouring, mean surface",
-        unit: "mm",
-        value: |r| {
-            let s = &r.summary;
-            s.poured_height_mm.unwrap_or(s.standing_height_mm).mean()
-        },
-        band: Some(Band::Relative(HEIGHT_BAND)),
-    },
-    Compared {
-        name: "void ratio after pouring",
-        unit: "",
-        value: |r| r.summary.poured_void_ratio.or(r.summary.void_ratio),
-        band: Some(Band::Absolute(VOID_RATIO_BAND)),
-    },
-    Compared {
-        name: "standing height at the end, mean surface",
-        unit: "mm",
-        value: |r| r.summary.standing_height_mm.mean(),
-        band: None,
-    },
-    Compared {
-        name: "void ratio at the end",
-        unit: "",
-        value: |r| r.summary.void_ratio,
-        band: None,
-    },
-    Compared {
-        name: "settlement of the plate",
-        unit: "mm",
-        value: |r| r.summary.settlement_mm.as_ref().map(|s| s.final_mm),
-        band: None,
-    },
-    Compared {
-        name: "settlement of the surface",
-        unit: "mm",
-        value: |r| r.summary.surface_settlement_mm.as_ref().map(|s| s.final_mm),
-        band: None,
-    },
-    Compared {
-        name: "overlap, mean",
-        unit: "%",
-        value: |r| Some(r.summary.overlap.mean_percent),
-        band: None,
-    },
-    Compared {
-        name: "overlap, 99th percentile",
-        unit: "%",
-        value: |r| Some(r.summary.overlap.p99_percent),
-        band: None,
-    },
-    Compared {
-        name: "creep at rest",
-        unit: "µm/s",
-        value: |r| r.summary.creep_um_per_s,
-        band: None,
-    },
-    Compared {
-        name: "coordination number",
-        unit: "",
-        value: |r| Some(r.summary.coordination_number),
-        band: None,
-    },
-    Compared {
-        name: "grains in the cylinder",
-        unit: "",
-        value: |r| Some(r.summary.grains.in_cylinder as f64),
-        band: None,
-    },
-    Compared {
-        name: "grains through a wall",
-        unit: "",
-        value: |r| Some(r.summary.grains.escaped as f64),
-        band: None,
-    },
-    Compared {
-        name: "wall time per simulated second",
-        unit: "s",
-        value: |r| Some(wall_per_simulated(r)),
-        band: None,
-    },
+    (
+        "standing height after pouring, mean surface",
+        "mm",
+        |r| r.summary.poured_height_mm.unwrap_or(r.summary.standing_height_mm).mean(),
+        Some(Band::Relative(HEIGHT_BAND)),
+    ),
+    (
+        "void ratio after pouring",
+        "",
+        |r| r.summary.poured_void_ratio.or(r.summary.void_ratio),
+        Some(Band::Absolute(VOID_RATIO_BAND)),
+    ),
+    (
+        "standing height at the end, mean surface",
+        "mm",
+        |r| r.summary.standing_height_mm.mean(),
+        None,
+    ),
+    ("void ratio at the end", "", |r| r.summary.void_ratio, None),
+    ("settlement of the plate", "mm", |r| Some(r.summary.settlement_mm.as_ref()?.final_mm), None),
+    (
+        "settlement of the surface",
+        "mm",
+        |r| Some(r.summary.surface_settlement_mm.as_ref()?.final_mm),
+        None,
+    ),
+    ("overlap, mean", "%", |r| Some(r.summary.overlap.mean_percent), None),
+    ("overlap, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent), None),
+    ("creep at rest", "µm/s", |r| r.summary.creep_um_per_s, None),
+    ("coordination number", "", |r| Some(r.summary.coordination_number), None),
+    ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64), None),
+    ("grains through a wall", "", |r| Some(r.summary.grains.escaped as f64), None),
+    ("wall time per simulated second", "s", |r| Some(r.wall_s_per_simulated_s), None),
 ];
 
 /// Why engines cannot be compared: a run from grains of its own that is not
 /// valid, or lacks grains, shows its fault and not its engine. What is handed on decides no band.
-fn not_judged(runs: &[ComparedRun]) -> Option<String> {
+fn not_judged(runs: &[CompareRun]) -> Option<String> {
     let against: Vec<String> = runs
         .iter()
         .filter(|r| r.specimen_by.is_none())
-        .map(|r| (&r.record.name, r.record.summary.why_left_out()))
+        .map(|r| (&r.name, r.summary.why_left_out()))
         .filter(|(_, why)| !why.is_empty())
         .map(|(name, why)| format!("{name} ({})", why.join("; ")))
         .collect();
     (!against.is_empty()).then(|| against.join(", "))
 }
 
-fn quantities(runs: &[ComparedRun]) -> Vec<ComparedQuantity> {
+fn quantities(runs: &[CompareRun]) -> Vec<ComparedQuantity> {
     let judged = not_judged(runs).is_none();
     QUANTITIES
         .iter()
-        .map(|q| {
-            let values: Vec<Option<f64>> = runs.iter().map(|r| (q.value)(&r.record)).collect();
+        .map(|(quantity, unit, value, band)| {
+            let values: Vec<Option<f64>> = runs.iter().map(|r| value(r)).collect();
             // A band holds between engines that made their own specimen.
             let own: Vec<f64> = runs
                 .iter()
@@ -301,7 +188,7 @@ fn quantities(runs: &[ComparedRun]) -> Vec<ComparedQuantity> {
                 .filter(|(r, _)| r.specimen_by.is_none())
                 .filter_map(|(_, v)| *v)
                 .collect();
-            let band = match (&q.band, own.first()) {
+            let band = match (band, own.first()) {
                 (Some(Band::Relative(share)), Some(first)) => Some(share * first),
                 (Some(Band::Absolute(band)), _) => Some(*band),
                 _ => None,
@@ -311,8 +198,8 @@ fn quantities(runs: &[ComparedRun]) -> Vec<ComparedQuantity> {
                     others.iter().all(|other| (other - first).abs() <= band)
                 });
             ComparedQuantity {
-                quantity: q.name.to_owned(),
-                unit: q.unit.to_owned(),
+                quantity: (*quantity).to_owned(),
+                unit: (*unit).to_owned(),
                 values,
                 band,
                 within_band: within,
@@ -327,17 +214,20 @@ mod tests {
     use crate::paper::canned;
 
     /// Two engines' own runs, and one from the first's specimen.
-    fn three() -> Vec<ComparedRun> {
+    fn three() -> Vec<CompareRun> {
         let record = canned::valid_runs()[0].clone();
-        let run = |backend: &str, by: Option<&str>| ComparedRun {
+        let run = |backend: &str, by: Option<&str>| CompareRun {
             backend: backend.to_owned(),
             specimen_by: by.map(str::to_owned),
-            record: RunRecord { name: backend.to_owned(), ..record.clone() },
+            name: backend.to_owned(),
+            wall_s_per_simulated_s: 1.0,
+            summary: record.summary.clone(),
+            series: Vec::new(),
         };
         vec![run("bullet", None), run("rapier", None), run("rapier-from-bullet", Some("bullet"))]
     }
 
-    fn verdicts(runs: &[ComparedRun]) -> Vec<bool> {
+    fn verdicts(runs: &[CompareRun]) -> Vec<bool> {
         quantities(runs).iter().filter_map(|q| q.within_band).collect()
     }
 
@@ -349,16 +239,16 @@ mod tests {
         assert_eq!(not_judged(&runs), None);
         let same = verdicts(&runs);
         assert!(!same.is_empty() && same.iter().all(|within| *within), "law: the same agree");
-        let mut higher = runs[1].record.summary.standing_height_mm;
+        let mut higher = runs[1].summary.standing_height_mm;
         higher.mean_surface *= 2.0;
-        runs[1].record.summary.poured_height_mm = Some(higher);
+        runs[1].summary.poured_height_mm = Some(higher);
         assert!(verdicts(&runs).contains(&false), "law: twice the height does not agree");
 
         // Handed on: no band is judged by it.
-        runs[2].record.summary.grains.missing = Some(1000);
+        runs[2].summary.grains.missing = Some(1000);
         assert!(verdicts(&runs).contains(&false) && not_judged(&runs).is_none());
 
-        runs[1].record.summary.grains.missing = Some(1000);
+        runs[1].summary.grains.missing = Some(1000);
         assert!(verdicts(&runs).is_empty(), "law: nothing is judged by a jammed run");
         let why = not_judged(&runs).expect("law: and it says why");
         assert!(why.starts_with("rapier (1000 of "), "law: with the run named: {why}");

@@ -218,12 +218,7 @@ impl Mould {
             "vertical": { "amplitude_mm": options.double_amplitude_mm / 2.0 },
             "duration_s": options.duration_s, "ramp_s": 0.1,
         });
-        let of = |name: &str, changes: Vec<Override>| Variation {
-            name: name.to_owned(),
-            group: "index densities".to_owned(),
-            changes,
-            configurations: None,
-        };
+        let of = |name: &str, changes| Variation::new(name, "index densities", changes);
         let common = || vec![set("measures", json!({})), set("rest_test_s", json!(0.5))];
         let built_in = |stages: Vec<Value>| {
             let mut changes = common();

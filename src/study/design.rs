@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::variations::{Variation, Varied};
 use crate::scenario::{Fault, Override, ScenarioErrors};
 
 /// The scenario that a study varies, and how often it is repeated.
@@ -21,6 +22,17 @@ pub struct SpecimenDesign {
     /// Number of configurations, each the same grains mixed anew, unless the
     /// command says otherwise. One tells nothing of scatter.
     #[schemars(range(min = 1, max = 1000))]
+    pub configurations: u32,
+}
+
+/// The scenario that a design varies this time.
+#[derive(Debug)]
+pub(super) struct Chosen {
+    /// Its file.
+    pub scenario: PathBuf,
+    /// Changes that every run has.
+    pub common: Vec<Override>,
+    /// Number of configurations.
     pub configurations: u32,
 }
 
@@ -80,32 +92,63 @@ impl<'a> Faults<'a> {
         known.push(name);
     }
 
-    /// Adds the faults that a scenario or its variations have.
-    pub(super) fn extend(&mut self, errors: ScenarioErrors) -> Result<(), ScenarioErrors> {
-        match errors {
-            ScenarioErrors::Faults(found) => {
-                let design = self.file.display();
-                self.found.extend(
-                    found.into_iter().map(|f| Fault { file: format!("{design}: {}", f.file), ..f }),
-                );
-            }
-            unreadable => return Err(unreadable),
-        }
-        Ok(())
+    /// The scenario that is varied in full or with `--quick`; a fault where the design has none.
+    pub(super) fn chosen(
+        &mut self,
+        full: &SpecimenDesign,
+        quick: Option<&SpecimenDesign>,
+        is_quick: bool,
+    ) -> Option<Chosen> {
+        let (part, specimen) = if is_quick { ("quick", quick) } else { ("full", Some(full)) };
+        let Some(specimen) = specimen else {
+            self.add(part, "", "a specimen, as in `full`", "the field is missing for --quick");
+            return None;
+        };
+        Some(Chosen {
+            scenario: self.file.parent().unwrap_or(Path::new("")).join(&specimen.scenario),
+            common: self.changes(&format!("{part}.changes"), &specimen.changes),
+            configurations: specimen.configurations,
+        })
     }
 
-    /// Whether any was found.
-    pub(super) fn any(&self) -> bool {
-        !self.found.is_empty()
+    /// The variations of a design, where neither it nor any of them has faults.
+    ///
+    /// # Errors
+    /// All faults of the design, or else all of the scenarios.
+    pub(super) fn load(
+        self,
+        chosen: &Chosen,
+        variations: Vec<Variation>,
+    ) -> Result<Varied, ScenarioErrors> {
+        if !self.found.is_empty() {
+            return Err(self.into_error());
+        }
+        Varied::load(&chosen.scenario, &chosen.common, variations).map_err(|e| self.with(e))
+    }
+
+    /// All faults with those that a scenario has.
+    pub(super) fn with(mut self, errors: ScenarioErrors) -> ScenarioErrors {
+        let ScenarioErrors::Faults(found) = errors else { return errors };
+        let design = self.file.display();
+        let in_design = |f: Fault| Fault { file: format!("{design}: {}", f.file), ..f };
+        self.found.extend(found.into_iter().map(in_design));
+        self.into_error()
     }
 
     /// All faults as an error.
     pub(super) fn into_error(self) -> ScenarioErrors {
         ScenarioErrors::Faults(self.found)
     }
+}
 
-    /// A path given in the design's file, from here.
-    pub(super) fn beside(&self, path: &str) -> PathBuf {
-        self.file.parent().unwrap_or(Path::new("")).join(path)
-    }
+/// The ends of a range as a command has it, `low..high`.
+pub(super) fn range(text: &str) -> Option<(f64, f64)> {
+    let number = |text: &str| text.trim().parse().ok().filter(|v: &f64| v.is_finite());
+    let (low, high) = text.split_once("..")?;
+    Some((number(low)?, number(high)?))
+}
+
+/// What `quick` of a part of a design is where it is not given.
+pub(super) fn yes() -> bool {
+    true
 }

@@ -258,10 +258,11 @@ impl Shop<'_> {
             let time = row.time_s - began;
             progress.update(id, time, &note(row));
         });
-        recorder.begin_at(began);
-        recorder.count_from(before_it.and_then(|(record, _)| record.before_vibration_mm));
-        recorder.tell(&tell);
-        recorder.keep_in(checkpoints.as_ref());
+        recorder.start = began;
+        recorder.reference.before_vibration_mm =
+            before_it.and_then(|(record, _)| record.before_vibration_mm);
+        recorder.on_finding = &tell;
+        recorder.checkpoints = checkpoints.as_ref();
         if let (Some(midway), Some(observed)) = (&midway, observed) {
             let done = midway.steps as f64 / node.setup.engine.rate_hz;
             progress.message(&format!("{}: goes on from {done:.2} s", node.label));

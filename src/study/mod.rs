@@ -11,7 +11,6 @@ mod density;
 mod described;
 mod design;
 mod execute;
-mod held;
 mod inside;
 mod interpretations;
 mod laboratory;
@@ -33,12 +32,12 @@ mod targets;
 mod tests;
 mod told;
 mod variations;
-mod withheld;
 
+pub use crate::report::{CompareRecord, CompareRun};
 pub use calibrate::{
     CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
 };
-pub use compare::{CompareRecord, CompareRun, HEIGHT_BAND, VOID_RATIO_BAND, compare};
+pub use compare::{HEIGHT_BAND, VOID_RATIO_BAND, compare};
 pub use converge::{
     ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign, StudyOptions,
 };

@@ -10,23 +10,23 @@ use crate::grains::load_scenario;
 use crate::record::{FileError, create_folder, write_file};
 use crate::scenario::{Override, Scenario};
 
+macro_rules! files {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_str!(concat!("../../scenarios/", $name)))),*]
+    };
+}
+
 /// The files under `scenarios/` that `reproduce` and the studies use.
-const FILES: [(&str, &str); 9] = [
-    ("paper/pluviation.json", include_str!("../../scenarios/paper/pluviation.json")),
-    (
-        "paper/vibration-continuous.json",
-        include_str!("../../scenarios/paper/vibration-continuous.json"),
-    ),
-    (
-        "paper/vibration-intermittent.json",
-        include_str!("../../scenarios/paper/vibration-intermittent.json"),
-    ),
-    ("paper/repose.json", include_str!("../../scenarios/paper/repose.json")),
-    ("quick/pluviation.json", include_str!("../../scenarios/quick/pluviation.json")),
-    ("quick/vibration.json", include_str!("../../scenarios/quick/vibration.json")),
-    ("quick/repose.json", include_str!("../../scenarios/quick/repose.json")),
-    ("studies/convergence.json", include_str!("../../scenarios/studies/convergence.json")),
-    ("studies/sensitivity.json", include_str!("../../scenarios/studies/sensitivity.json")),
+const FILES: [(&str, &str); 9] = files![
+    "paper/pluviation.json",
+    "paper/vibration-continuous.json",
+    "paper/vibration-intermittent.json",
+    "paper/repose.json",
+    "quick/pluviation.json",
+    "quick/vibration.json",
+    "quick/repose.json",
+    "studies/convergence.json",
+    "studies/sensitivity.json",
 ];
 
 /// Loads one of the built-in scenarios, by its path under `scenarios/`.

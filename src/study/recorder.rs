@@ -24,15 +24,17 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     stage: &'a StageSpec,
     /// Whether the table moves along y, and along z.
     table_moves: [bool; 2],
-    start: f64,
-    reference: Reference,
+    /// At what time of the run, in s, the stage begins.
+    pub(super) start: f64,
+    /// What settlement is counted from, where the run was vibrated before.
+    pub(super) reference: Reference,
     overlap: OverlapWatch,
     rows: Vec<SeriesRow>,
     laboratory: LaboratoryRecorder,
     energy: Vec<EnergyRow>,
     frames: Option<FrameWriter>,
     /// Where checkpoints are kept, in a stage that has segments.
-    checkpoints: Option<&'a Checkpoints>,
+    pub(super) checkpoints: Option<&'a Checkpoints>,
     /// Why one could not be.
     fault: Option<FileError>,
     /// When this began to record, and the wall time in s before that.
@@ -41,7 +43,7 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     /// Told of every row as it comes.
     on_row: F,
     /// Told of what a check finds.
-    on_finding: &'a dyn Fn(&str),
+    pub(super) on_finding: &'a dyn Fn(&str),
 }
 
 /// The cylinder where the specimen has it, the space over a pile's base, or around all grains
@@ -88,16 +90,6 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         }
     }
 
-    /// Says at what time of the run, in s, the stage begins.
-    pub fn begin_at(&mut self, time: f64) {
-        self.start = time;
-    }
-
-    /// Says what settlement is counted from, where the run was vibrated before.
-    pub fn count_from(&mut self, before_vibration_mm: Option<(Option<f64>, f64)>) {
-        self.reference.before_vibration_mm = before_vibration_mm;
-    }
-
     /// Height of a pile above its base in m; none without a base.
     fn pile_height(&mut self, specimen: &Specimen) -> Option<f64> {
         specimen.state.base.as_ref()?;
@@ -121,22 +113,12 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         grain_energy(specimen, gravity, &still).potential + plate + pieces
     }
 
-    /// Tells somebody of what checks find, at once.
-    pub fn tell(&mut self, on_finding: &'a dyn Fn(&str)) {
-        self.on_finding = on_finding;
-    }
-
     /// Looks once more, at a finished stage of a length in s.
     pub fn end(&mut self, specimen: &Specimen, length: f64) {
         let time = self.start + length;
         if let Some(text) = last_look_at_overlap(&mut self.overlap, specimen, length, time) {
             (self.on_finding)(&text);
         }
-    }
-
-    /// Keeps checkpoints at the ends of segments.
-    pub fn keep_in(&mut self, checkpoints: Option<&'a Checkpoints>) {
-        self.checkpoints = checkpoints;
     }
 
     /// Goes on from what was observed before.

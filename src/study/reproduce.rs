@@ -4,7 +4,7 @@
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
-    sync::{Arc, atomic::AtomicBool},
+    sync::Arc,
 };
 
 use super::{
@@ -13,14 +13,13 @@ use super::{
     interpretations::Interpretation,
     plan::PlannedRun,
     presets::preset,
-    run::{CarriedOut, RunOptions, carry_out, make_grains, write_grains},
+    run::{CarriedOut, RunOptions, carry_out, folder_of, make_grains, write_grains},
     summarise::standard,
     told::tell_warnings,
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution};
 use crate::paper::{self, Claim, Intermittent, Scorecard, StudyView};
 use crate::picture;
-use crate::protocol::Progress;
 use crate::record::{RunKind, RunRecord, create_folder, read_json, write_json};
 use crate::report::{self, Column, Figure, MeanSettlement, Picture, ReportInput};
 use crate::scale::Scale;
@@ -37,8 +36,6 @@ const SHAKEN_FROM_MM: f64 = 50.0;
 
 /// What to reproduce, and where.
 pub struct ReproduceOptions {
-    /// Folder for results; what is finished there is not done again.
-    pub out: PathBuf,
     /// A few hundred grains instead of 1456, and shorter vibration.
     pub quick: bool,
     /// Number of configurations (paper, section 3: three).
@@ -46,16 +43,12 @@ pub struct ReproduceOptions {
     /// How often the plate is laid on each specimen: 1 is the programme's own placement alone; more
     /// are drawn in addition to it, and shaken continuously.
     pub placements: u32,
-    /// Threads for stages that do not need each other.
-    pub jobs: usize,
     /// What is changed in every scenario of the programme, the engine for one.
     pub changes: Vec<Override>,
     /// An interpretation of the paper; `changes` have the last word.
     pub interpretation: Option<Interpretation>,
-    /// Set to stop at the next check.
-    pub cancel: Arc<AtomicBool>,
-    /// Told of what goes on.
-    pub progress: Arc<dyn Progress>,
+    /// Where and how; what is finished there is not done again.
+    pub run: RunOptions,
 }
 
 /// What came out.
@@ -77,22 +70,15 @@ pub struct ReproduceOutcome {
 /// # Errors
 /// [`StudyError`].
 pub fn reproduce(options: &ReproduceOptions) -> Result<ReproduceOutcome, StudyError> {
-    create_folder(&options.out)?;
+    create_folder(&options.run.out)?;
     let interpretation = options.interpretation.as_ref();
     let scenarios = Scenarios::load(options.quick, interpretation, &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
-    write_grains(&options.out, &scenarios.pluviation, &grains)?;
+    write_grains(&options.run.out, &scenarios.pluviation, &grains)?;
     let runs = programme(&scenarios, &grains, options.configurations, options.placements);
-    tell_warnings(runs.iter().map(|run| &run.scenario), options.progress.as_ref());
-    let how = RunOptions {
-        out: options.out.clone(),
-        jobs: options.jobs,
-        frames: true,
-        cancel: options.cancel.clone(),
-        progress: options.progress.clone(),
-    };
-    let folder = |run: &PlannedRun| options.out.join("runs").join(&run.name);
-    let CarriedOut { records, effective } = carry_out(&runs, &how, folder)?;
+    tell_warnings(runs.iter().map(|run| &run.scenario), options.run.progress.as_ref());
+    let CarriedOut { records, effective } =
+        carry_out(&runs, &options.run, |run| folder_of(&options.run.out, run))?;
     finish(options, &scenarios, &grains, records, &effective)
 }
 
@@ -260,23 +246,27 @@ fn finish(
     let study = study_view(options.quick, options.configurations, scenarios, grains, &records)?;
     let claims = paper::claims(&study);
     let scorecard = paper::scorecard(&study, &claims);
-    write_json(&options.out.join("claims.json"), &claims)?;
-    write_json(&options.out.join("scorecard.json"), &scorecard)?;
-    write_json(&options.out.join("uncertainty.json"), &paper::uncertainty(&study))?;
+    write_json(&options.run.out.join("claims.json"), &claims)?;
+    write_json(&options.run.out.join("scorecard.json"), &scorecard)?;
+    write_json(&options.run.out.join("uncertainty.json"), &paper::uncertainty(&study))?;
     let column =
         Column::new(&scenarios.label, &scenarios.programme_hash(options.configurations)?, &claims)
             .with_settlement(
                 MeanSettlement::of(&study),
                 beside::is_stock_bullet(scenarios.engine()),
             );
-    let beside =
-        beside::keep_and_read(&options.out, &scenarios.suffix, &column, options.progress.as_ref())?;
+    let beside = beside::keep_and_read(
+        &options.run.out,
+        &scenarios.suffix,
+        &column,
+        options.run.progress.as_ref(),
+    )?;
     // The shaken scenario has every choice of the poured one, and more.
     let mut choices = report::choices(&scenarios.intermittent);
     choices.extend(scenarios.repose.iter().flat_map(report::pile_choices));
     let (pictures, warnings) = pictures(options, scenarios);
     report::write(
-        &options.out,
+        &options.run.out,
         &ReportInput {
             study,
             claims: &claims,
@@ -286,7 +276,7 @@ fn finish(
             standard: standard(&Scale::PAPER),
             provenance: &provenance(options, scenarios),
             effective,
-            piles: &pile_pictures(&options.out, grains, &records)?,
+            piles: &pile_pictures(&options.run.out, grains, &records)?,
             pictures: &pictures,
             warnings: &warnings,
         },
@@ -294,7 +284,7 @@ fn finish(
     Ok(ReproduceOutcome {
         claims,
         scorecard,
-        report: options.out.join("report.html"),
+        report: options.run.out.join("report.html"),
         runs: records,
     })
 }
@@ -316,8 +306,8 @@ fn pile_pictures(
 /// they cannot be made: a report is worth having without them.
 fn pictures(options: &ReproduceOptions, scenarios: &Scenarios) -> (Vec<Picture>, Vec<String>) {
     let run = format!("vibration-continuous-c1{}", scenarios.suffix);
-    options.progress.message("making the pictures");
-    match picture::of_programme(&options.out.join("runs").join(&run)) {
+    options.run.progress.message("making the pictures");
+    match picture::of_programme(&options.run.out.join("runs").join(&run)) {
         Ok(pictures) => (pictures, Vec::new()),
         Err(error) => (Vec::new(), vec![format!("There are no pictures of {run}: {error}")]),
     }

@@ -19,7 +19,7 @@ use super::{
 };
 use crate::grains::{self, GrainSet, ParticleSizeDistribution};
 use crate::motion::MotionFacts;
-use crate::protocol::Progress;
+use crate::protocol::{Progress, WorldMaker};
 use crate::record::{
     FileError, LaboratoryRow, RunKind, RunRecord, StageStore, StoredStage, create_folder,
     distributions, grains_csv, hash_bytes, json_text, read_json, series_csv, to_csv, with_energy,
@@ -124,56 +124,63 @@ pub(super) fn carry_out(
     Ok(CarriedOut { records, effective })
 }
 
-/// The same, run by run: what was run, or why it could not be.
+/// Runs all runs of a plan and writes their folders under `runs/`, each by itself: its record, or
+/// why it has none. One that fails does not keep the others from going on.
 ///
 /// # Errors
-/// When asked to stop, and when files cannot be read or written; a simulation
-/// that fails is only its run's affair.
+/// [`StudyError`] where the fault is not a run's own.
 pub(super) fn carry_out_each(
+    make_world: WorldMaker,
+    plan: &Plan,
     runs: &[PlannedRun],
+    store: &StageStore,
     options: &RunOptions,
-    folder: impl Fn(&PlannedRun) -> PathBuf,
-) -> Result<Vec<Result<CarriedOut, String>>, StudyError> {
-    let plan = Plan::new(runs)?;
-    let store = StageStore::open(&options.out.join("stages"))?.with_frames(options.frames);
-    let Executed { done, failed, cancelled } = execute_each(
-        &plan,
-        &store,
-        options.jobs,
-        &crate::world::create,
-        &options.cancel,
-        options.progress.as_ref(),
-    );
+) -> Result<Vec<Result<RunRecord, String>>, StudyError> {
+    let progress = options.progress.as_ref();
+    let Executed { done, failed, cancelled } =
+        execute_each(plan, store, options.jobs, make_world, &options.cancel, progress);
     let mut reasons = HashMap::new();
     for (node, error) in failed {
-        match error {
-            fatal @ (StudyError::File(_) | StudyError::Report(_)) => return Err(fatal),
-            own => reasons.insert(node, own.to_string()),
-        };
+        if !is_of_the_run(&error) {
+            return Err(error);
+        }
+        reasons.insert(node, error.to_string());
     }
     if cancelled {
         return Err(StudyError::Cancelled);
     }
-    let mut each = Vec::new();
-    for (run, nodes) in runs.iter().zip(&plan.runs) {
-        let missing = nodes.stages.iter().chain(&nodes.rest_test).find(|n| done[**n].is_none());
-        if let Some(node) = missing {
+    let each = runs.iter().enumerate().map(|(index, run)| {
+        let (alone, nodes) = plan.alone(index);
+        let finished: Option<Vec<_>> = nodes.iter().map(|&n| done[n].clone()).collect();
+        let Some(finished) = finished else {
             // The first stage that is missing is the one that failed.
-            each.push(Err(reasons.get(node).cloned().unwrap_or_default()));
-            continue;
+            let why = nodes.iter().find_map(|n| reasons.get(n).cloned());
+            return Ok(Err(why.unwrap_or_else(|| "a stage was not run".to_owned())));
+        };
+        let folder = folder_of(&options.out, run);
+        match write_run(&folder, run, &alone, &alone.runs[0], &finished) {
+            Ok(record) => Ok(Ok(record)),
+            Err(error) if is_of_the_run(&error) => Ok(Err(error.to_string())),
+            Err(error) => Err(error.keeping(store)),
         }
-        // Every stage is in the store by now.
-        each.push(match carry_out(std::slice::from_ref(run), options, &folder) {
-            Ok(out) => Ok(out),
-            Err(
-                error @ (StudyError::Measure(_)
-                | StudyError::Simulation { .. }
-                | StudyError::Fault { .. }),
-            ) => Err(error.to_string()),
-            Err(fatal) => return Err(fatal),
-        });
-    }
-    Ok(each)
+    });
+    each.collect()
+}
+
+/// Whether a fault is a run's own, so that others can go on.
+fn is_of_the_run(error: &StudyError) -> bool {
+    matches!(
+        error,
+        StudyError::Simulation { .. }
+            | StudyError::Fault { .. }
+            | StudyError::Stage { .. }
+            | StudyError::Measure(_)
+    )
+}
+
+/// Folder of a run in the output folder.
+pub(super) fn folder_of(out: &Path, run: &PlannedRun) -> PathBuf {
+    out.join("runs").join(&run.name)
 }
 
 /// The grains of a scenario: cut from its sieve data, read from its file, with the shapes of its

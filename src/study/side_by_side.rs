@@ -1,22 +1,18 @@
 //! The programme under several interpretations of the paper, side by side.
 
-use std::{
-    path::PathBuf,
-    sync::{Arc, atomic::AtomicBool},
-};
+use std::{path::PathBuf, sync::Arc};
 
 use super::{
     StudyError, beside,
     interpretations::Interpretation,
-    plan::PlannedRun,
+    plan::Plan,
     reproduce::{Scenarios, programme, study_view},
-    run::{CarriedOut, RunOptions, carry_out_each, make_grains},
+    run::{RunOptions, carry_out_each, make_grains},
     summarise::standard,
     told::tell_warnings,
 };
 use crate::paper;
-use crate::protocol::Progress;
-use crate::record::{Beside, RunRecord, create_folder, keep_beside};
+use crate::record::{Beside, RunRecord, StageStore, create_folder, keep_beside};
 use crate::report::{
     InterpretationColumn, InterpretationFailure, InterpretationRun, write_interpretations,
 };
@@ -28,23 +24,17 @@ const FOLDER: &str = "interpretations";
 
 /// Which interpretations to run, and where.
 pub struct InterpretationsOptions {
-    /// Folder for results; what is finished there is not done again, and
-    /// interpretations run there before stay in the table.
-    pub out: PathBuf,
     /// A few hundred grains instead of 1456, and shorter vibration.
     pub quick: bool,
     /// Number of configurations.
     pub configurations: u32,
     /// The interpretations, in the order in which they are run.
     pub interpretations: Vec<Interpretation>,
-    /// Threads for stages that do not need each other.
-    pub jobs: usize,
     /// What is changed in every scenario of every interpretation.
     pub changes: Vec<Override>,
-    /// Set to stop at the next check.
-    pub cancel: Arc<AtomicBool>,
-    /// Told of what goes on.
-    pub progress: Arc<dyn Progress>,
+    /// Where and how; what is finished there is not done again, and interpretations run there
+    /// before stay in the table.
+    pub run: RunOptions,
 }
 
 /// What came out.
@@ -66,24 +56,25 @@ pub struct InterpretationsOutcome {
 pub fn interpretations(
     options: &InterpretationsOptions,
 ) -> Result<InterpretationsOutcome, StudyError> {
-    create_folder(&options.out)?;
+    create_folder(&options.run.out)?;
     // Faults of the changes are reported before anything runs, and so are warnings.
     let load =
         |interpretation| Scenarios::load(options.quick, Some(interpretation), &options.changes);
     let all = options.interpretations.iter().map(load).collect::<Result<Vec<_>, _>>()?;
-    tell_warnings(all.iter().flat_map(Scenarios::all), options.progress.as_ref());
+    tell_warnings(all.iter().flat_map(Scenarios::all), options.run.progress.as_ref());
     let mut outcome = None;
     for interpretation in &options.interpretations {
         options
+            .run
             .progress
             .message(&format!("interpretation {}: {}", interpretation.name, interpretation.title));
         let column = carry_out_interpretation(options, interpretation)?;
         let columns = keep_and_read(options, column)?;
         let standard = standard(&Scale::PAPER);
-        write_interpretations(&options.out, &columns, standard)?;
+        write_interpretations(&options.run.out, &columns, standard)?;
         outcome = Some(InterpretationsOutcome {
             columns,
-            report: options.out.join("interpretations.html"),
+            report: options.run.out.join("interpretations.html"),
         });
     }
     outcome.ok_or_else(|| StudyError::Scenario("no interpretation is named".to_owned()))
@@ -96,20 +87,14 @@ fn carry_out_interpretation(
     let scenarios = Scenarios::load(options.quick, Some(interpretation), &options.changes)?;
     let grains = Arc::new(make_grains(&scenarios.pluviation)?);
     let runs = programme(&scenarios, &grains, options.configurations, 1);
-    let how = RunOptions {
-        out: options.out.clone(),
-        jobs: options.jobs,
-        frames: false,
-        cancel: options.cancel.clone(),
-        progress: options.progress.clone(),
-    };
-    let folder = |run: &PlannedRun| options.out.join("runs").join(&run.name);
-    let each = carry_out_each(&runs, &how, folder)?;
+    let store = StageStore::open(&options.run.out.join("stages"))?;
+    let plan = Plan::new(&runs)?;
+    let each = carry_out_each(&crate::world::create, &plan, &runs, &store, &options.run)?;
     let mut records: Vec<RunRecord> = Vec::new();
     let mut failures = Vec::new();
     for (run, result) in runs.iter().zip(each) {
         match result {
-            Ok(CarriedOut { records: done, .. }) => records.extend(done),
+            Ok(done) => records.push(done),
             Err(reason) => failures.push(InterpretationFailure { run: run.name.clone(), reason }),
         }
     }
@@ -146,9 +131,9 @@ fn keep_and_read(
     column: InterpretationColumn,
 ) -> Result<Vec<InterpretationColumn>, StudyError> {
     let name = format!("{}.json", column.name);
-    let folder = options.out.join(FOLDER);
+    let folder = options.run.out.join(FOLDER);
     let Beside { others: mut columns, damaged } = keep_beside(&folder, &name, &column)?;
-    damaged.iter().for_each(|said| options.progress.message(said));
+    damaged.iter().for_each(|said| options.run.progress.message(said));
     columns.retain(|other| other.programme == column.programme);
     columns.push(column);
     let place = |c: &InterpretationColumn| Interpretation::names().position(|n| n == c.name);

@@ -10,9 +10,8 @@ use super::{
     plan::{PlannedRun, RunNodes},
     pressed::{pressed_through, wall},
     recorder::container,
-    standing::{Standing, withheld_figures},
+    standing::{Standing, height_unless, withheld_figures},
     told::of_grains,
-    withheld::height_unless,
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution, StoneRecord};
 use crate::measure::{

@@ -12,7 +12,7 @@ use std::{
     str::FromStr,
 };
 
-use super::StudyError;
+use super::{StudyError, design::range};
 use crate::measure::{inference::wilson_interval, regression::LinearModel};
 use crate::record::read_file;
 use crate::report::{ColumnTable, OUTCOMES, Target, TargetFound, TargetsFound, Together};
@@ -45,6 +45,12 @@ impl FromStr for TargetRuns {
     }
 }
 
+/// Names, each once and in order.
+fn listed<'a>(names: impl Iterator<Item = &'a String>) -> String {
+    let names: BTreeSet<&str> = names.map(String::as_str).collect();
+    names.into_iter().collect::<Vec<_>>().join(", ")
+}
+
 fn is_name(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
@@ -59,11 +65,9 @@ impl FromStr for Target {
                  below HIGH"
             )
         };
-        let (what, range) = text.split_once('=').ok_or_else(wrong)?;
+        let (what, ends) = text.split_once('=').ok_or_else(wrong)?;
         let (runs, result) = what.split_once(':').ok_or_else(wrong)?;
-        let (low, high) = range.split_once("..").ok_or_else(wrong)?;
-        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|n| n.is_finite());
-        let (low, high) = number(low).zip(number(high)).ok_or_else(wrong)?;
+        let (low, high) = range(ends).ok_or_else(wrong)?;
         let (result, share_of) = match result.split_once('/') {
             Some((result, of)) => (result, Some(of.to_owned())),
             None => (result, None),
@@ -113,23 +117,20 @@ pub fn meet_targets(
     }
     let is_column = |name: &&String| tables.values().any(|table| table.columns.contains(name));
     if let Some(name) = chance.iter().find(|name| !is_column(name)) {
-        let columns: BTreeSet<&str> =
-            tables.values().flat_map(|table| table.columns.iter().map(String::as_str)).collect();
+        let there = listed(tables.values().flat_map(|table| &table.columns));
         return Err(StudyError::Scenario(format!(
-            "--chance {name}: no sweep has this factor (there are {})",
-            columns.into_iter().collect::<Vec<_>>().join(", ")
+            "--chance {name}: no sweep has this factor (there are {there})"
         )));
     }
     let mut models = Vec::new();
     let mut found = Vec::new();
     for target in targets {
-        let known: Vec<&str> = tables.keys().map(String::as_str).collect();
         let table = tables.get(&target.runs).ok_or_else(|| {
             StudyError::Scenario(format!(
                 "--target {}: no runs have the name `{}` (--runs gives {})",
                 target.title(),
                 target.runs,
-                known.join(", ")
+                listed(tables.keys())
             ))
         })?;
         let (model, of_target) = model(target, table)?;
@@ -189,11 +190,9 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
     let title = target.title();
     for result in [Some(&target.result), target.share_of.as_ref()].into_iter().flatten() {
         if !table.rows.iter().any(|(_, results)| results.contains_key(result)) {
-            let known: BTreeSet<&str> =
-                table.rows.iter().flat_map(|(_, r)| r.keys().map(String::as_str)).collect();
+            let there = listed(table.rows.iter().flat_map(|(_, results)| results.keys()));
             return Err(StudyError::Scenario(format!(
-                "--target {title}: no run that counts has `{result}` (there are {})",
-                known.into_iter().collect::<Vec<_>>().join(", ")
+                "--target {title}: no run that counts has `{result}` (there are {there})"
             )));
         }
     }

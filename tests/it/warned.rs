@@ -140,14 +140,10 @@ fn every_command_warns_once_before_it_runs() {
             SensitivityStudy::read(&options)?.carry_out(&options.run).map(|_| ())
         }),
         ("reproduce", &|run| {
-            let RunOptions { out, jobs, cancel, progress, .. } = run;
             let (changes, interpretation) = (coarse(), None);
             let (quick, configurations) = (true, 2);
             reproduce(&ReproduceOptions {
-                out,
-                jobs,
-                cancel,
-                progress,
+                run,
                 changes,
                 interpretation,
                 quick,
@@ -157,13 +153,9 @@ fn every_command_warns_once_before_it_runs() {
             .map(|_| ())
         }),
         ("interpretations", &|run| {
-            let RunOptions { out, jobs, cancel, progress, .. } = run;
             let (changes, quick, configurations) = (coarse(), true, 1);
             interpretations(&InterpretationsOptions {
-                out,
-                jobs,
-                cancel,
-                progress,
+                run,
                 changes,
                 quick,
                 configurations,

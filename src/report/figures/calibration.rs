@@ -1,12 +1,13 @@
 //! Result against the unknown: every run, means, the line, and what was found.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::report::{
     Calibration, ReportError,
     axis::Axis,
     calibration::{target_in_words, with_unit},
-    plot::{Look, Mark, Plot, Series},
+    plot::{Look, Plot},
     style::{self, Marker},
+    table::table,
 };
 
 /// Points of the curve of the identity.
@@ -34,36 +35,14 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
     let y = Axis::linear(&name_of_result(of), results);
     let mut plot = Plot::new(x, y);
     let wanted = crate::paper::text::compact(of.wanted);
-    plot.marks.push(Mark {
-        label: format!("Wanted: {}", with_unit(&wanted, &of.unit)),
-        at: of.wanted,
-        upright: false,
-    });
-    let curve = |colour: usize, line, marker| Look {
-        colour: style::colour(colour),
-        line,
-        width: style::CURVE,
-        marker,
-        marker_spacing: None,
-    };
-    let mut add = |label: &str, look: Look, points: Vec<(f64, f64)>| {
-        if !points.is_empty() {
-            plot.series.push(Series { label: label.to_owned(), look, points });
-        }
-    };
-    add("Angle of friction, atan μ", curve(2, Some(style::DASHED), None), identity);
-    let ring = Look {
-        colour: style::LIMIT,
-        line: None,
-        width: style::THIN,
-        marker: Some(Marker::Ring),
-        marker_spacing: None,
-    };
-    add("Single runs", ring, points);
-    add("Left out", Look { marker: Some(Marker::Cross), ..ring }, left_out);
+    plot.mark_level(format!("Wanted: {}", with_unit(&wanted, &of.unit)), of.wanted);
+    plot.add_some("Angle of friction, atan μ", Look::line(2).dash(style::DASHED), identity);
+    plot.add_some("Single runs", Look::rings(), points);
+    plot.add_some("Left out", Look::rings().marker(Marker::Cross), left_out);
     let means: Vec<(f64, f64)> =
         of.values.iter().filter_map(|v| Some((v.value, v.mean?))).collect();
-    add("Means", curve(0, None, Some(Marker::Disc)), means);
+    let discs = Look { line: None, ..Look::line(0).marker(Marker::Disc) };
+    plot.add_some("Means", discs, means);
     if let Some(solution) = of.solution {
         let fitted = || of.values.iter().filter(|v| v.in_fit).map(|v| v.value);
         let ends = [
@@ -71,35 +50,31 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
             fitted().fold(solution.value, f64::max).min(high),
         ];
         let line = ends.map(|x| (x, solution.level + (x - solution.centre) * solution.slope));
-        add("Line", curve(0, Some(style::SOLID), None), line.into());
+        plot.add("Line", Look::line(0), line.into());
         if let Some(i) = solution.interval_95 {
             let (a, b) = (i.low.clamp(low, high), i.high.clamp(low, high));
             let stroke = 0.012 * (plot_height(of));
-            let bar = curve(1, Some(style::SOLID), None);
-            add("", bar, vec![(a, of.wanted), (b, of.wanted)]);
+            plot.add("", Look::line(1), vec![(a, of.wanted), (b, of.wanted)]);
             for end in [a, b] {
-                add("", bar, vec![(end, of.wanted - stroke), (end, of.wanted + stroke)]);
+                let ends = vec![(end, of.wanted - stroke), (end, of.wanted + stroke)];
+                plot.add("", Look::line(1), ends);
             }
         }
         if (low..=high).contains(&solution.value) {
             let label = "Found, with its 95 % confidence";
-            let look = curve(1, Some(style::SOLID), Some(Marker::Diamond));
-            add(label, look, vec![(solution.value, of.wanted)]);
+            let look = Look::line(1).marker(Marker::Diamond);
+            plot.add(label, look, vec![(solution.value, of.wanted)]);
         }
     }
-    let mut table =
-        Table::new(&["value", "configuration", "result", "mean", "in_fit", "left_out_of_means"]);
-    for run in &of.runs {
-        let value = of.values.iter().find(|v| v.value == run.value);
-        table.row([
-            cell(run.value),
-            run.configuration.to_string(),
-            cell(run.result),
-            cell(value.and_then(|v| v.mean)),
-            value.is_some_and(|v| v.in_fit).to_string(),
-            run.left_out_of_means.clone().unwrap_or_default(),
-        ]);
-    }
+    let rows = of.runs.iter().map(|r| (r, of.values.iter().find(|v| v.value == r.value)));
+    let table = table!(rows, |(run, value)| {
+        "value" => run.value,
+        "configuration" => run.configuration,
+        "result" => run.result,
+        "mean" => value.and_then(|v| v.mean),
+        "in_fit" => value.is_some_and(|v| v.in_fit),
+        "left_out_of_means" => run.left_out_of_means.clone(),
+    });
     let title =
         format!("{} against {}", capital(target_in_words(&of.target)), of.unknown_in_words());
     let identity = if of.identity.is_some() {
@@ -112,7 +87,7 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
          The same configurations stand at every value.{identity} {}.",
         capital(&of.statement)
     );
-    Figure::new("calibration", &title, caption, &plot, &table)
+    Figure::new("calibration", &title, caption, &[plot], &table)
 }
 
 /// How far results reach, for the size of strokes.

@@ -1,14 +1,15 @@
 //! Results against the rate, deviations of every setting, cost against error.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     measure::Estimate,
     record::VariationRow,
     report::{
-        Convergence, ConvergenceRow, Deviation, ReportError,
+        Convergence, ConvergenceRow, Deviation, ReportError, Standard,
         axis::Axis,
-        plot::{Look, Mark, Plot, Series},
+        plot::{Look, Plot},
         style::{self, Dash},
+        table::{Table, row},
     },
 };
 
@@ -29,50 +30,46 @@ pub(in crate::report) fn of_convergence(of: &Convergence) -> Result<Vec<Figure>,
     Ok(figures)
 }
 
-/// What a figure against the rate shows.
+type Value = fn(&VariationRow) -> Option<Estimate>;
+
+/// What a figure against the rate shows; on a logarithmic axis where there are limits.
 struct Shown {
     stem: &'static str,
     title: &'static str,
     axis: &'static str,
     caption: &'static str,
-    log: bool,
-    curves: &'static [Curve],
-    limits: fn(&Convergence) -> Vec<(String, f64)>,
+    value: Value,
+    percentile: Option<Value>,
+    limits: fn(&Standard) -> Vec<(String, f64)>,
 }
 
-struct Curve {
-    name: &'static str,
-    line: Dash,
-    value: fn(&VariationRow) -> Option<Estimate>,
-}
+const LENGTH: Shown = Shown {
+    stem: "convergence-height",
+    title: "Standing height against the step rate",
+    axis: "Height of the mean surface (mm)",
+    caption: "Height of the mean surface after pouring.",
+    value: |v| v.poured_height_mm,
+    percentile: None,
+    limits: |_| Vec::new(),
+};
 
 const SHOWN: [Shown; 5] = [
-    Shown {
-        stem: "convergence-height",
-        title: "Standing height against the step rate",
-        axis: "Height of the mean surface (mm)",
-        caption: "Height of the mean surface after pouring.",
-        log: false,
-        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.poured_height_mm }],
-        limits: |_| Vec::new(),
-    },
+    LENGTH,
     Shown {
         stem: "convergence-plate-settlement",
         title: "Settlement of the plate against the step rate",
         axis: "Settlement of the plate (mm)",
         caption: "Settlement of the top plate after 5 s of vibration, or at the end of a shorter one.",
-        log: false,
-        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.plate_settlement_mm }],
-        limits: |_| Vec::new(),
+        value: |v| v.plate_settlement_mm,
+        ..LENGTH
     },
     Shown {
         stem: "convergence-surface-settlement",
         title: "Settlement of the mean surface against the step rate",
         axis: "Settlement of the surface (mm)",
         caption: "Settlement of the mean surface after 5 s of vibration, or at the end of a shorter one.",
-        log: false,
-        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.surface_settlement_mm }],
-        limits: |_| Vec::new(),
+        value: |v| v.surface_settlement_mm,
+        ..LENGTH
     },
     Shown {
         stem: "convergence-overlap",
@@ -80,17 +77,9 @@ const SHOWN: [Shown; 5] = [
         axis: "Overlap (% of the equivalent diameter)",
         caption: "Overlap at the end, exact, measured outside the engine: mean (solid) and 99th \
                   percentile (dashed). Dotted: what the accuracy standard allows.",
-        log: true,
-        curves: &[
-            Curve { name: "", line: style::SOLID, value: |v| v.overlap_mean_percent },
-            Curve {
-                name: "99th percentile",
-                line: style::DASHED,
-                value: |v| v.overlap_p99_percent,
-            },
-        ],
-        limits: |of| {
-            let s = &of.standard;
+        value: |v| v.overlap_mean_percent,
+        percentile: Some(|v| v.overlap_p99_percent),
+        limits: |s| {
             vec![
                 (format!("Standard, mean: {} %", s.overlap_mean_percent), s.overlap_mean_percent),
                 (format!("99th percentile: {} %", s.overlap_p99_percent), s.overlap_p99_percent),
@@ -101,14 +90,10 @@ const SHOWN: [Shown; 5] = [
         stem: "convergence-creep",
         title: "Creep against the step rate",
         axis: "Creep at rest (µm/s)",
-        caption: "Creep in the rest test, without its sign. Dotted: what the accuracy \
-                  standard allows.",
-        log: true,
-        curves: &[Curve { name: "", line: style::SOLID, value: |v| v.creep_um_per_s }],
-        limits: |of| {
-            let limit = of.standard.creep_um_per_s;
-            vec![(format!("Standard: {limit} µm/s"), limit)]
-        },
+        caption: "Creep in the rest test, without its sign. Dotted: what the accuracy standard allows.",
+        value: |v| v.creep_um_per_s,
+        limits: |s| vec![(format!("Standard: {} µm/s", s.creep_um_per_s), s.creep_um_per_s)],
+        ..LENGTH
     },
 ];
 
@@ -139,28 +124,6 @@ fn ladders(of: &Convergence) -> Vec<(String, Vec<&ConvergenceRow>)> {
     ladders
 }
 
-fn look(n: usize, line: Option<Dash>) -> Look {
-    Look {
-        colour: style::colour(n),
-        line,
-        width: style::CURVE,
-        marker: Some(style::marker(n)),
-        marker_spacing: None,
-    }
-}
-
-/// A straight line from one end of a standard error to the other.
-fn whisker(n: usize, ends: [(f64, f64); 2]) -> Series {
-    let look = Look {
-        colour: style::colour(n),
-        line: Some(style::SOLID),
-        width: style::THIN,
-        marker: None,
-        marker_spacing: None,
-    };
-    Series { label: String::new(), look, points: ends.into() }
-}
-
 fn against_rate(of: &Convergence) -> Result<Vec<Figure>, ReportError> {
     let lines = lines(of);
     SHOWN.iter().map(|shown| one_against_rate(of, &lines, shown)).collect()
@@ -171,57 +134,46 @@ fn one_against_rate(
     lines: &[(String, Vec<&ConvergenceRow>)],
     shown: &Shown,
 ) -> Result<Figure, ReportError> {
-    let limits = (shown.limits)(of);
+    let limits = (shown.limits)(&of.standard);
+    let is_log = !limits.is_empty();
     let ends = |e: Estimate| {
         let error = e.standard_error.unwrap_or(0.0);
         [e.mean - error, e.mean, e.mean + error]
     };
-    let values: Vec<f64> = lines
-        .iter()
-        .flat_map(|(_, rows)| rows.iter())
-        .flat_map(|r| shown.curves.iter().filter_map(|c| (c.value)(&r.result)))
-        .flat_map(ends)
-        .chain(limits.iter().map(|l| l.1))
-        .collect();
-    let y = if shown.log {
-        Axis::logarithmic(shown.axis, values)
-    } else {
-        Axis::linear(shown.axis, values)
-    };
-    let mut plot = Plot::new(rate_axis(lines), y);
-    let mut table = Table::new(&["line", "rate_hz", "what", "value", "standard_error", "runs"]);
-    for (n, (name, rows)) in lines.iter().enumerate() {
-        for curve in shown.curves {
+    let mut curves: Vec<(&str, Dash, Value)> = vec![("", style::SOLID, shown.value)];
+    curves.extend(shown.percentile.map(|value| ("99th percentile", style::DASHED, value)));
+    let rows = lines.iter().flat_map(|(_, rows)| rows);
+    let values = rows.flat_map(|r| curves.iter().filter_map(|(_, _, value)| value(&r.result)));
+    let values: Vec<f64> = values.flat_map(ends).chain(limits.iter().map(|l| l.1)).collect();
+    let mut plot = Plot::new(rate_axis(lines), Axis::scaled(is_log, shown.axis, values));
+    let mut table = Table::new(["line", "rate_hz", "what", "value", "standard_error", "runs"]);
+    for (n, (line, rows)) in lines.iter().enumerate() {
+        for (name, dash, value) in &curves {
             let mut points = Vec::new();
             for row in rows {
                 let rate = row.result.rate_hz;
-                let Some(value) = (curve.value)(&row.result) else { continue };
+                let Some(value) = value(&row.result) else { continue };
                 points.push((rate, value.mean));
                 if let Some(error) = value.standard_error {
                     // On a logarithmic axis a whisker may not reach zero.
                     let low = value.mean - error;
-                    let low = if shown.log { low.max(0.01 * value.mean) } else { low };
-                    plot.series.push(whisker(n, [(rate, low), (rate, value.mean + error)]));
+                    let low = if is_log { low.max(0.01 * value.mean) } else { low };
+                    let ends = vec![(rate, low), (rate, value.mean + error)];
+                    plot.add("", Look::line(n).thin(), ends);
                 }
-                table.row([
-                    name.clone(),
-                    cell(rate),
-                    curve.name.to_owned(),
-                    cell(value.mean),
-                    cell(value.standard_error),
-                    value.count.to_string(),
-                ]);
+                let (mean, error) = (value.mean, value.standard_error);
+                table.row(row![line, rate, *name, mean, error, value.count]);
             }
-            let label = if curve.name.is_empty() { name.clone() } else { String::new() };
-            plot.series.push(Series { label, look: look(n, Some(curve.line)), points });
+            let label = if name.is_empty() { line.as_str() } else { "" };
+            plot.add(label, Look::marked(n).dash(dash), points);
         }
     }
-    plot.marks = limits.into_iter().map(|(label, at)| Mark { label, at, upright: false }).collect();
+    limits.into_iter().for_each(|(label, at)| plot.mark_level(label, at));
     let caption = format!(
         "{} Means over configurations; upright lines: ± standard error. One line a ladder of rates.",
         shown.caption
     );
-    Figure::new(shown.stem, shown.title, caption, &plot, &table)
+    Figure::new(shown.stem, shown.title, caption, &[plot], &table)
 }
 
 /// A logarithmic axis numbered at the rates themselves.
@@ -267,13 +219,10 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
         "Deviation from the finest rung (%)",
         values.chain(limits).chain(limits.map(|l| -l)),
     );
-    let count = rows.len().max(1);
-    let y = Axis::rows(count);
-    let mut plot = Plot::new(x, y);
-    plot.y_names = Some(rows.iter().map(|(name, r)| format!("{name}: {}", r.rung)).collect());
-    plot.frame_height = (ROW * count as u32).max(3 * ROW);
+    let names = rows.iter().map(|(name, r)| format!("{name}: {}", r.rung)).collect();
+    let mut plot = Plot::of_rows(x, names, ROW);
     let mut table =
-        Table::new(&["setting", "what", "deviation_percent", "standard_error", "inside_scatter"]);
+        Table::new(["setting", "what", "deviation_percent", "standard_error", "inside_scatter"]);
     for (n, (label, what, value, offset)) in parts.into_iter().enumerate() {
         let mut points = Vec::new();
         for (i, (name, row)) in rows.iter().enumerate() {
@@ -283,22 +232,17 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
             points.push((percent.mean, at));
             if percent.standard_error.is_some() {
                 let [low, high] = ends(deviation);
-                plot.series.push(whisker(n, [(low, at), (high, at)]));
+                plot.add("", Look::line(n).thin(), vec![(low, at), (high, at)]);
             }
-            table.row([
-                format!("{name}: {}", row.rung),
-                what.to_owned(),
-                cell(percent.mean),
-                cell(percent.standard_error),
-                deviation.inside_scatter.map_or_else(String::new, |s| s.to_string()),
-            ]);
+            let setting = format!("{name}: {}", row.rung);
+            let (mean, error) = (percent.mean, percent.standard_error);
+            table.row(row![setting, what, mean, error, deviation.inside_scatter]);
         }
-        plot.series.push(Series { label: label.to_owned(), look: look(n, None), points });
+        plot.add(label, Look::points(n), points);
     }
     for limit in limits {
-        let label = format!("± {limit} %");
-        plot.marks.push(Mark { label, at: limit, upright: true });
-        plot.marks.push(Mark { label: String::new(), at: -limit, upright: true });
+        plot.mark_upright(format!("± {limit} %"), limit);
+        plot.mark_upright("", -limit);
     }
     Figure::new(
         "convergence-deviations",
@@ -308,7 +252,7 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
              error. Dotted: {} % for the height, {} % for the settlements.",
             of.height_limit_percent, of.settlement_limit_percent
         ),
-        &plot,
+        &[plot],
         &table,
     )
 }
@@ -326,33 +270,23 @@ fn cost(of: &Convergence) -> Result<Figure, ReportError> {
     let y = Axis::logarithmic("Largest error over what is allowed", errors);
     let mut plot = Plot::new(x, y);
     let mut table =
-        Table::new(&["ladder", "setting", "wall_s_per_simulated_s", "error_over_limit", "meets"]);
+        Table::new(["ladder", "setting", "wall_s_per_simulated_s", "error_over_limit", "meets"]);
     for (n, (name, rows)) in ladders.iter().enumerate() {
-        plot.series.push(Series {
-            label: name.clone(),
-            look: look(n, Some(style::SOLID)),
-            points: rows.iter().filter_map(|r| point(r)).collect(),
-        });
-        for row in rows {
-            table.row([
-                name.clone(),
-                row.rung.clone(),
-                cell(row.result.wall_s_per_simulated_s.map(|c| c.mean)),
-                cell(row.error_over_limit),
-                row.meets.map_or_else(String::new, |m| m.to_string()),
-            ]);
+        plot.add(name, Look::marked(n), rows.iter().filter_map(|r| point(r)).collect());
+        for r in rows {
+            let cost = r.result.wall_s_per_simulated_s.map(|c| c.mean);
+            table.row(row![name, &r.rung, cost, r.error_over_limit, r.meets]);
         }
     }
-    plot.marks.push(Mark { label: "what is allowed".to_owned(), at: 1.0, upright: false });
+    plot.mark_level("what is allowed", 1.0);
     Figure::new(
         "convergence-cost",
         "Cost against error",
         "The largest of overlap, creep and deviations, each over what the standard allows, against \
          wall time; below the dotted line the whole standard is met. Lines join the rungs of a ladder \
          in order. The setting that the study is held against is left out: it cannot deviate from \
-         itself."
-            .to_owned(),
-        &plot,
+         itself.",
+        &[plot],
         &table,
     )
 }

@@ -1,13 +1,14 @@
 //! Figure 1: grain size distribution curve.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     paper::StudyView,
     report::{
         ReportError,
         axis::Axis,
-        plot::{Look, Plot, Series},
+        plot::{Look, Plot},
         style,
+        table::{Table, row},
     },
 };
 
@@ -62,7 +63,7 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
         "figure-01-grain-size-distribution",
         "Figure 1. Grain size distribution",
         caption,
-        &plot,
+        &[plot],
         &table,
     )
 }
@@ -72,22 +73,16 @@ fn draw(specified: &[(f64, f64)], generated: &[(f64, f64)]) -> (Plot, Table) {
     let x = size_axis(specified.iter().chain(generated).map(|p| p.0));
     let y = Axis::with_ticks("Mass passing (%)", &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
     let mut plot = Plot::new(x, y);
-    let look = |n: usize, line, marker_spacing| Look {
-        colour: style::colour(n),
-        line: Some(line),
-        width: style::CURVE,
-        marker: Some(style::marker(n)),
-        marker_spacing,
-    };
+    let dashed = Look::marked(1).dash(style::DASHED).every(MARKER_SPACING);
     let curves = [
-        ("Sieve data the grains are made from", look(0, style::SOLID, None), specified),
-        ("Generated grains, sieved", look(1, style::DASHED, Some(MARKER_SPACING)), generated),
+        ("Sieve data the grains are made from", Look::marked(0), specified),
+        ("Generated grains, sieved", dashed, generated),
     ];
-    let mut table = Table::new(&["curve", "size_mm", "passing_percent"]);
+    let mut table = Table::new(["curve", "size_mm", "passing_percent"]);
     for (label, look, points) in curves.into_iter().filter(|c| !c.2.is_empty()) {
-        plot.series.push(Series { label: label.to_owned(), look, points: points.to_vec() });
+        plot.add(label, look, points.to_vec());
         for &(size, passing) in points {
-            table.row([label.to_owned(), cell(size), cell(passing)]);
+            table.row(row![label, size, passing]);
         }
     }
     (plot, table)
@@ -105,5 +100,5 @@ pub(in crate::report) fn of_grains(
         "Grain size distribution of the grains, each through the virtual sieve (the smallest \
          square opening that it passes in any orientation). {words}"
     );
-    Figure::new("grain-size-distribution", "Grain size distribution", caption, &plot, &table)
+    Figure::new("grain-size-distribution", "Grain size distribution", caption, &[plot], &table)
 }

@@ -1,7 +1,7 @@
 //! The one figure of the report's head: settlement against time, of all runs, of stock Bullet and
 //! of the same specimens unshaken, with the laboratory's range where it was read.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     paper::{
         StudyView, bands,
@@ -11,8 +11,9 @@ use crate::{
     report::{
         Column, MeanSettlement, ReportError,
         axis::Axis,
-        plot::{Envelope, Look, Plot, Series},
+        plot::{Envelope, Look, Plot},
         style::{self, Dash},
+        table::{Table, row},
     },
 };
 
@@ -42,7 +43,7 @@ pub(in crate::report) fn figure(
         Axis::linear("Time since vibration began (s)", times),
         Axis::linear("Settlement (mm)", depths).reversed(),
     );
-    let mut table = Table::new(&["curve", "time_s", "mean_mm", "lowest_mm", "highest_mm"]);
+    let mut table = Table::new(["curve", "time_s", "mean_mm", "lowest_mm", "highest_mm"]);
     if let Some(m) = &ours {
         // One run is no band.
         if m.band_runs > 1 {
@@ -51,63 +52,42 @@ pub(in crate::report) fn figure(
                 edges: m.shaken.iter().map(|r| (r[0], r[2], r[3])).collect(),
             });
         }
-        let mark = if m.valid { "" } else { " (not valid)" };
-        let label = format!("Ours, mean of {}{mark}", runs(m.runs));
-        plot.series.push(shaken(label, m, 0, style::SOLID));
-        plot.series.push(unshaken("Ours, unshaken".to_owned(), m, 0));
+        add(&mut plot, "Ours", m, 0, style::SOLID);
         rows_of(&mut table, "ours", m);
     }
     for (n, m) in stock.iter().enumerate() {
-        let mark = if m.valid { "" } else { " (not valid)" };
-        let label = format!("Stock Bullet, mean of {}{mark}", runs(m.runs));
-        plot.series.push(shaken(label, m, n + 1, style::DASHED));
-        plot.series.push(unshaken("Stock Bullet, unshaken".to_owned(), m, n + 1));
+        add(&mut plot, "Stock Bullet", m, n + 1, style::DASHED);
         rows_of(&mut table, "stock Bullet", m);
     }
     if bracket {
         let (at, low, high) = (CONTINUOUS_S, laboratory.low, laboratory.high);
         let label = format!("Laboratory, {} to {} mm", compact(low), compact(high));
-        let strokes = [
-            vec![(at, low), (at, high)],
-            vec![(at - STROKE_S, low), (at + STROKE_S, low)],
-            vec![(at - STROKE_S, high), (at + STROKE_S, high)],
-        ];
-        for (i, points) in strokes.into_iter().enumerate() {
-            let label = if i == 0 { label.clone() } else { String::new() };
-            let look = line(style::INK, style::SOLID, 2 * style::CURVE);
-            plot.series.push(Series { label, look, points });
-        }
+        let look = Look { width: 2 * style::CURVE, ..Look::of(style::INK) };
+        plot.add_interval(&label, look, (at, low, high), STROKE_S);
     }
     let caption = caption(study, ours.as_ref(), &stock);
-    Figure::new("settlement", "Settlement of the top plate", caption, &plot, &table)
+    Figure::new("settlement", "Settlement of the top plate", caption, &[plot], &table)
 }
 
 fn runs(count: usize) -> String {
     if count == 1 { "1 run".to_owned() } else { format!("{count} runs") }
 }
 
-fn line(colour: plotters::style::RGBColor, dash: Dash, width: u32) -> Look {
-    Look { colour, line: Some(dash), width, marker: None, marker_spacing: None }
-}
-
-fn shaken(label: String, m: &MeanSettlement, n: usize, dash: Dash) -> Series {
-    let points = m.shaken.iter().map(|r| (r[0], r[1])).collect();
-    Series { label, look: line(style::colour(n), dash, style::CURVE), points }
-}
-
-fn unshaken(label: String, m: &MeanSettlement, n: usize) -> Series {
-    let label = if m.unshaken.is_empty() { String::new() } else { label };
-    let look = line(style::colour(n), style::DOTTED, style::CURVE);
-    Series { label, look, points: m.unshaken.clone() }
+/// Adds the mean settlement, and beside it that of the same specimens unshaken.
+fn add(plot: &mut Plot, name: &str, m: &MeanSettlement, n: usize, dash: Dash) {
+    let mark = if m.valid { "" } else { " (not valid)" };
+    let label = format!("{name}, mean of {}{mark}", runs(m.runs));
+    plot.add(label, Look::line(n).dash(dash), m.shaken.iter().map(|r| (r[0], r[1])).collect());
+    let unshaken = m.unshaken.clone();
+    plot.add_some(format!("{name}, unshaken"), Look::line(n).dash(style::DOTTED), unshaken);
 }
 
 fn rows_of(table: &mut Table, name: &str, m: &MeanSettlement) {
     for r in &m.shaken {
-        table.row([name.to_owned(), cell(r[0]), cell(r[1]), cell(r[2]), cell(r[3])]);
+        table.row(row![name, r[0], r[1], r[2], r[3]]);
     }
     for (time, drop) in &m.unshaken {
-        let name = format!("{name}, unshaken");
-        table.row([name, cell(*time), cell(*drop), String::new(), String::new()]);
+        table.row(row![format!("{name}, unshaken"), *time, *drop, "", ""]);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Curves of several interpretations of the paper in one frame.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     measure::statistics::mean,
     paper::{bands, constants},
@@ -8,8 +8,9 @@ use crate::{
     report::{
         InterpretationColumn, InterpretationRun, ReportError,
         axis::Axis,
-        plot::{BandArea, Look, Plot, Series},
+        plot::{Look, Plot},
         style,
+        table::{Table, row},
     },
 };
 
@@ -39,28 +40,35 @@ pub(in crate::report) fn of_interpretations(
 }
 
 fn look(n: usize, marker_spacing: Option<f64>) -> Look {
+    let again = n >= DISTINCT;
     Look {
-        colour: style::colour(n),
-        line: Some(if n < DISTINCT { style::SOLID } else { style::DASHED }),
-        width: style::CURVE,
-        marker: Some(style::marker(if n < DISTINCT { n } else { n + 1 })),
+        marker: Some(style::marker(n + usize::from(again))),
         marker_spacing,
+        ..Look::line(n).dash(if again { style::DASHED } else { style::SOLID })
     }
 }
 
-/// Why some interpretations of the table have no line.
-fn missing(columns: &[InterpretationColumn], shown: &[&str]) -> String {
-    let names: Vec<&str> =
-        columns.iter().map(|c| c.name.as_str()).filter(|n| !shown.contains(n)).collect();
-    if names.is_empty() {
-        String::new()
-    } else {
-        format!(" Without a run that kept grains: {}.", names.join(", "))
+/// An interpretation's curve, and whether a point of it is of runs that are not valid.
+type Curve<'a> = (&'a InterpretationColumn, Vec<(f64, f64)>, bool);
+
+/// Adds the curves that have points, and says which interpretations have none.
+fn add(plot: &mut Plot, curves: Vec<Curve>, marker_spacing: Option<f64>) -> String {
+    let mut missing = Vec::new();
+    for (n, (column, points, not_valid)) in curves.into_iter().enumerate() {
+        if points.is_empty() {
+            missing.push(column.name.as_str());
+        }
+        let mark = if not_valid { " (not valid)" } else { "" };
+        plot.add_some(format!("{}{mark}", column.name), look(n, marker_spacing), points);
+    }
+    match missing.as_slice() {
+        [] => String::new(),
+        names => format!(" Without a run that kept grains: {}.", names.join(", ")),
     }
 }
 
 fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
-    let mut table = Table::new(&[
+    let mut table = Table::new([
         "interpretation",
         "configurations",
         "falling_height_mm",
@@ -68,8 +76,8 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
         "valid",
         "left_out",
     ]);
-    let mut curves = Vec::new();
-    for (n, column) in columns.iter().enumerate() {
+    let mut curves: Vec<Curve> = Vec::new();
+    for column in columns {
         let mut points = Vec::new();
         let mut some_not_valid = false;
         for fh in constants::FALLING_HEIGHTS_MM {
@@ -82,27 +90,16 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
             if let Some(mean) = mean(&heights) {
                 points.push((fh / MM_IN_CM, mean));
                 some_not_valid |= left_out.all;
-                let count = heights.len().to_string();
-                let valid = (!left_out.all).to_string();
-                let left_out = left_out.runs.to_string();
-                table.row([column.name.clone(), count, cell(fh), cell(mean), valid, left_out]);
+                let (valid, count) = (!left_out.all, heights.len());
+                table.row(row![&column.name, count, fh, mean, valid, left_out.runs]);
             }
         }
-        if !points.is_empty() {
-            curves.push((n, column, points, some_not_valid));
-        }
+        curves.push((column, points, some_not_valid));
     }
-    let mut x = Axis::with_ticks("Falling height (cm)", &[0.0, 5.0, 10.0, 15.0, 20.0]);
-    // Markers at the ends stand clear of the frame.
-    (x.from, x.to) = (-1.0, 21.0);
-    let all = curves.iter().flat_map(|(_, _, points, _)| points.iter().map(|p| p.1));
-    let mut plot = Plot::new(x, Axis::linear("Standing height (mm)", all));
-    let shown: Vec<&str> = curves.iter().map(|(_, c, _, _)| c.name.as_str()).collect();
-    let missing = missing(columns, &shown);
-    for (n, column, points, not_valid) in curves {
-        let label = label(column, not_valid);
-        plot.series.push(Series { label, look: look(n, None), points });
-    }
+    let all = curves.iter().flat_map(|(_, points, _)| points.iter().map(|p| p.1));
+    let y = Axis::linear("Standing height (mm)", all);
+    let mut plot = Plot::new(Axis::falling_heights(20.0), y);
+    let missing = add(&mut plot, curves, None);
     let caption = format!(
         "Mean surface after pluviation over falling height, mean over the configurations. The \
          laboratory's range stood in the paper's figure, which was not available to us (only its text \
@@ -110,12 +107,7 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
          grains do not overlap: see the table. {MIND}{missing}"
     );
     let stem = "interpretations-standing-height";
-    Figure::new(stem, "Figure 7 under each interpretation", caption, &plot, &table)
-}
-
-/// A curve's name in the legend.
-fn label(column: &InterpretationColumn, not_valid: bool) -> String {
-    if not_valid { format!("{} (not valid)", column.name) } else { column.name.clone() }
+    Figure::new(stem, "Figure 7 under each interpretation", caption, &[plot], &table)
 }
 
 /// Mean over the runs that count, or else over those that do not, at the times of the first, up
@@ -128,12 +120,9 @@ fn mean_curve<'a>(
         InterpretationColumn::never_mixed(runs.filter(|r| !curve(r).is_empty()));
     let curves: Vec<&[(f64, f64)]> = shown.into_iter().map(curve).collect();
     let length = curves.iter().map(|c| c.len()).min().unwrap_or(0);
-    let points = (0..length)
-        .filter_map(|i| {
-            Some((curves[0][i].0, mean(&curves.iter().map(|c| c[i].1).collect::<Vec<_>>())?))
-        })
-        .collect();
-    (points, left_out.all)
+    let at = |i: usize| curves.iter().map(|c| c[i].1).collect::<Vec<f64>>();
+    let point = |i: usize| Some((curves[0][i].0, mean(&at(i))?));
+    ((0..length).filter_map(point).collect(), left_out.all)
 }
 
 fn settlement(
@@ -141,43 +130,29 @@ fn settlement(
     kind: RunKind,
     plate: bool,
 ) -> Result<Figure, ReportError> {
-    let mut table = Table::new(&["interpretation", "time_s", "settlement_mm", "valid"]);
-    let mut curves = Vec::new();
-    for (n, column) in columns.iter().enumerate() {
-        let (points, not_valid) =
-            mean_curve(
-                column.of_kind(kind),
-                |r| {
-                    if plate { &r.plate_curve } else { &r.surface_curve }
-                },
-            );
+    let mut table = Table::new(["interpretation", "time_s", "settlement_mm", "valid"]);
+    let mut curves: Vec<Curve> = Vec::new();
+    for column in columns {
+        let (points, not_valid) = mean_curve(column.of_kind(kind), |r| match plate {
+            true => &r.plate_curve,
+            false => &r.surface_curve,
+        });
         for (time, value) in &points {
-            let valid = (!not_valid).to_string();
-            table.row([column.name.clone(), cell(*time), cell(*value), valid]);
+            table.row(row![&column.name, *time, *value, !not_valid]);
         }
-        if !points.is_empty() {
-            curves.push((n, column, points, not_valid));
-        }
+        curves.push((column, points, not_valid));
     }
     let continuous = kind == RunKind::VibrationContinuous;
     let band = (continuous && plate).then(|| bands::final_settlement_mm().read_as);
-    let points = || curves.iter().flat_map(|(_, _, points, _)| points);
+    let points = || curves.iter().flat_map(|(_, points, _)| points);
     let depths =
         points().map(|p| p.1).chain([0.0]).chain(band.into_iter().flat_map(|b| [b.low, b.high]));
     let x = Axis::linear("Time since vibration began (s)", points().map(|p| p.0).chain([0.0]));
     let mut plot = Plot::new(x, Axis::linear("Settlement (mm)", depths).reversed());
     if let Some(band) = band {
-        plot.bands.push(BandArea {
-            label: "Laboratory, range of the final settlement".into(),
-            between: (band.low, band.high),
-        });
+        plot.add_band("Laboratory, range of the final settlement", (band.low, band.high));
     }
-    let shown: Vec<&str> = curves.iter().map(|(_, c, _, _)| c.name.as_str()).collect();
-    let missing = missing(columns, &shown);
-    for (n, column, points, not_valid) in curves {
-        let look = look(n, Some(MARKER_SPACING));
-        plot.series.push(Series { label: label(column, not_valid), look, points });
-    }
+    let missing = add(&mut plot, curves, Some(MARKER_SPACING));
     let what = if plate { "top plate" } else { "mean surface" };
     let (number, mode) = if continuous { (9, "continuous") } else { (10, "intermittent") };
     let caption = format!(
@@ -191,5 +166,5 @@ fn settlement(
     );
     let stem = format!("interpretations-{mode}-{}", if plate { "plate" } else { "surface" });
     let title = format!("Figure {number} under each interpretation: {what}");
-    Figure::new(&stem, &title, caption, &plot, &table)
+    Figure::new(&stem, &title, caption, &[plot], &table)
 }

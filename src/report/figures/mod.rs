@@ -2,13 +2,10 @@
 //! the runs can be trusted.
 
 mod calibration;
-mod chart;
-mod comparison;
 mod convergence;
 mod grain_size;
 mod headline;
 mod interpretations;
-mod laws;
 mod of_run;
 mod pile;
 mod quality;
@@ -21,20 +18,22 @@ mod uncertainty;
 
 use std::path::Path;
 
-use super::{ReportError, Standard, plot::Plot, png};
+use super::{
+    ReportError, Standard,
+    plot::{Plot, stacked},
+    png,
+    table::Table,
+};
 use crate::{
     paper::StudyView,
     record::{AngleOfRepose, FileError, RunKind, create_folder, write_file},
 };
 
 pub(super) use calibration::{capital, of_calibration};
-pub(super) use chart::of_chart;
-pub(super) use comparison::of_comparison;
 pub(super) use convergence::of_convergence;
 pub(super) use grain_size::of_grains;
 pub(super) use headline::figure as headline;
 pub(super) use interpretations::of_interpretations;
-pub(super) use laws::of_law;
 pub(super) use of_run::of_run;
 pub(super) use pile::{of_pile, side_view};
 pub(super) use sensitivity::of_sensitivity;
@@ -57,31 +56,30 @@ pub struct Figure {
 }
 
 impl Figure {
-    fn new(
+    /// A figure of plots below each other.
+    pub(super) fn new(
         stem: &str,
         title: &str,
-        caption: String,
-        plot: &Plot,
+        caption: impl Into<String>,
+        plots: &[Plot],
         table: &Table,
     ) -> Result<Self, ReportError> {
-        let fail = |reason: String| ReportError::Figure { figure: stem.to_owned(), reason };
-        let svg = plot.svg().map_err(fail)?;
-        Self::of_svg(stem, title, caption, svg, table)
+        Self::of_svg(stem, title, caption, stacked(plots), table)
     }
 
     fn of_svg(
         stem: &str,
         title: &str,
-        caption: String,
-        svg: String,
+        caption: impl Into<String>,
+        svg: Result<String, String>,
         table: &Table,
     ) -> Result<Self, ReportError> {
         let fail = |reason: String| ReportError::Figure { figure: stem.to_owned(), reason };
         Ok(Self {
             stem: stem.to_owned(),
             title: title.to_owned(),
-            caption,
-            svg,
+            caption: caption.into(),
+            svg: svg.map_err(fail)?,
             csv: table.csv().map_err(|e| fail(e.to_string()))?,
         })
     }
@@ -128,32 +126,4 @@ pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Fig
         figures.push(pile::by_azimuth(&piles)?);
     }
     Ok(figures)
-}
-
-/// The numbers behind a figure.
-struct Table {
-    rows: Vec<Vec<String>>,
-}
-
-impl Table {
-    fn new(header: &[&str]) -> Self {
-        Self { rows: vec![header.iter().map(|h| (*h).to_owned()).collect()] }
-    }
-
-    fn row(&mut self, cells: impl IntoIterator<Item = String>) {
-        self.rows.push(cells.into_iter().collect());
-    }
-
-    fn csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        for row in &self.rows {
-            writer.write_record(row)?;
-        }
-        writer.into_inner().map_err(|e| e.into_error().into())
-    }
-}
-
-/// A number for CSV: empty where there is none.
-fn cell(value: impl Into<Option<f64>>) -> String {
-    value.into().filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string())
 }

@@ -1,13 +1,13 @@
 //! The figures of a single run, for its own folder.
 
-use super::{Figure, Table, cell, settlement};
+use super::{Figure, settlement};
 use crate::{
     record::{RunRecord, SeriesRow},
     report::{
         ReportError,
         axis::Axis,
-        plot::{Look, Mark, Plot, Series},
-        style,
+        plot::{Look, Plot, Series},
+        table::table,
     },
 };
 
@@ -37,17 +37,7 @@ fn curve(
         .collect();
     // A curve that is not there has no place in the legend.
     let label = if points.is_empty() { "" } else { label };
-    Series {
-        label: label.to_owned(),
-        look: Look {
-            colour: style::colour(n),
-            line: Some(style::SOLID),
-            width: style::CURVE,
-            marker: Some(style::marker(n)),
-            marker_spacing: Some(MARKER_SPACING),
-        },
-        points,
-    }
+    Series { label: label.to_owned(), look: Look::marked(n).every(MARKER_SPACING), points }
 }
 
 /// Time axis and the beginning of every stage but the first.
@@ -56,7 +46,7 @@ fn over_time(run: &RunRecord, y: Axis) -> Plot {
     let mut plot = Plot::new(x, y);
     for rows in run.series.windows(2).filter(|w| w[1].stage != w[0].stage) {
         let label = if plot.marks.is_empty() { "Beginning of a stage" } else { "" };
-        plot.marks.push(Mark { label: label.into(), at: rows[1].time_s, upright: true });
+        plot.mark_upright(label, rows[1].time_s);
     }
     plot
 }
@@ -71,28 +61,17 @@ fn heights(run: &RunRecord) -> Result<Figure, ReportError> {
     let values = series.iter().flat_map(|s| s.points.iter().map(|p| p.1)).chain([0.0]);
     let mut plot = over_time(run, Axis::linear("Height above the floor (mm)", values));
     plot.series.extend(series);
-    let mut table = Table::new(&[
-        "time_s",
-        "stage",
-        "mean_surface_mm",
-        "mean_grain_height_mm",
-        "plate_height_mm",
-        "grains_in_cylinder",
-        "pile_height_mm",
-    ]);
-    for r in &run.series {
-        table.row([
-            cell(r.time_s),
-            r.stage.to_string(),
-            cell(r.mean_surface_mm),
-            cell(r.mean_grain_height_mm),
-            cell(r.plate_height_mm),
-            r.grains_in_cylinder.to_string(),
-            cell(r.pile_height_mm),
-        ]);
-    }
-    let caption = "Heights over the time of the run.".to_owned();
-    Figure::new("heights", "Heights over time", caption, &plot, &table)
+    let table = table!(&run.series, |r| {
+        "time_s" => r.time_s,
+        "stage" => r.stage,
+        "mean_surface_mm" => r.mean_surface_mm,
+        "mean_grain_height_mm" => r.mean_grain_height_mm,
+        "plate_height_mm" => r.plate_height_mm,
+        "grains_in_cylinder" => r.grains_in_cylinder,
+        "pile_height_mm" => r.pile_height_mm,
+    });
+    let caption = "Heights over the time of the run.";
+    Figure::new("heights", "Heights over time", caption, &[plot], &table)
 }
 
 fn energy(run: &RunRecord) -> Result<Figure, ReportError> {
@@ -101,15 +80,12 @@ fn energy(run: &RunRecord) -> Result<Figure, ReportError> {
     let y = Axis::logarithmic("Kinetic energy (J)", series.points.iter().map(|p| p.1));
     let mut plot = over_time(run, y);
     plot.series.push(series);
-    let mut table = Table::new(&["time_s", "stage", "kinetic_energy_j", "largest_speed_m_per_s"]);
-    for r in &run.series {
-        table.row([
-            cell(r.time_s),
-            r.stage.to_string(),
-            cell(r.kinetic_energy_j),
-            cell(r.largest_speed_m_per_s),
-        ]);
-    }
-    let caption = "Kinetic energy of grains and plate relative to the table.".to_owned();
-    Figure::new("energy", "Kinetic energy over time", caption, &plot, &table)
+    let table = table!(&run.series, |r| {
+        "time_s" => r.time_s,
+        "stage" => r.stage,
+        "kinetic_energy_j" => r.kinetic_energy_j,
+        "largest_speed_m_per_s" => r.largest_speed_m_per_s,
+    });
+    let caption = "Kinetic energy of grains and plate relative to the table.";
+    Figure::new("energy", "Kinetic energy over time", caption, &[plot], &table)
 }

@@ -6,7 +6,7 @@ use plotters::{
     style::text_anchor::{HPos, VPos},
 };
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     geometry::Vector,
     record::{AngleOfRepose, AzimuthAngle},
@@ -14,9 +14,10 @@ use crate::{
         ReportError,
         axis::Axis,
         dash::dashes,
-        plot::{BandArea, Look, Mark, Plot, Series, font},
+        plot::{Look, Plot, font},
         silhouette::{Facet, facets},
         style::{self, INK},
+        table::{Table, row},
     },
     specimen::Specimen,
     units::to_mm,
@@ -99,34 +100,22 @@ pub(in crate::report) fn side_view(
     pile: &AngleOfRepose,
     base_level_mm: f64,
 ) -> Result<Figure, ReportError> {
-    let stem = "pile";
-    let fail = |reason: String| ReportError::Figure { figure: stem.to_owned(), reason };
     let mut svg = String::new();
-    let picture = Picture::new(specimen, pile, base_level_mm);
-    picture.draw(&mut svg).map_err(|e| fail(e.to_string()))?;
-    let mut table = Table::new(&["side", "degrees", "toe_radius_mm", "axis_x_mm", "base_level_mm"]);
+    let drawn = Picture::new(specimen, pile, base_level_mm).draw(&mut svg);
+    let mut table = Table::new(["side", "degrees", "toe_radius_mm", "axis_x_mm", "base_level_mm"]);
     for (name, towards) in [("right", 0.0), ("left", 180.0)] {
         if let Some(side) = Side::of(pile, towards) {
-            table.row([
-                name.to_owned(),
-                cell(side.degrees()),
-                cell(side.toe_mm()),
-                cell(pile.axis_mm[0]),
-                cell(base_level_mm),
-            ]);
+            let axis = pile.axis_mm[0];
+            table.row(row![name, side.degrees(), side.toe_mm(), axis, base_level_mm]);
         }
     }
-    Ok(Figure {
-        stem: stem.to_owned(),
-        title: "Side view of the pile".to_owned(),
-        caption: format!(
-            "The pile seen along y. The lines are the fitted flanks on either side, means over the \
-             sectors within {SIDE_DEGREES}° of it, drawn solid where they are fitted. They \
-             follow the mean surface of a sector; grains of the silhouette stand in front of it."
-        ),
-        svg,
-        csv: table.csv().map_err(|e| fail(e.to_string()))?,
-    })
+    let caption = format!(
+        "The pile seen along y. The lines are the fitted flanks on either side, means over the \
+         sectors within {SIDE_DEGREES}° of it, drawn solid where they are fitted. They \
+         follow the mean surface of a sector; grains of the silhouette stand in front of it."
+    );
+    let svg = drawn.map(|()| svg).map_err(|e| e.to_string());
+    Figure::of_svg("pile", "Side view of the pile", caption, svg, &table)
 }
 
 /// What the side view shows, and how millimetres become SVG units.
@@ -265,40 +254,22 @@ pub(in crate::report) fn by_azimuth(
         &[0.0, 60.0, 120.0, 180.0, 240.0, 300.0, 360.0],
     );
     let mut plot = Plot::new(x, Axis::linear("Slope of the flank (°)", angles));
-    let mut table = Table::new(&["pile", "azimuth_degrees", "degrees", "toe_radius_mm"]);
+    let mut table = Table::new(["pile", "azimuth_degrees", "degrees", "toe_radius_mm"]);
     if let [(_, pile)] = piles {
-        plot.bands.push(BandArea {
-            label: "95 % confidence interval of the mean".into(),
-            between: (pile.confidence_low_degrees, pile.confidence_high_degrees),
-        });
-        let label = format!("Mean, {:.1}°", pile.degrees);
-        plot.marks.push(Mark { label, at: pile.degrees, upright: false });
+        let interval = (pile.confidence_low_degrees, pile.confidence_high_degrees);
+        plot.add_band("95 % confidence interval of the mean", interval);
+        plot.mark_level(format!("Mean, {:.1}°", pile.degrees), pile.degrees);
     }
     for (n, (name, pile)) in piles.iter().enumerate() {
         let points = pile.by_azimuth.iter().filter_map(|a| Some((a.azimuth_degrees, a.degrees?)));
-        plot.series.push(Series {
-            label: if name.is_empty() { "Sector of 10°".into() } else { name.clone() },
-            look: Look {
-                colour: style::colour(n),
-                line: Some(style::SOLID),
-                width: style::THIN,
-                marker: Some(style::marker(n)),
-                marker_spacing: None,
-            },
-            points: points.collect(),
-        });
+        let label = if name.is_empty() { "Sector of 10°" } else { name };
+        plot.add(label, Look::marked(n).thin(), points.collect());
         for a in &pile.by_azimuth {
-            table.row([
-                name.clone(),
-                cell(a.azimuth_degrees),
-                cell(a.degrees),
-                cell(a.toe_radius_mm),
-            ]);
+            table.row(row![name, a.azimuth_degrees, a.degrees, a.toe_radius_mm]);
         }
     }
-    let caption =
-        "Slope of a pile's flank in sectors of 10° about its axis: straight lines fitted \
-                   between the radii at which the pile stands at 80 % and at 20 % of its height. Neighbouring sectors share grains."
-            .to_owned();
-    Figure::new("angle-by-azimuth", "Slope of the flank by azimuth", caption, &plot, &table)
+    let caption = "Slope of a pile's flank in sectors of 10° about its axis: straight lines fitted \
+                   between the radii at which the pile stands at 80 % and at 20 % of its height. \
+                   Neighbouring sectors share grains.";
+    Figure::new("angle-by-azimuth", "Slope of the flank by azimuth", caption, &[plot], &table)
 }

@@ -1,55 +1,34 @@
 //! Creep and overlap of every run beside the accuracy standard.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     paper::{Interval, StudyView, text::number},
     record::RunRecord,
     report::{
         ReportError, Standard,
         axis::Axis,
-        plot::{Look, Mark, Plot, Series},
-        style,
+        plot::{Look, Plot},
+        table::table,
     },
 };
 
 /// Height given to a run, in SVG units.
 const ROW: u32 = 66;
 
-/// A plot with one line a run, the first on top.
+/// A plot with a row a run, and some value of each.
 fn by_run(runs: &[RunRecord], x: Axis) -> Plot {
-    let count = runs.len().max(1);
-    let ticks: Vec<f64> = (0..count).map(|i| i as f64).collect();
-    let y = Axis {
-        name: String::new(),
-        from: count as f64 - 0.4,
-        to: -0.6,
-        log: false,
-        ticks,
-        minor: Vec::new(),
-    };
-    let mut plot = Plot::new(x, y);
-    plot.y_names = Some(runs.iter().map(|r| r.name.clone()).collect());
-    plot.frame_height = (ROW * count as u32).max(3 * ROW);
-    plot
+    Plot::of_rows(x, runs.iter().map(|r| r.name.clone()).collect(), ROW)
 }
 
-fn dots(
+fn add_dots(
+    plot: &mut Plot,
     runs: &[RunRecord],
     n: usize,
     label: &str,
     value: impl Fn(&RunRecord) -> Option<f64>,
-) -> Series {
-    Series {
-        label: label.to_owned(),
-        look: Look {
-            colour: style::colour(n),
-            line: None,
-            width: style::CURVE,
-            marker: Some(style::marker(n)),
-            marker_spacing: None,
-        },
-        points: runs.iter().enumerate().filter_map(|(i, r)| Some((value(r)?, i as f64))).collect(),
-    }
+) {
+    let points = runs.iter().enumerate().filter_map(|(i, r)| Some((value(r)?, i as f64)));
+    plot.add(label, Look::points(n), points.collect());
 }
 
 pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, ReportError> {
@@ -58,33 +37,18 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
     let values = || runs.iter().filter_map(|r| r.summary.creep_um_per_s);
     let x = Axis::linear("Creep of the resting specimen (µm/s)", values().chain([-limit, limit]));
     let mut plot = by_run(runs, x);
-    plot.marks.push(Mark {
-        label: format!("Standard: within ±{limit} µm/s"),
-        at: limit,
-        upright: true,
-    });
-    plot.marks.push(Mark { label: String::new(), at: -limit, upright: true });
+    plot.mark_upright(format!("Standard: within ±{limit} µm/s"), limit);
+    plot.mark_upright("", -limit);
     let label = "Sinking rate of the mean grain height";
-    plot.series.push(dots(runs, 0, label, |r| r.summary.creep_um_per_s));
-    let mut table = Table::new(&[
-        "run",
-        "creep_um_per_s",
-        "rest_test_s",
-        "mean_grain_height_drop_mm",
-        "mean_surface_drop_mm",
-        "plate_drop_mm",
-    ]);
-    for r in runs {
-        let c = r.summary.rest_test;
-        table.row([
-            r.name.clone(),
-            cell(r.summary.creep_um_per_s),
-            cell(c.map(|c| c.duration_s)),
-            cell(c.map(|c| c.mean_grain_height_drop_mm)),
-            cell(c.map(|c| c.mean_surface_drop_mm)),
-            cell(c.and_then(|c| c.plate_drop_mm)),
-        ]);
-    }
+    add_dots(&mut plot, runs, 0, label, |r| r.summary.creep_um_per_s);
+    let table = table!(runs.iter().map(|r| (r, r.summary.rest_test)), |(r, c)| {
+        "run" => &r.name,
+        "creep_um_per_s" => r.summary.creep_um_per_s,
+        "rest_test_s" => c.map(|c| c.duration_s),
+        "mean_grain_height_drop_mm" => c.map(|c| c.mean_grain_height_drop_mm),
+        "mean_surface_drop_mm" => c.map(|c| c.mean_surface_drop_mm),
+        "plate_drop_mm" => c.and_then(|c| c.plate_drop_mm),
+    });
     let found = match Interval::of(values()) {
         Some(i) => format!("Found: {} to {} µm/s.", number(i.low, 1), number(i.high, 1)),
         None => "No run had a rest test.".to_owned(),
@@ -95,7 +59,7 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
          is {} mm in 20 s. {found}",
         number(limit * 20e-3, 1)
     );
-    Figure::new("quality-creep", "Creep of the specimens at rest", caption, &plot, &table)
+    Figure::new("quality-creep", "Creep of the specimens at rest", caption, &[plot], &table)
 }
 
 pub(super) fn overlap(study: &StudyView, standard: &Standard) -> Result<Figure, ReportError> {
@@ -109,30 +73,24 @@ pub(super) fn overlap(study: &StudyView, standard: &Standard) -> Result<Figure, 
     let x = Axis::logarithmic("Overlap (% of the equivalent diameter)", values);
     let mut plot = by_run(runs, x);
     for (label, at) in [("mean", mean_limit), ("99th percentile", p99_limit)] {
-        let label = format!("Standard: {label} below {at} %");
-        plot.marks.push(Mark { label, at, upright: true });
+        plot.mark_upright(format!("Standard: {label} below {at} %"), at);
     }
-    plot.series.push(dots(runs, 0, "Mean", |r| Some(r.summary.overlap.mean_percent)));
-    plot.series.push(dots(runs, 1, "99th percentile", |r| Some(r.summary.overlap.p99_percent)));
-    plot.series.push(dots(runs, 5, "Largest", |r| Some(r.summary.overlap.max_percent)));
-    let mut table =
-        Table::new(&["run", "pairs", "mean_percent", "p99_percent", "max_percent", "max_mm"]);
-    for r in runs {
-        let o = r.summary.overlap;
-        table.row([
-            r.name.clone(),
-            o.pairs.to_string(),
-            cell(o.mean_percent),
-            cell(o.p99_percent),
-            cell(o.max_percent),
-            cell(o.max_mm),
-        ]);
-    }
+    add_dots(&mut plot, runs, 0, "Mean", |r| Some(r.summary.overlap.mean_percent));
+    add_dots(&mut plot, runs, 1, "99th percentile", |r| Some(r.summary.overlap.p99_percent));
+    add_dots(&mut plot, runs, 5, "Largest", |r| Some(r.summary.overlap.max_percent));
+    let table = table!(runs.iter().map(|r| (r, r.summary.overlap)), |(r, o)| {
+        "run" => &r.name,
+        "pairs" => o.pairs,
+        "mean_percent" => o.mean_percent,
+        "p99_percent" => o.p99_percent,
+        "max_percent" => o.max_percent,
+        "max_mm" => o.max_mm,
+    });
     let caption = format!(
         "Overlap of touching grains at the end of each run, measured outside the engine from the \
          exact shapes: penetration depth over the mean equivalent diameter of the two grains. \
          Dotted: the accuracy standard, {mean_limit} % for the mean and {p99_limit} % for the 99th \
          percentile."
     );
-    Figure::new("quality-overlap", "Overlap of the grains", caption, &plot, &table)
+    Figure::new("quality-overlap", "Overlap of the grains", caption, &[plot], &table)
 }

@@ -1,14 +1,16 @@
 //! Figures 9 and 10: settlement of the top plate over time.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     paper::{Interval, StudyView, bands, settlement_curve, text::number},
-    record::{NO_VALID_RUN, RunKind, RunRecord, left_out_in_words},
+    record::{NO_VALID_RUN, RunKind, RunRecord},
     report::{
         ReportError,
         axis::Axis,
-        plot::{BandArea, Look, Mark, Plot, Series},
+        plot::{Look, Plot},
+        quality::sentence_of_left_out,
         style,
+        table::{Table, row},
     },
 };
 
@@ -19,10 +21,7 @@ pub(super) fn continuous(study: &StudyView) -> Result<Figure, ReportError> {
     let runs: Vec<&RunRecord> = study.of_kind(RunKind::VibrationContinuous).collect();
     let band = bands::final_settlement_mm().read_as;
     let (mut plot, table) = curves(&runs, Some(band), 20.0);
-    plot.bands.push(BandArea {
-        label: "Laboratory, range of the final settlement".into(),
-        between: (band.low, band.high),
-    });
+    plot.add_band("Laboratory, range of the final settlement", (band.low, band.high));
     let caption = format!(
         "Settlement of the top plate under continuous vibration. Hatched: the laboratory's range of \
          the final settlement, {} to {} mm, as the text gives it; it belongs to the end of the \
@@ -37,7 +36,7 @@ pub(super) fn continuous(study: &StudyView) -> Result<Figure, ReportError> {
         "figure-09-continuous-vibration",
         "Figure 9. Settlement of the top plate under continuous vibration",
         caption,
-        &plot,
+        &[plot],
         &table,
     )
 }
@@ -51,7 +50,7 @@ pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
     edges.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
     for (i, at) in edges.into_iter().enumerate() {
         let label = if i == 0 { "Start and end of a period" } else { "" };
-        plot.marks.push(Mark { label: label.into(), at, upright: true });
+        plot.mark_upright(label, at);
     }
     let rest = number(study.intermittent.rest_s, 1);
     let caption = format!(
@@ -68,7 +67,7 @@ pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
         "figure-10-intermittent-vibration",
         "Figure 10. Settlement of the top plate under intermittent vibration",
         caption,
-        &plot,
+        &[plot],
         &table,
     )
 }
@@ -80,7 +79,7 @@ pub(super) fn of_run(run: &RunRecord) -> Result<Option<Figure>, ReportError> {
     }
     let (plot, table) = curves(&[run], None, 0.0);
     let caption = format!("Settlement under vibration. {}", finals(&[run]));
-    Figure::new("settlement", "Settlement under vibration", caption, &plot, &table).map(Some)
+    Figure::new("settlement", "Settlement under vibration", caption, &[plot], &table).map(Some)
 }
 
 /// Plate and surface of every run; `at_least_s` is the least length of the time axis.
@@ -104,7 +103,7 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
     let x = Axis::linear("Time since vibration began (s)", times);
     let y = Axis::linear("Settlement (mm)", depths).reversed();
     let mut plot = Plot::new(x, y);
-    let mut table = Table::new(&[
+    let mut table = Table::new([
         "run",
         "configuration",
         "time_s",
@@ -113,27 +112,16 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
         "left_out_of_means",
     ]);
     for (n, (run, plate, surface)) in curves.iter().enumerate() {
-        let look = Look {
-            colour: style::colour(n),
-            line: Some(style::SOLID),
-            width: style::CURVE,
-            marker: Some(style::marker(n)),
-            marker_spacing: Some(MARKER_SPACING),
-        };
-        let thin = Look {
-            line: Some(style::DASHED),
-            width: style::THIN,
-            marker_spacing: Some(2.5 * MARKER_SPACING),
-            ..look
-        };
-        plot.series.push(Series { label: String::new(), look: thin, points: surface.clone() });
+        let look = Look::marked(n).every(MARKER_SPACING);
+        let thin = look.dash(style::DASHED).thin().every(2.5 * MARKER_SPACING);
+        plot.add("", thin, surface.clone());
         let mark = match (run.counts_in_means(), run.summary.valid) {
             (true, _) => "",
             (false, true) => " (left out)",
             (false, false) => " (not valid)",
         };
         let label = format!("Configuration {}, plate{mark}", run.configuration);
-        plot.series.push(Series { label, look, points: plate.clone() });
+        plot.add(label, look, plate.clone());
         let start = run
             .series
             .iter()
@@ -141,29 +129,22 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
             .map_or(0.0, |r| r.time_s);
         for row in &run.series {
             if row.settlement_mm.is_some() || row.surface_settlement_mm.is_some() {
-                table.row([
-                    run.name.clone(),
-                    run.configuration.to_string(),
-                    cell(row.time_s - start),
-                    cell(row.settlement_mm),
-                    cell(row.surface_settlement_mm),
+                table.row(row![
+                    &run.name,
+                    run.configuration,
+                    row.time_s - start,
+                    row.settlement_mm,
+                    row.surface_settlement_mm,
                     run.summary.why_left_out().join("; "),
                 ]);
             }
         }
     }
     if !runs.is_empty() {
-        plot.series.push(Series {
-            label: "Mean surface (same colours)".into(),
-            look: Look {
-                colour: style::INK,
-                line: Some(style::DASHED),
-                width: style::THIN,
-                marker: None,
-                marker_spacing: None,
-            },
-            points: Vec::new(),
-        });
+        plot.add_key(
+            "Mean surface (same colours)",
+            Look::of(style::INK).dash(style::DASHED).thin(),
+        );
     }
     (plot, table)
 }
@@ -171,10 +152,11 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
 /// The final settlements in a sentence.
 fn finals(runs: &[&RunRecord]) -> String {
     let left_out = runs.iter().filter(|r| !r.counts_in_means()).count();
-    let said = match left_out_in_words(left_out, runs.len()) {
-        said if said.is_empty() => said,
-        said => format!(" {said} and from these numbers, not being valid or short of grains."),
-    };
+    let said = sentence_of_left_out(
+        left_out,
+        runs.len(),
+        " and from these numbers, not being valid or short of grains",
+    );
     let of = |plate: bool| {
         let values = runs.iter().filter(|r| r.counts_in_means()).filter_map(|r| {
             let s = &r.summary;

@@ -1,14 +1,15 @@
 //! Shape of the grains: how their elongation, flatness and sphericity are spread.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     grains::{GrainShape, ShapeRatio},
     paper::text::number,
     report::{
         ReportError,
         axis::Axis,
-        plot::{Look, Plot, Series},
+        plot::{Look, Plot},
         style,
+        table::{Table, row},
     },
 };
 
@@ -30,14 +31,14 @@ pub(in crate::report) fn figure(shapes: &[GrainShape]) -> Result<Figure, ReportE
     let x = Axis::linear("Ratio (–)", values.chain([0.0, 1.0]));
     let y = Axis::with_ticks("Grains with less (%)", &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
     let mut plot = Plot::new(x, y);
-    let mut table = Table::new(&["ratio", "value", "grains_with_at_most_percent"]);
+    let mut table = Table::new(["ratio", "value", "grains_with_at_most_percent"]);
     let mut medians = Vec::new();
     let lines = [style::SOLID, style::DASHED, style::DOTTED];
     for (n, ratio) in ShapeRatio::ALL.into_iter().enumerate() {
         let (label, column) = named(ratio);
         let points = distribution(shapes.iter().map(|s| s.ratio(ratio)));
         for &(value, percent) in &points {
-            table.row([column.to_owned(), cell(value), cell(percent)]);
+            table.row(row![column, value, percent]);
         }
         let at = |percent| points.iter().find(|p| p.1 >= percent).map_or(f64::NAN, |p| p.0);
         medians.push(format!(
@@ -47,16 +48,7 @@ pub(in crate::report) fn figure(shapes: &[GrainShape]) -> Result<Figure, ReportE
             number(at(10.0), 2),
             number(at(90.0), 2)
         ));
-        // A curve that is not there has no place in the legend.
-        let label = if points.is_empty() { String::new() } else { label.to_owned() };
-        let look = Look {
-            colour: style::colour(n),
-            line: Some(lines[n]),
-            width: style::CURVE,
-            marker: Some(style::marker(n)),
-            marker_spacing: Some(MARKER_SPACING),
-        };
-        plot.series.push(Series { label, look, points });
+        plot.add_some(label, Look::marked(n).dash(lines[n]).every(MARKER_SPACING), points);
     }
     let mean = |value: fn(&GrainShape) -> usize| {
         shapes.iter().map(|s| value(s) as f64).sum::<f64>() / shapes.len() as f64
@@ -72,7 +64,7 @@ pub(in crate::report) fn figure(shapes: &[GrainShape]) -> Result<Figure, ReportE
         number(mean(|s| s.faces), 1),
         number(mean(|s| s.vertices), 1),
     );
-    Figure::new("grain-shape", "Shape of the grains", caption, &plot, &table)
+    Figure::new("grain-shape", "Shape of the grains", caption, &[plot], &table)
 }
 
 /// Value and percent of the grains that have at most it, ascending.

@@ -1,14 +1,16 @@
 //! Figure 7: standing height over falling height.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     paper::{Interval, StudyView, text::number},
-    record::{NO_VALID_RUN, RunKind, RunRecord, left_out_in_words},
+    record::{NO_VALID_RUN, RunKind, RunRecord},
     report::{
         ReportError,
         axis::Axis,
-        plot::{Look, Plot, Series},
+        plot::{Look, Plot},
+        quality::sentence_of_left_out,
         style,
+        table::{Table, row},
     },
 };
 
@@ -20,13 +22,10 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
     let p95 = |r: &RunRecord| r.summary.standing_height_mm.p95;
     let highest_fall =
         runs.iter().map(|r| r.falling_height_mm / MM_IN_CM).fold(20.0, f64::max).min(1e3);
-    let ticks: Vec<f64> = (0..=4).map(|i| f64::from(i) * highest_fall / 4.0).collect();
-    let mut x = Axis::with_ticks("Falling height (cm)", &ticks);
-    // Markers at the ends stand clear of the frame.
-    (x.from, x.to) = (-0.05 * highest_fall, 1.05 * highest_fall);
+    let x = Axis::falling_heights(highest_fall);
     let y = Axis::linear("Standing height (mm)", runs.iter().flat_map(|r| [mean(r), p95(r)]));
     let mut plot = Plot::new(x, y);
-    let mut table = Table::new(&[
+    let mut table = Table::new([
         "run",
         "configuration",
         "falling_height_mm",
@@ -46,52 +45,36 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
         let points = |height: &dyn Fn(&RunRecord) -> f64| {
             of.iter().map(|r| (r.falling_height_mm / MM_IN_CM, height(r))).collect()
         };
-        let look = Look {
-            colour: style::colour(n),
-            line: Some(style::SOLID),
-            width: style::CURVE,
-            marker: Some(style::marker(n)),
-            marker_spacing: None,
-        };
-        let thin = Look { line: Some(style::DASHED), width: style::THIN, ..look };
-        plot.series.push(Series { label: String::new(), look: thin, points: points(&p95) });
+        plot.add("", Look::marked(n).dash(style::DASHED).thin(), points(&p95));
         let some_left_out = of.iter().any(|r| !r.counts_in_means());
         let mark = if some_left_out { ", not valid in part" } else { "" };
         let label = format!("Configuration {configuration}{mark}");
-        plot.series.push(Series { label, look, points: points(&mean) });
+        plot.add(label, Look::marked(n), points(&mean));
         for r in of {
             let h = &r.summary.standing_height_mm;
-            table.row([
-                r.name.clone(),
-                configuration.to_string(),
-                cell(r.falling_height_mm),
-                cell(h.mean_surface),
-                cell(h.p95),
-                cell(h.highest),
-                cell(r.summary.void_ratio),
+            table.row(row![
+                &r.name,
+                configuration,
+                r.falling_height_mm,
+                h.mean_surface,
+                h.p95,
+                h.highest,
+                r.summary.void_ratio,
                 r.summary.why_left_out().join("; "),
             ]);
         }
     }
     if !runs.is_empty() {
-        plot.series.push(Series {
-            label: "95th percentile of the surface (same colours)".into(),
-            look: Look {
-                colour: style::INK,
-                line: Some(style::DASHED),
-                width: style::THIN,
-                marker: None,
-                marker_spacing: None,
-            },
-            points: Vec::new(),
-        });
+        let look = Look::of(style::INK).dash(style::DASHED).thin();
+        plot.add_key("95th percentile of the surface (same colours)", look);
     }
     let counting = runs.iter().filter(|r| r.counts_in_means());
     let left_out = runs.iter().filter(|r| !r.counts_in_means()).count();
-    let said = match left_out_in_words(left_out, runs.len()) {
-        said if said.is_empty() => said,
-        said => format!(" {said} and from this range, not being valid or short of grains."),
-    };
+    let said = sentence_of_left_out(
+        left_out,
+        runs.len(),
+        " and from this range, not being valid or short of grains",
+    );
     let range = match Interval::of(counting.map(|r| mean(r))) {
         Some(i) => format!(
             "The simulated mean surfaces lie between {} and {} mm.{said}",
@@ -112,7 +95,7 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
         "figure-07-standing-height",
         "Figure 7. Standing height after pluviation",
         caption,
-        &plot,
+        &[plot],
         &table,
     )
 }

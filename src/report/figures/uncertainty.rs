@@ -1,14 +1,15 @@
 //! Standing heights with their confidence intervals, and every configuration
 //! as a point.
 
-use super::{Figure, Table, cell};
+use super::Figure;
 use crate::{
     paper::{StudyView, uncertainty},
     report::{
         ReportError,
         axis::Axis,
-        plot::{Look, Plot, Series},
+        plot::{Look, Plot},
         style::{self, Marker},
+        table::{Table, row},
     },
 };
 
@@ -24,14 +25,12 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
         .filter_map(|q| Some((q.falling_height_mm? / MM_IN_CM, q)))
         .collect();
     let highest = heights.iter().map(|h| h.0).fold(20.0, f64::max);
-    let ticks: Vec<f64> = (0..=4).map(|i| f64::from(i) * highest / 4.0).collect();
-    let mut x = Axis::with_ticks("Falling height (cm)", &ticks);
-    (x.from, x.to) = (-0.05 * highest, 1.05 * highest);
+    let x = Axis::falling_heights(highest);
     let ends = heights.iter().flat_map(|(_, q)| {
         q.values.iter().copied().chain(q.interval.iter().flat_map(|i| [i.low, i.high]))
     });
     let mut plot = Plot::new(x, Axis::linear("Standing height (mm)", ends));
-    let mut table = Table::new(&[
+    let mut table = Table::new([
         "falling_height_mm",
         "configurations",
         "mean_mm",
@@ -39,56 +38,30 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
         "interval_low_mm",
         "interval_high_mm",
     ]);
-    let bar = Look {
-        colour: style::colour(0),
-        line: Some(style::SOLID),
-        width: style::CURVE,
-        marker: None,
-        marker_spacing: None,
-    };
     let mut means = Vec::new();
     let mut single = Vec::new();
     for (cm, q) in &heights {
         let Some(mean) = q.mean else { continue };
         means.push((*cm, mean));
         single.extend(q.values.iter().map(|v| (*cm, *v)));
-        table.row([
-            cell(q.falling_height_mm),
-            q.values.len().to_string(),
-            cell(mean),
-            cell(q.standard_deviation),
-            cell(q.interval.map(|i| i.low)),
-            cell(q.interval.map(|i| i.high)),
+        table.row(row![
+            q.falling_height_mm,
+            q.values.len(),
+            mean,
+            q.standard_deviation,
+            q.interval.map(|i| i.low),
+            q.interval.map(|i| i.high),
         ]);
         if let Some(i) = q.interval {
-            for points in [
-                vec![(*cm, i.low), (*cm, i.high)],
-                vec![(cm - STROKE_CM, i.low), (cm + STROKE_CM, i.low)],
-                vec![(cm - STROKE_CM, i.high), (cm + STROKE_CM, i.high)],
-            ] {
-                plot.series.push(Series { label: String::new(), look: bar, points });
-            }
+            plot.add_interval("", Look::line(0), (*cm, i.low, i.high), STROKE_CM);
         }
     }
     let with_interval = heights.iter().any(|(_, q)| q.interval.is_some());
     if !means.is_empty() {
         let label = if with_interval { "Mean and its 95 % confidence" } else { "Mean" };
-        plot.series.push(Series {
-            label: label.into(),
-            look: Look { marker: Some(Marker::Disc), ..bar },
-            points: means,
-        });
-        plot.series.push(Series {
-            label: "Single configurations".into(),
-            look: Look {
-                colour: style::INK,
-                line: None,
-                width: style::THIN,
-                marker: Some(Marker::Ring),
-                marker_spacing: None,
-            },
-            points: single,
-        });
+        plot.add(label, Look::line(0).marker(Marker::Disc), means);
+        let rings = Look { colour: style::INK, ..Look::rings() };
+        plot.add("Single configurations", rings, single);
     }
     let bars = if with_interval {
         "Bars: 95 % confidence of the mean over the configurations, by Student's t. They hold for \
@@ -102,7 +75,7 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
         "uncertainty-standing-height",
         "How sure the standing heights are",
         caption,
-        &plot,
+        &[plot],
         &table,
     )
 }

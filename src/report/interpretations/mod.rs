@@ -7,11 +7,12 @@ mod table;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::{ReportError, Standard, figures};
 use crate::{
     paper::{Claim, settlement_curve},
-    record::{RunKind, RunRecord, Summary, write_file, write_json},
+    record::{RunKind, RunRecord, Summary, write_json},
 };
 
 pub use table::{InterpretationCell, InterpretationRow};
@@ -123,6 +124,16 @@ impl InterpretationColumn {
         }
     }
 
+    /// How many runs meet the accuracy standard.
+    pub(super) fn meeting_standard(&self) -> usize {
+        self.runs.iter().filter(|r| r.summary.meets_standard).count()
+    }
+
+    /// How many runs do not count in means.
+    pub(super) fn left_out(&self) -> usize {
+        self.runs.iter().filter(|r| !r.counts_in_means()).count()
+    }
+
     /// The runs that lost every grain.
     pub(super) fn emptied(&self) -> impl Iterator<Item = &InterpretationRun> {
         self.runs.iter().filter(|r| !r.has_grains())
@@ -138,31 +149,6 @@ pub(super) struct LeftOut {
     pub(super) all: bool,
 }
 
-/// `interpretations.json`.
-#[derive(Serialize)]
-struct Interpretations<'a> {
-    interpretations: Vec<About<'a>>,
-    rows: &'a [InterpretationRow],
-}
-
-/// What stands above a column.
-#[derive(Serialize)]
-struct About<'a> {
-    name: &'a str,
-    title: &'a str,
-    meaning: &'a str,
-    source: &'a str,
-    settings: &'a str,
-    quick: bool,
-    configurations: u32,
-    runs_planned: usize,
-    runs_done: usize,
-    runs_meeting_standard: usize,
-    runs_left_out_of_means: usize,
-    failures: &'a [InterpretationFailure],
-    warnings: &'a [String],
-}
-
 /// Writes `interpretations.json`, `interpretations.md`, `interpretations.html` and `figures/` into a folder.
 ///
 /// # Errors
@@ -173,42 +159,33 @@ pub fn write_interpretations(
     standard: Standard,
 ) -> Result<(), ReportError> {
     let rows = table::rows(columns);
-    let figures = figures::of_interpretations(columns)?;
-    for figure in &figures {
-        figure.write(&out.join("figures"))?;
-    }
-    let about = |c: &'_ InterpretationColumn| -> usize {
-        c.runs.iter().filter(|r| r.summary.meets_standard).count()
-    };
-    let interpretations = columns
-        .iter()
-        .map(|c| About {
-            name: &c.name,
-            title: &c.title,
-            meaning: &c.meaning,
-            source: &c.source,
-            settings: &c.settings,
-            quick: c.quick,
-            configurations: c.configurations,
-            runs_planned: c.planned_runs,
-            runs_done: c.runs.len(),
-            runs_meeting_standard: about(c),
-            runs_left_out_of_means: c.runs.iter().filter(|r| !r.counts_in_means()).count(),
-            failures: &c.failures,
-            warnings: &c.warnings,
-        })
-        .collect();
+    let about: Vec<Value> = columns.iter().map(about).collect();
     write_json(
         &out.join("interpretations.json"),
-        &Interpretations { interpretations, rows: &rows },
+        &json!({ "interpretations": about, "rows": rows }),
     )?;
-    write_file(
-        &out.join("interpretations.md"),
-        page::markdown(columns, &rows, standard).as_bytes(),
-    )?;
-    let html = page::html(columns, &rows, &figures, standard);
-    write_file(&out.join("interpretations.html"), html.as_bytes())?;
-    Ok(())
+    let figures = figures::of_interpretations(columns)?;
+    page::page(columns, &rows, figures, standard)
+        .write(out, &["interpretations.md", "interpretations.html"])
+}
+
+/// What stands above a column.
+fn about(c: &InterpretationColumn) -> Value {
+    json!({
+        "name": c.name,
+        "title": c.title,
+        "meaning": c.meaning,
+        "source": c.source,
+        "settings": c.settings,
+        "quick": c.quick,
+        "configurations": c.configurations,
+        "runs_planned": c.planned_runs,
+        "runs_done": c.runs.len(),
+        "runs_meeting_standard": c.meeting_standard(),
+        "runs_left_out_of_means": c.left_out(),
+        "failures": c.failures,
+        "warnings": c.warnings,
+    })
 }
 
 #[cfg(test)]

@@ -1,34 +1,32 @@
-//! The table of interpretations as Markdown and as a page.
+//! The page of interpretations, as Markdown and as HTML.
 
-use std::fmt::Write as _;
+use maud::html;
 
-use maud::{DOCTYPE, Markup, html};
-
-use super::{InterpretationCell, InterpretationColumn, InterpretationRow, table::decimals};
+use super::{
+    InterpretationCell, InterpretationColumn, InterpretationRow, InterpretationRun, table::decimals,
+};
 use crate::{
     paper::{Verdict, text::number},
-    record::left_out_in_words,
     report::{
         Figure, Standard,
-        html::{figure_block, glue, head, name},
+        html::name,
+        page::{Block, Page},
+        quality::sentence_of_left_out,
+        table::{Cell, Table, row},
     },
 };
 
 /// What a reader must know of every column, with its own numbers.
 fn belief(c: &InterpretationColumn, standard: Standard) -> String {
-    let met = c.runs.iter().filter(|r| r.summary.meets_standard).count();
+    let met = c.meeting_standard();
     if c.runs.is_empty() {
         return "No run could be made.".to_owned();
     }
     if met == c.runs.len() {
-        let left_out = c.runs.iter().filter(|r| !r.counts_in_means()).count();
-        let said = match left_out_in_words(left_out, c.runs.len()) {
-            said if said.is_empty() => said,
-            said => format!(" {said}."),
-        };
+        let said = sentence_of_left_out(c.left_out(), c.runs.len(), "");
         return format!("All {met} runs meet the accuracy standard.{said}");
     }
-    let worst = |value: &dyn Fn(&super::InterpretationRun) -> f64| {
+    let worst = |value: &dyn Fn(&InterpretationRun) -> f64| {
         c.runs.iter().map(value).filter(|v| v.is_finite()).fold(0.0, f64::max)
     };
     format!(
@@ -65,169 +63,85 @@ fn how_read(columns: &[InterpretationColumn]) -> String {
     )
 }
 
-/// `interpretations.md`.
-pub(super) fn markdown(
+/// The page.
+pub(super) fn page(
     columns: &[InterpretationColumn],
     rows: &[InterpretationRow],
+    figures: Vec<Figure>,
     standard: Standard,
-) -> String {
-    let safe = |text: &str| text.replace('|', "\\|").replace('\n', " ");
-    let mut out =
-        format!("# The paper's interpretations side by side\n\n{}\n\n", how_read(columns));
-    for c in columns {
-        let _ = writeln!(
-            out,
-            "- **{}** — {}. {} {} Source: {}",
-            c.name,
-            c.title,
-            c.meaning,
-            belief(c, standard),
-            c.source
-        );
-        for f in &c.failures {
-            let _ = writeln!(out, "  - {} failed: {}", f.run, f.reason);
+) -> Page {
+    let subject = "What the authors of Izadi & Bezuijen (2014) may have meant or typed where the text \
+                   leaves it open.";
+    let quick = match columns.iter().any(|c| c.quick) {
+        true => {
+            "This is the quick study: fewer grains than the paper's. Its heights and settlements are \
+             not comparable with the paper."
         }
-    }
-    let names: Vec<&str> = columns.iter().map(|c| c.name.as_str()).collect();
-    let _ = writeln!(out, "\n| | paper | {} |", names.join(" | "));
-    let _ = writeln!(out, "| --- | --- |{}", " ---: |".repeat(names.len()));
+        false => "",
+    };
+    let head = [
+        Block::Soft(subject.to_owned()),
+        Block::Banner(quick.to_owned()),
+        Block::Lead(how_read(columns)),
+    ];
+    let each = columns.iter().flat_map(|c| about(c, standard));
+    Page::new("The paper's interpretations side by side", head)
+        .section("table", "Side by side", [Block::Table(table(columns, rows))])
+        .figures("curves", "Curves", figures)
+        .section("interpretations", "The interpretations", each)
+}
+
+fn about(c: &InterpretationColumn, standard: Standard) -> Vec<Block> {
+    let anchor = html! { span id={ "interpretation-" (c.name) } {} };
+    let failures = c.failures.iter().map(|f| format!("{} failed: {}", f.run, f.reason));
+    let warnings = c.warnings.iter().map(|warning| format!("Warning: {warning}"));
+    vec![
+        Block::Html(anchor),
+        Block::Heading(format!("{}: {}", c.name, c.title)),
+        Block::Text(c.meaning.clone()),
+        Block::Text(belief(c, standard)),
+        Block::Soft(format!("Source: {} Settings: {}", c.source, c.settings)),
+        Block::List(failures.chain(warnings).collect()),
+    ]
+}
+
+fn table(columns: &[InterpretationColumn], rows: &[InterpretationRow]) -> Table {
+    let link = |c: &InterpretationColumn| {
+        let shown = html! { a href={ "#interpretation-" (c.name) } { (name(&c.name)) } };
+        Cell::from(&c.name).on_page(&shown)
+    };
+    let header = [Cell::default(), "Paper".into()];
+    let mut table = Table::new(header.into_iter().chain(columns.iter().map(link)));
     let mut part = "";
-    for row in rows {
-        if row.part != part {
-            part = &row.part;
-            let _ = writeln!(out, "| **{}** | |{}", safe(part), " |".repeat(names.len()));
+    for of in rows {
+        if of.part != part {
+            part = &of.part;
+            table.part(part);
         }
-        let unit = if row.unit.is_empty() { String::new() } else { format!(", {}", row.unit) };
-        let cells: Vec<String> = row
-            .cells
-            .iter()
-            .map(|cell| {
-                let verdict = cell.verdict.filter(|_| cell.value.is_some()).map_or("", mark);
-                let mind = cell.mark();
-                let mind = if mind.is_empty() { mind } else { format!("({mind}) ") };
-                safe(format!("{} {mind}{verdict}", cell.text(decimals(&row.unit))).trim_end())
-            })
-            .collect();
-        let _ = writeln!(
-            out,
-            "| {}{unit} | {} | {} |",
-            safe(&row.quantity),
-            safe(&row.paper),
-            cells.join(" | ")
-        );
+        let unit = if of.unit.is_empty() { String::new() } else { format!(", {}", of.unit) };
+        let mut cells = row![format!("{}{unit}", of.quantity), &of.paper];
+        cells.extend(of.cells.iter().map(|cell| shown(cell, decimals(&of.unit))));
+        table.row(cells);
     }
-    out
+    table.class("interpretations")
 }
 
-/// `interpretations.html`.
-pub(super) fn html(
-    columns: &[InterpretationColumn],
-    rows: &[InterpretationRow],
-    figures: &[Figure],
-    standard: Standard,
-) -> String {
-    let title = "The paper's interpretations side by side";
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            (head(title))
-            body {
-                header {
-                    h1 { (title) }
-                    p.soft {
-                        "What the authors of Izadi & Bezuijen (2014) may have meant or typed where the "
-                        "text leaves it open."
-                    }
-                    @if columns.iter().any(|c| c.quick) {
-                        p.banner {
-                            "This is the quick study: fewer grains than the paper's. Its heights and "
-                            "settlements are not comparable with the paper."
-                        }
-                    }
-                    p.lead { (glue(&how_read(columns))) }
-                }
-                main {
-                    section id="table" { h2 { "Side by side" } (table(columns, rows)) }
-                    section id="curves" {
-                        h2 { "Curves" }
-                        @for figure in figures { (figure_block(figure)) }
-                    }
-                    section id="interpretations" {
-                        h2 { "The interpretations" }
-                        @for c in columns { (about(c, standard)) }
-                    }
-                }
-            }
-        }
-    }
-    .into_string()
-}
-
-fn about(c: &InterpretationColumn, standard: Standard) -> Markup {
-    html! {
-        h3 id={ "interpretation-" (c.name) } { (name(&c.name)) ": " (name(&c.title)) }
-        p { (glue(&c.meaning)) }
-        p { (glue(&belief(c, standard))) }
-        p.soft { "Source: " (glue(&c.source)) " Settings: " code { (name(&c.settings)) } }
-        @if !c.failures.is_empty() {
-            ul { @for f in &c.failures { li { strong { (name(&f.run)) } " failed: " bdi { (glue(&f.reason)) } } } }
-        }
-        @if !c.warnings.is_empty() {
-            details {
-                summary { "Warnings (" (c.warnings.len()) ")" }
-                ul { @for w in &c.warnings { li { bdi { (glue(w)) } } } }
-            }
-        }
-    }
-}
-
-fn table(columns: &[InterpretationColumn], rows: &[InterpretationRow]) -> Markup {
-    let mut parts: Vec<(&str, Vec<&InterpretationRow>)> = Vec::new();
-    for row in rows {
-        match parts.last_mut() {
-            Some((part, of)) if *part == row.part => of.push(row),
-            _ => parts.push((&row.part, vec![row])),
-        }
-    }
-    html! {
-        div.scroll { table.interpretations {
-            thead { tr {
-                th { "" } th { "Paper" }
-                @for c in columns { th.n { a href={ "#interpretation-" (c.name) } { (name(&c.name)) } } }
-            } }
-            @for (part, rows) in parts { tbody {
-                tr { th.part colspan=(columns.len() + 2) scope="rowgroup" { (part) } }
-                @for row in rows { tr {
-                    th scope="row" {
-                        (row.quantity)
-                        @if !row.unit.is_empty() { ", " (row.unit) }
-                    }
-                    td { (row.paper) }
-                    @for cell in &row.cells { (cell_of(row, cell)) }
-                } }
-            } }
-        } }
-    }
-}
-
-fn cell_of(row: &InterpretationRow, cell: &InterpretationCell) -> Markup {
-    let decimals = decimals(&row.unit);
+/// A cell: on a page its verdict and what to mind stand apart from its number.
+fn shown(cell: &InterpretationCell, decimals: Option<usize>) -> Cell {
+    let verdict = cell.verdict.filter(|_| cell.value.is_some()).map_or("", mark);
+    let mind = cell.mark();
+    let in_brackets = if mind.is_empty() { String::new() } else { format!("({mind}) ") };
+    let text = format!("{} {in_brackets}{verdict}", cell.text(decimals));
+    let class = if cell.verdict == Some(Verdict::Within) { "within" } else { "outside" };
     let alone = InterpretationCell { spread: None, ..cell.clone() };
-    html! {
-        td.n {
-            (alone.text(decimals))
-            @if let Some(verdict) =
-                cell.verdict.filter(|v| matches!(v, Verdict::Within | Verdict::Outside)) {
-                @let class = if verdict == Verdict::Within { "within" } else { "outside" };
-                @if cell.value.is_some() { " " span.verdict.(class) { (mark(verdict)) } }
-            }
-            @if let Some(s) = cell.spread {
-                @let shown = |v: f64| InterpretationCell { value: Some(v), ..InterpretationCell::default() }.text(decimals);
-                br; span.soft { "[" (shown(s.low)) " … " (shown(s.high)) "]" }
-            }
-            @let mind = cell.mark();
-            @if cell.not_valid { br; span.verdict.outside { (mind) } }
-            @else if !mind.is_empty() { br; span.soft { (mind) } }
+    let end = |v: f64| InterpretationCell { value: Some(v), ..Default::default() }.text(decimals);
+    Cell::number(text.trim_end()).on_page(&html! {
+        (alone.text(decimals))
+        @if !verdict.is_empty() { " " span.verdict.(class) { (verdict) } }
+        @if let Some(s) = cell.spread {
+            br; span.soft { "[" (end(s.low)) " … " (end(s.high)) "]" }
         }
-    }
+        @if cell.not_valid { br; span.verdict.outside { (mind) } }
+        @else if !mind.is_empty() { br; span.soft { (mind) } }
+    })
 }

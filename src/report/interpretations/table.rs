@@ -6,10 +6,11 @@ use super::{InterpretationColumn, InterpretationRun};
 use crate::{
     measure::statistics::mean,
     paper::{
-        Interval, PaperValue, ResultCounts, Verdict, constants,
+        Claim, Interval, ResultCounts, Verdict, constants,
         text::{compact, number},
     },
     record::{NO_VALID_RUN, RunKind, Settlement},
+    report::sections::paper_value,
 };
 
 /// A row of the table.
@@ -69,6 +70,18 @@ impl InterpretationCell {
         Self { value: mean(&values), spread, ..Self::default() }
     }
 
+    fn of_claim(own: &Claim) -> Self {
+        let spread = own.not_valid.map_or(own.spread, |n| n.spread);
+        Self {
+            value: own.ours.or(own.not_valid.map(|n| n.value)),
+            spread: spread.filter(|s| s.high > s.low),
+            words: if own.left_out.is_empty() { "not run" } else { NO_VALID_RUN }.to_owned(),
+            verdict: Some(own.verdict),
+            left_out: own.left_out.len(),
+            not_valid: own.not_valid.is_some(),
+        }
+    }
+
     /// For readers.
     pub(super) fn text(&self, decimals: Option<usize>) -> String {
         let shown = |v: f64| decimals.map_or_else(|| compact(v), |d| number(v, d));
@@ -111,190 +124,143 @@ const CLAIMS: &str = "The paper's statements";
 
 /// Every row of the table.
 pub(super) fn rows(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
-    let row = |part: &str,
-               quantity: &str,
-               unit: &str,
-               paper: &str,
-               cell: &dyn Fn(&InterpretationColumn) -> InterpretationCell| {
-        InterpretationRow {
-            part: part.to_owned(),
-            quantity: quantity.to_owned(),
-            unit: unit.to_owned(),
-            paper: paper.to_owned(),
-            cells: columns.iter().map(cell).collect(),
-        }
-    };
-    let mut rows = vec![
-        row(OUTCOME, "runs made", "", "", &|c| {
-            InterpretationCell::words(format!("{} of {}", c.runs.len(), c.planned_runs))
-        }),
-        row(OUTCOME, "runs that failed", "", "", &failures),
-        row(OUTCOME, "runs that lost every grain", "", "", &|c| {
-            InterpretationCell::of([c.emptied().count() as f64])
-        }),
-        row(OUTCOME, "steps too coarse for the motion", "", "", &|c| {
-            InterpretationCell::words(if c.warnings.is_empty() { "no" } else { "yes" })
-        }),
-    ];
+    let mut table = Rows { columns, part: OUTCOME, rows: Vec::new() };
+    table.words("runs made", |c| format!("{} of {}", c.runs.len(), c.planned_runs));
+    table.words("runs that failed", |c| match c.failures.len() {
+        0 => "none".to_owned(),
+        n => format!("{n}, see {}", c.name),
+    });
+    table.add("runs that lost every grain", "", "", |c| {
+        InterpretationCell::of([c.emptied().count() as f64])
+    });
+    table.words("steps too coarse for the motion", |c| {
+        if c.warnings.is_empty() { "no" } else { "yes" }.to_owned()
+    });
+    table.part = FIGURE_7;
     for fh in constants::FALLING_HEIGHTS_MM {
         let quantity = format!("from {} cm", number(fh / 10.0, 0));
-        rows.push(row(FIGURE_7, &quantity, "mm", "", &|c| {
+        table.add(&quantity, "mm", "", |c| {
             let poured = c.of_kind(RunKind::Pluviation);
             let from = poured.filter(|r| (r.falling_height_mm - fh).abs() < 0.5);
             InterpretationCell::of_runs(from, |r| r.summary.standing_height_mm.mean())
-        }));
+        });
     }
-    type Of = fn(&InterpretationRun) -> Option<&Settlement>;
-    let of: [(&str, Of); 2] = [
-        ("plate", |r| r.summary.settlement_mm.as_ref()),
-        ("mean surface", |r| r.summary.surface_settlement_mm.as_ref()),
-    ];
-    for (part, kind) in
-        [(FIGURE_9, RunKind::VibrationContinuous), (FIGURE_10, RunKind::VibrationIntermittent)]
-    {
-        let continuous = kind == RunKind::VibrationContinuous;
-        let first = if continuous { "after 5 s" } else { "after the first period" };
-        let early = move |s: &Settlement| {
-            if continuous { s.after_5_s } else { s.after_each_period.first().copied() }
+    table.add_settlements(FIGURE_9, RunKind::VibrationContinuous);
+    table.add_settlements(FIGURE_10, RunKind::VibrationIntermittent);
+    table.add_trust();
+    table.add_claims();
+    table.rows
+}
+
+/// The table as it grows.
+struct Rows<'a> {
+    columns: &'a [InterpretationColumn],
+    part: &'static str,
+    rows: Vec<InterpretationRow>,
+}
+
+impl Rows<'_> {
+    fn add(
+        &mut self,
+        quantity: &str,
+        unit: &str,
+        paper: &str,
+        cell: impl Fn(&InterpretationColumn) -> InterpretationCell,
+    ) {
+        self.rows.push(InterpretationRow {
+            part: self.part.to_owned(),
+            quantity: quantity.to_owned(),
+            unit: unit.to_owned(),
+            paper: paper.to_owned(),
+            cells: self.columns.iter().map(cell).collect(),
+        });
+    }
+
+    fn words(&mut self, quantity: &str, words: impl Fn(&InterpretationColumn) -> String) {
+        self.add(quantity, "", "", |c| InterpretationCell::words(words(c)));
+    }
+
+    /// Settlement of plate and surface: early, in the end, and the one as a share of the other.
+    fn add_settlements(&mut self, part: &'static str, kind: RunKind) {
+        self.part = part;
+        let is_continuous = kind == RunKind::VibrationContinuous;
+        let first = if is_continuous { "after 5 s" } else { "after the first period" };
+        let early = |s: &Settlement| match is_continuous {
+            true => s.after_5_s,
+            false => s.after_each_period.first().copied(),
         };
+        type Of = fn(&InterpretationRun) -> Option<&Settlement>;
+        let of: [(&str, Of); 2] = [
+            ("plate", |r| r.summary.settlement_mm.as_ref()),
+            ("mean surface", |r| r.summary.surface_settlement_mm.as_ref()),
+        ];
         for (what, settlement) in of {
-            let plate = what == "plate";
-            let stated = |text: &str| if plate { text.to_owned() } else { String::new() };
+            // The paper speaks of the plate.
+            let (lab, share) = match (what, is_continuous) {
+                ("plate", true) => ("14 to 19.61", "about 80"),
+                ("plate", false) => ("", "about 85"),
+                _ => ("", ""),
+            };
             let cell = |c: &InterpretationColumn, value: &dyn Fn(&Settlement) -> Option<f64>| {
                 InterpretationCell::of_runs(c.of_kind(kind), |r| value(settlement(r)?))
             };
-            rows.push(row(part, &format!("{what}, {first}"), "mm", "", &|c| cell(c, &early)));
-            let lab = if continuous { stated("14 to 19.61") } else { String::new() };
-            rows.push(row(part, &format!("{what}, final"), "mm", &lab, &|c| {
-                cell(c, &|s| Some(s.final_mm))
-            }));
-            let share = stated(if continuous { "about 80" } else { "about 85" });
-            rows.push(row(part, &format!("{what}, share {first}"), "%", &share, &|c| {
-                cell(c, &|s| Some(100.0 * early(s)? / s.final_mm))
-            }));
+            self.add(&format!("{what}, {first}"), "mm", "", |c| cell(c, &early));
+            let last = |s: &Settlement| Some(s.final_mm);
+            self.add(&format!("{what}, final"), "mm", lab, |c| cell(c, &last));
+            let of_final = |s: &Settlement| Some(100.0 * early(s)? / s.final_mm);
+            self.add(&format!("{what}, share {first}"), "%", share, |c| cell(c, &of_final));
         }
     }
-    rows.extend(trust(columns));
-    rows.extend(claims(columns));
-    rows
-}
 
-/// How many failed; why stands with the interpretation, being long.
-fn failures(c: &InterpretationColumn) -> InterpretationCell {
-    InterpretationCell::words(match c.failures.len() {
-        0 => "none".to_owned(),
-        n => format!("{n}, see {}", c.name),
-    })
-}
-
-/// Overlap, creep and lost grains: what agreement is worth.
-fn trust(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
-    type Of = fn(&InterpretationRun) -> Option<f64>;
-    let quantities: [(&str, &str, Of); 9] = [
-        ("overlap of grains, mean", "%", |r| Some(r.summary.overlap.mean_percent)),
-        ("overlap of grains, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent)),
-        ("largest overlap", "mm", |r| Some(r.summary.overlap.max_mm)),
-        ("creep at rest, unshaken", "µm/s", |r| r.summary.creep_um_per_s),
-        (VOID_RATIO, "", |r| r.summary.void_ratio.filter(|_| r.kind == RunKind::Pluviation)),
-        ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64)),
-        ("grains through walls or floor", "", |r| Some(r.summary.grains.escaped as f64)),
-        ("grains over the rim", "", |r| Some(r.summary.grains.spilled as f64)),
-        ("grains left in the funnel", "", |r| Some(r.summary.grains.left_in_funnel as f64)),
-    ];
-    let mut rows: Vec<InterpretationRow> = quantities
-        .into_iter()
-        .map(|(quantity, unit, value)| InterpretationRow {
-            part: TRUST.to_owned(),
-            quantity: quantity.to_owned(),
-            unit: unit.to_owned(),
-            paper: String::new(),
-            cells: columns
-                .iter()
-                .map(|c| match quantity {
-                    VOID_RATIO => InterpretationCell::of_runs(c.runs.iter(), value),
-                    // Of all runs, by which they are judged, also of those that lost every grain.
-                    _ => InterpretationCell::of(c.runs.iter().filter_map(value)),
-                })
-                .collect(),
-        })
-        .collect();
-    rows.push(InterpretationRow {
-        part: TRUST.to_owned(),
-        quantity: "runs that meet the accuracy standard".to_owned(),
-        unit: String::new(),
-        paper: String::new(),
-        cells: columns
-            .iter()
-            .map(|c| {
-                let met = c.runs.iter().filter(|r| r.summary.meets_standard).count();
-                InterpretationCell::words(format!("{met} of {}", c.runs.len()))
-            })
-            .collect(),
-    });
-    rows.push(InterpretationRow {
-        part: TRUST.to_owned(),
-        quantity: "runs left out of means, not being valid or short of grains".to_owned(),
-        unit: String::new(),
-        paper: String::new(),
-        cells: columns
-            .iter()
-            .map(|c| {
-                let left_out = c.runs.iter().filter(|r| !r.counts_in_means()).count();
-                InterpretationCell::words(format!("{left_out} of {}", c.runs.len()))
-            })
-            .collect(),
-    });
-    rows
-}
-
-/// Every claim of any column, in the order of the first that has it.
-fn claims(columns: &[InterpretationColumn]) -> Vec<InterpretationRow> {
-    let mut rows: Vec<InterpretationRow> = Vec::new();
-    let mut known: Vec<&str> = Vec::new();
-    for claim in columns.iter().flat_map(|c| &c.claims) {
-        if known.contains(&claim.id.as_str()) {
-            continue;
+    /// What tells whether the results can be believed.
+    fn add_trust(&mut self) {
+        self.part = TRUST;
+        type Of = fn(&InterpretationRun) -> Option<f64>;
+        let quantities: [(&str, &str, Of); 9] = [
+            ("overlap of grains, mean", "%", |r| Some(r.summary.overlap.mean_percent)),
+            ("overlap of grains, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent)),
+            ("largest overlap", "mm", |r| Some(r.summary.overlap.max_mm)),
+            ("creep at rest, unshaken", "µm/s", |r| r.summary.creep_um_per_s),
+            (VOID_RATIO, "", |r| r.summary.void_ratio.filter(|_| r.kind == RunKind::Pluviation)),
+            ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64)),
+            ("grains through walls or floor", "", |r| Some(r.summary.grains.escaped as f64)),
+            ("grains over the rim", "", |r| Some(r.summary.grains.spilled as f64)),
+            ("grains left in the funnel", "", |r| Some(r.summary.grains.left_in_funnel as f64)),
+        ];
+        for (quantity, unit, value) in quantities {
+            self.add(quantity, unit, "", |c| match quantity {
+                VOID_RATIO => InterpretationCell::of_runs(c.runs.iter(), value),
+                // Of all runs, by which they are judged, also of those that lost every grain.
+                _ => InterpretationCell::of(c.runs.iter().filter_map(value)),
+            });
         }
-        known.push(&claim.id);
-        let cell = |c: &InterpretationColumn| {
-            let Some(own) = c.claims.iter().find(|other| other.id == claim.id) else {
-                return InterpretationCell::default();
-            };
-            let spread = own.not_valid.map_or(own.spread, |n| n.spread);
-            InterpretationCell {
-                value: own.ours.or(own.not_valid.map(|n| n.value)),
-                spread: spread.filter(|s| s.high > s.low),
-                words: if own.left_out.is_empty() { "not run" } else { NO_VALID_RUN }.to_owned(),
-                verdict: Some(own.verdict),
-                left_out: own.left_out.len(),
-                not_valid: own.not_valid.is_some(),
-            }
-        };
-        rows.push(InterpretationRow {
-            part: CLAIMS.to_owned(),
-            quantity: claim.statement.trim_end_matches('.').to_owned(),
-            unit: if claim.unit == "–" { String::new() } else { claim.unit.clone() },
-            paper: match claim.paper {
-                None => String::new(),
-                Some(PaperValue::Value { value }) => compact(value),
-                Some(PaperValue::Range(i)) => format!("{} to {}", compact(i.low), compact(i.high)),
-            },
-            cells: columns.iter().map(cell).collect(),
+        self.words("runs that meet the accuracy standard", |c| {
+            format!("{} of {}", c.meeting_standard(), c.runs.len())
+        });
+        self.words("runs left out of means, not being valid or short of grains", |c| {
+            format!("{} of {}", c.left_out(), c.runs.len())
         });
     }
-    let tally = |c: &InterpretationColumn| {
-        let of = ResultCounts::of(&c.claims);
-        InterpretationCell::words(format!(
-            "{} / {} / {} / {}",
-            of.within, of.outside, of.not_run, of.not_comparable
-        ))
-    };
-    rows.push(InterpretationRow {
-        part: CLAIMS.to_owned(),
-        quantity: "results within / outside / not run / not comparable".to_owned(),
-        unit: String::new(),
-        paper: String::new(),
-        cells: columns.iter().map(tally).collect(),
-    });
-    rows
+
+    /// Every claim that any interpretation has, and the tally of results.
+    fn add_claims(&mut self) {
+        self.part = CLAIMS;
+        let mut known: Vec<&str> = Vec::new();
+        for claim in self.columns.iter().flat_map(|c| &c.claims) {
+            if known.contains(&claim.id.as_str()) {
+                continue;
+            }
+            known.push(&claim.id);
+            let unit = if claim.unit == "–" { "" } else { &claim.unit };
+            let paper = paper_value(claim).unwrap_or_default();
+            self.add(claim.statement.trim_end_matches('.'), unit, &paper, |c| {
+                let own = c.claims.iter().find(|other| other.id == claim.id);
+                own.map(InterpretationCell::of_claim).unwrap_or_default()
+            });
+        }
+        self.words("results within / outside / not run / not comparable", |c| {
+            let of = ResultCounts::of(&c.claims);
+            format!("{} / {} / {} / {}", of.within, of.outside, of.not_run, of.not_comparable)
+        });
+    }
 }

@@ -112,9 +112,7 @@ impl Kept {
         }
         let grand = mean(&blocks.concat())?;
         let by_block: Vec<f64> = blocks.iter().filter_map(|b| mean(b)).collect();
-        let by_value: Vec<f64> = (0..columns)
-            .filter_map(|i| mean(&blocks.iter().map(|b| b[i]).collect::<Vec<_>>()))
-            .collect();
+        let by_value = column_means(&blocks);
         let rest = blocks.iter().zip(&by_block).flat_map(|(block, of_block)| {
             block.iter().zip(&by_value).map(move |(r, of_value)| r - of_block - of_value + grand)
         });
@@ -128,10 +126,7 @@ impl Kept {
     /// two-way table. `None` of fewer than three values.
     pub fn bend(&self, values: &[f64]) -> Option<(f64, f64)> {
         let (scatter, blocks) = self.paired_scatter(values)?;
-        let table = self.blocks(values);
-        let means: Vec<f64> = (0..values.len())
-            .filter_map(|i| mean(&table.iter().map(|b| b[i]).collect::<Vec<_>>()))
-            .collect();
+        let means = column_means(&self.blocks(values));
         let pattern = bend_pattern(values)?;
         let square: f64 = pattern.iter().map(|p| p * p).sum();
         let bend = pattern.iter().zip(&means).map(|(p, m)| p * m).sum::<f64>() / square;
@@ -149,10 +144,7 @@ impl Kept {
         let level = (1.0 - CONFIDENCE) / pairs;
         let Some(t) = t_quantile(1.0 - level / 2.0, scatter.freedom) else { return Vec::new() };
         let least = t * scatter.deviation * (2.0 / blocks as f64).sqrt();
-        let table = self.blocks(&values);
-        let means: Vec<f64> = (0..values.len())
-            .filter_map(|i| mean(&table.iter().map(|b| b[i]).collect::<Vec<_>>()))
-            .collect();
+        let means = column_means(&self.blocks(&values));
         let mut found = Vec::new();
         for low in 0..values.len() {
             for high in low + 1..values.len() {
@@ -199,4 +191,11 @@ impl Kept {
         };
         self.values().into_iter().map(row).collect()
     }
+}
+
+/// The mean of every column of rows of the same length.
+fn column_means(rows: &[Vec<f64>]) -> Vec<f64> {
+    let columns = rows.first().map_or(0, Vec::len);
+    let column = |i: usize| rows.iter().map(|row| row[i]).collect::<Vec<f64>>();
+    (0..columns).filter_map(|i| mean(&column(i))).collect()
 }

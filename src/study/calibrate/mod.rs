@@ -155,13 +155,9 @@ impl<'a> CalibrationStudy<'a> {
             } else {
                 format!("{}={value}", self.options.unknown)
             };
-            let change = change.parse::<Override>();
-            Ok(Variation {
-                name: format!("at-{value}"),
-                group: self.options.unknown.clone(),
-                changes: vec![change.map_err(|e| StudyError::Scenario(e.to_string()))?],
-                configurations: None,
-            })
+            let change: Result<Override, _> = change.parse();
+            let changes = vec![change.map_err(|e| StudyError::Scenario(e.to_string()))?];
+            Ok(Variation::new(format!("at-{value}"), &self.options.unknown, changes))
         };
         let variations = values.iter().map(variation).collect::<Result<_, StudyError>>()?;
         Ok(Varied::load(&self.options.scenario, &self.options.changes, variations)?)

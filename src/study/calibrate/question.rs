@@ -5,8 +5,9 @@ use std::str::FromStr;
 
 use serde_json::Value;
 
-use super::super::StudyError;
+use super::super::{StudyError, design::range};
 use crate::record::Summary;
+use crate::report::unit_of;
 use crate::scenario::{Override, Scenario};
 
 /// A result of a run that is to have a value: a number of its `summary.json`.
@@ -71,30 +72,13 @@ impl CalibrationTarget {
 
     /// Its unit, as its name says; empty for pure numbers.
     pub fn unit(&self) -> &'static str {
-        const ENDINGS: [(&str, &str); 12] = [
-            ("um_per_s", "µm/s"),
-            ("degrees", "°"),
-            ("deg", "°"),
-            ("percent", "%"),
-            ("mm3", "mm³"),
-            ("cm3", "cm³"),
-            ("mib", "MiB"),
-            ("mm", "mm"),
-            ("hz", "Hz"),
-            ("g", "g"),
-            ("j", "J"),
-            ("s", "s"),
-        ];
-        let ends = |name: &str, ending: &str| {
-            name == ending || name.strip_suffix(ending).is_some_and(|rest| rest.ends_with('_'))
-        };
-        let of = |name: &str| ENDINGS.iter().find(|(e, _)| ends(name, e)).map(|(_, unit)| *unit);
         // A share of a length in mm is no length.
         let last = self.field.rsplit('.').next().unwrap_or_default();
         if last.starts_with("share_") || last == "count" {
             return "";
         }
-        self.field.rsplit('.').find_map(|part| of(part.split('[').next()?)).unwrap_or("")
+        let parts = self.field.rsplit('.').map(|part| part.split('[').next().unwrap_or_default());
+        parts.map(unit_of).find(|unit| !unit.is_empty()).unwrap_or("")
     }
 
     /// Reads it from a summary.
@@ -162,11 +146,7 @@ impl FromStr for CalibrationRange {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let ends = text.split_once("..").and_then(|(low, high)| {
-            let end = |t: &str| t.trim().parse().ok().filter(|v: &f64| v.is_finite());
-            Some((end(low)?, end(high)?))
-        });
-        match ends {
+        match range(text) {
             Some((low, high)) if low < high => Ok(Self { low, high }),
             Some((low, high)) => Err(format!(
                 "the range {low}..{high} is empty or reversed: the lower end comes first"

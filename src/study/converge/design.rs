@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::super::{
-    design::{Faults, SpecimenDesign},
+    design::{Chosen, Faults, SpecimenDesign, yes},
     variations::{Variation, Varied},
 };
 use crate::scenario::{ScenarioErrors, load_document};
@@ -87,10 +87,6 @@ pub struct RungDesign {
     pub quick: bool,
 }
 
-fn yes() -> bool {
-    true
-}
-
 /// A design ready to be run.
 #[derive(Debug)]
 pub(super) struct Designed {
@@ -119,8 +115,7 @@ pub(super) struct Ladder {
 pub(super) fn read(file: &Path, quick: bool) -> Result<Designed, ScenarioErrors> {
     let design: ConvergenceDesign = load_document(file)?;
     let mut faults = Faults::of(file);
-    let (part, specimen) =
-        if quick { ("quick", design.quick.as_ref()) } else { ("full", Some(&design.full)) };
+    let chosen = faults.chosen(&design.full, design.quick.as_ref(), quick);
     let mut names = Vec::new();
     let (mut ladders, mut variations) = (Vec::new(), Vec::new());
     for (l, ladder) in design.ladders.iter().enumerate() {
@@ -159,25 +154,9 @@ pub(super) fn read(file: &Path, quick: bool) -> Result<Designed, ScenarioErrors>
         let found = format!("\"{}\"", design.reference);
         faults.add("reference", &found, "the name of a ladder that is run", "it is none");
     }
-    let Some(specimen) = specimen else {
-        faults.add(part, "", "a specimen, as in `full`", "the field is missing for --quick");
-        return Err(faults.into_error());
-    };
-    let common = faults.changes(&format!("{part}.changes"), &specimen.changes);
-    if faults.any() {
-        return Err(faults.into_error());
-    }
-    match Varied::load(&faults.beside(&specimen.scenario), &common, variations) {
-        Ok(varied) => Ok(Designed {
-            limits: design.limits,
-            reference: reference.unwrap_or_default(),
-            ladders,
-            varied,
-            configurations: specimen.configurations,
-        }),
-        Err(errors) => {
-            faults.extend(errors)?;
-            Err(faults.into_error())
-        }
-    }
+    let Some(chosen) = chosen else { return Err(faults.into_error()) };
+    let varied = faults.load(&chosen, variations)?;
+    let Chosen { configurations, .. } = chosen;
+    let reference = reference.unwrap_or_default();
+    Ok(Designed { limits: design.limits, reference, ladders, varied, configurations })
 }

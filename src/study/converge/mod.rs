@@ -8,16 +8,15 @@ mod tests;
 
 pub use design::{ConvergenceDesign, ConvergenceLimits, LadderDesign, RungDesign};
 
-use std::{path::PathBuf, sync::Arc};
+use std::path::PathBuf;
 
 use super::{
     RunOptions, StudyError,
     presets::DesignFile,
     summarise,
     told::tell_warnings,
-    variations::{Kept, Varied, carry_out_variations, keep_and_read, write_variations},
+    variations::{Kept, Varied, conclude_so_far, keep_and_read, write_variations},
 };
-use crate::protocol::Progress;
 use crate::record::RunRow;
 use crate::report::{self, Convergence, Standard};
 use crate::scale::Scale;
@@ -68,17 +67,14 @@ impl ConvergenceStudy {
         let varied = &self.design.varied;
         tell_warnings(varied.scenarios(), options.progress.as_ref());
         let programme = varied.programme(self.configurations);
-        let mut found = None;
-        let mut so_far = |rows: &[RunRow]| {
-            let all = beside_other_builds(options, &programme, rows)?;
+        conclude_so_far(varied, self.configurations, options, |rows| {
+            let Kept { rows: all, left_out } = keep_and_read(&options.out, &programme, rows)?;
+            left_out.iter().for_each(|said| options.progress.message(said));
             write_variations(&options.out, &all)?;
             let convergence = self.judged(varied, &all);
             report::write_convergence(&options.out, &convergence)?;
-            found = Some(convergence);
-            Ok(())
-        };
-        carry_out_variations(varied, self.configurations, options, &mut so_far)?;
-        found.ok_or_else(|| StudyError::Scenario("the design has no variation".to_owned()))
+            Ok(convergence)
+        })
     }
 
     fn judged(&self, varied: &Varied, runs: &[RunRow]) -> Convergence {
@@ -103,16 +99,4 @@ impl ConvergenceStudy {
 /// The accuracy standard as reports have it.
 pub(super) fn standard() -> Standard {
     summarise::standard(&Scale::PAPER)
-}
-
-/// The rows of this build beside those of others.
-pub(super) fn beside_other_builds(
-    options: &RunOptions,
-    programme: &str,
-    rows: &[RunRow],
-) -> Result<Vec<RunRow>, StudyError> {
-    let progress: &Arc<dyn Progress> = &options.progress;
-    let Kept { rows, left_out } = keep_and_read(&options.out, programme, rows)?;
-    left_out.iter().for_each(|said| progress.message(said));
-    Ok(rows)
 }

@@ -1,14 +1,14 @@
 //! The design of a sensitivity study: which parameters are varied, one at a
 //! time, and how far.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::super::{
-    design::{Faults, SpecimenDesign},
+    design::{Chosen, Faults, SpecimenDesign, yes},
     variations::{Variation, Varied},
 };
 use crate::grains::load_scenario;
@@ -88,12 +88,8 @@ pub struct ParameterDesign {
     pub quick: bool,
 }
 
-fn yes() -> bool {
-    true
-}
-
 /// A parameter that was checked, with what makes its ends.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
     /// Short name.
     pub name: String,
@@ -143,13 +139,9 @@ impl Parameter {
 /// A design ready to be run.
 #[derive(Debug)]
 pub(in crate::study) struct Designed {
-    /// The scenario's file.
-    pub scenario: PathBuf,
-    /// Changes that every run has.
-    pub common: Vec<Override>,
+    pub chosen: Chosen,
     pub parameters: Vec<Parameter>,
     pub varied: Varied,
-    pub configurations: u32,
 }
 
 /// Reads and checks a design; `more` are changes that every run has beside
@@ -165,25 +157,16 @@ pub(in crate::study) fn read(
 ) -> Result<Designed, ScenarioErrors> {
     let design: SensitivityDesign = load_document(file)?;
     let mut faults = Faults::of(file);
-    let (part, specimen) =
-        if quick { ("quick", design.quick.as_ref()) } else { ("full", Some(&design.full)) };
-    let Some(specimen) = specimen else {
-        faults.add(part, "", "a specimen, as in `full`", "the field is missing for --quick");
-        return Err(faults.into_error());
-    };
-    let mut common = faults.changes(&format!("{part}.changes"), &specimen.changes);
-    common.extend_from_slice(more);
-    let base = faults.beside(&specimen.scenario);
-    let scenario = match load_scenario(&base, &common) {
+    let chosen = faults.chosen(&design.full, design.quick.as_ref(), quick);
+    let Some(mut chosen) = chosen else { return Err(faults.into_error()) };
+    chosen.common.extend_from_slice(more);
+    let scenario = match load_scenario(&chosen.scenario, &chosen.common) {
         Ok(loaded) => serde_json::to_value(&loaded.scenario).unwrap_or(Value::Null),
-        Err(errors) => {
-            faults.extend(errors)?;
-            return Err(faults.into_error());
-        }
+        Err(errors) => return Err(faults.with(errors)),
     };
     let mut names = vec![DEFAULT];
     let mut parameters = Vec::new();
-    let mut variations = vec![variation(DEFAULT, DEFAULT, Vec::new())];
+    let mut variations = vec![Variation::new(DEFAULT, DEFAULT, Vec::new())];
     for (index, parameter) in design.parameters.iter().enumerate() {
         let at = format!("parameters[{index}]");
         faults.name(&format!("{at}.name"), &parameter.name, &mut names);
@@ -195,23 +178,8 @@ pub(in crate::study) fn read(
             parameters.push(made);
         }
     }
-    if faults.any() {
-        return Err(faults.into_error());
-    }
-    match Varied::load(&base, &common, variations) {
-        Ok(varied) => {
-            let configurations = specimen.configurations;
-            Ok(Designed { scenario: base, common, parameters, varied, configurations })
-        }
-        Err(errors) => {
-            faults.extend(errors)?;
-            Err(faults.into_error())
-        }
-    }
-}
-
-fn variation(name: &str, group: &str, changes: Vec<Override>) -> Variation {
-    Variation { name: name.to_owned(), group: group.to_owned(), changes, configurations: None }
+    let varied = faults.load(&chosen, variations)?;
+    Ok(Designed { chosen, parameters, varied })
 }
 
 /// A parameter's ends, or its faults.
@@ -285,7 +253,7 @@ fn ends(
     // An end that is the default is no variation of its own.
     let ends = [End::Low, End::High].into_iter().map(|end| parameter.variation(end));
     let names = ends.filter(|name| name != DEFAULT);
-    let made = names.zip(made).map(|(name, changes)| variation(&name, &p.title, changes)).collect();
+    let made = names.zip(made).map(|(name, made)| Variation::new(name, &p.title, made)).collect();
     Some((parameter, made))
 }
 

@@ -4,7 +4,7 @@
 mod design;
 mod effects;
 
-pub(super) use design::{End, read as read_design};
+pub(super) use design::{Designed, End, read as read_design};
 pub use design::{Parameter, ParameterDesign, SensitivityDesign};
 pub(super) use effects::rows as parameter_rows;
 
@@ -12,7 +12,7 @@ use super::{
     RunOptions, StudyError, StudyOptions,
     presets::DesignFile,
     told::tell_warnings,
-    variations::{carry_out_variations, write_variations},
+    variations::{conclude_so_far, write_variations},
 };
 use crate::record::{RunRow, VariationRow};
 use crate::report::{self, Sensitivity};
@@ -36,7 +36,7 @@ impl SensitivityStudy {
     pub fn read(options: &StudyOptions) -> Result<Self, StudyError> {
         let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
         let design = design::read(&file.path, options.quick, &[])?;
-        let configurations = options.configurations.unwrap_or(design.configurations);
+        let configurations = options.configurations.unwrap_or(design.chosen.configurations);
         Ok(Self { design, quick: options.quick, configurations })
     }
 
@@ -47,18 +47,14 @@ impl SensitivityStudy {
     /// # Errors
     /// [`StudyError`].
     pub fn carry_out(&self, options: &RunOptions) -> Result<Sensitivity, StudyError> {
-        let mut found = None;
-        let mut so_far = |rows: &[RunRow]| {
+        let Designed { varied, .. } = &self.design;
+        tell_warnings(varied.scenarios(), options.progress.as_ref());
+        conclude_so_far(varied, self.configurations, options, |rows| {
             let variations = write_variations(&options.out, rows)?;
             let sensitivity = self.found(rows, &variations);
             report::write_sensitivity(&options.out, &sensitivity)?;
-            found = Some(sensitivity);
-            Ok(())
-        };
-        let design::Designed { varied, .. } = &self.design;
-        tell_warnings(varied.scenarios(), options.progress.as_ref());
-        carry_out_variations(varied, self.configurations, options, &mut so_far)?;
-        found.ok_or_else(|| StudyError::Scenario("the design has no variation".to_owned()))
+            Ok(sensitivity)
+        })
     }
 
     fn found(&self, runs: &[RunRow], variations: &[VariationRow]) -> Sensitivity {
@@ -84,7 +80,10 @@ mod tests {
         for quick in [false, true] {
             let design = design::read(&file.path, quick, &[])
                 .unwrap_or_else(|e| panic!("quick {quick}: {e}"));
-            assert!(design.configurations >= 2, "one configuration tells nothing of scatter");
+            assert!(
+                design.chosen.configurations >= 2,
+                "one configuration tells nothing of scatter"
+            );
             let parameters = design.parameters.len();
             assert!(parameters >= 12, "every choice that is ours, found {parameters}");
             // A range that ends at the default needs one run, any other two.

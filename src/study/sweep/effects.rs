@@ -233,14 +233,13 @@ fn effect(
     SweepEffect {
         factor: factor.path.clone(),
         outcome: outcome.to_owned(),
-        runs: 0,
-        left_out: 0,
         means,
         slope: mean(slopes),
         slope_half_width: test.map(|t| t.half_width),
         slope_p: test.map(|t| t.p),
         page_p,
         configurations_needed: size.and_then(|s| values_needed(s, CONFIDENCE, POWER)),
+        ..SweepEffect::default()
     }
 }
 

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use serde_json::Value;
 
-use crate::scenario::Override;
+use crate::{scenario::Override, study::design::range};
 
 /// A field of the scenario and the values that it takes.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,10 +94,8 @@ impl FromStr for SampledRange {
         let bad = || {
             format!("`{text}` is not path=low..high as in contact.grain_grain_friction=0.3..0.9")
         };
-        let (path, range) = text.split_once('=').ok_or_else(bad)?;
-        let (low, high) = range.split_once("..").ok_or_else(bad)?;
-        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
-        let (low, high) = number(low).zip(number(high)).ok_or_else(bad)?;
+        let (path, ends) = text.split_once('=').ok_or_else(bad)?;
+        let (low, high) = range(ends).ok_or_else(bad)?;
         if low >= high {
             return Err(format!("`{text}`: {low} is not below {high}"));
         }

@@ -21,9 +21,9 @@ use serde_json::Value;
 
 use super::{
     RunOptions, StudyError,
-    sensitivity::{Parameter, read_design},
+    sensitivity::{Designed, Parameter, read_design},
     told::tell_warnings,
-    variations::{Variation, Varied, carry_out_variations, collect_stored},
+    variations::{Variation, Varied, collect_stored, conclude_so_far},
 };
 use crate::grains::load_scenario;
 use crate::record::{RunRow, read_json};
@@ -65,16 +65,16 @@ impl SweepOptions {
         configurations: Option<u32>,
         run: RunOptions,
     ) -> Result<Self, StudyError> {
-        let designed = read_design(design, quick, changes)?;
+        let Designed { chosen, parameters, .. } = read_design(design, quick, changes)?;
         Ok(Self {
-            scenario: designed.scenario,
-            changes: designed.common,
+            scenario: chosen.scenario,
+            changes: chosen.common,
             over: Vec::new(),
-            parameters: designed.parameters,
+            parameters,
             quick,
             ranges: Vec::new(),
             design: Design::OneAtATime,
-            configurations: configurations.unwrap_or(designed.configurations),
+            configurations: configurations.unwrap_or(chosen.configurations),
             run,
         })
     }
@@ -117,12 +117,8 @@ impl SweepStudy {
         let gathered = gathered(&options.scenario)?;
         let SweepOptions { design, over, parameters, ranges, .. } = &options;
         let points = points::points(*design, over, parameters, ranges, &scenario)?;
-        let variations = points.iter().map(|point| Variation {
-            name: point.name.clone(),
-            group: "sweep".to_owned(),
-            changes: point.changes.clone(),
-            configurations: None,
-        });
+        let variations =
+            points.iter().map(|point| Variation::new(&point.name, "sweep", point.changes.clone()));
         let varied = Varied::load(&options.scenario, &options.changes, variations.collect())?;
         Ok(Self { options, gathered, scenario, points, varied })
     }
@@ -165,14 +161,8 @@ impl SweepStudy {
     /// [`StudyError`]. A run that fails is a row that says why.
     pub fn carry_out(&self) -> Result<Sweep, StudyError> {
         self.write_plan()?;
-        let mut found = None;
-        let mut so_far = |rows: &[RunRow]| {
-            found = Some(self.write(rows)?);
-            Ok(())
-        };
-        let configurations = self.options.configurations;
-        carry_out_variations(&self.varied, configurations, &self.options.run, &mut so_far)?;
-        found.ok_or_else(|| StudyError::Scenario("the sweep has no point".to_owned()))
+        let SweepOptions { configurations, run, .. } = &self.options;
+        conclude_so_far(&self.varied, *configurations, run, |rows| self.write(rows))
     }
 
     /// Puts what is stored of it into the same files, whoever carried it out;

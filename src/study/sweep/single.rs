@@ -63,13 +63,11 @@ fn parameter(factor: &SweepFactor, default: f64) -> Option<Parameter> {
     (low < high).then(|| Parameter {
         name: factor.path.clone(),
         title: factor.path.clone(),
-        unit: String::new(),
         reason: "given on the command line".to_owned(),
         path: factor.path.clone(),
         low,
         default,
         high,
-        low_changes: Vec::new(),
-        high_changes: Vec::new(),
+        ..Parameter::default()
     })
 }

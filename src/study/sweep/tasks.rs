@@ -8,8 +8,8 @@ use serde::Serialize;
 use super::{
     super::{
         RunOptions, StudyError,
+        believed::held,
         execute::execute,
-        held::held,
         plan::{Plan, RunNodes},
         variations::{GrainSets, name_stages, planned_run},
     },

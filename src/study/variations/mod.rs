@@ -11,20 +11,15 @@ mod tests;
 
 pub(super) use keep::{Kept, keep_and_read};
 
-use std::{
-    ops::Range,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{ops::Range, path::Path, sync::Arc};
 
 use serde::Serialize;
 
 use super::{
     StudyError,
-    execute::{Executed, execute_each},
-    held::held,
+    believed::held,
     plan::{Plan, PlannedRun, stage_label},
-    run::{RunOptions, kind_of, make_grains, write_grains, write_run},
+    run::{RunOptions, carry_out_each, folder_of, kind_of, make_grains, write_grains},
 };
 use crate::grains::GrainSet;
 use crate::grains::load_scenario;
@@ -46,6 +41,13 @@ pub struct Variation {
     pub changes: Vec<Override>,
     /// At most so many configurations, where they are costly.
     pub configurations: Option<u32>,
+}
+
+impl Variation {
+    /// A variation in as many configurations as any.
+    pub fn new(name: impl Into<String>, group: impl Into<String>, changes: Vec<Override>) -> Self {
+        Self { name: name.into(), group: group.into(), changes, configurations: None }
+    }
 }
 
 /// A base scenario and its variations, loaded and checked.
@@ -142,6 +144,25 @@ pub fn carry_out_variations(
 ) -> Result<Vec<RunRow>, StudyError> {
     let one_by_one: Vec<_> = (0..configurations).map(|number| number..number + 1).collect();
     carry_out_in(&crate::world::create, varied, &one_by_one, options, so_far)
+}
+
+/// Carries out variations and, whenever more of them are done, makes of all rows so far what they
+/// say together; the last of it.
+///
+/// # Errors
+/// As [`carry_out_variations`], those of what is made of them, and that there is none.
+pub(super) fn conclude_so_far<T>(
+    varied: &Varied,
+    configurations: u32,
+    options: &RunOptions,
+    mut conclude: impl FnMut(&[RunRow]) -> Result<T, StudyError>,
+) -> Result<T, StudyError> {
+    let mut found = None;
+    carry_out_variations(varied, configurations, options, &mut |rows| {
+        found = Some(conclude(rows)?);
+        Ok(())
+    })?;
+    found.ok_or_else(|| StudyError::Scenario("there is nothing to be run".to_owned()))
 }
 
 /// The same in ranges of configurations, counted from 0, one range after the
@@ -304,60 +325,23 @@ fn carry_out_batch(
 ) -> Result<Vec<RunRow>, StudyError> {
     let mut plan = Plan::new(runs)?;
     name_stages(&mut plan, runs);
-    let progress = options.progress.as_ref();
-    let Executed { done, failed, cancelled } =
-        execute_each(&plan, store, options.jobs, make_world, &options.cancel, progress);
-    let mut reasons: Vec<(usize, String)> = Vec::new();
-    for (node, error) in failed {
-        if !is_of_the_run(&error) {
-            return Err(error);
-        }
-        reasons.push((node, error.to_string()));
-    }
-    if cancelled {
-        return Err(StudyError::Cancelled);
-    }
+    let each = carry_out_each(make_world, &plan, runs, store, options)?;
     let mut rows = Vec::new();
-    for (index, (run, row)) in runs.iter().zip(begun).enumerate() {
-        let (alone, nodes) = plan.alone(index);
-        let finished: Option<Vec<_>> = nodes.iter().map(|&n| done[n].clone()).collect();
-        let folder = folder_of(&options.out, run);
-        let result = match finished {
-            Some(finished) => {
-                if !Arc::ptr_eq(&run.grains, shared_grains) {
-                    write_grains(&folder, &run.scenario, &run.grains)?;
-                }
-                match write_run(&folder, run, &alone, &alone.runs[0], &finished) {
-                    Ok(record) => Ok(record.summary),
-                    Err(error) if is_of_the_run(&error) => Err(error.to_string()),
-                    Err(error) => return Err(error.keeping(store)),
-                }
-            }
-            None => Err(nodes
-                .iter()
-                .find_map(|n| reasons.iter().find(|(failed, _)| failed == n))
-                .map_or_else(|| "a stage was not run".to_owned(), |(_, why)| why.clone())),
-        };
+    for ((run, row), result) in runs.iter().zip(begun).zip(each) {
         rows.push(match result {
-            Ok(summary) => row.with_results(&summary),
+            Ok(record) => {
+                if !Arc::ptr_eq(&run.grains, shared_grains) {
+                    write_grains(&folder_of(&options.out, run), &run.scenario, &run.grains)?;
+                }
+                row.with_results(&record.summary)
+            }
             Err(why) => {
-                progress.message(&format!("{} failed: {why}", run.name));
+                options.progress.message(&format!("{} failed: {why}", run.name));
                 RunRow { failure: Some(why), ..row }
             }
         });
     }
     Ok(rows)
-}
-
-/// Whether an error ends one run and not the study.
-fn is_of_the_run(error: &StudyError) -> bool {
-    matches!(
-        error,
-        StudyError::Simulation { .. }
-            | StudyError::Fault { .. }
-            | StudyError::Stage { .. }
-            | StudyError::Measure(_)
-    )
 }
 
 /// Names stages after the first run that needs them.
@@ -368,8 +352,4 @@ pub(super) fn name_stages(plan: &mut Plan, runs: &[PlannedRun]) {
             node.label = format!("{}, {}", run.name, stage_label(&node.stage));
         }
     }
-}
-
-fn folder_of(out: &Path, run: &PlannedRun) -> PathBuf {
-    out.join("runs").join(&run.name)
 }

@@ -24,7 +24,7 @@ use super::{
     trials::{PATIENCE, Trial, ended, message, program, segments, spawned, sweep},
 };
 
-#[path = "../../../src/study/crafts.rs"]
+#[path = "../../../src/study/crafts_tests.rs"]
 mod crafts;
 
 const CLASS: &str = "crafted stores";
