@@ -93,10 +93,11 @@ fn whole(rows: Rows) -> (Rows, usize) {
 }
 
 /// Pours by engine, friction and restitution, for [`engines`].
-const POURS: [(&str, &str, &str); 5] = [
+const POURS: [(&str, &str, &str); 6] = [
     ("native", "native", ""),
     ("native, eight iterations", "native-eight", ""),
     ("native, older restitution", "native-older", ""),
+    ("native, friction in the middle", "native-middle", ""),
     ("rapier, `simplified`", "rapier", "simplified"),
     ("rapier, `coulomb`", "rapier", "coulomb"),
 ];

@@ -196,6 +196,15 @@ pub const KEPT: &[Kept] = &[
         takes: "",
     },
     Kept {
+        name: "native-middle",
+        what: "The same pours with friction, which acts in the middle of a pair's contact points and \
+               does not resist twisting",
+        files: &[("engines/native-friction-in-the-middle.csv", "")],
+        made: Made::Once("as `native`, with a solver changed for it"),
+        build: build("2026-11-26", "14"),
+        takes: "",
+    },
+    Kept {
         name: "native-convergence",
         what: "Pours of the quick specimen, one setting of the solver changed at a time, 12 \
                realisations",
@@ -257,6 +266,8 @@ pub const KEPT: &[Kept] = &[
             ("laboratory/repose.svg", ""),
             ("laboratory/direct-shear.svg", ""),
             ("laboratory/oedometer.svg", ""),
+            ("laboratory/density.svg", ""),
+            ("laboratory/triaxial.svg", ""),
         ],
         made: Made::Make("laboratory"),
         build: build("2026-11-25", "14"),
@@ -375,6 +386,7 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("rapier", "engines/rapier.csv"),
     ("native-eight", "engines/native-eight-iterations.csv"),
     ("native-older", "engines/native-older-restitution.csv"),
+    ("native-middle", "engines/native-friction-in-the-middle.csv"),
     ("native-convergence", "engines/native-convergence.csv"),
     ("native-settlement", "engines/native-settlement.csv"),
     ("handed-over", "engines/handed-over.csv"),
