@@ -198,8 +198,8 @@ fn chart(found: &[(&Material, IndexDensities)]) -> Chart {
                 curve("Without friction", CurveStyle::Points, 2, |of| {
                     of.1.frictionless.values.clone()
                 }),
-                curve("Published, loosest", CurveStyle::Law, 0, |of| vec![of.0.e_max]),
-                curve("Published, densest", CurveStyle::Law, 1, |of| vec![of.0.e_min]),
+                curve("Published, loosest", CurveStyle::Dots, 0, |of| vec![of.0.e_max]),
+                curve("Published, densest", CurveStyle::Dots, 1, |of| vec![of.0.e_min]),
             ],
             ..Panel::default()
         }],
