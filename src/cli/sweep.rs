@@ -204,7 +204,8 @@ fn status(tasks: &SweepTasks, context: &Context) -> Result<ExitStatus, CliError>
 
 /// Prints what was found.
 fn tell(args: &SweepArgs, found: &Sweep, context: &Context) -> Result<ExitStatus, CliError> {
-    let mut text = page_until(&args.out.join("sweep.md"), &["\n## Figures", "\n## How to read it"])?;
+    let mut text =
+        page_until(&args.out.join("sweep.md"), &["\n## Figures", "\n## How to read it"])?;
     let with_result = found.runs.len() - found.failed().count();
     text += &last_line::of_study(found.left_out().count(), with_result);
     context.print(&text, found)?;
