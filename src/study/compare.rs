@@ -180,7 +180,7 @@ fn quantities(runs: &[CompareRun]) -> Vec<ComparedQuantity> {
     QUANTITIES
         .iter()
         .map(|(quantity, unit, value, band)| {
-            let values: Vec<Option<f64>> = runs.iter().map(|r| value(r)).collect();
+            let values: Vec<Option<f64>> = runs.iter().map(value).collect();
             // A band holds between engines that made their own specimen.
             let own: Vec<f64> = runs
                 .iter()
