@@ -24,9 +24,10 @@ pub(super) fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let failed = of.failed().count();
     let done = of.runs.len() - failed;
     let mut lead = format!(
-        "{} points in {} configurations: {done} of {} runs have results",
+        "{} points in {} configuration{}: {done} of {} runs have results",
         of.points.len(),
         of.configurations,
+        if of.configurations == 1 { "" } else { "s" },
         of.planned
     );
     if failed > 0 {

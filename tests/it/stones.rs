@@ -2,19 +2,11 @@
 
 use std::{fs, path::Path};
 
-use assert_cmd::Command;
 use serde_json::{Value, json};
 
-const EXAMPLE: &str = "scenarios/meshes/stones.json";
+use crate::program::run;
 
-/// Runs the program; gives its exit code, standard output and standard error.
-fn run(args: &[&str]) -> (Option<i32>, String, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    let output = command.args(args).output().expect("the program starts");
-    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
-    (output.status.code(), text(output.stdout), text(output.stderr))
-}
+const EXAMPLE: &str = "scenarios/meshes/stones.json";
 
 #[test]
 fn the_example_of_stones_makes_grains_and_runs() {

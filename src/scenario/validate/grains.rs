@@ -78,12 +78,12 @@ fn check_meshes(meshes: &MeshGrains, faults: &mut Faults) {
             "total_mass_g",
             mass,
             "this field together with `sieve_table`, or neither",
-            "without a sieve table the stones keep their own mass",
+            "without a sieve table the grains keep their own mass",
         ),
         _ => {}
     }
     if let (true, Some(count)) = (sieved, meshes.count) {
-        let message = "the number of stones follows from the sieve table and the total mass";
+        let message = "the number of grains follows from the sieve table and the total mass";
         faults.add("count", count, "this field or `sieve_table`, not both", message);
     }
 }
