@@ -1,23 +1,30 @@
-//! What the paper does not give, what was chosen, and why.
+//! What the paper does not give, what was chosen, and why: `choices.json` says it, with the values
+//! of a scenario in the place of what stands in braces.
 
-use std::{collections::BTreeMap, sync::LazyLock};
+use std::{borrow::Cow, sync::LazyLock};
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use crate::{
     motion::MotionFacts,
     paper::text::compact,
     scenario::{
-        Backend, BaseKind, ContactSolver, EngineSettings, GrainsSpec, Scenario, StageSpec,
-        StockSettings, StrokeKind,
+        Backend, BaseKind, ContactSolver, GrainsSpec, Scenario, StageSpec, StockSettings,
+        StrokeKind,
     },
 };
 
 /// A value the paper does not give.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Choice {
     /// What it is.
     pub parameter: String,
+    /// Of which scenarios it is: what their engine, or a stage of theirs, is called; of all where
+    /// it is empty.
+    #[serde(default, skip_serializing)]
+    of: String,
     /// What was chosen, with its unit.
     pub value: String,
     /// Why.
@@ -26,286 +33,123 @@ pub struct Choice {
     pub sensitivity: String,
 }
 
-/// What is said of each choice, whatever its value is.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Said {
-    parameter: String,
-    reason: String,
-    sensitivity: String,
-}
+/// The stage of a pile, whose choices stand by themselves.
+const PILE: &str = "slow_pluviation";
 
-fn said() -> &'static BTreeMap<String, Said> {
-    static SAID: LazyLock<BTreeMap<String, Said>> =
+fn said() -> &'static [Choice] {
+    static SAID: LazyLock<Vec<Choice>> =
         LazyLock::new(|| serde_json::from_str(include_str!("choices.json")).unwrap_or_default());
     &SAID
 }
 
-/// A choice by its name in `choices.json`.
-fn choice(name: &str, value: impl Into<String>) -> Choice {
-    let Said { parameter, reason, sensitivity } = said().get(name).cloned().unwrap_or_default();
-    Choice { parameter, value: value.into(), reason, sensitivity }
-}
-
 /// The choices in a scenario, from grains to rest test.
 pub fn choices(scenario: &Scenario) -> Vec<Choice> {
-    let mut choices = vec![grains(scenario)];
-    choices.extend(apparatus(scenario));
-    choices.extend(contact(scenario));
-    choices.extend(stages(scenario));
-    choices.extend(engine(scenario));
-    choices.extend(procedure(scenario));
-    choices
-}
-
-fn grains(scenario: &Scenario) -> Choice {
-    let value = match &scenario.grains {
-        GrainsSpec::Sieved(s) => s
-            .sieve_table
-            .iter()
-            .map(|f| {
-                format!(
-                    "{} to {} mm: {} %",
-                    compact(f.retained_mm),
-                    compact(f.passing_mm),
-                    compact(f.mass_percent)
-                )
-            })
-            .chain((!s.shape.is_default()).then(|| "spheres".to_owned()))
-            .chain((s.cells.rounding > 0.0).then(|| format!("roundness {}", s.cells.rounding)))
-            .collect::<Vec<_>>()
-            .join("; "),
-        GrainsSpec::File(f) => format!("grains read from {}", f.file),
-        GrainsSpec::Meshes(m) => format!("stones of {}", m.meshes.join(", ")),
-    };
-    choice("sieve_table", value)
-}
-
-fn apparatus(scenario: &Scenario) -> Vec<Choice> {
-    let (f, c) = (&scenario.apparatus.funnel, &scenario.apparatus.cylinder);
-    vec![
-        choice(
-            "funnel",
-            format!(
-                "opening {} mm, top {} mm, wall {}° from the vertical",
-                compact(f.opening_diameter_mm),
-                compact(f.top_diameter_mm),
-                compact(f.half_angle_deg)
-            ),
-        ),
-        choice("round_walls", format!("{} flat pieces, of the circle's area", c.wall_pieces)),
-    ]
-}
-
-fn contact(scenario: &Scenario) -> Vec<Choice> {
-    let c = &scenario.contact;
-    vec![
-        choice(
-            "grain_contact",
-            format!(
-                "values of the pair: {} and {} between grains",
-                compact(c.grain_grain_friction),
-                compact(c.restitution)
-            ),
-        ),
-        choice("wall_friction", compact(c.grain_wall_friction)),
-        choice(
-            "plate_friction",
-            format!("{}; {}", compact(c.grain_plate_friction), compact(c.plate_wall_friction)),
-        ),
-        choice("wall_restitution", compact(c.restitution)),
-    ]
-}
-
-fn stages(scenario: &Scenario) -> Vec<Choice> {
-    let mut choices = Vec::new();
-    let stage = |wanted: fn(&StageSpec) -> bool| scenario.stages.iter().find(|s| wanted(s));
-    if stage(|s| matches!(s, StageSpec::PlaceTopPlate { .. })).is_some() {
-        choices.push(choice(
-            "placing",
-            "laid on the highest grain and let go at rest, after pouring".to_owned(),
-        ));
-    }
-    let shaken = stage(|s| matches!(s, StageSpec::Vibrate { .. }));
-    if let Some(StageSpec::Vibrate { amplitude_mm, stroke, periods, rest_s, .. }) = shaken {
-        let reading = match stroke {
-            StrokeKind::HalfStroke => "half stroke: the table moves by as much to either side",
-            StrokeKind::FullStroke => "full stroke: the table moves by as much from end to end",
-        };
-        choices.push(choice(
-            "amplitude",
-            amplitude_mm.map_or_else(
-                || "as recorded".to_owned(),
-                |amplitude| format!("{} mm, {reading}", compact(amplitude)),
-            ),
-        ));
-        choices.push(choice(
-            "motion",
-            shaken.and_then(StageSpec::motion).map_or_else(String::new, |motion| {
-                MotionFacts::of(&motion, 1.0 / scenario.engine.rate_hz).line()
-            }),
-        ));
-        if *periods > 1 {
-            choices.push(choice("rest", format!("{} s", compact(*rest_s))));
-        }
-    }
-    choices
-}
-
-/// A value as it stands in the scenario file.
-fn as_typed(value: impl Serialize) -> String {
-    match serde_json::to_value(value) {
-        Ok(serde_json::Value::String(s)) => s,
-        Ok(other) => other.to_string(),
-        Err(_) => String::new(),
-    }
-}
-
-/// What every engine and contact solver asks for.
-fn engine(scenario: &Scenario) -> Vec<Choice> {
-    let e = &scenario.engine;
-    let mut choices = match (e.backend, e.contact_solver) {
-        (Backend::Bullet, ContactSolver::Stock) => bullet_contacts(e),
-        (Backend::Bullet, ContactSolver::Native) => native_contacts(e),
-        (Backend::Rapier, _) => rapier_contacts(e),
-    };
-    choices.push(choice(
-        "damping",
-        format!("{} linear, {} angular", compact(e.linear_damping), compact(e.angular_damping)),
-    ));
-    choices
-}
-
-fn native_contacts(e: &EngineSettings) -> Vec<Choice> {
-    let m = &e.native;
-    vec![
-        choice("native_contacts", "native: Pluvia's own on Bullet".to_owned()),
-        choice(
-            "native_time_step",
-            format!("{} steps a second in {} sub-steps", compact(e.rate_hz), m.substeps(e.rate_hz)),
-        ),
-        choice(
-            "native_iterations",
-            format!(
-                "at least {} iterations a sub-step, until one changes no contact by more than {} %",
-                m.iterations,
-                compact(100.0 * m.solver_tolerance)
-            ),
-        ),
-        choice(
-            "native_spring",
-            format!(
-                "{} N/m a point, damping ratio {}, pushed apart with at most {} m/s",
-                compact(m.contact_stiffness_n_per_m),
-                compact(m.contact_damping_ratio),
-                compact(m.max_depenetration_velocity_m_per_s)
-            ),
-        ),
-    ]
-}
-
-fn rapier_contacts(e: &EngineSettings) -> Vec<Choice> {
-    let r = &e.rapier;
-    vec![
-        choice("rapier_contacts", "rapier's own".to_owned()),
-        choice(
-            "rapier_time_step",
-            format!("{} steps a second in {} sub-steps", compact(e.rate_hz), r.substeps),
-        ),
-        choice(
-            "rapier_spring",
-            format!(
-                "{} Hz, damping ratio {}",
-                compact(r.contact_frequency_hz),
-                compact(r.contact_damping_ratio)
-            ),
-        ),
-    ]
-}
-
-fn bullet_contacts(e: &EngineSettings) -> Vec<Choice> {
-    let mut choices = vec![
-        choice(
-            "stock_contacts",
-            format!(
-                "{}, {} friction directions",
-                as_typed(e.contact_solver),
-                e.friction_directions
-            ),
-        ),
-        choice("stock_time_step", format!("{} steps a second", compact(e.rate_hz))),
-        choice("stock_iterations", e.iterations.to_string()),
-        choice("length_scale", format!("{} engine units in a metre", compact(e.length_scale))),
-        choice("threshold", format!("{} mm", compact(e.contact_threshold_mm))),
-        choice(
-            "correction",
-            format!(
-                "{} of the overlap a step, {} of the last impulses, split impulse {}",
-                compact(e.erp),
-                compact(e.warm_start),
-                if e.split_impulse { "on" } else { "off" }
-            ),
-        ),
-    ];
-    if e.stock != StockSettings::default() {
-        choices.push(choice("of_the_tool", as_typed(&e.stock)));
-    }
-    choices
-}
-
-fn procedure(scenario: &Scenario) -> Vec<Choice> {
-    let s = &scenario.settle;
-    vec![
-        choice(
-            "settled",
-            format!(
-                "root mean square speed below {} mm/s and every speed below {} mm/s for {} s",
-                compact(s.rms_speed_mm_per_s),
-                compact(s.largest_speed_mm_per_s),
-                compact(s.hold_s)
-            ),
-        ),
-        choice("gravity", format!("{} m/s²", compact(scenario.gravity_m_per_s2))),
-        choice(
-            "mixing",
-            format!("configuration {}, seed {}", scenario.configuration, scenario.seed),
-        ),
-        choice(
-            "rest_test",
-            if scenario.rest_test_s > 0.0 {
-                format!("{} s after the end", compact(scenario.rest_test_s))
-            } else {
-                "none".to_owned()
-            },
-        ),
-    ]
+    chosen(scenario, |of| of != PILE)
 }
 
 /// The choices of a scenario that builds a pile; none of one that does not.
 pub fn pile_choices(scenario: &Scenario) -> Vec<Choice> {
-    let Some(StageSpec::SlowPluviation {
-        feed_rate_grains_per_s,
-        drop_height_mm,
-        spout_diameter_mm,
-        base,
-        base_diameter_mm,
-        ..
-    }) = scenario.stages.iter().find(|s| matches!(s, StageSpec::SlowPluviation { .. }))
-    else {
-        return Vec::new();
+    chosen(scenario, |of| of == PILE)
+}
+
+fn chosen(scenario: &Scenario, wanted: impl Fn(&str) -> bool) -> Vec<Choice> {
+    let facts = facts(scenario);
+    let of_scenario = |of: &str| of.is_empty() || facts.get(of).is_some_and(|is| *is != false);
+    let those = said().iter().filter(|choice| wanted(&choice.of) && of_scenario(&choice.of));
+    those.map(|choice| Choice { value: filled(&choice.value, &facts), ..choice.clone() }).collect()
+}
+
+/// A text with values in the place of their paths in braces.
+fn filled(text: &str, facts: &Value) -> String {
+    let mut parts = text.split('{');
+    let mut filled = parts.next().unwrap_or_default().to_owned();
+    for (path, rest) in parts.filter_map(|part| part.split_once('}')) {
+        let value = path.split('.').fold(facts, |at, step| &at[step]);
+        filled += &match value {
+            Value::String(text) => Cow::from(text),
+            Value::Bool(is_on) => (if *is_on { "on" } else { "off" }).into(),
+            Value::Number(number) if number.is_f64() => {
+                compact(number.as_f64().unwrap_or(f64::NAN)).into()
+            }
+            other => other.to_string().into(),
+        };
+        filled += rest;
+    }
+    filled
+}
+
+/// A scenario as JSON, its first stage of each name and its engine by that name, and what its
+/// fields do not say themselves.
+fn facts(scenario: &Scenario) -> Value {
+    let engine = &scenario.engine;
+    let mut facts = serde_json::to_value(scenario).unwrap_or_default();
+    for stage in scenario.stages.iter().rev() {
+        facts[stage.name()] = serde_json::to_value(stage).unwrap_or_default();
+        match stage {
+            StageSpec::Vibrate { amplitude_mm, stroke, periods, .. } => {
+                facts["amplitude"] = amplitude(*amplitude_mm, *stroke).into();
+                facts["periods"] = (*periods > 1).into();
+                let motion = stage.motion();
+                let line = motion.map(|m| MotionFacts::of(&m, 1.0 / engine.rate_hz).line());
+                facts["motion"] = line.unwrap_or_default().into();
+            }
+            StageSpec::SlowPluviation { base, .. } => {
+                facts["pile_base"] = match base.kind {
+                    BaseKind::FixedGrains => "a layer of the same grains, fixed".into(),
+                    BaseKind::Plane => {
+                        format!("a plane of friction {}", base.friction.unwrap_or(0.0)).into()
+                    }
+                };
+            }
+            _ => {}
+        }
+    }
+    let is_stock = (engine.backend, engine.contact_solver) == (Backend::Bullet, ContactSolver::Stock);
+    for (name, value) in [
+        ("native", engine.is_native().into()),
+        ("stock", is_stock.into()),
+        ("rapier", (engine.backend == Backend::Rapier).into()),
+        ("stock_settings", (is_stock && engine.stock != StockSettings::default()).into()),
+        ("native_substeps", engine.native.substeps(engine.rate_hz).into()),
+        ("native_tolerance_percent", json!(100.0 * engine.native.solver_tolerance)),
+        ("sieve_table", grains(&scenario.grains).into()),
+        ("rest_test", match scenario.rest_test_s {
+            rest if rest > 0.0 => format!("{} s after the end", compact(rest)).into(),
+            _ => "none".into(),
+        }),
+    ] {
+        facts[name] = value;
+    }
+    facts
+}
+
+fn amplitude(amplitude_mm: Option<f64>, stroke: StrokeKind) -> String {
+    let reading = match stroke {
+        StrokeKind::HalfStroke => "half stroke: the table moves by as much to either side",
+        StrokeKind::FullStroke => "full stroke: the table moves by as much from end to end",
     };
-    let base_value = match (base.kind, base.friction) {
-        (BaseKind::FixedGrains, _) => "a layer of the same grains, fixed".to_owned(),
-        (BaseKind::Plane, friction) => format!("a plane of friction {}", friction.unwrap_or(0.0)),
-    };
-    vec![
-        choice("pile_feed", format!("{feed_rate_grains_per_s} grains a second")),
-        choice(
-            "pile_drop",
-            format!("{drop_height_mm} mm above its top, within {spout_diameter_mm} mm"),
-        ),
-        choice("pile_base", format!("{base_value}, {base_diameter_mm} mm in diameter")),
-    ]
+    amplitude_mm.map_or_else(
+        || "as recorded".to_owned(),
+        |amplitude| format!("{} mm, {reading}", compact(amplitude)),
+    )
+}
+
+fn grains(grains: &GrainsSpec) -> String {
+    match grains {
+        GrainsSpec::Sieved(s) => {
+            let fractions = s.sieve_table.iter().map(|f| {
+                let (from, to) = (compact(f.retained_mm), compact(f.passing_mm));
+                format!("{from} to {to} mm: {} %", compact(f.mass_percent))
+            });
+            fractions
+                .chain((!s.shape.is_default()).then(|| "spheres".to_owned()))
+                .chain((s.cells.rounding > 0.0).then(|| format!("roundness {}", s.cells.rounding)))
+                .collect::<Vec<_>>()
+                .join("; ")
+        }
+        GrainsSpec::File(f) => format!("grains read from {}", f.file),
+        GrainsSpec::Meshes(m) => format!("stones of {}", m.meshes.join(", ")),
+    }
 }
 
 #[cfg(test)]
@@ -361,10 +205,12 @@ mod tests {
         all.extend(pile_choices(&s));
         let unexplained = all.iter().find(|c| c.parameter.is_empty() || c.reason.is_empty());
         assert_eq!(unexplained, None, "law: every choice has a text");
-        for (name, text) in said() {
+        for text in said() {
             let is_told = |c: &Choice| (&c.parameter, &c.reason) == (&text.parameter, &text.reason);
-            assert!(all.iter().any(is_told), "law: `{name}` is a choice");
+            assert!(all.iter().any(is_told), "law: `{}` is a choice", text.parameter);
         }
+        let unfilled = all.iter().find(|c| c.value.is_empty() || c.value.contains("null"));
+        assert_eq!(unfilled, None, "law: every path in braces is there");
     }
 
     /// Law: what a choice moves is said without a number: results belong to runs, and a text
