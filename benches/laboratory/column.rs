@@ -5,7 +5,7 @@ use pluvia::{
         Container, HeightMap, height_cell,
         standard_tests::{deposit_edge, run_out_of_lube},
     },
-    report::{Chart, ChartCurve, CurveStyle, Panel},
+    report::{Axis, Chart, Look, Plot},
 };
 
 use super::{
@@ -149,12 +149,15 @@ fn chart(found: &[Collapse]) -> Chart {
     let law: Vec<(f64, f64)> =
         (1..=90).map(|n| 0.05 * f64::from(n)).map(|a| (a, run_out_of_lube(a))).collect();
     let end = |share: f64| law.iter().map(|(a, r)| (*a, share * r)).collect();
-    let line = |name: &str, kind, points| ChartCurve {
-        name: name.to_owned(),
-        style: CurveStyle::Law,
-        kind,
-        points,
-    };
+    let mut plot = Plot::new(
+        Axis::linear("Aspect ratio a = h₀/r₀").from_zero(),
+        Axis::linear("Run-out (r∞ − r₀)/r₀").from_zero(),
+    );
+    let measured = found.iter().map(|f| (f.aspect, f.run_out)).collect();
+    plot.add("Measured", Look::points(0), measured);
+    plot.add("Lube et al. 2004", Look::law(1), law.clone());
+    plot.add("± 15 %", Look::law(4), end(1.15));
+    plot.add("", Look::law(4), end(0.85));
     Chart {
         stem: "column".into(),
         title: "Run-out of collapsed columns".into(),
@@ -162,22 +165,6 @@ fn chart(found: &[Collapse]) -> Chart {
             "Run-out against the aspect ratio, each realisation a point, and the law of Lube et \
                   al. with ends 15 % to either side."
                 .into(),
-        panels: vec![Panel {
-            x: "Aspect ratio a = h₀/r₀".into(),
-            y: "Run-out (r∞ − r₀)/r₀".into(),
-            from_zero: [true; 2],
-            curves: vec![
-                ChartCurve {
-                    name: "Measured".into(),
-                    style: CurveStyle::Points,
-                    kind: 0,
-                    points: found.iter().map(|f| (f.aspect, f.run_out)).collect(),
-                },
-                line("Lube et al. 2004", 1, law.clone()),
-                line("± 15 %", 4, end(1.15)),
-                line("", 4, end(0.85)),
-            ],
-            ..Panel::default()
-        }],
+        panels: vec![plot],
     }
 }

@@ -1,7 +1,7 @@
 //! The loosest and the densest state of grains.
 
 use pluvia::{
-    report::{Chart, ChartCurve, CurveStyle, Panel},
+    report::{Axis, Chart, Look, Plot},
     study::{DensityOptions, IndexDensities, IndexState, index_densities},
 };
 
@@ -176,32 +176,21 @@ fn states(bench: &Bench, scenario: &str, vibration: &Vibration) -> Result<IndexD
 
 fn chart(found: &[(&Material, IndexDensities)]) -> Chart {
     type Value = fn(&(&Material, IndexDensities)) -> Vec<f64>;
-    let curve = |name: &str, style, kind, values: Value| ChartCurve {
-        name: name.to_owned(),
-        style,
-        kind,
-        points: found
-            .iter()
-            .flat_map(|of| values(of).into_iter().map(|e| (of.0.roundness, e)))
-            .collect(),
+    let mut plot = Plot::new(Axis::linear("Roundness"), Axis::linear("Void ratio"));
+    let mut add = |name: &str, look, values: Value| {
+        let points =
+            found.iter().flat_map(|of| values(of).into_iter().map(|e| (of.0.roundness, e)));
+        plot.add(name, look, points.collect());
     };
+    add("Loosest", Look::points(0), |of| of.1.e_max.values.clone());
+    add("Densest", Look::points(1), |of| of.1.e_min.values.clone());
+    add("Without friction", Look::points(2), |of| of.1.frictionless.values.clone());
+    add("Published, loosest", Look::dots(0), |of| vec![of.0.e_max]);
+    add("Published, densest", Look::dots(1), |of| vec![of.0.e_min]);
     Chart {
         stem: "density".into(),
         title: "Loosest and densest states of published materials".into(),
         caption: "Void ratio over roundness: each realisation, and what is published.".into(),
-        panels: vec![Panel {
-            x: "Roundness".into(),
-            y: "Void ratio".into(),
-            curves: vec![
-                curve("Loosest", CurveStyle::Points, 0, |of| of.1.e_max.values.clone()),
-                curve("Densest", CurveStyle::Points, 1, |of| of.1.e_min.values.clone()),
-                curve("Without friction", CurveStyle::Points, 2, |of| {
-                    of.1.frictionless.values.clone()
-                }),
-                curve("Published, loosest", CurveStyle::Dots, 0, |of| vec![of.0.e_max]),
-                curve("Published, densest", CurveStyle::Dots, 1, |of| vec![of.0.e_min]),
-            ],
-            ..Panel::default()
-        }],
+        panels: vec![plot],
     }
 }

@@ -4,7 +4,7 @@ use pluvia::{
     measure::standard_tests::{
         BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow,
     },
-    report::{Chart, ChartCurve, CurveStyle, Panel},
+    report::{Axis, Chart, Look, Plot},
     units::{from_mm, to_g, to_mm},
 };
 
@@ -225,39 +225,21 @@ fn chart(flows: &[(u32, Discharge)], fits: &[BeverlooFit]) -> Chart {
             })
             .collect()
     };
-    let mut curves = vec![ChartCurve {
-        name: "Measured".into(),
-        style: CurveStyle::Points,
-        kind: 0,
-        points: flows.iter().map(|(_, f)| (to_mm(f.opening), to_g(f.rate))).collect(),
-    }];
+    let mut plot =
+        Plot::new(Axis::linear("Opening (mm)").from_zero(), Axis::linear("Rate (g/s)").from_zero());
+    let measured = flows.iter().map(|(_, f)| (to_mm(f.opening), to_g(f.rate))).collect();
+    plot.add("Measured", Look::points(0), measured);
     let mean = |of: fn(&BeverlooFit) -> f64| fits.iter().map(of).sum::<f64>() / fits.len() as f64;
     if !fits.is_empty() {
         let (c, k) = (mean(|f| f.c), mean(|f| f.k));
-        curves.push(ChartCurve {
-            name: format!("Fitted, C {c:.2}, k {k:.2}"),
-            style: CurveStyle::Law,
-            kind: 0,
-            points: law(c, k),
-        });
+        plot.add(format!("Fitted, C {c:.2}, k {k:.2}"), Look::law(0), law(c, k));
     }
-    curves.push(ChartCurve {
-        name: format!("C {USUAL_C}, k {USUAL_K}"),
-        style: CurveStyle::Law,
-        kind: 1,
-        points: law(USUAL_C, USUAL_K),
-    });
+    plot.add(format!("C {USUAL_C}, k {USUAL_K}"), Look::law(1), law(USUAL_C, USUAL_K));
     Chart {
         stem: "hopper".into(),
         title: "Discharge of a flat-bottomed bin".into(),
         caption: "Steady rate against the diameter of the opening, each realisation a point."
             .into(),
-        panels: vec![Panel {
-            x: "Opening (mm)".into(),
-            y: "Rate (g/s)".into(),
-            from_zero: [true; 2],
-            curves,
-            ..Panel::default()
-        }],
+        panels: vec![plot],
     }
 }

@@ -6,7 +6,7 @@ use pluvia::{
     measure::standard_tests::{
         Compressed, Rebound, compression_index, rebound, void_ratio_of_height,
     },
-    report::{Chart, ChartCurve, CurveStyle, Panel},
+    report::{Axis, Chart, Look, Plot},
     units::{from_kpa, from_mm},
 };
 
@@ -198,17 +198,13 @@ fn rows(tests: &[Test], stiff: &[Test], stiffness: f64, diameter_mm: f64) -> Vec
 }
 
 fn chart(tests: &[Test]) -> Chart {
-    let mut curves = Vec::new();
+    let mut plot = Plot::new(Axis::logarithmic("Stress (kPa)"), Axis::linear("Void ratio"));
     for test in tests {
         let parts = [("Loaded", START, TOP), ("Unloaded", TOP, END), ("Loaded again", END, AGAIN)];
         for (kind, (name, from, to)) in parts.into_iter().enumerate() {
             let point = |n: usize| (test.states[n].stress * 1e-3, test.void_ratios[n]);
-            curves.push(ChartCurve {
-                name: if test.configuration == 1 { name.to_owned() } else { String::new() },
-                style: CurveStyle::Measured,
-                kind,
-                points: (from..=to).map(point).collect(),
-            });
+            let name = if test.configuration == 1 { name } else { "" };
+            plot.add(name, Look::marked(kind), (from..=to).map(point).collect());
         }
     }
     Chart {
@@ -217,12 +213,6 @@ fn chart(tests: &[Test]) -> Chart {
         caption:
             "Void ratio, by the height of the lid, against its stress, each realisation a line."
                 .into(),
-        panels: vec![Panel {
-            x: "Stress (kPa)".into(),
-            y: "Void ratio".into(),
-            log: [true, false],
-            curves,
-            ..Panel::default()
-        }],
+        panels: vec![plot],
     }
 }

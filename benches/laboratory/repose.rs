@@ -2,7 +2,7 @@
 
 use pluvia::{
     measure::standard_tests::{Tilted, crossing, sliding_tilt},
-    report::{Chart, ChartCurve, ChartMark, CurveStyle, Panel},
+    report::{Axis, Chart, Look, Plot},
 };
 
 use super::{
@@ -57,7 +57,12 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     } else {
         &[0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0]
     };
-    let (mut rows, mut curves) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
+    let mut plot = Plot::new(
+        Axis::linear("Friction coefficient between grains").from_zero(),
+        Axis::linear("Angle (degrees)").from_zero(),
+    );
+    plot.mark_level("38.40°", WANTED);
     for (kind, method) in METHODS.iter().enumerate() {
         let point = |mu: &f64| Point {
             name: format!("friction-{mu}"),
@@ -101,32 +106,16 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
             let own: Vec<f64> = angles.iter().filter(|a| a.1 == mu).map(|a| a.2).collect();
             Some((mu, pluvia::measure::statistics::mean(&own)?))
         };
-        curves.push(ChartCurve {
-            name: method.name.to_owned(),
-            style: CurveStyle::Measured,
-            kind,
-            points: frictions.iter().filter_map(|mu| at(*mu)).collect(),
-        });
+        let points = frictions.iter().filter_map(|mu| at(*mu)).collect();
+        plot.add(method.name, Look::marked(kind), points);
     }
     let identity = (0..=40).map(|n| 0.025 * f64::from(n)).map(|mu| (mu, mu.atan().to_degrees()));
-    curves.push(ChartCurve {
-        name: "atan μ".into(),
-        style: CurveStyle::Law,
-        kind: 4,
-        points: identity.collect(),
-    });
+    plot.add("atan μ", Look::law(4), identity.collect());
     let chart = Chart {
         stem: "repose".into(),
         title: "Angle of repose by three methods".into(),
         caption: "Angle against the friction between grains, means over realisations.".into(),
-        panels: vec![Panel {
-            x: "Friction coefficient between grains".into(),
-            y: "Angle (degrees)".into(),
-            from_zero: [true; 2],
-            marks: vec![ChartMark { name: "38.40°".into(), at: WANTED, upright: false }],
-            curves,
-            ..Panel::default()
-        }],
+        panels: vec![plot],
     };
     Ok(Found { rows, charts: vec![chart] })
 }

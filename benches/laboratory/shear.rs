@@ -4,7 +4,7 @@ use pluvia::{
     measure::standard_tests::{
         ShearStrength, Sheared, friction_angle, inertial_number, shear_strength,
     },
-    report::{Chart, ChartCurve, CurveStyle, Panel},
+    report::{Axis, Chart, Look, Plot},
     units::{from_kpa, from_mm, to_mm},
 };
 
@@ -280,34 +280,22 @@ fn moments(run: &Run) -> Result<Vec<Sheared>, String> {
 }
 
 fn chart(tests: &[Test]) -> Chart {
-    let curves = |y: fn(&Test, &Sheared) -> f64| -> Vec<ChartCurve> {
-        let own = tests.iter().filter(|test| test.point < STRESSES.len());
-        own.map(|test| ChartCurve {
-            name: match test.configuration {
+    let panel = |name: &str, y: fn(&Test, &Sheared) -> f64| {
+        let x = Axis::linear("Displacement (mm)").from_zero();
+        let mut plot = Plot::new(x, Axis::linear(name).from_zero());
+        for test in tests.iter().filter(|test| test.point < STRESSES.len()) {
+            let name = match test.configuration {
                 1 => format!("{} kPa", STRESSES[test.point]),
                 _ => String::new(),
-            },
-            style: CurveStyle::Measured,
-            kind: test.point,
-            points: test.moments.iter().map(|m| (to_mm(m.displacement), y(test, m))).collect(),
-        })
-        .collect()
+            };
+            let points = test.moments.iter().map(|m| (to_mm(m.displacement), y(test, m)));
+            plot.add(name, Look::marked(test.point), points.collect());
+        }
+        plot
     };
-    let x = "Displacement (mm)".to_owned();
-    let ratio = Panel {
-        x: x.clone(),
-        y: "Stress ratio τ/σ".into(),
-        from_zero: [true; 2],
-        curves: curves(|_, m| m.ratio()),
-        ..Panel::default()
-    };
-    let lid = Panel {
-        x,
-        y: "Rise of the lid (mm)".into(),
-        from_zero: [true; 2],
-        curves: curves(|test, m| to_mm(m.height - test.moments[0].height)),
-        ..Panel::default()
-    };
+    let ratio = panel("Stress ratio τ/σ", |_, m| m.ratio());
+    let rise = |test: &Test, m: &Sheared| to_mm(m.height - test.moments[0].height);
+    let lid = panel("Rise of the lid (mm)", rise);
     Chart {
         stem: "direct-shear".into(),
         title: "Direct shear at three stresses".into(),

@@ -4,7 +4,7 @@ use pluvia::{
     measure::standard_tests::{
         CriticalState, Triaxial, angle_of_ratio, critical_state, inertial_number, peak_ratio,
     },
-    report::{Chart, ChartCurve, CurveStyle, Panel},
+    report::{Axis, Chart, Look, Plot},
     units::{from_kpa, from_mm},
 };
 use serde_json::json;
@@ -294,24 +294,18 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
 }
 
 fn chart(tests: &[Test]) -> Chart {
-    let curves = |y: fn(&Triaxial) -> f64| -> Vec<ChartCurve> {
-        let curve = |test: &Test| ChartCurve {
-            name: match test.configuration {
-                1 => if test.kind == 0 { "Loose" } else { "Dense" }.to_owned(),
-                _ => String::new(),
-            },
-            style: CurveStyle::Measured,
-            kind: test.kind,
-            points: test.moments.iter().map(|m| (100.0 * m.strain, y(m))).collect(),
-        };
-        tests.iter().map(curve).collect()
-    };
-    let panel = |y: &str, from_zero: bool, curves| Panel {
-        x: "Axial strain (%)".into(),
-        y: y.to_owned(),
-        from_zero: [true, from_zero],
-        curves,
-        ..Panel::default()
+    let panel = |axis: Axis, y: fn(&Triaxial) -> f64| {
+        let mut plot = Plot::new(Axis::linear("Axial strain (%)").from_zero(), axis);
+        for test in tests {
+            let name = match (test.configuration, test.kind) {
+                (1, 0) => "Loose",
+                (1, _) => "Dense",
+                _ => "",
+            };
+            let points = test.moments.iter().map(|m| (100.0 * m.strain, y(m))).collect();
+            plot.add(name, Look::marked(test.kind), points);
+        }
+        plot
     };
     Chart {
         stem: "triaxial".into(),
@@ -320,8 +314,8 @@ fn chart(tests: &[Test]) -> Chart {
             "q/p and void ratio of an inner region against axial strain, each realisation a line."
                 .into(),
         panels: vec![
-            panel("q/p", true, curves(Triaxial::ratio)),
-            panel("Void ratio", false, curves(|m| m.void_ratio)),
+            panel(Axis::linear("q/p").from_zero(), Triaxial::ratio),
+            panel(Axis::linear("Void ratio"), |m| m.void_ratio),
         ],
     }
 }

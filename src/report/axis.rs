@@ -1,15 +1,26 @@
 //! One axis: its range, its ticks, and where a value falls on it.
 
-/// An axis of a plot.
+/// An axis of a plot: it reaches to all that is drawn, unless it is divided already.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Name with unit.
     pub name: String,
+    is_log: bool,
+    is_reversed: bool,
+    /// Values that it reaches to, whatever is drawn.
+    holds: Vec<f64>,
+    /// How it is divided, where that does not follow from what is drawn.
+    scale: Option<Scale>,
+}
+
+/// From where to where an axis goes, and how it is divided.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Scale {
     /// Value at the left or lower end.
     pub from: f64,
     /// Value at the right or upper end; less than `from` where values grow downwards.
     pub to: f64,
-    /// Whether the axis is logarithmic.
+    /// Whether it is logarithmic.
     pub log: bool,
     /// Values with a number and a grid line.
     pub ticks: Vec<f64>,
@@ -21,19 +32,86 @@ pub struct Axis {
 const HAIR: f64 = 5e-3;
 
 impl Axis {
+    /// A linear axis with its ends on round numbers.
+    pub fn linear(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            is_log: false,
+            is_reversed: false,
+            holds: Vec::new(),
+            scale: None,
+        }
+    }
+
+    /// A logarithmic axis, of the positive values.
+    pub fn logarithmic(name: impl Into<String>) -> Self {
+        Self::scaled(true, name)
+    }
+
+    /// Logarithmic or linear.
+    pub fn scaled(is_log: bool, name: impl Into<String>) -> Self {
+        Self { is_log, ..Self::linear(name) }
+    }
+
+    /// An axis that is divided already.
+    pub fn divided(name: impl Into<String>, scale: Scale) -> Self {
+        Self { scale: Some(scale), ..Self::linear(name) }
+    }
+
+    /// A linear axis with given ticks, from the first to the last.
+    pub fn with_ticks(name: impl Into<String>, ticks: &[f64]) -> Self {
+        Self::divided(name, Scale::with_ticks(ticks))
+    }
+
     /// An axis of rows below each other, numbered from 0 at the top.
     pub fn rows(count: usize) -> Self {
         let ticks = (0..count).map(|i| i as f64).collect();
-        Self::between("", (count as f64 - 0.4, -0.6), ticks)
+        let (from, to) = (count as f64 - 0.4, -0.6);
+        Self::divided("", Scale { from, to, ticks, ..Scale::default() })
     }
 
-    fn between(name: &str, (from, to): (f64, f64), ticks: Vec<f64>) -> Self {
-        Self { name: name.to_owned(), from, to, log: false, ticks, minor: Vec::new() }
+    /// Falling heights in cm from 0 to a highest; markers at the ends stand clear of the frame.
+    pub fn falling_heights(highest: f64) -> Self {
+        let ticks = (0..=4).map(|i| f64::from(i) * highest / 4.0).collect();
+        let (from, to) = (-0.05 * highest, 1.05 * highest);
+        Self::divided("Falling height (cm)", Scale { from, to, ticks, ..Scale::default() })
     }
 
-    /// A linear axis that holds all finite values, its ends on round numbers.
+    /// The same axis, reaching to values whatever is drawn.
+    pub fn holding(mut self, values: impl IntoIterator<Item = f64>) -> Self {
+        self.holds.extend(values);
+        self
+    }
+
+    /// The same axis beginning at nothing, for lengths to be compared.
+    pub fn from_zero(self) -> Self {
+        self.holding([0.0])
+    }
+
+    /// The same axis with its values growing the other way.
+    pub fn reversed(self) -> Self {
+        Self { is_reversed: !self.is_reversed, ..self }
+    }
+
+    /// How it is divided where these values are drawn.
+    pub(super) fn scale(&self, values: impl Iterator<Item = f64>) -> Scale {
+        let values = values.chain(self.holds.iter().copied());
+        let mut scale = match &self.scale {
+            Some(scale) => scale.clone(),
+            None if self.is_log => Scale::logarithmic(values),
+            None => Scale::linear(values),
+        };
+        if self.is_reversed {
+            std::mem::swap(&mut scale.from, &mut scale.to);
+        }
+        scale
+    }
+}
+
+impl Scale {
+    /// A linear scale that holds all finite values, its ends on round numbers.
     /// Without values it runs from 0 to 1.
-    pub fn linear(name: &str, values: impl IntoIterator<Item = f64>) -> Self {
+    fn linear(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = extent(values).unwrap_or((0.0, 1.0));
         // One value alone still needs a length.
         let (low, high) = if high - low > 1e-12 * high.abs().max(low.abs()).max(1e-300) {
@@ -47,19 +125,18 @@ impl Axis {
         let (first, last) =
             ((low / step + HAIR).floor() as i64, (high / step - HAIR).ceil() as i64);
         let ticks: Vec<f64> = (first..=last).map(|i| i as f64 * step).collect();
-        Self::between(name, (first as f64 * step, last as f64 * step), ticks)
+        Self::with_ticks(&ticks)
     }
 
-    /// A linear axis with given ticks, from the first to the last.
-    pub fn with_ticks(name: &str, ticks: &[f64]) -> Self {
-        let ends = extent(ticks.iter().copied()).unwrap_or((0.0, 1.0));
-        Self::between(name, ends, ticks.to_vec())
+    fn with_ticks(ticks: &[f64]) -> Self {
+        let (from, to) = extent(ticks.iter().copied()).unwrap_or((0.0, 1.0));
+        Self { from, to, ticks: ticks.to_vec(), ..Self::default() }
     }
 
-    /// A logarithmic axis that holds all positive values; within two decades
+    /// A logarithmic scale that holds all positive values; within two decades
     /// it is numbered at 1, 2 and 5 of each.
-    pub fn logarithmic(name: &str, values: impl IntoIterator<Item = f64>) -> Self {
-        let (low, high) = extent(values.into_iter().filter(|v| *v > 0.0)).unwrap_or((0.1, 10.0));
+    pub(super) fn logarithmic(values: impl Iterator<Item = f64>) -> Self {
+        let (low, high) = extent(values.filter(|v| *v > 0.0)).unwrap_or((0.1, 10.0));
         let (first, last) = (low.log10().floor() as i32, high.log10().ceil() as i32);
         let last = last.max(first + 1);
         let mantissas: &[f64] = if last - first <= 2 { &[1.0, 2.0, 5.0] } else { &[1.0] };
@@ -77,25 +154,7 @@ impl Axis {
             .flat_map(|(_, p)| (2..10).map(move |m| f64::from(m) * p))
             .filter(inside)
             .collect();
-        Self { name: name.to_owned(), from, to, log: true, ticks, minor }
-    }
-
-    /// Logarithmic or linear.
-    pub fn scaled(is_log: bool, name: &str, values: impl IntoIterator<Item = f64>) -> Self {
-        if is_log { Self::logarithmic(name, values) } else { Self::linear(name, values) }
-    }
-
-    /// Falling heights in cm from 0 to a highest; markers at the ends stand clear of the frame.
-    pub fn falling_heights(highest: f64) -> Self {
-        let ticks: Vec<f64> = (0..=4).map(|i| f64::from(i) * highest / 4.0).collect();
-        let axis = Self::with_ticks("Falling height (cm)", &ticks);
-        Self { from: -0.05 * highest, to: 1.05 * highest, ..axis }
-    }
-
-    /// The same axis with its values growing the other way.
-    pub fn reversed(mut self) -> Self {
-        std::mem::swap(&mut self.from, &mut self.to);
-        self
+        Self { from, to, log: true, ticks, minor }
     }
 
     /// Where a value falls: 0 at `from`, 1 at `to`, beyond them outside;
@@ -116,6 +175,9 @@ impl Axis {
     pub fn number(&self, tick: f64) -> String {
         if self.log {
             return log_number(tick);
+        }
+        if tick.abs() >= 1e9 {
+            return format!("{tick:e}");
         }
         let step = self.ticks.windows(2).map(|w| (w[1] - w[0]).abs()).fold(f64::INFINITY, f64::min);
         let decimals = if step.is_finite() && step > 0.0 {
@@ -174,41 +236,43 @@ mod tests {
 
     #[test]
     fn linear_axes_end_on_round_numbers() {
-        let axis = Axis::linear("h", [152.3, 163.9]);
+        let linear = |values: [f64; 2]| Scale::linear(values.into_iter());
+        let axis = linear([152.3, 163.9]);
         assert_eq!((axis.from, axis.to), (152.0, 164.0), "round ends around 152.3 to 163.9");
         assert_eq!(axis.number(154.0), "154");
-        let axis = Axis::linear("t", [0.0, 20.000_000_1]);
+        let axis = linear([0.0, 20.000_000_1]);
         assert_eq!((axis.from, axis.to), (0.0, 20.0), "rounding does not lengthen the axis");
-        assert_eq!(Axis::linear("h", [0.0, 0.5]).number(0.1), "0.1");
-        assert_eq!(Axis::linear("h", [-3.0, 3.0]).number(-2.0), "\u{2212}2");
+        assert_eq!(linear([0.0, 0.5]).number(0.1), "0.1");
+        assert_eq!(linear([-3.0, 3.0]).number(-2.0), "\u{2212}2");
     }
 
     #[test]
     fn axes_survive_what_is_no_number() {
         for values in [vec![], vec![f64::NAN], vec![7.0], vec![0.0], vec![f64::INFINITY, 3.0]] {
-            for axis in [Axis::linear("x", values.clone()), Axis::logarithmic("x", values.clone())]
-            {
+            let of = || values.iter().copied();
+            for axis in [Scale::linear(of()), Scale::logarithmic(of())] {
                 assert!(axis.from < axis.to, "{values:?} gives an empty axis: {axis:?}");
                 assert!((2..40).contains(&axis.ticks.len()), "{values:?}: {axis:?}");
             }
         }
-        let log = Axis::logarithmic("x", [1.0, 100.0]);
+        let log = Scale::logarithmic([1.0, 100.0].into_iter());
         assert_eq!((log.place(0.0), log.place(-1.0), log.place(f64::NAN)), (None, None, None));
     }
 
     #[test]
     fn places_are_fractions_of_the_length() {
         let linear = Axis::with_ticks("t", &[0.0, 10.0, 20.0]);
-        assert_eq!(linear.place(5.0), Some(0.25));
-        assert_eq!(linear.reversed().place(5.0), Some(0.75), "values grow the other way");
-        let log = Axis::logarithmic("d", [1.0, 100.0]);
+        let place = |axis: &Axis| axis.scale([].into_iter()).place(5.0);
+        assert_eq!(place(&linear), Some(0.25));
+        assert_eq!(place(&linear.reversed()), Some(0.75), "values grow the other way");
+        let log = Scale::logarithmic([1.0, 100.0].into_iter());
         let got = log.place(10.0).expect("a place");
         assert!((got - 0.5).abs() < 1e-12, "10 is midway from 1 to 100 on a log axis: got {got}");
     }
 
     #[test]
     fn numbers_of_log_axes_are_read_easily() {
-        let axis = Axis::logarithmic("E", [1e-8, 1.0]);
+        let axis = Scale::logarithmic([1e-8, 1.0].into_iter());
         for (tick, expected) in
             [(1.0, "1"), (0.01, "0.01"), (100.0, "100"), (1e-7, "10\u{207B}\u{2077}"), (0.5, "0.5")]
         {

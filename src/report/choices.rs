@@ -104,7 +104,8 @@ fn facts(scenario: &Scenario) -> Value {
             _ => {}
         }
     }
-    let is_stock = (engine.backend, engine.contact_solver) == (Backend::Bullet, ContactSolver::Stock);
+    let is_stock =
+        (engine.backend, engine.contact_solver) == (Backend::Bullet, ContactSolver::Stock);
     for (name, value) in [
         ("native", engine.is_native().into()),
         ("stock", is_stock.into()),
@@ -113,10 +114,13 @@ fn facts(scenario: &Scenario) -> Value {
         ("native_substeps", engine.native.substeps(engine.rate_hz).into()),
         ("native_tolerance_percent", json!(100.0 * engine.native.solver_tolerance)),
         ("sieve_table", grains(&scenario.grains).into()),
-        ("rest_test", match scenario.rest_test_s {
-            rest if rest > 0.0 => format!("{} s after the end", compact(rest)).into(),
-            _ => "none".into(),
-        }),
+        (
+            "rest_test",
+            match scenario.rest_test_s {
+                rest if rest > 0.0 => format!("{} s after the end", compact(rest)).into(),
+                _ => "none".into(),
+            },
+        ),
     ] {
         facts[name] = value;
     }

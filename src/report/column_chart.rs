@@ -2,10 +2,10 @@
 //! axes.
 
 use super::{
-    chart::{ChartCurve, ChartMark, CurveStyle, Panel},
+    axis::Axis,
     columns::quantity_and_unit,
     figures::capital,
-    plot::{Plot, stacked},
+    plot::{Look, Plot, Series, stacked},
 };
 
 /// A column: its name and its numbers, row by row.
@@ -57,19 +57,25 @@ impl ColumnChart {
                 units.push(unit);
             }
         }
-        let plots = units.iter().map(|unit| Ok(self.panel(unit)?.plot()));
+        let plots = units.iter().map(|unit| self.panel(unit));
         stacked(&plots.collect::<Result<Vec<Plot>, String>>()?)
     }
 
     /// The columns of one unit.
-    fn panel(&self, unit: &str) -> Result<Panel, String> {
+    fn panel(&self, unit: &str) -> Result<Plot, String> {
         let columns: Vec<(usize, &ChartColumn)> = self
             .y
             .iter()
             .enumerate()
             .filter(|(_, column)| quantity_and_unit(&column.name).1 == unit)
             .collect();
-        let mut curves = Vec::new();
+        let (x, x_unit) = quantity_and_unit(&self.x.name);
+        let names: Vec<String> =
+            columns.iter().map(|(_, c)| quantity_and_unit(&c.name).0).collect();
+        let mut plot = Plot::new(
+            Axis::scaled(self.log[0], label(&x, x_unit)),
+            Axis::scaled(self.log[1], label(&in_common(&names), unit)),
+        );
         for (n, column) in &columns {
             let of = self.curves(*n, column, columns.len() > 1);
             if of.is_empty() {
@@ -80,33 +86,21 @@ impl ColumnChart {
                     column.name
                 ));
             }
-            curves.extend(of);
+            plot.series.extend(of);
         }
-        let (x, x_unit) = quantity_and_unit(&self.x.name);
-        let names: Vec<String> =
-            columns.iter().map(|(_, c)| quantity_and_unit(&c.name).0).collect();
-        let begins = self.stages.iter().enumerate().map(|(n, at)| ChartMark {
-            name: if n == 0 { "Beginning of a stage" } else { "" }.to_owned(),
-            at: *at,
-            upright: true,
-        });
-        Ok(Panel {
-            x: label(&x, x_unit),
-            y: label(&in_common(&names), unit),
-            log: self.log,
-            from_zero: [false; 2],
-            marks: begins.collect(),
-            curves,
-        })
+        for (n, at) in self.stages.iter().enumerate() {
+            plot.mark_upright(if n == 0 { "Beginning of a stage" } else { "" }, *at);
+        }
+        Ok(plot)
     }
 
     /// A column in pieces between rows that have no place.
-    fn curves(&self, n: usize, column: &ChartColumn, named: bool) -> Vec<ChartCurve> {
+    fn curves(&self, n: usize, column: &ChartColumn, named: bool) -> Vec<Series> {
         let is_line = self.style == ChartStyle::Line;
-        let style = match (is_line, named) {
-            (true, true) => CurveStyle::Marked,
-            (true, false) => CurveStyle::Line,
-            (false, _) => CurveStyle::Dots,
+        let look = match (is_line, named) {
+            (true, true) => Look::spaced(n),
+            (true, false) => Look::line(n),
+            (false, _) => Look::dots(n),
         };
         let name = if named { capital(&quantity_and_unit(&column.name).0) } else { String::new() };
         let placed = |(x, y): (&Option<f64>, &Option<f64>)| {
@@ -124,8 +118,8 @@ impl ColumnChart {
             .map(|points| {
                 // A row alone between rows without a number has no line.
                 let alone = is_line && points.len() == 1;
-                let style = if alone { CurveStyle::Measured } else { style };
-                ChartCurve { name: name.take().unwrap_or_default(), style, kind: n, points }
+                let look = if alone { Look::marked(n) } else { look };
+                Series { label: name.take().unwrap_or_default(), look, points }
             })
             .collect()
     }
@@ -221,7 +215,7 @@ mod tests {
         let pieces = of.curves(0, &gap, true);
         let lengths: Vec<usize> = pieces.iter().map(|s| s.points.len()).collect();
         assert_eq!(lengths, [1, 2], "law: a gap parts the line");
-        assert_eq!(pieces[1].name, "", "law: one entry in the legend");
+        assert_eq!(pieces[1].label, "", "law: one entry in the legend");
         let none = chart(vec![column("a_n", &[None; 4])]).svg().expect_err("law: nothing to draw");
         assert!(none.contains("`time_s`") && none.contains("`a_n`"), "{none}");
         let log =

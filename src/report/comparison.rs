@@ -297,20 +297,17 @@ fn figures(of: &CompareRecord) -> Result<Vec<Figure>, ReportError> {
 
 fn overlaid(of: &CompareRecord, shown: &Shown) -> Result<Figure, ReportError> {
     let point = |r: &SeriesRow| Some((r.time_s, (shown.value)(r)?));
-    let curves: Vec<Vec<(f64, f64)>> =
-        of.runs.iter().map(|r| r.series.iter().filter_map(point).collect()).collect();
-    let all = || curves.iter().flatten();
-    let values = all().map(|p| p.1).chain((!shown.is_log).then_some(0.0));
-    let y = Axis::scaled(shown.is_log, shown.axis, values);
-    let mut plot = Plot::new(Axis::linear("Time (s)", all().map(|p| p.0)), y);
+    let y = Axis::scaled(shown.is_log, shown.axis).from_zero();
+    let mut plot = Plot::new(Axis::linear("Time (s)"), y);
     let mut table = Table::new(["run", "time_s", shown.column]);
-    for (n, (run, points)) in of.runs.iter().zip(&curves).enumerate() {
-        for (time, value) in points {
+    for (n, run) in of.runs.iter().enumerate() {
+        let points: Vec<(f64, f64)> = run.series.iter().filter_map(point).collect();
+        for (time, value) in &points {
             table.row(row![&run.name, *time, *value]);
         }
         let is_handed = run.specimen_by.is_some();
         let dash = if is_handed { style::DASHED } else { style::SOLID };
-        plot.add(&run.name, Look::line(n).dash(dash), points.clone());
+        plot.add(&run.name, Look::line(n).dash(dash), points);
     }
     Figure::new(shown.stem, shown.title, shown.caption, &[plot], &table)
 }

@@ -14,7 +14,7 @@ use super::{
     style,
     table::{Cell, Table, dash, row, table},
 };
-use crate::paper::text::compact;
+use crate::paper::{Interval, text::compact};
 
 /// A law with what each engine made of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -184,19 +184,14 @@ const MOST_POINTS: usize = 1500;
 /// # Errors
 /// [`ReportError::Figure`].
 fn figure(case: &LawCase) -> Result<Figure, ReportError> {
-    let points = || case.curves.iter().flat_map(|c| &c.points);
-    let x_values: Vec<f64> = points().map(|p| p.0).filter(|v| v.is_finite()).collect();
-    let y_values: Vec<f64> = points().map(|p| p.1).filter(|v| v.is_finite()).collect();
     // Errors over scales of length: both over many decades.
-    let decades = |values: &[f64]| {
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(0.0, f64::max);
-        low > 0.0 && high / low > 1e3
+    let axis = |name: &str, value: fn(&(f64, f64)) -> f64| {
+        let values = case.curves.iter().flat_map(|c| &c.points).map(value);
+        let range = Interval::of(values);
+        let decades = range.is_some_and(|r| r.low > 0.0 && r.high / r.low > 1e3);
+        Axis::scaled(decades && !name.contains("(s)"), name)
     };
-    let axis = |name: &str, values: Vec<f64>| {
-        Axis::scaled(decades(&values) && !name.contains("(s)"), name, values)
-    };
-    let mut plot = Plot::new(axis(&case.x, x_values), axis(&case.y, y_values));
+    let mut plot = Plot::new(axis(&case.x, |p| p.0), axis(&case.y, |p| p.1));
     let mut settings: Vec<&str> = Vec::new();
     let mut table = Table::new(["setting", "curve", "x", "y"]);
     // The law is drawn over the engines' curves.

@@ -47,13 +47,14 @@ use crate::{
     world::EffectiveSettings,
 };
 
+pub use axis::Axis;
 pub use beside::{Column, Finding};
 pub use calibration::{
     Calibration, CalibrationEnding, CalibrationRun, CalibrationSolution, CalibrationValue,
     FrictionIdentity, found as calibration_rows, target_in_words, unknown_in_words, with_unit,
     write_calibration, write_calibration_runs,
 };
-pub use chart::{Chart, ChartCurve, ChartMark, CurveStyle, Panel};
+pub use chart::Chart;
 pub use choices::{Choice, choices, pile_choices};
 pub use column_chart::{ChartColumn, ChartStyle, ColumnChart};
 pub use columns::{ColumnRange, ColumnTable, unit_of};
@@ -69,6 +70,7 @@ pub use interpretations::{
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use mean_settlement::MeanSettlement;
 pub use picture::Picture;
+pub use plot::{Look, Plot};
 pub use png::{draw as draw_svg, render as svg_to_png};
 pub use quality::Standard;
 pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};

@@ -10,13 +10,13 @@ pub(super) use pen::font;
 use plotters::style::RGBColor;
 
 use super::{
-    axis::Axis,
+    axis::{Axis, Scale},
     style::{self, Dash, Marker},
 };
 use crate::plain::plain_lines;
 
 /// How a series looks.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
     /// Colour of line and markers.
     pub colour: RGBColor,
@@ -52,19 +52,37 @@ impl Look {
         Self { line: None, ..Self::marked(n) }
     }
 
+    /// Small markers alone, of many points.
+    pub fn dots(n: usize) -> Self {
+        Self::points(n).thin()
+    }
+
+    /// A dashed line: a law, or what others measured.
+    pub fn law(n: usize) -> Self {
+        Self::line(n).dash(style::DASHED)
+    }
+
+    /// A line with a marker here and there, so that several can be told apart.
+    pub fn spaced(n: usize) -> Self {
+        Self::marked(n).every(style::MARKER_SPACING)
+    }
+
     /// Thin rings where single runs are.
     pub fn rings() -> Self {
         Self { line: None, ..Self::of(style::LIMIT).thin().marker(Marker::Ring) }
     }
 
+    /// The same, dashed so.
     pub fn dash(self, dash: Dash) -> Self {
         Self { line: Some(dash), ..self }
     }
 
+    /// The same in thin lines and small markers.
     pub fn thin(self) -> Self {
         Self { width: style::THIN, ..self }
     }
 
+    /// The same with markers of a shape.
     pub fn marker(self, marker: Marker) -> Self {
         Self { marker: Some(marker), ..self }
     }
@@ -76,7 +94,7 @@ impl Look {
 }
 
 /// A series of points.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Its entry in the legend; empty for none.
     pub label: String,
@@ -87,7 +105,7 @@ pub struct Series {
 }
 
 /// A horizontal band.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct BandArea {
     /// Its entry in the legend.
     pub label: String,
@@ -96,7 +114,7 @@ pub struct BandArea {
 }
 
 /// The area between two curves.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Envelope {
     /// Its entry in the legend.
     pub label: String,
@@ -105,7 +123,7 @@ pub struct Envelope {
 }
 
 /// A straight line across the frame, marking a limit or an event.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
     /// Its entry in the legend; empty for none.
     pub label: String,
@@ -116,7 +134,7 @@ pub struct Mark {
 }
 
 /// Everything in one plot.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
     /// Horizontal axis.
     pub x: Axis,
@@ -149,6 +167,14 @@ impl Plot {
             series: Vec::new(),
             frame_height: style::FRAME_HEIGHT,
         }
+    }
+
+    /// An empty plot of settlement over time, drawn downwards, the way the plate goes.
+    pub fn of_settlement() -> Self {
+        Self::new(
+            Axis::linear("Time since vibration began (s)").from_zero(),
+            Axis::linear("Settlement (mm)").from_zero().reversed(),
+        )
     }
 
     /// An empty plot with a named row for each of some things, from the top, and so much height
@@ -206,6 +232,17 @@ impl Plot {
         self.bands.push(BandArea { label: label.to_owned(), between });
     }
 
+    /// Both axes, divided for all that is drawn.
+    pub(super) fn scales(&self) -> (Scale, Scale) {
+        let points = self.series.iter().flat_map(|series| &series.points);
+        let edges = self.envelopes.iter().flat_map(|envelope| &envelope.edges);
+        let bands = self.bands.iter().flat_map(|band| [band.between.0, band.between.1]);
+        let marks = |upright| self.marks.iter().filter(move |m| m.upright == upright).map(|m| m.at);
+        let x = points.clone().map(|p| p.0).chain(edges.clone().map(|e| e.0)).chain(marks(true));
+        let y = points.map(|p| p.1).chain(edges.flat_map(|e| [e.1, e.2])).chain(bands);
+        (self.x.scale(x), self.y.scale(y.chain(marks(false))))
+    }
+
     /// The plot as SVG.
     ///
     /// # Errors
@@ -249,7 +286,7 @@ mod tests {
 
     #[test]
     fn nothing_to_draw_is_still_a_plot() {
-        let mut plot = Plot::new(Axis::linear("x", []), Axis::logarithmic("y", []));
+        let mut plot = Plot::new(Axis::linear("x"), Axis::logarithmic("y"));
         let look = Look::of(style::INK).dash(style::DASHED).thin().marker(Marker::Cross);
         for points in [vec![], vec![(f64::NAN, 1.0)], vec![(0.5, 0.0)], vec![(1e300, 1e300)]] {
             plot.add("a < b & c", look, points);

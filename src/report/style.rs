@@ -34,6 +34,8 @@ pub const TICK: i32 = 16;
 pub const MARKER: i32 = 15;
 /// The same on thin curves.
 pub const SMALL_MARKER: i32 = 10;
+/// Distance of markers along a curve of many points.
+pub const MARKER_SPACING: f64 = 170.0;
 
 /// Axes, text.
 pub const INK: RGBColor = RGBColor(25, 25, 25);

@@ -6,7 +6,7 @@ use crate::report::{
     axis::Axis,
     calibration::{target_in_words, with_unit},
     plot::{Look, Plot},
-    style::{self, Marker},
+    style::Marker,
     table::table,
 };
 
@@ -23,7 +23,6 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
     let points: Vec<(f64, f64)> = measured.collect();
     let left_out = of.runs.iter().filter(|r| r.is_left_out());
     let left_out: Vec<(f64, f64)> = left_out.filter_map(|r| Some((r.value, r.result?))).collect();
-    let x = Axis::linear(&capital(of.unknown_in_words()), [low, high]);
     let identity: Vec<(f64, f64)> = match of.identity {
         Some(_) => (0..=PIECES)
             .map(|i| low + (high - low) * i as f64 / PIECES as f64)
@@ -31,12 +30,11 @@ pub(in crate::report) fn of_calibration(of: &Calibration) -> Result<Figure, Repo
             .collect(),
         None => Vec::new(),
     };
-    let results = points.iter().chain(&left_out).chain(&identity).map(|p| p.1).chain([of.wanted]);
-    let y = Axis::linear(&name_of_result(of), results);
-    let mut plot = Plot::new(x, y);
+    let x = Axis::linear(capital(of.unknown_in_words())).holding([low, high]);
+    let mut plot = Plot::new(x, Axis::linear(name_of_result(of)));
     let wanted = crate::paper::text::compact(of.wanted);
     plot.mark_level(format!("Wanted: {}", with_unit(&wanted, &of.unit)), of.wanted);
-    plot.add_some("Angle of friction, atan μ", Look::line(2).dash(style::DASHED), identity);
+    plot.add_some("Angle of friction, atan μ", Look::law(2), identity);
     plot.add_some("Single runs", Look::rings(), points);
     plot.add_some("Left out", Look::rings().marker(Marker::Cross), left_out);
     let means: Vec<(f64, f64)> =

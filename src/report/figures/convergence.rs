@@ -6,7 +6,7 @@ use crate::{
     record::VariationRow,
     report::{
         Convergence, ConvergenceRow, Deviation, ReportError, Standard,
-        axis::Axis,
+        axis::{Axis, Scale},
         plot::{Look, Plot},
         style::{self, Dash},
         table::{Table, row},
@@ -136,16 +136,9 @@ fn one_against_rate(
 ) -> Result<Figure, ReportError> {
     let limits = (shown.limits)(&of.standard);
     let is_log = !limits.is_empty();
-    let ends = |e: Estimate| {
-        let error = e.standard_error.unwrap_or(0.0);
-        [e.mean - error, e.mean, e.mean + error]
-    };
     let mut curves: Vec<(&str, Dash, Value)> = vec![("", style::SOLID, shown.value)];
     curves.extend(shown.percentile.map(|value| ("99th percentile", style::DASHED, value)));
-    let rows = lines.iter().flat_map(|(_, rows)| rows);
-    let values = rows.flat_map(|r| curves.iter().filter_map(|(_, _, value)| value(&r.result)));
-    let values: Vec<f64> = values.flat_map(ends).chain(limits.iter().map(|l| l.1)).collect();
-    let mut plot = Plot::new(rate_axis(lines), Axis::scaled(is_log, shown.axis, values));
+    let mut plot = Plot::new(rate_axis(lines), Axis::scaled(is_log, shown.axis));
     let mut table = Table::new(["line", "rate_hz", "what", "value", "standard_error", "runs"]);
     for (n, (line, rows)) in lines.iter().enumerate() {
         for (name, dash, value) in &curves {
@@ -155,9 +148,9 @@ fn one_against_rate(
                 let Some(value) = value(&row.result) else { continue };
                 points.push((rate, value.mean));
                 if let Some(error) = value.standard_error {
-                    // On a logarithmic axis a whisker may not reach zero.
+                    // On a logarithmic axis zero has no place.
                     let low = value.mean - error;
-                    let low = if is_log { low.max(0.01 * value.mean) } else { low };
+                    let low = if is_log && low <= 0.0 { value.mean } else { low };
                     let ends = vec![(rate, low), (rate, value.mean + error)];
                     plot.add("", Look::line(n).thin(), ends);
                 }
@@ -182,14 +175,12 @@ fn rate_axis(lines: &[(String, Vec<&ConvergenceRow>)]) -> Axis {
         lines.iter().flat_map(|(_, rows)| rows.iter().map(|r| r.result.rate_hz)).collect();
     rates.sort_by(f64::total_cmp);
     rates.dedup();
-    let (low, high) = (rates.first().copied(), rates.last().copied());
-    let mut axis = Axis::logarithmic("Steps per second (Hz)", rates.iter().copied());
-    if let (Some(low), Some(high)) = (low, high) {
-        (axis.from, axis.to) = (low / 1.15, high * 1.15);
-    }
-    axis.ticks = rates;
-    axis.minor = Vec::new();
-    axis
+    let name = "Steps per second (Hz)";
+    let (Some(low), Some(high)) = (rates.first(), rates.last()) else {
+        return Axis::logarithmic(name);
+    };
+    let (from, to) = (low / 1.15, high * 1.15);
+    Axis::divided(name, Scale { from, to, log: true, ticks: rates, minor: Vec::new() })
 }
 
 /// What deviates: its entry in the legend, its name in the table, its value,
@@ -208,18 +199,8 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
         ("Settlement of the plate", "plate", |r| r.from_ladder.plate, 0.0),
         ("Settlement of the surface", "surface", |r| r.from_ladder.surface, 0.22),
     ];
-    let ends = |d: Deviation| {
-        let p = d.percent;
-        let error = p.and_then(|p| p.standard_error).unwrap_or(0.0);
-        p.map_or([0.0; 2], |p| [p.mean - error, p.mean + error])
-    };
-    let values = rows.iter().flat_map(|(_, r)| parts.iter().flat_map(|p| ends((p.2)(r))));
-    let limits = [of.height_limit_percent, of.settlement_limit_percent];
-    let x = Axis::linear(
-        "Deviation from the finest rung (%)",
-        values.chain(limits).chain(limits.map(|l| -l)),
-    );
     let names = rows.iter().map(|(name, r)| format!("{name}: {}", r.rung)).collect();
+    let x = Axis::linear("Deviation from the finest rung (%)");
     let mut plot = Plot::of_rows(x, names, ROW);
     let mut table =
         Table::new(["setting", "what", "deviation_percent", "standard_error", "inside_scatter"]);
@@ -230,9 +211,9 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
             let Some(percent) = deviation.percent else { continue };
             let at = i as f64 + offset;
             points.push((percent.mean, at));
-            if percent.standard_error.is_some() {
-                let [low, high] = ends(deviation);
-                plot.add("", Look::line(n).thin(), vec![(low, at), (high, at)]);
+            if let Some(error) = percent.standard_error {
+                let ends = vec![(percent.mean - error, at), (percent.mean + error, at)];
+                plot.add("", Look::line(n).thin(), ends);
             }
             let setting = format!("{name}: {}", row.rung);
             let (mean, error) = (percent.mean, percent.standard_error);
@@ -240,7 +221,7 @@ fn deviations(of: &Convergence) -> Result<Figure, ReportError> {
         }
         plot.add(label, Look::points(n), points);
     }
-    for limit in limits {
+    for limit in [of.height_limit_percent, of.settlement_limit_percent] {
         plot.mark_upright(format!("± {limit} %"), limit);
         plot.mark_upright("", -limit);
     }
@@ -264,11 +245,8 @@ fn cost(of: &Convergence) -> Result<Figure, ReportError> {
         let error = r.error_over_limit.filter(|_| !r.finest_of_study)?;
         Some((r.result.wall_s_per_simulated_s?.mean, error))
     };
-    let points = || of.rows.iter().filter_map(point);
-    let x = Axis::logarithmic("Wall time of a simulated second (s)", points().map(|p| p.0));
-    let errors = points().map(|p| p.1).chain([1.0]);
-    let y = Axis::logarithmic("Largest error over what is allowed", errors);
-    let mut plot = Plot::new(x, y);
+    let x = Axis::logarithmic("Wall time of a simulated second (s)");
+    let mut plot = Plot::new(x, Axis::logarithmic("Largest error over what is allowed"));
     let mut table =
         Table::new(["ladder", "setting", "wall_s_per_simulated_s", "error_over_limit", "meets"]);
     for (n, (name, rows)) in ladders.iter().enumerate() {

@@ -5,15 +5,12 @@ use crate::{
     paper::StudyView,
     report::{
         ReportError,
-        axis::Axis,
+        axis::{Axis, Scale},
         plot::{Look, Plot},
         style,
         table::{Table, row},
     },
 };
-
-/// Distance of markers along the curve of the generated grains, in SVG units.
-const MARKER_SPACING: f64 = 120.0;
 
 /// Openings of sieves in a decade (ISO 565, series R 10).
 const OPENINGS: [f64; 10] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0];
@@ -23,24 +20,26 @@ const MOST_OPENINGS: usize = 12;
 
 /// A logarithmic axis from the opening of one sieve to that of another,
 /// numbered at the openings between.
-fn size_axis(sizes: impl Iterator<Item = f64> + Clone) -> Axis {
-    let mut axis = Axis::logarithmic("Grain size (mm)", sizes.clone());
+fn size_axis(sizes: impl Iterator<Item = f64>) -> Axis {
+    let name = "Grain size (mm)";
     let (low, high) =
         sizes.fold((f64::INFINITY, 0.0_f64), |(low, high), s| (low.min(s), high.max(s)));
     if !(low > 0.0 && low < high) {
-        return axis;
+        return Axis::logarithmic(name);
     }
     let first = low.log10().floor() as i32;
     let openings: Vec<f64> =
         (first..=first + 2).flat_map(|decade| OPENINGS.map(|o| o * 10f64.powi(decade))).collect();
     let from = openings.iter().rposition(|o| *o <= low);
     let to = openings.iter().position(|o| *o >= high);
-    if let Some((from, to)) = from.zip(to).filter(|(from, to)| to - from < MOST_OPENINGS) {
-        axis.ticks = openings[from..=to].to_vec();
-        (axis.from, axis.to) = (openings[from], openings[to]);
-        axis.minor.clear();
+    match from.zip(to).filter(|(from, to)| to - from < MOST_OPENINGS) {
+        Some((from, to)) => {
+            let ticks = openings[from..=to].to_vec();
+            let (from, to) = (openings[from], openings[to]);
+            Axis::divided(name, Scale { from, to, log: true, ticks, minor: Vec::new() })
+        }
+        None => Axis::logarithmic(name),
     }
-    axis
 }
 
 /// The paper's Figure 1, of a study.
@@ -73,10 +72,9 @@ fn draw(specified: &[(f64, f64)], generated: &[(f64, f64)]) -> (Plot, Table) {
     let x = size_axis(specified.iter().chain(generated).map(|p| p.0));
     let y = Axis::with_ticks("Mass passing (%)", &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
     let mut plot = Plot::new(x, y);
-    let dashed = Look::marked(1).dash(style::DASHED).every(MARKER_SPACING);
     let curves = [
         ("Sieve data the grains are made from", Look::marked(0), specified),
-        ("Generated grains, sieved", dashed, generated),
+        ("Generated grains, sieved", Look::spaced(1).dash(style::DASHED), generated),
     ];
     let mut table = Table::new(["curve", "size_mm", "passing_percent"]);
     for (label, look, points) in curves.into_iter().filter(|c| !c.2.is_empty()) {

@@ -10,7 +10,6 @@ use crate::{
     },
     report::{
         Column, MeanSettlement, ReportError,
-        axis::Axis,
         plot::{Envelope, Look, Plot},
         style::{self, Dash},
         table::{Table, row},
@@ -31,18 +30,7 @@ pub(in crate::report) fn figure(
     let laboratory = bands::final_settlement_mm().read_as;
     // The quick study shakes a smaller specimen for less time: nothing of it stands at 20 s.
     let bracket = !study.quick;
-    let every = || ours.iter().chain(stock.iter().copied());
-    let rows = || every().flat_map(|m| &m.shaken);
-    let rest = || every().flat_map(|m| &m.unshaken);
-    let ends = bracket.then_some([laboratory.low, laboratory.high, 0.0]);
-    let times = rows().map(|r| r[0]).chain(rest().map(|p| p.0)).chain([0.0]);
-    let times = times.chain(bracket.then_some(CONTINUOUS_S + STROKE_S));
-    let depths = rows().flat_map(|r| [r[2], r[3]]).chain(rest().map(|p| p.1)).chain([0.0]);
-    let depths = depths.chain(ends.into_iter().flatten());
-    let mut plot = Plot::new(
-        Axis::linear("Time since vibration began (s)", times),
-        Axis::linear("Settlement (mm)", depths).reversed(),
-    );
+    let mut plot = Plot::of_settlement();
     let mut table = Table::new(["curve", "time_s", "mean_mm", "lowest_mm", "highest_mm"]);
     if let Some(m) = &ours {
         // One run is no band.

@@ -18,8 +18,6 @@ const MM_IN_CM: f64 = 10.0;
 /// What every caption says of runs that do not count.
 const MIND: &str =
     "Means are of valid runs; “not valid” marks curves of which, in part or in whole, no run is.";
-/// Distance between markers along a curve, in SVG units.
-const MARKER_SPACING: f64 = 230.0;
 /// Curves that colours and markers can tell apart; those after them are dashed.
 const DISTINCT: usize = 6;
 
@@ -96,9 +94,7 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
         }
         curves.push((column, points, some_not_valid));
     }
-    let all = curves.iter().flat_map(|(_, points, _)| points.iter().map(|p| p.1));
-    let y = Axis::linear("Standing height (mm)", all);
-    let mut plot = Plot::new(Axis::falling_heights(20.0), y);
+    let mut plot = Plot::new(Axis::falling_heights(20.0), Axis::linear("Standing height (mm)"));
     let missing = add(&mut plot, curves, None);
     let caption = format!(
         "Mean surface after pluviation over falling height, mean over the configurations. The \
@@ -144,15 +140,11 @@ fn settlement(
     }
     let continuous = kind == RunKind::VibrationContinuous;
     let band = (continuous && plate).then(|| bands::final_settlement_mm().read_as);
-    let points = || curves.iter().flat_map(|(_, points, _)| points);
-    let depths =
-        points().map(|p| p.1).chain([0.0]).chain(band.into_iter().flat_map(|b| [b.low, b.high]));
-    let x = Axis::linear("Time since vibration began (s)", points().map(|p| p.0).chain([0.0]));
-    let mut plot = Plot::new(x, Axis::linear("Settlement (mm)", depths).reversed());
+    let mut plot = Plot::of_settlement();
     if let Some(band) = band {
         plot.add_band("Laboratory, range of the final settlement", (band.low, band.high));
     }
-    let missing = add(&mut plot, curves, Some(MARKER_SPACING));
+    let missing = add(&mut plot, curves, Some(style::MARKER_SPACING));
     let what = if plate { "top plate" } else { "mean surface" };
     let (number, mode) = if continuous { (9, "continuous") } else { (10, "intermittent") };
     let caption = format!(

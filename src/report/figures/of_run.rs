@@ -11,8 +11,6 @@ use crate::{
     },
 };
 
-const MARKER_SPACING: f64 = 170.0;
-
 /// `heights`, `energy` and, where the run was vibrated, `settlement`.
 ///
 /// # Errors
@@ -37,12 +35,12 @@ fn curve(
         .collect();
     // A curve that is not there has no place in the legend.
     let label = if points.is_empty() { "" } else { label };
-    Series { label: label.to_owned(), look: Look::marked(n).every(MARKER_SPACING), points }
+    Series { label: label.to_owned(), look: Look::spaced(n), points }
 }
 
 /// Time axis and the beginning of every stage but the first.
 fn over_time(run: &RunRecord, y: Axis) -> Plot {
-    let x = Axis::linear("Time (s)", run.series.iter().map(|r| r.time_s).chain([0.0]));
+    let x = Axis::linear("Time (s)").holding(run.series.iter().map(|r| r.time_s)).from_zero();
     let mut plot = Plot::new(x, y);
     for rows in run.series.windows(2).filter(|w| w[1].stage != w[0].stage) {
         let label = if plot.marks.is_empty() { "Beginning of a stage" } else { "" };
@@ -58,8 +56,7 @@ fn heights(run: &RunRecord) -> Result<Figure, ReportError> {
         curve(run, 2, "Lower face of the plate", |r| r.plate_height_mm),
         curve(run, 3, "Top of the pile above its base", |r| r.pile_height_mm),
     ];
-    let values = series.iter().flat_map(|s| s.points.iter().map(|p| p.1)).chain([0.0]);
-    let mut plot = over_time(run, Axis::linear("Height above the floor (mm)", values));
+    let mut plot = over_time(run, Axis::linear("Height above the floor (mm)").from_zero());
     plot.series.extend(series);
     let table = table!(&run.series, |r| {
         "time_s" => r.time_s,
@@ -77,8 +74,7 @@ fn heights(run: &RunRecord) -> Result<Figure, ReportError> {
 fn energy(run: &RunRecord) -> Result<Figure, ReportError> {
     let mut series = curve(run, 0, "", |r| Some(r.kinetic_energy_j));
     series.look.marker = None;
-    let y = Axis::logarithmic("Kinetic energy (J)", series.points.iter().map(|p| p.1));
-    let mut plot = over_time(run, y);
+    let mut plot = over_time(run, Axis::logarithmic("Kinetic energy (J)"));
     plot.series.push(series);
     let table = table!(&run.series, |r| {
         "time_s" => r.time_s,

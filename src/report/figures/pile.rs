@@ -248,12 +248,11 @@ fn whole((x, y): (f64, f64)) -> (i32, i32) {
 pub(in crate::report) fn by_azimuth(
     piles: &[(String, &AngleOfRepose)],
 ) -> Result<Figure, ReportError> {
-    let angles = piles.iter().flat_map(|(_, p)| p.by_azimuth.iter().filter_map(|a| a.degrees));
     let x = Axis::with_ticks(
         "Azimuth about the axis (°)",
         &[0.0, 60.0, 120.0, 180.0, 240.0, 300.0, 360.0],
     );
-    let mut plot = Plot::new(x, Axis::linear("Slope of the flank (°)", angles));
+    let mut plot = Plot::new(x, Axis::linear("Slope of the flank (°)"));
     let mut table = Table::new(["pile", "azimuth_degrees", "degrees", "toe_radius_mm"]);
     if let [(_, pile)] = piles {
         let interval = (pile.confidence_low_degrees, pile.confidence_high_degrees);

@@ -34,9 +34,7 @@ fn add_dots(
 pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, ReportError> {
     let runs = study.runs;
     let limit = standard.creep_um_per_s;
-    let values = || runs.iter().filter_map(|r| r.summary.creep_um_per_s);
-    let x = Axis::linear("Creep of the resting specimen (µm/s)", values().chain([-limit, limit]));
-    let mut plot = by_run(runs, x);
+    let mut plot = by_run(runs, Axis::linear("Creep of the resting specimen (µm/s)"));
     plot.mark_upright(format!("Standard: within ±{limit} µm/s"), limit);
     plot.mark_upright("", -limit);
     let label = "Sinking rate of the mean grain height";
@@ -49,7 +47,7 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
         "mean_surface_drop_mm" => c.map(|c| c.mean_surface_drop_mm),
         "plate_drop_mm" => c.and_then(|c| c.plate_drop_mm),
     });
-    let found = match Interval::of(values()) {
+    let found = match Interval::of(runs.iter().filter_map(|r| r.summary.creep_um_per_s)) {
         Some(i) => format!("Found: {} to {} µm/s.", number(i.low, 1), number(i.high, 1)),
         None => "No run had a rest test.".to_owned(),
     };
@@ -65,13 +63,7 @@ pub(super) fn creep(study: &StudyView, standard: &Standard) -> Result<Figure, Re
 pub(super) fn overlap(study: &StudyView, standard: &Standard) -> Result<Figure, ReportError> {
     let runs = study.runs;
     let (mean_limit, p99_limit) = (standard.overlap_mean_percent, standard.overlap_p99_percent);
-    let values = runs
-        .iter()
-        .map(|r| r.summary.overlap)
-        .flat_map(|o| [o.mean_percent, o.p99_percent, o.max_percent])
-        .chain([mean_limit, p99_limit]);
-    let x = Axis::logarithmic("Overlap (% of the equivalent diameter)", values);
-    let mut plot = by_run(runs, x);
+    let mut plot = by_run(runs, Axis::logarithmic("Overlap (% of the equivalent diameter)"));
     for (label, at) in [("mean", mean_limit), ("99th percentile", p99_limit)] {
         plot.mark_upright(format!("Standard: {label} below {at} %"), at);
     }

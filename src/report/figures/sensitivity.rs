@@ -68,18 +68,7 @@ fn panel(
     effect: fn(&ParameterRow) -> Effect,
     legend: bool,
 ) -> Plot {
-    let ends = |e: Estimate| {
-        let error = e.standard_error.unwrap_or(0.0);
-        [e.mean - error, e.mean + error]
-    };
-    let values = rows
-        .iter()
-        .flat_map(|r| [effect(r).low_mm, effect(r).high_mm])
-        .flatten()
-        .flat_map(ends)
-        .chain([0.0]);
-    let x = Axis::linear(axis, values);
-    let mut plot = Plot::of_rows(x, rows.iter().map(|r| label(r)).collect(), ROW);
+    let mut plot = Plot::of_rows(Axis::linear(axis), rows.iter().map(|r| label(r)).collect(), ROW);
     plot.mark_upright("", 0.0);
     let parts: [End; 2] =
         [("at the low end", 0, -0.18, |e| e.low_mm), ("at the high end", 1, 0.18, |e| e.high_mm)];
@@ -90,9 +79,9 @@ fn panel(
             let Some(estimate) = value(&effect(row)) else { continue };
             let at = i as f64 + offset;
             plot.add(std::mem::take(&mut label), bar, vec![(0.0, at), (estimate.mean, at)]);
-            if estimate.standard_error.is_some() {
-                let [from, to] = ends(estimate);
-                plot.add("", Look::of(style::INK), vec![(from, at), (to, at)]);
+            if let Some(error) = estimate.standard_error {
+                let ends = vec![(estimate.mean - error, at), (estimate.mean + error, at)];
+                plot.add("", Look::of(style::INK), ends);
             }
         }
     }

@@ -6,7 +6,6 @@ use crate::{
     record::{NO_VALID_RUN, RunKind, RunRecord},
     report::{
         ReportError,
-        axis::Axis,
         plot::{Look, Plot},
         quality::sentence_of_left_out,
         style,
@@ -14,13 +13,10 @@ use crate::{
     },
 };
 
-/// Distance between markers along a curve, in SVG units.
-const MARKER_SPACING: f64 = 170.0;
-
 pub(super) fn continuous(study: &StudyView) -> Result<Figure, ReportError> {
     let runs: Vec<&RunRecord> = study.of_kind(RunKind::VibrationContinuous).collect();
     let band = bands::final_settlement_mm().read_as;
-    let (mut plot, table) = curves(&runs, Some(band), 20.0);
+    let (mut plot, table) = curves(&runs, 20.0);
     plot.add_band("Laboratory, range of the final settlement", (band.low, band.high));
     let caption = format!(
         "Settlement of the top plate under continuous vibration. Hatched: the laboratory's range of \
@@ -45,7 +41,7 @@ pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
     let runs: Vec<&RunRecord> = study.of_kind(RunKind::VibrationIntermittent).collect();
     let bounds = study.intermittent.bounds();
     let end = bounds.last().map_or(20.0, |b| b.1);
-    let (mut plot, table) = curves(&runs, None, end);
+    let (mut plot, table) = curves(&runs, end);
     let mut edges: Vec<f64> = bounds.iter().flat_map(|b| [b.0, b.1]).collect();
     edges.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
     for (i, at) in edges.into_iter().enumerate() {
@@ -77,32 +73,17 @@ pub(super) fn of_run(run: &RunRecord) -> Result<Option<Figure>, ReportError> {
     if !run.series.iter().any(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some()) {
         return Ok(None);
     }
-    let (plot, table) = curves(&[run], None, 0.0);
+    let (plot, table) = curves(&[run], 0.0);
     let caption = format!("Settlement under vibration. {}", finals(&[run]));
     Figure::new("settlement", "Settlement under vibration", caption, &[plot], &table).map(Some)
 }
 
 /// Plate and surface of every run; `at_least_s` is the least length of the time axis.
-fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot, Table) {
-    let curves: Vec<_> = runs
-        .iter()
-        .map(|r| {
-            let plate = settlement_curve(r, |row| row.settlement_mm);
-            (r, plate, settlement_curve(r, |row| row.surface_settlement_mm))
-        })
-        .collect();
+fn curves(runs: &[&RunRecord], at_least_s: f64) -> (Plot, Table) {
+    let mut plot = Plot::of_settlement();
+    plot.x = plot.x.holding([at_least_s]);
     // An empty figure still has the laboratory's scale.
-    let least_depth = if runs.is_empty() { 20.0 } else { 0.0 };
-    let points = || curves.iter().flat_map(|(_, plate, surface)| plate.iter().chain(surface));
-    let times = points().map(|p| p.0).chain([0.0, at_least_s]);
-    // Settlement is drawn downwards, the way the plate goes.
-    let depths = points()
-        .map(|p| p.1)
-        .chain([0.0, least_depth])
-        .chain(band.into_iter().flat_map(|b| [b.low, b.high]));
-    let x = Axis::linear("Time since vibration began (s)", times);
-    let y = Axis::linear("Settlement (mm)", depths).reversed();
-    let mut plot = Plot::new(x, y);
+    plot.y = plot.y.holding(runs.is_empty().then_some(20.0));
     let mut table = Table::new([
         "run",
         "configuration",
@@ -111,17 +92,17 @@ fn curves(runs: &[&RunRecord], band: Option<Interval>, at_least_s: f64) -> (Plot
         "surface_settlement_mm",
         "left_out_of_means",
     ]);
-    for (n, (run, plate, surface)) in curves.iter().enumerate() {
-        let look = Look::marked(n).every(MARKER_SPACING);
-        let thin = look.dash(style::DASHED).thin().every(2.5 * MARKER_SPACING);
-        plot.add("", thin, surface.clone());
+    for (n, run) in runs.iter().enumerate() {
+        let look = Look::spaced(n);
+        let thin = look.dash(style::DASHED).thin().every(2.5 * style::MARKER_SPACING);
+        plot.add("", thin, settlement_curve(run, |row| row.surface_settlement_mm));
         let mark = match (run.counts_in_means(), run.summary.valid) {
             (true, _) => "",
             (false, true) => " (left out)",
             (false, false) => " (not valid)",
         };
         let label = format!("Configuration {}, plate{mark}", run.configuration);
-        plot.add(label, look, plate.clone());
+        plot.add(label, look, settlement_curve(run, |row| row.settlement_mm));
         let start = run
             .series
             .iter()

@@ -13,9 +13,6 @@ use crate::{
     },
 };
 
-/// Distance of markers along a curve, in SVG units.
-const MARKER_SPACING: f64 = 140.0;
-
 /// Name, symbol and column of a number.
 fn named(ratio: ShapeRatio) -> (&'static str, &'static str) {
     match ratio {
@@ -27,8 +24,7 @@ fn named(ratio: ShapeRatio) -> (&'static str, &'static str) {
 
 /// Distribution of the three numbers over the grains, each counted once.
 pub(in crate::report) fn figure(shapes: &[GrainShape]) -> Result<Figure, ReportError> {
-    let values = shapes.iter().flat_map(|s| ShapeRatio::ALL.map(|ratio| s.ratio(ratio)));
-    let x = Axis::linear("Ratio (–)", values.chain([0.0, 1.0]));
+    let x = Axis::linear("Ratio (–)").holding([0.0, 1.0]);
     let y = Axis::with_ticks("Grains with less (%)", &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
     let mut plot = Plot::new(x, y);
     let mut table = Table::new(["ratio", "value", "grains_with_at_most_percent"]);
@@ -48,7 +44,7 @@ pub(in crate::report) fn figure(shapes: &[GrainShape]) -> Result<Figure, ReportE
             number(at(10.0), 2),
             number(at(90.0), 2)
         ));
-        plot.add_some(label, Look::marked(n).dash(lines[n]).every(MARKER_SPACING), points);
+        plot.add_some(label, Look::spaced(n).dash(lines[n]), points);
     }
     let mean = |value: fn(&GrainShape) -> usize| {
         shapes.iter().map(|s| value(s) as f64).sum::<f64>() / shapes.len() as f64

@@ -23,8 +23,7 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
     let highest_fall =
         runs.iter().map(|r| r.falling_height_mm / MM_IN_CM).fold(20.0, f64::max).min(1e3);
     let x = Axis::falling_heights(highest_fall);
-    let y = Axis::linear("Standing height (mm)", runs.iter().flat_map(|r| [mean(r), p95(r)]));
-    let mut plot = Plot::new(x, y);
+    let mut plot = Plot::new(x, Axis::linear("Standing height (mm)"));
     let mut table = Table::new([
         "run",
         "configuration",

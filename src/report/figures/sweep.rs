@@ -5,7 +5,7 @@ use crate::{
     measure::statistics::mean,
     report::{
         ReportError, Sweep, SweepEffect, SweepFactor, SweepPoint, SweepRun,
-        axis::Axis,
+        axis::{Axis, Scale},
         plot::{Look, Plot},
         style::{self, Marker},
         sweep::{in_words, outcomes_of, shown},
@@ -48,16 +48,13 @@ fn stem(kind: &str, path: &str) -> String {
 fn axis(factor: &SweepFactor) -> Axis {
     let numbers = factor.values.iter().map(|v| factor.number(v));
     if factor.numeric {
-        return Axis::linear(&factor.path, numbers);
+        return Axis::linear(&factor.path).holding(numbers);
     }
     let names: Vec<String> =
         factor.values.iter().enumerate().map(|(n, v)| format!("{} {}", n + 1, shown(v))).collect();
-    let mut axis = Axis::with_ticks(
-        &format!("{}: {}", factor.path, names.join(", ")),
-        &numbers.collect::<Vec<_>>(),
-    );
-    (axis.from, axis.to) = (axis.from - 0.5, axis.to + 0.5);
-    axis
+    let (from, to) = (0.5, names.len() as f64 + 0.5);
+    let scale = Scale { from, to, ticks: numbers.collect(), ..Scale::default() };
+    Axis::divided(format!("{}: {}", factor.path, names.join(", ")), scale)
 }
 
 /// Means, joined where values are numbers.
@@ -139,9 +136,7 @@ fn effect_panel(
     let mean_points: Vec<(f64, f64)> = of_values().map(|(at, e)| (at, e.mean)).collect();
     let bars: Vec<[(f64, f64); 2]> =
         of_values().filter_map(|(at, e)| Some([(at, e.t_low?), (at, e.t_high?)])).collect();
-    let all =
-        runs.iter().chain(&left_out).chain(&mean_points).chain(bars.iter().flatten()).map(|p| p.1);
-    let mut plot = Plot::new(axis(factor), Axis::linear(in_words(&effect.outcome), all));
+    let mut plot = Plot::new(axis(factor), Axis::linear(in_words(&effect.outcome)));
     plot.frame_height = PANEL;
     let label = |text| if has_legend { text } else { "" };
     plot.add_some(label("Single runs"), Look::rings(), runs);
@@ -162,8 +157,10 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
     let outcomes: Vec<(&str, &str)> = outcomes_of(has).collect();
     let mut panels = Vec::new();
     for (index, (path, words)) in outcomes.iter().enumerate() {
-        let mut curves = Vec::new();
-        for value in &second.values {
+        let mut plot = Plot::new(axis(first), Axis::linear(*words));
+        plot.frame_height = PANEL;
+        let is_last = index + 1 == outcomes.len();
+        for (k, value) in second.values.iter().enumerate() {
             let mut points = Vec::new();
             for at in &first.values {
                 let there = |p: &&SweepPoint| p.values[a] == *at && p.values[b] == *value;
@@ -173,13 +170,6 @@ fn pair_figure(of: &Sweep, a: usize, b: usize) -> Result<Option<Figure>, ReportE
                 points.push((first.number(at), middle));
                 table.row(row![*path, shown(at), shown(value), middle]);
             }
-            curves.push((value, points));
-        }
-        let all = curves.iter().flat_map(|(_, points)| points.iter().map(|p| p.1));
-        let mut plot = Plot::new(axis(first), Axis::linear(words, all));
-        plot.frame_height = PANEL;
-        let is_last = index + 1 == outcomes.len();
-        for (k, (value, points)) in curves.into_iter().enumerate() {
             let label = format!("{} = {}", second.path, shown(value));
             let label = if is_last { label } else { String::new() };
             plot.add_some(label, means(k, first, style::marker(k)), points);

@@ -26,10 +26,7 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
         .collect();
     let highest = heights.iter().map(|h| h.0).fold(20.0, f64::max);
     let x = Axis::falling_heights(highest);
-    let ends = heights.iter().flat_map(|(_, q)| {
-        q.values.iter().copied().chain(q.interval.iter().flat_map(|i| [i.low, i.high]))
-    });
-    let mut plot = Plot::new(x, Axis::linear("Standing height (mm)", ends));
+    let mut plot = Plot::new(x, Axis::linear("Standing height (mm)"));
     let mut table = Table::new([
         "falling_height_mm",
         "configurations",

@@ -8,6 +8,7 @@ use plotters::{
 
 use super::{Look, Plot, Series};
 use crate::report::{
+    axis::Scale,
     dash::dashes,
     style::{self, Dash, INK, Marker},
 };
@@ -17,30 +18,20 @@ type Failure = DrawingAreaErrorKind<std::io::Error>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 impl Plot {
-    /// What stands at the i-th tick of the vertical axis.
-    fn y_number(&self, i: usize) -> String {
-        match &self.y_names {
-            Some(names) => names.get(i).cloned().unwrap_or_default(),
-            None => self.y.ticks.get(i).map_or(String::new(), |t| self.y.number(*t)),
-        }
-    }
-
-    /// How far the number of a tick at the right end reaches over it.
-    fn last_number_over(&self) -> i32 {
-        let at_end = |tick: &&f64| self.x.place(**tick).is_some_and(|place| place > 0.98);
-        let width = |tick: &f64| style::text_width(&self.x.number(*tick), style::NUMBERS);
-        self.x.ticks.iter().filter(at_end).map(|t| (width(t) / 2.0) as i32 + 10).max().unwrap_or(0)
-    }
-
     pub(super) fn draw(&self, svg: &mut String) -> Result<(), Failure> {
-        let widest = (0..self.y.ticks.len())
-            .map(|i| style::text_width(&self.y_number(i), style::NUMBERS))
-            .fold(0.0, f64::max);
+        let (x, y) = self.scales();
+        let names = self.y_names.clone();
+        let y_numbers = names.unwrap_or_else(|| y.ticks.iter().map(|t| y.number(*t)).collect());
+        let width = |number: &String| style::text_width(number, style::NUMBERS);
+        let widest = y_numbers.iter().map(width).fold(0.0, f64::max);
+        // How far the number of a tick at the right end reaches over it.
+        let at_end = x.ticks.iter().filter(|t| x.place(**t).is_some_and(|place| place > 0.98));
+        let over = at_end.map(|t| (width(&x.number(*t)) / 2.0) as i32 + 10).max().unwrap_or(0);
         let name = if self.y.name.is_empty() { 0 } else { style::UPRIGHT_NAME };
         let left = (widest as i32 + name + 50).max(style::LEFT);
         let frame = Frame {
             left,
-            right: style::WIDTH as i32 - self.last_number_over().max(style::RIGHT),
+            right: style::WIDTH as i32 - over.max(style::RIGHT),
             top: style::TOP,
             bottom: style::TOP + self.frame_height as i32,
         };
@@ -49,7 +40,7 @@ impl Plot {
         let height = legend_top + rows.len() as i32 * LEGEND_ROW + 20;
         let root = SVGBackend::with_string(svg, (style::WIDTH, height as u32)).into_drawing_area();
         root.fill(&WHITE)?;
-        let pen = Pen { root: &root, frame, plot: self };
+        let pen = Pen { root: &root, frame, plot: self, x, y, y_numbers };
         pen.bands()?;
         pen.envelopes()?;
         pen.grid()?;
@@ -122,18 +113,22 @@ struct Pen<'a, 'b> {
     root: &'a Area<'b>,
     frame: Frame,
     plot: &'a Plot,
+    x: Scale,
+    y: Scale,
+    /// What stands at each tick of the vertical axis.
+    y_numbers: Vec<String>,
 }
 
 impl Pen<'_, '_> {
     fn x(&self, value: f64) -> Option<f64> {
         let Frame { left, right, .. } = self.frame;
-        let place = self.plot.x.place(value)?.clamp(-9.0, 9.0);
+        let place = self.x.place(value)?.clamp(-9.0, 9.0);
         Some(f64::from(left) + place * f64::from(right - left))
     }
 
     fn y(&self, value: f64) -> Option<f64> {
         let Frame { top, bottom, .. } = self.frame;
-        let place = self.plot.y.place(value)?.clamp(-9.0, 9.0);
+        let place = self.y.place(value)?.clamp(-9.0, 9.0);
         Some(f64::from(bottom) - place * f64::from(bottom - top))
     }
 
@@ -159,10 +154,10 @@ impl Pen<'_, '_> {
 
     fn grid(&self) -> Result<(), Failure> {
         let Frame { left, right, top, bottom } = self.frame;
-        for x in self.plot.x.ticks.iter().filter_map(|t| self.x(*t)) {
+        for x in self.x.ticks.iter().filter_map(|t| self.x(*t)) {
             self.line((x as i32, top), (x as i32, bottom), style::GRID, 2)?;
         }
-        for y in self.plot.y.ticks.iter().filter_map(|t| self.y(*t)) {
+        for y in self.y.ticks.iter().filter_map(|t| self.y(*t)) {
             self.line((left, y as i32), (right, y as i32), style::GRID, 2)?;
         }
         Ok(())
@@ -187,26 +182,25 @@ impl Pen<'_, '_> {
         let Frame { left, right, top, bottom } = self.frame;
         let frame = Rectangle::new([(left, top), (right, bottom)], INK.stroke_width(style::THIN));
         self.root.draw(&frame)?;
-        for x in self.plot.x.minor.iter().filter_map(|t| self.x(*t)) {
+        for x in self.x.minor.iter().filter_map(|t| self.x(*t)) {
             let x = x as i32;
             self.line((x, bottom), (x, bottom - style::TICK / 2), INK, style::THIN)?;
         }
-        for y in self.plot.y.minor.iter().filter_map(|t| self.y(*t)) {
+        for y in self.y.minor.iter().filter_map(|t| self.y(*t)) {
             self.line((left, y as i32), (left + style::TICK / 2, y as i32), INK, style::THIN)?;
         }
-        for tick in &self.plot.x.ticks {
+        for tick in &self.x.ticks {
             let Some(x) = self.x(*tick) else { continue };
             let x = x as i32;
             self.line((x, bottom), (x, bottom - style::TICK), INK, style::THIN)?;
-            let number = self.plot.x.number(*tick);
+            let number = self.x.number(*tick);
             self.text(&number, (x, bottom + 18), style::NUMBERS, (HPos::Center, VPos::Top))?;
         }
-        for (i, tick) in self.plot.y.ticks.iter().enumerate() {
+        for (tick, number) in self.y.ticks.iter().zip(&self.y_numbers) {
             let Some(y) = self.y(*tick) else { continue };
             let y = y as i32;
             self.line((left, y), (left + style::TICK, y), INK, style::THIN)?;
-            let number = self.plot.y_number(i);
-            self.text(&number, (left - 20, y), style::NUMBERS, (HPos::Right, VPos::Center))?;
+            self.text(number, (left - 20, y), style::NUMBERS, (HPos::Right, VPos::Center))?;
         }
         let middle = ((left + right) / 2, bottom + 92);
         self.text(&self.plot.x.name, middle, style::NAMES, (HPos::Center, VPos::Top))?;
