@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Gradation, Intermittent, StudyView, constants};
+use super::{Intermittent, StudyView, constants};
 use crate::{
     grains::GrainShape,
     motion::{MotionFacts, TableMotion},
@@ -86,24 +86,16 @@ pub fn study(runs: &[RunRecord]) -> StudyView<'_> {
         grain_count: constants::GRAIN_COUNT,
         total_mass_g: constants::TOTAL_MASS_G,
         solids_volume_cm3: constants::TOTAL_MASS_G / constants::SOLID_DENSITY_KG_PER_M3 * 1e3,
-        gradation: Gradation {
+        gradation: GradationSummary {
             d10_mm: 8.56,
             d30_mm: 9.79,
             d50_mm: 10.76,
             d60_mm: 11.23,
-            cu: 1.31,
-            cc: 1.0,
+            coefficient_of_uniformity: 1.31,
+            coefficient_of_curvature: 1.0,
             uscs: "GP".into(),
         },
-        generated: Some(Gradation {
-            d10_mm: 8.12,
-            d30_mm: 9.61,
-            d50_mm: 10.65,
-            d60_mm: 11.18,
-            cu: 1.38,
-            cc: 1.02,
-            uscs: "GP".into(),
-        }),
+        generated: Some(sieve_summary().generated),
         shapes: vec![
             GrainShape {
                 roundness: 0.0,

@@ -23,5 +23,5 @@ pub use claim::{Claim, ClaimKind, NotValid, Verdict};
 pub use claims::claims;
 pub use scorecard::{ResultCounts, ScoreRow, Scorecard, scorecard};
 pub use uncertainty::{Uncertainty, uncertainty};
-pub(crate) use view::settlement_curve;
-pub use view::{Gradation, Intermittent, StudyView};
+pub use view::{Intermittent, StudyView};
+pub(crate) use view::{gradation_in_words, settlement_curve};

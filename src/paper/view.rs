@@ -1,9 +1,8 @@
 //! A study as claims and report see it: plain data.
 
 use super::text::number;
-use crate::grains::{self, GrainShape};
-use crate::record::{RunKind, RunRecord};
-use crate::units::to_mm;
+use crate::grains::GrainShape;
+use crate::record::{GradationSummary, RunKind, RunRecord, SeriesRow};
 
 /// What a study found, and what it set out to do.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,9 +26,9 @@ pub struct StudyView<'a> {
     /// Their solid volume in cm³.
     pub solids_volume_cm3: f64,
     /// What soil mechanics reads off the grain size distribution they were made from.
-    pub gradation: Gradation,
+    pub gradation: GradationSummary,
     /// The same of the generated grains, sieved virtually; `None` where that was not done.
-    pub generated: Option<Gradation>,
+    pub generated: Option<GradationSummary>,
     /// Shapes of the generated grains; empty where they were not measured.
     pub shapes: Vec<GrainShape>,
     /// How the intermittent vibration was run.
@@ -40,53 +39,18 @@ pub struct StudyView<'a> {
     pub quick: bool,
 }
 
-/// Characteristic sizes in mm and the class of a grain size distribution.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Gradation {
-    /// Size that 10 % of the mass is finer than, in mm.
-    pub d10_mm: f64,
-    /// Size that 30 % of the mass is finer than, in mm.
-    pub d30_mm: f64,
-    /// Size that 50 % of the mass is finer than, in mm.
-    pub d50_mm: f64,
-    /// Size that 60 % of the mass is finer than, in mm.
-    pub d60_mm: f64,
-    /// Coefficient of uniformity D60 / D10.
-    pub cu: f64,
-    /// Coefficient of curvature D30² / (D10 · D60).
-    pub cc: f64,
-    /// Group symbol of the Unified Soil Classification System, such as `GP`.
-    pub uscs: String,
-}
-
-impl From<grains::Gradation> for Gradation {
-    fn from(g: grains::Gradation) -> Self {
-        Self {
-            d10_mm: to_mm(g.d10),
-            d30_mm: to_mm(g.d30),
-            d50_mm: to_mm(g.d50),
-            d60_mm: to_mm(g.d60),
-            cu: g.uniformity,
-            cc: g.curvature,
-            uscs: g.class(),
-        }
-    }
-}
-
-impl Gradation {
-    /// Class, sizes and coefficients in a line.
-    pub fn in_words(&self) -> String {
-        format!(
-            "{}, D10 {} mm, D30 {} mm, D50 {} mm, D60 {} mm, Cu {}, Cc {}",
-            self.uscs,
-            number(self.d10_mm, 2),
-            number(self.d30_mm, 2),
-            number(self.d50_mm, 2),
-            number(self.d60_mm, 2),
-            number(self.cu, 2),
-            number(self.cc, 2),
-        )
-    }
+/// Class, sizes and coefficients of a grain size distribution in a line.
+pub(crate) fn gradation_in_words(of: &GradationSummary) -> String {
+    format!(
+        "{}, D10 {} mm, D30 {} mm, D50 {} mm, D60 {} mm, Cu {}, Cc {}",
+        of.uscs,
+        number(of.d10_mm, 2),
+        number(of.d30_mm, 2),
+        number(of.d50_mm, 2),
+        number(of.d60_mm, 2),
+        number(of.coefficient_of_uniformity, 2),
+        number(of.coefficient_of_curvature, 2),
+    )
 }
 
 /// How the intermittent vibration was run.
@@ -176,11 +140,9 @@ fn is_pluviation(run: &RunRecord, configuration: u32, falling_height_mm: f64) ->
 /// began: (s, mm), of the rows that have it, through all later stages.
 pub(crate) fn settlement_curve(
     run: &RunRecord,
-    settlement_mm: impl Fn(&crate::record::SeriesRow) -> Option<f64>,
+    settlement_mm: impl Fn(&SeriesRow) -> Option<f64>,
 ) -> Vec<(f64, f64)> {
-    let vibrating = |r: &&crate::record::SeriesRow| {
-        r.settlement_mm.is_some() || r.surface_settlement_mm.is_some()
-    };
+    let vibrating = |r: &&SeriesRow| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some();
     let Some(start) = run.series.iter().find(vibrating).map(|r| r.time_s) else {
         return Vec::new();
     };
@@ -195,7 +157,7 @@ pub(crate) fn settlement_curve(
 /// The same up to the end of the last period: while the table shakes, and rests between periods.
 pub(crate) fn shaken_curve(
     run: &RunRecord,
-    settlement_mm: impl Fn(&crate::record::SeriesRow) -> Option<f64>,
+    settlement_mm: impl Fn(&SeriesRow) -> Option<f64>,
 ) -> Vec<(f64, f64)> {
     /// Times in s that differ by less are the same.
     const ROUNDING: f64 = 1e-6;

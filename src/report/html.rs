@@ -80,45 +80,45 @@ pub(super) fn glue(text: &str) -> String {
     })
 }
 
-fn picture_block(picture: &Picture) -> Markup {
+/// A drawing with its title, its caption and links to its files in `figures/`.
+fn block(
+    stem: &str,
+    title: &str,
+    caption: &str,
+    drawing: &Markup,
+    files: &[(&str, &str)],
+) -> Markup {
     html! {
-        figure id=(picture.stem) {
-            h3 { bdi { (plain(&picture.title)) } }
-            div.sheet { img src=(picture.as_data()) alt=(plain(&picture.title)); }
+        figure id=(stem) {
+            h3 { bdi { (plain(title)) } }
+            (drawing)
             figcaption {
-                (glue(&picture.caption)) " "
-                span.soft.files { a href={ "figures/" (picture.stem) ".png" } { "PNG" } }
+                (glue(caption)) " "
+                span.soft.files {
+                    @for (n, (extension, name)) in files.iter().enumerate() {
+                        @if n > 0 { " · " }
+                        a href={ "figures/" (stem) "." (extension) } { (name) }
+                    }
+                }
             }
         }
     }
 }
 
+fn picture_block(picture: &Picture) -> Markup {
+    let Picture { stem, title, caption, .. } = picture;
+    let drawing = html! {
+        div.sheet { img src=(picture.as_data()) alt=(plain(title)); }
+    };
+    block(stem, title, caption, &drawing, &[("png", "PNG")])
+}
+
 /// A figure with its title and caption.
 pub(super) fn figure_block(figure: &Figure) -> Markup {
-    html! {
-        figure id=(figure.stem) {
-            h3 { bdi { (plain(&figure.title)) } }
-            (sheet(figure))
-            figcaption { (glue(&figure.caption)) " " (files(figure)) }
-        }
-    }
-}
-
-/// The drawing of a figure.
-pub(super) fn sheet(figure: &Figure) -> Markup {
-    html! {
-        div.sheet role="img" aria-label=(plain(&figure.title)) { (PreEscaped(figure.svg.as_str())) }
-    }
-}
-
-/// Links to the files of a figure.
-pub(super) fn files(figure: &Figure) -> Markup {
-    let file = |extension: &str| format!("figures/{}.{extension}", figure.stem);
-    html! {
-        span.soft.files {
-            a href=(file("svg")) { "SVG" } " · "
-            a href=(file("png")) { "PNG" } " · "
-            a href=(file("csv")) { "numbers (CSV)" }
-        }
-    }
+    let Figure { stem, title, caption, svg, .. } = figure;
+    let drawing = html! {
+        div.sheet role="img" aria-label=(plain(title)) { (PreEscaped(svg.as_str())) }
+    };
+    let files = [("svg", "SVG"), ("png", "PNG"), ("csv", "numbers (CSV)")];
+    block(stem, title, caption, &drawing, &files)
 }

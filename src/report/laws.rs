@@ -3,12 +3,11 @@
 
 use std::path::Path;
 
-use maud::{Markup, html};
+use maud::html;
 
 use super::{
     Figure, ReportError,
     axis::Axis,
-    html::{files, glue, sheet},
     page::{Block, Page},
     plot::{Look, Plot},
     style,
@@ -80,16 +79,11 @@ pub struct LawCurve {
 /// # Errors
 /// [`ReportError`] naming the file or the figure.
 pub fn write_laws(out: &Path, cases: &[LawCase]) -> Result<(), ReportError> {
-    let mut drawn = Vec::new();
-    for case in cases {
-        let figure = figure(case)?;
-        figure.write(&out.join("figures"))?;
-        drawn.push(figure);
-    }
-    page(cases, &drawn).write(out, &["report.html"])
+    let figures = cases.iter().map(figure).collect::<Result<Vec<_>, _>>()?;
+    page(cases, figures).write(out, &["report.html"])
 }
 
-fn page(cases: &[LawCase], figures: &[Figure]) -> Page {
+fn page(cases: &[LawCase], figures: Vec<Figure>) -> Page {
     let rows = || cases.iter().flat_map(|c| &c.rows);
     let met = rows().filter(|r| r.met).count();
     let unexpected: Vec<&LawCase> =
@@ -116,7 +110,7 @@ fn page(cases: &[LawCase], figures: &[Figure]) -> Page {
             }
         }));
     }
-    let each = cases.iter().zip(figures).map(|(case, figure)| Block::Html(one(case, figure)));
+    let each = cases.iter().zip(figures).flat_map(|(case, figure)| one(case, figure));
     Page::new("Exact laws and what engines make of them", head)
         .section("table", "All cases", [Block::Table(table(cases))])
         .section("cases", "Case by case", each)
@@ -154,26 +148,23 @@ fn table(cases: &[LawCase]) -> Table {
     })
 }
 
-fn one(case: &LawCase, figure: &Figure) -> Markup {
-    html! {
-        figure id=(case.id) {
-            h3 { (case.title) }
-            p { "Law: " (glue(&case.law)) ". Measured: " (glue(&case.quantity)) "." }
-            p.soft { (glue(&case.source)) }
-            (sheet(figure))
-            figcaption {
-                @for row in &case.rows {
-                    p {
-                        (badge(row)) " " strong { (row.setting) } " (" (row.engine) "): got "
-                        @match row.got { Some(got) => (value(got)), None => "nothing" }
-                        " " (row.unit) ", expected " (value(row.expected)) " ± " (value(row.tolerance))
-                        @for remark in &row.remarks { ". " (glue(remark)) }
-                    }
-                }
-                (files(figure))
-            }
-        }
-    }
+/// A case with what every engine made of it.
+fn one(case: &LawCase, figure: Figure) -> [Block; 4] {
+    let found = table!(&case.rows, |row| {
+        "Setting" => &row.setting,
+        "Engine" => &row.engine,
+        "Got" => Cell::number(row.got.map_or_else(dash, value)),
+        "Expected" => Cell::number(format!("{} ± {}", value(row.expected), value(row.tolerance))),
+        "Unit" => &row.unit,
+        "Verdict" => badge(row),
+        "Remarks" => row.remarks.join(". "),
+    });
+    [
+        Block::Figure(figure),
+        Block::Text(format!("Law: {}.", case.law)),
+        Block::Soft(case.source.clone()),
+        Block::Table(found),
+    ]
 }
 
 /// Points of a curve that are drawn and tabulated.
@@ -216,7 +207,8 @@ fn figure(case: &LawCase) -> Result<Figure, ReportError> {
             table.row(row![setting, &curve.name, x, y]);
         }
     }
-    Figure::new(&case.id, &case.title, &case.quantity, &[plot], &table)
+    let measured = format!("Measured: {}.", case.quantity);
+    Figure::new(&case.id, &case.title, measured, &[plot], &table)
 }
 
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {

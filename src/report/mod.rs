@@ -38,17 +38,17 @@ mod tests;
 use std::{collections::BTreeMap, path::Path};
 
 use crate::{
-    grains::{GrainShape, ParticleSizeDistribution, SieveAnalysis},
+    grains::{self, GrainShape, ParticleSizeDistribution, SieveAnalysis},
     measure,
-    paper::{Claim, Gradation, Scorecard, StudyView},
-    record::{AngleOfRepose, FileError, RunRecord},
+    paper::{Claim, Scorecard, StudyView, gradation_in_words},
+    record::{AngleOfRepose, FileError, GradationSummary, RunRecord},
     specimen::Specimen,
     units::to_mm,
     world::EffectiveSettings,
 };
 
 pub use axis::Axis;
-pub use beside::{Column, Finding};
+pub use beside::Column;
 pub use calibration::{
     Calibration, CalibrationEnding, CalibrationRun, CalibrationSolution, CalibrationValue,
     FrictionIdentity, found as calibration_rows, target_in_words, unknown_in_words, with_unit,
@@ -153,10 +153,10 @@ pub fn grain_figures(
 ) -> Result<(), ReportError> {
     let generated: Vec<(f64, f64)> = sieved.points().iter().map(|p| (to_mm(p.0), p.1)).collect();
     let curve = specified.map_or_else(Vec::new, ParticleSizeDistribution::passing_curve);
-    let mut words = format!("Generated: {}.", Gradation::from(sieved.gradation()).in_words());
+    let in_words = |of: grains::Gradation| gradation_in_words(&GradationSummary::from(of));
+    let mut words = format!("Generated: {}.", in_words(sieved.gradation()));
     if let Some(specified) = specified {
-        let specified = Gradation::from(specified.gradation());
-        words = format!("Specified: {}. {words}", specified.in_words());
+        words = format!("Specified: {}. {words}", in_words(specified.gradation()));
     }
     figures::of_grains(&curve, &generated, &words)?.write(folder)?;
     figures::of_shapes(shapes)?.write(folder)

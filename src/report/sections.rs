@@ -145,7 +145,8 @@ fn claim_row(claim: &Claim, beside: &[Column]) -> Vec<Cell> {
         Cell::default().on_page(&verdict_badge(claim.verdict, &claim.reason)),
     ];
     cells.extend(beside.iter().map(|column| {
-        let Some(found) = column.claims.get(&claim.id) else { return Cell::number(dash()) };
+        let same = column.claims.iter().find(|other| other.id == claim.id);
+        let Some(found) = same else { return Cell::number(dash()) };
         let (class, name) = verdict(found.verdict);
         let is_judged = matches!(found.verdict, Verdict::Within | Verdict::Outside);
         number_on_page(&html! {

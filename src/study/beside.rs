@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value;
 
 use super::StudyError;
@@ -91,11 +92,28 @@ pub(super) fn programme_hash(scenarios: &[&Scenario], configurations: u32) -> St
     hash_json(&(without, configurations))
 }
 
-/// Keeps a column, and gives those of the same programme by other engines, by
-/// label; damaged ones are reported and left out.
+/// Keeps something in a folder, and gives what others left there of the same programme; what is
+/// damaged is reported and left out.
 ///
 /// # Errors
 /// When the folder cannot be read or written.
+pub(super) fn keep<T: Serialize + DeserializeOwned>(
+    folder: &Path,
+    name: &str,
+    own: &T,
+    programme: impl Fn(&T) -> &str,
+    progress: &dyn Progress,
+) -> Result<Vec<T>, StudyError> {
+    let Beside { mut others, damaged } = keep_beside(folder, name, own)?;
+    damaged.iter().for_each(|said| progress.message(said));
+    others.retain(|other| programme(other) == programme(own));
+    Ok(others)
+}
+
+/// Keeps a column, and gives those of the same programme by other engines, by label.
+///
+/// # Errors
+/// As [`keep`].
 pub(super) fn keep_and_read(
     out: &Path,
     suffix: &str,
@@ -103,9 +121,8 @@ pub(super) fn keep_and_read(
     progress: &dyn Progress,
 ) -> Result<Vec<Column>, StudyError> {
     let name = format!("claims{suffix}.json");
-    let Beside { others: mut columns, damaged } = keep_beside(&out.join(FOLDER), &name, column)?;
-    damaged.iter().for_each(|said| progress.message(said));
-    columns.retain(|other| other.programme == column.programme && other.label != column.label);
+    let mut columns = keep(&out.join(FOLDER), &name, column, |c| &c.programme, progress)?;
+    columns.retain(|other| other.label != column.label);
     columns.sort_by(|a, b| a.label.cmp(&b.label));
     Ok(columns)
 }
@@ -115,7 +132,13 @@ mod tests {
     use super::*;
 
     fn column(label: &str, programme: &str) -> Column {
-        Column::new(label, programme, &[])
+        Column {
+            label: label.to_owned(),
+            programme: programme.to_owned(),
+            claims: Vec::new(),
+            stock_bullet: false,
+            settlement: None,
+        }
     }
 
     #[test]

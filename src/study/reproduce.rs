@@ -249,12 +249,13 @@ fn finish(
     write_json(&options.run.out.join("claims.json"), &claims)?;
     write_json(&options.run.out.join("scorecard.json"), &scorecard)?;
     write_json(&options.run.out.join("uncertainty.json"), &paper::uncertainty(&study))?;
-    let column =
-        Column::new(&scenarios.label, &scenarios.programme_hash(options.configurations)?, &claims)
-            .with_settlement(
-                MeanSettlement::of(&study),
-                beside::is_stock_bullet(scenarios.engine()),
-            );
+    let column = Column {
+        label: scenarios.label.clone(),
+        programme: scenarios.programme_hash(options.configurations)?,
+        claims: claims.clone(),
+        stock_bullet: beside::is_stock_bullet(scenarios.engine()),
+        settlement: MeanSettlement::of(&study),
+    };
     let beside = beside::keep_and_read(
         &options.run.out,
         &scenarios.suffix,

@@ -12,7 +12,7 @@ use super::{
     told::tell_warnings,
 };
 use crate::paper;
-use crate::record::{Beside, RunRecord, StageStore, create_folder, keep_beside};
+use crate::record::{RunRecord, StageStore, create_folder};
 use crate::report::{
     InterpretationColumn, InterpretationFailure, InterpretationRun, write_interpretations,
 };
@@ -125,16 +125,15 @@ fn carry_out_interpretation(
 }
 
 /// Keeps a column, and gives it with the others of the same programme, in the
-/// order of the interpretations; damaged ones are reported and left out.
+/// order of the interpretations.
 fn keep_and_read(
     options: &InterpretationsOptions,
     column: InterpretationColumn,
 ) -> Result<Vec<InterpretationColumn>, StudyError> {
     let name = format!("{}.json", column.name);
     let folder = options.run.out.join(FOLDER);
-    let Beside { others: mut columns, damaged } = keep_beside(&folder, &name, &column)?;
-    damaged.iter().for_each(|said| options.run.progress.message(said));
-    columns.retain(|other| other.programme == column.programme);
+    let progress = options.run.progress.as_ref();
+    let mut columns = beside::keep(&folder, &name, &column, |c| &c.programme, progress)?;
     columns.push(column);
     let place = |c: &InterpretationColumn| Interpretation::names().position(|n| n == c.name);
     columns.sort_by_key(|c| (place(c).unwrap_or(usize::MAX), c.name.clone()));

@@ -1,6 +1,9 @@
 //! Claims on the grains: sections 2 and 3, Figure 1.
 
-use crate::paper::{Band, Claim, StudyView, bands, claim::Draft, constants, text::number};
+use crate::paper::{
+    Band, Claim, StudyView, Verdict, bands, claim::Draft, constants, gradation_in_words,
+    text::number,
+};
 use crate::record::{RunRecord, UNCHANGED};
 
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
@@ -80,20 +83,17 @@ fn poorly_graded(study: &StudyView) -> Claim {
         "The gravels are poorly graded (USCS: GP).",
     )
     .paper(band)
-    .ours(Some(g.cu).filter(|_| !study.sieve.is_empty()), "Cu")
-    .note(format!("As specified: {}.", g.in_words()))
+    .ours(Some(g.coefficient_of_uniformity).filter(|_| !study.sieve.is_empty()), "Cu")
+    .note(format!("As specified: {}.", gradation_in_words(g)))
     .note(study.generated.as_ref().map_or_else(String::new, |made| {
-        format!("The generated grains, sieved virtually: {}.", made.in_words())
+        format!("The generated grains, sieved virtually: {}.", gradation_in_words(made))
     }))
     .input()
     .judge();
     if claim.ours.is_some() {
         let made = study.generated.as_ref().unwrap_or(g);
-        claim.verdict = if g.uscs == "GP" && made.uscs == "GP" {
-            crate::paper::Verdict::Within
-        } else {
-            crate::paper::Verdict::Outside
-        };
+        let is_poor = g.uscs == "GP" && made.uscs == "GP";
+        claim.verdict = if is_poor { Verdict::Within } else { Verdict::Outside };
     }
     claim
 }

@@ -2,7 +2,7 @@
 
 use super::Figure;
 use crate::{
-    paper::StudyView,
+    paper::{StudyView, gradation_in_words},
     report::{
         ReportError,
         axis::{Axis, Scale},
@@ -49,14 +49,14 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
         format!(
             " The grains generated from it, each through the virtual sieve (the smallest square \
              opening that it passes in any orientation): {}.",
-            made.in_words()
+            gradation_in_words(made)
         )
     });
     let caption = format!(
         "Grain size distribution of the simulated gravel, as specified: {}.{made} The paper's \
          curve was not available to us (only its text was); the specified one is ours, chosen so that the numbers of the text (1456 \
          grains of 2343 g, 55 to 65 in 100 g, poorly graded) come out.",
-        study.gradation.in_words(),
+        gradation_in_words(&study.gradation),
     );
     Figure::new(
         "figure-01-grain-size-distribution",

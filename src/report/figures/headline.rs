@@ -139,8 +139,12 @@ mod tests {
             assert!(alone.svg.contains(shown), "law: `{shown}` in the legend");
         }
         assert!(!alone.svg.contains("Stock Bullet") && alone.caption.contains("was not run"));
-        let column = |stock| {
-            Column::new("stock", "p", &[]).with_settlement(MeanSettlement::of(&study), stock)
+        let column = |stock_bullet| Column {
+            label: "stock".to_owned(),
+            programme: "p".to_owned(),
+            claims: Vec::new(),
+            stock_bullet,
+            settlement: MeanSettlement::of(&study),
         };
         let with = figure(&study, &[column(true)]).expect("a figure");
         assert!(with.svg.contains("Stock Bullet, mean of 3 runs"), "law: it was run");

@@ -15,7 +15,7 @@ use super::{
     presets::DesignFile,
     summarise,
     told::tell_warnings,
-    variations::{Kept, Varied, conclude_so_far, keep_and_read, write_variations},
+    variations::{conclude_so_far, keep_and_read, write_variations},
 };
 use crate::record::RunRow;
 use crate::report::{self, Convergence, Standard};
@@ -68,18 +68,18 @@ impl ConvergenceStudy {
         tell_warnings(varied.scenarios(), options.progress.as_ref());
         let programme = varied.programme(self.configurations);
         conclude_so_far(varied, self.configurations, options, |rows| {
-            let Kept { rows: all, left_out } = keep_and_read(&options.out, &programme, rows)?;
+            let (all, left_out) = keep_and_read(&options.out, &programme, rows)?;
             left_out.iter().for_each(|said| options.progress.message(said));
             write_variations(&options.out, &all)?;
-            let convergence = self.judged(varied, &all);
+            let convergence = self.judged(&all);
             report::write_convergence(&options.out, &convergence)?;
             Ok(convergence)
         })
     }
 
-    fn judged(&self, varied: &Varied, runs: &[RunRow]) -> Convergence {
+    fn judged(&self, runs: &[RunRow]) -> Convergence {
         let standard = standard();
-        let design::Designed { limits, reference, ladders, .. } = &self.design;
+        let design::Designed { limits, reference, ladders, varied, .. } = &self.design;
         let rows = judge::judge(runs, ladders, reference, *limits, &standard);
         let cheapest = judge::cheapest(&rows, &standard);
         Convergence {

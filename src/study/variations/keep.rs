@@ -19,17 +19,9 @@ struct Rows {
     rows: Vec<RunRow>,
 }
 
-/// Rows of all builds.
-#[derive(Debug, Clone, PartialEq)]
-pub(in crate::study) struct Kept {
-    /// Those of double precision first.
-    pub rows: Vec<RunRow>,
-    /// What is said of files that are left out: with rows of another programme, or damaged.
-    pub left_out: Vec<String>,
-}
-
 /// Keeps the rows of this build, and gives them with those that other builds
-/// left of the same programme.
+/// left of the same programme, double precision first; and what is said of files that are left
+/// out: with rows of another programme, or damaged.
 ///
 /// # Errors
 /// When the folder cannot be read or written.
@@ -37,25 +29,25 @@ pub(in crate::study) fn keep_and_read(
     out: &Path,
     programme: &str,
     rows: &[RunRow],
-) -> Result<Kept, StudyError> {
+) -> Result<(Vec<RunRow>, Vec<String>), StudyError> {
     let precision = rows.first().map_or("none", |r| r.precision.as_str());
     let own = Rows { programme: programme.to_owned(), rows: rows.to_vec() };
     let name = format!("{precision}.json");
-    let Beside { others, damaged } = keep_beside(&out.join(FOLDER), &name, &own)?;
-    let mut kept = Kept { rows: rows.to_vec(), left_out: damaged };
+    let Beside { others, damaged: mut left_out } = keep_beside(&out.join(FOLDER), &name, &own)?;
+    let mut all = rows.to_vec();
     for other in others {
         if other.programme == programme {
-            kept.rows.extend(other.rows);
+            all.extend(other.rows);
         } else {
             let precision = other.rows.first().map_or("none", |r| r.precision.as_str());
-            kept.left_out.push(format!(
+            left_out.push(format!(
                 "{FOLDER}/{precision}.json is of another design or version and left out"
             ));
         }
     }
     // A stable sort: within a precision the order stays.
-    kept.rows.sort_by(|a, b| a.precision.cmp(&b.precision));
-    Ok(kept)
+    all.sort_by(|a, b| a.precision.cmp(&b.precision));
+    Ok((all, left_out))
 }
 
 #[cfg(test)]
@@ -79,35 +71,27 @@ mod tests {
             keep_and_read(folder.path(), programme, rows).expect("kept")
         };
         let [a, b] = [row("a", "single"), row("a", "double")];
-        assert_eq!(keep("p", std::slice::from_ref(&a)).rows, std::slice::from_ref(&a));
+        assert_eq!(keep("p", std::slice::from_ref(&a)).0, std::slice::from_ref(&a));
         let both = keep("p", std::slice::from_ref(&b));
-        assert_eq!(both.rows, [b.clone(), a.clone()], "law: double first, then single");
+        assert_eq!(both.0, [b.clone(), a.clone()], "law: double first, then single");
         let again = keep("p", std::slice::from_ref(&b));
         assert_eq!(again, both, "law: a build's rows replace its own");
         let other = keep("q", std::slice::from_ref(&b));
         assert_eq!(
-            other.rows,
+            other.0,
             std::slice::from_ref(&b),
             "law: another programme does not stand beside"
         );
-        assert_eq!(other.left_out.len(), 1, "and that is reported: {:?}", other.left_out);
+        assert_eq!(other.1.len(), 1, "and that is reported: {:?}", other.1);
         let single = folder.path().join("rows/single.json");
         let whole = std::fs::read_to_string(&single).expect("a file");
         let edited = whole.replace("\"variation\": \"a\"", "\"variation\": \"b\"");
         assert_ne!(edited, whole, "the row is changed");
         std::fs::write(&single, edited).expect("written");
         let got = keep("p", std::slice::from_ref(&b));
-        assert_eq!(got.rows, other.rows, "law: an edited row enters no table");
-        assert!(
-            got.left_out[0].contains("single.json"),
-            "law: it is reported, got {:?}",
-            got.left_out
-        );
-        assert_eq!(
-            keep("p", std::slice::from_ref(&a)).rows.len(),
-            2,
-            "law: its build makes it anew"
-        );
-        assert_eq!(keep("p", &[b]).left_out, [""; 0], "law: then nothing is left out");
+        assert_eq!(got.0, other.0, "law: an edited row enters no table");
+        assert!(got.1[0].contains("single.json"), "law: it is reported, got {:?}", got.1);
+        assert_eq!(keep("p", std::slice::from_ref(&a)).0.len(), 2, "law: its build makes it anew");
+        assert_eq!(keep("p", &[b]).1, [""; 0], "law: then nothing is left out");
     }
 }

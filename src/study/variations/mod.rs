@@ -9,7 +9,7 @@ mod keep;
 #[cfg(test)]
 mod tests;
 
-pub(super) use keep::{Kept, keep_and_read};
+pub(super) use keep::keep_and_read;
 
 use std::{ops::Range, path::Path, sync::Arc};
 
