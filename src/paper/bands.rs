@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::constants;
-
 /// A closed interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
@@ -17,6 +15,11 @@ impl Interval {
     /// From its ends.
     pub const fn new(low: f64, high: f64) -> Self {
         Self { low, high }
+    }
+
+    /// To either side of a value.
+    pub fn around(middle: f64, half: f64) -> Self {
+        Self::new(middle - half, middle + half)
     }
 
     /// Whether a value lies in it, ends included; NaN lies in none.
@@ -45,55 +48,51 @@ pub enum PaperValue {
     },
 }
 
-/// A number of the paper with the interval in which it counts as met.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Band {
-    /// As printed.
-    pub paper: PaperValue,
-    /// What counts as agreement.
-    pub read_as: Interval,
-    /// Why that interval, for the reader; empty where the paper gives it.
-    pub interpretation: String,
+/// A number of the paper as `claims.json` has it, which says how it is read.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stated {
+    /// A range that the paper prints.
+    Range(f64, f64),
+    /// A value that the paper prints with a number of decimals: everything that rounds to it
+    /// agrees.
+    Printed(f64, i32),
+    /// A count, which is met exactly or not at all.
+    Count(usize),
+    /// "About" a value, with a half width, which is ours, and its unit. Of "about 80 %" and
+    /// "around 85 %" it is 5: the numbers are rounded to 5, so that the next ones would have been
+    /// printed had they been nearer than this.
+    About(f64, f64, String),
 }
 
-impl Band {
-    /// A range that the paper prints.
-    pub fn range(low: f64, high: f64) -> Self {
-        let interval = Interval::new(low, high);
-        Self {
-            paper: PaperValue::Range(interval),
-            read_as: interval,
-            interpretation: String::new(),
+impl Stated {
+    /// As printed.
+    pub fn paper(&self) -> PaperValue {
+        match *self {
+            Self::Range(low, high) => PaperValue::Range(Interval::new(low, high)),
+            Self::Printed(value, _) | Self::About(value, ..) => PaperValue::Value { value },
+            Self::Count(count) => PaperValue::Value { value: count as f64 },
         }
     }
 
-    /// A value that the paper prints with the given number of decimals:
-    /// everything that rounds to it agrees.
-    pub fn printed(value: f64, decimals: i32) -> Self {
-        let half = 0.5 * 10f64.powi(-decimals);
-        Self {
-            paper: PaperValue::Value { value },
-            read_as: Interval::new(value - half, value + half),
-            interpretation: format!("Read as what rounds to the number printed: ±{half}."),
+    /// What counts as agreement.
+    pub fn read_as(&self) -> Interval {
+        match *self {
+            Self::Range(low, high) => Interval::new(low, high),
+            Self::Printed(value, decimals) => Interval::around(value, half_digit(decimals)),
+            Self::Count(count) => Interval::around(count as f64, 0.0),
+            Self::About(value, half_width, _) => Interval::around(value, half_width),
         }
     }
 
-    /// A count, which is met exactly or not at all.
-    pub fn count(value: usize) -> Self {
-        let value = value as f64;
-        Self {
-            paper: PaperValue::Value { value },
-            read_as: Interval::new(value, value),
-            interpretation: String::new(),
-        }
-    }
-
-    /// "About" a value; the half width is ours.
-    pub fn about(value: f64, half_width: f64, unit: &str) -> Self {
-        Self {
-            paper: PaperValue::Value { value },
-            read_as: Interval::new(value - half_width, value + half_width),
-            interpretation: format!(
+    /// Why that interval, for the reader; empty where the paper gives it.
+    pub fn interpretation(&self) -> String {
+        match self {
+            Self::Range(..) | Self::Count(_) => String::new(),
+            Self::Printed(_, decimals) => {
+                format!("Read as what rounds to the number printed: ±{}.", half_digit(*decimals))
+            }
+            Self::About(value, half_width, unit) => format!(
                 "The paper gives about {value}; read as ±{half_width} {unit}. The width is ours, the \
                  paper gives none."
             ),
@@ -101,48 +100,14 @@ impl Band {
     }
 }
 
-/// Half width in percentage points given to "about 80 %" and "around 85 %".
-/// Ours: the numbers are rounded to 5, so that the next ones would have been
-/// printed had they been nearer than this.
-pub const ABOUT_PERCENT_POINTS: f64 = 5.0;
+/// Half of the last digit of a number with so many decimals.
+fn half_digit(decimals: i32) -> f64 {
+    0.5 * 10f64.powi(-decimals)
+}
 
 /// Final settlement of the top plate after 20 s of continuous vibration, in mm
 /// (section 4 and Figure 9, hatched: range of the laboratory tests).
-pub fn final_settlement_mm() -> Band {
-    Band::range(14.0, 19.61)
-}
-
-/// Share of the settlement after the first 5 s of continuous vibration, in
-/// percent (section 4: "in all the three cases, about 80%").
-pub fn share_after_5_s_percent() -> Band {
-    Band::about(80.0, ABOUT_PERCENT_POINTS, "percentage points")
-}
-
-/// Share of the settlement in the first period of intermittent vibration, in
-/// percent (section 4: "Around 85%").
-pub fn share_in_first_period_percent() -> Band {
-    Band::about(85.0, ABOUT_PERCENT_POINTS, "percentage points")
-}
-
-/// Number of grains in 100 g (section 3: "55 to 65 gravel stones").
-pub fn grains_in_100_g() -> Band {
-    Band::range(55.0, 65.0)
-}
-
-/// Total mass in g.
-pub fn total_mass_g() -> Band {
-    Band::printed(constants::TOTAL_MASS_G, 0)
-}
-
-/// Density of the solids in kg/m³.
-pub fn solid_density_kg_per_m3() -> Band {
-    Band::printed(constants::SOLID_DENSITY_KG_PER_M3, 1)
-}
-
-/// Time between two interpretations of the plate in s.
-pub fn monitoring_interval_s() -> Band {
-    Band::printed(constants::MONITORING_INTERVAL_S, 2)
-}
+pub const FINAL_SETTLEMENT_MM: Interval = Interval::new(14.0, 19.61);
 
 #[cfg(test)]
 mod tests {
@@ -150,7 +115,7 @@ mod tests {
 
     #[test]
     fn an_interval_holds_its_ends_and_nothing_beyond() {
-        let band = final_settlement_mm().read_as;
+        let band = FINAL_SETTLEMENT_MM;
         for (value, expected) in [
             (14.0, true),
             (19.61, true),
@@ -170,7 +135,7 @@ mod tests {
 
     #[test]
     fn a_printed_value_is_met_by_what_rounds_to_it() {
-        let density = solid_density_kg_per_m3().read_as;
+        let density = Stated::Printed(2673.9, 1).read_as();
         for (value, expected) in
             [(2673.86, true), (2673.94, true), (2673.8, false), (2674.0, false)]
         {
@@ -180,12 +145,12 @@ mod tests {
 
     #[test]
     fn about_is_five_points_either_way_and_says_so() {
-        let band = share_after_5_s_percent();
-        assert_eq!(band.read_as, Interval::new(75.0, 85.0), "80 ± 5 percentage points");
+        let band = Stated::About(80.0, 5.0, "percentage points".to_owned());
+        assert_eq!(band.read_as(), Interval::new(75.0, 85.0), "80 ± 5 percentage points");
         assert!(
-            band.interpretation.contains("ours"),
+            band.interpretation().contains("ours"),
             "the interpretation owns its width: {}",
-            band.interpretation
+            band.interpretation()
         );
     }
 
@@ -198,8 +163,8 @@ mod tests {
 
     #[test]
     fn paper_values_look_as_scripts_expect() {
-        let json = |b: Band| serde_json::to_string(&b.paper).expect("serialises");
-        assert_eq!(json(final_settlement_mm()), r#"{"low":14.0,"high":19.61}"#);
-        assert_eq!(json(Band::count(3)), r#"{"value":3.0}"#);
+        let json = |of: Stated| serde_json::to_string(&of.paper()).expect("serialises");
+        assert_eq!(json(Stated::Range(14.0, 19.61)), r#"{"low":14.0,"high":19.61}"#);
+        assert_eq!(json(Stated::Count(3)), r#"{"value":3.0}"#);
     }
 }

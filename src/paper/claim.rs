@@ -1,8 +1,10 @@
 //! A statement of the paper beside what a study found.
 
+use std::sync::LazyLock;
+
 use serde::{Deserialize, Serialize};
 
-use super::bands::{Band, Interval, PaperValue};
+use super::bands::{Interval, PaperValue, Stated};
 use crate::record::RunRecord;
 
 /// What a statement is: only results test the simulation.
@@ -92,6 +94,33 @@ const NOT_RUN: &str = "Not run.";
 /// Said where runs are there, but do not tell.
 const NOT_MEASURED: &str = "Not measured.";
 
+/// A statement as `claims.json` has it.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Statement {
+    id: String,
+    source: String,
+    /// What the paper says, with the configuration in the place of `{configuration}`.
+    statement: String,
+    /// Its number; none where the text has none, or the study decides.
+    paper: Option<Stated>,
+    /// Unit of ours.
+    unit: String,
+    /// Whether it is no result, but goes in, or follows from what does.
+    #[serde(default)]
+    input: bool,
+    #[serde(default)]
+    full_size: bool,
+    #[serde(default)]
+    note: String,
+}
+
+fn statements() -> &'static [Statement] {
+    static ALL: LazyLock<Vec<Statement>> =
+        LazyLock::new(|| serde_json::from_str(include_str!("claims.json")).unwrap_or_default());
+    &ALL
+}
+
 /// A claim in the making; [`Draft::judge`] gives the verdict.
 pub(super) struct Draft {
     claim: Claim,
@@ -100,18 +129,20 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    pub(super) fn new(id: impl Into<String>, source: &str, statement: impl Into<String>) -> Self {
+    /// Of a statement of `claims.json`.
+    pub(super) fn of(id: &str) -> Self {
+        let of = statements().iter().find(|s| s.id == id).cloned().unwrap_or_default();
         let claim = Claim {
-            id: id.into(),
-            source: source.to_owned(),
-            statement: statement.into(),
+            id: of.id,
+            source: of.source,
+            statement: of.statement,
             paper: None,
             ours: None,
-            unit: String::new(),
-            kind: ClaimKind::NoNumber,
+            unit: of.unit,
+            kind: if of.input { ClaimKind::Input } else { ClaimKind::NoNumber },
             verdict: Verdict::NotStated,
             reason: String::new(),
-            full_size: false,
+            full_size: of.full_size,
             runs: Vec::new(),
             read_as: None,
             spread: None,
@@ -119,35 +150,36 @@ impl Draft {
             left_out: Vec::new(),
             not_valid: None,
         };
-        Self { claim, missing: 0 }
+        let draft = Self { claim, missing: 0 };
+        let draft = match &of.paper {
+            Some(stated) => draft.paper(stated),
+            None => draft,
+        };
+        draft.note(of.note)
+    }
+
+    /// Of a statement on each configuration.
+    pub(super) fn of_configuration(id: &str, configuration: u32) -> Self {
+        let mut draft = Self::of(id);
+        let claim = &mut draft.claim;
+        claim.id = format!("{id}-{configuration}");
+        claim.statement = claim.statement.replace("{configuration}", &configuration.to_string());
+        draft
     }
 
     /// What the paper states; without it the verdict is "not stated".
-    pub(super) fn paper(mut self, band: Band) -> Self {
-        self.claim.paper = Some(band.paper);
-        self.claim.read_as = Some(band.read_as);
+    pub(super) fn paper(mut self, stated: &Stated) -> Self {
+        self.claim.paper = Some(stated.paper());
+        self.claim.read_as = Some(stated.read_as());
         if self.claim.kind == ClaimKind::NoNumber {
             self.claim.kind = ClaimKind::Result;
         }
-        self.note(&band.interpretation)
+        self.note(stated.interpretation())
     }
 
-    /// It is no result: what goes in, or follows from it.
-    pub(super) fn input(mut self) -> Self {
-        self.claim.kind = ClaimKind::Input;
-        self
-    }
-
-    /// Only the paper's own specimen and programme can show it.
-    pub(super) fn full_size(mut self) -> Self {
-        self.claim.full_size = true;
-        self
-    }
-
-    /// What the runs show, and its unit; what is no number counts as missing.
-    pub(super) fn ours(mut self, value: Option<f64>, unit: &str) -> Self {
+    /// What the runs show; what is no number counts as missing.
+    pub(super) fn ours(mut self, value: Option<f64>) -> Self {
         self.claim.ours = value.filter(|v| v.is_finite());
-        self.claim.unit = unit.to_owned();
         self
     }
 
@@ -255,10 +287,15 @@ impl Claim {
 mod tests {
     use super::*;
 
-    fn judged(band: Option<Band>, ours: Option<f64>) -> Claim {
-        let draft = Draft::new("id", "section 4", "statement").ours(ours, "mm");
+    /// A statement that has no number of its own.
+    fn draft() -> Draft {
+        Draft::of("plate-fluctuates")
+    }
+
+    fn judged(band: Option<Stated>, ours: Option<f64>) -> Claim {
+        let draft = draft().ours(ours);
         match band {
-            Some(band) => draft.paper(band),
+            Some(band) => draft.paper(&band),
             None => draft,
         }
         .judge()
@@ -267,7 +304,7 @@ mod tests {
 
     #[test]
     fn verdicts_follow_the_rule() {
-        let band = || Some(Band::range(14.0, 19.61));
+        let band = || Some(Stated::Range(14.0, 19.61));
         for (band, ours, expected) in [
             (band(), Some(16.0), Verdict::Within),
             (band(), Some(13.9), Verdict::Outside),
@@ -284,9 +321,9 @@ mod tests {
 
     #[test]
     fn what_was_not_run_says_so() {
-        let claim = judged(Some(Band::range(1.0, 2.0)), None);
+        let claim = judged(Some(Stated::Range(1.0, 2.0)), None);
         assert!(claim.note.ends_with(NOT_RUN), "expected \"{NOT_RUN}\" in {:?}", claim.note);
-        let claim = judged(Some(Band::range(1.0, 2.0)), Some(1.5));
+        let claim = judged(Some(Stated::Range(1.0, 2.0)), Some(1.5));
         assert!(!claim.note.contains(NOT_RUN), "it was run: {:?}", claim.note);
     }
 
@@ -300,8 +337,8 @@ mod tests {
             (1.0, 1, Verdict::Outside),
             (2.0, 0, Verdict::Outside),
         ] {
-            let draft = Draft::new("id", "section 4", "statement").ours(Some(ours), "runs");
-            let claim = draft.paper(Band::count(3)).missing(missing).judge();
+            let draft = draft().ours(Some(ours)).paper(&Stated::Count(3));
+            let claim = draft.missing(missing).judge();
             assert_eq!(claim.verdict, expected, "law: {ours} of 3, {missing} not run: {claim:?}");
             assert_eq!(claim.reason.is_empty(), expected != Verdict::NotRun, "law: {claim:?}");
         }
@@ -310,11 +347,21 @@ mod tests {
     #[test]
     fn a_kind_follows_from_the_number_unless_it_is_an_input() {
         let kind = |draft: Draft| draft.judge().kind;
-        let draft = || Draft::new("id", "section 4", "statement");
+        let input = Draft::of("no-crushing").paper(&Stated::Count(3));
         assert_eq!(kind(draft()), ClaimKind::NoNumber, "law: without a number");
-        assert_eq!(kind(draft().paper(Band::count(3))), ClaimKind::Result, "law: with one");
-        assert_eq!(kind(draft().input().paper(Band::count(3))), ClaimKind::Input, "law: said");
-        assert_eq!(kind(draft().paper(Band::count(3)).input()), ClaimKind::Input, "law: said");
+        assert_eq!(kind(draft().paper(&Stated::Count(3))), ClaimKind::Result, "law: with one");
+        assert_eq!(kind(input), ClaimKind::Input, "law: said");
+    }
+
+    #[test]
+    fn statements_can_be_read_and_their_names_are_unique() {
+        let mut ids: Vec<&str> = statements().iter().map(|s| s.id.as_str()).collect();
+        assert_eq!(ids.len(), 25, "law: every statement of `claims.json` is read");
+        ids.sort_unstable();
+        ids.dedup();
+        assert_eq!(ids.len(), 25, "law: each once");
+        let settlement = Draft::of("continuous-final-settlement").judge().read_as;
+        assert_eq!(settlement, Some(crate::paper::bands::FINAL_SETTLEMENT_MM), "law: one number");
     }
 
     #[test]

@@ -6,25 +6,12 @@ pub const SOLID_DENSITY_KG_PER_M3: f64 = 2673.9;
 pub const TOTAL_MASS_G: f64 = 2343.0;
 /// Number of polyhedra simulated (section 3).
 pub const GRAIN_COUNT: usize = 1456;
-/// Inner diameter of the cylinder in mm (section 2: 11.5 cm).
-pub const CYLINDER_DIAMETER_MM: f64 = 115.0;
-/// Height of the cylinder in mm (section 2: 20 cm).
-pub const CYLINDER_HEIGHT_MM: f64 = 200.0;
 /// Falling heights of the pluviation tests in mm (section 2: 0, 5, 10 and 20 cm).
 pub const FALLING_HEIGHTS_MM: [f64; 4] = [0.0, 50.0, 100.0, 200.0];
 /// Falling height of the specimens that were vibrated, in mm (section 2: 5 cm).
 pub const VIBRATED_FALLING_HEIGHT_MM: f64 = 50.0;
-/// Diameter of the top plate in mm (section 2: 11.3 cm).
-pub const PLATE_DIAMETER_MM: f64 = 113.0;
-/// Thickness of the top plate in mm (section 2: 1 cm).
-pub const PLATE_THICKNESS_MM: f64 = 10.0;
-/// Mass of the top plate in g (section 2).
-pub const PLATE_MASS_G: f64 = 104.0;
 /// Frequency of the vibration in Hz (section 2: 3 cps).
 pub const FREQUENCY_HZ: f64 = 3.0;
-/// Amplitude of the vibration in mm (section 2: 2.5 cm). Whether it is half or
-/// the full stroke is not said.
-pub const AMPLITUDE_MM: f64 = 25.0;
 /// Length of the continuous vibration in s (section 2).
 pub const CONTINUOUS_S: f64 = 20.0;
 /// Length of one period of the intermittent vibration in s (section 2).
@@ -37,17 +24,12 @@ pub const FRICTION_RATIO: f64 = 0.793;
 pub const RESTITUTION: f64 = 0.315;
 /// Angle of repose in degrees, from slow pluviation on a rough surface (section 2).
 pub const ANGLE_OF_REPOSE_DEG: f64 = 38.40;
-/// Number of initial configurations simulated (section 3).
-pub const CONFIGURATIONS: u32 = 3;
 /// Number of pluviation tests in the laboratory (section 2).
 pub const LABORATORY_PLUVIATION_TESTS: u32 = 49;
 /// Number of vibration tests in the laboratory (section 2).
 pub const LABORATORY_VIBRATION_TESTS: u32 = 33;
 /// Time between two readings of the plate's position in the simulations, in s (section 4).
 pub const MONITORING_INTERVAL_S: f64 = 0.08;
-/// By how much one intermittent case stayed below the laboratory's minimum, in
-/// percent of that minimum (section 4).
-pub const ONE_CASE_BELOW_MINIMUM_PERCENT: f64 = 11.0;
 
 #[cfg(test)]
 mod tests {

@@ -18,7 +18,7 @@ pub(crate) mod text;
 pub mod uncertainty;
 mod view;
 
-pub use bands::{Band, Interval, PaperValue};
+pub use bands::{Interval, PaperValue, Stated};
 pub use claim::{Claim, ClaimKind, NotValid, Verdict};
 pub use claims::claims;
 pub use scorecard::{ResultCounts, ScoreRow, Scorecard, scorecard};

@@ -13,6 +13,11 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
     if zero { text.replace('-', "") } else { text.replace('-', "\u{2212}") }
 }
 
+/// "It falls by a, b." where there is something.
+pub(crate) fn listed(what: &str, items: &[String]) -> String {
+    if items.is_empty() { String::new() } else { format!("{what} {}.", items.join(", ")) }
+}
+
 /// A number with four digits that count, five from 1000 on, without trailing zeros.
 pub(crate) fn compact(value: f64) -> String {
     if !value.is_finite() {

@@ -1,8 +1,7 @@
 //! Claims on the grains: sections 2 and 3, Figure 1.
 
 use crate::paper::{
-    Band, Claim, StudyView, Verdict, bands, claim::Draft, constants, gradation_in_words,
-    text::number,
+    Claim, StudyView, Verdict, claim::Draft, constants, gradation_in_words, text::number,
 };
 use crate::record::{RunRecord, UNCHANGED};
 
@@ -26,70 +25,32 @@ fn of_grains(study: &StudyView, value: f64) -> Option<f64> {
 }
 
 fn grain_count(study: &StudyView) -> Claim {
-    Draft::new(
-        "grain-count",
-        "Section 3",
-        "1456 polyhedra come out of the sieve data for the total mass of the laboratory tests.",
-    )
-    .paper(Band::count(constants::GRAIN_COUNT))
-    .ours(of_grains(study, study.grain_count as f64), "grains")
-    .note(
-        "The paper's sieve table stood in Figure 1, which was not available to us (only its text \
-         was); ours was chosen among those that give this number, so that this shows consistency \
-         and is no test.",
-    )
-    .input()
-    .full_size()
-    .judge()
+    Draft::of("grain-count").ours(of_grains(study, study.grain_count as f64)).judge()
 }
 
 fn total_mass(study: &StudyView) -> Claim {
-    Draft::new("total-mass", "Section 2", "The gravel has a total mass of 2343 g.")
-        .paper(bands::total_mass_g())
-        .ours(of_grains(study, study.total_mass_g), "g")
-        .input()
-        .full_size()
-        .judge()
+    Draft::of("total-mass").ours(of_grains(study, study.total_mass_g)).judge()
 }
 
 fn grains_in_100_g(study: &StudyView) -> Claim {
-    Draft::new("grains-in-100-g", "Section 3", "A sample of 100 g contains 55 to 65 gravel stones.")
-        .paper(bands::grains_in_100_g())
-        .ours(of_grains(study, study.grain_count as f64 / study.total_mass_g * 100.0), "grains")
-        .input()
-        .judge()
+    let count = study.grain_count as f64 / study.total_mass_g * 100.0;
+    Draft::of("grains-in-100-g").ours(of_grains(study, count)).judge()
 }
 
 fn density(study: &StudyView) -> Claim {
     let kg_per_m3 = study.total_mass_g / study.solids_volume_cm3 * 1e3;
-    Draft::new("solid-density", "Section 2", "The density of the gravels is 2673.9 kg/m³.")
-        .paper(bands::solid_density_kg_per_m3())
-        .ours(of_grains(study, kg_per_m3), "kg/m³")
-        .note("Ours is the mass of the generated polyhedra over their volume.")
-        .input()
-        .judge()
+    Draft::of("solid-density").ours(of_grains(study, kg_per_m3)).judge()
 }
 
 fn poorly_graded(study: &StudyView) -> Claim {
     let g = &study.gradation;
-    let mut band = Band::range(1.0, WELL_GRADED_FROM_CU);
-    band.interpretation = format!(
-        "\"USCS: GP\" is read as a coefficient of uniformity below {WELL_GRADED_FROM_CU} (ASTM \
-         D2487); the class itself decides."
-    );
-    let mut claim = Draft::new(
-        "poorly-graded-gravel",
-        "Section 2, Figure 1",
-        "The gravels are poorly graded (USCS: GP).",
-    )
-    .paper(band)
-    .ours(Some(g.coefficient_of_uniformity).filter(|_| !study.sieve.is_empty()), "Cu")
-    .note(format!("As specified: {}.", gradation_in_words(g)))
-    .note(study.generated.as_ref().map_or_else(String::new, |made| {
-        format!("The generated grains, sieved virtually: {}.", gradation_in_words(made))
-    }))
-    .input()
-    .judge();
+    let mut claim = Draft::of("poorly-graded-gravel")
+        .ours(Some(g.coefficient_of_uniformity).filter(|_| !study.sieve.is_empty()))
+        .note(format!("As specified: {}.", gradation_in_words(g)))
+        .note(study.generated.as_ref().map_or_else(String::new, |made| {
+            format!("The generated grains, sieved virtually: {}.", gradation_in_words(made))
+        }))
+        .judge();
     if claim.ours.is_some() {
         let made = study.generated.as_ref().unwrap_or(g);
         let is_poor = g.uscs == "GP" && made.uscs == "GP";
@@ -98,26 +59,17 @@ fn poorly_graded(study: &StudyView) -> Claim {
     claim
 }
 
-/// Coefficient of uniformity from which gravel can be well graded (ASTM D2487, table 1).
-const WELL_GRADED_FROM_CU: f64 = 4.0;
-
 fn friction_is_repose() -> Claim {
     let tangent = constants::ANGLE_OF_REPOSE_DEG.to_radians().tan();
     let angle = constants::FRICTION_RATIO.atan().to_degrees();
-    Draft::new(
-        "friction-is-tangent-of-repose",
-        "Sections 2 and 3",
-        "The friction ratio 0.793 follows from the angle of repose of 38.40°.",
-    )
-    .paper(Band::printed(constants::FRICTION_RATIO, 3))
-    .ours(Some(tangent), "–")
-    .note(format!(
-        "Arithmetic, no run: tan 38.40° = {}, atan 0.793 = {}°.",
-        number(tangent, 4),
-        number(angle, 2)
-    ))
-    .input()
-    .judge()
+    Draft::of("friction-is-tangent-of-repose")
+        .ours(Some(tangent))
+        .note(format!(
+            "Arithmetic, no run: tan 38.40° = {}, atan 0.793 = {}°.",
+            number(tangent, 4),
+            number(angle, 2)
+        ))
+        .judge()
 }
 
 fn no_crushing(study: &StudyView) -> Claim {
@@ -133,13 +85,8 @@ fn no_crushing(study: &StudyView) -> Claim {
     let largest = each.as_ref().and_then(|each| each.iter().max());
     let change = study.runs.iter().filter_map(|r| Some(secondary(r)?.largest_change_percent));
     let change = change.fold(0.0_f64, |most, c| if most.is_nan() || c <= most { most } else { c });
-    Draft::new(
-        "no-crushing",
-        "Section 4",
-        "A secondary sieve analysis proved that no crushing occurred.",
-    )
-    .paper(Band::count(0))
-    .ours(largest.map(|n| *n as f64), "grains changed or lost")
+    Draft::of("no-crushing")
+    .ours(largest.map(|n| *n as f64))
     .spread(each.iter().flatten().map(|n| *n as f64))
     .runs(study.runs)
     .note(format!(
@@ -151,6 +98,5 @@ fn no_crushing(study: &StudyView) -> Claim {
          kept every one as it was made.",
         UNCHANGED
     ))
-    .input()
     .judge()
 }

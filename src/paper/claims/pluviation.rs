@@ -1,18 +1,12 @@
 //! Claims on pluviation: section 4, Figure 7.
 
-use crate::measure::statistics::least_squares_slope;
-use crate::paper::text::number;
+use crate::measure::statistics::{least_squares_slope, mean};
+use crate::paper::text::{listed, number};
 use crate::paper::{
-    Band, Claim, StudyView, bands::Interval, claim::Draft, claims::list,
-    constants::FALLING_HEIGHTS_MM, uncertainty::trend,
+    Claim, Interval, Stated, StudyView, claim::Draft, claims::list, constants::FALLING_HEIGHTS_MM,
+    uncertainty::trend,
 };
 use crate::record::{RunKind, RunRecord};
-
-const SOURCE: &str = "Section 4, Figure 7";
-
-/// How "height" is read, said once.
-const HEIGHT: &str = "Height is the mean of the surface over the cylinder's area; the paper does \
-                      not say how it was read.";
 
 /// Standing height of a run in mm: the mean surface.
 pub(super) fn height_mm(run: &RunRecord) -> f64 {
@@ -47,46 +41,37 @@ fn falls(study: &StudyView) -> Claim {
     let missing: Vec<u32> = expected.iter().copied().filter(|&c| ends(c).is_none()).collect();
     let drop = |a: &RunRecord, b: &RunRecord| height_mm(a) - height_mm(b);
     let falling = known.iter().filter(|(_, a, b)| drop(a, b) > 0.0).count();
-    let mut draft = Draft::new(
-        "standing-height-falls",
-        SOURCE,
-        "As the falling height increases, the standing height decreases: lower at 20 cm than at \
-         0 in every configuration.",
-    )
-    .paper(Band::count(expected.len()))
-    .ours((!known.is_empty()).then_some(falling as f64), "configurations")
-    .runs(known.iter().flat_map(|(_, a, b)| [*a, *b]))
-    .note("The paper has three configurations; the number expected is that of this study.");
     let drops: Vec<String> = known
         .iter()
         .map(|(c, a, b)| format!("{} mm (configuration {c})", number(drop(a, b), 1)))
         .collect();
-    if !drops.is_empty() {
-        draft = draft.note(format!("From 0 to 20 cm it falls by {}.", drops.join(", ")));
-    }
-    if !missing.is_empty() && !known.is_empty() {
-        draft = draft.note(format!("Not run: {}.", list(&missing)));
-    }
-    draft.missing(missing.len()).full_size().note(HEIGHT).judge()
+    let not_run = match (missing.is_empty(), known.is_empty()) {
+        (false, false) => format!("Not run: {}.", list(&missing)),
+        _ => String::new(),
+    };
+    Draft::of("standing-height-falls")
+        .paper(&Stated::Count(expected.len()))
+        .ours((!known.is_empty()).then_some(falling as f64))
+        .runs(known.iter().flat_map(|(_, a, b)| [*a, *b]))
+        .note(listed("From 0 to 20 cm it falls by", &drops))
+        .note(not_run)
+        .missing(missing.len())
+        .judge()
 }
 
 fn monotone(study: &StudyView) -> Claim {
     let curves: Vec<Vec<(f64, f64)>> =
         study.configurations().map(|c| curve(study, c)).filter(|c| c.len() >= 2).collect();
     let count = curves.iter().filter(|c| c.windows(2).all(|w| w[1].1 < w[0].1)).count();
-    Draft::new(
-        "standing-height-monotone",
-        SOURCE,
-        "The standing height decreases from each falling height to the next (0, 5, 10, 20 cm).",
-    )
-    .ours((!curves.is_empty()).then_some(count as f64), "configurations")
-    .runs(study.of_kind(RunKind::Pluviation))
-    .note(format!(
-        "Of {}. The text states the trend, not that every step follows it; one step is of the \
+    Draft::of("standing-height-monotone")
+        .ours((!curves.is_empty()).then_some(count as f64))
+        .runs(study.of_kind(RunKind::Pluviation))
+        .note(format!(
+            "Of {}. The text states the trend, not that every step follows it; one step is of the \
          size of the scatter.",
-        curves.len()
-    ))
-    .judge()
+            curves.len()
+        ))
+        .judge()
 }
 
 fn slope(study: &StudyView) -> Claim {
@@ -96,42 +81,22 @@ fn slope(study: &StudyView) -> Claim {
         .filter_map(|c| least_squares_slope(&curve(study, c)))
         .map(|s| s * MM_IN_CM)
         .collect();
-    let mean = (!slopes.is_empty()).then(|| slopes.iter().sum::<f64>() / slopes.len() as f64);
-    Draft::new(
-        "standing-height-slope",
-        SOURCE,
-        "As the falling height increases, the standing height decreases.",
-    )
-    .ours(mean, "mm per cm of falling height")
-    .spread(slopes)
-    .runs(study.of_kind(RunKind::Pluviation))
-    .note(
-        "Least squares line of each configuration, then their mean. The text gives the sign of \
-         the slope only: negative.",
-    )
-    .note(trend(study).verdict)
-    .judge()
+    Draft::of("standing-height-slope")
+        .ours(mean(&slopes))
+        .spread(slopes)
+        .runs(study.of_kind(RunKind::Pluviation))
+        .note(trend(study).verdict)
+        .judge()
 }
 
 fn within_laboratory(study: &StudyView) -> Claim {
     let heights: Vec<f64> =
         study.of_kind(RunKind::Pluviation).map(height_mm).filter(|h| h.is_finite()).collect();
-    let mean = (!heights.is_empty()).then(|| heights.iter().sum::<f64>() / heights.len() as f64);
-    Draft::new(
-        "standing-height-in-laboratory-range",
-        SOURCE,
-        "The simulated standing heights of all three configurations are within the range of the \
-         laboratory results.",
-    )
-    .ours(mean, "mm")
-    .spread(heights)
-    .runs(study.of_kind(RunKind::Pluviation))
-    .note(
-        "The laboratory's range stood in Figure 7 alone, which was not available to us (only the \
-         paper's text was); ours is the mean and range.",
-    )
-    .note(HEIGHT)
-    .judge()
+    Draft::of("standing-height-in-laboratory-range")
+        .ours(mean(&heights))
+        .spread(heights)
+        .runs(study.of_kind(RunKind::Pluviation))
+        .judge()
 }
 
 fn reproducible(study: &StudyView) -> Claim {
@@ -152,18 +117,10 @@ fn reproducible(study: &StudyView) -> Claim {
         .iter()
         .map(|(fh, r)| format!("{} mm at {} cm", number(*r, 1), number(fh / 10.0, 0)))
         .collect();
-    let mut draft = Draft::new(
-        "standing-height-reproducible",
-        SOURCE,
-        "The results of the simulations are reproducible with regard to the configurations of \
-         the gravel.",
-    )
-    .ours(ranges.iter().map(|r| r.1).reduce(f64::max), "mm")
-    .spread(ranges.iter().map(|r| r.1))
-    .runs(study.of_kind(RunKind::Pluviation))
-    .note("Ours is the largest range of the standing height over the configurations.");
-    if !each.is_empty() {
-        draft = draft.note(format!("By falling height: {}.", each.join(", ")));
-    }
-    draft.judge()
+    Draft::of("standing-height-reproducible")
+        .ours(ranges.iter().map(|r| r.1).reduce(f64::max))
+        .spread(ranges.iter().map(|r| r.1))
+        .runs(study.of_kind(RunKind::Pluviation))
+        .note(listed("By falling height:", &each))
+        .judge()
 }

@@ -37,7 +37,7 @@ fn judged(mut draft: Draft, runs: &[&RunRecord], stated: f64) -> Claim {
     let angles = angles(runs);
     let mean = crate::measure::statistics::mean(&angles);
     let test = MeanTest::of(&angles, CONFIDENCE);
-    draft = draft.ours(mean, "°").runs(runs.iter().copied()).spread(angles.iter().copied());
+    draft = draft.ours(mean).runs(runs.iter().copied()).spread(angles.iter().copied());
     draft = match &test {
         Some(t) => draft.note(format!(
             "Judged by our interval, the paper giving no scatter: mean of {} configurations {}°, 95 % \
@@ -52,13 +52,12 @@ fn judged(mut draft: Draft, runs: &[&RunRecord], stated: f64) -> Claim {
         ),
         None => draft,
     };
-    let mut claim = draft.full_size().judge();
+    let mut claim = draft.judge();
     claim.paper = Some(PaperValue::Value { value: stated });
     claim.kind = ClaimKind::Result;
     match &test {
         Some(t) => {
-            let interval = Interval::new(t.mean - t.half_width, t.mean + t.half_width);
-            let holds = interval.contains(stated);
+            let holds = Interval::around(t.mean, t.half_width).contains(stated);
             claim.verdict = if holds { Verdict::Within } else { Verdict::Outside };
         }
         None if mean.is_some() => claim.not_comparable(ONE_PILE),
@@ -72,32 +71,17 @@ fn laboratory(runs: &[&RunRecord]) -> Claim {
     let piles: Vec<&AngleOfRepose> =
         runs.iter().filter_map(|r| r.summary.angle_of_repose.as_ref()).collect();
     let volumes = Interval::of(piles.iter().map(|p| p.by_volume_degrees));
-    let mut draft = Draft::new(
-        "angle-of-repose",
-        "Section 2, Figure 2",
-        "Slow pluviation on a rough surface gives an angle of repose of 38.40°.",
-    )
-    .note("Measured in the laboratory; the paper simulates no pile.");
-    if let Some(v) = volumes {
-        draft = draft.note(format!(
-            "By volume and height ours are {}° to {}°.",
-            number(v.low, 1),
-            number(v.high, 1)
-        ));
-    }
+    let by_volume = volumes.map_or_else(String::new, |v| {
+        format!("By volume and height ours are {}° to {}°.", number(v.low, 1), number(v.high, 1))
+    });
+    let draft = Draft::of("angle-of-repose").note(by_volume);
     judged(draft, runs, constants::ANGLE_OF_REPOSE_DEG)
 }
 
 fn atan_friction(study: &StudyView, runs: &[&RunRecord]) -> Claim {
     let friction = study.pile_friction;
     let atan = friction.atan().to_degrees();
-    let draft = Draft::new(
-        "repose-is-atan-friction",
-        "Section 3",
-        "The angle of repose of slowly pluviated material is its angle of friction, so that the \
-         friction ratio of the grains' surfaces is its tangent.",
-    )
-    .note(format!(
+    let draft = Draft::of("repose-is-atan-friction").note(format!(
         "Ours is the pile of grains whose surfaces have a friction ratio of {}, atan {}°. The law \
          cited is of the friction of the whole material, which interlocking and rolling make other \
          than that of two surfaces.",

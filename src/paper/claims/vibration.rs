@@ -1,19 +1,17 @@
 //! Claims on vibration: section 4, Figures 8, 9 and 10.
 
-use crate::paper::text::number;
+use crate::measure::statistics::mean;
+use crate::paper::text::{listed, number};
 use crate::paper::{
-    Band, Claim, StudyView,
-    bands::{self, Interval},
+    Claim, Interval, Stated, StudyView,
+    bands::FINAL_SETTLEMENT_MM,
     claim::Draft,
     claims::list,
-    constants::{FREQUENCY_HZ, MONITORING_INTERVAL_S, ONE_CASE_BELOW_MINIMUM_PERCENT},
+    constants::{FREQUENCY_HZ, MONITORING_INTERVAL_S},
     fluctuation::rms_about_running_mean,
     view::{shaken_curve, shaken_periods},
 };
 use crate::record::{RunKind, RunRecord, Settlement};
-
-const CONTINUOUS: &str = "Section 4, Figure 9";
-const INTERMITTENT: &str = "Section 4, Figure 10";
 
 /// Time in s after a period's start and before its end that counts as "right
 /// at the end and at the beginning". Ours: one and a half cycles.
@@ -68,38 +66,27 @@ fn every_run(study: &StudyView, draft: Draft, shows: impl Fn(&RunRecord) -> Opti
     let left_out =
         study.left_out.iter().filter(|r| r.kind.is_vibration() && shows(r).is_some()).count();
     let expected = (2 * study.configurations as usize).saturating_sub(left_out);
-    let mut draft = draft
-        .paper(Band::count(expected))
-        .ours((!told.is_empty()).then_some(yes as f64), "vibration runs")
-        .runs(told.iter().map(|t| t.0))
-        .note("Expected is one continuous and one intermittent run of each configuration.");
-    let missing = expected.saturating_sub(told.len());
-    if !told.is_empty() && missing > 0 {
-        draft = draft.missing(missing).note(format!("Not run: {missing}."));
-    }
+    let missing = if told.is_empty() { 0 } else { expected.saturating_sub(told.len()) };
+    let not_run = if missing > 0 { format!("Not run: {missing}.") } else { String::new() };
     draft
+        .paper(&Stated::Count(expected))
+        .ours((!told.is_empty()).then_some(yes as f64))
+        .runs(told.iter().map(|t| t.0))
+        .missing(missing)
+        .note(not_run)
 }
 
 fn denser(study: &StudyView) -> Claim {
     let before_after = |r: &RunRecord| Some((r.summary.poured_void_ratio?, r.summary.void_ratio?));
     let change = |r: &RunRecord| before_after(r).map(|(before, after)| after - before);
-    let draft = Draft::new(
-        "denser-after-vibration",
-        "Section 4, Figure 8",
-        "A denser configuration of gravels is achieved after vibration.",
-    );
+    let draft = Draft::of("denser-after-vibration");
     every_run(study, draft, |r| before_after(r).map(|(before, after)| after < before))
-        .note("Density is read from the void ratio.")
         .note(between("It changes by", 3, "", vibrated(study).filter_map(change)))
         .judge()
 }
 
 fn plate_down(study: &StudyView) -> Claim {
-    let draft = Draft::new(
-        "plate-moves-down",
-        "Section 4, Figure 8",
-        "Downward displacement of the top plate is quite evident.",
-    );
+    let draft = Draft::of("plate-moves-down");
     let finals = vibrated(study).filter_map(|r| plate(r).map(|s| s.final_mm));
     every_run(study, draft, |r| plate(r).map(|s| s.final_mm > 0.0))
         .note(between("It settles by", 1, " mm", finals))
@@ -112,67 +99,37 @@ fn placed_gently(study: &StudyView) -> Claim {
         Some(r.summary.poured_height_mm?.mean_surface - first.mean_surface_mm)
     };
     let drops: Vec<f64> = vibrated(study).filter_map(drop).filter(|d| d.is_finite()).collect();
-    Draft::new(
-        "plate-placed-without-settlement",
-        "Section 3",
-        "The top plate falls slowly on the gravels to avoid dynamic effects and extra settlement.",
-    )
-    .ours(drops.iter().copied().reduce(f64::max), "mm")
-    .spread(drops)
-    .runs(vibrated(study))
-    .note(
-        "Ours is the largest drop of the mean surface from the end of pouring to the beginning of \
-         vibration.",
-    )
-    .judge()
+    Draft::of("plate-placed-without-settlement")
+        .ours(drops.iter().copied().reduce(f64::max))
+        .spread(drops)
+        .runs(vibrated(study))
+        .judge()
 }
 
 fn final_settlement(study: &StudyView, configuration: u32) -> Claim {
     let run = study.vibration(RunKind::VibrationContinuous, configuration);
-    let mut draft = Draft::new(
-        format!("continuous-final-settlement-{configuration}"),
-        CONTINUOUS,
-        format!(
-            "After 20 s of continuous vibration the top plate has settled by 14 to 19.61 mm \
-             (configuration {configuration})."
-        ),
-    )
-    .paper(bands::final_settlement_mm())
-    .ours(run.and_then(plate).map(|s| s.final_mm), "mm")
-    .runs(run)
-    .full_size()
-    .note("The range is that of the laboratory tests. Ours is read at rest after the vibration.");
-    if let Some(moving) = run.and_then(plate).and_then(|s| s.end_of_shaking) {
-        draft = draft.note(format!("At the end of shaking it was {} mm.", number(moving, 1)));
-    }
-    if let Some(surface) = run.and_then(|r| r.summary.surface_settlement_mm.as_ref()) {
-        draft = draft.note(format!(
-            "The mean surface of the grains settled by {} mm.",
-            number(surface.final_mm, 1)
-        ));
-    }
-    if let Some(creep) = run.and_then(|r| r.summary.creep_um_per_s) {
-        draft = draft.note(format!("Creep of the rest test: {} µm/s.", number(creep, 1)));
-    }
-    draft.judge()
+    let summary = run.map(|r| &r.summary);
+    let note = |what: &str, value: Option<f64>, unit: &str| {
+        value.map_or_else(String::new, |v| format!("{what} {} {unit}.", number(v, 1)))
+    };
+    let plate_moving = run.and_then(plate).and_then(|s| s.end_of_shaking);
+    let surface = summary.and_then(|s| Some(s.surface_settlement_mm.as_ref()?.final_mm));
+    Draft::of_configuration("continuous-final-settlement", configuration)
+        .ours(run.and_then(plate).map(|s| s.final_mm))
+        .runs(run)
+        .note(note("At the end of shaking it was", plate_moving, "mm"))
+        .note(note("The mean surface of the grains settled by", surface, "mm"))
+        .note(note("Creep of the rest test:", summary.and_then(|s| s.creep_um_per_s), "µm/s"))
+        .judge()
 }
 
 fn share_after_5_s(study: &StudyView, configuration: u32) -> Claim {
     let run = study.vibration(RunKind::VibrationContinuous, configuration);
     let share = run.and_then(plate).and_then(|s| s.share_after_5_s).map(|s| 100.0 * s);
-    Draft::new(
-        format!("continuous-share-after-5-s-{configuration}"),
-        CONTINUOUS,
-        format!(
-            "About 80 % of the settlement occurs in the first five seconds of vibration \
-             (configuration {configuration})."
-        ),
-    )
-    .paper(bands::share_after_5_s_percent())
-    .ours(share, "% of the final settlement")
-    .runs(run)
-    .full_size()
-    .judge()
+    Draft::of_configuration("continuous-share-after-5-s", configuration)
+        .ours(share)
+        .runs(run)
+        .judge()
 }
 
 fn share_in_first_period(study: &StudyView, configuration: u32) -> Claim {
@@ -181,19 +138,10 @@ fn share_in_first_period(study: &StudyView, configuration: u32) -> Claim {
         let first = s.after_each_period.first()?;
         (s.final_mm != 0.0).then(|| 100.0 * first / s.final_mm)
     });
-    Draft::new(
-        format!("intermittent-share-in-first-period-{configuration}"),
-        INTERMITTENT,
-        format!(
-            "Around 85 % of the total settlement occurs in the first vibration period \
-             (configuration {configuration})."
-        ),
-    )
-    .paper(bands::share_in_first_period_percent())
-    .ours(share, "% of the final settlement")
-    .runs(run)
-    .full_size()
-    .judge()
+    Draft::of_configuration("intermittent-share-in-first-period", configuration)
+        .ours(share)
+        .runs(run)
+        .judge()
 }
 
 /// Fluctuation in mm of a run's plate while it is shaken.
@@ -206,21 +154,7 @@ fn run_fluctuation(run: &RunRecord) -> Option<f64> {
 
 fn fluctuation(study: &StudyView) -> Claim {
     let all: Vec<f64> = vibrated(study).filter_map(run_fluctuation).collect();
-    let mean = (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64);
-    Draft::new(
-        "plate-fluctuates",
-        CONTINUOUS,
-        "The position of the top plate fluctuates during vibration; the fluctuation differs with \
-         the interlock of the gravels.",
-    )
-    .ours(mean, "mm")
-    .spread(all)
-    .runs(vibrated(study))
-    .note(
-        "Root mean square deviation of the plate from its running mean over one cycle (1/3 s) \
-         while shaken; mean and spread over the runs.",
-    )
-    .judge()
+    Draft::of("plate-fluctuates").ours(mean(&all)).spread(all).runs(vibrated(study)).judge()
 }
 
 fn monitoring(study: &StudyView) -> Claim {
@@ -235,18 +169,11 @@ fn monitoring(study: &StudyView) -> Claim {
     let worst = intervals.iter().copied().max_by(|a, b| {
         (a - MONITORING_INTERVAL_S).abs().total_cmp(&(b - MONITORING_INTERVAL_S).abs())
     });
-    Draft::new(
-        "plate-monitored-every-0.08-s",
-        CONTINUOUS,
-        "In the simulations the position of the top plate was monitored every 0.08 seconds.",
-    )
-    .paper(bands::monitoring_interval_s())
-    .ours(worst, "s")
-    .spread(intervals)
-    .runs(vibrated(study))
-    .note("Mean interval between rows of the series, of the run furthest from 0.08 s.")
-    .input()
-    .judge()
+    Draft::of("plate-monitored-every-0.08-s")
+        .ours(worst)
+        .spread(intervals)
+        .runs(vibrated(study))
+        .judge()
 }
 
 fn finals<'a>(study: &'a StudyView) -> Vec<(&'a RunRecord, f64)> {
@@ -259,26 +186,16 @@ fn finals<'a>(study: &'a StudyView) -> Vec<(&'a RunRecord, f64)> {
 
 fn intermittent_range(study: &StudyView) -> Claim {
     let finals = finals(study);
-    let mean =
-        (!finals.is_empty()).then(|| finals.iter().map(|f| f.1).sum::<f64>() / finals.len() as f64);
-    Draft::new(
-        "intermittent-in-laboratory-range",
-        INTERMITTENT,
-        "The simulated settlement under intermittent vibration conforms well to the laboratory \
-         data, except for one case.",
-    )
-    .ours(mean, "mm")
-    .spread(finals.iter().map(|f| f.1))
-    .runs(finals.iter().map(|f| f.0))
-    .note(
-        "The laboratory's range stood in Figure 10 alone, which was not available to us (only the \
-         paper's text was); ours is the mean and range of the final settlement.",
-    )
-    .judge()
+    let values: Vec<f64> = finals.iter().map(|f| f.1).collect();
+    Draft::of("intermittent-in-laboratory-range")
+        .ours(mean(&values))
+        .spread(values)
+        .runs(finals.iter().map(|f| f.0))
+        .judge()
 }
 
 fn below_minimum(study: &StudyView) -> Claim {
-    let minimum = bands::final_settlement_mm().read_as.low;
+    let minimum = FINAL_SETTLEMENT_MM.low;
     let finals = finals(study);
     let below: Vec<&(&RunRecord, f64)> = finals.iter().filter(|f| f.1 < minimum).collect();
     let by: Vec<String> = below
@@ -288,24 +205,11 @@ fn below_minimum(study: &StudyView) -> Claim {
             format!("{} % (configuration {})", number(percent, 0), r.configuration)
         })
         .collect();
-    let mut draft = Draft::new(
-        "intermittent-case-below-minimum",
-        INTERMITTENT,
-        format!(
-            "In one simulated case the settlement is {ONE_CASE_BELOW_MINIMUM_PERCENT} % less than \
-             the minimum of the laboratory results."
-        ),
-    )
-    .ours((!finals.is_empty()).then_some(below.len() as f64), "cases below 14 mm")
-    .runs(finals.iter().map(|f| f.0))
-    .note(
-        "That minimum stood in Figure 10 alone, which was not available to us (only the paper's text \
-         was). For comparison only, ours counts the cases below the 14 mm of continuous vibration.",
-    );
-    if !by.is_empty() {
-        draft = draft.note(format!("They stay below it by {}.", by.join(", ")));
-    }
-    draft.judge()
+    Draft::of("intermittent-case-below-minimum")
+        .ours((!finals.is_empty()).then_some(below.len() as f64))
+        .runs(finals.iter().map(|f| f.0))
+        .note(listed("They stay below it by", &by))
+        .judge()
 }
 
 /// Fluctuation at the starts and ends of the periods over that in their middle.
@@ -335,14 +239,9 @@ fn edges(study: &StudyView) -> Claim {
         .count();
     let expected = (study.configurations as usize).saturating_sub(left_out);
     let more: Vec<u32> = ratios.iter().filter(|r| r.1 > 1.0).map(|r| r.0.configuration).collect();
-    let mut draft = Draft::new(
-        "intermittent-fluctuation-at-ends",
-        INTERMITTENT,
-        "Major fluctuations of the plate occur right at the end and at the beginning of each \
-         vibration period.",
-    )
-    .paper(Band::count(expected))
-    .ours((!ratios.is_empty()).then_some(more.len() as f64), "configurations")
+    let mut draft = Draft::of("intermittent-fluctuation-at-ends")
+    .paper(&Stated::Count(expected))
+    .ours((!ratios.is_empty()).then_some(more.len() as f64))
     .runs(study.of_kind(RunKind::VibrationIntermittent))
     .note(format!(
         "Counted are the runs whose fluctuation in the first and last {EDGE_S} s of the periods \
@@ -352,5 +251,5 @@ fn edges(study: &StudyView) -> Claim {
     if !more.is_empty() {
         draft = draft.note(format!("So in {}.", list(&more)));
     }
-    draft.missing(expected.saturating_sub(ratios.len())).full_size().judge()
+    draft.missing(expected.saturating_sub(ratios.len())).judge()
 }

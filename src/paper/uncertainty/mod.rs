@@ -193,7 +193,7 @@ impl Quantity {
             mean: mean(&values),
             range: Interval::of(values.iter().copied()),
             standard_deviation: test.map(|t| t.standard_deviation),
-            interval: test.map(|t| Interval::new(t.mean - t.half_width, t.mean + t.half_width)),
+            interval: test.map(|t| Interval::around(t.mean, t.half_width)),
             values,
             runs,
             left_out,
@@ -301,7 +301,7 @@ pub fn trend(study: &StudyView) -> Trend {
     let test = MeanTest::of(&slopes, CONFIDENCE);
     let slope = test.map(|t| SlopeTest {
         mean_mm_per_cm: t.mean,
-        interval: Interval::new(t.mean - t.half_width, t.mean + t.half_width),
+        interval: Interval::around(t.mean, t.half_width),
         t: Some(t.t).filter(|t| t.is_finite()),
         freedom: t.freedom,
         p: t.p,
@@ -422,7 +422,7 @@ fn laboratory(quantities: &[Quantity]) -> Vec<LaboratoryScatter> {
         },
         LaboratoryScatter {
             quantity: "final settlement of the plate, continuous".into(),
-            stated_range: Some(bands::final_settlement_mm().read_as),
+            stated_range: Some(bands::FINAL_SETTLEMENT_MM),
             ours: ours("continuous vibration, plate, final"),
             unit: "mm".into(),
             note: format!(
