@@ -34,7 +34,7 @@ impl RunKind {
 }
 
 /// One finished run.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// Name of its folder.
     pub name: String,

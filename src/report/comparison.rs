@@ -238,7 +238,6 @@ struct Shown {
     axis: &'static str,
     column: &'static str,
     is_log: bool,
-    needs_vibration: bool,
     value: fn(&SeriesRow) -> Option<f64>,
 }
 
@@ -251,7 +250,6 @@ const SHOWN: [Shown; 4] = [
         axis: "Mean grain height (mm)",
         column: "mean_grain_height_mm",
         is_log: false,
-        needs_vibration: false,
         value: |r| (r.grains_in_cylinder > 0).then_some(r.mean_grain_height_mm),
     },
     Shown {
@@ -261,7 +259,6 @@ const SHOWN: [Shown; 4] = [
         axis: "Kinetic energy (J)",
         column: "kinetic_energy_j",
         is_log: true,
-        needs_vibration: false,
         value: |r| Some(r.kinetic_energy_j),
     },
     Shown {
@@ -271,7 +268,6 @@ const SHOWN: [Shown; 4] = [
         axis: "Settlement of the surface (mm)",
         column: "surface_settlement_mm",
         is_log: false,
-        needs_vibration: true,
         value: |r| r.surface_settlement_mm,
     },
     Shown {
@@ -281,7 +277,6 @@ const SHOWN: [Shown; 4] = [
         axis: "Settlement of the plate (mm)",
         column: "settlement_mm",
         is_log: false,
-        needs_vibration: true,
         value: |r| r.settlement_mm,
     },
 ];
@@ -291,11 +286,11 @@ const SHOWN: [Shown; 4] = [
 /// # Errors
 /// [`ReportError::Figure`].
 fn figures(of: &CompareRecord) -> Result<Vec<Figure>, ReportError> {
-    let shown = SHOWN.iter().filter(|shown| of.vibrated || !shown.needs_vibration);
-    shown.map(|shown| overlaid(of, shown)).collect()
+    SHOWN.iter().filter_map(|shown| overlaid(of, shown).transpose()).collect()
 }
 
-fn overlaid(of: &CompareRecord, shown: &Shown) -> Result<Figure, ReportError> {
+/// What the runs show, where they do.
+fn overlaid(of: &CompareRecord, shown: &Shown) -> Result<Option<Figure>, ReportError> {
     let point = |r: &SeriesRow| Some((r.time_s, (shown.value)(r)?));
     let y = Axis::scaled(shown.is_log, shown.axis).from_zero();
     let mut plot = Plot::new(Axis::linear("Time (s)"), y);
@@ -309,5 +304,6 @@ fn overlaid(of: &CompareRecord, shown: &Shown) -> Result<Figure, ReportError> {
         let dash = if is_handed { style::DASHED } else { style::SOLID };
         plot.add(&run.name, Look::line(n).dash(dash), points);
     }
-    Figure::new(shown.stem, shown.title, shown.caption, &[plot], &table)
+    let figure = || Figure::new(shown.stem, shown.title, shown.caption, &[plot], &table);
+    (!table.is_empty()).then(figure).transpose()
 }

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::quality::never_mixed;
 use crate::{
     paper::{StudyView, constants::VIBRATED_FALLING_HEIGHT_MM, settlement_curve},
     record::{RunKind, RunRecord, SeriesRow},
@@ -35,26 +36,21 @@ pub struct MeanSettlement {
 impl MeanSettlement {
     /// Of a study; none where nothing was vibrated.
     pub fn of(study: &StudyView) -> Option<Self> {
-        let shaken = |r: &&RunRecord| {
+        let shaken = study.runs.iter().filter(|r| {
             matches!(r.kind, RunKind::VibrationContinuous | RunKind::VibrationPlacement)
-        };
+        });
         let poured = |r: &&RunRecord| {
             r.kind == RunKind::Pluviation
                 && (r.falling_height_mm - VIBRATED_FALLING_HEIGHT_MM).abs() < 0.5
         };
-        let every: Vec<&RunRecord> = study.runs.iter().filter(shaken).collect();
-        let counting: Vec<&RunRecord> =
-            every.iter().copied().filter(|r| r.counts_in_means()).collect();
-        let left_out = every.len() - counting.len();
-        let valid = !counting.is_empty();
-        let of = if valid { counting } else { every };
-        let curve = |r: &RunRecord| settlement_curve(r, |row| row.settlement_mm);
-        let curves = |of: &[&RunRecord]| -> Vec<Curve> {
-            of.iter().map(|r| curve(r)).filter(|c| !c.is_empty()).collect()
+        let (of, left_out) = never_mixed(shaken);
+        let valid = !left_out.all;
+        let curves = |wanted: fn(&RunRecord) -> bool| -> Vec<Curve> {
+            let of = of.iter().filter(|r| wanted(r));
+            let curves = of.map(|r| settlement_curve(r, |row| row.settlement_mm));
+            curves.filter(|c| !c.is_empty()).collect()
         };
-        let own: Vec<&RunRecord> =
-            of.iter().copied().filter(|r| r.kind == RunKind::VibrationContinuous).collect();
-        let (own, all) = (curves(&own), curves(&of));
+        let (own, all) = (curves(|r| r.kind == RunKind::VibrationContinuous), curves(|_| true));
         // Runs that were poured count as those that were shaken do.
         let poured = study.runs.iter().filter(poured);
         let rests: Vec<Curve> = poured
@@ -77,8 +73,8 @@ impl MeanSettlement {
             runs: own.len(),
             band_runs: all.len(),
             valid,
-            left_out,
-            unshaken: mean_where_all_are(&rests),
+            left_out: left_out.runs,
+            unshaken: mean_curve(&rests),
             unshaken_runs: rests.len(),
         })
     }
@@ -104,15 +100,18 @@ fn longest(curves: &[Curve]) -> Option<&Curve> {
 fn held(curve: &[(f64, f64)], time: f64) -> f64 {
     let after = curve.partition_point(|p| p.0 < time);
     match (after.checked_sub(1).map(|i| curve[i]), curve.get(after)) {
-        (Some(a), Some(b)) if b.0 > a.0 => a.1 + (b.1 - a.1) * (time - a.0) / (b.0 - a.0),
+        (Some(a), Some(b)) if b.0 > time && b.0 > a.0 => {
+            a.1 + (b.1 - a.1) * (time - a.0) / (b.0 - a.0)
+        }
         (_, Some(b)) => b.1,
         (Some(a), None) => a.1,
         (None, None) => f64::NAN,
     }
 }
 
-/// The mean as far as the shortest curve goes: a specimen that creeps does not rest at its end.
-fn mean_where_all_are(curves: &[Curve]) -> Curve {
+/// The mean at the times of the shortest curve, as far as it goes: a specimen that creeps does not
+/// rest at its end.
+pub(super) fn mean_curve(curves: &[Curve]) -> Curve {
     let end = |c: &Curve| c.last().map_or(0.0, |p| p.0);
     let Some(shortest) = curves.iter().min_by(|a, b| end(a).total_cmp(&end(b))) else {
         return Vec::new();
@@ -136,11 +135,7 @@ mod tests {
         }
         assert!(held(&[], 1.0).is_nan());
         let short = vec![(0.0, 0.0), (1.0, 4.0)];
-        assert_eq!(
-            mean_where_all_are(&[curve, short]),
-            [(0.0, 0.0), (1.0, 3.0)],
-            "law: as far as both go"
-        );
+        assert_eq!(mean_curve(&[curve, short]), [(0.0, 0.0), (1.0, 3.0)], "law: as far as both go");
     }
 
     /// Law: the mean and the band are of the runs that count; where none does they are of all, and

@@ -39,7 +39,6 @@ use std::{collections::BTreeMap, path::Path};
 
 use crate::{
     grains::{self, GrainShape, ParticleSizeDistribution, SieveAnalysis},
-    measure,
     paper::{Claim, Scorecard, StudyView, gradation_in_words},
     record::{AngleOfRepose, FileError, GradationSummary, RunRecord},
     specimen::Specimen,
@@ -62,10 +61,10 @@ pub use comparison::{CompareRecord, CompareRun, ComparedQuantity, write_comparis
 pub use convergence::{
     Cheapest, Convergence, ConvergenceRow, Deviation, Deviations, write_convergence,
 };
-pub use figures::Figure;
+pub use figures::{Figure, side_view as pile_picture};
 pub use interpretations::{
     InterpretationCell, InterpretationColumn, InterpretationFailure, InterpretationRow,
-    InterpretationRun, write_interpretations,
+    write_interpretations,
 };
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use mean_settlement::MeanSettlement;
@@ -181,19 +180,5 @@ pub fn pile_figures(
     specimen: &Specimen,
     pile: &AngleOfRepose,
 ) -> Result<(), ReportError> {
-    let figures = figures::of_pile(specimen, pile, base_level_mm(specimen))?;
-    figures.iter().try_for_each(|figure| figure.write(folder))
-}
-
-/// The side view of a pile with its fitted flanks, to be shown elsewhere.
-///
-/// # Errors
-/// [`ReportError::Figure`].
-pub fn pile_picture(specimen: &Specimen, pile: &AngleOfRepose) -> Result<Figure, ReportError> {
-    figures::side_view(specimen, pile, base_level_mm(specimen))
-}
-
-/// Mean height of the base above z = 0 in mm: that on which the angle was measured.
-fn base_level_mm(specimen: &Specimen) -> f64 {
-    measure::base_level(specimen).map_or(0.0, to_mm)
+    figures::of_pile(specimen, pile)?.iter().try_for_each(|figure| figure.write(folder))
 }

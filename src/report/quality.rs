@@ -42,6 +42,25 @@ impl CreepShare {
     }
 }
 
+/// What does not count of the runs behind a number.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct LeftOut {
+    /// How many runs do not count.
+    pub(super) runs: usize,
+    /// Whether none counts, so that the number is theirs.
+    pub(super) all: bool,
+}
+
+/// Of runs those that count in means; where none does, all of them, which are then to be
+/// marked: valid runs and others never stand in one mean.
+pub(super) fn never_mixed<'a>(
+    runs: impl Iterator<Item = &'a RunRecord>,
+) -> (Vec<&'a RunRecord>, LeftOut) {
+    let (counting, others): (Vec<_>, Vec<_>) = runs.partition(|r| r.counts_in_means());
+    let left_out = LeftOut { runs: others.len(), all: counting.is_empty() && !others.is_empty() };
+    (if left_out.all { others } else { counting }, left_out)
+}
+
 /// Time in s from the beginning to the end of a run's vibration, without what it took to come
 /// to rest.
 pub fn vibration_s(run: &RunRecord) -> Option<f64> {

@@ -103,13 +103,7 @@ fn stands(stage: &StageSpec, before: &SpecimenState, after: &SpecimenState) -> R
         StageSpec::SlowPluviation { .. } => (None, false, false, true),
         StageSpec::Pour { .. } => (None, true, plate, base),
         StageSpec::PlaceTopPlate { .. } => (funnel, cylinder, true, base),
-        StageSpec::Vibrate { .. }
-        | StageSpec::Deposit { .. }
-        | StageSpec::Move { .. }
-        | StageSpec::Press { .. }
-        | StageSpec::Release { .. }
-        | StageSpec::Remove { .. }
-        | StageSpec::Rest { .. } => (funnel, cylinder, plate, base),
+        _ => (funnel, cylinder, plate, base),
     };
     if pieces(after) == expected {
         return Ok(());

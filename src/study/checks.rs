@@ -25,19 +25,10 @@ const TYPED: f64 = 1e-3;
 /// Whether grains are held to the standard of overlap all through a stage, being
 /// at rest or shaken; where they fall it is only at its end.
 fn judged_throughout(stage: &StageSpec) -> bool {
-    match stage {
-        StageSpec::FillFunnel { .. }
-        | StageSpec::Deposit { .. }
-        | StageSpec::Move { .. }
-        | StageSpec::Press { .. }
-        | StageSpec::Release { .. }
-        | StageSpec::Remove { .. }
-        | StageSpec::SlowPluviation { .. }
-        | StageSpec::Pour { .. } => false,
-        StageSpec::PlaceTopPlate { .. } | StageSpec::Vibrate { .. } | StageSpec::Rest { .. } => {
-            true
-        }
-    }
+    matches!(
+        stage,
+        StageSpec::PlaceTopPlate { .. } | StageSpec::Vibrate { .. } | StageSpec::Rest { .. }
+    )
 }
 
 /// Looks at the overlap if that is due at a time in s since the stage began;

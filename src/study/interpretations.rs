@@ -4,7 +4,10 @@
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
-use super::{StudyError, presets::preset};
+use super::{
+    StudyError,
+    presets::{FILES, preset},
+};
 use crate::scenario::{Override, StageSpec};
 
 /// An interpretation of the paper, by name.
@@ -41,30 +44,12 @@ struct File {
     vibration: Map<String, Value>,
 }
 
-macro_rules! files {
-    ($($name:literal),* $(,)?) => {
-        [$(($name, include_str!(concat!("../../scenarios/interpretations/", $name, ".json")))),*]
-    };
+/// Name and text of each file, in the order in which they are shown.
+fn files() -> impl Iterator<Item = (&'static str, &'static str)> {
+    FILES.into_iter().filter_map(|(path, text)| {
+        Some((path.strip_prefix("interpretations/")?.strip_suffix(".json")?, text))
+    })
 }
-
-/// In the order in which they are shown.
-const FILES: [(&str, &str); 15] = files![
-    "converged",
-    "half_stroke",
-    "full_stroke",
-    "per_body",
-    "bullet_stock",
-    "blender_2014_m",
-    "blender_2014_dm",
-    "blender_2014_cm",
-    "blender_2014_mm",
-    "blender_2014_cm_awake",
-    "blender_2014_m_frames",
-    "blender_2014_dm_frames",
-    "blender_2014_cm_frames",
-    "blender_2014_mm_frames",
-    "blender_2014_cm_awake_frames",
-];
 
 impl Interpretation {
     fn parse(name: &'static str, text: &str) -> Result<Self, StudyError> {
@@ -85,7 +70,7 @@ impl Interpretation {
     /// # Errors
     /// When a built-in file has a fault.
     pub fn all() -> Result<Vec<Self>, StudyError> {
-        FILES.into_iter().map(|(name, text)| Self::parse(name, text)).collect()
+        files().map(|(name, text)| Self::parse(name, text)).collect()
     }
 
     /// The interpretation of a name.
@@ -93,7 +78,7 @@ impl Interpretation {
     /// # Errors
     /// [`StudyError::Scenario`] listing the names, for one that is not there.
     pub fn named(name: &str) -> Result<Self, StudyError> {
-        let known = FILES.into_iter().find(|(known, _)| *known == name);
+        let known = files().find(|(known, _)| *known == name);
         let (name, text) = known.ok_or_else(|| {
             let names: Vec<&str> = Self::names().collect();
             StudyError::Scenario(format!(
@@ -106,7 +91,7 @@ impl Interpretation {
 
     /// The names, in order.
     pub fn names() -> impl Iterator<Item = &'static str> {
-        FILES.into_iter().map(|(name, _)| name)
+        files().map(|(name, _)| name)
     }
 
     /// The interpretation's changes of a built-in scenario.
@@ -164,7 +149,7 @@ mod tests {
     #[test]
     fn every_interpretation_makes_valid_scenarios_and_says_what_it_is() {
         let interpretations = Interpretation::all().expect("they can be read");
-        assert_eq!(interpretations.len(), FILES.len());
+        assert_eq!(interpretations.len(), files().count());
         for interpretation in &interpretations {
             for text in [&interpretation.title, &interpretation.meaning, &interpretation.source] {
                 assert!(text.len() > 10, "{}: a text is missing", interpretation.name);

@@ -318,9 +318,12 @@ fn pictures(options: &ReproduceOptions, scenarios: &Scenarios) -> (Vec<Picture>,
 fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<String, String> {
     let engine = crate::world::info(scenarios.engine().backend);
     let target = format!("{} {}", std::env::consts::ARCH, std::env::consts::OS);
+    let mut settings = beside::label(scenarios.engine());
     let mut mode = if options.quick { " --quick" } else { "" }.to_owned();
     if let Some(interpretation) = &options.interpretation {
-        mode += &format!(" --interpretation {}", interpretation.name);
+        let Interpretation { name, title, .. } = interpretation;
+        mode += &format!(" --interpretation {name}");
+        settings = format!("interpretation {name}: {title}; {settings}");
     }
     if options.placements > 1 {
         mode += &format!(" --placements {}", options.placements);
@@ -328,23 +331,13 @@ fn provenance(options: &ReproduceOptions, scenarios: &Scenarios) -> BTreeMap<Str
     [
         ("Pluvia", env!("CARGO_PKG_VERSION").to_owned()),
         ("Engine", format!("{} {}, {} precision", engine.name, engine.version, engine.precision)),
-        ("Settings", settings_in_words(options, scenarios)),
+        ("Settings", settings),
         ("Machine", target),
         ("Command", format!("pluvia reproduce{mode} --configurations {}", options.configurations)),
         ("Seed", scenarios.pluviation.seed.to_string()),
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into()
-}
-
-fn settings_in_words(options: &ReproduceOptions, scenarios: &Scenarios) -> String {
-    let engine = beside::label(scenarios.engine());
-    match &options.interpretation {
-        None => engine,
-        Some(interpretation) => {
-            format!("interpretation {}: {}; {engine}", interpretation.name, interpretation.title)
-        }
-    }
 }
 
 /// The study as claims and report see it.

@@ -68,12 +68,8 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
         grains: grains.clone(),
         prepared: None,
     };
-    let step = 1.0 / scenario.engine.rate_hz;
-    for (n, stage) in scenario.stages.iter().enumerate() {
-        if let Some(motion) = stage.motion() {
-            let facts = MotionFacts::of(&motion, step).line();
-            options.progress.message(&format!("stage {n}, vibrate: {facts}"));
-        }
+    for (n, facts) in vibrations(scenario) {
+        options.progress.message(&format!("stage {n}, vibrate: {}", facts.line()));
     }
     let record =
         carry_out(std::slice::from_ref(&run), options, |_| options.out.clone())?.records.remove(0);
@@ -279,12 +275,11 @@ pub(super) fn write_run(
         void_profile,
     } = summarise(run, &plan.nodes[last].setup, nodes, done)?;
     let mut written = BTreeMap::new();
-    let mut write = |name: &str, content: Vec<u8>| {
+    let mut write = |name: &str, content: Result<Vec<u8>, csv::Error>| {
+        let path = out.join(name);
+        let content = content.map_err(|e| FileError::new("write", &path, e))?;
         written.insert(name.to_owned(), hash_bytes(&content));
-        write_file(&out.join(name), &content)
-    };
-    let table = |name: &str, content: Result<Vec<u8>, csv::Error>| {
-        content.map_err(|e| FileError::new("write", &out.join(name), e))
+        write_file(&path, &content)
     };
     let with_pieces = |csv: Result<Vec<u8>, csv::Error>, rows: &[LaboratoryRow]| match rows {
         [] => csv,
@@ -294,32 +289,29 @@ pub(super) fn write_run(
         }
     };
     let content = series_csv(&series).and_then(|csv| with_energy(&csv, &energy));
-    let content = with_pieces(content, &laboratory);
-    write("series.csv", table("series.csv", content)?)?;
+    write("series.csv", with_pieces(content, &laboratory))?;
     let known = described(&run.grains);
     let at_end = &done[last].record.sieved_mm;
     let grains = grains_csv(&specimen, known.sieved.grains(), &known.shapes, at_end, &turned);
-    write("grains.csv", table("grains.csv", grains)?)?;
+    write("grains.csv", grains)?;
     if !rest_test.is_empty() {
         let stage = nodes.rest_test.map(|n| &*done[n]);
         let rows = stage.map_or(&[][..], |stage| &stage.record.laboratory);
         let energy = inside::energy_rows(stage.as_slice());
         let content = series_csv(&rest_test).and_then(|csv| with_energy(&csv, &energy));
-        let content = with_pieces(content, rows);
-        write("rest_test.csv", table("rest_test.csv", content)?)?;
+        write("rest_test.csv", with_pieces(content, rows))?;
     }
     if !void_profile.is_empty() {
-        write("void_profile.csv", table("void_profile.csv", to_csv(&void_profile))?)?;
+        write("void_profile.csv", to_csv(&void_profile))?;
     }
     let classes = distributions(&summary);
     if !classes.is_empty() {
-        write("distributions.csv", table("distributions.csv", to_csv(&classes))?)?;
+        write("distributions.csv", to_csv(&classes))?;
     }
-    let path = out.join("specimen.json");
-    write("specimen.json", json_text(&path, &specimen.state)?)?;
+    let text = json_text(&out.join("specimen.json"), &specimen.state)?;
+    write("specimen.json", Ok(text))?;
     // Written already, by `write_grains`, maybe for several runs at once.
-    let path = out.join(GRAINS_FILE);
-    let grains = json_text(&path, &grains::to_json(&run.grains))?;
+    let grains = json_text(&out.join(GRAINS_FILE), &grains::to_json(&run.grains))?;
     written.insert(GRAINS_FILE.to_owned(), hash_bytes(&grains));
     write_json(&out.join("manifest.json"), &manifest(run, plan, nodes, done, &written))?;
     write_json(&out.join("summary.json"), &summary)?;
@@ -338,14 +330,10 @@ pub(super) fn write_run(
 }
 
 /// Peaks and jumps of each vibration of a scenario, with the number of its stage.
-fn vibrations(scenario: &Scenario) -> Vec<serde_json::Value> {
+fn vibrations(scenario: &Scenario) -> impl Iterator<Item = (usize, MotionFacts)> {
     let step = 1.0 / scenario.engine.rate_hz;
     let stages = scenario.stages.iter().enumerate();
-    stages
-        .filter_map(|(n, stage)| {
-            Some(json!({ "stage": n, "motion": MotionFacts::of(&stage.motion()?, step) }))
-        })
-        .collect()
+    stages.filter_map(move |(n, stage)| Some((n, MotionFacts::of(&stage.motion()?, step))))
 }
 
 /// What made a run: scenario, versions, settings as the engine held them,
@@ -371,6 +359,8 @@ fn manifest(
             "warnings": record.warnings,
         })
     };
+    let vibrations = vibrations(&run.scenario);
+    let vibrations = vibrations.map(|(n, facts)| json!({ "stage": n, "motion": facts }));
     let effective = nodes.stages.last().map(|&n| &done[n].record.effective);
     json!({
         "pluvia": env!("CARGO_PKG_VERSION"),
@@ -380,7 +370,7 @@ fn manifest(
         "began_with": begin::in_manifest(run.scenario.begin.as_ref()),
         "scale": scale::read_back(&run.grains.scale(run.scenario.gravity_m_per_s2)),
         "engine_settings_read_back": effective,
-        "vibrations": vibrations(&run.scenario),
+        "vibrations": vibrations.collect::<Vec<_>>(),
         "stages": nodes.stages.iter().map(stage).collect::<Vec<_>>(),
         "rest_test": nodes.rest_test.as_ref().map(stage),
         "files_sha256": written,

@@ -13,9 +13,7 @@ use super::{
 };
 use crate::paper;
 use crate::record::{RunRecord, StageStore, create_folder};
-use crate::report::{
-    InterpretationColumn, InterpretationFailure, InterpretationRun, write_interpretations,
-};
+use crate::report::{InterpretationColumn, InterpretationFailure, write_interpretations};
 use crate::scale::Scale;
 use crate::scenario::{Override, warnings};
 
@@ -117,11 +115,18 @@ fn carry_out_interpretation(
         quick: options.quick,
         configurations: options.configurations,
         planned_runs: runs.len(),
-        runs: records.iter().map(InterpretationRun::of).collect(),
+        runs: records.into_iter().map(shown).collect(),
         failures,
         warnings: notes,
         claims,
     })
+}
+
+/// A run with what the table and the figures need of it.
+fn shown(mut run: RunRecord) -> RunRecord {
+    run.series.retain(|row| row.settlement_mm.or(row.surface_settlement_mm).is_some());
+    run.rest_test.clear();
+    run
 }
 
 /// Keeps a column, and gives it with the others of the same programme, in the

@@ -6,7 +6,6 @@
 //! others go on. A last job collects the results.
 
 use std::{
-    fmt::Write as _,
     path::{Path, PathBuf},
     process::Command,
 };
@@ -57,22 +56,25 @@ pub fn submit(
     let folder = tasks.folder().join("slurm");
     create_folder(&folder)?;
     let mut jobs: Vec<SlurmJob> = Vec::new();
+    let submitted = |file: String, name: &str, of: Tasks<'_>, after: &[String], command: &str| {
+        let script = folder.join(file);
+        let text = script_text(name, of, after, request, &folder, command);
+        write_file(&script, text.as_bytes())?;
+        sbatch(&script)
+    };
     let mut before: Vec<String> = Vec::new();
     for level in 0..tasks.levels().len() {
         let missing = tasks.missing(level);
         let mut ids = Vec::new();
         for (part, numbers) in missing.chunks(MOST_TASKS).enumerate() {
-            let script = folder.join(format!("level-{level}-{part}.sh"));
             let command = format!(
                 "{} stage {} --level {level} --task \"$SLURM_ARRAY_TASK_ID\" --quiet",
                 quoted(program),
                 quoted(tasks.folder())
             );
-            let name = format!("pluvia-{level}");
-            let tasks = Tasks { numbers: Some(numbers), cores: tasks.cores(level) };
-            let text = script_text(&name, tasks, &before, request, &folder, &command);
-            write_file(&script, text.as_bytes())?;
-            let id = sbatch(&script)?;
+            let (file, name) = (format!("level-{level}-{part}.sh"), format!("pluvia-{level}"));
+            let of = Tasks { numbers: Some(numbers), cores: tasks.cores(level) };
+            let id = submitted(file, &name, of, &before, &command)?;
             jobs.push(SlurmJob { id: id.clone(), level: Some(level), tasks: numbers.len() });
             ids.push(id);
         }
@@ -80,13 +82,11 @@ pub fn submit(
             before = ids;
         }
     }
-    let script = folder.join("collect.sh");
     let command =
         format!("{} sweep --collect --out {} --quiet", quoted(program), quoted(tasks.folder()));
-    let tasks = Tasks { numbers: None, cores: 1 };
-    let text = script_text("pluvia-collect", tasks, &before, request, &folder, &command);
-    write_file(&script, text.as_bytes())?;
-    jobs.push(SlurmJob { id: sbatch(&script)?, level: None, tasks: 1 });
+    let once = Tasks { numbers: None, cores: 1 };
+    let id = submitted("collect.sh".to_owned(), "pluvia-collect", once, &before, &command)?;
+    jobs.push(SlurmJob { id, level: None, tasks: 1 });
     write_json(&folder.join("jobs.json"), &jobs)?;
     Ok(jobs)
 }
@@ -124,38 +124,27 @@ fn script_text(
     logs: &Path,
     command: &str,
 ) -> String {
-    let mut text = String::from("#!/bin/sh\n");
-    let mut option = |name: &str, value: &str| {
-        // Writing to a string does not fail.
-        let _ = writeln!(text, "#SBATCH --{name}={value}");
-    };
-    option("job-name", name);
-    option("ntasks", "1");
-    option("cpus-per-task", &tasks.cores.to_string());
-    // A node that fails must not fail the array: what it had is done again.
-    option("requeue", "");
     let log = if tasks.numbers.is_some() { "%x-%A_%a.log" } else { "%x-%j.log" };
-    option("output", &log_pattern(logs, log));
-    // A stage that comes near its time limit is reported, and keeps its checkpoint.
-    option("signal", "TERM@30");
-    if let Some(numbers) = tasks.numbers {
-        option("array", &ranges(numbers));
-    }
-    if !after.is_empty() {
-        option("dependency", &format!("afterany:{}", after.join(":")));
-    }
-    for (name, value) in [
-        ("partition", &request.partition),
-        ("time", &request.time),
-        ("mem", &request.memory),
-        ("account", &request.account),
-    ] {
-        if let Some(value) = value {
-            option(name, value);
-        }
-    }
-    let text = text.replace("--requeue=\n", "--requeue\n");
-    format!("{text}exec {command}\n")
+    let dependency = (!after.is_empty()).then(|| format!("afterany:{}", after.join(":")));
+    let options = [
+        ("job-name", Some(name.to_owned())),
+        ("ntasks", Some("1".to_owned())),
+        ("cpus-per-task", Some(tasks.cores.to_string())),
+        ("output", Some(log_pattern(logs, log))),
+        // A stage that comes near its time limit is reported, and keeps its checkpoint.
+        ("signal", Some("TERM@30".to_owned())),
+        ("array", tasks.numbers.map(ranges)),
+        ("dependency", dependency),
+        ("partition", request.partition.clone()),
+        ("time", request.time.clone()),
+        ("mem", request.memory.clone()),
+        ("account", request.account.clone()),
+    ];
+    let line =
+        |(name, value)| Some(format!("#SBATCH --{name}={}\n", Option::<String>::as_ref(&value)?));
+    let options: String = options.into_iter().filter_map(line).collect();
+    // A node that fails must not fail the array: what it had is done again.
+    format!("#!/bin/sh\n{options}#SBATCH --requeue\nexec {command}\n")
 }
 
 /// Where a job's output goes, as sbatch reads it from a script: within quotes,

@@ -56,9 +56,7 @@ impl Standing {
             porosity: voids.map(|v| v.porosity),
         })
     }
-}
 
-impl Standing {
     /// Height of the mean surface in m; 0 where it is withheld.
     pub(super) fn surface(&self) -> f64 {
         if self.no_height.is_some() { 0.0 } else { from_mm(self.height.mean_surface) }
@@ -67,17 +65,17 @@ impl Standing {
 
 /// What is not given of the end and of the end of pouring.
 pub(super) fn withheld_figures(end: &Standing, poured: Option<&Standing>) -> Vec<Withheld> {
-    let of = |fields: &[&str], why: Option<&String>| match why {
-        Some(why) => withheld(fields, why),
-        None => Vec::new(),
+    let fields = [
+        ("standing_height_mm", end.no_height.as_ref()),
+        ("void_ratio", end.no_voids.as_ref()),
+        ("porosity", end.no_voids.as_ref()),
+        ("poured_height_mm", poured.and_then(|p| p.no_height.as_ref())),
+        ("poured_void_ratio", poured.and_then(|p| p.no_voids.as_ref())),
+    ];
+    let of = |(field, why): (&str, Option<&String>)| {
+        Some(Withheld { field: field.to_owned(), reason: why?.clone() })
     };
-    [
-        of(&["standing_height_mm"], end.no_height.as_ref()),
-        of(&["void_ratio", "porosity"], end.no_voids.as_ref()),
-        of(&["poured_height_mm"], poured.and_then(|p| p.no_height.as_ref())),
-        of(&["poured_void_ratio"], poured.and_then(|p| p.no_voids.as_ref())),
-    ]
-    .concat()
+    fields.into_iter().filter_map(of).collect()
 }
 
 /// Share of the grains that must lie in the cylinder for a height to be that of the specimen.
@@ -109,12 +107,6 @@ fn no_voids(specimen: &Specimen, container: &Container, mean_surface: f64) -> Op
             1e3 * mean
         )
     })
-}
-
-/// Figures withheld for one reason, by their fields.
-fn withheld(fields: &[&str], reason: &str) -> Vec<Withheld> {
-    let of = |field: &&str| Withheld { field: (*field).to_owned(), reason: reason.to_owned() };
-    fields.iter().map(of).collect()
 }
 
 /// A height where there is no reason against it.

@@ -27,7 +27,7 @@ pub(in crate::report) fn figure(
     let ours = MeanSettlement::of(study);
     let stock: Vec<&MeanSettlement> =
         beside.iter().filter(|c| c.stock_bullet).filter_map(|c| c.settlement.as_ref()).collect();
-    let laboratory = bands::final_settlement_mm().read_as;
+    let laboratory = bands::FINAL_SETTLEMENT_MM;
     // The quick study shakes a smaller specimen for less time: nothing of it stands at 20 s.
     let bracket = !study.quick;
     let mut plot = Plot::of_settlement();

@@ -3,12 +3,14 @@
 use super::Figure;
 use crate::{
     measure::statistics::mean,
-    paper::{bands, constants},
-    record::RunKind,
+    paper::{bands, constants, settlement_curve},
+    record::{RunKind, RunRecord},
     report::{
-        InterpretationColumn, InterpretationRun, ReportError,
+        InterpretationColumn, ReportError,
         axis::Axis,
+        mean_settlement::mean_curve,
         plot::{Look, Plot},
+        quality::never_mixed,
         style,
         table::{Table, row},
     },
@@ -79,11 +81,11 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
         let mut points = Vec::new();
         let mut some_not_valid = false;
         for fh in constants::FALLING_HEIGHTS_MM {
-            let height = |r: &InterpretationRun| r.summary.standing_height_mm.mean_surface;
+            let height = |r: &RunRecord| r.summary.standing_height_mm.mean_surface;
             let from = column
                 .of_kind(RunKind::Pluviation)
                 .filter(|r| (r.falling_height_mm - fh).abs() < 0.5 && height(r).is_finite());
-            let (shown, left_out) = InterpretationColumn::never_mixed(from);
+            let (shown, left_out) = never_mixed(from);
             let heights: Vec<f64> = shown.into_iter().map(height).collect();
             if let Some(mean) = mean(&heights) {
                 points.push((fh / MM_IN_CM, mean));
@@ -106,21 +108,6 @@ fn heights(columns: &[InterpretationColumn]) -> Result<Figure, ReportError> {
     Figure::new(stem, "Figure 7 under each interpretation", caption, &[plot], &table)
 }
 
-/// Mean over the runs that count, or else over those that do not, at the times of the first, up
-/// to where the shortest ends; and whether it is of runs that do not count.
-fn mean_curve<'a>(
-    runs: impl Iterator<Item = &'a InterpretationRun>,
-    curve: impl Fn(&'a InterpretationRun) -> &'a [(f64, f64)],
-) -> (Vec<(f64, f64)>, bool) {
-    let (shown, left_out) =
-        InterpretationColumn::never_mixed(runs.filter(|r| !curve(r).is_empty()));
-    let curves: Vec<&[(f64, f64)]> = shown.into_iter().map(curve).collect();
-    let length = curves.iter().map(|c| c.len()).min().unwrap_or(0);
-    let at = |i: usize| curves.iter().map(|c| c[i].1).collect::<Vec<f64>>();
-    let point = |i: usize| Some((curves[0][i].0, mean(&at(i))?));
-    ((0..length).filter_map(point).collect(), left_out.all)
-}
-
 fn settlement(
     columns: &[InterpretationColumn],
     kind: RunKind,
@@ -129,17 +116,18 @@ fn settlement(
     let mut table = Table::new(["interpretation", "time_s", "settlement_mm", "valid"]);
     let mut curves: Vec<Curve> = Vec::new();
     for column in columns {
-        let (points, not_valid) = mean_curve(column.of_kind(kind), |r| match plate {
-            true => &r.plate_curve,
-            false => &r.surface_curve,
-        });
+        let curve = |r: &RunRecord| {
+            settlement_curve(r, |s| if plate { s.settlement_mm } else { s.surface_settlement_mm })
+        };
+        let (shown, left_out) = never_mixed(column.of_kind(kind).filter(|r| !curve(r).is_empty()));
+        let points = mean_curve(&shown.into_iter().map(curve).collect::<Vec<_>>());
         for (time, value) in &points {
-            table.row(row![&column.name, *time, *value, !not_valid]);
+            table.row(row![&column.name, *time, *value, !left_out.all]);
         }
-        curves.push((column, points, not_valid));
+        curves.push((column, points, left_out.all));
     }
     let continuous = kind == RunKind::VibrationContinuous;
-    let band = (continuous && plate).then(|| bands::final_settlement_mm().read_as);
+    let band = (continuous && plate).then(|| bands::FINAL_SETTLEMENT_MM);
     let mut plot = Plot::of_settlement();
     if let Some(band) = band {
         plot.add_band("Laboratory, range of the final settlement", (band.low, band.high));

@@ -26,7 +26,7 @@ use super::{
 };
 use crate::{
     paper::StudyView,
-    record::{AngleOfRepose, FileError, RunKind, create_folder, write_file},
+    record::{AngleOfRepose, RunKind, create_folder, write_file},
 };
 
 pub(super) use calibration::{capital, of_calibration};
@@ -35,7 +35,8 @@ pub(super) use grain_size::of_grains;
 pub(super) use headline::figure as headline;
 pub(super) use interpretations::of_interpretations;
 pub(super) use of_run::of_run;
-pub(super) use pile::{of_pile, side_view};
+pub(super) use pile::of_pile;
+pub use pile::side_view;
 pub(super) use sensitivity::of_sensitivity;
 pub(super) use shape::figure as of_shapes;
 pub(super) use sweep::of_sweep;
@@ -96,8 +97,7 @@ impl Figure {
         let parts: [(&str, &[u8]); 3] =
             [("svg", self.svg.as_bytes()), ("png", &png), ("csv", &self.csv)];
         for (extension, content) in parts {
-            write_file(&folder.join(format!("{}.{extension}", self.stem)), content)
-                .map_err(|e: FileError| ReportError::File(e))?;
+            write_file(&folder.join(format!("{}.{extension}", self.stem)), content)?;
         }
         Ok(())
     }

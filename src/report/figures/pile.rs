@@ -9,6 +9,7 @@ use plotters::{
 use super::Figure;
 use crate::{
     geometry::Vector,
+    measure,
     record::{AngleOfRepose, AzimuthAngle},
     report::{
         ReportError,
@@ -43,17 +44,15 @@ const SHADE: f64 = 0.42;
 type Failure = DrawingAreaErrorKind<std::io::Error>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// `pile` and `angle-by-azimuth`; the base's mean surface lies the given height
-/// above z = 0.
+/// `pile` and `angle-by-azimuth`.
 ///
 /// # Errors
 /// [`ReportError::Figure`].
 pub(in crate::report) fn of_pile(
     specimen: &Specimen,
     pile: &AngleOfRepose,
-    base_level_mm: f64,
 ) -> Result<Vec<Figure>, ReportError> {
-    Ok(vec![side_view(specimen, pile, base_level_mm)?, by_azimuth(&[("".into(), pile)])?])
+    Ok(vec![side_view(specimen, pile)?, by_azimuth(&[("".into(), pile)])?])
 }
 
 /// The mean of fitted lines.
@@ -91,15 +90,13 @@ impl Side {
     }
 }
 
-/// The pile seen along y, with the fitted flanks; level as in [`of_pile`].
+/// The pile seen along y, with the fitted flanks.
 ///
 /// # Errors
 /// [`ReportError::Figure`].
-pub(in crate::report) fn side_view(
-    specimen: &Specimen,
-    pile: &AngleOfRepose,
-    base_level_mm: f64,
-) -> Result<Figure, ReportError> {
+pub fn side_view(specimen: &Specimen, pile: &AngleOfRepose) -> Result<Figure, ReportError> {
+    // Above z = 0: that on which the angle was measured.
+    let base_level_mm = measure::base_level(specimen).map_or(0.0, to_mm);
     let mut svg = String::new();
     let drawn = Picture::new(specimen, pile, base_level_mm).draw(&mut svg);
     let mut table = Table::new(["side", "degrees", "toe_radius_mm", "axis_x_mm", "base_level_mm"]);

@@ -3,19 +3,19 @@
 use super::Figure;
 use crate::{
     paper::{Interval, StudyView, bands, settlement_curve, text::number},
-    record::{NO_VALID_RUN, RunKind, RunRecord},
+    record::{NO_VALID_RUN, RunKind, RunRecord, SeriesRow},
     report::{
         ReportError,
         plot::{Look, Plot},
         quality::sentence_of_left_out,
         style,
-        table::{Table, row},
+        table::{Table, table},
     },
 };
 
 pub(super) fn continuous(study: &StudyView) -> Result<Figure, ReportError> {
     let runs: Vec<&RunRecord> = study.of_kind(RunKind::VibrationContinuous).collect();
-    let band = bands::final_settlement_mm().read_as;
+    let band = bands::FINAL_SETTLEMENT_MM;
     let (mut plot, table) = curves(&runs, 20.0);
     plot.add_band("Laboratory, range of the final settlement", (band.low, band.high));
     let caption = format!(
@@ -70,12 +70,17 @@ pub(super) fn intermittent(study: &StudyView) -> Result<Figure, ReportError> {
 
 /// The settlement of one run, for its own folder; `None` where it was not vibrated.
 pub(super) fn of_run(run: &RunRecord) -> Result<Option<Figure>, ReportError> {
-    if !run.series.iter().any(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some()) {
+    if !run.series.iter().any(is_shaken) {
         return Ok(None);
     }
     let (plot, table) = curves(&[run], 0.0);
     let caption = format!("Settlement under vibration. {}", finals(&[run]));
     Figure::new("settlement", "Settlement under vibration", caption, &[plot], &table).map(Some)
+}
+
+/// Whether settlement is measured at a row.
+fn is_shaken(row: &SeriesRow) -> bool {
+    row.settlement_mm.is_some() || row.surface_settlement_mm.is_some()
 }
 
 /// Plate and surface of every run; `at_least_s` is the least length of the time axis.
@@ -84,14 +89,6 @@ fn curves(runs: &[&RunRecord], at_least_s: f64) -> (Plot, Table) {
     plot.x = plot.x.holding([at_least_s]);
     // An empty figure still has the laboratory's scale.
     plot.y = plot.y.holding(runs.is_empty().then_some(20.0));
-    let mut table = Table::new([
-        "run",
-        "configuration",
-        "time_s",
-        "plate_settlement_mm",
-        "surface_settlement_mm",
-        "left_out_of_means",
-    ]);
     for (n, run) in runs.iter().enumerate() {
         let look = Look::spaced(n);
         let thin = look.dash(style::DASHED).thin().every(2.5 * style::MARKER_SPACING);
@@ -103,24 +100,20 @@ fn curves(runs: &[&RunRecord], at_least_s: f64) -> (Plot, Table) {
         };
         let label = format!("Configuration {}, plate{mark}", run.configuration);
         plot.add(label, look, settlement_curve(run, |row| row.settlement_mm));
-        let start = run
-            .series
-            .iter()
-            .find(|r| r.settlement_mm.is_some() || r.surface_settlement_mm.is_some())
-            .map_or(0.0, |r| r.time_s);
-        for row in &run.series {
-            if row.settlement_mm.is_some() || row.surface_settlement_mm.is_some() {
-                table.row(row![
-                    &run.name,
-                    run.configuration,
-                    row.time_s - start,
-                    row.settlement_mm,
-                    row.surface_settlement_mm,
-                    run.summary.why_left_out().join("; "),
-                ]);
-            }
-        }
     }
+    let shaken = runs.iter().flat_map(|run| {
+        let rows = run.series.iter().filter(|r| is_shaken(r));
+        let start = rows.clone().next().map_or(0.0, |r| r.time_s);
+        rows.map(move |r| (run, r, r.time_s - start))
+    });
+    let table = table!(shaken, |(run, row, time)| {
+        "run" => &run.name,
+        "configuration" => run.configuration,
+        "time_s" => time,
+        "plate_settlement_mm" => row.settlement_mm,
+        "surface_settlement_mm" => row.surface_settlement_mm,
+        "left_out_of_means" => run.summary.why_left_out().join("; "),
+    });
     if !runs.is_empty() {
         plot.add_key(
             "Mean surface (same colours)",

@@ -10,59 +10,45 @@ use crate::{
         plot::{Look, Plot},
         quality::sentence_of_left_out,
         style,
-        table::{Table, row},
+        table::table,
     },
 };
 
 const MM_IN_CM: f64 = 10.0;
 
 pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
-    let runs: Vec<&RunRecord> = study.of_kind(RunKind::Pluviation).collect();
+    let mut runs: Vec<&RunRecord> = study.of_kind(RunKind::Pluviation).collect();
+    runs.sort_by(|a, b| {
+        let falls = a.falling_height_mm.total_cmp(&b.falling_height_mm);
+        a.configuration.cmp(&b.configuration).then(falls)
+    });
     let mean = |r: &RunRecord| r.summary.standing_height_mm.mean_surface;
     let p95 = |r: &RunRecord| r.summary.standing_height_mm.p95;
     let highest_fall =
         runs.iter().map(|r| r.falling_height_mm / MM_IN_CM).fold(20.0, f64::max).min(1e3);
     let x = Axis::falling_heights(highest_fall);
     let mut plot = Plot::new(x, Axis::linear("Standing height (mm)"));
-    let mut table = Table::new([
-        "run",
-        "configuration",
-        "falling_height_mm",
-        "mean_surface_mm",
-        "p95_mm",
-        "highest_mm",
-        "void_ratio",
-        "left_out_of_means",
-    ]);
-    let mut configurations: Vec<u32> = runs.iter().map(|r| r.configuration).collect();
-    configurations.sort_unstable();
-    configurations.dedup();
-    for (n, &configuration) in configurations.iter().enumerate() {
-        let mut of: Vec<&RunRecord> =
-            runs.iter().filter(|r| r.configuration == configuration).copied().collect();
-        of.sort_by(|a, b| a.falling_height_mm.total_cmp(&b.falling_height_mm));
+    let each = runs.chunk_by(|a, b| a.configuration == b.configuration);
+    for (n, of) in each.enumerate() {
         let points = |height: &dyn Fn(&RunRecord) -> f64| {
             of.iter().map(|r| (r.falling_height_mm / MM_IN_CM, height(r))).collect()
         };
         plot.add("", Look::marked(n).dash(style::DASHED).thin(), points(&p95));
         let some_left_out = of.iter().any(|r| !r.counts_in_means());
         let mark = if some_left_out { ", not valid in part" } else { "" };
-        let label = format!("Configuration {configuration}{mark}");
+        let label = format!("Configuration {}{mark}", of[0].configuration);
         plot.add(label, Look::marked(n), points(&mean));
-        for r in of {
-            let h = &r.summary.standing_height_mm;
-            table.row(row![
-                &r.name,
-                configuration,
-                r.falling_height_mm,
-                h.mean_surface,
-                h.p95,
-                h.highest,
-                r.summary.void_ratio,
-                r.summary.why_left_out().join("; "),
-            ]);
-        }
     }
+    let table = table!(runs.iter().map(|r| (r, r.summary.standing_height_mm)), |(r, height)| {
+        "run" => &r.name,
+        "configuration" => r.configuration,
+        "falling_height_mm" => r.falling_height_mm,
+        "mean_surface_mm" => height.mean_surface,
+        "p95_mm" => height.p95,
+        "highest_mm" => height.highest,
+        "void_ratio" => r.summary.void_ratio,
+        "left_out_of_means" => r.summary.why_left_out().join("; "),
+    });
     if !runs.is_empty() {
         let look = Look::of(style::INK).dash(style::DASHED).thin();
         plot.add_key("95th percentile of the surface (same colours)", look);

@@ -9,7 +9,7 @@ use crate::{
         axis::Axis,
         plot::{Look, Plot},
         style::{self, Marker},
-        table::{Table, row},
+        table::table,
     },
 };
 
@@ -27,32 +27,24 @@ pub(super) fn figure(study: &StudyView) -> Result<Figure, ReportError> {
     let highest = heights.iter().map(|h| h.0).fold(20.0, f64::max);
     let x = Axis::falling_heights(highest);
     let mut plot = Plot::new(x, Axis::linear("Standing height (mm)"));
-    let mut table = Table::new([
-        "falling_height_mm",
-        "configurations",
-        "mean_mm",
-        "standard_deviation_mm",
-        "interval_low_mm",
-        "interval_high_mm",
-    ]);
     let mut means = Vec::new();
     let mut single = Vec::new();
     for (cm, q) in &heights {
         let Some(mean) = q.mean else { continue };
         means.push((*cm, mean));
         single.extend(q.values.iter().map(|v| (*cm, *v)));
-        table.row(row![
-            q.falling_height_mm,
-            q.values.len(),
-            mean,
-            q.standard_deviation,
-            q.interval.map(|i| i.low),
-            q.interval.map(|i| i.high),
-        ]);
         if let Some(i) = q.interval {
             plot.add_interval("", Look::line(0), (*cm, i.low, i.high), STROKE_CM);
         }
     }
+    let table = table!(heights.iter().filter(|(_, q)| q.mean.is_some()), |(_, q)| {
+        "falling_height_mm" => q.falling_height_mm,
+        "configurations" => q.values.len(),
+        "mean_mm" => q.mean,
+        "standard_deviation_mm" => q.standard_deviation,
+        "interval_low_mm" => q.interval.map(|i| i.low),
+        "interval_high_mm" => q.interval.map(|i| i.high),
+    });
     let with_interval = heights.iter().any(|(_, q)| q.interval.is_some());
     if !means.is_empty() {
         let label = if with_interval { "Mean and its 95 % confidence" } else { "Mean" };

@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 
 use super::{ReportError, Standard, figures};
 use crate::{
-    paper::{Claim, settlement_curve},
-    record::{RunKind, RunRecord, Summary, write_json},
+    paper::Claim,
+    record::{RunKind, RunRecord, write_json},
 };
 
 pub use table::{InterpretationCell, InterpretationRow};
@@ -39,33 +39,14 @@ pub struct InterpretationColumn {
     pub configurations: u32,
     /// Number of runs that the programme has.
     pub planned_runs: usize,
-    /// The runs that were run.
-    pub runs: Vec<InterpretationRun>,
+    /// The runs that were run, with the rows of their series that settlement is measured at.
+    pub runs: Vec<RunRecord>,
     /// Those that failed.
     pub failures: Vec<InterpretationFailure>,
     /// What its results must be read with.
     pub warnings: Vec<String>,
     /// The paper's claims, judged.
     pub claims: Vec<Claim>,
-}
-
-/// A run of an interpretation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct InterpretationRun {
-    /// Name of its folder.
-    pub name: String,
-    /// What it is in the paper's programme.
-    pub kind: RunKind,
-    /// Which mixing of the grains.
-    pub configuration: u32,
-    /// Distance between funnel and cylinder in mm.
-    pub falling_height_mm: f64,
-    /// Its figures.
-    pub summary: Summary,
-    /// Settlement of the plate: time since vibration began in s, mm.
-    pub plate_curve: Vec<(f64, f64)>,
-    /// Settlement of the mean surface, likewise.
-    pub surface_curve: Vec<(f64, f64)>,
 }
 
 /// A run that could not be made.
@@ -77,51 +58,10 @@ pub struct InterpretationFailure {
     pub reason: String,
 }
 
-impl InterpretationRun {
-    /// What the table and the figures need of a run.
-    pub fn of(run: &RunRecord) -> Self {
-        Self {
-            name: run.name.clone(),
-            kind: run.kind,
-            configuration: run.configuration,
-            falling_height_mm: run.falling_height_mm,
-            summary: run.summary.clone(),
-            plate_curve: settlement_curve(run, |row| row.settlement_mm),
-            surface_curve: settlement_curve(run, |row| row.surface_settlement_mm),
-        }
-    }
-
-    /// Whether the run counts in means.
-    pub fn counts_in_means(&self) -> bool {
-        self.summary.counts_in_means()
-    }
-
-    /// Whether any grain is left in the cylinder.
-    pub fn has_grains(&self) -> bool {
-        self.summary.grains.in_cylinder > 0
-    }
-}
-
 impl InterpretationColumn {
     /// The runs of a kind that kept grains.
-    pub(super) fn of_kind(&self, kind: RunKind) -> impl Iterator<Item = &InterpretationRun> {
-        self.runs.iter().filter(move |r| r.kind == kind && r.has_grains())
-    }
-
-    /// Of runs those that count in means; where none does, all of them, which are then to be
-    /// marked: valid runs and others never stand in one mean.
-    pub(super) fn never_mixed<'a>(
-        runs: impl Iterator<Item = &'a InterpretationRun>,
-    ) -> (Vec<&'a InterpretationRun>, LeftOut) {
-        let all: Vec<&InterpretationRun> = runs.collect();
-        let counting: Vec<&InterpretationRun> =
-            all.iter().copied().filter(|r| r.counts_in_means()).collect();
-        let left_out = all.len() - counting.len();
-        if counting.is_empty() {
-            (all, LeftOut { runs: left_out, all: left_out > 0 })
-        } else {
-            (counting, LeftOut { runs: left_out, all: false })
-        }
+    pub(super) fn of_kind(&self, kind: RunKind) -> impl Iterator<Item = &RunRecord> {
+        self.runs.iter().filter(move |r| r.kind == kind && has_grains(r))
     }
 
     /// How many runs meet the accuracy standard.
@@ -135,18 +75,14 @@ impl InterpretationColumn {
     }
 
     /// The runs that lost every grain.
-    pub(super) fn emptied(&self) -> impl Iterator<Item = &InterpretationRun> {
-        self.runs.iter().filter(|r| !r.has_grains())
+    pub(super) fn emptied(&self) -> impl Iterator<Item = &RunRecord> {
+        self.runs.iter().filter(|r| !has_grains(r))
     }
 }
 
-/// What does not count of the runs behind a number.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct LeftOut {
-    /// How many runs do not count.
-    pub(super) runs: usize,
-    /// Whether none counts, so that the number is theirs.
-    pub(super) all: bool,
+/// Whether any grain is left in the cylinder.
+fn has_grains(run: &RunRecord) -> bool {
+    run.summary.grains.in_cylinder > 0
 }
 
 /// Writes `interpretations.json`, `interpretations.md`, `interpretations.html` and `figures/` into a folder.

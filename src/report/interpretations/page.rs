@@ -2,11 +2,10 @@
 
 use maud::html;
 
-use super::{
-    InterpretationCell, InterpretationColumn, InterpretationRow, InterpretationRun, table::decimals,
-};
+use super::{InterpretationCell, InterpretationColumn, InterpretationRow, table::decimals};
 use crate::{
     paper::{Verdict, text::number},
+    record::RunRecord,
     report::{
         Figure, Standard,
         html::name,
@@ -26,7 +25,7 @@ fn belief(c: &InterpretationColumn, standard: Standard) -> String {
         let said = sentence_of_left_out(c.left_out(), c.runs.len(), "");
         return format!("All {met} runs meet the accuracy standard.{said}");
     }
-    let worst = |value: &dyn Fn(&InterpretationRun) -> f64| {
+    let worst = |value: &dyn Fn(&RunRecord) -> f64| {
         c.runs.iter().map(value).filter(|v| v.is_finite()).fold(0.0, f64::max)
     };
     format!(

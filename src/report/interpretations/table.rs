@@ -2,15 +2,15 @@
 
 use serde::Serialize;
 
-use super::{InterpretationColumn, InterpretationRun};
+use super::InterpretationColumn;
 use crate::{
     measure::statistics::mean,
     paper::{
         Claim, Interval, ResultCounts, Verdict, constants,
         text::{compact, number},
     },
-    record::{NO_VALID_RUN, RunKind, Settlement},
-    report::sections::paper_value,
+    record::{NO_VALID_RUN, RunKind, RunRecord, Settlement},
+    report::{quality::never_mixed, sections::paper_value},
 };
 
 /// A row of the table.
@@ -53,12 +53,11 @@ impl InterpretationCell {
 
     /// Mean and range of a value over runs, valid ones and others never in one.
     fn of_runs<'a>(
-        runs: impl Iterator<Item = &'a InterpretationRun>,
-        value: impl Fn(&InterpretationRun) -> Option<f64>,
+        runs: impl Iterator<Item = &'a RunRecord>,
+        value: impl Fn(&RunRecord) -> Option<f64>,
     ) -> Self {
-        let finite = |r: &InterpretationRun| value(r).filter(|v| v.is_finite());
-        let (shown, left_out) =
-            InterpretationColumn::never_mixed(runs.filter(|r| finite(r).is_some()));
+        let finite = |r: &RunRecord| value(r).filter(|v| v.is_finite());
+        let (shown, left_out) = never_mixed(runs.filter(|r| finite(r).is_some()));
         let of = Self::of(shown.into_iter().filter_map(finite));
         Self { left_out: left_out.runs, not_valid: left_out.all, ..of }
     }
@@ -189,7 +188,7 @@ impl Rows<'_> {
             true => s.after_5_s,
             false => s.after_each_period.first().copied(),
         };
-        type Of = fn(&InterpretationRun) -> Option<&Settlement>;
+        type Of = fn(&RunRecord) -> Option<&Settlement>;
         let of: [(&str, Of); 2] = [
             ("plate", |r| r.summary.settlement_mm.as_ref()),
             ("mean surface", |r| r.summary.surface_settlement_mm.as_ref()),
@@ -215,7 +214,7 @@ impl Rows<'_> {
     /// What tells whether the results can be believed.
     fn add_trust(&mut self) {
         self.part = TRUST;
-        type Of = fn(&InterpretationRun) -> Option<f64>;
+        type Of = fn(&RunRecord) -> Option<f64>;
         let quantities: [(&str, &str, Of); 9] = [
             ("overlap of grains, mean", "%", |r| Some(r.summary.overlap.mean_percent)),
             ("overlap of grains, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent)),

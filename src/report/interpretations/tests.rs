@@ -21,7 +21,7 @@ pub(super) fn column(name: &str, change: impl Fn(&mut Vec<RunRecord>)) -> Interp
         quick: false,
         configurations: 3,
         planned_runs: 18,
-        runs: runs.iter().map(InterpretationRun::of).collect(),
+        runs,
         failures: Vec::new(),
         warnings: Vec::new(),
         claims,

@@ -87,16 +87,17 @@ pub struct RungDesign {
     pub quick: bool,
 }
 
-/// A design ready to be run.
+/// A convergence study that was read and checked, and not yet run.
 #[derive(Debug)]
-pub(super) struct Designed {
-    pub limits: ConvergenceLimits,
+pub struct ConvergenceStudy {
+    pub(super) quick: bool,
+    pub(super) limits: ConvergenceLimits,
     /// Title of the ladder that stands for the study.
-    pub reference: String,
+    pub(super) reference: String,
     /// The ladders, each with its rungs from the coarsest to the finest.
-    pub ladders: Vec<Ladder>,
-    pub varied: Varied,
-    pub configurations: u32,
+    pub(super) ladders: Vec<Ladder>,
+    pub(super) varied: Varied,
+    pub(super) configurations: u32,
 }
 
 /// A ladder with the names of its variations.
@@ -107,56 +108,58 @@ pub(super) struct Ladder {
     pub rungs: Vec<(String, String)>,
 }
 
-/// Reads and checks a design.
-///
-/// # Errors
-/// [`ScenarioErrors`] with all faults of the design, or else all of the
-/// scenarios it makes.
-pub(super) fn read(file: &Path, quick: bool) -> Result<Designed, ScenarioErrors> {
-    let design: ConvergenceDesign = load_document(file)?;
-    let mut faults = Faults::of(file);
-    let chosen = faults.chosen(&design.full, design.quick.as_ref(), quick);
-    let mut names = Vec::new();
-    let (mut ladders, mut variations) = (Vec::new(), Vec::new());
-    for (l, ladder) in design.ladders.iter().enumerate() {
-        let at = format!("ladders[{l}]");
-        faults.name(&format!("{at}.name"), &ladder.name, &mut names);
-        let common = faults.changes(&format!("{at}.changes"), &ladder.changes);
-        let mut known = Vec::new();
-        let mut rungs = Vec::new();
-        for (r, rung) in ladder.rungs.iter().enumerate() {
-            let at = format!("{at}.rungs[{r}]");
-            faults.name(&format!("{at}.name"), &rung.name, &mut known);
-            let own = faults.changes(&format!("{at}.changes"), &rung.changes);
-            if quick && !rung.quick {
-                continue;
+impl ConvergenceStudy {
+    /// Reads and checks a design.
+    ///
+    /// # Errors
+    /// [`ScenarioErrors`] with all faults of the design, or else all of the
+    /// scenarios it makes.
+    pub(super) fn of_file(file: &Path, quick: bool) -> Result<Self, ScenarioErrors> {
+        let design: ConvergenceDesign = load_document(file)?;
+        let mut faults = Faults::of(file);
+        let chosen = faults.chosen(&design.full, design.quick.as_ref(), quick);
+        let mut names = Vec::new();
+        let (mut ladders, mut variations) = (Vec::new(), Vec::new());
+        for (l, ladder) in design.ladders.iter().enumerate() {
+            let at = format!("ladders[{l}]");
+            faults.name(&format!("{at}.name"), &ladder.name, &mut names);
+            let common = faults.changes(&format!("{at}.changes"), &ladder.changes);
+            let mut known = Vec::new();
+            let mut rungs = Vec::new();
+            for (r, rung) in ladder.rungs.iter().enumerate() {
+                let at = format!("{at}.rungs[{r}]");
+                faults.name(&format!("{at}.name"), &rung.name, &mut known);
+                let own = faults.changes(&format!("{at}.changes"), &rung.changes);
+                if quick && !rung.quick {
+                    continue;
+                }
+                let name = format!("{}-{}", ladder.name, rung.name);
+                rungs.push((name.clone(), rung.title.clone()));
+                variations.push(Variation {
+                    name,
+                    group: ladder.title.clone(),
+                    changes: [common.as_slice(), &own].concat(),
+                    configurations: ladder.configurations,
+                });
             }
-            let name = format!("{}-{}", ladder.name, rung.name);
-            rungs.push((name.clone(), rung.title.clone()));
-            variations.push(Variation {
-                name,
-                group: ladder.title.clone(),
-                changes: [common.as_slice(), &own].concat(),
-                configurations: ladder.configurations,
-            });
+            if rungs.len() == 1 {
+                let path = format!("{at}.rungs");
+                faults.add(&path, "1", "none or at least 2", "too few rungs are left with --quick");
+            }
+            if !rungs.is_empty() {
+                ladders.push(Ladder { title: ladder.title.clone(), rungs });
+            }
         }
-        if rungs.len() == 1 {
-            let path = format!("{at}.rungs");
-            faults.add(&path, "1", "none or at least 2", "too few rungs are left with --quick");
+        let reference = design.ladders.iter().find(|l| l.name == design.reference);
+        let reference = reference.map(|l| l.title.clone());
+        if !reference.as_ref().is_some_and(|title| ladders.iter().any(|l| l.title == *title)) {
+            let found = format!("\"{}\"", design.reference);
+            faults.add("reference", &found, "the name of a ladder that is run", "it is none");
         }
-        if !rungs.is_empty() {
-            ladders.push(Ladder { title: ladder.title.clone(), rungs });
-        }
+        let Some(chosen) = chosen else { return Err(faults.into_error()) };
+        let varied = faults.load(&chosen, variations)?;
+        let Chosen { configurations, .. } = chosen;
+        let reference = reference.unwrap_or_default();
+        Ok(Self { quick, limits: design.limits, reference, ladders, varied, configurations })
     }
-    let reference = design.ladders.iter().find(|l| l.name == design.reference);
-    let reference = reference.map(|l| l.title.clone());
-    if !reference.as_ref().is_some_and(|title| ladders.iter().any(|l| l.title == *title)) {
-        let found = format!("\"{}\"", design.reference);
-        faults.add("reference", &found, "the name of a ladder that is run", "it is none");
-    }
-    let Some(chosen) = chosen else { return Err(faults.into_error()) };
-    let varied = faults.load(&chosen, variations)?;
-    let Chosen { configurations, .. } = chosen;
-    let reference = reference.unwrap_or_default();
-    Ok(Designed { limits: design.limits, reference, ladders, varied, configurations })
 }

@@ -6,19 +6,21 @@ mod judge;
 #[cfg(test)]
 mod tests;
 
-pub use design::{ConvergenceDesign, ConvergenceLimits, LadderDesign, RungDesign};
+pub use design::{
+    ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign,
+};
 
 use std::path::PathBuf;
 
 use super::{
     RunOptions, StudyError,
     presets::DesignFile,
-    summarise,
+    summarise::standard,
     told::tell_warnings,
     variations::{conclude_so_far, keep_and_read, write_variations},
 };
 use crate::record::RunRow;
-use crate::report::{self, Convergence, Standard};
+use crate::report::{self, Convergence};
 use crate::scale::Scale;
 
 /// Where the built-in design stands under `scenarios/`.
@@ -36,14 +38,6 @@ pub struct StudyOptions {
     pub run: RunOptions,
 }
 
-/// A convergence study that was read and checked, and not yet run.
-#[derive(Debug)]
-pub struct ConvergenceStudy {
-    design: design::Designed,
-    quick: bool,
-    configurations: u32,
-}
-
 impl ConvergenceStudy {
     /// Reads the design.
     ///
@@ -51,9 +45,9 @@ impl ConvergenceStudy {
     /// [`StudyError::Faults`] with all its faults.
     pub fn read(options: &StudyOptions) -> Result<Self, StudyError> {
         let file = DesignFile::new(options.design.as_deref(), BUILT_IN)?;
-        let design = design::read(&file.path, options.quick)?;
-        let configurations = options.configurations.unwrap_or(design.configurations);
-        Ok(Self { design, quick: options.quick, configurations })
+        let mut study = Self::of_file(&file.path, options.quick)?;
+        study.configurations = options.configurations.unwrap_or(study.configurations);
+        Ok(study)
     }
 
     /// Carries it out and writes `convergence.json`, `convergence.csv`,
@@ -64,7 +58,7 @@ impl ConvergenceStudy {
     /// # Errors
     /// [`StudyError`].
     pub fn carry_out(&self, options: &RunOptions) -> Result<Convergence, StudyError> {
-        let varied = &self.design.varied;
+        let varied = &self.varied;
         tell_warnings(varied.scenarios(), options.progress.as_ref());
         let programme = varied.programme(self.configurations);
         conclude_so_far(varied, self.configurations, options, |rows| {
@@ -78,8 +72,8 @@ impl ConvergenceStudy {
     }
 
     fn judged(&self, runs: &[RunRow]) -> Convergence {
-        let standard = standard();
-        let design::Designed { limits, reference, ladders, varied, .. } = &self.design;
+        let standard = standard(&Scale::PAPER);
+        let Self { limits, reference, ladders, varied, .. } = self;
         let rows = judge::judge(runs, ladders, reference, *limits, &standard);
         let cheapest = judge::cheapest(&rows, &standard);
         Convergence {
@@ -94,9 +88,4 @@ impl ConvergenceStudy {
             cheapest,
         }
     }
-}
-
-/// The accuracy standard as reports have it.
-pub(super) fn standard() -> Standard {
-    summarise::standard(&Scale::PAPER)
 }
