@@ -24,10 +24,6 @@ pub const FRICTION_RATIO: f64 = 0.793;
 pub const RESTITUTION: f64 = 0.315;
 /// Angle of repose in degrees, from slow pluviation on a rough surface (section 2).
 pub const ANGLE_OF_REPOSE_DEG: f64 = 38.40;
-/// Number of pluviation tests in the laboratory (section 2).
-pub const LABORATORY_PLUVIATION_TESTS: u32 = 49;
-/// Number of vibration tests in the laboratory (section 2).
-pub const LABORATORY_VIBRATION_TESTS: u32 = 33;
 /// Time between two readings of the plate's position in the simulations, in s (section 4).
 pub const MONITORING_INTERVAL_S: f64 = 0.08;
 

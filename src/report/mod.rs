@@ -2,7 +2,6 @@
 //! needs nothing else.
 
 mod axis;
-mod beside;
 mod calibration;
 mod chart;
 mod choices;
@@ -17,7 +16,6 @@ mod interpretations;
 mod laws;
 mod mean_settlement;
 mod page;
-mod picture;
 mod plot;
 mod png;
 mod quality;
@@ -37,6 +35,8 @@ mod tests;
 
 use std::{collections::BTreeMap, path::Path};
 
+use serde::{Deserialize, Serialize};
+
 use crate::{
     grains::{self, GrainShape, ParticleSizeDistribution, SieveAnalysis},
     paper::{Claim, Scorecard, StudyView, gradation_in_words},
@@ -47,7 +47,6 @@ use crate::{
 };
 
 pub use axis::Axis;
-pub use beside::Column;
 pub use calibration::{
     Calibration, CalibrationEnding, CalibrationRun, CalibrationSolution, CalibrationValue,
     FrictionIdentity, found as calibration_rows, target_in_words, unknown_in_words, with_unit,
@@ -68,9 +67,8 @@ pub use interpretations::{
 };
 pub use laws::{LawCase, LawCurve, LawRow, write_laws};
 pub use mean_settlement::MeanSettlement;
-pub use picture::Picture;
 pub use plot::{Look, Plot};
-pub use png::{draw as draw_svg, render as svg_to_png};
+pub use png::{Picture, draw as draw_svg, render as svg_to_png};
 pub use quality::Standard;
 pub use sensitivity::{Effect, ParameterRow, Sensitivity, write_sensitivity};
 pub use sweep::{
@@ -93,6 +91,22 @@ pub enum ReportError {
         /// What went wrong.
         reason: String,
     },
+}
+
+/// What one engine, or one choice of settings, made of the claims.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Column {
+    /// Head of the column: the engine, its contacts, and what is not default.
+    pub label: String,
+    /// What must be equal for two columns to stand side by side: a hash of
+    /// everything but the engine.
+    pub programme: String,
+    /// The claims, judged.
+    pub claims: Vec<Claim>,
+    /// Whether stock Bullet found and solved the contacts.
+    pub stock_bullet: bool,
+    /// Its settlement under continuous vibration; null where it has none.
+    pub settlement: Option<MeanSettlement>,
 }
 
 /// Everything a report is made from.

@@ -1,11 +1,47 @@
-//! SVG to PNG, alike on every machine: the font is part of the program.
+//! Pictures as PNG: those that something else has made, and SVG, alike on every machine: the font is
+//! part of the program.
 
-use std::sync::{Arc, OnceLock};
+use std::{
+    path::Path,
+    sync::{Arc, OnceLock},
+};
 
+use base64::{Engine, prelude::BASE64_STANDARD};
 use resvg::{
     tiny_skia::{Pixmap, Transform},
     usvg::{Options, Tree, fontdb},
 };
+
+use crate::record::{FileError, create_folder, write_file};
+
+/// A picture with its words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Name of its file, without extension.
+    pub stem: String,
+    /// Title.
+    pub title: String,
+    /// What is shown, what the colours tell, and how it was made.
+    pub caption: String,
+    /// The picture as PNG.
+    pub png: Vec<u8>,
+}
+
+impl Picture {
+    /// Writes `STEM.png` into a folder, which is made where it is missing.
+    ///
+    /// # Errors
+    /// [`FileError`] naming the file.
+    pub fn write(&self, folder: &Path) -> Result<(), FileError> {
+        create_folder(folder)?;
+        write_file(&folder.join(format!("{}.png", self.stem)), &self.png)
+    }
+
+    /// As a page holds it within itself.
+    pub(super) fn as_data(&self) -> String {
+        format!("data:image/png;base64,{}", BASE64_STANDARD.encode(&self.png))
+    }
+}
 
 /// DejaVu Sans alone, as the font for every family.
 fn fonts() -> Arc<fontdb::Database> {

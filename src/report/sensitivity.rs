@@ -81,6 +81,13 @@ pub struct ParameterRow {
     pub surface: Effect,
 }
 
+/// What parameters move: its name in tables, its title, and which effect of a row that is.
+pub(super) const OUTCOMES: [(&str, &str, fn(&ParameterRow) -> Effect); 3] = [
+    ("height", "Height after pouring", |r| r.height),
+    ("plate_settlement", "Settlement of the plate", |r| r.plate),
+    ("surface_settlement", "Settlement of the mean surface", |r| r.surface),
+];
+
 /// `sensitivity.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensitivity {
@@ -140,11 +147,8 @@ fn table(of: &Sensitivity) -> Table {
         record.add("failed", row.failed);
         record.add("left_out", row.left_out);
         record.add("grains_outside", row.grains_outside);
-        for (outcome, e) in [
-            ("height", &row.height),
-            ("plate_settlement", &row.plate),
-            ("surface_settlement", &row.surface),
-        ] {
+        for (outcome, _, effect) in OUTCOMES {
+            let e = effect(row);
             record.add_estimate(&format!("{outcome}_low_minus_default_mm"), e.low_mm);
             record.add_estimate(&format!("{outcome}_high_minus_default_mm"), e.high_mm);
             record.add_estimate(&format!("{outcome}_high_minus_low_mm"), e.range_mm);
@@ -173,7 +177,6 @@ fn page(of: &Sensitivity, figure: Figure) -> Page {
         if of.configurations == 1 { "" } else { "s" },
     );
     let default = of.default.as_ref().map(without_a_change).unwrap_or_default();
-    let effects = |effect| [Block::Table(effects(of, effect))];
     let ranges = table!(&of.parameters, |p| {
         "parameter" => &p.title,
         "from" => with_unit(&compact(p.low), &p.unit),
@@ -181,12 +184,15 @@ fn page(of: &Sensitivity, figure: Figure) -> Page {
         "to" => with_unit(&compact(p.high), &p.unit),
         "why" => &p.reason,
     });
-    Page::new("Sensitivity", [Block::Text(intro), Block::Text(default)])
-        .figures("figure", "Figure", [figure])
-        .section("height", "Height after pouring", effects(|r| r.height))
-        .section("plate", "Settlement of the plate", effects(|r| r.plate))
-        .section("surface", "Settlement of the mean surface", effects(|r| r.surface))
-        .section("ranges", "Ranges", [Block::Table(ranges)])
+    let mut page = Page::new("Sensitivity", [Block::Text(intro), Block::Text(default)]).figures(
+        "figure",
+        "Figure",
+        [figure],
+    );
+    for (outcome, title, effect) in OUTCOMES {
+        page = page.section(outcome, title, [Block::Table(effects(of, effect))]);
+    }
+    page.section("ranges", "Ranges", [Block::Table(ranges)])
 }
 
 /// Results of the scenario as it is.

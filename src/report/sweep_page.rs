@@ -1,7 +1,5 @@
 //! The page of a sweep, as Markdown and as HTML.
 
-use std::fmt::Write as _;
-
 use super::{
     Figure, Sweep, SweepEffect, SweepEstimate, SweepPoint, SweepRun,
     page::{Block, Page},
@@ -23,35 +21,35 @@ const HOW_TO_READ: &str = "Every point is run in the same configurations, each t
 pub(super) fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
     let failed = of.failed().count();
     let done = of.runs.len() - failed;
-    let mut lead = format!(
-        "{} points in {} configuration{}: {done} of {} runs have results",
+    let below = of.runs.iter().filter(|r| r.meets_standard == Some(false)).count();
+    let not_valid = of.runs.iter().filter(|r| r.valid == Some(false)).count();
+    let found = not_valid.saturating_sub(below);
+    let left_out = of.left_out().count();
+    let say = |count: usize, text: String| if count > 0 { text } else { String::new() };
+    let lead = format!(
+        "{} points in {} configuration{}: {done} of {} runs have results{}{}{}{}{}.",
         of.points.len(),
         of.configurations,
         if of.configurations == 1 { "" } else { "s" },
-        of.planned
+        of.planned,
+        say(failed, format!(", {failed} failed")),
+        say(
+            below,
+            format!(
+                "; {below} {} meet the accuracy standard for overlap and creep",
+                if below == 1 { "does not" } else { "do not" }
+            )
+        ),
+        say(
+            found,
+            format!(
+                "; in {found} {} a run-time check found something",
+                if found == 1 { "that does" } else { "that do" }
+            )
+        ),
+        say(not_valid, format!("; not valid: {not_valid} of {done}")),
+        say(left_out, format!("; {}", left_out_in_words(left_out, done))),
     );
-    if failed > 0 {
-        let _ = write!(lead, ", {failed} failed");
-    }
-    let below = of.runs.iter().filter(|r| r.meets_standard == Some(false)).count();
-    if below > 0 {
-        let do_not = if below == 1 { "does not" } else { "do not" };
-        let _ = write!(lead, "; {below} {do_not} meet the accuracy standard for overlap and creep");
-    }
-    let not_valid = of.runs.iter().filter(|r| r.valid == Some(false)).count();
-    let found = not_valid.saturating_sub(below);
-    if found > 0 {
-        let that_do = if found == 1 { "that does" } else { "that do" };
-        let _ = write!(lead, "; in {found} {that_do} a run-time check found something");
-    }
-    if not_valid > 0 {
-        let _ = write!(lead, "; not valid: {not_valid} of {done}");
-    }
-    let left_out = of.left_out().count();
-    if left_out > 0 {
-        let _ = write!(lead, "; {}", left_out_in_words(left_out, done));
-    }
-    lead.push('.');
     let is_well = failed == 0 && not_valid == 0 && left_out == 0;
     let why_left_out = reasons(of, of.left_out(), |r| r.left_out_of_means.as_ref());
     let why_failed = reasons(of, of.failed(), |r| r.failure.as_ref());

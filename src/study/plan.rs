@@ -214,19 +214,22 @@ impl Plan {
     pub fn alone(&self, run: usize) -> (Self, Vec<usize>) {
         let RunNodes { stages, rest_test } = &self.runs[run];
         let kept: Vec<usize> = stages.iter().chain(rest_test).copied().collect();
-        let place = |node: usize| kept.iter().position(|&k| k == node);
-        let nodes = kept
-            .iter()
-            .map(|&n| {
-                let node = self.nodes[n].clone();
-                Node { parent: node.parent.and_then(place), ..node }
-            })
-            .collect();
+        let nodes = self.part(&kept);
         let runs = vec![RunNodes {
             stages: (0..stages.len()).collect(),
             rest_test: rest_test.map(|_| stages.len()),
         }];
         (Self { nodes, runs }, kept)
+    }
+
+    /// Some of its nodes, as nodes of a plan that has no others.
+    pub fn part(&self, kept: &[usize]) -> Vec<Node> {
+        let place = |node: usize| kept.iter().position(|&k| k == node);
+        let node = |&n: &usize| {
+            let node = self.nodes[n].clone();
+            Node { parent: node.parent.and_then(place), ..node }
+        };
+        kept.iter().map(node).collect()
     }
 
     fn add(

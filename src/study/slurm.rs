@@ -141,7 +141,7 @@ fn script_text(
         ("account", request.account.clone()),
     ];
     let line =
-        |(name, value)| Some(format!("#SBATCH --{name}={}\n", Option::<String>::as_ref(&value)?));
+        |(name, value): (&str, Option<String>)| Some(format!("#SBATCH --{name}={}\n", value?));
     let options: String = options.into_iter().filter_map(line).collect();
     // A node that fails must not fail the array: what it had is done again.
     format!("#!/bin/sh\n{options}#SBATCH --requeue\nexec {command}\n")

@@ -1,10 +1,17 @@
-//! Standing height and void ratio of a specimen, and why they are withheld.
+//! How a specimen stands: its height and void ratio, and why they are withheld; a pile's angle of
+//! repose; and grains that something pressed through a floor or a wall.
 
-use super::StudyError;
-use crate::measure::{Container, HeightMap, height_cell, void_ratio};
-use crate::record::{StandingHeight, Withheld};
-use crate::specimen::Specimen;
-use crate::units::{from_mm, to_mm};
+use std::sync::Arc;
+
+use super::{StudyError, recorder::container};
+use crate::grains::GrainSet;
+use crate::measure::{
+    Container, HeightMap, NoPile, Place, height_cell, pile_surface, places, void_ratio,
+};
+use crate::protocol::Setup;
+use crate::record::{AngleOfRepose, AzimuthAngle, StandingHeight, StoredStage, Withheld};
+use crate::specimen::{Fate, Specimen};
+use crate::units::{from_mm, to_cm3, to_mm};
 
 /// Standing height and void ratio of a specimen.
 pub(super) struct Standing {
@@ -112,6 +119,77 @@ fn no_voids(specimen: &Specimen, container: &Container, mean_surface: f64) -> Op
 /// A height where there is no reason against it.
 pub(super) fn height_unless(height: StandingHeight, reason: Option<&str>) -> StandingHeight {
     if reason.is_some() { StandingHeight::withheld() } else { height }
+}
+
+/// The angle of repose of a specimen that lies on a base, or why it has none;
+/// `None` without a base.
+///
+/// # Errors
+/// When the surface cannot be measured.
+pub(super) fn angle_of_repose(
+    specimen: &Specimen,
+) -> Result<Option<Result<AngleOfRepose, NoPile>>, StudyError> {
+    let Some(surface) = pile_surface(specimen).map_err(StudyError::measure)? else {
+        return Ok(None);
+    };
+    let fallen_off = specimen.state.bodies.iter().filter(|g| g.fate == Fate::Spilled).count();
+    Ok(Some(surface.repose().map(|pile| {
+        AngleOfRepose {
+            degrees: pile.angle.to_degrees(),
+            standard_deviation_degrees: pile.standard_deviation.to_degrees(),
+            confidence_low_degrees: pile.confidence.0.to_degrees(),
+            confidence_high_degrees: pile.confidence.1.to_degrees(),
+            by_volume_degrees: pile.by_volume.to_degrees(),
+            pile_height_mm: to_mm(pile.height),
+            base_radius_mm: to_mm(pile.base_radius),
+            flank_radii_mm: [to_mm(pile.flank.0), to_mm(pile.flank.1)],
+            volume_cm3: to_cm3(pile.volume),
+            axis_mm: [to_mm(pile.axis.0), to_mm(pile.axis.1)],
+            fallen_off,
+            by_azimuth: pile
+                .sectors
+                .iter()
+                .map(|s| AzimuthAngle {
+                    azimuth_degrees: s.azimuth.to_degrees(),
+                    degrees: s.angle.map(f64::to_degrees),
+                    toe_radius_mm: s.toe.map(to_mm),
+                })
+                .collect(),
+        }
+    })))
+}
+
+/// Grains that lay with their centroid in a floor or a wall when a stage ended, and that no stage
+/// itself saw pass.
+pub(super) fn pressed_through<'a>(
+    grains: &Arc<GrainSet>,
+    stages: impl Iterator<Item = &'a StoredStage>,
+    setup: &Setup,
+) -> usize {
+    // Pieces of a laboratory are no cylinder: whether grains pass them is watched stage by stage.
+    if !setup.pieces.is_empty() {
+        return 0;
+    }
+    let mut pressed = vec![false; grains.grains.len()];
+    for stage in stages {
+        let specimen = Specimen { grains: grains.clone(), state: stage.state.clone() };
+        let there = places(&specimen, &container(setup, &specimen), wall(setup));
+        let bodies = specimen.state.bodies.iter().zip(&there);
+        for (pressed, (grain, place)) in pressed.iter_mut().zip(bodies) {
+            match grain.fate {
+                Fate::Present => *pressed |= *place == Place::Escaped,
+                // Seen by the stage.
+                Fate::ThroughWall => *pressed = false,
+                _ => {}
+            }
+        }
+    }
+    pressed.into_iter().filter(|pressed| *pressed).count()
+}
+
+/// Thickness of walls and floors in m, as grains on their way are held to have passed them.
+pub(super) fn wall(setup: &Setup) -> f64 {
+    from_mm(setup.funnel.wall_thickness_mm)
 }
 
 #[cfg(test)]

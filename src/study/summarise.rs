@@ -8,9 +8,8 @@ use super::{
     inside,
     laboratory::laboratory_summary,
     plan::{PlannedRun, RunNodes},
-    pressed::{pressed_through, wall},
     recorder::container,
-    standing::{Standing, height_unless, withheld_figures},
+    standing::{Standing, angle_of_repose, height_unless, pressed_through, wall, withheld_figures},
     told::of_grains,
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution, StoneRecord};
@@ -119,7 +118,7 @@ pub fn summarise(
     warnings.extend(scenario::warnings(scenario).iter().map(ToString::to_string));
     warnings.extend(of_grains(scenario, &run.grains));
     warnings.extend(StoneRecord::notes(&run.grains.stones));
-    let angle_of_repose = match super::pile::angle_of_repose(&specimen)? {
+    let angle_of_repose = match angle_of_repose(&specimen)? {
         Some(Ok(angle)) => Some(angle),
         Some(Err(why)) => {
             warnings.push(format!("there is no angle of repose: {why}"));

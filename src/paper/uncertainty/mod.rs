@@ -10,11 +10,7 @@ pub use placements::{PlacementScatter, SpecimenPlacements};
 
 use serde::Serialize;
 
-use super::{
-    Interval, StudyView, bands,
-    constants::{LABORATORY_PLUVIATION_TESTS, LABORATORY_VIBRATION_TESTS},
-    text::number,
-};
+use super::{Interval, StudyView, bands, text::number};
 use crate::measure::{
     inference::{MeanTest, page_test, values_needed},
     statistics::{least_squares_slope, mean},
@@ -408,40 +404,38 @@ fn laboratory(quantities: &[Quantity]) -> Vec<LaboratoryScatter> {
     let poured = quantities.iter().filter(|q| q.falling_height_mm.is_some());
     let widest =
         poured.filter_map(|q| q.range).max_by(|a, b| (a.high - a.low).total_cmp(&(b.high - b.low)));
+    let of = |quantity: &str, stated_range, ours, note: &str| LaboratoryScatter {
+        quantity: quantity.to_owned(),
+        stated_range,
+        ours,
+        unit: "mm".to_owned(),
+        note: note.to_owned(),
+    };
     vec![
-        LaboratoryScatter {
-            quantity: "standing height; ours: the falling height with the widest range".into(),
-            stated_range: None,
-            ours: widest,
-            unit: "mm".into(),
-            note: format!(
-                "{LABORATORY_PLUVIATION_TESTS} tests from four heights. Their range was drawn in Figure \
-                 7 alone, which was not available to us (only the paper's text was); the text states \
-                 no number and no standard deviation."
-            ),
-        },
-        LaboratoryScatter {
-            quantity: "final settlement of the plate, continuous".into(),
-            stated_range: Some(bands::FINAL_SETTLEMENT_MM),
-            ours: ours("continuous vibration, plate, final"),
-            unit: "mm".into(),
-            note: format!(
-                "Smallest and largest of some of {LABORATORY_VIBRATION_TESTS} vibration tests; how many \
-                 were continuous, their mean and their standard deviation are not stated, so that no \
-                 interval of the laboratory's mean can be given. A range grows with the number of \
-                 tests: that of a few configurations is narrower by itself."
-            ),
-        },
-        LaboratoryScatter {
-            quantity: "final settlement of the plate, intermittent".into(),
-            stated_range: None,
-            ours: ours("intermittent vibration, plate, final"),
-            unit: "mm".into(),
-            note:
-                "The range was drawn in Figure 10 alone, which was not available to us (only the \
-                   paper's text was); the text says that one of the paper's simulations ended 11 % \
-                   below its lower end."
-                    .into(),
-        },
+        of(
+            "standing height; ours: the falling height with the widest range",
+            None,
+            widest,
+            "49 tests from four heights. Their range was drawn in Figure 7 alone, which was not \
+             available to us (only the paper's text was); the text states no number and no standard \
+             deviation.",
+        ),
+        of(
+            "final settlement of the plate, continuous",
+            Some(bands::FINAL_SETTLEMENT_MM),
+            ours("continuous vibration, plate, final"),
+            "Smallest and largest of some of 33 vibration tests; how many were continuous, their mean \
+             and their standard deviation are not stated, so that no interval of the laboratory's \
+             mean can be given. A range grows with the number of tests: that of a few configurations \
+             is narrower by itself.",
+        ),
+        of(
+            "final settlement of the plate, intermittent",
+            None,
+            ours("intermittent vibration, plate, final"),
+            "The range was drawn in Figure 10 alone, which was not available to us (only the paper's \
+             text was); the text says that one of the paper's simulations ended 11 % below its lower \
+             end.",
+        ),
     ]
 }

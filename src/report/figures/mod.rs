@@ -3,18 +3,16 @@
 
 mod calibration;
 mod convergence;
-mod grain_size;
+mod grains;
 mod headline;
+mod heights;
 mod interpretations;
 mod of_run;
 mod pile;
 mod quality;
 mod sensitivity;
 mod settlement;
-mod shape;
-mod standing_height;
 mod sweep;
-mod uncertainty;
 
 use std::path::Path;
 
@@ -31,14 +29,13 @@ use crate::{
 
 pub(super) use calibration::{capital, of_calibration};
 pub(super) use convergence::of_convergence;
-pub(super) use grain_size::of_grains;
+pub(super) use grains::{of_grains, of_shapes};
 pub(super) use headline::figure as headline;
 pub(super) use interpretations::of_interpretations;
 pub(super) use of_run::of_run;
 pub(super) use pile::of_pile;
 pub use pile::side_view;
 pub(super) use sensitivity::of_sensitivity;
-pub(super) use shape::figure as of_shapes;
 pub(super) use sweep::of_sweep;
 
 /// A figure with the numbers it shows.
@@ -109,10 +106,10 @@ impl Figure {
 /// [`ReportError::Figure`].
 pub(super) fn of_study(study: &StudyView, standard: &Standard) -> Result<Vec<Figure>, ReportError> {
     let mut figures = vec![
-        grain_size::figure(study)?,
-        shape::figure(&study.shapes)?,
-        standing_height::figure(study)?,
-        uncertainty::figure(study)?,
+        grains::sizes(study)?,
+        of_shapes(&study.shapes)?,
+        heights::over_falling_height(study)?,
+        heights::with_confidence(study)?,
         settlement::continuous(study)?,
         settlement::intermittent(study)?,
         quality::creep(study, standard)?,

@@ -9,7 +9,7 @@ use crate::{
         axis::Axis,
         calibration::with_unit,
         plot::{Look, Plot},
-        sensitivity::ranked,
+        sensitivity::{OUTCOMES, ranked},
         style,
         table::{Table, row},
     },
@@ -21,18 +21,9 @@ const ROW: u32 = 80;
 /// Width of a bar, in SVG units.
 const BAR: u32 = 26;
 
-/// What each panel shows: name of its axis, name in the table, effect.
-type Panel = (&'static str, &'static str, fn(&ParameterRow) -> Effect);
-
 /// An end of a range: its entry in the legend, number of its colour, how far
 /// it is drawn below the middle of its line, and its change.
 type End = (&'static str, usize, f64, fn(&Effect) -> Option<Estimate>);
-
-const PANELS: [Panel; 3] = [
-    ("Change of the height after pouring (mm)", "height", |r| r.height),
-    ("Change of the settlement of the plate (mm)", "plate_settlement", |r| r.plate),
-    ("Change of the settlement of the surface (mm)", "surface_settlement", |r| r.surface),
-];
 
 /// The figure of a sensitivity study.
 ///
@@ -42,11 +33,11 @@ pub(in crate::report) fn of_sensitivity(of: &Sensitivity) -> Result<Figure, Repo
     let mut table =
         Table::new(["outcome", "parameter", "end", "value", "change_mm", "standard_error_mm"]);
     let mut panels = Vec::new();
-    for (index, (axis, outcome, effect)) in PANELS.into_iter().enumerate() {
+    for (index, (outcome, title, effect)) in OUTCOMES.into_iter().enumerate() {
         let rows = ranked(&of.parameters, effect);
         // One legend does for all panels.
-        let last = index + 1 == PANELS.len();
-        panels.push(panel(axis, &rows, effect, last));
+        let last = index + 1 == OUTCOMES.len();
+        panels.push(panel(&format!("{title}, change (mm)"), &rows, effect, last));
         for row in rows {
             let e = effect(row);
             for (end, value, change) in [("low", row.low, e.low_mm), ("high", row.high, e.high_mm)]

@@ -1,18 +1,22 @@
 //! Deviations, verdicts and the choice of the cheapest setting, on canned rows.
 
 use super::{
-    BUILT_IN, design,
+    BUILT_IN, ConvergenceStudy,
     design::{ConvergenceLimits, Ladder},
     judge::{cheapest, judge},
-    standard,
 };
 use crate::record::RunRow;
-use crate::report::ConvergenceRow;
+use crate::report::{ConvergenceRow, Standard};
+use crate::scale::Scale;
 use crate::scenario::Scenario;
 use crate::study::presets::DesignFile;
 
 const LIMITS: ConvergenceLimits =
     ConvergenceLimits { height_percent: 1.0, settlement_percent: 5.0 };
+
+fn standard() -> Standard {
+    crate::study::standard(&Scale::PAPER)
+}
 
 /// A good run: overlap and creep within the standard.
 fn run(variation: &str, configuration: u32, height: f64, cost: f64) -> RunRow {
@@ -288,8 +292,8 @@ fn single_precision_is_held_against_double() {
 fn the_built_in_design_is_sound() {
     let file = DesignFile::new(None, BUILT_IN).expect("unpacked");
     for quick in [false, true] {
-        let design =
-            design::read(&file.path, quick).unwrap_or_else(|e| panic!("quick {quick}: {e}"));
+        let design = ConvergenceStudy::of_file(&file.path, quick);
+        let design = design.unwrap_or_else(|e| panic!("quick {quick}: {e}"));
         assert!(design.configurations >= 2, "one configuration tells nothing of scatter");
         let names = || design.varied.all.iter().map(|(v, _)| v.name.as_str());
         assert!(

@@ -213,31 +213,28 @@ fn ends(
         );
         return None;
     }
-    let mut made: Vec<Vec<Override>> = Vec::new();
-    let mut end = |which: &str, value: f64, changes: &[String]| -> Option<Vec<String>> {
+    let mut end = |which: &str, value: f64, changes: &[String]| -> Option<Vec<Override>> {
         if value == default {
             return Some(Vec::new());
         }
         let field = format!("{at}.{which}_changes");
-        let changes = match (&p.path, changes) {
-            (Some(path), []) => vec![format!("{path}={value}").parse().ok()?],
+        match (&p.path, changes) {
+            (Some(path), []) => Some(vec![format!("{path}={value}").parse().ok()?]),
             (None, []) => {
                 let allowed = "changes that make this end, or else `path`";
                 faults.add(&field, "", allowed, "nothing says how this end is made");
-                return None;
+                None
             }
             (Some(_), _) => {
                 faults.add(&field, "", "none beside `path`", "`path` already makes this end");
-                return None;
+                None
             }
-            (None, changes) => faults.changes(&field, changes),
-        };
-        let texts = changes.iter().map(|c| c.text().to_owned()).collect();
-        made.push(changes);
-        Some(texts)
+            (None, changes) => Some(faults.changes(&field, changes)),
+        }
     };
-    let low_changes = end("low", low, &p.low_changes);
-    let high_changes = end("high", high, &p.high_changes);
+    let (at_low, at_high) = (end("low", low, &p.low_changes), end("high", high, &p.high_changes));
+    let (at_low, at_high) = at_low.zip(at_high)?;
+    let texts = |of: &[Override]| of.iter().map(|c| c.text().to_owned()).collect();
     let parameter = Parameter {
         name: p.name.clone(),
         title: p.title.clone(),
@@ -247,14 +244,15 @@ fn ends(
         low,
         default,
         high,
-        low_changes: low_changes?,
-        high_changes: high_changes?,
+        low_changes: texts(&at_low),
+        high_changes: texts(&at_high),
     };
     // An end that is the default is no variation of its own.
-    let ends = [End::Low, End::High].into_iter().map(|end| parameter.variation(end));
-    let names = ends.filter(|name| name != DEFAULT);
-    let made = names.zip(made).map(|(name, made)| Variation::new(name, &p.title, made)).collect();
-    Some((parameter, made))
+    let ends = [(End::Low, at_low), (End::High, at_high)].map(|(end, made)| {
+        let name = parameter.variation(end);
+        (name != DEFAULT).then(|| Variation::new(name, &p.title, made))
+    });
+    Some((parameter, ends.into_iter().flatten().collect()))
 }
 
 /// The scenario's own value at a path, which must be the one that is given.

@@ -1,17 +1,12 @@
 //! `plan.json`: every run of a sweep before any is run.
 
-use std::{fmt::Display, path::Path, str::FromStr};
+use std::{fmt::Display, iter::repeat_n, path::Path, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::{
-    super::{
-        RunOptions, StudyError,
-        plan::Plan,
-        sensitivity::Parameter,
-        variations::{GrainSets, Varied, planned_run},
-    },
+    super::{RunOptions, StudyError, plan::Plan, sensitivity::Parameter, variations::Varied},
     Design, Point, SweepOptions,
 };
 use crate::record::{FileError, hash_json, read_json, write_json};
@@ -104,32 +99,28 @@ pub(super) fn plan(
 ) -> Result<SweepPlan, StudyError> {
     let factors: Vec<String> = options.names().into_iter().map(str::to_owned).collect();
     let mut engines: Vec<String> = Vec::new();
-    let mut grains = GrainSets::default();
-    let mut runs = Vec::new();
-    for (point, (variation, scenario)) in points.iter().zip(&varied.all) {
-        let set = grains.of(scenario)?;
+    for scenario in varied.scenarios() {
         let info = crate::world::info(scenario.engine.backend);
         let engine = format!("{} {} in {} precision", info.name, info.version, info.precision);
         if !engines.contains(&engine) {
             engines.push(engine);
         }
-        let planned: Vec<_> = (0..options.configurations)
-            .map(|number| planned_run(variation, scenario, number, set.clone()))
-            .collect();
-        let nodes = Plan::new(&planned)?;
-        for (run, of_run) in planned.iter().zip(&nodes.runs) {
-            let last = of_run.rest_test.or(of_run.stages.last().copied());
-            runs.push(PlannedPoint {
-                run: run.name.clone(),
-                point: point.name.clone(),
-                values: factors.iter().cloned().zip(point.values.iter().cloned()).collect(),
-                changes: point.changes.iter().map(|c| c.text().to_owned()).collect(),
-                seed: run.scenario.seed,
-                configuration: run.scenario.configuration,
-                key: last.map(|n| nodes.nodes[n].key().to_owned()).unwrap_or_default(),
-            });
-        }
     }
+    let planned = varied.runs(options.configurations)?;
+    let plan = Plan::new(&planned)?;
+    let of_runs = points.iter().flat_map(|p| repeat_n(p, options.configurations as usize));
+    let runs = of_runs.zip(planned.iter().zip(&plan.runs)).map(|(point, (run, nodes))| {
+        let last = nodes.rest_test.or(nodes.stages.last().copied());
+        PlannedPoint {
+            run: run.name.clone(),
+            point: point.name.clone(),
+            values: factors.iter().cloned().zip(point.values.iter().cloned()).collect(),
+            changes: point.changes.iter().map(|c| c.text().to_owned()).collect(),
+            seed: run.scenario.seed,
+            configuration: run.scenario.configuration,
+            key: last.map(|n| plan.nodes[n].key().to_owned()).unwrap_or_default(),
+        }
+    });
     Ok(SweepPlan {
         format: FORMAT.to_owned(),
         version: VERSION,
@@ -149,7 +140,7 @@ pub(super) fn plan(
         ranges: options.ranges.iter().map(|r| r.text.clone()).collect(),
         changes: options.changes.iter().map(|c| c.text().to_owned()).collect(),
         configurations: options.configurations,
-        runs,
+        runs: runs.collect(),
     })
 }
 

@@ -11,7 +11,7 @@ use super::{
         believed::held,
         execute::execute,
         plan::{Plan, RunNodes},
-        variations::{GrainSets, name_stages, planned_run},
+        variations::name_stages,
     },
     SweepPlan, SweepStudy, edited,
 };
@@ -65,14 +65,7 @@ impl SweepTasks {
         let study = SweepStudy::new(file.options(run)?)?;
         let now = study.plan()?;
         edited::refuse_planned(&out, &file, &now)?;
-        let mut runs = Vec::new();
-        let mut grains = GrainSets::default();
-        for (variation, scenario) in &study.varied.all {
-            let set = grains.of(scenario)?;
-            for number in 0..study.options.configurations {
-                runs.push(planned_run(variation, scenario, number, set.clone()));
-            }
-        }
+        let runs = study.varied.runs(study.options.configurations)?;
         let mut plan = Plan::new(&runs)?;
         name_stages(&mut plan, &runs);
         let mut depth = vec![0; plan.nodes.len()];
@@ -172,12 +165,7 @@ impl SweepTasks {
             numbers.push(parent);
         }
         numbers.reverse();
-        let nodes = numbers.iter().enumerate().map(|(place, n)| {
-            let mut node = self.plan.nodes[*n].clone();
-            node.parent = place.checked_sub(1);
-            node
-        });
-        Plan { nodes: nodes.collect(), runs: Vec::new() }
+        Plan { nodes: self.plan.part(&numbers), runs: Vec::new() }
     }
 
     /// How far it is.

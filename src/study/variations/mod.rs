@@ -95,6 +95,21 @@ impl Varied {
         self.all.iter().map(|(_, scenario)| scenario)
     }
 
+    /// Every variation in all configurations, one variation after the other.
+    ///
+    /// # Errors
+    /// When grains cannot be made.
+    pub(super) fn runs(&self, configurations: u32) -> Result<Vec<PlannedRun>, StudyError> {
+        let mut grains = GrainSets::default();
+        let mut runs = Vec::new();
+        for (variation, scenario) in &self.all {
+            let set = grains.of(scenario)?;
+            let run = |number| planned_run(variation, scenario, number, set.clone());
+            runs.extend((0..configurations).map(run));
+        }
+        Ok(runs)
+    }
+
     /// A hash of everything that is to be done, the engine's build aside.
     pub fn programme(&self, configurations: u32) -> String {
         let named: Vec<(&str, Option<u32>, &Scenario)> =
@@ -261,10 +276,10 @@ fn planned(
 
 /// Sets of grains, each made once.
 #[derive(Default)]
-pub(super) struct GrainSets(Vec<(String, Arc<GrainSet>)>);
+struct GrainSets(Vec<(String, Arc<GrainSet>)>);
 
 impl GrainSets {
-    pub(super) fn of(&mut self, scenario: &Scenario) -> Result<Arc<GrainSet>, StudyError> {
+    fn of(&mut self, scenario: &Scenario) -> Result<Arc<GrainSet>, StudyError> {
         let key = hash_json(&(&scenario.grains, scenario.seed, &scenario.begin));
         if let Some((_, set)) = self.0.iter().find(|(known, _)| *known == key) {
             return Ok(set.clone());
@@ -276,7 +291,7 @@ impl GrainSets {
 }
 
 /// A run of a variation in its n-th configuration, counted from 0.
-pub(super) fn planned_run(
+fn planned_run(
     variation: &Variation,
     scenario: &Scenario,
     number: u32,
