@@ -317,7 +317,7 @@ template <class N>
 PLUVIA_INLINE void integrate_position(PackedBodies<N> &bodies, std::size_t b, N step) {
     const auto &r = bodies.root[b].at;
     const auto &m = bodies.motion[b].at;
-    if (r[7] > 0) { // pressed
+    if (bodies.pressed(b)) {
         for (int i = 0; i < 3; ++i) {
             bodies.displacement[b].at[i] += r[i] * m[4] * step;
             bodies.displacement[b].at[4 + i] += r[3 + i] * m[4] * step;

@@ -93,6 +93,7 @@ template <class N> struct PackedBodies {
             records->resize(count);
         }
     }
+    bool pressed(std::size_t body) const { return root[body].at[7] > 0; }
 };
 
 } // namespace pluvia

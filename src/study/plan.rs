@@ -22,7 +22,7 @@ use crate::world::BackendInfo;
 
 /// Raised whenever the meaning of a stored stage changes, so that none of an
 /// older meaning is ever taken for a new one.
-const FORMAT: u32 = 14;
+const FORMAT: u32 = 15;
 
 /// A run to run.
 #[derive(Debug, Clone)]

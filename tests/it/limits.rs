@@ -8,7 +8,7 @@ use std::{
     path::{Path, PathBuf},
     process::{Command, Output, Stdio},
     thread::sleep,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
 use serde_json::json;
@@ -150,8 +150,8 @@ fn threads_that_are_refused_end_in_no_panic() {
     }
 }
 
-/// Law: a sieve table of as many fractions as a scenario can hold is answered within seconds, with
-/// how many are allowed.
+/// Law: a sieve table of as many fractions as a scenario can hold is answered within ten seconds of
+/// a processor, with how many are allowed. What takes longer is killed.
 #[test]
 fn a_sieve_table_of_very_many_fractions_is_answered_soon() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -193,18 +193,16 @@ fn a_sieve_table_of_very_many_fractions_is_answered_soon() {
         assert!((largest - 200..=largest).contains(&text.len()), "just below the limit");
         let path = folder.path().join("many.json");
         fs::write(&path, text).expect("written");
-        let begun = Instant::now();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_pluvia"));
-        command.arg("grains").arg(&path).arg("--out").arg(folder.path().join("out"));
+        let mut command = Command::new("sh");
+        command.args(["-c", "ulimit -t 10; exec \"$0\" grains \"$1\" --out \"$2\""]);
+        command.arg(env!("CARGO_BIN_EXE_pluvia")).arg(&path).arg(folder.path().join("out"));
         let output = command.output().expect("it starts");
-        let (took, told) = (begun.elapsed(), said(&output));
+        let told = said(&output);
         assert_eq!(output.status.code(), Some(2), "law: {count} {what} are refused, got {told}");
         let words = ["grains.sieve_table", "the list is too long", "1 to 100 elements"];
         let is_told = words.iter().all(|word| told.contains(word));
         assert!(is_told, "law: {count} {what}: it is reported with what is allowed, got {told}");
         // A hundred faults are written out at most, each in a line.
         assert!(told.len() < 40_000, "law: {count} {what}: in few words, got {}", told.len());
-        let soon = Duration::from_secs(10);
-        assert!(took < soon, "law: {count} {what} are answered within {soon:?}, got {took:?}");
     }
 }

@@ -314,6 +314,28 @@ fn an_oedometer_settles_under_load_and_springs_back_by_less() {
 }
 
 #[test]
+fn grains_lie_still_under_a_lid_that_bears_a_thousand_times_their_weight() {
+    let stages = r#"stages=[
+        {"stage":"deposit","at_mm":[0,0,100],"diameter_mm":65,"rate_g_per_s":600},
+        {"stage":"move","pieces":["lid"],"velocity_mm_per_s":[0,0,-200],"travel_mm":60,"ramp_s":0.05},
+        {"stage":"press","loads":[{"piece":"lid","stress_kpa":200}]},
+        {"stage":"rest","duration_s":0.3}]"#;
+    let recipe = Recipe::run(
+        "oedometer",
+        &[
+            "grains.total_mass_g=300",
+            "pieces.0.shape.cylinder.inner_diameter_mm=85",
+            "pieces.1.shape.disc.diameter_mm=84",
+            stages,
+            "rest_test_s=0",
+        ],
+    );
+    // Where the load on the lid counts in what iterations may leave, it sinks by 0.3 mm.
+    let sunk = (recipe.height(2, "lid") - recipe.height(3, "lid")) * 1e3;
+    within("a lid that has settled sinks in 0.3 s, mm", sunk, -0.02, 0.02);
+}
+
+#[test]
 fn a_sheared_box_resists() {
     let recipe = Recipe::run(
         "direct-shear",
