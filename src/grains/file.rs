@@ -134,7 +134,7 @@ pub fn from_json(json: &GrainsJson) -> Result<GrainSet, GrainsError> {
         }
     };
     positive("density of the solids, kg/m³", density)?;
-    let mut set = GrainSet { grains: Vec::new(), blocks: Vec::new(), density, stones: Vec::new() };
+    let mut set = GrainSet::empty(density);
     for (index, (block, stated)) in blocks.into_iter().zip(&json.blocks).enumerate() {
         for (cell, (shape, stated)) in block.cells.iter().zip(&stated.cells).enumerate() {
             check_stated(index, cell, shape, density, stated)?;

@@ -29,12 +29,7 @@ pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError>
     if spec.shape == SievedShape::Spheres {
         return spheres(&psd, seed);
     }
-    let mut set = GrainSet {
-        grains: Vec::new(),
-        blocks: Vec::new(),
-        density: psd.density,
-        stones: Vec::new(),
-    };
+    let mut set = GrainSet::empty(psd.density);
     let smallest = psd.fractions.iter().map(|f| f.retained).fold(f64::INFINITY, f64::min);
     let scale = Scale::of_smallest(smallest, Scale::PAPER.gravity);
     let merge = scale::MERGE_DISTANCE.at(&scale);

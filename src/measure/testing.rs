@@ -206,7 +206,7 @@ pub fn specimen_of(parts: Vec<(ConvexPolyhedron, Pose)>) -> Specimen {
             grains,
             blocks: vec![of_the_papers_sizes()],
             density: DENSITY,
-            stones: vec![],
+            meshes: vec![],
         }),
         state: SpecimenState {
             bodies,

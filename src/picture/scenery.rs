@@ -258,7 +258,7 @@ mod tests {
         .expect("a scenario");
         let setup = Setup::new(&scenario).expect("a laboratory");
         let no_grains =
-            GrainSet { grains: vec![], blocks: vec![], density: 2650.0, stones: vec![] };
+            GrainSet { grains: vec![], blocks: vec![], density: 2650.0, meshes: vec![] };
         let view = View { azimuth_deg: 0.0, elevation_deg: 10.0 };
         for walls in [Walls::Transparent, Walls::Cut, Walls::Hidden] {
             let scene = scene_of(&setup, &no_grains, &frame, walls, &view, &[]).expect("a scene");

@@ -33,6 +33,22 @@ impl fmt::Display for Fault {
 }
 
 impl Fault {
+    /// What is wrong, what was found and what is allowed, of a place that is not known here.
+    pub fn new(
+        message: impl Into<String>,
+        found: impl ToString,
+        allowed: impl Into<String>,
+    ) -> Self {
+        let (file, path) = Default::default();
+        Self {
+            file,
+            path,
+            found: found.to_string(),
+            allowed: allowed.into(),
+            message: message.into(),
+        }
+    }
+
     /// Of a file that is refused because of what it is.
     pub fn refused(file: &Path, refusal: &Refusal, by: &str) -> Self {
         Self {

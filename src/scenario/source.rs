@@ -246,7 +246,7 @@ pub(super) fn merge(base: &mut Value, over: Value, path: &str) {
 
 /// Whether grains that are laid over others are meshes where those are not, or
 /// the other way round. Fields that all of them may have say nothing: a
-/// scenario may change only the mass of the stones it extends.
+/// scenario may change only the mass of the grains it extends.
 fn is_other_mesh_source(base: &Map<String, Value>, over: &Map<String, Value>) -> bool {
     if over.contains_key("meshes") {
         return !base.contains_key("meshes");

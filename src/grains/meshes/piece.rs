@@ -20,12 +20,10 @@ pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Ve
     let alone = |fault: Fault| vec![fault];
     let objects = read::objects(file).map_err(|error| match error {
         read::ReadError::Fault(fault) => alone(fault),
-        read::ReadError::Unreadable(reason) => alone(Fault {
-            found: file.display().to_string(),
-            allowed: "an OBJ, STL or PLY file".to_owned(),
-            message: format!("the mesh cannot be read: {reason}"),
-            ..Fault::default()
-        }),
+        read::ReadError::Unreadable(reason) => {
+            let message = format!("the mesh cannot be read: {reason}");
+            alone(Fault::new(message, file.display(), "an OBJ, STL or PLY file"))
+        }
     })?;
     // Lengths stay those of the file.
     let spec = MeshGrains {
@@ -74,12 +72,9 @@ pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Ve
         }
     }
     if parts.len() > MOST_PARTS {
-        faults.push(Fault {
-            found: format!("{} parts", parts.len()),
-            allowed: format!("at most {MOST_PARTS}"),
-            message: "the mesh has too many parts".to_owned(),
-            ..Fault::default()
-        });
+        let found = format!("{} parts", parts.len());
+        let allowed = format!("at most {MOST_PARTS}");
+        faults.push(Fault::new("the mesh has too many parts", found, allowed));
     }
     match faults.is_empty() {
         true => Ok(parts),
