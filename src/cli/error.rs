@@ -1,12 +1,8 @@
 //! What went wrong, and with which code the program ends.
 
-use std::{io, process::ExitCode};
-
-use crate::export::ExportError;
+use super::*;
 use crate::picture::PictureError;
-use crate::record::FileError;
 use crate::scenario::ScenarioErrors;
-use crate::study::StudyError;
 use crate::verify::{SuiteError, VerifyError};
 use crate::viewer::ServerError;
 

@@ -1,14 +1,12 @@
 //! `pluvia grains`.
 
-use clap::ValueEnum;
-
 use super::*;
 use crate::grains::{
     GrainShape, MeshRecord, ParticleSizeDistribution, SieveAnalysis, load_grains, write_obj,
     write_ply, write_stl,
 };
 use crate::record::{GradationSummary, ShapeSummary, SieveSummary};
-use crate::scenario::{GrainsSpec, Scenario};
+use crate::scenario::GrainsSpec;
 use crate::study::{make_grains, write_grains};
 use crate::units::{to_cm3, to_g};
 

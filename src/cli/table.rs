@@ -1,16 +1,14 @@
 //! Results as compact tables for people.
 
-use super::paint;
+use super::*;
 use crate::paper::ResultCounts;
-use crate::plain::without_zeros;
 use crate::record::{
     AngleOfRepose, Balance, GrainsSummary, LaboratorySummary, Overlap, Settlement, StandingHeight,
-    Summary, VibrationSummary,
+    VibrationSummary,
 };
 use crate::report::{Calibration, InterpretationColumn, calibration_rows};
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
-use crate::world::BackendInfo;
 
 /// A length of time for people.
 pub(super) fn duration(seconds: f64) -> String {

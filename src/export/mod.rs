@@ -30,12 +30,19 @@ pub use tables::{contacts_csv, grains_csv, pairs_csv};
 pub use vtk::{VtkFiles, write_vtk};
 
 // What its parts are made of, too.
-use std::{path::Path, sync::Arc};
+use std::path::Path;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::apparatus::{ApparatusError, Funnel, Piece};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
-use crate::grains::GrainSet;
-use crate::protocol::Setup;
-use crate::record::FileError;
-use crate::specimen::{Specimen, SpecimenState};
+use crate::grains;
+use crate::grains::{GrainSet, grain_name};
+use crate::motion::TableMotion;
+use crate::protocol::{Setup, base_pieces};
+use crate::record::{FileError, Frame, StageStore, run_file};
+use crate::scenario::Scenario;
+use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen, SpecimenState};
+use crate::world::{BodyState, Material};
+use {exchange::*, run_folder::*};

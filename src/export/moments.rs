@@ -1,15 +1,10 @@
 //! The moments of a run that are handed on: frames of its stages, thinned out,
 //! and the end of each with all that is known there.
 
-use super::parts::{Part, parts};
-use super::run_folder::{
-    ExportError, Manifest, REST_TEST, StageEntry, fit, grains_of, setup_of, state_of,
-};
+use super::parts::parts;
 use super::*;
-use crate::record::{Frame, StageStore, run_file};
 use crate::scale;
-use crate::specimen::{Fate, GrainState, PieceState};
-use crate::world::BodyState;
+use crate::specimen::PieceState;
 
 /// Least time in s between two frames where nothing else is asked for: every
 /// fifth of those that are kept.

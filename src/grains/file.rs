@@ -9,11 +9,8 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Block, GrainSet, GrainsError, psd::positive, sieve::sieve_size};
-use crate::{
-    geometry::{ConvexPolyhedron, MassProperties, Point, Sphere, Vector},
-    units::{from_mm, to_mm},
-};
+use super::*;
+use crate::geometry::Sphere;
 
 /// Relative difference between stated and computed properties that is
 /// accepted: files may hold rounded numbers, but not those of another grain.

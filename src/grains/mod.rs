@@ -25,8 +25,6 @@ mod spheres;
 pub mod streams;
 pub mod voronoi;
 
-use std::sync::Arc;
-
 pub use analysis::{SieveAnalysis, Sieved};
 pub use error::GrainsError;
 pub use file::{
@@ -44,7 +42,19 @@ pub use sieve_memory::sieve_size_of;
 pub use sieve_table::sieve_csv;
 pub use sizes::{load_grains, load_scenario};
 
-use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+// What its parts are made of, too.
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use rand_pcg::Pcg64;
+
+use crate::geometry::{
+    ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, Rounded, Vector,
+};
+use crate::scale::{self, Scale};
+use crate::scenario::{CellShape, SievedGrains};
+use crate::units::{from_mm, to_cm3, to_mm};
+use {cell_shape::*, complex::*, fan::*, psd::*, streams::*, voronoi::*};
 
 /// Name of a grain by its number, the same in every file and message: `grain_00012`.
 pub fn grain_name(number: usize) -> String {

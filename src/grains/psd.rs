@@ -1,10 +1,8 @@
 //! The particle size distribution of a sieve analysis and what follows from it.
 
-use super::{Gradation, GrainSet, GrainsError};
-use crate::{
-    scenario::{SieveFraction, SievedGrains},
-    units::{from_g, from_mm, to_cm3, to_mm},
-};
+use super::*;
+use crate::scenario::SieveFraction;
+use crate::units::from_g;
 
 /// Largest number of grains the program makes.
 pub const MOST_GRAINS: usize = 1_000_000;

@@ -1,8 +1,6 @@
 //! The virtual sieve: the smallest square opening that a grain passes.
 
-use super::fan::{EdgeFan, Piece, ROUNDING, Shadow, width};
-use super::sieve_memory::sieve_size_of;
-use crate::geometry::{ConvexPolyhedron, Vector};
+use super::*;
 
 /// How much smaller than what was found the smallest opening could be, as a
 /// fraction of it.

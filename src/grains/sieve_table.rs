@@ -2,8 +2,8 @@
 
 use std::io::Write;
 
-use super::{Block, Fraction, GrainSet, GrainsError, ParticleSizeDistribution, SieveAnalysis};
-use crate::units::{to_cm3, to_g, to_mm};
+use super::*;
+use crate::units::to_g;
 
 /// Writes `sieve.csv`: a row a fraction, with what the sieve table asks for,
 /// what the generated grains weigh, and how much of them the virtual sieve

@@ -1,14 +1,7 @@
 //! Spheres by sieve fractions, their diameters drawn as the sizes of grains from meshes are.
 
-use super::{
-    GrainSet, GrainsError, ParticleSizeDistribution,
-    meshes::{Prototype, fill, push_laid_out},
-    psd::MOST_GRAINS,
-};
-use crate::{
-    geometry::ConvexPolyhedron,
-    scale::{self, Scale},
-};
+use super::meshes::{Prototype, fill, push_laid_out};
+use super::*;
 
 /// Makes spheres of a sieve table: in each fraction their diameters lie between the two sieves,
 /// such that mass is uniform over the logarithm of diameter, and together they have the

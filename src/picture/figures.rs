@@ -2,23 +2,12 @@
 
 use std::path::Path;
 
-use super::PictureError;
-use super::camera::{View, aspect};
-use super::colour::Colour;
-use super::image::{Background, Image};
-use super::loose::{self, loose_grains};
-use super::moment::{At, at};
-use super::paint::{ColourBy, number};
-use super::scene::Scene;
-use super::scenery::{Walls, glass_depth, scene_of};
-use super::sheet::{Notes, sheet};
-use super::shot::{Shot, expose, stage_scene};
-use crate::export::{Playback, read_playback_ends};
-use crate::geometry::Point;
-use crate::record::Frame;
+use super::loose;
+use super::sheet::sheet;
+use super::*;
+use crate::export::read_playback_ends;
 use crate::report::Picture;
 use crate::specimen::FunnelState;
-use crate::units::to_mm;
 
 /// Width of these pictures in pixels.
 const WIDTH: u32 = 1400;

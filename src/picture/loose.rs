@@ -4,19 +4,10 @@ use std::collections::VecDeque;
 
 use nalgebra::UnitQuaternion;
 
-use super::PictureError;
-use super::camera::View;
-use super::colour::Colour;
-use super::image::Image;
-use super::paint::{ColourBy, Moments, number, paint};
-use super::scene::{Body, Scene};
-use super::sheet::{Notes, sheet};
-use super::shot::{Shot, expose};
-use super::solid::Solid;
-use crate::geometry::{ConvexPolyhedron, Pose, Vector};
-use crate::grains::{Grain, GrainSet};
-use crate::record::Frame;
-use crate::units::to_mm;
+use super::paint::paint;
+use super::sheet::sheet;
+use super::*;
+use crate::grains::Grain;
 
 /// Rows of each fraction, at most.
 pub const ROWS: usize = 3;

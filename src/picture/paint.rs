@@ -1,13 +1,8 @@
 //! What grains are coloured by, and the key that says so.
 
-use super::PictureError;
-use super::colour::{Colour, round_up, scale, step};
-use crate::geometry::Vector;
-use crate::grains::GrainSet;
+use super::*;
 use crate::measure::{WorldHull, pairs_within_of, touching_gap};
 use crate::plain::without_zeros;
-use crate::record::Frame;
-use crate::units::to_mm;
 
 /// What the colour of a grain tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]

@@ -1,16 +1,9 @@
 //! A moment of a run as a scene: grains, walls, plate and ground.
 
-use super::PictureError;
-use super::camera::View;
-use super::colour::Colour;
-use super::scene::{Body, Scene};
-use super::solid::{Plane, Solid};
+use super::*;
 use crate::apparatus::Piece;
 use crate::export::{Carrier, StandingPiece, standing};
-use crate::geometry::{Point, Pose, Vector};
-use crate::grains::GrainSet;
 use crate::protocol::Setup;
-use crate::record::Frame;
 use crate::specimen::{PieceState, SpecimenState};
 
 /// How cylinder and funnel are shown.

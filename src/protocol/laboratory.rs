@@ -1,21 +1,9 @@
 //! Stages of a laboratory of pieces: deposit, move, press, remove.
 
-use super::{
-    Observer, Setup, StageError, StageOutcome,
-    ending::Endings,
-    feeder::{Area, Feed, Outlet, Rate},
-    free_pieces::released,
-    pieces::{Drive, Solids},
-    stages::{Course, Ended, Laboratory, not_settled},
-    stand::{Stand, Until},
-};
-use crate::apparatus::{RigidPiece, stands_in};
-use crate::geometry::{Point, Pose, Vector};
-use crate::grains;
-use crate::scenario::{DepositKind, StageSpec};
-use crate::specimen::{Fate, PieceState, PressState, Specimen, TurnState};
-use crate::units::{from_g, from_kpa, from_mm};
-use crate::world::BodyState;
+use super::*;
+use crate::scenario::DepositKind;
+use crate::specimen::TurnState;
+use crate::units::from_kpa;
 
 /// Places of a lattice that are tried for each grain before there counts as no room.
 const TRIES: usize = 1000;

@@ -1,25 +1,9 @@
 //! The stages themselves.
 
-use std::{ops::ControlFlow, sync::atomic::AtomicBool};
+use std::sync::atomic::AtomicBool;
 
-use super::{
-    Midway, Observer, Settling, Setup, StageError, StageOutcome, base,
-    ending::Endings,
-    feeder::{Feed, Feeder, Outlet, Rate},
-    laboratory,
-    pieces::Drive,
-    placing::Placing,
-    stand::{LegEnd, Stand, Until, WorldMaker},
-};
-use crate::apparatus::Funnel;
-use crate::geometry::Vector;
-use crate::grains;
-use crate::motion::TableMotion;
-use crate::scale;
-use crate::scenario::StageSpec;
-use crate::specimen::{Fate, FunnelState, Specimen, SpecimenState};
-use crate::units::from_mm;
-use crate::world::BodyState;
+use super::*;
+use crate::specimen::FunnelState;
 
 /// Runs one stage on a specimen, as it is at the end of the stage before;
 /// from `midway`, where it was interrupted.

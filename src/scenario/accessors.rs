@@ -6,10 +6,8 @@ use nalgebra::Unit;
 use serde::de::DeserializeOwned;
 
 use super::*;
-use crate::geometry::{Point, Vector};
-use crate::motion::{Path, PieceMotion, RecordedMotion, TableMotion, Vertical, Waveform};
-use crate::scale::Scale;
-use crate::units::from_g;
+use crate::geometry::Point;
+use crate::motion::{Path, PieceMotion, TableMotion, Vertical, Waveform};
 
 impl StageSpec {
     /// A vibration of one period, a sine from the middle with a half stroke in mm, a frequency in Hz

@@ -8,16 +8,13 @@
 use serde_json::Number;
 
 use super::accessors::field;
-use super::sized::fields;
 use super::stages::{
     drop_height, feed_rate, fill_limit, place_limit, pour_limit, settle_limit, slow_limit,
     spout_diameter,
 };
-use super::stress::largest_stress;
 use super::validate::least_rate_hz;
 use super::*;
-use crate::scale::{GrainSizes, Law, Scale, SieveMass};
-use crate::units::from_g;
+use crate::scale::{GrainSizes, SieveMass};
 
 /// What of the grains the values follow from.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,10 +4,7 @@
 //! name and words aside. Which stage of it is meant is looked up in the run's `manifest.json` and
 //! noted in the scenario, so that a run folder says what it began with.
 
-use super::fault::nearest;
-use super::source::merge;
 use super::*;
-use crate::input;
 
 /// The specimen that a scenario begins with, in place of its first stages.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -1,7 +1,6 @@
 //! How grains cut from sieve data are shaped: regular or irregular, round or long.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use super::*;
 
 /// What grains of a sieve table are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

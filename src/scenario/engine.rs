@@ -1,9 +1,8 @@
 //! Engine settings as a person types them.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize, Serializer, ser};
+use serde::{Deserializer, Serializer, ser};
 
-use super::{NativeSettings, RapierSettings, StockSettings};
+use super::*;
 
 /// Which physics engine carries the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]

@@ -1,7 +1,5 @@
 //! Reads a scenario and answers with every fault at once.
 
-use super::mesh_pieces::{self, PartsOf};
-use super::source;
 use super::*;
 
 /// A scenario as loaded.

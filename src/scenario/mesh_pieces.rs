@@ -1,7 +1,6 @@
 //! Pieces from mesh files: what a scenario names as a file is put into it as convex parts, so that
 //! the parts determine a stage, and a run folder holds what was there.
 
-use super::source;
 use super::*;
 
 /// A piece whose solid convex parts are those of a mesh.

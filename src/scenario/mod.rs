@@ -62,16 +62,20 @@ pub use until::{AllOfSpec, ConditionSpec, UntilSpec};
 pub use validate::{Warning, warnings};
 
 // What its parts are made of, too.
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use crate::units::{from_mm, to_mm};
+use crate::geometry::Vector;
+use crate::input;
+use crate::motion::{Interpolation, RecordedMotion};
+use crate::scale::{Law, Scale};
+use crate::units::{from_g, from_mm, to_mm};
 use accessors::read;
-use fault::Faults;
-use source::{Document, field_path, shown};
+use {automatic::*, fault::*, sized::*, source::*, stress::*};
 
 /// One laboratory procedure: grains, apparatus, contact properties, engine
 /// settings and the stages run one after the other.

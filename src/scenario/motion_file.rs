@@ -1,10 +1,8 @@
 //! Recorded motions: what a scenario names as a file is put into it as rows, so that the rows
 //! determine a stage, and a run folder holds what was done.
 
-use super::source;
 use super::*;
-use crate::input;
-use crate::motion::{Interpolation, RecordedMotion, rows_from_csv};
+use crate::motion::rows_from_csv;
 
 /// Largest file of a recorded motion in bytes: more than its rows can have.
 const LARGEST: u64 = 16 << 20;

@@ -1,7 +1,6 @@
 //! Settings of the native contact solver as a person types them.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use super::*;
 
 /// How contacts yield in the native contact solver: an implicit spring and
 /// damper in every contact point. The rate and the speed below which nothing

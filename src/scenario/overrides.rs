@@ -2,7 +2,6 @@
 
 use std::str::FromStr;
 
-use super::source::{Origin, parse_value};
 use super::*;
 
 /// One value laid over the scenario's.

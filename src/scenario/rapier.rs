@@ -4,8 +4,7 @@
 //! 10 mm sink into each other. Every default here is set for such grains;
 //! `docs/parameters.md` holds what was measured.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use super::*;
 
 /// How rapier resists sliding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]

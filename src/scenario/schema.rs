@@ -4,7 +4,6 @@
 use schemars::SchemaGenerator;
 use serde::de::DeserializeOwned;
 
-use super::automatic::{AUTOMATIC, AUTOMATIC_OF_STAGES};
 use super::*;
 
 /// The JSON Schema (draft 2020-12) of a scenario file.

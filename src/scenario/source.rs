@@ -11,7 +11,6 @@ use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::Number;
 
 use super::*;
-use crate::input;
 
 /// Longest chain of files that extend each other.
 const LONGEST_CHAIN: usize = 8;

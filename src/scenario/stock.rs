@@ -1,7 +1,6 @@
 //! Settings that only Bullet's own contact solver has, as a person types them.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use super::*;
 
 /// How the moments of inertia of grains and plate are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]

@@ -11,7 +11,6 @@ use std::sync::LazyLock;
 use jsonschema::Validator;
 use jsonschema::error::ValidationErrorKind;
 
-use super::fault::nearest;
 use super::*;
 
 /// Elements of the longest list that a scenario may have, the rows of a recorded motion.

@@ -1,13 +1,8 @@
 //! What is typed, may be meant, and does not suit the grains: reported, not refused.
 
-use std::f64::consts::PI;
-
-use super::automatic::{self, RATE, STIFFNESS, number_at, stiffness};
 use super::sized::fields as by_size;
-use super::stress::largest_stress;
 use super::validate::short;
 use super::*;
-use crate::scale::Scale;
 
 /// A typed value is unusual when it is off from the automatic one by more than this factor.
 const UNUSUAL: f64 = 4.0;

@@ -1,8 +1,6 @@
 //! How things look: a colour a sieve fraction, clear apparatus.
 
-use serde_json::{Value, json};
-
-use super::buffers::{number, numbers};
+use super::*;
 use crate::grains::GrainSet;
 use crate::plain::without_zeros;
 use crate::units::to_mm;

@@ -2,18 +2,12 @@
 
 use rand_pcg::Pcg64;
 
-use super::{MeshRecord, Prototype};
-use crate::{
-    geometry::{ConvexPolyhedron, Pose, Vector},
-    grains::{
-        Block, Fraction, GrainSet, ParticleSizeDistribution,
-        psd::MOST_GRAINS,
-        streams::{shuffle, stream, uniform},
-    },
-    scale::{self, Scale},
-    scenario::{Fault, MeshGrains},
-    units::{from_mm, to_g, to_mm},
-};
+use super::*;
+use crate::grains::psd::MOST_GRAINS;
+use crate::grains::streams::{shuffle, stream, uniform};
+use crate::grains::{Block, Fraction, GrainSet, ParticleSizeDistribution};
+use crate::scale::{self, Scale};
+use crate::units::to_g;
 
 /// How far inside its two sieves a grain stays, as a fraction of its size.
 const INSIDE: f64 = 1e-6;

@@ -20,15 +20,13 @@ pub(super) use draw::{fill, push_laid_out};
 pub use piece::parts_of_piece;
 pub use report::{MeshRecord, meshes_csv};
 
+// What its parts are made of, too.
 use std::path::{Path, PathBuf};
 
-use super::{GrainSet, sieve_size};
+use super::*;
 use crate::plain::without_zeros;
-use crate::{
-    geometry::{ConvexPolyhedron, MassProperties, Pose},
-    scenario::{Fault, MeshGrains, MeshUnit, ScenarioErrors},
-    units::{from_mm, to_mm},
-};
+use crate::scenario::{Fault, MeshGrains, MeshUnit, ScenarioErrors};
+use {read::*, surface::*};
 
 /// Sieve sizes in m that a grain may have before it is scaled: what is finer
 /// than 0.05 mm is silt, and what is coarser than 1 m no granular soil that

@@ -5,8 +5,7 @@
 //! material changes, which would make several open surfaces of one textured
 //! scan, and do not say in which line a fault stands.
 
-use super::read::{Object, ReadError, used};
-use crate::geometry::Point;
+use super::*;
 
 /// Reads the objects of an OBJ file. Where objects (`o`) are named, they are
 /// the grains; where only groups (`g`) are, the groups; else all is one grain.

@@ -1,9 +1,7 @@
 //! Meshes as pieces of a laboratory: every closed surface is a convex part.
 
-use std::path::Path;
-
-use super::{read, shape, surface};
-use crate::scenario::{Fault, MOST_PARTS, MeshGrains, MeshPart, MeshUnit};
+use super::*;
+use crate::scenario::{MOST_PARTS, MeshPart};
 
 /// Most corners of a part.
 const MOST_VERTICES: u32 = 1000;

@@ -6,13 +6,10 @@
 
 use std::collections::BTreeMap;
 
-use ply_rs_bw::{
-    parser::{ParseError, Parser, Reader},
-    ply::{Header, Property, PropertyAccess, PropertyAccessResult},
-};
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{Header, Property, PropertyAccess, PropertyAccessResult};
 
-use super::read::{Object, ReadError, used};
-use crate::geometry::Point;
+use super::*;
 
 /// A vertex or a face; what a property does not say stays empty.
 #[derive(Debug, Clone, Default)]

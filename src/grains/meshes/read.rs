@@ -1,9 +1,7 @@
 //! From file names and patterns to the objects that the files hold.
 
-use std::path::{Path, PathBuf};
-
-use super::{obj, ply, stl};
-use crate::{geometry::Point, input, scenario::Fault};
+use super::*;
+use crate::input;
 
 /// One object of a file, as the file gives it: in the file's unit of length.
 #[derive(Debug, Clone, PartialEq)]

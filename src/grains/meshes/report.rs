@@ -2,11 +2,9 @@
 
 use std::io::Write;
 
-use super::rounded;
-use crate::{
-    grains::{GrainsError, sieve_table::write_table},
-    units::to_mm,
-};
+use super::*;
+use crate::grains::GrainsError;
+use crate::grains::sieve_table::write_table;
 
 /// One grain: its mesh as read, the shape made of it, and how it was used.
 #[derive(Debug, Clone, Default, PartialEq)]

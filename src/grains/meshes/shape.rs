@@ -1,13 +1,7 @@
 //! From a closed surface to a convex polyhedron.
 
-use super::{
-    rounded,
-    surface::{Surface, extent, volume},
-};
-use crate::{
-    geometry::{ConvexPolyhedron, FLATNESS, Hull, hull, joined_polyhedron},
-    scenario::{Fault, MeshGrains},
-};
+use super::*;
+use crate::geometry::{FLATNESS, Hull, hull, joined_polyhedron};
 
 /// Grains whose volume is at least this share of their hull's are taken as
 /// their hulls without being asked: the roughness of a scan leaves them there.

@@ -7,8 +7,7 @@
 
 use std::io::Cursor;
 
-use super::read::{Object, ReadError};
-use crate::geometry::Point;
+use super::*;
 
 /// Bytes of a binary file before its triangles, and of one triangle.
 const HEADER: usize = 84;

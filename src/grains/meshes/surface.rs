@@ -2,14 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{
-    read::{Object, used},
-    rounded,
-};
-use crate::{
-    geometry::{Point, Vector},
-    scenario::{Fault, MeshGrains},
-};
+use super::*;
 
 /// A closed surface with outward faces, in m.
 #[derive(Debug, Clone, PartialEq)]
