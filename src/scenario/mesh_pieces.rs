@@ -102,12 +102,8 @@ pub(super) fn read(document: &mut Document, parts_of: PartsOf) -> Vec<Fault> {
                     true => file.display().to_string(),
                     false => format!("{}, {}", file.display(), fault.path),
                 };
-                Fault {
-                    file: document.origin(&path).to_string(),
-                    path: path.clone(),
-                    message: format!("{of}: {}", fault.message),
-                    ..fault
-                }
+                let message = format!("{of}: {}", fault.message);
+                Fault { message, ..fault }.at(&path).of(document.origin(&path))
             })),
         }
     }

@@ -75,6 +75,7 @@ use crate::motion::{Interpolation, RecordedMotion};
 use crate::scale::{Law, Scale};
 use crate::units::{from_g, from_mm, to_mm};
 use accessors::read;
+use load::unusable;
 use {automatic::*, fault::*, sized::*, source::*, stress::*};
 
 /// One laboratory procedure: grains, apparatus, contact properties, engine
