@@ -84,13 +84,8 @@ impl CliError {
             Self::Threads(_) | Self::Fault(_) => 3,
             Self::Export(ExportError::NoStage { .. } | ExportError::Apparatus { .. }) => 2,
             Self::Export(ExportError::File(error)) => of_file(error),
-            Self::Picture(error) => {
-                if error.is_usage() {
-                    2
-                } else {
-                    4
-                }
-            }
+            Self::Picture(error) if error.is_usage() => 2,
+            Self::Picture(_) => 4,
             Self::Usage(_) | Self::Case(_) | Self::Server(_) => 2,
             Self::Suite(error) => match error {
                 SuiteError::File(error) => of_file(error),

@@ -244,7 +244,7 @@ pub(super) fn of_comparison(record: &CompareRecord) -> String {
     let names: Vec<String> = record.runs.iter().map(|r| r.name.clone()).collect();
     let mut rows = vec![[vec!["quantity".to_owned()], names, vec!["unit".to_owned()]].concat()];
     for q in &record.quantities {
-        let values = q.values.iter().map(|v| v.map_or_else(|| "-".to_owned(), three_digits));
+        let values = q.values.iter().map(|v| v.map_or_else(|| "-".to_owned(), three_decimals));
         let verdict = match q.within_band {
             Some(true) => paint::good(" (agree)"),
             Some(false) => paint::bad(" (DIFFER)"),
@@ -310,7 +310,7 @@ pub(super) fn of_verdicts(verdicts: &[Verdict]) -> String {
         if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
             format!("{value:.2e}")
         } else {
-            three_digits(value)
+            three_decimals(value)
         }
     };
     let header = ["verdict", "case", "setting", "expected", "got", "tolerance", "unit"];
@@ -345,11 +345,6 @@ pub(super) fn of_verdicts(verdicts: &[Verdict]) -> String {
         count(Status::UnexpectedPass)
     );
     out
-}
-
-/// A number with up to three decimals.
-fn three_digits(value: f64) -> String {
-    without_zeros(&format!("{value:.3}")).to_owned()
 }
 
 #[cfg(test)]

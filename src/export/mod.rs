@@ -21,7 +21,7 @@ pub use exchange::{
     PlateBody, Scene, SceneError, Table, TableLaw, TableSamples, VERSION, VERSION_OF_SAMPLES,
 };
 pub use glb::{Glb, GlbTooLarge, glb};
-pub use moments::{DEFAULT_EVERY, Moment, Moments, StageMoments, read_moments};
+pub use moments::{DEFAULT_EVERY, Moment, Moments, StageMoments, as_state, read_moments};
 pub use parts::{Part, PartKind, parts};
 pub use playback::{Playback, PlayedStage, read_playback, read_playback_ends, read_playback_for};
 pub use run_folder::{ExportError, Exported, read_at_rest, read_run, stage_at_rest};

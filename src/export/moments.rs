@@ -161,25 +161,23 @@ impl Moment<'_> {
 
 /// A frame as a state, with nothing moving and no contacts. Grains that were
 /// no longer there count as spilled; what became of them a frame does not say.
-fn as_state(frame: &Frame) -> SpecimenState {
+pub fn as_state(frame: &Frame) -> SpecimenState {
     let grain = |pose: &Option<Pose>| GrainState {
         body: BodyState::at_rest(pose.unwrap_or_else(Pose::identity)),
         fate: if pose.is_some() { Fate::Present } else { Fate::Spilled },
+    };
+    let piece = |pose: &Option<Pose>| PieceState {
+        present: pose.is_some(),
+        ..PieceState::standing(pose.unwrap_or_else(Pose::identity))
     };
     SpecimenState {
         bodies: frame.grains.iter().map(grain).collect(),
         funnel: frame.funnel,
         cylinder: frame.cylinder,
+        base: frame.base.as_deref().cloned(),
         top_plate: frame.top_plate.map(BodyState::at_rest),
         table_x: frame.table_x,
-        pieces: frame
-            .pieces
-            .iter()
-            .map(|pose| PieceState {
-                present: pose.is_some(),
-                ..PieceState::standing(pose.unwrap_or_else(Pose::identity))
-            })
-            .collect(),
+        pieces: frame.pieces.iter().map(piece).collect(),
         time: frame.time,
         ..SpecimenState::before_everything(0)
     }

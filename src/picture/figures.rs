@@ -82,14 +82,10 @@ fn apparatus(run: &Playback) -> Result<Picture, PictureError> {
     let opening_height = hung.unwrap_or(run.setup.cylinder.height + LIFTED);
     let built_in = run.setup.pieces.is_empty();
     let frame = Frame {
-        base: None,
-        time: 0.0,
         cylinder: built_in,
         funnel: built_in.then_some(FunnelState { opening_height, lid: true }),
-        table_x: 0.0,
-        top_plate: None,
-        grains: Vec::new(),
         pieces: run.setup.pieces.iter().map(|piece| Some(piece.at)).collect(),
+        ..Frame::default()
     };
     let notes = Notes {
         things: vec![

@@ -36,6 +36,7 @@ use crate::apparatus::ApparatusError;
 use crate::export::{ExportError, Playback};
 use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
 use crate::grains::GrainSet;
+use crate::plain::three_decimals as number;
 use crate::record::{FileError, Frame};
 use crate::units::to_mm;
 use {

@@ -2,9 +2,8 @@
 
 use super::*;
 use crate::apparatus::Piece;
-use crate::export::{Carrier, StandingPiece, standing};
+use crate::export::{Carrier, as_state, standing};
 use crate::protocol::Setup;
-use crate::specimen::{PieceState, SpecimenState};
 
 /// How cylinder and funnel are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
@@ -59,7 +58,8 @@ pub fn scene_of(
     }
     let thickness = wall_thickness(setup);
     let mut ground = None;
-    for standing in pieces(setup, grains, frame)? {
+    let pieces = standing(setup, grains, &as_state(frame)).map_err(PictureError::Apparatus)?;
+    for standing in pieces {
         let whole = Solid::new(&standing.piece.shape, &standing.piece.pose);
         let axis = match standing.name.starts_with("cylinder") {
             true => Vector::new(frame.table_x, 0.0, 0.0),
@@ -92,25 +92,6 @@ pub fn scene_of(
         }
     }
     Ok(Scene::new(bodies, ground))
-}
-
-fn pieces(
-    setup: &Setup,
-    grains: &GrainSet,
-    frame: &Frame,
-) -> Result<Vec<StandingPiece>, PictureError> {
-    let mut state = SpecimenState::before_everything(0);
-    (state.cylinder, state.funnel, state.table_x) = (frame.cylinder, frame.funnel, frame.table_x);
-    state.base = frame.base.as_deref().cloned();
-    state.pieces = frame
-        .pieces
-        .iter()
-        .map(|pose| PieceState {
-            present: pose.is_some(),
-            ..PieceState::standing(pose.unwrap_or_else(Pose::identity))
-        })
-        .collect();
-    standing(setup, grains, &state).map_err(PictureError::Apparatus)
 }
 
 /// A part of a piece of a laboratory; none where it is cut away, being nearer to the camera
@@ -180,7 +161,7 @@ mod tests {
     use super::*;
     use crate::apparatus::{Cylinder, Funnel};
     use crate::scenario::{CylinderSpec, FunnelSpec, Scenario};
-    use crate::specimen::Base;
+    use crate::specimen::{Base, SpecimenState};
 
     fn across(solid: &Solid, height: f64, angle: f64) -> Option<(f64, f64)> {
         let direction = Vector::new(angle.cos(), angle.sin(), 0.0);

@@ -50,9 +50,10 @@ pub use settling::Settling;
 pub use setup::SettleCriterion;
 pub use setup::Setup;
 pub use stages::run;
-pub use stand::WorldMaker;
 pub use watch::{EnergyBalance, Watch};
 pub use watched::Watched;
+
+pub use crate::world::WorldMaker;
 
 // What its parts are made of, too.
 use std::collections::HashMap;

@@ -13,16 +13,6 @@ use super::*;
 use crate::specimen::GrainState;
 use crate::world::World;
 
-/// Makes the empty world of a stage.
-pub type WorldMaker<'a> = &'a (
-        dyn Fn(
-    &crate::scenario::EngineSettings,
-    Vector,
-    &PairTable,
-) -> Result<Box<dyn World + Send>, WorldError>
-            + Sync
-    );
-
 /// A world with everything in it.
 pub(super) struct Stand<'a> {
     setup: &'a Setup,

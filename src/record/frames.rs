@@ -43,7 +43,7 @@ const LID: u32 = 4;
 const TOP_PLATE: u32 = 8;
 
 /// Where everything was at one time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Frame {
     /// Time since the run began in s.
     pub time: f64,

@@ -48,9 +48,9 @@ fn rows_of(file: &Path, of_piece: bool) -> Result<Vec<[f64; 4]>, Vec<Fault>> {
     let shown = file.display();
     let content = input::read(file, LARGEST).map_err(|error| {
         let message = format!("the recorded motion cannot be read: {error}");
-        vec![Fault::new(message, shown, "a CSV file")]
+        vec![Fault::new(message, &shown, "a CSV file")]
     })?;
-    let of_table = |message| Fault::new(message, shown, COLUMNS);
+    let of_table = |message| Fault::new(message, &shown, COLUMNS);
     let rows = rows_from_csv(&content)
         .map_err(|found| found.into_iter().map(of_table).collect::<Vec<Fault>>())?;
     // Here the faults can name the file.

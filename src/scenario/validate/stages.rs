@@ -137,21 +137,10 @@ fn check_order(parts: &Parts, faults: &mut Faults) {
 fn check_time(parts: &Parts, faults: &mut Faults) {
     if let Some(settle) = &parts.settle {
         for (i, spec) in parts.specs() {
-            let (field, limit) = match *spec {
-                StageSpec::FillFunnel { time_limit_s }
-                | StageSpec::SlowPluviation { time_limit_s, .. }
-                | StageSpec::Pour { time_limit_s, .. }
-                | StageSpec::Deposit { time_limit_s, .. }
-                | StageSpec::Press { time_limit_s, .. }
-                | StageSpec::Release { time_limit_s, .. }
-                | StageSpec::Remove { time_limit_s, .. }
-                | StageSpec::PlaceTopPlate { time_limit_s, .. } => ("time_limit_s", time_limit_s),
-                StageSpec::Vibrate { settle_limit_s, .. } => ("settle_limit_s", settle_limit_s),
-                StageSpec::Move { settle_limit_s, .. } if settle_limit_s > 0.0 => {
-                    ("settle_limit_s", settle_limit_s)
-                }
-                StageSpec::Move { .. } | StageSpec::Rest { .. } => continue,
-            };
+            let Some((field, limit)) = spec.limit() else { continue };
+            if matches!(spec, StageSpec::Move { .. }) && limit <= 0.0 {
+                continue;
+            }
             refuse!(faults.at(format!("stages[{i}]")), field => limit, if limit <= settle.hold_s;
                 format!("more than settle.hold_s, {} s", settle.hold_s);
                 "the stage ends before anything can count as settled");
