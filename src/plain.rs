@@ -53,6 +53,11 @@ pub fn without_zeros(number: &str) -> &str {
     }
 }
 
+/// A number with up to three decimals.
+pub fn three_decimals(value: f64) -> String {
+    without_zeros(&format!("{value:.3}")).to_owned()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -163,7 +163,7 @@ pub fn copies(of: &Specimen, radius: f64, size: usize) -> Stored {
 
 fn copied(base: &GrainSet, prototypes: &[usize]) -> GrainSet {
     let grains: Vec<Grain> = prototypes.iter().map(|&n| base.grains[n].clone()).collect();
-    GrainSet { grains, blocks: Vec::new(), density: base.density, stones: Vec::new() }
+    GrainSet { grains, blocks: Vec::new(), density: base.density, meshes: Vec::new() }
 }
 
 /// Grains around the axis of a specimen, and the room that they take.

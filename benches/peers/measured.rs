@@ -171,7 +171,7 @@ fn specimen(scene: &Scene, result: &PeerResult) -> (Specimen, Vec<usize>) {
             kept.push(n);
         }
     }
-    let set = GrainSet { grains, blocks: Vec::new(), density, stones: Vec::new() };
+    let set = GrainSet { grains, blocks: Vec::new(), density, meshes: Vec::new() };
     (Specimen { grains: Arc::new(set), state }, kept)
 }
 

@@ -4,7 +4,6 @@ use super::*;
 use crate::report::CalibrationEnding;
 use crate::study::{
     CalibrationOptions, CalibrationRange, CalibrationStudy, CalibrationTarget, GRAIN_FRICTION,
-    StudyError,
 };
 
 /// Where friction between grains is sought unless a range is given.

@@ -1,9 +1,8 @@
 //! What options change in scenarios.
 
 use clap::Args;
-use serde_json::Value;
 
-use crate::scenario::{Backend, Override};
+use super::*;
 
 /// Options of commands that run scenarios.
 #[derive(Debug, Args)]

@@ -1,9 +1,6 @@
 //! `pluvia compare`.
 
-use super::changes::backend;
 use super::*;
-use crate::grains::load_scenario;
-use crate::scenario::{Backend, Override};
 use crate::study::compare;
 
 /// Run one scenario in several engines

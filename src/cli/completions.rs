@@ -1,11 +1,8 @@
 //! `pluvia completions`.
 
-use std::io;
-
 use clap::CommandFactory;
 use clap_complete::{Shell, generate};
 
-use super::context::write_all;
 use super::*;
 
 /// Print a script that lets a shell complete commands and options

@@ -1,21 +1,10 @@
 //! What every subcommand needs beside its own arguments.
 
-use std::{
-    cell::RefCell,
-    io::{self, IsTerminal, Write},
-    path::Path,
-    sync::{Arc, Mutex, atomic::AtomicBool},
-};
+use std::cell::RefCell;
+use std::io::{self, IsTerminal, Write};
 
-use serde::Serialize;
-
-use super::{
-    CliError, ExitStatus, jobs::Jobs, last_line, lines, output_folder, paint, progress, stop,
-};
-use crate::plain::plain_lines;
+use super::*;
 use crate::protocol::{Progress, Silent};
-use crate::record::FileError;
-use crate::study::RunOptions;
 
 /// How to tell of progress, print results, and stop.
 pub struct Context {

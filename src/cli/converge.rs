@@ -1,6 +1,5 @@
 //! `pluvia converge`.
 
-use super::designed::{DesignedArgs, page_until};
 use super::*;
 use crate::study::ConvergenceStudy;
 

@@ -1,15 +1,9 @@
 //! Results of another run in the folder for results: they are kept unless `--force` says otherwise.
 
-use std::{
-    fs,
-    path::{Path, PathBuf},
-};
+use std::fs;
 
-use serde_json::{Value, json};
-
-use super::CliError;
-use crate::record::{FileError, read_json, write_json};
-use crate::scenario::Scenario;
+use super::*;
+use crate::record::write_json;
 
 /// Says which scenario a folder's unfinished run is of; removed once the run is finished.
 const UNFINISHED: &str = "unfinished.json";

@@ -1,21 +1,13 @@
 //! A command within another program, as the Python package runs it: the same words, checks, files
 //! and messages as of the program `pluvia`, without its signals and standard streams.
 
-use std::{
-    collections::HashMap,
-    ffi::OsString,
-    sync::{Arc, Mutex, Once, atomic::AtomicBool},
-    thread,
-};
+use std::ffi::OsString;
+use std::sync::Once;
 
 use clap::Parser;
 
-use super::{
-    Cli, CliError, Command, Context, ExitStatus, carried_out, context::listen, overall::Overall,
-    progress::lock, renamed,
-};
-use crate::caught::note_panics;
-use crate::plain::plain_lines;
+use super::Command;
+use super::*;
 use crate::protocol::Progress;
 
 /// The stack of the thread that a command runs on, in bytes: that of a program's first.

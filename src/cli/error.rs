@@ -1,12 +1,8 @@
 //! What went wrong, and with which code the program ends.
 
-use std::{io, process::ExitCode};
-
-use crate::export::ExportError;
+use super::*;
 use crate::picture::PictureError;
-use crate::record::FileError;
 use crate::scenario::ScenarioErrors;
-use crate::study::StudyError;
 use crate::verify::{SuiteError, VerifyError};
 use crate::viewer::ServerError;
 
@@ -88,13 +84,8 @@ impl CliError {
             Self::Threads(_) | Self::Fault(_) => 3,
             Self::Export(ExportError::NoStage { .. } | ExportError::Apparatus { .. }) => 2,
             Self::Export(ExportError::File(error)) => of_file(error),
-            Self::Picture(error) => {
-                if error.is_usage() {
-                    2
-                } else {
-                    4
-                }
-            }
+            Self::Picture(error) if error.is_usage() => 2,
+            Self::Picture(_) => 4,
             Self::Usage(_) | Self::Case(_) | Self::Server(_) => 2,
             Self::Suite(error) => match error {
                 SuiteError::File(error) => of_file(error),

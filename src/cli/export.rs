@@ -1,14 +1,10 @@
 //! `pluvia export`.
 
-use std::io;
-
-use clap::ValueEnum;
-
 use super::*;
 use crate::export::{
-    DEFAULT_EVERY, ExportError, Exported, Moments, apparatus_obj, contacts_csv, glb, grains_csv,
-    grains_obj, grains_ply, grains_stl, pairs_csv, read_at_rest, read_moments, read_run,
-    stage_at_rest, write_vtk,
+    DEFAULT_EVERY, Exported, Moments, apparatus_obj, contacts_csv, glb, grains_csv, grains_obj,
+    grains_ply, grains_stl, pairs_csv, read_at_rest, read_moments, read_run, stage_at_rest,
+    write_vtk,
 };
 use crate::specimen::{Fate, SpecimenState};
 

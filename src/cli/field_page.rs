@@ -2,7 +2,9 @@
 
 use std::collections::HashSet;
 
-use serde_json::{Map, Value};
+use serde_json::Map;
+
+use super::*;
 
 /// Most headings that Markdown has.
 const DEEPEST: usize = 6;

@@ -1,14 +1,12 @@
 //! `pluvia grains`.
 
-use clap::ValueEnum;
-
 use super::*;
 use crate::grains::{
-    GrainShape, ParticleSizeDistribution, SieveAnalysis, StoneRecord, load_grains, write_obj,
+    GrainShape, MeshRecord, ParticleSizeDistribution, SieveAnalysis, load_grains, write_obj,
     write_ply, write_stl,
 };
 use crate::record::{GradationSummary, ShapeSummary, SieveSummary};
-use crate::scenario::{GrainsSpec, Scenario};
+use crate::scenario::GrainsSpec;
 use crate::study::{make_grains, write_grains};
 use crate::units::{to_cm3, to_g};
 
@@ -55,7 +53,7 @@ struct Made {
     grains_in_100_g: f64,
     sieve_analysis: SieveSummary,
     shape: Option<ShapeSummary>,
-    /// What a reader should know of stones made from meshes.
+    /// What a reader should know of grains made from meshes.
     notes: Vec<String>,
     files: Vec<PathBuf>,
 }
@@ -92,7 +90,7 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
             ParticleSizeDistribution::of(&set).ok().as_ref(),
         ),
         shape: ShapeSummary::of(&GrainShape::of_all(&set)),
-        notes: StoneRecord::notes(&set.stones),
+        notes: MeshRecord::notes(&set.meshes),
         files,
     };
     let mut text = format!(

@@ -1,8 +1,6 @@
 //! `pluvia info`.
 
 use super::*;
-use crate::study::available_cores;
-use crate::world::{self, BackendInfo};
 
 /// Print versions, the engines with their precision, features, number of cores
 #[derive(Debug, Args)]

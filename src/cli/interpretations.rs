@@ -1,7 +1,7 @@
 //! `pluvia interpretations`.
 
 use super::*;
-use crate::study::{Interpretation, InterpretationsOptions, interpretations};
+use crate::study::{InterpretationsOptions, interpretations};
 
 /// Run the paper's programme under several interpretations of it, side by side
 #[derive(Debug, Args)]

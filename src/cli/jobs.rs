@@ -1,15 +1,11 @@
 //! How many cores a command may use, and the threads on which it uses them.
 
-use std::{
-    env,
-    sync::{Mutex, mpsc},
-    thread,
-};
+use std::env;
+use std::sync::mpsc;
 
 use clap::Args;
 
-use super::{CliError, context::say, progress::lock};
-use crate::study::available_cores;
+use super::*;
 
 #[derive(Debug, Clone, Copy, Args)]
 pub(super) struct Jobs {

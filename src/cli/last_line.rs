@@ -1,7 +1,7 @@
 //! The last line of a command: whether its runs are valid and count in means.
 
-use super::paint;
-use crate::record::{Summary, left_out_in_words};
+use super::*;
+use crate::record::left_out_in_words;
 
 /// How a last line begins that says of results that they are none to quote.
 const WARNINGS: [&str; 2] = ["NOT VALID", "LEFT OUT OF MEANS"];

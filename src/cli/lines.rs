@@ -1,17 +1,8 @@
 //! Progress for people who read a file or a pipe: plain lines.
 
-use std::{
-    collections::HashMap,
-    io::Write,
-    sync::Mutex,
-    time::{Duration, Instant},
-};
+use std::io::Write;
 
-use super::{
-    overall::Overall,
-    progress::{lock, speed},
-};
-use crate::plain::plain_lines;
+use super::*;
 use crate::protocol::Progress;
 
 /// At most one line about a stage in this time, beside those at its begin and end.

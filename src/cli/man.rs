@@ -1,12 +1,9 @@
 //! `pluvia man`.
 
-use std::io;
-
 use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 use clap_mangen::roff::{Roff, roman};
 
-use super::context::write_all;
 use super::*;
 
 /// Write the manual pages

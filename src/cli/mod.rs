@@ -47,20 +47,30 @@ pub use embedded::{Ended, News, embedded};
 pub use error::{CliError, ExitStatus};
 
 // What subcommands are made of, too.
-use std::{
-    path::{Path, PathBuf},
-    process::ExitCode,
-};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+use std::{io, thread};
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::caught::{caught, note_panics};
-use crate::plain::{plain, plain_lines, plain_path};
-use crate::record::{FileError, read_file, read_json, write_file};
-use changes::Changes;
-use jobs::Jobs;
+use crate::export::ExportError;
+use crate::grains::load_scenario;
+use crate::plain::{plain, plain_lines, plain_path, three_decimals, without_zeros};
+use crate::record::{FileError, Summary, read_file, read_json, remove_abandoned, write_file};
+use crate::scenario::{Backend, Override, Scenario};
+use crate::study::{Interpretation, RunOptions, StudyError, SweepTasks, available_cores};
+use crate::world::{self, BackendInfo};
+use {
+    changes::*, context::*, designed::*, field_page::*, jobs::*, overall::*, picture::*,
+    progress::*,
+};
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done; 1 done, but verify, compare, calibrate or --strict found an expectation missed,

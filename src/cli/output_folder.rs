@@ -1,12 +1,10 @@
 //! The folder for results, tried before anything runs.
 
-use std::{
-    cell::RefCell,
-    fs::File,
-    path::{Path, PathBuf},
-};
+use std::cell::RefCell;
+use std::fs::File;
 
-use crate::record::{FileError, begin_file, create_folder, remove_abandoned};
+use super::*;
+use crate::record::{begin_file, create_folder};
 
 thread_local! {
     /// Folders in which the command of this thread has begun. They are held open, so that no other

@@ -1,6 +1,8 @@
 //! How far all the stages of a command are together.
 
-use std::{collections::HashMap, fmt, time::Instant};
+use std::fmt;
+
+use super::*;
 
 /// Simulated time of all stages: what is expected, and what is done.
 ///

@@ -8,7 +8,8 @@ use std::fmt::Display;
 
 use anstyle::{AnsiColor, Style};
 
-use crate::plain::{plain, plain_but};
+use super::*;
+use crate::plain::plain_but;
 
 /// Characters that no text has (Unicode's noncharacters): where a colour ends, and
 /// where each begins.

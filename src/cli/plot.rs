@@ -1,8 +1,7 @@
 //! `pluvia plot`.
 
-use super::picture::{ends_in, prepare};
+use super::picture::prepare;
 use super::*;
-use crate::plain::without_zeros;
 use crate::report::{ChartColumn, ChartStyle, ColumnChart, ColumnRange, ColumnTable, svg_to_png};
 
 /// Draw any columns of a run's tables over each other

@@ -1,15 +1,10 @@
 //! Progress for people at a terminal: a bar a stage, and one for all of them.
 
-use std::{
-    collections::HashMap,
-    sync::{Mutex, MutexGuard, PoisonError},
-    time::Instant,
-};
+use std::sync::{MutexGuard, PoisonError};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-use super::overall::Overall;
-use crate::plain::{plain, plain_lines};
+use super::*;
 use crate::protocol::Progress;
 
 /// Takes a lock also after a thread that held it has failed.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::paper::Claim;
-use crate::study::{Interpretation, ReproduceOptions, RunOptions, reproduce};
+use crate::study::{ReproduceOptions, reproduce};
 
 /// Run the whole paper and compare its claims
 #[derive(Debug, Args)]

@@ -1,8 +1,7 @@
 //! `pluvia run`.
 
 use super::*;
-use crate::grains::load_scenario;
-use crate::study::{RunOptions, run_scenario, tell_warnings};
+use crate::study::{run_scenario, tell_warnings};
 
 /// Run one scenario
 #[derive(Debug, Args)]

@@ -1,8 +1,5 @@
 //! `pluvia schema`.
 
-use clap::ValueEnum;
-
-use super::field_page::page;
 use super::*;
 use crate::scenario;
 use crate::study::{ConvergenceDesign, SensitivityDesign};

@@ -1,6 +1,6 @@
 //! The scorecard of `pluvia reproduce` on a terminal: the paragraph, which ends with the tally, and the rows.
 
-use super::{paint, table};
+use super::*;
 use crate::paper::{Scorecard, Verdict};
 
 /// Columns that a line of the paragraph takes at most.

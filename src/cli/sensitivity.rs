@@ -1,6 +1,5 @@
 //! `pluvia sensitivity`.
 
-use super::designed::{DesignedArgs, page_until};
 use super::*;
 use crate::study::SensitivityStudy;
 

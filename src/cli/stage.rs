@@ -1,8 +1,6 @@
 //! `pluvia stage`.
 
 use super::*;
-use crate::record::remove_abandoned;
-use crate::study::{RunOptions, SweepTasks};
 
 /// Run one stage of a planned sweep and store it
 #[derive(Debug, Args)]

@@ -1,15 +1,8 @@
 //! Ctrl-C and SIGTERM: once to stop cleanly, within seconds in any case; twice to stop at once.
 
-use std::{
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
-    thread,
-    time::Duration,
-};
+use std::sync::atomic::Ordering;
 
-use super::context::say;
+use super::*;
 use crate::protocol::Progress;
 
 /// Exit code of a program that Ctrl-C ended, as shells have it: 128 + SIGINT.

@@ -1,11 +1,10 @@
 //! `pluvia sweep`.
 
-use super::designed::page_until;
 use super::*;
 use crate::report::Sweep;
 use crate::study::{
-    Design, Factor, RunOptions, SNAKEFILE, SampledRange, SlurmRequest, SweepOptions, SweepStudy,
-    SweepTasks, quoted, submit_to_slurm, this_program, write_snakefile,
+    Design, Factor, SNAKEFILE, SampledRange, SlurmRequest, SweepOptions, SweepStudy, quoted,
+    submit_to_slurm, this_program, write_snakefile,
 };
 
 /// Run a scenario at many values of its fields and put the results into one table

@@ -1,16 +1,14 @@
 //! Results as compact tables for people.
 
-use super::paint;
+use super::*;
 use crate::paper::ResultCounts;
-use crate::plain::without_zeros;
 use crate::record::{
     AngleOfRepose, Balance, GrainsSummary, LaboratorySummary, Overlap, Settlement, StandingHeight,
-    Summary, VibrationSummary,
+    VibrationSummary,
 };
 use crate::report::{Calibration, InterpretationColumn, calibration_rows};
 use crate::study::CompareRecord;
 use crate::verify::{Status, Verdict, tally};
-use crate::world::BackendInfo;
 
 /// A length of time for people.
 pub(super) fn duration(seconds: f64) -> String {
@@ -246,7 +244,7 @@ pub(super) fn of_comparison(record: &CompareRecord) -> String {
     let names: Vec<String> = record.runs.iter().map(|r| r.name.clone()).collect();
     let mut rows = vec![[vec!["quantity".to_owned()], names, vec!["unit".to_owned()]].concat()];
     for q in &record.quantities {
-        let values = q.values.iter().map(|v| v.map_or_else(|| "-".to_owned(), three_digits));
+        let values = q.values.iter().map(|v| v.map_or_else(|| "-".to_owned(), three_decimals));
         let verdict = match q.within_band {
             Some(true) => paint::good(" (agree)"),
             Some(false) => paint::bad(" (DIFFER)"),
@@ -312,7 +310,7 @@ pub(super) fn of_verdicts(verdicts: &[Verdict]) -> String {
         if value != 0.0 && !(1e-3..1e6).contains(&value.abs()) {
             format!("{value:.2e}")
         } else {
-            three_digits(value)
+            three_decimals(value)
         }
     };
     let header = ["verdict", "case", "setting", "expected", "got", "tolerance", "unit"];
@@ -347,11 +345,6 @@ pub(super) fn of_verdicts(verdicts: &[Verdict]) -> String {
         count(Status::UnexpectedPass)
     );
     out
-}
-
-/// A number with up to three decimals.
-fn three_digits(value: f64) -> String {
-    without_zeros(&format!("{value:.3}")).to_owned()
 }
 
 #[cfg(test)]

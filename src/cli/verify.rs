@@ -1,11 +1,7 @@
 //! `pluvia verify`.
 
-use super::changes::backend;
-use super::jobs::cores_for;
 use super::*;
-use crate::scenario::Backend;
 use crate::verify::{SuiteOptions, builtin, run_suite, settings};
-use crate::world;
 
 /// Hold the engines against analytical solutions
 #[derive(Debug, Args)]

@@ -1,9 +1,7 @@
 //! `pluvia view`.
 
 use std::sync::mpsc::RecvTimeoutError;
-use std::time::{Duration, Instant};
 
-use super::context::say;
 use super::*;
 use crate::record::remove_abandoned_beside;
 use crate::viewer::{Redirect, RunData, Server, Site, read_run_data, self_contained};

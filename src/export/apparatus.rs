@@ -1,9 +1,6 @@
 //! The pieces of the apparatus that stand around a specimen, with their names.
 
 use super::*;
-use crate::apparatus::{ApparatusError, Funnel, Piece};
-use crate::protocol::base_pieces;
-use crate::world::Material;
 
 /// What a piece of the apparatus stands on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,13 +1,8 @@
 //! The exchange format: one JSON file that holds all that another engine needs
 //! to carry on from a specimen. `docs/exchange.md` describes it.
 
-use super::apparatus::{Carrier, standing};
 use super::*;
-use crate::apparatus::ApparatusError;
-use crate::grains::grain_name;
-use crate::motion::{Start, TableMotion, Waveform};
-use crate::specimen::{Other, Party};
-use crate::world::{BodyState, Material};
+use crate::motion::{Start, Waveform};
 
 /// What `format` says in every such file.
 pub const FORMAT: &str = "pluvia-exchange";

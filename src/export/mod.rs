@@ -21,7 +21,7 @@ pub use exchange::{
     PlateBody, Scene, SceneError, Table, TableLaw, TableSamples, VERSION, VERSION_OF_SAMPLES,
 };
 pub use glb::{Glb, GlbTooLarge, glb};
-pub use moments::{DEFAULT_EVERY, Moment, Moments, StageMoments, read_moments};
+pub use moments::{DEFAULT_EVERY, Moment, Moments, StageMoments, as_state, read_moments};
 pub use parts::{Part, PartKind, parts};
 pub use playback::{Playback, PlayedStage, read_playback, read_playback_ends, read_playback_for};
 pub use run_folder::{ExportError, Exported, read_at_rest, read_run, stage_at_rest};
@@ -30,12 +30,19 @@ pub use tables::{contacts_csv, grains_csv, pairs_csv};
 pub use vtk::{VtkFiles, write_vtk};
 
 // What its parts are made of, too.
-use std::{path::Path, sync::Arc};
+use std::path::Path;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::apparatus::{ApparatusError, Funnel, Piece};
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
-use crate::grains::GrainSet;
-use crate::protocol::Setup;
-use crate::record::FileError;
-use crate::specimen::{Specimen, SpecimenState};
+use crate::grains;
+use crate::grains::{GrainSet, grain_name};
+use crate::motion::TableMotion;
+use crate::protocol::{Setup, base_pieces};
+use crate::record::{FileError, Frame, StageStore, run_file};
+use crate::scenario::Scenario;
+use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen, SpecimenState};
+use crate::world::{BodyState, Material};
+use {exchange::*, run_folder::*};

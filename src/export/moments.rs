@@ -1,15 +1,10 @@
 //! The moments of a run that are handed on: frames of its stages, thinned out,
 //! and the end of each with all that is known there.
 
-use super::parts::{Part, parts};
-use super::run_folder::{
-    ExportError, Manifest, REST_TEST, StageEntry, fit, grains_of, setup_of, state_of,
-};
+use super::parts::parts;
 use super::*;
-use crate::record::{Frame, StageStore, run_file};
 use crate::scale;
-use crate::specimen::{Fate, GrainState, PieceState};
-use crate::world::BodyState;
+use crate::specimen::PieceState;
 
 /// Least time in s between two frames where nothing else is asked for: every
 /// fifth of those that are kept.
@@ -166,25 +161,23 @@ impl Moment<'_> {
 
 /// A frame as a state, with nothing moving and no contacts. Grains that were
 /// no longer there count as spilled; what became of them a frame does not say.
-fn as_state(frame: &Frame) -> SpecimenState {
+pub fn as_state(frame: &Frame) -> SpecimenState {
     let grain = |pose: &Option<Pose>| GrainState {
         body: BodyState::at_rest(pose.unwrap_or_else(Pose::identity)),
         fate: if pose.is_some() { Fate::Present } else { Fate::Spilled },
+    };
+    let piece = |pose: &Option<Pose>| PieceState {
+        present: pose.is_some(),
+        ..PieceState::standing(pose.unwrap_or_else(Pose::identity))
     };
     SpecimenState {
         bodies: frame.grains.iter().map(grain).collect(),
         funnel: frame.funnel,
         cylinder: frame.cylinder,
+        base: frame.base.as_deref().cloned(),
         top_plate: frame.top_plate.map(BodyState::at_rest),
         table_x: frame.table_x,
-        pieces: frame
-            .pieces
-            .iter()
-            .map(|pose| PieceState {
-                present: pose.is_some(),
-                ..PieceState::standing(pose.unwrap_or_else(Pose::identity))
-            })
-            .collect(),
+        pieces: frame.pieces.iter().map(piece).collect(),
         time: frame.time,
         ..SpecimenState::before_everything(0)
     }

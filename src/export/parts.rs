@@ -3,11 +3,8 @@
 
 use std::collections::HashMap;
 
-use crate::apparatus::{ApparatusError, Funnel, Piece};
-use crate::geometry::{ConvexPolyhedron, Point, Pose};
-use crate::grains::GrainSet;
-use crate::protocol::{Setup, base_pieces};
-use crate::record::Frame;
+use super::*;
+use crate::geometry::Point;
 use crate::specimen::Base;
 
 /// What a part is.

@@ -2,9 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::run_folder::{ExportError, Manifest, REST_TEST, fit, grains_of, setup_of, state_of};
 use super::*;
-use crate::record::{Frame, StageStore, run_file};
 
 /// A run from its first stage to its last.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,14 +6,10 @@ use std::path::PathBuf;
 
 use serde::de::DeserializeOwned;
 
-use super::exchange::{MadeBy, Scene};
 use super::*;
-use crate::apparatus::ApparatusError;
-use crate::grains;
 use crate::input::{self, Refusal};
-use crate::motion::TableMotion;
-use crate::record::{Frame, StageStore, read_json, read_unchanged, run_file};
-use crate::scenario::{self, Scenario, StageSpec};
+use crate::record::{read_json, read_unchanged};
+use crate::scenario::{self, StageSpec};
 
 /// Why a run cannot be exported.
 #[derive(Debug, thiserror::Error)]

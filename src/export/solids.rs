@@ -1,11 +1,11 @@
 //! Grains and apparatus in their places as meshes, in metres, z up: Wavefront OBJ, one object a body
 //! with polygonal faces; STL and PLY of the grains, for programs that print, slice or measure solids.
 
-use std::{fmt::Write, io};
+use std::fmt::Write;
+use std::io;
 
 use super::*;
-use crate::apparatus::ApparatusError;
-use crate::grains::{grain_name, write_ply_of, write_stl_of};
+use crate::grains::{write_ply_of, write_stl_of};
 
 /// A file in the making.
 struct Objects {

@@ -1,14 +1,9 @@
 //! Tables of a specimen: grains, loaded contacts, touching pairs. Grains are named and quantities
 //! have the units as in the run's own tables: mm, mm³, g, mm/s, and N.
 
-use serde::Serialize;
-
-use super::exchange::party_name;
-use crate::grains::grain_name;
+use super::*;
 use crate::measure::{pairs_within, touching_gap};
-use crate::protocol::Setup;
 use crate::record::to_csv;
-use crate::specimen::{Fate, SavedContact, Specimen};
 use crate::units::{to_g, to_mm, to_mm3};
 
 /// One grain.

@@ -2,14 +2,10 @@
 
 use serde_json::json;
 
-use super::moments::{Moments, StageMoments};
 use super::parts::parts;
 use super::*;
-use crate::grains;
-use crate::record::Frame;
-use crate::scenario::{GrainsSpec, Scenario};
-use crate::specimen::{Fate, FunnelState, GrainState, Other, Party, SavedContact};
-use crate::world::BodyState;
+use crate::scenario::GrainsSpec;
+use crate::specimen::FunnelState;
 
 /// Speed of every grain along z, in m/s.
 pub(super) const SPEED: f64 = 0.5;

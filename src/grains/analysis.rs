@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Gradation, GrainSet, sieve_size};
+use super::*;
 
 /// One grain in the sieve.
 #[derive(Debug, Clone, Copy, PartialEq)]

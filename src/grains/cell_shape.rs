@@ -1,10 +1,10 @@
 //! Regularity and direction of Voronoi cells: Lloyd's relaxation, and cells
 //! cut in a stretched space.
 
-use meshless_voronoi::{Dimensionality, VoronoiIntegrator, integrals::VolumeCentroidIntegral};
+use meshless_voronoi::integrals::VolumeCentroidIntegral;
+use meshless_voronoi::{Dimensionality, VoronoiIntegrator};
 
-use super::{GrainsError, voronoi::check_points};
-use crate::{geometry::Vector, scenario::CellShape};
+use super::*;
 
 /// Sides of the box in which a cube is tessellated so that its cells, mapped
 /// back to the cube, are as long and as flat as asked for. The largest is 1.

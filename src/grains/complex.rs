@@ -5,10 +5,9 @@
 //! takes from one cell what it gives to the next: the block's volume is
 //! conserved to rounding, however many vertices are merged.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
-use super::GrainsError;
-use crate::geometry::{ConvexPolyhedron, Point, PolyhedronError, Vector};
+use super::*;
 
 /// A vertex of the complex.
 #[derive(Debug, Clone, Copy, PartialEq)]

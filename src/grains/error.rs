@@ -1,6 +1,6 @@
 //! What can go wrong in making, reading and placing grains.
 
-use crate::geometry::PolyhedronError;
+use super::*;
 
 /// What can go wrong in making, reading and placing grains.
 #[derive(Debug, thiserror::Error)]

@@ -15,7 +15,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::geometry::Vector;
+use super::*;
 
 /// How far, as a fraction of the body's size, a corner may lie before an edge
 /// that still counts as one. Corners of a Voronoi cell that lie in one plane do

@@ -9,11 +9,8 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{Block, GrainSet, GrainsError, psd::positive, sieve::sieve_size};
-use crate::{
-    geometry::{ConvexPolyhedron, MassProperties, Point, Sphere, Vector},
-    units::{from_mm, to_mm},
-};
+use super::*;
+use crate::geometry::Sphere;
 
 /// Relative difference between stated and computed properties that is
 /// accepted: files may hold rounded numbers, but not those of another grain.
@@ -134,7 +131,7 @@ pub fn from_json(json: &GrainsJson) -> Result<GrainSet, GrainsError> {
         }
     };
     positive("density of the solids, kg/m³", density)?;
-    let mut set = GrainSet { grains: Vec::new(), blocks: Vec::new(), density, stones: Vec::new() };
+    let mut set = GrainSet::empty(density);
     for (index, (block, stated)) in blocks.into_iter().zip(&json.blocks).enumerate() {
         for (cell, (shape, stated)) in block.cells.iter().zip(&stated.cells).enumerate() {
             check_stated(index, cell, shape, density, stated)?;

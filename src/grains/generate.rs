@@ -1,20 +1,11 @@
 //! From a sieve table, or from polyhedra, to grains.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 
-use super::{
-    Block, Grain, GrainSet, GrainsError,
-    psd::ParticleSizeDistribution,
-    spheres::spheres,
-    voronoi::{Cube, random_cells},
-};
-use crate::{
-    geometry::{ConvexPolyhedron, MassProperties, Pose, Rounded, Vector, rounded_within},
-    scale::{self, Scale},
-    scenario::{SievedGrains, SievedShape},
-};
+use super::spheres::spheres;
+use super::*;
+use crate::geometry::rounded_within;
+use crate::scenario::SievedShape;
 
 /// Makes the grains of a sieve table (paper, section 3): for every fraction a
 /// cube of its solid volume, cut into as many Voronoi cells of uniformly
@@ -29,12 +20,7 @@ pub fn generate(spec: &SievedGrains, seed: u64) -> Result<GrainSet, GrainsError>
     if spec.shape == SievedShape::Spheres {
         return spheres(&psd, seed);
     }
-    let mut set = GrainSet {
-        grains: Vec::new(),
-        blocks: Vec::new(),
-        density: psd.density,
-        stones: Vec::new(),
-    };
+    let mut set = GrainSet::empty(psd.density);
     let smallest = psd.fractions.iter().map(|f| f.retained).fold(f64::INFINITY, f64::min);
     let scale = Scale::of_smallest(smallest, Scale::PAPER.gravity);
     let merge = scale::MERGE_DISTANCE.at(&scale);

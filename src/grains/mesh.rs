@@ -3,8 +3,7 @@
 
 use std::io::{BufWriter, Write};
 
-use super::{GrainSet, grain_name};
-use crate::geometry::{ConvexPolyhedron, Point};
+use super::*;
 
 fn cells(grains: &GrainSet) -> impl Iterator<Item = &ConvexPolyhedron> + Clone + '_ {
     grains.blocks.iter().flat_map(|block| &block.cells)

@@ -4,14 +4,8 @@
 use std::f64::consts::FRAC_1_SQRT_2 as H;
 
 use nalgebra::{Translation3, UnitQuaternion};
-use rand_pcg::Pcg64;
 
-use super::{
-    GrainSet, GrainsError,
-    psd::positive,
-    streams::{in_unit_disc, rotation, shuffle, stream},
-};
-use crate::geometry::Pose;
+use super::*;
 
 /// Places tried for each grain; the lowest is taken.
 const TRIES: usize = 24;

@@ -13,6 +13,7 @@ mod file;
 mod generate;
 mod gradation;
 mod mesh;
+mod meshes;
 mod mixing;
 pub mod psd;
 mod shape;
@@ -21,11 +22,8 @@ mod sieve_memory;
 mod sieve_table;
 mod sizes;
 mod spheres;
-mod stones;
 pub mod streams;
 pub mod voronoi;
-
-use std::sync::Arc;
 
 pub use analysis::{SieveAnalysis, Sieved};
 pub use error::GrainsError;
@@ -35,16 +33,28 @@ pub use file::{
 pub use generate::generate;
 pub use gradation::{Gradation, UscsClass};
 pub use mesh::{write_obj, write_ply, write_ply_of, write_stl, write_stl_of};
+pub use meshes::{MeshRecord, from_meshes, meshes_csv, parts_of_piece};
 pub use mixing::{Mixing, mix, rain};
 pub use psd::{Fraction, ParticleSizeDistribution};
 pub use shape::{GrainShape, ShapeRatio};
 pub use sieve::{Passage, SIEVE_TOLERANCE, sieve_size};
 pub use sieve_memory::sieve_size_of;
-pub use sieve_table::{sieve_csv, sieve_table};
+pub use sieve_table::sieve_csv;
 pub use sizes::{load_grains, load_scenario};
-pub use stones::{StoneRecord, from_meshes, parts_of_piece, stones_csv};
 
-use crate::geometry::{ConvexPolyhedron, Pose, Vector};
+// What its parts are made of, too.
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use rand_pcg::Pcg64;
+
+use crate::geometry::{
+    ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, Rounded, Vector,
+};
+use crate::scale::{self, Scale};
+use crate::scenario::{CellShape, SievedGrains};
+use crate::units::{from_mm, to_cm3, to_mm};
+use {cell_shape::*, complex::*, fan::*, psd::*, streams::*, voronoi::*};
 
 /// Name of a grain by its number, the same in every file and message: `grain_00012`.
 pub fn grain_name(number: usize) -> String {
@@ -61,11 +71,11 @@ pub struct GrainSet {
     /// Density of the solids in kg/m³.
     pub density: f64,
     /// What became of each mesh; none where the grains were not made from meshes.
-    pub stones: Vec<StoneRecord>,
+    pub meshes: Vec<MeshRecord>,
 }
 
 /// One cube of a sieve fraction's solid volume and the points of its
-/// tessellation; or the stones of a fraction side by side, without points, in
+/// tessellation; or the grains of a fraction side by side, without points, in
 /// a cube that holds them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
@@ -107,6 +117,11 @@ pub struct Grain {
 }
 
 impl GrainSet {
+    /// No grains yet, of a density in kg/m³.
+    fn empty(density: f64) -> Self {
+        Self { grains: Vec::new(), blocks: Vec::new(), density, meshes: Vec::new() }
+    }
+
     /// Mass of all grains in kg.
     pub fn total_mass(&self) -> f64 {
         self.grains.iter().map(|g| g.mass).sum()

@@ -1,10 +1,8 @@
 //! The particle size distribution of a sieve analysis and what follows from it.
 
-use super::{Gradation, GrainSet, GrainsError, UscsClass};
-use crate::{
-    scenario::{SieveFraction, SievedGrains},
-    units::{from_g, from_mm, to_cm3, to_mm},
-};
+use super::*;
+use crate::scenario::SieveFraction;
+use crate::units::from_g;
 
 /// Largest number of grains the program makes.
 pub const MOST_GRAINS: usize = 1_000_000;
@@ -187,21 +185,6 @@ impl ParticleSizeDistribution {
     pub fn gradation(&self) -> Gradation {
         Gradation::of(|percent| self.size_at_percent(percent), |size| self.percent_finer(size))
     }
-
-    /// Coefficient of uniformity, D₆₀ / D₁₀.
-    pub fn uniformity(&self) -> f64 {
-        self.gradation().uniformity
-    }
-
-    /// Coefficient of curvature (gradation), D₃₀² / (D₆₀·D₁₀).
-    pub fn curvature(&self) -> f64 {
-        self.gradation().curvature
-    }
-
-    /// Class in the Unified Soil Classification System: [`UscsClass::of`].
-    pub fn uscs(&self) -> Option<UscsClass> {
-        self.gradation().uscs
-    }
 }
 
 /// Makes quotas of at least one half whole by the method of largest
@@ -326,8 +309,8 @@ mod tests {
         let d60 = 10.0 * (12.5_f64 / 10.0).powf((60.0 - 33.05) / 51.95);
         near("D10, mm", to_mm(psd.size_at_percent(10.0)), d10, 1e-12);
         near("D60, mm", to_mm(psd.size_at_percent(60.0)), d60, 1e-12);
-        near("Cu = D60/D10", psd.uniformity(), d60 / d10, 1e-12);
-        near("Cc = D30²/(D60·D10)", psd.curvature(), d30 * d30 / d60 / d10, 1e-12);
+        near("Cu = D60/D10", psd.gradation().uniformity, d60 / d10, 1e-12);
+        near("Cc = D30²/(D60·D10)", psd.gradation().curvature, d30 * d30 / d60 / d10, 1e-12);
         near("D0 is the finest sieve, mm", to_mm(psd.size_at_percent(0.0)), 8.0, 1e-12);
         near("D100 is the coarsest, mm", to_mm(psd.size_at_percent(100.0)), 16.0, 1e-12);
         for percent in [0.5, 10.0, 33.05, 50.0, 85.0, 99.0] {
@@ -341,11 +324,11 @@ mod tests {
         let class = |rows: &[(f64, f64, f64)]| {
             let mut spec = table(rows);
             spec.total_mass_g = 500.0;
-            ParticleSizeDistribution::new(&spec).unwrap().uscs()
+            ParticleSizeDistribution::new(&spec).unwrap().gradation().uscs
         };
         let paper = ParticleSizeDistribution::new(&paper_grains()).unwrap();
-        assert_eq!(paper.uscs(), Some(UscsClass::Gp), "paper, section 2: USCS GP");
-        assert_eq!(paper.uscs().unwrap().to_string(), "GP");
+        assert_eq!(paper.gradation().uscs, Some(UscsClass::Gp), "paper, section 2: USCS GP");
+        assert_eq!(paper.gradation().uscs.unwrap().to_string(), "GP");
         let wide = [(40.0, 20.0, 45.0), (20.0, 10.0, 30.0), (10.0, 5.0, 10.0), (5.0, 2.5, 15.0)];
         assert_eq!(class(&wide), Some(UscsClass::Gw), "Cu ≈ 5.4, Cc ≈ 1.5: GW");
         let hollow = [(40.0, 20.0, 40.0), (20.0, 10.0, 25.0), (10.0, 5.0, 17.0), (5.0, 2.5, 18.0)];

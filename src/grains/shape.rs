@@ -11,11 +11,7 @@
 
 use rayon::prelude::*;
 
-use super::{
-    GrainSet,
-    fan::{EdgeFan, Piece, Shadow},
-};
-use crate::geometry::{ConvexPolyhedron, Rounded, Vector};
+use super::*;
 
 /// How much larger than the smallest box the box that is taken can be, as a
 /// fraction of its volume, before it is narrowed down.

@@ -1,8 +1,6 @@
 //! The virtual sieve: the smallest square opening that a grain passes.
 
-use super::fan::{EdgeFan, Piece, ROUNDING, Shadow, width};
-use super::sieve_memory::sieve_size_of;
-use crate::geometry::{ConvexPolyhedron, Vector};
+use super::*;
 
 /// How much smaller than what was found the smallest opening could be, as a
 /// fraction of it.
@@ -89,8 +87,8 @@ impl Passage {
 /// use pluvia::{geometry::{ConvexPolyhedron, Vector}, grains::sieve_size};
 ///
 /// // A box of 10 × 12 × 30 mm goes through lengthwise, and must have room for its 12 mm.
-/// let stone = ConvexPolyhedron::cuboid(Vector::new(0.010, 0.012, 0.030))?;
-/// assert!((sieve_size(&stone) - 0.012).abs() < 1e-9);
+/// let grain = ConvexPolyhedron::cuboid(Vector::new(0.010, 0.012, 0.030))?;
+/// assert!((sieve_size(&grain) - 0.012).abs() < 1e-9);
 /// # Ok::<(), pluvia::geometry::PolyhedronError>(())
 /// ```
 pub fn sieve_size(shape: &ConvexPolyhedron) -> f64 {

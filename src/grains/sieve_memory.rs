@@ -2,15 +2,11 @@
 //! made, for every table and at the end of every stage, and the exact search
 //! takes some milliseconds a grain.
 
-use std::{
-    collections::HashMap,
-    sync::{Mutex, PoisonError},
-};
+use std::sync::{Mutex, PoisonError};
 
 use sha2::{Digest, Sha256};
 
-use super::sieve::Passage;
-use crate::geometry::Vector;
+use super::*;
 
 /// Sizes that are remembered at most; with more, all are forgotten. Those of a
 /// quarter of a million grains take some 16 MiB.

@@ -2,8 +2,8 @@
 
 use std::io::Write;
 
-use super::{GrainSet, GrainsError, analysis::SieveAnalysis, psd::ParticleSizeDistribution};
-use crate::units::{to_cm3, to_g, to_mm};
+use super::*;
+use crate::units::to_g;
 
 /// Writes `sieve.csv`: a row a fraction, with what the sieve table asks for,
 /// what the generated grains weigh, and how much of them the virtual sieve
@@ -17,19 +17,6 @@ pub fn sieve_csv(
     grains: &GrainSet,
     into: impl Write,
 ) -> Result<(), GrainsError> {
-    sieve_table(psd, grains, &SieveAnalysis::of(grains), into)
-}
-
-/// [`sieve_csv`] of grains that were sieved already.
-///
-/// # Errors
-/// As [`sieve_csv`].
-pub fn sieve_table(
-    psd: &ParticleSizeDistribution,
-    grains: &GrainSet,
-    sieved: &SieveAnalysis,
-    into: impl Write,
-) -> Result<(), GrainsError> {
     let (fractions, blocks) = (psd.fractions.len(), grains.blocks.len());
     if fractions != blocks {
         return Err(GrainsError::BadBlock {
@@ -37,47 +24,45 @@ pub fn sieve_table(
             reason: format!("there are {blocks} blocks for {fractions} sieve fractions"),
         });
     }
-    let total = grains.total_mass();
-    let mut csv = csv::Writer::from_writer(into);
-    csv.write_record([
-        "passing_mm",
-        "retained_mm",
-        "mass_percent",
-        "mass_g",
-        "solids_volume_cm3",
-        "mean_size_mm",
-        "grains",
-        "generated_mass_g",
-        "cube_side_mm",
-        "sieved_grains",
-        "sieved_mass_g",
-        "sieved_mass_percent",
-        "sieved_passing_percent",
-        "sieved_finer_percent",
-    ])?;
-    for (index, (fraction, block)) in psd.fractions.iter().zip(&grains.blocks).enumerate() {
+    let (sieved, total) = (SieveAnalysis::of(grains), grains.total_mass());
+    let four = |number: f64| format!("{number:.4}");
+    let row = |(index, (fraction, block)): (usize, (&Fraction, &Block))| {
         let own = || grains.grains.iter().filter(|g| g.fraction == index);
         let generated: f64 = own().map(|g| g.mass).sum();
         let (count, mass) = sieved.between(fraction.passing, fraction.retained);
-        csv.write_record([
-            to_mm(fraction.passing).to_string(),
-            to_mm(fraction.retained).to_string(),
-            format!("{:.4}", fraction.mass_percent),
-            format!("{:.4}", to_g(fraction.mass)),
-            format!("{:.4}", to_cm3(fraction.volume)),
-            to_mm(fraction.mean_size).to_string(),
-            own().count().to_string(),
-            format!("{:.4}", to_g(generated)),
-            format!("{:.4}", to_mm(block.side)),
-            count.to_string(),
-            format!("{:.4}", to_g(mass)),
-            format!("{:.4}", 100.0 * mass / total),
-            format!("{:.4}", sieved.percent_finer(fraction.passing)),
-            format!("{:.4}", sieved.percent_finer(fraction.retained)),
-        ])?;
+        vec![
+            ("passing_mm", to_mm(fraction.passing).to_string()),
+            ("retained_mm", to_mm(fraction.retained).to_string()),
+            ("mass_percent", four(fraction.mass_percent)),
+            ("mass_g", four(to_g(fraction.mass))),
+            ("solids_volume_cm3", four(to_cm3(fraction.volume))),
+            ("mean_size_mm", to_mm(fraction.mean_size).to_string()),
+            ("grains", own().count().to_string()),
+            ("generated_mass_g", four(to_g(generated))),
+            ("cube_side_mm", four(to_mm(block.side))),
+            ("sieved_grains", count.to_string()),
+            ("sieved_mass_g", four(to_g(mass))),
+            ("sieved_mass_percent", four(100.0 * mass / total)),
+            ("sieved_passing_percent", four(sieved.percent_finer(fraction.passing))),
+            ("sieved_finer_percent", four(sieved.percent_finer(fraction.retained))),
+        ]
+    };
+    write_table(psd.fractions.iter().zip(&grains.blocks).enumerate().map(row), into)
+}
+
+/// Writes rows whose cells have the names of their columns as CSV.
+pub(super) fn write_table(
+    rows: impl Iterator<Item = Vec<(&'static str, String)>>,
+    into: impl Write,
+) -> Result<(), GrainsError> {
+    let mut csv = csv::Writer::from_writer(into);
+    for (n, row) in rows.enumerate() {
+        if n == 0 {
+            csv.write_record(row.iter().map(|(name, _)| name))?;
+        }
+        csv.write_record(row.iter().map(|(_, cell)| cell))?;
     }
-    csv.flush()?;
-    Ok(())
+    Ok(csv.flush()?)
 }
 
 #[cfg(test)]

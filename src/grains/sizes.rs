@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::{GrainSet, file, from_meshes, parts_of_piece};
+use super::*;
 use crate::input;
-use crate::scale::{self, GrainSizes, Quantity, Scale, SieveMass};
+use crate::scale::{GrainSizes, Quantity, SieveMass};
 use crate::scenario::{self, Grading, GrainsSpec, Loaded, Override, Readers, ScenarioErrors};
 
 /// Any: sizes depend on it only where grains are drawn from meshes.

@@ -1,14 +1,7 @@
 //! Spheres by sieve fractions, their diameters drawn as the sizes of grains from meshes are.
 
-use super::{
-    GrainSet, GrainsError, ParticleSizeDistribution,
-    psd::MOST_GRAINS,
-    stones::{Stone, fill, push_laid_out},
-};
-use crate::{
-    geometry::ConvexPolyhedron,
-    scale::{self, Scale},
-};
+use super::meshes::{Prototype, fill, push_laid_out};
+use super::*;
 
 /// Makes spheres of a sieve table: in each fraction their diameters lie between the two sieves,
 /// such that mass is uniform over the logarithm of diameter, and together they have the
@@ -18,12 +11,12 @@ use crate::{
 /// A fraction whose mass no whole number of spheres has.
 pub(super) fn spheres(psd: &ParticleSizeDistribution, seed: u64) -> Result<GrainSet, GrainsError> {
     let density = psd.density;
-    let mut set = GrainSet { grains: Vec::new(), blocks: Vec::new(), density, stones: Vec::new() };
+    let mut set = GrainSet::empty(density);
     let smallest = psd.fractions.iter().map(|f| f.retained).fold(f64::INFINITY, f64::min);
     let gap = scale::BLOCK_GAP.at(&Scale::of_smallest(smallest, Scale::PAPER.gravity));
     // Of diameter 1 m, to be scaled.
     let shape = ConvexPolyhedron::ball(0.5);
-    let unit = [Stone { volume: shape.signed_volume(), shape, sieve_size: 1.0 }];
+    let unit = [Prototype { volume: shape.signed_volume(), shape, sieve_size: 1.0 }];
     let mut x = 0.0;
     for (index, fraction) in psd.fractions.iter().enumerate() {
         let name = format!("spheres of fraction {index}");

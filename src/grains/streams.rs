@@ -7,8 +7,10 @@
 //! gives the same bits on any platform and with any version of `rand`.
 
 use nalgebra::{Quaternion, UnitQuaternion};
-use rand_pcg::{Pcg64, rand_core::Rng};
+use rand_pcg::rand_core::Rng;
 use sha2::{Digest, Sha256};
+
+use super::*;
 
 /// The random stream of a name under a seed.
 ///

@@ -1,21 +1,8 @@
 //! Voronoi cells of points in a cube, as closed convex polyhedra.
 
-use std::collections::HashMap;
-
 use meshless_voronoi::{Dimensionality, VoronoiIntegrator};
-use rand_pcg::Pcg64;
 
-use super::{
-    GrainsError,
-    cell_shape::{box_sides, relaxed},
-    complex::{CellComplex, SharedVertex},
-    psd::positive,
-    streams::{stream, uniform},
-};
-use crate::{
-    geometry::{ConvexPolyhedron, Point, Vector},
-    scenario::CellShape,
-};
+use super::*;
 
 /// Least distance between two points, as a fraction of the cube's side. The
 /// tessellation rounds coordinates to about 2⁻⁵⁰ of the side where it decides

@@ -1,7 +1,7 @@
 //! Confidence intervals without a distribution assumed: resampling what was
 //! measured.
 
-use super::statistics::{mean, percentile};
+use super::*;
 use crate::grains::streams::{below, stream};
 
 /// Resamples of an interval: its ends are then known to about a fiftieth of

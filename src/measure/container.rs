@@ -1,7 +1,6 @@
 //! The container whose content is measured.
 
-use super::MeasureError;
-use crate::{geometry::Point, specimen::Specimen};
+use super::*;
 
 /// An upright circular cylinder standing on the plane z = 0.
 ///

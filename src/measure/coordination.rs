@@ -1,6 +1,6 @@
 //! How many neighbours a grain touches.
 
-use super::PairGap;
+use super::*;
 
 /// Contacts a grain, over the grains looked at.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! Kinetic and potential energy, and speeds.
 
-use crate::{geometry::Vector, specimen::Specimen, world::BodyState};
+use super::*;
 
 /// Energy of one or more bodies, in J.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -4,9 +4,9 @@
 //! The unit of a result is that of the values.
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::ContinuousCDF;
 
-use super::statistics::{mean, sample_standard_deviation};
+use super::*;
 
 /// The mean of repeated runs with its standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

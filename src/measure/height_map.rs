@@ -1,12 +1,6 @@
 //! Height of the specimen's surface over the cylinder's cross-section.
 
-use super::{Container, MeasureError, raster::Surface, statistics};
-use crate::{
-    geometry::{Pose, Vector},
-    grains::GrainSet,
-    scale,
-    specimen::Specimen,
-};
+use super::*;
 
 /// Side in m of a height map's cells where nothing else is asked for: about 10 400
 /// cells on the paper's cylinder.

@@ -1,7 +1,6 @@
 //! Number, mass and mean height of the grains in the cylinder.
 
-use super::{Container, statistics};
-use crate::specimen::Specimen;
+use super::*;
 
 /// The grains in the cylinder, added up.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! A convex polyhedron, rounded or not, or a sphere in world coordinates, prepared for overlap tests.
 
-use crate::geometry::{ConvexPolyhedron, Point, Pose, Sphere, Vector};
+use super::*;
 
 /// Vertices, face normals and edges of one body in world coordinates.
 #[derive(Debug, Clone)]

@@ -3,9 +3,9 @@
 //!
 //! Distributions are those of the crate `statrs`.
 
-use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ChiSquared, Continuous, ContinuousCDF, Normal};
 
-use super::statistics::{mean, sample_standard_deviation};
+use super::*;
 
 /// Mean of a sample, and how well it is known.
 #[derive(Debug, Clone, Copy, PartialEq)]

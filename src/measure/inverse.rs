@@ -6,10 +6,7 @@
 //! results, so that results are not independent, and lines are fitted block by
 //! block.
 
-use super::{
-    inference::{MeanTest, t_quantile},
-    statistics::mean,
-};
+use super::*;
 
 /// A straight line through blocks of results, and where it reaches a wanted value.
 #[derive(Debug, Clone, Copy, PartialEq)]

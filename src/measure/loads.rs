@@ -5,9 +5,7 @@ use std::collections::HashMap;
 
 use nalgebra::Matrix3;
 
-use super::Region;
-use crate::geometry::Vector;
-use crate::specimen::{Party, SavedContact};
+use super::*;
 
 /// Share of the friction limit from which on a contact point slides: below it forces of single
 /// precision cannot be told from the limit.

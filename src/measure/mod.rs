@@ -70,6 +70,16 @@ pub use settlement::{
 pub use stress::{Stress, stress_in};
 pub use void_ratio::{Voids, void_ratio};
 
+// What its parts are made of, too.
+use statrs::distribution::StudentsT;
+
+use crate::geometry::{ConvexPolyhedron, MassProperties, Point, Pose, Sphere, Vector, cut};
+use crate::grains::GrainSet;
+use crate::scale;
+use crate::specimen::{Fate, Party, SavedContact, Specimen, SpecimenState};
+use crate::world::BodyState;
+use {hull::*, inference::*, raster::*, region::*, statistics::*};
+
 /// Why something could not be measured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MeasureError {

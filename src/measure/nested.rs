@@ -6,8 +6,7 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
-use super::inference::t_quantile;
-use super::statistics::{mean, sample_standard_deviation};
+use super::*;
 
 /// A value with the ends of its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq)]

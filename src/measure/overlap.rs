@@ -1,7 +1,6 @@
 //! How much grains overlap, measured outside any engine.
 
-use super::{PairGap, statistics};
-use crate::specimen::Specimen;
+use super::*;
 
 /// Penetration depth of the overlapping pairs of grains.
 ///

@@ -1,9 +1,6 @@
 //! Which grains touch or overlap.
 
-use super::{WorldHull, separation_within};
-use crate::grains::GrainSet;
-use crate::scale;
-use crate::specimen::Specimen;
+use super::*;
 
 /// Gap in m up to which two grains of a set count as touching.
 pub fn touching_gap(grains: &GrainSet) -> f64 {

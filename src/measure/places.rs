@@ -1,10 +1,6 @@
 //! Where every grain is at the end of a stage.
 
-use super::Container;
-use crate::{
-    geometry::Point,
-    specimen::{Fate, Specimen},
-};
+use super::*;
 
 /// Where a grain is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,9 +1,6 @@
 //! Where the top plate lies.
 
-use crate::{
-    geometry::{Point, Vector},
-    world::BodyState,
-};
+use super::*;
 
 /// Height and tilt of the top plate.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,6 @@
 //! Void ratio by height and by radius: exact shares of every grain in layers and rings.
 
-use super::region::{corners_at, faces_at, volume};
-use crate::geometry::{Sphere, Vector, cut};
-use crate::specimen::Specimen;
+use super::*;
 
 /// Sides of the prism that stands for a round ring. It has the circle's area, and lies within
 /// 0.1 % of its radius.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::geometry::Vector;
+use super::*;
 
 /// Side of a tile in cells: small beside a grain, so that the lowest cell of
 /// the tiles under a grain says much about whether the grain can be seen.

@@ -1,7 +1,6 @@
 //! Void ratio within a box, exact: grains that reach over its sides count with what lies inside.
 
-use crate::geometry::{ConvexPolyhedron, MassProperties, Pose, Vector, cut};
-use crate::specimen::Specimen;
+use super::*;
 
 /// A box along the axes, in m.
 #[derive(Debug, Clone, Copy, PartialEq)]

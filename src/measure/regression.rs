@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::ContinuousCDF;
 
-use super::statistics::mean;
+use super::*;
 
 /// y = b₀ + Σ bᵢ zᵢ by ordinary least squares, zᵢ from −1 to 1 over the range of factor i in the
 /// data. Errors are taken to be normal, of one scatter, and independent of each other.

@@ -29,10 +29,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{Container, HeightMap, MeasureError, height_cell, inference::MeanTest, statistics};
-use crate::grains::GrainSet;
-use crate::scale;
-use crate::specimen::{Base, Specimen, SpecimenState};
+use super::*;
+use crate::specimen::Base;
 
 /// Sectors about the axis: of 10° each.
 pub const SECTORS: usize = 36;

@@ -1,6 +1,6 @@
 //! How far grains have turned between two states.
 
-use crate::specimen::{Fate, SpecimenState};
+use super::*;
 
 /// Angle in rad, from 0 to π, of the one turn that leads from the orientation of each grain in one
 /// state to that in another; `None` of a grain that is not present in both.

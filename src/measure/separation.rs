@@ -12,8 +12,7 @@
 //! Environments", 2004; Gregorius, "The Separating Axis Test between Convex
 //! Polyhedra", GDC 2013).
 
-use super::hull::{Edge, WorldHull, highest_along, lowest_along};
-use crate::geometry::Vector;
+use super::*;
 
 /// Sine of the angle within which an arc end counts as lying on the other
 /// arc's great circle.

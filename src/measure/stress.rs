@@ -10,9 +10,7 @@
 
 use nalgebra::Matrix3;
 
-use super::Region;
-use crate::geometry::Vector;
-use crate::specimen::{Party, Specimen};
+use super::*;
 
 /// A stress tensor in Pa, compression positive.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,18 +1,16 @@
 //! Helpers of this module's tests: random polyhedra, small specimens, and an
 //! intersection of polyhedra that shares nothing with the measured code.
 
-use std::{collections::HashMap, sync::Arc};
+use std::collections::HashMap;
+use std::sync::Arc;
 
 use nalgebra::{Translation3, UnitQuaternion};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::{
-    geometry::{ConvexPolyhedron, MassProperties, Point, Pose, Vector},
-    grains::{Block, Grain, GrainSet},
-    specimen::{Fate, GrainState, Party, SavedContact, Specimen, SpecimenState},
-    world::BodyState,
-};
+use super::*;
+use crate::grains::{Block, Grain};
+use crate::specimen::GrainState;
 
 /// Density used by all test grains (paper, section 2), in kg/m³.
 pub const DENSITY: f64 = 2673.9;
@@ -206,7 +204,7 @@ pub fn specimen_of(parts: Vec<(ConvexPolyhedron, Pose)>) -> Specimen {
             grains,
             blocks: vec![of_the_papers_sizes()],
             density: DENSITY,
-            stones: vec![],
+            meshes: vec![],
         }),
         state: SpecimenState {
             bodies,

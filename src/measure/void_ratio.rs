@@ -1,7 +1,6 @@
 //! Void ratio and porosity of the specimen in the cylinder.
 
-use super::Container;
-use crate::specimen::Specimen;
+use super::*;
 
 /// How much of the specimen is empty.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,15 +6,8 @@
 use png::{BitDepth, BlendOp, ColorType, Compression, Encoder};
 use rayon::prelude::*;
 
-use super::PictureError;
-use super::image::Image;
-use super::moment::{At, moments, stage_of};
-use super::paint::{ColourBy, upper_end, values};
-use super::scenery::glass_depth;
 use super::sheet::sheet;
-use super::shot::{Shot, expose, stage_scene};
-use crate::export::Playback;
-use crate::geometry::Point;
+use super::*;
 use crate::protocol::Progress;
 
 /// How a run is shown moving.

@@ -3,8 +3,7 @@
 
 use std::fmt;
 
-use super::solid::Ray;
-use crate::geometry::{Point, Vector};
+use super::*;
 use crate::units::from_deg;
 
 /// Half the angle between the picture's farther sides, in degrees: a mild

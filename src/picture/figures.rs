@@ -2,23 +2,12 @@
 
 use std::path::Path;
 
-use super::PictureError;
-use super::camera::{View, aspect};
-use super::colour::Colour;
-use super::image::{Background, Image};
-use super::loose::{self, loose_grains};
-use super::moment::{At, at};
-use super::paint::{ColourBy, number};
-use super::scene::Scene;
-use super::scenery::{Walls, glass_depth, scene_of};
-use super::sheet::{Notes, sheet};
-use super::shot::{Shot, expose, stage_scene};
-use crate::export::{Playback, read_playback_ends};
-use crate::geometry::Point;
-use crate::record::Frame;
+use super::loose;
+use super::sheet::sheet;
+use super::*;
+use crate::export::read_playback_ends;
 use crate::report::Picture;
 use crate::specimen::FunnelState;
-use crate::units::to_mm;
 
 /// Width of these pictures in pixels.
 const WIDTH: u32 = 1400;
@@ -93,14 +82,10 @@ fn apparatus(run: &Playback) -> Result<Picture, PictureError> {
     let opening_height = hung.unwrap_or(run.setup.cylinder.height + LIFTED);
     let built_in = run.setup.pieces.is_empty();
     let frame = Frame {
-        base: None,
-        time: 0.0,
         cylinder: built_in,
         funnel: built_in.then_some(FunnelState { opening_height, lid: true }),
-        table_x: 0.0,
-        top_plate: None,
-        grains: Vec::new(),
         pieces: run.setup.pieces.iter().map(|piece| Some(piece.at)).collect(),
+        ..Frame::default()
     };
     let notes = Notes {
         things: vec![

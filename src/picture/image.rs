@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::colour::Colour;
+use super::*;
 
 /// Pixels in linear intensities with alpha, multiplied already, row by row from
 /// the upper left corner.

@@ -7,10 +7,7 @@
 
 use std::f64::consts::TAU;
 
-use super::colour::Colour;
-use super::scene::Scene;
-use super::solid::Ray;
-use crate::geometry::Vector;
+use super::*;
 
 /// Side of the square of pixels that share the samples.
 pub const SQUARE: usize = 4;

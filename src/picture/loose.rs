@@ -4,19 +4,10 @@ use std::collections::VecDeque;
 
 use nalgebra::UnitQuaternion;
 
-use super::PictureError;
-use super::camera::View;
-use super::colour::Colour;
-use super::image::Image;
-use super::paint::{ColourBy, Moments, number, paint};
-use super::scene::{Body, Scene};
-use super::sheet::{Notes, sheet};
-use super::shot::{Shot, expose};
-use super::solid::Solid;
-use crate::geometry::{ConvexPolyhedron, Pose, Vector};
-use crate::grains::{Grain, GrainSet};
-use crate::record::Frame;
-use crate::units::to_mm;
+use super::paint::paint;
+use super::sheet::sheet;
+use super::*;
+use crate::grains::Grain;
 
 /// Rows of each fraction, at most.
 pub const ROWS: usize = 3;
@@ -38,16 +29,8 @@ pub const VIEW: View = View { azimuth_deg: 0.0, elevation_deg: 60.0 };
 /// Numbers out of range, colours that need a run, text that cannot be drawn.
 pub fn loose_grains(grains: &GrainSet, shot: &Shot) -> Result<Image, PictureError> {
     shot.check()?;
-    let all = Frame {
-        base: None,
-        time: 0.0,
-        cylinder: false,
-        funnel: None,
-        table_x: 0.0,
-        top_plate: None,
-        grains: vec![Some(Pose::identity()); grains.grains.len()],
-        pieces: Vec::new(),
-    };
+    let grains_there = vec![Some(Pose::identity()); grains.grains.len()];
+    let all = Frame { grains: grains_there, ..Frame::default() };
     let by = match shot.colour_by {
         by @ (ColourBy::Fraction | ColourBy::Plain) => by,
         ColourBy::Displacement => return Err(PictureError::NeedsFrames { what: "displacement" }),

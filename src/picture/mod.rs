@@ -31,9 +31,18 @@ pub use paint::ColourBy;
 pub use scenery::Walls;
 pub use shot::{Shot, picture};
 
+// What its parts are made of, too.
 use crate::apparatus::ApparatusError;
-use crate::export::ExportError;
-use crate::record::FileError;
+use crate::export::{ExportError, Playback};
+use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
+use crate::grains::GrainSet;
+use crate::plain::three_decimals as number;
+use crate::record::{FileError, Frame};
+use crate::units::to_mm;
+use {
+    camera::*, colour::*, light::*, moment::*, paint::*, scene::*, scenery::*, sheet::*, shot::*,
+    solid::*,
+};
 
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]

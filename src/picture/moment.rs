@@ -1,8 +1,6 @@
 //! Finding a moment of a run by stage and time.
 
-use super::PictureError;
-use super::paint::{Moments, number};
-use crate::export::Playback;
+use super::*;
 
 /// A frame of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,13 +1,7 @@
 //! What grains are coloured by, and the key that says so.
 
-use super::PictureError;
-use super::colour::{Colour, round_up, scale, step};
-use crate::geometry::Vector;
-use crate::grains::GrainSet;
+use super::*;
 use crate::measure::{WorldHull, pairs_within_of, touching_gap};
-use crate::plain::without_zeros;
-use crate::record::Frame;
-use crate::units::to_mm;
 
 /// What the colour of a grain tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
@@ -174,11 +168,6 @@ fn by_coordination(grains: &GrainSet, now: &Frame) -> (Vec<Colour>, Key) {
     let title = ["Coordination:", "grains touched"].map(str::to_owned).to_vec();
     let key = Key { title, steps, ..Key::default() };
     (touching.into_iter().map(colour).collect(), key)
-}
-
-/// A number without trailing zeros.
-pub fn number(value: f64) -> String {
-    without_zeros(&format!("{value:.3}")).to_owned()
 }
 
 #[cfg(test)]

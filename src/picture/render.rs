@@ -6,13 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::camera::Camera;
-use super::colour::Colour;
-use super::image::Image;
-use super::light::{Light, Lit, SQUARE};
-use super::scene::Scene;
-use super::solid::{BALL, Ray};
-use crate::geometry::Vector;
+use super::*;
 
 /// Rays along one side of a pixel on an edge.
 const FINE: usize = 3;

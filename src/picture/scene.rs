@@ -1,14 +1,10 @@
 //! What stands before the camera, and what a ray meets of it.
 
-use parry3d_f64::{
-    bounding_volume::Aabb,
-    math::Vector as Corner,
-    partitioning::{Bvh, BvhBuildStrategy, BvhLeafCost, BvhNode, TraversalAction},
-};
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::math::Vector as Corner;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhLeafCost, BvhNode, TraversalAction};
 
-use super::colour::Colour;
-use super::solid::{BALL, Plane, Ray, Solid, Stretch, stretch_in};
-use crate::geometry::{Point, Vector};
+use super::*;
 
 /// A solid and how it looks.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,17 +1,9 @@
 //! A moment of a run as a scene: grains, walls, plate and ground.
 
-use super::PictureError;
-use super::camera::View;
-use super::colour::Colour;
-use super::scene::{Body, Scene};
-use super::solid::{Plane, Solid};
+use super::*;
 use crate::apparatus::Piece;
-use crate::export::{Carrier, StandingPiece, standing};
-use crate::geometry::{Point, Pose, Vector};
-use crate::grains::GrainSet;
+use crate::export::{Carrier, as_state, standing};
 use crate::protocol::Setup;
-use crate::record::Frame;
-use crate::specimen::{PieceState, SpecimenState};
 
 /// How cylinder and funnel are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
@@ -66,7 +58,8 @@ pub fn scene_of(
     }
     let thickness = wall_thickness(setup);
     let mut ground = None;
-    for standing in pieces(setup, grains, frame)? {
+    let pieces = standing(setup, grains, &as_state(frame)).map_err(PictureError::Apparatus)?;
+    for standing in pieces {
         let whole = Solid::new(&standing.piece.shape, &standing.piece.pose);
         let axis = match standing.name.starts_with("cylinder") {
             true => Vector::new(frame.table_x, 0.0, 0.0),
@@ -99,25 +92,6 @@ pub fn scene_of(
         }
     }
     Ok(Scene::new(bodies, ground))
-}
-
-fn pieces(
-    setup: &Setup,
-    grains: &GrainSet,
-    frame: &Frame,
-) -> Result<Vec<StandingPiece>, PictureError> {
-    let mut state = SpecimenState::before_everything(0);
-    (state.cylinder, state.funnel, state.table_x) = (frame.cylinder, frame.funnel, frame.table_x);
-    state.base = frame.base.as_deref().cloned();
-    state.pieces = frame
-        .pieces
-        .iter()
-        .map(|pose| PieceState {
-            present: pose.is_some(),
-            ..PieceState::standing(pose.unwrap_or_else(Pose::identity))
-        })
-        .collect();
-    standing(setup, grains, &state).map_err(PictureError::Apparatus)
 }
 
 /// A part of a piece of a laboratory; none where it is cut away, being nearer to the camera
@@ -187,7 +161,7 @@ mod tests {
     use super::*;
     use crate::apparatus::{Cylinder, Funnel};
     use crate::scenario::{CylinderSpec, FunnelSpec, Scenario};
-    use crate::specimen::Base;
+    use crate::specimen::{Base, SpecimenState};
 
     fn across(solid: &Solid, height: f64, angle: f64) -> Option<(f64, f64)> {
         let direction = Vector::new(angle.cos(), angle.sin(), 0.0);
@@ -258,7 +232,7 @@ mod tests {
         .expect("a scenario");
         let setup = Setup::new(&scenario).expect("a laboratory");
         let no_grains =
-            GrainSet { grains: vec![], blocks: vec![], density: 2650.0, stones: vec![] };
+            GrainSet { grains: vec![], blocks: vec![], density: 2650.0, meshes: vec![] };
         let view = View { azimuth_deg: 0.0, elevation_deg: 10.0 };
         for walls in [Walls::Transparent, Walls::Cut, Walls::Hidden] {
             let scene = scene_of(&setup, &no_grains, &frame, walls, &view, &[]).expect("a scene");

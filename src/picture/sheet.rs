@@ -2,10 +2,7 @@
 
 use std::fmt::Write;
 
-use super::PictureError;
-use super::colour::{Colour, scale};
-use super::image::Image;
-use super::paint::{Key, number};
+use super::*;
 use crate::report::draw_svg;
 
 /// Share of the width of a sheet that the key takes.

@@ -1,17 +1,9 @@
 //! One picture of one moment of a run.
 
-use super::PictureError;
-use super::camera::{Camera, View};
-use super::colour::Colour;
-use super::image::{Background, Image};
-use super::moment::{At, moments};
-use super::paint::{ColourBy, number, paint};
+use super::paint::paint;
 use super::render::render;
-use super::scene::Scene;
-use super::scenery::{Walls, glass_depth, scene_of};
-use super::sheet::{Notes, picture_width, sheet};
-use crate::export::Playback;
-use crate::geometry::Point;
+use super::sheet::sheet;
+use super::*;
 
 /// Smallest and largest side of a picture in pixels.
 const SIDES: std::ops::RangeInclusive<u32> = 64..=8192;

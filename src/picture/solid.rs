@@ -1,7 +1,8 @@
 //! Convex solids as spheres and the half-spaces that bound them, and where a ray goes
 //! through one.
 
-use crate::geometry::{ConvexPolyhedron, Point, Pose, Sphere, Vector};
+use super::*;
+use crate::geometry::Sphere;
 
 /// A ray: every point `origin + t · direction` with t in m along a unit vector.
 #[derive(Debug, Clone, Copy, PartialEq)]

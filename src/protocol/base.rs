@@ -2,17 +2,11 @@
 
 use std::sync::Arc;
 
-use super::Setup;
-use crate::apparatus::{ApparatusError, Piece, round_floor};
-use crate::geometry::Pose;
-use crate::grains::{
-    GrainSet,
-    streams::{below, rotation, stream},
-};
-use crate::scale;
+use super::*;
+use crate::apparatus::round_floor;
+use crate::grains::streams::{below, rotation};
 use crate::scenario::{BaseKind, BaseSpec};
-use crate::specimen::{Base, FixedGrain, Other, Party, SpecimenState};
-use crate::world::{Material, PairTable};
+use crate::specimen::{Base, FixedGrain};
 
 /// The base of a scenario, of the given radius in m.
 ///

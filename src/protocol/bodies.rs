@@ -1,13 +1,7 @@
 //! From what is in the laboratory to the bodies of a world.
 
-use std::collections::HashMap;
-
-use crate::apparatus::Piece;
-use crate::geometry::{Pose, Vector};
-use crate::grains::Grain;
-use crate::scenario::EngineSettings;
-use crate::specimen::{Party, SavedContact, SpecimenState};
-use crate::world::{Body, BodyId, BodyState, Material, Motion, RememberedContact};
+use super::*;
+use crate::world::RememberedContact;
 
 /// Saved contacts in terms of a new world's bodies, without those of what is
 /// not in it.

@@ -1,13 +1,11 @@
 //! Conditions that end a stage: what is watched, and when it holds.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use super::Setup;
-use crate::geometry::Vector;
+use super::*;
 use crate::scenario::{ConditionSpec, OpeningSpec, UntilSpec};
 use crate::specimen::Opening;
-use crate::units::{from_deg, from_g, from_mm, to_g, to_mm};
+use crate::units::{from_deg, to_g, to_mm};
 
 /// What ends a stage: conditions, of which one or all have to hold.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,15 +2,9 @@
 
 use nalgebra::UnitQuaternion;
 use rand_pcg::Pcg64;
-use serde::{Deserialize, Serialize};
 
-use crate::geometry::{Pose, Vector};
-use crate::grains::{
-    self, Mixing,
-    streams::{in_unit_disc, stream, uniform},
-};
-use crate::scale;
-use crate::specimen::Specimen;
+use super::*;
+use crate::grains::{self, Mixing};
 
 /// Places under the spout that are tried before a grain waits for the next check.
 const TRIES: usize = 16;

@@ -1,10 +1,8 @@
 //! Pieces that move freely, and pieces of several parts that are one body of a world.
 
-use super::{Setup, bodies::wall_piece, pieces::Solids};
-use crate::apparatus::RigidPiece;
-use crate::geometry::{Point, Pose, Vector};
-use crate::specimen::{FreeState, PieceState, SpecimenState};
-use crate::world::{Body, BodyId, BodyState, Material, Motion, World, WorldError};
+use super::*;
+use crate::specimen::FreeState;
+use crate::world::World;
 
 /// A piece that moves freely: its number and its body.
 #[derive(Debug, Clone, Copy)]

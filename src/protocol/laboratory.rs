@@ -1,21 +1,9 @@
 //! Stages of a laboratory of pieces: deposit, move, press, remove.
 
-use super::{
-    Observer, Setup, StageError, StageOutcome,
-    ending::Endings,
-    feeder::{Area, Feed, Outlet, Rate},
-    free_pieces::released,
-    pieces::{Drive, Solids},
-    stages::{Course, Ended, Laboratory, not_settled},
-    stand::{Stand, Until},
-};
-use crate::apparatus::{RigidPiece, stands_in};
-use crate::geometry::{Point, Pose, Vector};
-use crate::grains;
-use crate::scenario::{DepositKind, StageSpec};
-use crate::specimen::{Fate, PieceState, PressState, Specimen, TurnState};
-use crate::units::{from_g, from_kpa, from_mm};
-use crate::world::BodyState;
+use super::*;
+use crate::scenario::DepositKind;
+use crate::specimen::TurnState;
+use crate::units::from_kpa;
 
 /// Places of a lattice that are tried for each grain before there counts as no room.
 const TRIES: usize = 1000;
@@ -37,13 +25,7 @@ pub(super) fn begun(setup: &Setup, mut specimen: Specimen) -> Specimen {
 
 impl Laboratory<'_> {
     /// Lets grains that wait fall from an area.
-    pub(super) fn deposit(
-        &self,
-        mut specimen: Specimen,
-        stage: &StageSpec,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
-        let refused = |reason| StageError::OutOfOrder { stage: "deposit", reason };
+    pub(super) fn deposit(&mut self, mut specimen: Specimen) -> StageResult {
         let StageSpec::Deposit {
             how,
             at_mm,
@@ -53,23 +35,23 @@ impl Laboratory<'_> {
             mass_g,
             sizes_mm,
             time_limit_s,
-        } = *stage
+        } = *self.stage
         else {
-            return Err(refused("it needs an area"));
+            return Err(self.refused("it needs an area"));
         };
         let area = Area {
             middle: Vector::from(at_mm.map(from_mm)),
             half: match (area_mm, diameter_mm) {
                 (Some(sides), _) => sides.map(|side| from_mm(side) / 2.0),
                 (None, Some(diameter)) => [from_mm(diameter) / 2.0; 2],
-                (None, None) => return Err(refused("it needs an area")),
+                (None, None) => return Err(self.refused("it needs an area")),
             },
             round: area_mm.is_none(),
         };
         let sizes = sizes_mm.map(|sizes| sizes.map(from_mm));
         let chosen = self.waiting(&specimen, sizes, mass_g.map(from_g));
         if chosen.is_empty() {
-            return Err(refused("no grains of that kind are waiting any more"));
+            return Err(self.refused("no grains of that kind are waiting any more"));
         }
         let mut course = Course::until_settled(time_limit_s);
         match (how, rate_g_per_s) {
@@ -82,10 +64,9 @@ impl Laboratory<'_> {
                     gravity: self.setup.gravity,
                 });
             }
-            (DepositKind::Rain, None) => return Err(refused("rain needs a rate")),
+            (DepositKind::Rain, None) => return Err(self.refused("rain needs a rate")),
         }
-        let Ended { mut stand, settled, feeder } =
-            self.carry_out(specimen, 0.0, &course, observer)?;
+        let Ended { mut stand, settled, feeder } = self.carry_out(specimen, 0.0, &course)?;
         let waiting = feeder.map_or(0, |feeder| feeder.waiting());
         if waiting > 0 {
             stand.warn(format!(
@@ -170,16 +151,11 @@ impl Laboratory<'_> {
     }
 
     /// Moves pieces as prescribed.
-    pub(super) fn move_pieces(
-        &self,
-        mut specimen: Specimen,
-        stage: &StageSpec,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
-        let refused = |reason| StageError::OutOfOrder { stage: "move", reason };
-        let (StageSpec::Move { pieces: names, .. }, Some(motion)) = (stage, stage.piece_motion())
+    pub(super) fn move_pieces(&mut self, mut specimen: Specimen) -> StageResult {
+        let (StageSpec::Move { pieces: names, .. }, Some(motion)) =
+            (self.stage, self.stage.piece_motion())
         else {
-            return Err(refused("it needs a motion"));
+            return Err(self.refused("it needs a motion"));
         };
         let stands = |n: &usize| specimen.state.pieces[*n].present;
         // Those that are pressed or free go on as they are unless they are named.
@@ -189,12 +165,12 @@ impl Laboratory<'_> {
             false => self.numbers(names).filter(|p| p.iter().all(stands)).unwrap_or_default(),
         };
         if pieces.is_empty() {
-            return Err(refused("its pieces do not stand"));
+            return Err(self.refused("its pieces do not stand"));
         }
         for &n in &pieces {
             specimen.state.pieces[n].hold();
         }
-        let limit = stage.settle_limit();
+        let limit = self.stage.settle_limit();
         let mut course = match limit > 0.0 {
             true => Course::until(Until {
                 limit: motion.duration + limit,
@@ -203,8 +179,8 @@ impl Laboratory<'_> {
             false => Course::of_length(motion.duration),
         };
         course.drive = Some(Drive { pieces, motion });
-        course.endings = self.endings(stage);
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
+        course.endings = self.endings();
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course)?;
         if limit > 0.0 && !settled {
             stand.warn(not_settled("rest after the motion", limit));
         }
@@ -212,21 +188,16 @@ impl Laboratory<'_> {
     }
 
     /// Presses pieces, or locks what was pressed.
-    pub(super) fn press(
-        &self,
-        mut specimen: Specimen,
-        stage: &StageSpec,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
-        let refused = |reason| StageError::OutOfOrder { stage: "press", reason };
-        let StageSpec::Press { loads, ramp_s, approach_mm_per_s, time_limit_s, .. } = stage else {
-            return Err(refused("it needs loads"));
+    pub(super) fn press(&mut self, mut specimen: Specimen) -> StageResult {
+        let StageSpec::Press { loads, ramp_s, approach_mm_per_s, time_limit_s, .. } = self.stage
+        else {
+            return Err(self.refused("it needs loads"));
         };
         for load in loads {
             let name = std::slice::from_ref(&load.piece);
             let number = self.numbers(name).map(|numbers| numbers[0]);
             let number = number.filter(|n| specimen.state.pieces[*n].present);
-            let n = number.ok_or_else(|| refused("its pieces do not stand"))?;
+            let n = number.ok_or_else(|| self.refused("its pieces do not stand"))?;
             let (piece, state) = (&self.setup.pieces[n], &mut specimen.state.pieces[n]);
             if load.locked {
                 state.hold();
@@ -241,7 +212,7 @@ impl Laboratory<'_> {
             let target = match (load.force_n.or(load.moment_n_m), load.stress_kpa) {
                 (Some(force), _) => force,
                 (None, Some(stress)) => from_kpa(stress) * area,
-                (None, None) => return Err(refused("a load needs a force or a stress")),
+                (None, None) => return Err(self.refused("a load needs a force or a stress")),
             };
             let alike = |press: &PressState| {
                 press.direction == direction && press.turns.map(|turns| turns.about) == about
@@ -283,21 +254,15 @@ impl Laboratory<'_> {
                 turns,
             });
         }
-        self.until_settled(specimen, stage, *time_limit_s, "pressing", observer)
+        self.until_settled(specimen, *time_limit_s, "pressing")
     }
 
     /// Lets pieces move freely from now on.
-    pub(super) fn release(
-        &self,
-        mut specimen: Specimen,
-        stage: &StageSpec,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
-        let refused = |reason| StageError::OutOfOrder { stage: "release", reason };
-        let StageSpec::Release { pieces: names, mass_g, time_limit_s, .. } = stage else {
-            return Err(refused("it needs pieces"));
+    pub(super) fn release(&mut self, mut specimen: Specimen) -> StageResult {
+        let StageSpec::Release { pieces: names, mass_g, time_limit_s, .. } = self.stage else {
+            return Err(self.refused("it needs pieces"));
         };
-        let pieces = self.numbers(names).ok_or_else(|| refused("there is no such piece"))?;
+        let pieces = self.numbers(names).ok_or_else(|| self.refused("there is no such piece"))?;
         let solid = self.setup.pieces.iter().map(|p| RigidPiece { may_cross: false, ..p.clone() });
         let solid: Vec<RigidPiece> = solid.collect();
         let states = &mut specimen.state.pieces;
@@ -305,54 +270,41 @@ impl Laboratory<'_> {
             states.iter().map(|piece| piece.present.then_some(piece.pose)).collect();
         for n in pieces {
             if !states[n].present {
-                return Err(refused("its pieces do not stand"));
+                return Err(self.refused("its pieces do not stand"));
             }
             if stands_in(&solid, &at, n).is_some() {
-                return Err(refused("what moves freely may not stand in another piece"));
+                return Err(self.refused("what moves freely may not stand in another piece"));
             }
             let mass = mass_g.map_or_else(|| solid[n].volume() * LID_DENSITY, from_g);
             states[n].hold();
             states[n].free = Some(released(&solid[n], &states[n], mass));
         }
         if states.iter().all(|piece| !piece.present || piece.free.is_some()) {
-            return Err(refused("nothing is left that could carry what moves freely"));
+            return Err(self.refused("nothing is left that could carry what moves freely"));
         }
-        self.until_settled(specimen, stage, *time_limit_s, "moving freely", observer)
+        self.until_settled(specimen, *time_limit_s, "moving freely")
     }
 
     /// Takes pieces away.
-    pub(super) fn remove(
-        &self,
-        mut specimen: Specimen,
-        stage: &StageSpec,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
-        let refused = |reason| StageError::OutOfOrder { stage: "remove", reason };
-        let StageSpec::Remove { pieces: names, time_limit_s, .. } = stage else {
-            return Err(refused("it needs pieces"));
+    pub(super) fn remove(&mut self, mut specimen: Specimen) -> StageResult {
+        let StageSpec::Remove { pieces: names, time_limit_s, .. } = self.stage else {
+            return Err(self.refused("it needs pieces"));
         };
-        let pieces = self.numbers(names).ok_or_else(|| refused("there is no such piece"))?;
+        let pieces = self.numbers(names).ok_or_else(|| self.refused("there is no such piece"))?;
         for n in pieces {
             let piece = &mut specimen.state.pieces[n];
             if !piece.present {
-                return Err(refused("its pieces do not stand"));
+                return Err(self.refused("its pieces do not stand"));
             }
             *piece = PieceState { present: false, ..PieceState::standing(piece.pose) };
         }
-        self.until_settled(specimen, stage, *time_limit_s, "flow", observer)
+        self.until_settled(specimen, *time_limit_s, "flow")
     }
 
     /// Carries a stage out that ends by its condition or when everything has settled.
-    fn until_settled(
-        &self,
-        specimen: Specimen,
-        stage: &StageSpec,
-        limit: f64,
-        what: &str,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
-        let course = Course { endings: self.endings(stage), ..Course::until_settled(limit) };
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
+    fn until_settled(&mut self, specimen: Specimen, limit: f64, what: &str) -> StageResult {
+        let course = Course { endings: self.endings(), ..Course::until_settled(limit) };
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course)?;
         if !settled && course.endings.is_none() {
             stand.warn(not_settled(what, limit));
         }
@@ -360,8 +312,8 @@ impl Laboratory<'_> {
     }
 
     /// What ends a stage before its time.
-    fn endings(&self, stage: &StageSpec) -> Option<Endings> {
-        Endings::of(stage.until()?, self.setup)
+    fn endings(&self) -> Option<Endings> {
+        Endings::of(self.stage.until()?, self.setup)
     }
 
     /// Numbers of pieces by their names; none where one is not known.

@@ -50,16 +50,37 @@ pub use settling::Settling;
 pub use setup::SettleCriterion;
 pub use setup::Setup;
 pub use stages::run;
-pub use stand::WorldMaker;
 pub use watch::{EnergyBalance, Watch};
 pub use watched::Watched;
 
-use std::{ops::ControlFlow, time::Duration};
+pub use crate::world::WorldMaker;
 
-use crate::apparatus::ApparatusError;
-use crate::geometry::Vector;
-use crate::specimen::Specimen;
-use crate::world::{EffectiveSettings, HeldShape, WorldError};
+// What its parts are made of, too.
+use std::collections::HashMap;
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::apparatus::{ApparatusError, Cylinder, Funnel, Piece, RigidPiece, TopPlate, stands_in};
+use crate::geometry::{Point, Pose, Vector};
+use crate::grains::streams::{in_unit_disc, stream, uniform};
+use crate::grains::{Grain, GrainSet};
+use crate::motion::TableMotion;
+use crate::scenario::{EngineSettings, StageSpec};
+use crate::specimen::{
+    Fate, Other, Party, PieceState, PressState, SavedContact, Specimen, SpecimenState,
+};
+use crate::units::{from_g, from_mm};
+use crate::world::{
+    Body, BodyId, BodyState, EffectiveSettings, HeldShape, Material, Motion, PairTable,
+    RunTimeCheck, Snapshot, WorldError,
+};
+use crate::{grains, scale};
+use {
+    bodies::*, ending::*, feeder::*, free_pieces::*, pieces::*, placing::*, plausible::*,
+    segments::*, stages::*, stand::*, watch::*, whereabouts::*,
+};
 
 /// Sees the specimen at regular times: how series are recorded.
 pub trait Observer {

@@ -1,18 +1,9 @@
 //! Pieces of a laboratory in a world: where they are, how they are moved, what the grains do
 //! to them.
 
-use std::collections::HashMap;
-
-use super::{
-    Setup,
-    bodies::wall_piece,
-    free_pieces::{Free, add_whole, lowest_of},
-};
-use crate::apparatus::stands_in;
-use crate::geometry::{Point, Pose, Vector};
+use super::*;
 use crate::motion::PieceMotion;
-use crate::specimen::{Other, Party, PieceState, PressState, SpecimenState};
-use crate::world::{Body, BodyId, BodyState, Contact, Motion, World, WorldError};
+use crate::world::{Contact, World};
 
 /// Pieces that move as one in a stage.
 #[derive(Debug, Clone, PartialEq)]

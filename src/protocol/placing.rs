@@ -1,11 +1,6 @@
 //! Where the top plate is laid, and how it is seated.
 
-use super::Setup;
-use crate::apparatus::TopPlate;
-use crate::geometry::{Pose, Vector};
-use crate::grains::streams::{in_unit_disc, stream, uniform};
-use crate::scenario::StageSpec;
-use crate::units::from_mm;
+use super::*;
 
 /// Share of the clearance between plate and cylinder that is drawn from where no offset is
 /// given: the rest keeps the plate's corners off the flat pieces of the wall.

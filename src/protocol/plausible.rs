@@ -1,12 +1,8 @@
 //! Whether a state that was read from a file can be that of a specimen in this
 //! laboratory.
 
-use super::{Setup, bodies::level, whereabouts::Whereabouts};
-use crate::apparatus::Funnel;
-use crate::scale;
-use crate::specimen::{Fate, Party, SavedContact, Specimen, SpecimenState};
-use crate::units::from_mm;
-use crate::world::{BodyState, CheckLimits, RunTimeCheck, Snapshot};
+use super::*;
+use crate::world::CheckLimits;
 
 /// How far the length of a quaternion may be from 1: engines keep some in
 /// single precision.

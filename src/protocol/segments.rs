@@ -5,14 +5,8 @@
 //! next segment builds its world from it, whether the stage was interrupted there
 //! or not. So it makes no difference to the bits whether it was.
 
-use std::time::Duration;
-
-use serde::{Deserialize, Serialize};
-
-use super::{Judged, Setup, Watch, feeder::Fed};
-use crate::scale;
-use crate::scenario::{Backend, ContactSolver, StageSpec};
-use crate::specimen::{PieceState, SpecimenState};
+use super::*;
+use crate::scenario::{Backend, ContactSolver};
 
 /// What a segment should take one core, in s: so much work is lost at most when a
 /// run is killed, and it is long enough that storing costs nothing beside it.

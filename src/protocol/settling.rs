@@ -1,7 +1,8 @@
 //! How everything comes to rest after a vibration.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+
+use super::*;
 
 /// What became of a specimen after the last period of a vibration, with the table at its place.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,10 +1,10 @@
 //! Everything a stage needs to know about the laboratory, in SI units.
 
-use crate::apparatus::{self, ApparatusError, Cylinder, RigidPiece, TopPlate};
+use super::*;
+use crate::apparatus;
 use crate::scale::Scale;
-use crate::scenario::{ContactSpec, EngineSettings, FunnelSpec, MeasuresSpec, Scenario};
-use crate::units::from_mm;
-use crate::world::{Material, PairCoefficients, PairTable};
+use crate::scenario::{ContactSpec, FunnelSpec, MeasuresSpec, Scenario};
+use crate::world::PairCoefficients;
 
 /// Interval between observations in s (paper, section 4: "continuously
 /// monitored every 0.08 seconds").

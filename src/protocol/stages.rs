@@ -1,25 +1,9 @@
 //! The stages themselves.
 
-use std::{ops::ControlFlow, sync::atomic::AtomicBool};
+use std::sync::atomic::AtomicBool;
 
-use super::{
-    Midway, Observer, Settling, Setup, StageError, StageOutcome, base,
-    ending::Endings,
-    feeder::{Feed, Feeder, Outlet, Rate},
-    laboratory,
-    pieces::Drive,
-    placing::Placing,
-    stand::{LegEnd, Stand, Until, WorldMaker},
-};
-use crate::apparatus::Funnel;
-use crate::geometry::Vector;
-use crate::grains;
-use crate::motion::TableMotion;
-use crate::scale;
-use crate::scenario::StageSpec;
-use crate::specimen::{Fate, FunnelState, Specimen, SpecimenState};
-use crate::units::from_mm;
-use crate::world::BodyState;
+use super::*;
+use crate::specimen::FunnelState;
 
 /// Runs one stage on a specimen, as it is at the end of the stage before;
 /// from `midway`, where it was interrupted.
@@ -36,30 +20,38 @@ pub fn run(
     cancel: &AtomicBool,
 ) -> Result<StageOutcome, StageError> {
     let specimen = laboratory::begun(setup, specimen);
-    let lab = Laboratory { setup, make_world, cancel, midway };
+    let mut lab = Laboratory { setup, make_world, stage, midway, observer, cancel };
     match *stage {
-        StageSpec::FillFunnel { time_limit_s } => lab.fill(specimen, time_limit_s, observer),
-        StageSpec::SlowPluviation { .. } => lab.slow_pluviation(specimen, stage, observer),
+        StageSpec::FillFunnel { time_limit_s } => lab.fill(specimen, time_limit_s),
+        StageSpec::SlowPluviation { .. } => lab.slow_pluviation(specimen),
         StageSpec::Pour { falling_height_mm, time_limit_s } => {
-            lab.pour(specimen, from_mm(falling_height_mm), time_limit_s, observer)
+            lab.pour(specimen, from_mm(falling_height_mm), time_limit_s)
         }
-        StageSpec::PlaceTopPlate { .. } => lab.place_top_plate(specimen, stage, observer),
-        StageSpec::Vibrate { .. } => lab.vibrate(specimen, stage, observer),
-        StageSpec::Deposit { .. } => lab.deposit(specimen, stage, observer),
-        StageSpec::Move { .. } => lab.move_pieces(specimen, stage, observer),
-        StageSpec::Press { .. } => lab.press(specimen, stage, observer),
-        StageSpec::Release { .. } => lab.release(specimen, stage, observer),
-        StageSpec::Remove { .. } => lab.remove(specimen, stage, observer),
-        StageSpec::Rest { duration_s } => lab.rest(specimen, duration_s, observer),
+        StageSpec::PlaceTopPlate { .. } => lab.place_top_plate(specimen),
+        StageSpec::Vibrate { .. } => lab.vibrate(specimen),
+        StageSpec::Deposit { .. } => lab.deposit(specimen),
+        StageSpec::Move { .. } => lab.move_pieces(specimen),
+        StageSpec::Press { .. } => lab.press(specimen),
+        StageSpec::Release { .. } => lab.release(specimen),
+        StageSpec::Remove { .. } => lab.remove(specimen),
+        StageSpec::Rest { duration_s } => {
+            Ok(lab.carry_out(specimen, 0.0, &Course::of_length(duration_s))?.stand.finish())
+        }
     }
 }
 
+/// What becomes of a stage.
+pub(super) type StageResult = Result<StageOutcome, StageError>;
+
+/// A laboratory in which a stage is to be done.
 pub(super) struct Laboratory<'a> {
     pub(super) setup: &'a Setup,
     make_world: WorldMaker<'a>,
-    cancel: &'a AtomicBool,
+    pub(super) stage: &'a StageSpec,
     /// Where the stage was interrupted.
     midway: Option<Midway>,
+    observer: &'a mut dyn Observer,
+    cancel: &'a AtomicBool,
 }
 
 /// How a stage goes.
@@ -123,11 +115,10 @@ impl<'a> Laboratory<'a> {
     /// Carries a stage out segment by segment, from where it was interrupted or else from
     /// the specimen, with a funnel's collar of the given height in m.
     pub(super) fn carry_out(
-        &self,
+        &mut self,
         specimen: Specimen,
         collar: f64,
         course: &Course,
-        observer: &mut dyn Observer,
     ) -> Result<Ended<'a>, StageError> {
         let Setup { seed, configuration, .. } = *self.setup;
         let Specimen { grains, state } = specimen;
@@ -151,7 +142,7 @@ impl<'a> Laboratory<'a> {
             }
             let begin = |feed| Feeder::new(stand.specimen(), feed, seed, configuration, fed);
             let mut feeder = course.feed.clone().map(begin);
-            match stand.segment(course, feeder.as_mut(), observer, self.cancel)? {
+            match stand.segment(course, feeder.as_mut(), self.observer, self.cancel)? {
                 LegEnd::OfPart { settled } if part < course.last_part() => {
                     if !settled {
                         stand.warn(not_settled("seating the top plate", course.until.limit));
@@ -163,18 +154,33 @@ impl<'a> Laboratory<'a> {
                 LegEnd::OfPart { settled } => return Ok(Ended { stand, settled, feeder }),
                 LegEnd::Seam => midway = stand.pause(feeder),
             }
-            if let ControlFlow::Break(()) = observer.seam(&midway) {
+            if let ControlFlow::Break(()) = self.observer.seam(&midway) {
                 return Err(StageError::Cancelled);
             }
         }
     }
 
-    fn fill(
-        &self,
-        mut specimen: Specimen,
-        limit: f64,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
+    /// The same, with a warning where everything had not settled after what was to be done.
+    fn settled(
+        &mut self,
+        specimen: Specimen,
+        collar: f64,
+        course: &Course,
+        what: &str,
+    ) -> Result<Stand<'a>, StageError> {
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, collar, course)?;
+        if !settled {
+            stand.warn(not_settled(what, course.until.limit));
+        }
+        Ok(stand)
+    }
+
+    /// Why the stage cannot be done now.
+    pub(super) fn refused(&self, reason: &'static str) -> StageError {
+        StageError::OutOfOrder { stage: self.stage.name(), reason }
+    }
+
+    fn fill(&mut self, mut specimen: Specimen, limit: f64) -> StageResult {
         // Where the funnel stands does not matter before it opens; here it
         // stands on the cylinder, at falling height zero.
         let opening_height = self.setup.cylinder.height;
@@ -201,20 +207,10 @@ impl<'a> Laboratory<'a> {
 
         let collar = highest - bare.top_height;
         let course = Course::until_settled(limit);
-        let Ended { mut stand, settled, .. } =
-            self.carry_out(specimen, collar, &course, observer)?;
-        if !settled {
-            stand.warn(not_settled("filling the funnel", limit));
-        }
-        Ok(stand.finish())
+        Ok(self.settled(specimen, collar, &course, "filling the funnel")?.finish())
     }
 
-    fn slow_pluviation(
-        &self,
-        mut specimen: Specimen,
-        stage: &StageSpec,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
+    fn slow_pluviation(&mut self, mut specimen: Specimen) -> StageResult {
         let StageSpec::SlowPluviation {
             feed_rate_grains_per_s,
             drop_height_mm,
@@ -222,12 +218,9 @@ impl<'a> Laboratory<'a> {
             ref base,
             base_diameter_mm,
             time_limit_s,
-        } = *stage
+        } = *self.stage
         else {
-            return Err(StageError::OutOfOrder {
-                stage: "slow_pluviation",
-                reason: "it needs a feed and a base",
-            });
+            return Err(self.refused("it needs a feed and a base"));
         };
         let Setup { seed, configuration, gravity, .. } = *self.setup;
         let state = &mut specimen.state;
@@ -247,8 +240,7 @@ impl<'a> Laboratory<'a> {
             gravity,
         };
         let course = Course { feed: Some(feed), ..Course::until_settled(time_limit_s) };
-        let Ended { mut stand, settled, feeder } =
-            self.carry_out(specimen, 0.0, &course, observer)?;
+        let Ended { mut stand, settled, feeder } = self.carry_out(specimen, 0.0, &course)?;
         let waiting = feeder.map_or(0, |feeder| feeder.waiting());
         if waiting > 0 {
             stand.warn(format!(
@@ -261,18 +253,9 @@ impl<'a> Laboratory<'a> {
         Ok(stand.finish())
     }
 
-    fn pour(
-        &self,
-        mut specimen: Specimen,
-        falling_height: f64,
-        limit: f64,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
+    fn pour(&mut self, mut specimen: Specimen, falling_height: f64, limit: f64) -> StageResult {
         let Some(FunnelState { opening_height: was, lid: true }) = specimen.state.funnel else {
-            return Err(StageError::OutOfOrder {
-                stage: "pour",
-                reason: "it needs grains in a funnel closed by its lid",
-            });
+            return Err(self.refused("it needs grains in a funnel closed by its lid"));
         };
         // The filled funnel is lifted to its place as it is.
         let opening_height = self.setup.cylinder.height + falling_height;
@@ -286,10 +269,7 @@ impl<'a> Laboratory<'a> {
         specimen.state.cylinder = true;
 
         let course = Course::until_settled(limit);
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
-        if !settled {
-            stand.warn(not_settled("pouring", limit));
-        }
+        let mut stand = self.settled(specimen, 0.0, &course, "pouring")?;
         // The funnel is taken away, with what hangs in it.
         let cylinder = &self.setup.cylinder;
         let (rim, radius) = (cylinder.height, cylinder.radius);
@@ -311,18 +291,10 @@ impl<'a> Laboratory<'a> {
         Ok(stand.finish())
     }
 
-    fn place_top_plate(
-        &self,
-        mut specimen: Specimen,
-        stage: &StageSpec,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
+    fn place_top_plate(&mut self, mut specimen: Specimen) -> StageResult {
         let poured = specimen.state.cylinder && specimen.state.funnel.is_none();
-        let Some(placing) = Placing::of(stage, self.setup).filter(|_| poured) else {
-            return Err(StageError::OutOfOrder {
-                stage: "place_top_plate",
-                reason: "it needs grains poured into the cylinder",
-            });
+        let Some(placing) = Placing::of(self.stage, self.setup).filter(|_| poured) else {
+            return Err(self.refused("it needs grains poured into the cylinder"));
         };
         let highest = specimen
             .present()
@@ -336,29 +308,17 @@ impl<'a> Laboratory<'a> {
         let pose = placing.pose(specimen.state.table(), height);
         specimen.state.top_plate = Some(BodyState::at_rest(pose));
         let course = Course { placing: Some(placing), ..Course::until_settled(placing.limit) };
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
-        if !settled {
-            stand.warn(not_settled("placing the top plate", placing.limit));
-        }
-        Ok(stand.finish())
+        Ok(self.settled(specimen, 0.0, &course, "placing the top plate")?.finish())
     }
 
-    fn vibrate(
-        &self,
-        specimen: Specimen,
-        stage: &StageSpec,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
-        let Some(motion) = stage.motion().filter(|_| specimen.state.cylinder) else {
-            return Err(StageError::OutOfOrder {
-                stage: "vibrate",
-                reason: "it needs grains poured into the cylinder",
-            });
+    fn vibrate(&mut self, specimen: Specimen) -> StageResult {
+        let Some(motion) = self.stage.motion().filter(|_| specimen.state.cylinder) else {
+            return Err(self.refused("it needs grains poured into the cylinder"));
         };
-        let (shaken, limit) = (motion.total(), stage.settle_limit());
+        let (shaken, limit) = (motion.total(), self.stage.settle_limit());
         let until = Until { limit: shaken + limit, calm_from: Some(shaken) };
         let course = Course { motion: Some(motion), ..Course::until(until) };
-        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course, observer)?;
+        let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course)?;
         if !settled {
             stand.warn(not_settled("rest after the vibration", limit));
         }
@@ -366,16 +326,6 @@ impl<'a> Laboratory<'a> {
         let time_s = outcome.simulated - shaken;
         outcome.settling = Some(Settling { time_s, limit_s: limit, settled });
         Ok(outcome)
-    }
-
-    fn rest(
-        &self,
-        specimen: Specimen,
-        duration: f64,
-        observer: &mut dyn Observer,
-    ) -> Result<StageOutcome, StageError> {
-        let course = Course::of_length(duration);
-        Ok(self.carry_out(specimen, 0.0, &course, observer)?.stand.finish())
     }
 }
 

@@ -5,45 +5,13 @@ mod driven;
 mod ending;
 mod reading;
 
-use std::{
-    collections::HashMap,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
-    time::{Duration, Instant},
-};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
-use super::{
-    Midway, Moment, Observer, Setup, StageError, StageOutcome, base,
-    bodies::{free_grain, level, moved, remembered, spring_energy, wall_piece},
-    ending::Endings,
-    feeder::Feeder,
-    pieces::{Drive, Pieces},
-    plausible::check,
-    segments::{segment_steps, steps_a_check},
-    stages::Course,
-    watch::{Finding, Tally, steps_a_look},
-    whereabouts::Whereabouts,
-};
-use crate::apparatus::{Funnel, TopPlate};
-use crate::geometry::{Pose, Vector};
-use crate::grains::{Grain, GrainSet};
-use crate::motion::TableMotion;
-use crate::specimen::{Fate, GrainState, Other, Party, SavedContact, Specimen, SpecimenState};
-use crate::world::{
-    Body, BodyId, BodyState, Material, Motion, PairTable, RunTimeCheck, Snapshot, World, WorldError,
-};
-
-/// Makes the empty world of a stage.
-pub type WorldMaker<'a> = &'a (
-        dyn Fn(
-    &crate::scenario::EngineSettings,
-    Vector,
-    &PairTable,
-) -> Result<Box<dyn World + Send>, WorldError>
-            + Sync
-    );
+use super::*;
+use crate::specimen::GrainState;
+use crate::world::World;
 
 /// A world with everything in it.
 pub(super) struct Stand<'a> {

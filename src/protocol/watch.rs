@@ -11,11 +11,7 @@
 //! any earlier moment to now. Where pieces are pressed, contacts are loaded springs: what pieces
 //! gave them, and what they held when the stage began, may come back.
 
-use serde::{Deserialize, Serialize};
-
-use super::Watched;
-use crate::geometry::Vector;
-use crate::world::BodyState;
+use super::*;
 
 /// A stage is warned of when the unexplained energy gain exceeds this share of what
 /// gravity and table could give together.

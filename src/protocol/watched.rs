@@ -1,6 +1,6 @@
 //! A quantity that is watched against a limit while a stage goes on.
 
-use serde::{Deserialize, Serialize};
+use super::*;
 
 /// How often something was looked at, and how far it came to its limit.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]

@@ -1,10 +1,6 @@
 //! Where grains are, and what became of those that are no longer there.
 
-use crate::apparatus::{Cylinder, Funnel};
-use crate::geometry::Vector;
-use crate::grains::GrainSet;
-use crate::scale;
-use crate::specimen::Fate;
+use super::*;
 
 /// A region of the laboratory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,7 +5,6 @@ use std::io::Write;
 
 use serde::de::DeserializeOwned;
 
-use super::unfinished::begin_file;
 use super::*;
 use crate::input::{self, Refusal};
 use crate::plain::{plain, plain_path};

@@ -7,8 +7,6 @@
 //! JSON. It says of which stage it is. One that is damaged, or of another stage,
 //! is passed over for the one before it.
 
-use super::frames::FramesSoFar;
-use super::lock::has_name;
 use super::*;
 use crate::protocol::Midway;
 

@@ -1,8 +1,6 @@
 //! What the checks of a stage and of a run found (docs/accuracy.md).
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
+use super::*;
 use crate::protocol::{Watch, Watched};
 
 /// What the checks of one stage found.

@@ -1,10 +1,8 @@
 //! Contacts at the end of a run, as `summary.json` has them.
 
 use nalgebra::Matrix3;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-use super::Balance;
+use super::*;
 use crate::measure::{self, FORCE_CLASS, LoadedContact, force_distribution, sliding_share};
 
 /// `contacts` in `summary.json`: loaded contacts, each pair of bodies once however many points it

@@ -1,10 +1,6 @@
 //! Energy balance of a run, beside the rows of its series.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::tables::with_columns;
-use crate::protocol::UntilFound;
+use super::*;
 
 /// One moment, in J. Work and loss are counted from the beginning of the stage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

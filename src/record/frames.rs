@@ -22,12 +22,9 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use sha2::{Digest, Sha256};
 
-use super::atomic::make_readable;
-use super::hash::{hash_file, hash_of, hexadecimal};
 use super::*;
 use crate::geometry::Pose;
-use crate::input;
-use crate::specimen::{Base, Fate, FunnelState};
+use crate::specimen::{Base, FunnelState};
 
 /// Name of the file in a stage's folder.
 pub const FRAMES_FILE: &str = "frames.bin";
@@ -46,7 +43,7 @@ const LID: u32 = 4;
 const TOP_PLATE: u32 = 8;
 
 /// Where everything was at one time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Frame {
     /// Time since the run began in s.
     pub time: f64,

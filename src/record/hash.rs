@@ -5,7 +5,6 @@ use std::io::Read;
 use sha2::{Digest, Sha256};
 
 use super::*;
-use crate::input;
 
 /// SHA-256 of bytes, in lower-case hexadecimal.
 pub fn hash_bytes(bytes: &[u8]) -> String {

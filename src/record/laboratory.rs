@@ -1,11 +1,7 @@
 //! What is recorded of a laboratory of pieces: loads, flows, void ratios.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::{FabricSummary, StressSummary, tables::with_columns};
+use super::*;
 use crate::geometry::Vector;
-use crate::units::from_mm;
 
 /// One moment of a laboratory, beside a row of the series.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 //! A run is left out of means where it is not valid (`docs/accuracy.md`), or where too many
 //! of its grains are not where they were poured. What is left out is counted, and said.
 
-use super::{GrainsSummary, RunRecord, RunRow, Summary};
+use super::*;
 
 /// Largest share of the grains that may be missing at the end of a run that counts in means:
 /// left in the funnel or the spout, spilled or escaped; of a pile what rolled off its base

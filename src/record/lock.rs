@@ -1,10 +1,9 @@
 //! Locks of files: how programs that write into one folder keep out of each
 //! other's way. They end with the program that holds them, however it ends.
 
-use std::{
-    fs::{File, TryLockError},
-    io,
-};
+use std::fs::TryLockError;
+
+use super::*;
 
 /// What came of asking for a lock without waiting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -49,16 +49,20 @@ pub use unfinished::{begin_file, remove_abandoned, remove_abandoned_beside};
 pub use variations::{RunRow, VariationRow, variation_runs_csv, variations_csv};
 
 // What its parts are made of, too.
-use std::{
-    fs::{self, File},
-    io,
-    path::{Path, PathBuf},
-};
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::specimen::SpecimenState;
-use lock::{Asked, ask_alone};
-use unfinished::remove_abandoned_in;
+use crate::grains::{GrainShape, ShapeRatio, Sieved};
+use crate::input;
+use crate::protocol::{Settling, UntilFound};
+use crate::specimen::{Fate, SpecimenState};
+use crate::units::{from_mm, to_mm};
+use {
+    atomic::*, frames::*, hash::*, identity::*, lock::*, stage::*, store::*, tables::*,
+    unfinished::*,
+};

@@ -1,9 +1,7 @@
 //! `void_profile.csv`: void ratio by height and by radius. `distributions.csv`: contact forces and
 //! coordination numbers.
 
-use serde::Serialize;
-
-use super::Summary;
+use super::*;
 
 /// A class of a distribution.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,12 +1,11 @@
 //! Results that later commands read back and put beside their own: each file says the
 //! SHA-256 of its own content, so that one that was changed enters no table.
 
-use std::{fs, path::Path};
+use std::fs;
 
-use serde::{Serialize, de::DeserializeOwned};
-use serde_json::Value;
+use serde::de::DeserializeOwned;
 
-use super::{FileError, create_folder, hash_json, read_json, write_json};
+use super::*;
 
 /// The field that a file has beside those of its value: SHA-256 of the others as JSON
 /// in one line.

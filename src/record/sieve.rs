@@ -1,10 +1,7 @@
 //! Sieve analysis and shape of the grains, as `summary.json` has them.
 
 use super::*;
-use crate::grains::{
-    Gradation, GrainShape, ParticleSizeDistribution, ShapeRatio, SieveAnalysis, Sieved,
-};
-use crate::units::{from_mm, to_mm};
+use crate::grains::{Gradation, ParticleSizeDistribution, SieveAnalysis};
 
 /// Change of a sieve size, as a fraction of it, up to which a grain counts as
 /// the same. Engines hold shapes in single precision, which rounds a corner by

@@ -1,9 +1,6 @@
 //! A finished stage: what it says of itself, and its files.
 
-use super::hash::hash_file;
-use super::identity::short;
 use super::*;
-use crate::protocol::{Settling, UntilFound};
 use crate::world::EffectiveSettings;
 
 /// Files of a stage.

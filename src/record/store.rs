@@ -2,13 +2,6 @@
 
 use std::sync::Arc;
 
-use super::atomic::{exchange, sync_folder};
-use super::frames::{read_frame_ends, read_frames};
-use super::lock::{wait_alone, wait_shared};
-use super::stage::{
-    RECORD_FILE, SERIES_FILE, STATE_FILE, StageRecord, StoredStage, read_record, read_record_of,
-    read_stage, read_state,
-};
 use super::*;
 
 /// Held by everybody who works in a store, together with others.

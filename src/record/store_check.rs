@@ -2,9 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use super::stage::{RECORD_FILE, read_record, read_stage};
-use super::store::{LOCK, StageStore, is_vacant, parts_in};
-use super::unfinished::unfinished_in;
 use super::*;
 
 /// What became of something in a store.

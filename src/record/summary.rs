@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::motion::MotionFacts;
-use crate::protocol::Settling;
 use crate::world::BackendInfo;
 
 /// One row of `series.csv`: the state of the experiment at one moment.

@@ -1,11 +1,9 @@
 //! `series.csv` and `grains.csv`.
 
-use serde::Serialize;
-
-use super::SeriesRow;
-use crate::grains::{GrainShape, ShapeRatio, Sieved, grain_name};
-use crate::specimen::{Fate, Specimen};
-use crate::units::{to_g, to_mm, to_mm3};
+use super::*;
+use crate::grains::grain_name;
+use crate::specimen::Specimen;
+use crate::units::{to_g, to_mm3};
 
 /// Rows as CSV with a header of field names, which carry their units.
 ///

@@ -6,7 +6,6 @@
 
 use tempfile::{Builder, NamedTempFile};
 
-use super::lock::{has_name, wait_alone};
 use super::*;
 
 /// How the names of files on their way begin and end.

@@ -1,8 +1,6 @@
 //! The table of many runs of one scenario: one row a run, one a variation.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Summary, hash_json, to_csv};
+use super::*;
 use crate::measure::Estimate;
 use crate::scenario::{Backend, ContactSolver, Scenario};
 

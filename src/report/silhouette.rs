@@ -145,7 +145,7 @@ mod tests {
         for (body, p) in state.bodies.iter_mut().zip(places) {
             body.body.pose = Pose::translation(p.0, p.1, p.2);
         }
-        let set = GrainSet { grains, blocks: vec![], density: 2700.0, stones: vec![] };
+        let set = GrainSet { grains, blocks: vec![], density: 2700.0, meshes: vec![] };
         Specimen { grains: Arc::new(set), state }
     }
 

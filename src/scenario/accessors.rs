@@ -6,10 +6,8 @@ use nalgebra::Unit;
 use serde::de::DeserializeOwned;
 
 use super::*;
-use crate::geometry::{Point, Vector};
-use crate::motion::{Path, PieceMotion, RecordedMotion, TableMotion, Vertical, Waveform};
-use crate::scale::Scale;
-use crate::units::from_g;
+use crate::geometry::Point;
+use crate::motion::{Path, PieceMotion, TableMotion, Vertical, Waveform};
 
 impl StageSpec {
     /// A vibration of one period, a sine from the middle with a half stroke in mm, a frequency in Hz
@@ -174,43 +172,44 @@ impl StageSpec {
         }
     }
 
-    /// Longest time in s that a vibration may take to come to rest after its last period; 0 of
-    /// every other stage.
-    pub fn settle_limit(&self) -> f64 {
-        match self {
+    /// Field and value, in s, of the longest time that the stage may take to settle, or a motion
+    /// takes to come to rest after its end; none of one that only waits.
+    pub(super) fn limit(&self) -> Option<(&'static str, f64)> {
+        match *self {
+            Self::FillFunnel { time_limit_s }
+            | Self::SlowPluviation { time_limit_s, .. }
+            | Self::Pour { time_limit_s, .. }
+            | Self::PlaceTopPlate { time_limit_s, .. }
+            | Self::Deposit { time_limit_s, .. }
+            | Self::Press { time_limit_s, .. }
+            | Self::Release { time_limit_s, .. }
+            | Self::Remove { time_limit_s, .. } => Some(("time_limit_s", time_limit_s)),
             Self::Vibrate { settle_limit_s, .. } | Self::Move { settle_limit_s, .. } => {
-                *settle_limit_s
+                Some(("settle_limit_s", settle_limit_s))
             }
-            _ => 0.0,
+            Self::Rest { .. } => None,
         }
     }
 
-    /// How often the stage settles, each time within its limit.
-    fn settlings(&self) -> f64 {
-        match self {
-            Self::PlaceTopPlate { seating_load_n, .. } if *seating_load_n > 0.0 => 3.0,
-            _ => 1.0,
+    /// Longest time in s that a motion may take to come to rest after its end; 0 of
+    /// every other stage.
+    pub fn settle_limit(&self) -> f64 {
+        match self.limit() {
+            Some(("settle_limit_s", limit)) => limit,
+            _ => 0.0,
         }
     }
 
     /// Longest simulated time the stage can take, in s.
     pub fn longest(&self) -> f64 {
+        let limit = self.limit().map_or(0.0, |(_, limit)| limit);
         match *self {
-            Self::FillFunnel { time_limit_s }
-            | Self::SlowPluviation { time_limit_s, .. }
-            | Self::Pour { time_limit_s, .. }
-            | Self::PlaceTopPlate { time_limit_s, .. } => self.settlings() * time_limit_s,
-            Self::Deposit { time_limit_s, .. }
-            | Self::Press { time_limit_s, .. }
-            | Self::Release { time_limit_s, .. }
-            | Self::Remove { time_limit_s, .. } => time_limit_s,
-            Self::Move { settle_limit_s, .. } => {
-                self.piece_motion().map_or(0.0, |m| m.duration) + settle_limit_s
-            }
+            // Plate, load, and no load settle one after the other.
+            Self::PlaceTopPlate { seating_load_n, .. } if seating_load_n > 0.0 => 3.0 * limit,
+            Self::Move { .. } => self.piece_motion().map_or(0.0, |m| m.duration) + limit,
+            Self::Vibrate { .. } => self.motion().map_or(0.0, |m| m.total()) + limit,
             Self::Rest { duration_s } => duration_s,
-            Self::Vibrate { settle_limit_s, .. } => {
-                self.motion().map_or(0.0, |m| m.total()) + settle_limit_s
-            }
+            _ => limit,
         }
     }
 }

@@ -8,16 +8,13 @@
 use serde_json::Number;
 
 use super::accessors::field;
-use super::sized::fields;
 use super::stages::{
     drop_height, feed_rate, fill_limit, place_limit, pour_limit, settle_limit, slow_limit,
     spout_diameter,
 };
-use super::stress::largest_stress;
 use super::validate::least_rate_hz;
 use super::*;
-use crate::scale::{GrainSizes, Law, Scale, SieveMass};
-use crate::units::from_g;
+use crate::scale::{GrainSizes, SieveMass};
 
 /// What of the grains the values follow from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -152,38 +149,23 @@ pub(super) const RATE: &str = "engine.rate_hz";
 /// Path of the stiffness.
 pub(super) const STIFFNESS: &str = "engine.native.contact_stiffness_n_per_m";
 
-/// Types of a scenario and their fields that are automatic where they are left out.
-pub(super) const AUTOMATIC: [(&str, &[&str]); 7] = [
-    (
-        "EngineSettings",
-        &[
-            "grain_size_mm",
-            "rate_hz",
-            "length_scale",
-            "contact_threshold_mm",
-            "restitution_velocity_threshold_m_per_s",
-        ],
-    ),
-    (
-        "NativeSettings",
-        &["substep_rate_hz", "contact_stiffness_n_per_m", "max_depenetration_velocity_m_per_s"],
-    ),
-    (
-        "RapierSettings",
-        &[
-            "contact_frequency_hz",
-            "wall_contact_frequency_hz",
-            "engine_unit_mm",
-            "prediction_mm",
-            "corrective_speed_m_per_s",
-            "recycling_distance_mm",
-        ],
-    ),
-    ("SettleSpec", &["rms_speed_mm_per_s", "largest_speed_mm_per_s", "hold_s"]),
-    ("CylinderSpec", &["inner_diameter_mm", "height_mm", "wall_thickness_mm"]),
-    ("FunnelSpec", &["opening_diameter_mm", "top_diameter_mm", "wall_thickness_mm"]),
-    ("TopPlateSpec", &["diameter_mm", "thickness_mm", "mass_g"]),
+/// Sizes of the apparatus that are automatic where they are left out.
+const OF_APPARATUS: [&str; 9] = [
+    "apparatus.cylinder.inner_diameter_mm",
+    "apparatus.cylinder.height_mm",
+    "apparatus.cylinder.wall_thickness_mm",
+    "apparatus.funnel.opening_diameter_mm",
+    "apparatus.funnel.top_diameter_mm",
+    "apparatus.funnel.wall_thickness_mm",
+    "apparatus.top_plate.diameter_mm",
+    "apparatus.top_plate.thickness_mm",
+    "apparatus.top_plate.mass_g",
 ];
+
+/// Paths of the fields that are automatic where they are left out, those of stages aside.
+pub(super) fn automatic_paths() -> impl Iterator<Item = &'static str> {
+    fields().map(|(path, ..)| path).chain(OF_APPARATUS)
+}
 
 /// Those of stages.
 pub(super) const AUTOMATIC_OF_STAGES: [&str; 5] = [
@@ -332,32 +314,30 @@ mod tests {
     fn what_is_filled_in_is_what_the_schema_calls_automatic() {
         let mut value = json!({ "stages": stages() });
         fill(&mut value, &larger());
+        let schema = schema::typed();
         let parts = [
-            ("EngineSettings", "/engine"),
-            ("NativeSettings", "/engine/native"),
-            ("RapierSettings", "/engine/rapier"),
-            ("SettleSpec", "/settle"),
-            ("CylinderSpec", "/apparatus/cylinder"),
-            ("FunnelSpec", "/apparatus/funnel"),
-            ("TopPlateSpec", "/apparatus/top_plate"),
+            ("EngineSettings", "engine"),
+            ("NativeSettings", "engine.native"),
+            ("RapierSettings", "engine.rapier"),
+            ("SettleSpec", "settle"),
+            ("CylinderSpec", "apparatus.cylinder"),
+            ("FunnelSpec", "apparatus.funnel"),
+            ("TopPlateSpec", "apparatus.top_plate"),
         ];
-        for ((of, fields), (part, pointer)) in AUTOMATIC.iter().zip(parts) {
-            assert_eq!(*of, part);
-            let filled = value.pointer(pointer).and_then(Value::as_object).expect(part);
-            let mut got: Vec<&str> = filled
-                .iter()
-                .filter(|(_, value)| value.is_number())
-                .map(|(name, _)| name.as_str())
-                .collect();
-            let mut expected = fields.to_vec();
-            got.sort_unstable();
-            expected.sort_unstable();
-            assert_eq!(got, expected, "law: fields of {part} that are filled in");
-            let known = &schema::typed()["$defs"][part]["properties"];
-            for field in *fields {
-                assert!(known[field]["x-automatic"] == true, "law: the schema says so of {field}");
+        let mut got = Vec::new();
+        for (part, place) in parts {
+            let filled = field(&value, &format!("/{}", place.replace('.', "/")));
+            let filled = filled.as_object().expect(part).iter();
+            for (name, _) in filled.filter(|(_, value)| value.is_number()) {
+                got.push(format!("{place}.{name}"));
+                let known = &schema["$defs"][part]["properties"][name];
+                assert!(known["x-automatic"] == true, "law: the schema says so of {name}");
             }
         }
+        let mut expected: Vec<&str> = automatic_paths().collect();
+        got.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(got, expected, "law: fields that are filled in");
         for field in AUTOMATIC_OF_STAGES.iter().filter(|field| **field != "settle_limit_s") {
             assert!(value["stages"][0][field].is_number(), "law: {field} is filled in");
         }

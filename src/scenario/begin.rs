@@ -4,10 +4,7 @@
 //! name and words aside. Which stage of it is meant is looked up in the run's `manifest.json` and
 //! noted in the scenario, so that a run folder says what it began with.
 
-use super::fault::nearest;
-use super::source::merge;
 use super::*;
-use crate::input;
 
 /// The specimen that a scenario begins with, in place of its first stages.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -77,25 +74,21 @@ pub(super) fn read(document: &mut Document) -> Vec<Fault> {
             Vec::new()
         }
         Err(fault) => {
-            let origin = document.origin(&fault.path).to_string();
+            let origin = document.origin(&fault.path);
             // A scenario without grains is no second fault.
             let from_nowhere = json!({ "file": "grains.json" });
             if let Value::Object(fields) = &mut document.value {
                 fields.entry("grains").or_insert(from_nowhere);
             }
-            vec![Fault { file: origin, ..fault }]
+            vec![fault.of(origin)]
         }
     }
 }
 
 /// The run's scenario; the stage is noted in the specification.
 fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>, Fault> {
-    let fault = |field: &str, found: &str, allowed: &str, message: String| Fault {
-        file: String::new(),
-        path: format!("begin.{field}"),
-        found: Value::from(found).to_string(),
-        allowed: allowed.to_owned(),
-        message,
+    let fault = |field: &str, found: &str, allowed: &str, message: String| {
+        Fault::new(message, Value::from(found), allowed).at(format!("begin.{field}"))
     };
     let named = placed(&spec.specimen, document);
     let (folder, stored) = run_folder(&named);

@@ -33,13 +33,35 @@ impl fmt::Display for Fault {
 }
 
 impl Fault {
+    /// What is wrong, what was found and what is allowed, of a place that is not known here.
+    pub fn new(
+        message: impl Into<String>,
+        found: impl ToString,
+        allowed: impl Into<String>,
+    ) -> Self {
+        let (file, path) = Default::default();
+        Self {
+            file,
+            path,
+            found: found.to_string(),
+            allowed: allowed.into(),
+            message: message.into(),
+        }
+    }
+
+    /// The same at a path.
+    pub fn at(self, path: impl Into<String>) -> Self {
+        Self { path: path.into(), ..self }
+    }
+
+    /// The same in a file, or by an override.
+    pub fn of(self, file: impl ToString) -> Self {
+        Self { file: file.to_string(), ..self }
+    }
+
     /// Of a file that is refused because of what it is.
     pub fn refused(file: &Path, refusal: &Refusal, by: &str) -> Self {
-        Self {
-            file: file.display().to_string(),
-            message: format!("the file cannot be read: {refusal}{by}"),
-            ..Self::default()
-        }
+        Self::new(format!("the file cannot be read: {refusal}{by}"), "", "").of(file.display())
     }
 
     fn as_line(&self) -> String {
@@ -86,13 +108,7 @@ impl<'a> Faults<'a> {
         allowed: impl Into<String>,
         message: impl Into<String>,
     ) {
-        self.found.push(Fault {
-            file: String::new(),
-            path: field_path(&self.place, field),
-            found: found.to_string(),
-            allowed: allowed.into(),
-            message: message.into(),
-        });
+        self.found.push(Fault::new(message, found, allowed).at(field_path(&self.place, field)));
     }
 
     /// The same where something is wrong.

@@ -1,7 +1,5 @@
 //! Reads a scenario and answers with every fault at once.
 
-use super::mesh_pieces::{self, PartsOf};
-use super::source;
 use super::*;
 
 /// A scenario as loaded.
@@ -100,8 +98,10 @@ fn load_document_with(
         Ok(scenario) => (Some(scenario), Vec::new()),
         Err(found) => (None, found),
     };
-    let from = |fault: Fault| Fault { file: document.origin(&fault.path).to_string(), ..fault };
-    faults.extend(found.into_iter().map(from));
+    faults.extend(found.into_iter().map(|fault| {
+        let origin = document.origin(&fault.path);
+        fault.of(origin)
+    }));
     faults.extend(unread);
     let Some(mut scenario) = scenario.filter(|_| faults.is_empty()) else {
         return Err(ScenarioErrors::Faults(faults));
@@ -149,12 +149,10 @@ pub fn gathered(path: &Path) -> Result<Value, ScenarioErrors> {
 /// # Errors
 /// [`ScenarioErrors::Faults`] with all faults found.
 pub fn check(scenario: &Scenario) -> Result<(), ScenarioErrors> {
-    let named = |fault: Fault| Fault { file: scenario.name.clone(), ..fault };
+    let named = |fault: Fault| fault.of(&scenario.name);
     let value = serde_json::to_value(scenario).map_err(|error| {
-        ScenarioErrors::Faults(vec![named(Fault {
-            message: format!("the scenario has no JSON form: {error}"),
-            ..Fault::default()
-        })])
+        let message = format!("the scenario has no JSON form: {error}");
+        ScenarioErrors::Faults(vec![named(Fault::new(message, "", ""))])
     })?;
     match check_value(&value, scenario.found.as_ref()) {
         Ok(_) => Ok(()),
@@ -177,18 +175,21 @@ fn check_value(value: &Value, grading: Option<&Grading>) -> Result<Scenario, Vec
             Ok(scenario) if faults.is_empty() => return Ok(scenario),
             Ok(_) => {}
             Err(error) => {
-                let path = error.path().to_string();
-                faults.push(Fault {
-                    file: String::new(),
-                    allowed: structure::allowed_at(value, &path),
-                    path,
-                    found: String::new(),
-                    message: format!("the value cannot be used: {}", error.inner()),
-                });
+                let allowed = structure::allowed_at(value, &error.path().to_string());
+                faults.push(unusable(&error, allowed));
             }
         }
     }
     Err(faults)
+}
+
+/// A value that its type does not take, though it fits the schema.
+pub(super) fn unusable(
+    error: &serde_path_to_error::Error<serde_json::Error>,
+    allowed: impl Into<String>,
+) -> Fault {
+    let message = format!("the value cannot be used: {}", error.inner());
+    Fault::new(message, "", allowed).at(error.path().to_string())
 }
 
 /// What automatic values follow from, where it can be told.

@@ -1,7 +1,6 @@
 //! Pieces from mesh files: what a scenario names as a file is put into it as convex parts, so that
 //! the parts determine a stage, and a run folder holds what was there.
 
-use super::source;
 use super::*;
 
 /// A piece whose solid convex parts are those of a mesh.
@@ -103,12 +102,8 @@ pub(super) fn read(document: &mut Document, parts_of: PartsOf) -> Vec<Fault> {
                     true => file.display().to_string(),
                     false => format!("{}, {}", file.display(), fault.path),
                 };
-                Fault {
-                    file: document.origin(&path).to_string(),
-                    path: path.clone(),
-                    message: format!("{of}: {}", fault.message),
-                    ..fault
-                }
+                let message = format!("{of}: {}", fault.message);
+                Fault { message, ..fault }.at(&path).of(document.origin(&path))
             })),
         }
     }

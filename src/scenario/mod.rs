@@ -14,6 +14,35 @@ macro_rules! defaults {
     };
 }
 
+/// A group of settings, each with its default.
+macro_rules! settings {
+    ($(#[$of:meta])* pub struct $name:ident {
+        $($(#[$about:meta])* pub $field:ident: $type:ty = $default:expr,)*
+    }) => {
+        $(#[$of])*
+        pub struct $name {
+            $($(#[$about])* pub $field: $type,)*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $default,)* }
+            }
+        }
+    };
+}
+
+/// Notes a fault of a field: what was found, when that is wrong (left out: always), what is
+/// allowed, and what is wrong with it.
+macro_rules! refuse {
+    ($faults:expr, $field:expr => $found:expr, if $wrong:expr; $allowed:expr; $what:expr) => {
+        $faults.add_if($wrong, $field, $found, $allowed, $what)
+    };
+    ($faults:expr, $field:expr => $found:expr; $allowed:expr; $what:expr) => {
+        $faults.add($field, $found, $allowed, $what)
+    };
+}
+
 mod accessors;
 mod automatic;
 mod begin;
@@ -62,16 +91,21 @@ pub use until::{AllOfSpec, ConditionSpec, UntilSpec};
 pub use validate::{Warning, warnings};
 
 // What its parts are made of, too.
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use crate::units::{from_mm, to_mm};
+use crate::geometry::Vector;
+use crate::input;
+use crate::motion::{Interpolation, RecordedMotion};
+use crate::scale::{Law, Scale};
+use crate::units::{from_g, from_mm, to_mm};
 use accessors::read;
-use fault::Faults;
-use source::{Document, field_path, shown};
+use load::unusable;
+use {automatic::*, fault::*, sized::*, source::*, stress::*};
 
 /// One laboratory procedure: grains, apparatus, contact properties, engine
 /// settings and the stages run one after the other.
@@ -224,146 +258,109 @@ pub struct ApparatusSpec {
     pub top_plate: TopPlateSpec,
 }
 
-/// The cylindrical container (paper, section 2: 11.5 cm × 20 cm, inside).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct CylinderSpec {
-    /// Inner diameter in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
-    pub inner_diameter_mm: f64,
-    /// Inner height in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
-    pub height_mm: f64,
-    /// Number of flat wall pieces; the polygon has the circle's area.
-    #[schemars(range(min = 12, max = 256))]
-    pub wall_pieces: u32,
-    /// Thickness of wall pieces and floor in mm.
-    #[schemars(range(min = 0.001, max = 10000.0))]
-    pub wall_thickness_mm: f64,
-}
-
-impl Default for CylinderSpec {
-    fn default() -> Self {
-        Self {
-            inner_diameter_mm: 115.0,
-            height_mm: 200.0,
-            wall_pieces: 48,
-            wall_thickness_mm: 20.0,
-        }
+settings! {
+    /// The cylindrical container (paper, section 2: 11.5 cm × 20 cm, inside).
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct CylinderSpec {
+        /// Inner diameter in mm.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+        pub inner_diameter_mm: f64 = 115.0,
+        /// Inner height in mm.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+        pub height_mm: f64 = 200.0,
+        /// Number of flat wall pieces; the polygon has the circle's area.
+        #[schemars(range(min = 12, max = 256))]
+        pub wall_pieces: u32 = 48,
+        /// Thickness of wall pieces and floor in mm.
+        #[schemars(range(min = 0.001, max = 10000.0))]
+        pub wall_thickness_mm: f64 = 20.0,
     }
 }
 
-/// The funnel, a cone with a cylindrical collar on top. The paper's figure of
-/// it was not available to us (only its text was), and the text gives no size: all numbers are ours.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct FunnelSpec {
-    /// Diameter of the bottom opening in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
-    pub opening_diameter_mm: f64,
-    /// Diameter of the top of the cone in mm.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
-    pub top_diameter_mm: f64,
-    /// Angle of the cone's wall from the vertical, in degrees.
-    #[schemars(range(min = 1.0, max = 89.0))]
-    pub half_angle_deg: f64,
-    /// Number of flat wall pieces.
-    #[schemars(range(min = 12, max = 256))]
-    pub wall_pieces: u32,
-    /// Thickness of the wall pieces and the lid in mm.
-    #[schemars(range(min = 0.001, max = 10000.0))]
-    pub wall_thickness_mm: f64,
-}
-
-impl Default for FunnelSpec {
-    fn default() -> Self {
-        Self {
-            opening_diameter_mm: 80.0,
-            top_diameter_mm: 260.0,
-            half_angle_deg: 30.0,
-            wall_pieces: 32,
-            wall_thickness_mm: 20.0,
-        }
+settings! {
+    /// The funnel, a cone with a cylindrical collar on top. The paper's figure of it was not
+    /// available to us (only its text was), and the text gives no size: all numbers are ours.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct FunnelSpec {
+        /// Diameter of the bottom opening in mm.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+        pub opening_diameter_mm: f64 = 80.0,
+        /// Diameter of the top of the cone in mm.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+        pub top_diameter_mm: f64 = 260.0,
+        /// Angle of the cone's wall from the vertical, in degrees.
+        #[schemars(range(min = 1.0, max = 89.0))]
+        pub half_angle_deg: f64 = 30.0,
+        /// Number of flat wall pieces.
+        #[schemars(range(min = 12, max = 256))]
+        pub wall_pieces: u32 = 32,
+        /// Thickness of the wall pieces and the lid in mm.
+        #[schemars(range(min = 0.001, max = 10000.0))]
+        pub wall_thickness_mm: f64 = 20.0,
     }
 }
 
-/// The top plate (paper, section 2: 11.3 cm × 1 cm, 104 g).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct TopPlateSpec {
-    /// Diameter in mm.
-    #[schemars(range(min = 0.001, max = 10000.0))]
-    pub diameter_mm: f64,
-    /// Thickness in mm.
-    #[schemars(range(min = 0.001, max = 10000.0))]
-    pub thickness_mm: f64,
-    /// Mass in g.
-    #[schemars(range(min = 0.001, max = 1e9))]
-    pub mass_g: f64,
-    /// Number of sides of the polygonal plate; it has the circle's area.
-    #[schemars(range(min = 12, max = 256))]
-    pub sides: u32,
-}
-
-impl Default for TopPlateSpec {
-    fn default() -> Self {
-        Self { diameter_mm: 113.0, thickness_mm: 10.0, mass_g: 104.0, sides: 48 }
+settings! {
+    /// The top plate (paper, section 2: 11.3 cm × 1 cm, 104 g).
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct TopPlateSpec {
+        /// Diameter in mm.
+        #[schemars(range(min = 0.001, max = 10000.0))]
+        pub diameter_mm: f64 = 113.0,
+        /// Thickness in mm.
+        #[schemars(range(min = 0.001, max = 10000.0))]
+        pub thickness_mm: f64 = 10.0,
+        /// Mass in g.
+        #[schemars(range(min = 0.001, max = 1e9))]
+        pub mass_g: f64 = 104.0,
+        /// Number of sides of the polygonal plate; it has the circle's area.
+        #[schemars(range(min = 12, max = 256))]
+        pub sides: u32 = 48,
     }
 }
 
-/// Friction and restitution. These are values of the *pair* of surfaces: what
-/// the contact gets, with no rule of combination in between.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct ContactSpec {
-    /// Coulomb friction ratio between grains (paper, section 3: 0.793).
-    #[schemars(range(min = 0.0, max = 10.0))]
-    pub grain_grain_friction: f64,
-    /// Coulomb friction ratio between grains and walls, floor, funnel and lid (ours).
-    #[schemars(range(min = 0.0, max = 10.0))]
-    pub grain_wall_friction: f64,
-    /// Coulomb friction ratio between grains and top plate (ours).
-    #[schemars(range(min = 0.0, max = 10.0))]
-    pub grain_plate_friction: f64,
-    /// Coulomb friction ratio between top plate and cylinder wall (ours).
-    #[schemars(range(min = 0.0, max = 10.0))]
-    pub plate_wall_friction: f64,
-    /// Coefficient of restitution of every pair (paper, section 3: 0.315).
-    #[schemars(range(min = 0.0, max = 1.0))]
-    pub restitution: f64,
-}
-
-impl Default for ContactSpec {
-    fn default() -> Self {
-        Self {
-            grain_grain_friction: 0.793,
-            grain_wall_friction: 0.5,
-            grain_plate_friction: 0.5,
-            plate_wall_friction: 0.2,
-            restitution: 0.315,
-        }
+settings! {
+    /// Friction and restitution. These are values of the *pair* of surfaces: what
+    /// the contact gets, with no rule of combination in between.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct ContactSpec {
+        /// Coulomb friction ratio between grains (paper, section 3: 0.793).
+        #[schemars(range(min = 0.0, max = 10.0))]
+        pub grain_grain_friction: f64 = 0.793,
+        /// Coulomb friction ratio between grains and walls, floor, funnel and lid (ours).
+        #[schemars(range(min = 0.0, max = 10.0))]
+        pub grain_wall_friction: f64 = 0.5,
+        /// Coulomb friction ratio between grains and top plate (ours).
+        #[schemars(range(min = 0.0, max = 10.0))]
+        pub grain_plate_friction: f64 = 0.5,
+        /// Coulomb friction ratio between top plate and cylinder wall (ours).
+        #[schemars(range(min = 0.0, max = 10.0))]
+        pub plate_wall_friction: f64 = 0.2,
+        /// Coefficient of restitution of every pair (paper, section 3: 0.315).
+        #[schemars(range(min = 0.0, max = 1.0))]
+        pub restitution: f64 = 0.315,
     }
 }
 
-/// When a specimen counts as settled (ours; the paper only says "settled in a
-/// static state"): the root mean square speed of grains and plate stays below
-/// one limit and every speed below another for a while.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct SettleSpec {
-    /// Largest root mean square speed in mm/s.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
-    pub rms_speed_mm_per_s: f64,
-    /// Largest speed of any grain in mm/s: one that still falls or flows.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
-    pub largest_speed_mm_per_s: f64,
-    /// How long both must hold, in s.
-    #[schemars(range(min = 0.0, max = 60.0))]
-    pub hold_s: f64,
-}
-
-impl Default for SettleSpec {
-    fn default() -> Self {
-        Self { rms_speed_mm_per_s: 20.0, largest_speed_mm_per_s: 500.0, hold_s: 0.25 }
+settings! {
+    /// When a specimen counts as settled (ours; the paper only says "settled in a
+    /// static state"): the root mean square speed of grains and plate stays below
+    /// one limit and every speed below another for a while.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct SettleSpec {
+        /// Largest root mean square speed in mm/s.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
+        pub rms_speed_mm_per_s: f64 = 20.0,
+        /// Largest speed of any grain in mm/s: one that still falls or flows.
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
+        pub largest_speed_mm_per_s: f64 = 500.0,
+        /// How long both must hold, in s.
+        #[schemars(range(min = 0.0, max = 60.0))]
+        pub hold_s: f64 = 0.25,
     }
 }

@@ -1,10 +1,8 @@
 //! Recorded motions: what a scenario names as a file is put into it as rows, so that the rows
 //! determine a stage, and a run folder holds what was done.
 
-use super::source;
 use super::*;
-use crate::input;
-use crate::motion::{Interpolation, RecordedMotion, rows_from_csv};
+use crate::motion::{RowFault, rows_from_csv};
 
 /// Largest file of a recorded motion in bytes: more than its rows can have.
 const LARGEST: u64 = 16 << 20;
@@ -28,55 +26,42 @@ pub(super) fn read(document: &mut Document) -> Vec<Fault> {
             continue;
         }
         let file = document.folder(&path).join(name);
-        let mut fault = |found: String, allowed: &str, message: String| {
-            faults.push(Fault {
-                file: document.origin(&path).to_string(),
-                path: path.clone(),
-                found,
-                allowed: allowed.to_owned(),
-                message,
-            });
-        };
-        let content = match input::read(&file, LARGEST) {
-            Ok(content) => content,
-            Err(error) => {
-                let message = format!("the recorded motion cannot be read: {error}");
-                fault(file.display().to_string(), "a CSV file", message);
-                continue;
-            }
-        };
-        match rows_from_csv(&content) {
+        match rows_of(&file, of_piece) {
             Ok(rows) => {
-                // Here the faults can name the file.
-                let motion = match of_piece {
-                    true => RecordedMotion::of_piece(&rows, Interpolation::Cubic),
-                    false => RecordedMotion::new(&rows, Interpolation::Cubic),
-                };
-                if let Err(found) = motion {
-                    for of_row in found {
-                        let message = format!("{}: {}", file.display(), of_row.what);
-                        fault(of_row.found, of_row.allowed, message);
-                    }
-                    continue;
-                }
-                let rows = json!(rows);
                 if let Some(stage) = document.value["stages"][i].as_object_mut() {
                     stage.shift_remove("motion_file");
-                    stage.insert("motion_rows".to_owned(), rows);
+                    stage.insert("motion_rows".to_owned(), json!(rows));
                 }
             }
             Err(found) => {
-                for message in found {
-                    fault(
-                        file.display().to_string(),
-                        "the columns time_s and x_mm, optionally y_mm and z_mm",
-                        message,
-                    );
-                }
+                let origin = document.origin(&path);
+                faults.extend(found.into_iter().map(|fault| fault.at(&path).of(&origin)));
             }
         }
     }
     faults
+}
+
+/// The rows of a file, of a piece's motion or a table's; or what is wrong with it.
+fn rows_of(file: &Path, of_piece: bool) -> Result<Vec<[f64; 4]>, Vec<Fault>> {
+    const COLUMNS: &str = "the columns time_s and x_mm, optionally y_mm and z_mm";
+    let shown = file.display();
+    let content = input::read(file, LARGEST).map_err(|error| {
+        let message = format!("the recorded motion cannot be read: {error}");
+        vec![Fault::new(message, &shown, "a CSV file")]
+    })?;
+    let of_table = |message| Fault::new(message, &shown, COLUMNS);
+    let rows = rows_from_csv(&content)
+        .map_err(|found| found.into_iter().map(of_table).collect::<Vec<Fault>>())?;
+    // Here the faults can name the file.
+    let of_row =
+        |row: RowFault| Fault::new(format!("{shown}: {}", row.what), row.found, row.allowed);
+    let motion = match of_piece {
+        true => RecordedMotion::of_piece(&rows, Interpolation::Cubic),
+        false => RecordedMotion::new(&rows, Interpolation::Cubic),
+    };
+    motion.map_err(|found| found.into_iter().map(of_row).collect::<Vec<Fault>>())?;
+    Ok(rows)
 }
 
 /// Makes the motion files of a scenario's JSON absolute, by the folders of the files that give them.

@@ -1,73 +1,74 @@
 //! Settings of the native contact solver as a person types them.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use super::*;
 
-/// How contacts yield in the native contact solver: an implicit spring and
-/// damper in every contact point. The rate and the speed below which nothing
-/// rebounds are those of the engine settings; its `iterations` are Bullet's own.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct NativeSettings {
-    /// Sub-steps of the solver in a second of simulated time, at least:
-    /// contacts are found once a step, and solved in as many sub-steps of equal
-    /// length as it takes. Lower: impacts, shaking and high stacks are followed more
-    /// coarsely; higher: slower.
-    #[schemars(range(min = 30.0, max = 1e6))]
-    pub substep_rate_hz: f64,
-    /// Iterations over all contacts in a sub-step, there and back in turn, at least: they
-    /// go on until `solver_tolerance` is met, up to 256 times there and back. Fewer: loads
-    /// do not get through the packing; more: slower.
-    #[schemars(range(min = 1, max = 10000))]
-    pub iterations: u32,
-    /// Share of what contacts change of a body in a sub-step, on average, by which the
-    /// last iteration may still change any body, in the kinetic norm. Lower: forces
-    /// are found more exactly, by more iterations; 1: no more than `iterations`, but after
-    /// impacts and among few contacts.
-    #[schemars(range(min = 0.0, max = 1.0))]
-    pub solver_tolerance: f64,
-    /// Stiffness of a contact point in N/m. Lower: grains sink in further, by
-    /// their load over it; higher: more iterations are needed for the load to
-    /// get through the packing. 10000 N/m make a grain of 1.6 g on four points
-    /// sink by 0.4 µm.
-    #[schemars(range(min = 0.001, max = 1e9))]
-    pub contact_stiffness_n_per_m: f64,
-    /// Damping ratio of the spring with the bodies it stands between. Lower
-    /// than 1: contacts swing; higher: overlaps last longer.
-    #[schemars(range(min = 0.0, max = 100.0))]
-    pub contact_damping_ratio: f64,
-    /// Largest speed in m/s at which an overlap is pushed apart. Lower:
-    /// overlaps last; higher: they burst.
-    #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 100.0))]
-    pub max_depenetration_velocity_m_per_s: f64,
-    /// Threads that compute one world: they find its contacts, solve them and move its
-    /// bodies. Left out, they are the cores that other stages of the same command leave free
-    /// (`--jobs`), as far as the grains keep them busy. They change no bit of the result, and are
-    /// therefore left out of what is kept of a run.
-    #[schemars(with = "u32", range(min = 1, max = 1024))]
-    #[serde(skip_serializing)]
-    pub threads: Option<u32>,
-    /// Whether steps may go without the threads where these make them no faster: of threads
-    /// that nobody typed.
-    #[schemars(skip)]
-    #[serde(skip)]
-    pub may_leave_threads: bool,
-    /// Use the instructions that every processor has, not the fastest of this
-    /// one: slower, and the same bits.
-    #[serde(skip_serializing)]
-    pub portable: bool,
-    /// Contacts solved at once: 8, in single precision, or 1, in double,
-    /// which is slower and there to compare with.
-    #[schemars(extend("enum" = [1, 8]))]
-    pub contacts_at_once: u32,
-    /// Simulated time in s after which a stage is stored on its way, read back
-    /// and carried on in a world built anew, so that an interrupted run goes on
-    /// from there. Left out, it is what a core does in about a minute, by the
-    /// number of grains and the rate. It changes the bits of a stage that takes
-    /// longer, not what is simulated.
-    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub checkpoint_every_s: Option<f64>,
+settings! {
+    /// How contacts yield in the native contact solver: an implicit spring and
+    /// damper in every contact point. The rate and the speed below which nothing
+    /// rebounds are those of the engine settings; its `iterations` are Bullet's own.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    pub struct NativeSettings {
+        /// Sub-steps of the solver in a second of simulated time, at least:
+        /// contacts are found once a step, and solved in as many sub-steps of equal
+        /// length as it takes. Lower: impacts, shaking and high stacks are followed more
+        /// coarsely; higher: slower.
+        #[schemars(range(min = 30.0, max = 1e6))]
+        pub substep_rate_hz: f64 = 1440.0,
+        /// Iterations over all contacts in a sub-step, there and back in turn, at least: they
+        /// go on until `solver_tolerance` is met, up to 256 times there and back. Fewer: loads
+        /// do not get through the packing; more: slower.
+        #[schemars(range(min = 1, max = 10000))]
+        pub iterations: u32 = 8,
+        /// Share of what contacts change of a body in a sub-step, on average, by which the
+        /// last iteration may still change any body, in the kinetic norm. Lower: forces
+        /// are found more exactly, by more iterations; 1: no more than `iterations`, but after
+        /// impacts and among few contacts.
+        #[schemars(range(min = 0.0, max = 1.0))]
+        pub solver_tolerance: f64 = 0.0025,
+        /// Stiffness of a contact point in N/m. Lower: grains sink in further, by
+        /// their load over it; higher: more iterations are needed for the load to
+        /// get through the packing. 10000 N/m make a grain of 1.6 g on four points
+        /// sink by 0.4 µm.
+        #[schemars(range(min = 0.001, max = 1e9))]
+        pub contact_stiffness_n_per_m: f64 = 10000.0,
+        /// Damping ratio of the spring with the bodies it stands between. Lower
+        /// than 1: contacts swing; higher: overlaps last longer.
+        #[schemars(range(min = 0.0, max = 100.0))]
+        pub contact_damping_ratio: f64 = 1.0,
+        /// Largest speed in m/s at which an overlap is pushed apart. Lower:
+        /// overlaps last; higher: they burst.
+        #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 100.0))]
+        pub max_depenetration_velocity_m_per_s: f64 = 0.3,
+        /// Threads that compute one world: they find its contacts, solve them and move its bodies.
+        /// Left out, they are the cores that other stages of the same command leave free
+        /// (`--jobs`), as far as the grains keep them busy. They change no bit of the result, and
+        /// are therefore left out of what is kept of a run.
+        #[schemars(with = "u32", range(min = 1, max = 1024))]
+        #[serde(skip_serializing)]
+        pub threads: Option<u32> = None,
+        /// Whether steps may go without the threads where these make them no faster: of threads
+        /// that nobody typed.
+        #[schemars(skip)]
+        #[serde(skip)]
+        pub may_leave_threads: bool = false,
+        /// Use the instructions that every processor has, not the fastest of this
+        /// one: slower, and the same bits.
+        #[serde(skip_serializing)]
+        pub portable: bool = false,
+        /// Contacts solved at once: 8, in single precision, or 1, in double,
+        /// which is slower and there to compare with.
+        #[schemars(extend("enum" = [1, 8]))]
+        pub contacts_at_once: u32 = 8,
+        /// Simulated time in s after which a stage is stored on its way, read back
+        /// and carried on in a world built anew, so that an interrupted run goes on
+        /// from there. Left out, it is what a core does in about a minute, by the
+        /// number of grains and the rate. It changes the bits of a stage that takes
+        /// longer, not what is simulated.
+        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub checkpoint_every_s: Option<f64> = None,
+    }
 }
 
 impl NativeSettings {
@@ -86,24 +87,6 @@ const GRAINS_PER_THREAD: usize = 700;
 /// Threads of a world of so many grains where none are typed and `cores` are free.
 pub fn automatic_threads(cores: usize, grains: usize) -> u32 {
     u32::try_from(cores.min(grains / GRAINS_PER_THREAD).clamp(1, 1024)).unwrap_or(1)
-}
-
-impl Default for NativeSettings {
-    fn default() -> Self {
-        Self {
-            substep_rate_hz: 1440.0,
-            iterations: 8,
-            solver_tolerance: 0.0025,
-            contact_stiffness_n_per_m: 10000.0,
-            contact_damping_ratio: 1.0,
-            max_depenetration_velocity_m_per_s: 0.3,
-            threads: None,
-            may_leave_threads: false,
-            portable: false,
-            contacts_at_once: 8,
-            checkpoint_every_s: None,
-        }
-    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use std::str::FromStr;
 
-use super::source::{Origin, parse_value};
 use super::*;
 
 /// One value laid over the scenario's.
@@ -87,12 +86,8 @@ impl Override {
             if at.is_null() {
                 *at = Value::Object(Map::new());
             }
-            let nowhere = |path: &str, found: &Value, allowed: String| Fault {
-                file: origin.to_string(),
-                path: path.to_owned(),
-                found: shown(found),
-                allowed,
-                message: "the path leads nowhere".into(),
+            let nowhere = |path: &str, found: &Value, allowed: &str| {
+                Fault::new("the path leads nowhere", shown(found), allowed).at(path).of(&origin)
             };
             at = match (at, step) {
                 (Value::Object(map), Step::Name(name)) => {
@@ -103,8 +98,7 @@ impl Override {
                     map.entry(name.clone()).or_insert(Value::Null)
                 }
                 (Value::Object(_), Step::Index(index)) => {
-                    let allowed = "the name of a field".into();
-                    return Err(nowhere(&path, &Value::from(*index), allowed));
+                    return Err(nowhere(&path, &Value::from(*index), "the name of a field"));
                 }
                 (Value::Array(items), step) => {
                     let count = items.len();
@@ -118,14 +112,14 @@ impl Override {
                             let found = other.map_or_else(|name| name, Value::from);
                             let last = count.max(1) - 1;
                             let allowed = format!("0 to {last}, the elements of the list");
-                            return Err(nowhere(&path, &found, allowed));
+                            return Err(nowhere(&path, &found, &allowed));
                         }
                     };
                     path = format!("{path}[{index}]");
                     &mut items[index]
                 }
                 (other, _) => {
-                    return Err(nowhere(&path, other, "nothing below this value".into()));
+                    return Err(nowhere(&path, other, "nothing below this value"));
                 }
             };
         }

@@ -1,9 +1,6 @@
 //! Pieces of a laboratory: what a scenario builds its own apparatus of, and how they move.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-
-use super::mesh_pieces::MeshPieceSpec;
+use super::*;
 
 /// A rigid piece of the apparatus. Where a scenario has any, they stand in place of the
 /// built-in funnel, cylinder and top plate.

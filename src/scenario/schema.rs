@@ -4,7 +4,6 @@
 use schemars::SchemaGenerator;
 use serde::de::DeserializeOwned;
 
-use super::automatic::{AUTOMATIC, AUTOMATIC_OF_STAGES};
 use super::*;
 
 /// The JSON Schema (draft 2020-12) of a scenario file.
@@ -67,18 +66,24 @@ pub(super) fn schema_field() -> Value {
 /// The schema of the type, as its definition declares it.
 pub(super) fn typed() -> Value {
     let mut schema = schemars::schema_for!(Scenario).to_value();
-    let mark = |part: &mut Value, fields: &[&str]| {
-        for field in fields {
-            if let Some(field) = part["properties"].get_mut(field).and_then(Value::as_object_mut) {
-                field.insert("x-automatic".into(), true.into());
-            }
+    let mark = |part: &mut Value, field: &str| {
+        if let Some(field) = part["properties"].get_mut(field).and_then(Value::as_object_mut) {
+            field.insert("x-automatic".into(), true.into());
         }
     };
-    for (name, fields) in AUTOMATIC {
-        mark(&mut schema["$defs"][name], fields);
+    for path in automatic_paths() {
+        let mut steps: Vec<&str> = path.split('.').collect();
+        let field = steps.pop().unwrap_or_default();
+        let pointer = steps.iter().fold(String::new(), |at, step| {
+            let of = &schema.pointer(&at).unwrap_or(&Value::Null)["properties"][*step]["$ref"];
+            of.as_str().unwrap_or_default().trim_start_matches('#').to_owned()
+        });
+        if let Some(part) = schema.pointer_mut(&pointer) {
+            mark(part, field);
+        }
     }
     for stage in schema["$defs"]["StageSpec"]["oneOf"].as_array_mut().into_iter().flatten() {
-        mark(stage, &AUTOMATIC_OF_STAGES);
+        AUTOMATIC_OF_STAGES.iter().for_each(|field| mark(stage, field));
     }
     schema
 }
@@ -108,15 +113,11 @@ pub fn load_document<T: JsonSchema + DeserializeOwned>(file: &Path) -> Result<T,
         fields.shift_remove("$schema");
     }
     faults.extend(structure::check_against(schema_of::<T>(), &value));
-    let named = |fault: Fault| Fault { file: file.display().to_string(), ..fault };
+    let named = |fault: Fault| fault.of(file.display());
     if faults.is_empty() {
         match serde_path_to_error::deserialize::<_, T>(&value) {
             Ok(document) => return Ok(document),
-            Err(error) => faults.push(Fault {
-                path: error.path().to_string(),
-                message: format!("the value cannot be used: {}", error.inner()),
-                ..Fault::default()
-            }),
+            Err(error) => faults.push(unusable(&error, "")),
         }
     }
     Err(ScenarioErrors::Faults(faults.into_iter().map(named).collect()))

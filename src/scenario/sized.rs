@@ -1,8 +1,6 @@
 //! Settings that go with the size of the grains, each by a law.
 
-use super::automatic::{RATE, STIFFNESS};
 use super::*;
-use crate::scale::{Law, Scale};
 
 /// A number of the engine's settings, by its place in them.
 type Setting = fn(&mut EngineSettings) -> &mut f64;

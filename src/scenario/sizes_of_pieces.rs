@@ -1,8 +1,6 @@
 //! How large pieces are, as far as checks ask.
 
-use std::f64::consts::PI;
-
-use super::{BoxSide, Map, PieceSpec, ShapeSpec};
+use super::*;
 
 impl ShapeSpec {
     /// How many kinds are given: one of a sound shape.

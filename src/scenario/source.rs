@@ -11,7 +11,6 @@ use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_json::Number;
 
 use super::*;
-use crate::input;
 
 /// Longest chain of files that extend each other.
 const LONGEST_CHAIN: usize = 8;
@@ -158,25 +157,17 @@ impl Chain {
         let mut content = match parse(file, &text, &mut self.faults)? {
             Value::Object(content) => content,
             other => {
-                return Err(self.fail(Fault {
-                    file: file.display().to_string(),
-                    found: shown(&other),
-                    allowed: "an object, { ... }".into(),
-                    message: "a scenario is an object".into(),
-                    ..Fault::default()
-                }));
+                let fault =
+                    Fault::new("a scenario is an object", shown(&other), "an object, { ... }");
+                return Err(self.fail(fault.of(file.display())));
             }
         };
         // Editors put the schema's address there.
         content.shift_remove("$schema");
         let base = content.shift_remove("extends");
         self.links.push(Link { file: file.to_owned(), canonical, content });
-        let fault = |found: &Value, allowed: &str, message: String| Fault {
-            file: file.display().to_string(),
-            path: "extends".into(),
-            found: shown(found),
-            allowed: allowed.into(),
-            message,
+        let fault = |found: &Value, allowed: &str, message: String| {
+            Fault::new(message, shown(found), allowed).at("extends").of(file.display())
         };
         let base = match base {
             None => return Ok(()),
@@ -246,7 +237,7 @@ pub(super) fn merge(base: &mut Value, over: Value, path: &str) {
 
 /// Whether grains that are laid over others are meshes where those are not, or
 /// the other way round. Fields that all of them may have say nothing: a
-/// scenario may change only the mass of the stones it extends.
+/// scenario may change only the mass of the grains it extends.
 fn is_other_mesh_source(base: &Map<String, Value>, over: &Map<String, Value>) -> bool {
     if over.contains_key("meshes") {
         return !base.contains_key("meshes");
@@ -289,12 +280,9 @@ fn parse(file: &Path, text: &[u8], faults: &mut Vec<Fault>) -> Result<Value, Sce
     parsed.map_err(|error| {
         let message = error.to_string();
         let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(m, _)| m);
-        faults.push(Fault {
-            file: label,
-            path: format!("line {}, column {}", error.line(), error.column()),
-            message: format!("this is not JSON: {message}"),
-            ..Fault::default()
-        });
+        let place = format!("line {}, column {}", error.line(), error.column());
+        faults
+            .push(Fault::new(format!("this is not JSON: {message}"), "", "").at(place).of(&label));
         ScenarioErrors::Faults(std::mem::take(faults))
     })
 }
@@ -377,13 +365,9 @@ impl<'de> Visitor<'de> for Node<'_> {
             let node = Node { path: path.clone(), file: self.file, faults: self.faults };
             let value = entries.next_value_seed(node)?;
             if let Some(first) = object.get(&key) {
-                self.faults.borrow_mut().push(Fault {
-                    file: self.file.to_owned(),
-                    path,
-                    found: format!("{}, then {}", shown(first), shown(&value)),
-                    allowed: "each field once".into(),
-                    message: "the field is given twice".into(),
-                });
+                let found = format!("{}, then {}", shown(first), shown(&value));
+                let fault = Fault::new("the field is given twice", found, "each field once");
+                self.faults.borrow_mut().push(fault.at(path).of(self.file));
             } else {
                 object.insert(key, value);
             }

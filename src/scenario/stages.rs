@@ -1,9 +1,7 @@
 //! The stages a scenario can name.
 
-use super::pieces::{DepositKind, LoadSpec, RotationSpec, SineSpec};
-use super::until::UntilSpec;
 use super::*;
-use crate::motion::{Interpolation, Start};
+use crate::motion::Start;
 
 /// What the stated amplitude of a sinusoid means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

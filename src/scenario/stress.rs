@@ -1,15 +1,10 @@
 //! The largest stress that a scenario puts on its grains, as far as it can be told beforehand.
 
-use std::f64::consts::PI;
-
 use nalgebra::UnitQuaternion;
-use serde_json::Value;
 
-use super::{
-    CylinderSpec, Grading, LoadSpec, PieceSpec, TopPlateSpec, accessors::read, automatic::number_at,
-};
-use crate::geometry::Vector;
-use crate::units::{from_deg, from_g, from_kpa, from_mm};
+use super::accessors::read;
+use super::*;
+use crate::units::{from_deg, from_kpa};
 
 /// Largest stress in Pa under weight, plate and pressed pieces, arching left out: everything rests
 /// on the floor of the cylinder, or of the pile.

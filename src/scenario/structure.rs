@@ -11,7 +11,6 @@ use std::sync::LazyLock;
 use jsonschema::Validator;
 use jsonschema::error::ValidationErrorKind;
 
-use super::fault::nearest;
 use super::*;
 
 /// Elements of the longest list that a scenario may have, the rows of a recorded motion.
@@ -211,7 +210,7 @@ impl Part {
             let here = dotted(path, value, &steps);
             let schema = self.at(steps.iter().map(String::as_str));
             let mut add = |path: String, found: String, allowed: String, message: String| {
-                into.faults.push(Fault { file: String::new(), path, found, allowed, message });
+                into.faults.push(Fault::new(message, found, allowed).at(path));
             };
             match error.kind() {
                 ValidationErrorKind::AdditionalProperties { unexpected } => {

@@ -1,7 +1,6 @@
 //! Conditions that end stages: something measured reaches what is asked for.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use super::*;
 
 /// What ends a stage: one condition; or a list of conditions, of which any one ends it; or an
 /// object with `all_of`, a list of conditions that have to hold at the same time. Conditions are

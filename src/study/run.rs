@@ -224,7 +224,7 @@ pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(
     if matches!(scenario.grains, GrainsSpec::Meshes(_)) {
         let path = out.join("stones.csv");
         let mut content = Vec::new();
-        grains::stones_csv(&set.stones, &mut content)
+        grains::meshes_csv(&set.meshes, &mut content)
             .map_err(|e| FileError::new("write", &path, e))?;
         write_file(&path, &content)?;
     }

@@ -12,7 +12,7 @@ use super::{
     standing::{Standing, angle_of_repose, height_unless, pressed_through, wall, withheld_figures},
     told::of_grains,
 };
-use crate::grains::{GrainSet, ParticleSizeDistribution, StoneRecord};
+use crate::grains::{GrainSet, MeshRecord, ParticleSizeDistribution};
 use crate::measure::{
     self, Container, HeightSample, Period, Places, coordination, overlap_statistics, pairs_within,
     places, touching_gap,
@@ -117,7 +117,7 @@ pub fn summarise(
         all.clone().flat_map(|s| s.record.warnings.iter().cloned()).collect();
     warnings.extend(scenario::warnings(scenario).iter().map(ToString::to_string));
     warnings.extend(of_grains(scenario, &run.grains));
-    warnings.extend(StoneRecord::notes(&run.grains.stones));
+    warnings.extend(MeshRecord::notes(&run.grains.meshes));
     let angle_of_repose = match angle_of_repose(&specimen)? {
         Some(Ok(angle)) => Some(angle),
         Some(Err(why)) => {

@@ -4,13 +4,7 @@
 use super::{VerifyError, scene::Scene, view::View};
 use crate::geometry::Vector;
 use crate::scenario::{Backend, ContactSolver, EngineSettings};
-use crate::world::{self, PairTable, World, WorldError};
-
-/// Makes an empty world of settings, gravity (m/s²) and coefficients of pairs.
-pub type Maker<'a> = &'a (
-        dyn Fn(&EngineSettings, Vector, &PairTable) -> Result<Box<dyn World + Send>, WorldError>
-            + Sync
-    );
+use crate::world::{self, PairTable, WorldMaker};
 
 /// Gravitational acceleration of the experiments in m/s², as in the scenarios.
 pub const GRAVITY: f64 = 9.81;
@@ -26,12 +20,12 @@ pub struct Bench<'a> {
     /// How many times as large everything is in the engine, times and masses as they belong
     /// to it; experiments do not see it.
     pub larger: f64,
-    make: Maker<'a>,
+    make: WorldMaker<'a>,
 }
 
 impl<'a> Bench<'a> {
     /// An upright laboratory at rest.
-    pub fn new(engine: EngineSettings, make: Maker<'a>) -> Self {
+    pub fn new(engine: EngineSettings, make: WorldMaker<'a>) -> Self {
         Self { engine, view: View::default(), larger: 1.0, make }
     }
 

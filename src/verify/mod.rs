@@ -15,7 +15,7 @@ mod scene;
 mod suite;
 mod view;
 
-pub use bench::{Bench, Maker, Setting, settings};
+pub use bench::{Bench, Setting, settings};
 pub use case::{Case, KnownFailure, builtin};
 pub use experiment::Outcome;
 pub use judge::{Status, Verdict, within};
@@ -26,7 +26,7 @@ pub use view::View;
 use std::sync::RwLock;
 
 use crate::geometry::PolyhedronError;
-use crate::world::WorldError;
+use crate::world::{WorldError, WorldMaker};
 
 /// Why a case could not be run.
 #[derive(Debug, thiserror::Error)]
@@ -62,7 +62,7 @@ static PROCESS: RwLock<()> = RwLock::new(());
 
 /// Runs a case on an engine and judges what came out. An experiment
 /// that could not be run has failed; the reason is in the note.
-pub fn verify(case: &Case, setting: &Setting, make: Maker) -> Verdict {
+pub fn verify(case: &Case, setting: &Setting, make: WorldMaker) -> Verdict {
     let bench = Bench::new(setting.engine.clone(), make);
     let outcome = if case.experiment.needs_the_process() {
         let _alone = PROCESS.write().unwrap_or_else(std::sync::PoisonError::into_inner);

@@ -11,10 +11,11 @@ use std::{
 
 use rayon::prelude::*;
 
-use super::{Case, Maker, Setting, Status, Verdict, verify};
+use super::{Case, Setting, Status, Verdict, verify};
 use crate::protocol::Progress;
 use crate::record::{FileError, write_file, write_json};
 use crate::report::{LawCase, LawCurve, LawRow, ReportError, write_laws};
+use crate::world::WorldMaker;
 
 /// The suite's name to whoever shows progress.
 const SUITE: u64 = 0;
@@ -56,7 +57,7 @@ pub enum SuiteError {
 ///
 /// # Errors
 /// [`SuiteError`]. A case that fails is no error.
-pub fn run_suite(options: &SuiteOptions, make: Maker) -> Result<Vec<Verdict>, SuiteError> {
+pub fn run_suite(options: &SuiteOptions, make: WorldMaker) -> Result<Vec<Verdict>, SuiteError> {
     let todo: Vec<(&Case, &Setting)> =
         options.cases.iter().flat_map(|c| options.settings.iter().map(move |s| (c, s))).collect();
     let done: Mutex<Vec<Option<Verdict>>> = Mutex::new(vec![None; todo.len()]);
@@ -101,16 +102,8 @@ pub fn run_suite(options: &SuiteOptions, make: Maker) -> Result<Vec<Verdict>, Su
 /// `verify.csv`: one row a case and setting.
 fn table(verdicts: &[Verdict]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record([
-        "case",
-        "setting",
-        "engine",
-        "expected",
-        "tolerance",
-        "got",
-        "unit",
-        "status",
-    ])?;
+    let header = "case,setting,engine,expected,tolerance,got,unit,status";
+    writer.write_record(header.split(','))?;
     for v in verdicts {
         writer.write_record([
             v.id.as_str(),

@@ -37,7 +37,7 @@ fn run() -> (Playback, Specimen) {
         grains: vec![grain; 3],
         blocks: vec![block],
         density: 2650.0,
-        stones: vec![],
+        meshes: vec![],
     });
     let scenario: Scenario = serde_json::from_value(serde_json::json!({
         "name": "three",

@@ -245,6 +245,12 @@ pub enum WorldError {
     },
 }
 
+/// Makes an empty world of settings, gravity (m/s²) and coefficients of pairs.
+pub type WorldMaker<'a> = &'a (
+        dyn Fn(&EngineSettings, Vector, &PairTable) -> Result<Box<dyn World + Send>, WorldError>
+            + Sync
+    );
+
 /// A running simulation. Steps have a fixed length given at creation.
 pub trait World {
     /// Adds a body; it takes part from the next step on.

@@ -1,9 +1,6 @@
 //! How nodes move: channels of one glTF animation.
 
-use serde_json::{Value, json};
-
-use super::buffers::{Buffers, Use};
-use crate::geometry::Pose;
+use super::*;
 
 /// An animation in the making, with a key at each of its times.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! The binary part of a glTF file, and the accessors that say what its bytes are.
 
-use serde_json::{Value, json};
+use super::*;
 
 /// What the bytes of a stretch of the buffer are for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

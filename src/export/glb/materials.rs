@@ -1,10 +1,8 @@
 //! How things look: a colour a sieve fraction, clear apparatus.
 
-use serde_json::{Value, json};
-
-use super::buffers::{number, numbers};
+use super::*;
 use crate::grains::GrainSet;
-use crate::plain::without_zeros;
+use crate::plain::three_decimals;
 use crate::units::to_mm;
 
 /// Colours that colour-blind readers tell apart (Okabe & Ito 2008), in sRGB,
@@ -19,6 +17,7 @@ const CLEAR: f64 = 0.1;
 /// apparatus, whose number comes with them.
 pub fn materials(grains: &GrainSet) -> (Vec<Value>, usize) {
     let fractions = grains.grains.iter().map(|g| g.fraction + 1).max().unwrap_or(0);
+    let short = |length: f64| three_decimals(to_mm(length));
     let of_fraction = |n: usize| {
         let name = match grains.blocks.get(n) {
             Some(b) => format!("sieve {} to {} mm", short(b.retained), short(b.passing)),
@@ -45,11 +44,6 @@ pub fn materials(grains: &GrainSet) -> (Vec<Value>, usize) {
         },
     }));
     (list, fractions)
-}
-
-/// A length in mm without digits that say nothing.
-fn short(metres: f64) -> String {
-    without_zeros(&format!("{:.3}", to_mm(metres))).to_owned()
 }
 
 /// From the sRGB of screens to the linear scale of glTF's factors (IEC 61966-2-1).

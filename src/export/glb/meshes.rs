@@ -3,11 +3,9 @@
 
 use std::collections::HashMap;
 
-use serde_json::{Value, json};
-
-use super::buffers::{Buffers, Use};
+use super::*;
 use crate::export::parts::corners;
-use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
+use crate::geometry::{ConvexPolyhedron, Point, Vector};
 
 /// The meshes of a file.
 #[derive(Debug, Default)]

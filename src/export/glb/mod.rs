@@ -9,6 +9,7 @@ mod meshes;
 #[cfg(test)]
 mod tests;
 
+// What its parts are made of, too.
 use serde_json::{Value, json};
 
 use super::moments::{Moment, Moments};
@@ -16,7 +17,7 @@ use super::vtk::sieve_sizes;
 use crate::geometry::Pose;
 use crate::grains::grain_name;
 use animation::Animation;
-use buffers::{Buffers, number, numbers};
+use buffers::*;
 use materials::materials;
 use meshes::Meshes;
 

@@ -44,8 +44,8 @@ impl Incline {
             Quantity::Acceleration => "Speed down the slope (m/s)",
         };
         let mut outcome = Outcome::new("Time (s)", y);
-        let mut worst: Option<f64> = None;
-        let law = |got: f64| match quantity {
+        let mut found = Vec::new();
+        let error = |got: f64| match quantity {
             Quantity::Drift => got,
             Quantity::Acceleration => (got - 1.0).abs(),
         };
@@ -77,16 +77,14 @@ impl Incline {
                 Quantity::Acceleration => last.1 / scene.time() / acceleration,
             };
             outcome.measured(format!("{degrees}°"), curve);
-            if worst.is_none_or(|w| law(got) > law(w) || got.is_nan()) {
-                worst = Some(got);
-            }
+            found.push(got);
         }
         let end = match quantity {
             Quantity::Drift => 0.0,
             Quantity::Acceleration => acceleration * duration,
         };
         outcome.law("Law", vec![(0.0, 0.0), (duration, end)]);
-        Ok(outcome.got(worst.unwrap_or(f64::NAN)))
+        Ok(outcome.got(worst_of(&found, error)))
     }
 }
 
@@ -126,7 +124,7 @@ impl SlideStops {
             uniform(friction, 0.0)
         };
         let mut outcome = Outcome::new("Time (s)", "Distance (mm)");
-        let mut worst: Option<f64> = None;
+        let mut found = Vec::new();
         let duration = 1.5 * speed / (friction * GRAVITY);
         for &degrees in &self.headings_deg {
             let mut scene = bench.scene(&pairs)?;
@@ -144,11 +142,8 @@ impl SlideStops {
                 moved = (state.pose.translation.vector - start).xy().norm();
                 curve.push((time, to_mm(moved)));
             })?;
-            let got = moved / in_steps(speed, friction * GRAVITY, &scene);
+            found.push(moved / in_steps(speed, friction * GRAVITY, &scene));
             outcome.measured(format!("{degrees}°"), curve);
-            if worst.is_none_or(|w: f64| (got - 1.0).abs() > (w - 1.0).abs() || got.is_nan()) {
-                worst = Some(got);
-            }
         }
         let stop = speed / (friction * GRAVITY);
         let parabola = (0..=100).map(|i| {
@@ -157,6 +152,6 @@ impl SlideStops {
             (t, to_mm(speed * t_moving - 0.5 * friction * GRAVITY * t_moving * t_moving))
         });
         outcome.law("v t − μ g t²/2", parabola.collect());
-        Ok(outcome.got(worst.unwrap_or(f64::NAN)))
+        Ok(outcome.got(worst_of(&found, |got| (got - 1.0).abs())))
     }
 }

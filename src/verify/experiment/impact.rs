@@ -87,15 +87,9 @@ impl ImpactTilted {
     }
 
     pub(super) fn run(&self, bench: &Bench) -> Measured {
-        let mut outcome = Outcome::new("Time (s)", "Angular velocity (rad/s)");
-        let (mut worst, mut notes) = (0.0_f64, Vec::new());
-        for &restitution in &self.restitutions {
-            let (got, note) = self.one(bench, restitution, &mut outcome)?;
-            notes.push(format!("e = {restitution}: {note}"));
-            worst = if got.is_nan() { got } else { worst.max(got) };
-        }
-        outcome.note = Some(notes.join("; "));
-        Ok(outcome.got(worst))
+        of_each(&self.restitutions, "Angular velocity (rad/s)", |restitution, outcome| {
+            self.one(bench, restitution, outcome)
+        })
     }
 
     /// Error in % of the speed, and in words.

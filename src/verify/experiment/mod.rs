@@ -36,6 +36,7 @@ use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
 use crate::units::{from_deg, from_mm, to_mm};
 use crate::world::{Body, BodyId, BodyState, Material, Motion, PairCoefficients};
 use ode::runge_kutta;
+use {flight::*, invariance::invariance, mass::properties, rebound::*, resting::*};
 
 /// What becomes of an experiment.
 type Measured = Result<Outcome, VerifyError>;
@@ -184,30 +185,26 @@ impl Experiment {
     /// [`VerifyError`] when the engine fails or the event waited for does not come.
     pub fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
         match *self {
-            Self::MassProperties => mass::properties(),
-            Self::FreeFall { height_mm, duration_s } => {
-                flight::free_fall(bench, height_mm, duration_s)
-            }
+            Self::MassProperties => properties(),
+            Self::FreeFall { height_mm, duration_s } => free_fall(bench, height_mm, duration_s),
             Self::Projectile { speed_m_per_s, duration_s } => {
-                flight::projectile(bench, speed_m_per_s.into(), duration_s)
+                projectile(bench, speed_m_per_s.into(), duration_s)
             }
             Self::Tumbling { spin_rad_per_s, duration_s, quantity } => {
-                flight::tumbling(bench, spin_rad_per_s.into(), duration_s, quantity)
+                tumbling(bench, spin_rad_per_s.into(), duration_s, quantity)
             }
-            Self::Flip { spin_rad_per_s, disturbance } => {
-                flight::flip(bench, spin_rad_per_s, disturbance)
-            }
+            Self::Flip { spin_rad_per_s, disturbance } => flip(bench, spin_rad_per_s, disturbance),
             Self::Collision { speed_m_per_s, friction, restitution } => {
-                flight::collision(bench, speed_m_per_s, friction, restitution)
+                collision(bench, speed_m_per_s, friction, restitution)
             }
             Self::Incline(ref incline) => incline.run(bench),
             Self::SlideStops(ref slide) => slide.run(bench),
             Self::BlockOnTable(ref on_table) => on_table.run(bench),
             Self::Rebound { restitution, height_mm, ref rates_hz } => {
-                rebound::rebound(bench, restitution, height_mm, rates_hz)
+                rebound(bench, restitution, height_mm, rates_hz)
             }
             Self::Bounces { restitution, height_mm, count } => {
-                rebound::bounces(bench, restitution, height_mm, count)
+                bounces(bench, restitution, height_mm, count)
             }
             Self::SpinSlide(ref slide) => slide.run(bench),
             Self::RockingBlock(ref rocking) => rocking.run(bench),
@@ -218,20 +215,16 @@ impl Experiment {
             Self::ApproachArrested(ref arrested) => arrested.run(bench),
             Self::CriticalFriction(ref critical) => critical.run(bench),
             Self::InnerEdge(ref joints) => joints.run(bench),
-            Self::Rests { body, settle_s, duration_s } => {
-                resting::rests(bench, body, settle_s, duration_s)
-            }
+            Self::Rests { body, settle_s, duration_s } => rests(bench, body, settle_s, duration_s),
             Self::GrainOnThree { settle_s, duration_s } => {
-                resting::grain_on_three(bench, settle_s, duration_s)
+                grain_on_three(bench, settle_s, duration_s)
             }
-            Self::Cubes { count, guided, duration_s } => {
-                resting::cubes(bench, count, guided, duration_s)
-            }
+            Self::Cubes { count, guided, duration_s } => cubes(bench, count, guided, duration_s),
             Self::FloorForce { grains, settle_s, duration_s } => {
-                resting::floor_force(bench, grains, settle_s, duration_s)
+                floor_force(bench, grains, settle_s, duration_s)
             }
             Self::Packing(ref packing) => packing.run(bench),
-            Self::Invariance { ref over, ref of } => invariance::invariance(bench, over, of),
+            Self::Invariance { ref over, ref of } => invariance(bench, over, of),
         }
     }
 }
@@ -241,6 +234,30 @@ fn on_floor(bench: &Bench, half_width: f64, friction: f64) -> Result<Scene, Veri
     let mut scene = bench.scene(&uniform(friction, 0.0))?;
     scene.add(&floor(half_width, Motion::Static)?)?;
     Ok(scene)
+}
+
+/// Carries an impact out for each coefficient of restitution: the worst error in %, and words on each.
+fn of_each(
+    restitutions: &[f64],
+    y: &str,
+    mut one: impl FnMut(f64, &mut Outcome) -> Result<(f64, String), VerifyError>,
+) -> Measured {
+    let mut outcome = Outcome::new("Time (s)", y);
+    let (mut worst, mut notes) = (0.0_f64, Vec::new());
+    for &restitution in restitutions {
+        let (got, note) = one(restitution, &mut outcome)?;
+        notes.push(format!("e = {restitution}: {note}"));
+        worst = if got.is_nan() { got } else { worst.max(got) };
+    }
+    outcome.note = Some(notes.join("; "));
+    Ok(outcome.got(worst))
+}
+
+/// The value with the largest error; no number where there is none, or one is none.
+fn worst_of(values: &[f64], error: impl Fn(f64) -> f64) -> f64 {
+    let worse =
+        |worst: f64, &v: &f64| if error(v) > error(worst) || v.is_nan() { v } else { worst };
+    values.iter().fold(values.first().copied().unwrap_or(f64::NAN), worse)
 }
 
 /// The largest of numbers that are not negative, 0 of none; no number as soon as one

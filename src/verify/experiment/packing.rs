@@ -136,6 +136,19 @@ impl Packing {
         Ok(states.iter().map(|s| s.pose.translation.z).sum::<f64>() / states.len() as f64)
     }
 
+    /// Goes on for a time in s: some mean heights in m, and when they were, in s since it began.
+    pub fn heights(&mut self, time: f64, samples: u64) -> Result<Vec<(f64, f64)>, VerifyError> {
+        let steps = self.scene.steps_in(time);
+        let mut heights = Vec::new();
+        for n in 1..=steps {
+            self.scene.step()?;
+            if n % (steps / samples).max(1) == 0 || n == steps {
+                heights.push((n as f64 * self.scene.time_step(), self.mean_height()?));
+            }
+        }
+        Ok(heights)
+    }
+
     /// Kinetic and potential energy of all grains in J.
     pub fn energy(&mut self) -> Result<f64, VerifyError> {
         let states = self.states()?;
@@ -219,15 +232,9 @@ impl OfGrains {
     /// Lets a packing settle; the mean height in mm over time, and in m at the end.
     fn settled(&self, bench: &Bench, order: u64) -> Result<(Vec<(f64, f64)>, f64), VerifyError> {
         let mut packing = self.in_order(bench, order)?;
-        let steps = packing.scene.steps_in(self.settle_s);
-        let mut curve = Vec::new();
-        for n in 1..=steps {
-            packing.scene.step()?;
-            if n % (steps / 300).max(1) == 0 || n == steps {
-                curve.push((packing.scene.time(), to_mm(packing.mean_height()?)));
-            }
-        }
-        Ok((curve, packing.mean_height()?))
+        let heights = packing.heights(self.settle_s, 300)?;
+        let in_mm = heights.into_iter().map(|(time, height)| (time, to_mm(height)));
+        Ok((in_mm.collect(), packing.mean_height()?))
     }
 
     fn energy_gain(&self, bench: &Bench) -> Measured {

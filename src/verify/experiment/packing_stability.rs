@@ -14,15 +14,9 @@ impl OfGrains {
         let mut packing = self.in_order(bench, 0)?;
         packing.scene.run(self.settle_s)?;
         let start = packing.mean_height()?;
-        let steps = packing.scene.steps_in(self.duration_s);
-        let (mut curve, mut lost) = (Vec::new(), 0.0);
-        for n in 1..=steps {
-            packing.scene.step()?;
-            if n % (steps / 400).max(1) == 0 || n == steps {
-                lost = to_mm(start - packing.mean_height()?);
-                curve.push((n as f64 * packing.scene.time_step(), lost));
-            }
-        }
+        let heights = packing.heights(self.duration_s, 400)?;
+        let curve: Vec<_> = heights.iter().map(|(t, height)| (*t, to_mm(start - height))).collect();
+        let lost = curve.last().map_or(0.0, |last| last.1);
         let mut outcome = Outcome::new("Time at rest (s)", "Mean grain height lost (mm)");
         outcome.law("Law", vec![(0.0, 0.0), (self.duration_s, 0.0)]);
         outcome.measured("Engine", curve);
@@ -38,16 +32,10 @@ impl OfGrains {
         let mut outcome = Outcome::new("Time since the restart (s)", "Mean grain height lost (mm)");
         let mut lost = Vec::new();
         for (name, packing) in [("Went on", &mut packing), ("Restarted", &mut again)] {
-            let steps = packing.scene.steps_in(self.duration_s);
             let mut curve = vec![(0.0, 0.0)];
-            for n in 1..=steps {
-                packing.scene.step()?;
-                if n % (steps / 400).max(1) == 0 || n == steps {
-                    let time = n as f64 * packing.scene.time_step();
-                    curve.push((time, to_mm(start - packing.mean_height()?)));
-                }
-            }
-            lost.push(to_mm(start - packing.mean_height()?));
+            let heights = packing.heights(self.duration_s, 400)?;
+            curve.extend(heights.iter().map(|(time, height)| (*time, to_mm(start - height))));
+            lost.push(curve[curve.len() - 1].1);
             outcome.measured(name, curve);
         }
         Ok(outcome.got(lost[1] - lost[0]))

@@ -11,8 +11,7 @@ pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64
     let fall = (2.0 * height / GRAVITY).sqrt();
     let rise = 2.0 * restitution * fall;
     let mut outcome = Outcome::new("Time (s)", "Height of the lower face (mm)");
-    let mut worst: Option<f64> = None;
-    let mut notes = Vec::new();
+    let (mut found, mut notes) = (Vec::new(), Vec::new());
     for &rate in rates {
         let mut scene = bench.at_rate(rate).scene(&uniform(0.5, restitution))?;
         scene.add(&floor(0.2, Motion::Static)?)?;
@@ -35,10 +34,7 @@ pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64
         let got = (peak / height).sqrt();
         notes.push(format!("{got:.3} at {rate} Hz"));
         outcome.measured(format!("{rate} Hz"), curve);
-        let error = |e: f64| (e - restitution).abs();
-        if worst.is_none_or(|w| error(got) > error(w) || got.is_nan()) {
-            worst = Some(got);
-        }
+        found.push(got);
     }
     let law = (0..=200).map(|i| {
         let t = (fall + rise) * f64::from(i) / 200.0;
@@ -52,7 +48,7 @@ pub(super) fn rebound(bench: &Bench, restitution: f64, height: f64, rates: &[f64
     });
     outcome.law("Law", law.collect());
     outcome.note = Some(notes.join(", "));
-    Ok(outcome.got(worst.unwrap_or(f64::NAN)))
+    Ok(outcome.got(worst_of(&found, |e| (e - restitution).abs())))
 }
 
 /// Heights (m) of the peaks of a motion (time, height, upward velocity), the

@@ -102,15 +102,9 @@ impl ImpactAtSeveralPoints {
     }
 
     pub(super) fn run(&self, bench: &Bench) -> Measured {
-        let mut outcome = Outcome::new("Time (s)", "Upward velocity (m/s)");
-        let (mut worst, mut notes) = (0.0_f64, Vec::new());
-        for &restitution in &self.restitutions {
-            let (got, note) = self.one(bench, restitution, &mut outcome)?;
-            notes.push(format!("e = {restitution}: {note}"));
-            worst = if got.is_nan() { got } else { worst.max(got) };
-        }
-        outcome.note = Some(notes.join("; "));
-        Ok(outcome.got(worst))
+        of_each(&self.restitutions, "Upward velocity (m/s)", |restitution, outcome| {
+            self.one(bench, restitution, outcome)
+        })
     }
 
     /// Error in % of the downward velocity, and in words.

@@ -2,12 +2,13 @@
 
 use std::io::Write;
 
-use super::rounded;
-use crate::{grains::GrainsError, units::to_mm};
+use super::*;
+use crate::grains::GrainsError;
+use crate::grains::sieve_table::write_table;
 
-/// One stone: its mesh as read, the shape made of it, and how it was used.
+/// One grain: its mesh as read, the shape made of it, and how it was used.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct StoneRecord {
+pub struct MeshRecord {
     /// The file.
     pub file: String,
     /// The object in the file.
@@ -38,12 +39,12 @@ pub struct StoneRecord {
     pub scales: (f64, f64),
 }
 
-/// Scales that need no explanation: a stone stands for one ten times finer or
+/// Scales that need no explanation: a grain stands for one ten times finer or
 /// coarser; a factor of 1000 is more likely a wrong unit.
 const USUAL_SCALES: (f64, f64) = (0.05, 20.0);
 
-impl StoneRecord {
-    /// Notes a grain of this shape, so many times the stone's size.
+impl MeshRecord {
+    /// Notes a grain of this shape, so many times the grain's size.
     pub(super) fn take(&mut self, scale: f64) {
         let (least, most) = self.scales;
         self.scales = match self.grains {
@@ -63,26 +64,26 @@ impl StoneRecord {
         100.0 * (1.0 / self.convexity - 1.0)
     }
 
-    /// What a reader of results should know of stones: hulls in place of
+    /// What a reader of results should know of grains: hulls in place of
     /// meshes, simplified hulls, and scales that point to a wrong unit.
-    pub fn notes(stones: &[Self]) -> Vec<String> {
+    pub fn notes(records: &[Self]) -> Vec<String> {
         let mut notes = Vec::new();
         let largest = |of: fn(&Self) -> f64| {
-            stones
+            records
                 .iter()
                 .map(of)
                 .fold(0.0, |most: f64, x| if x.abs() > most.abs() { x } else { most })
         };
-        let hulls = stones.iter().filter(|s| s.hull).count();
+        let hulls = records.iter().filter(|s| s.hull).count();
         if hulls > 0 {
             notes.push(format!(
                 "{hulls} of {} stones are the convex hulls of their meshes, which add at most {} % to \
                  the volume",
-                stones.len(),
+                records.len(),
                 rounded(largest(Self::hull_adds_percent))
             ));
         }
-        let simplified = stones.iter().filter(|s| s.left_out > 0.0).count();
+        let simplified = records.iter().filter(|s| s.left_out > 0.0).count();
         if simplified > 0 {
             notes.push(format!(
                 "{simplified} hulls were simplified: the mesh sticks out by at most {} mm, and the \
@@ -91,7 +92,7 @@ impl StoneRecord {
                 rounded(largest(Self::volume_change_percent))
             ));
         }
-        let used = || stones.iter().filter(|s| s.grains > 0);
+        let used = || records.iter().filter(|s| s.grains > 0);
         let least = used().map(|s| s.scales.0).fold(f64::INFINITY, f64::min);
         let most = used().map(|s| s.scales.1).fold(0.0, f64::max);
         if least < USUAL_SCALES.0 || most > USUAL_SCALES.1 {
@@ -105,51 +106,34 @@ impl StoneRecord {
     }
 }
 
-/// Writes `stones.csv`: a row a stone.
+/// Writes `stones.csv`: a row a grain.
 ///
 /// # Errors
 /// When writing fails.
-pub fn stones_csv(stones: &[StoneRecord], into: impl Write) -> Result<(), GrainsError> {
-    let mut csv = csv::Writer::from_writer(into);
-    csv.write_record([
-        "file",
-        "object",
-        "mesh_vertices",
-        "mesh_faces",
-        "mesh_volume_mm3",
-        "convexity",
-        "hull",
-        "vertices",
-        "faces",
-        "volume_mm3",
-        "volume_change_percent",
-        "left_out_mm",
-        "sieve_size_mm",
-        "grains",
-        "smallest_scale",
-        "largest_scale",
-    ])?;
-    for stone in stones {
-        csv.write_record([
-            stone.file.clone(),
-            stone.object.clone(),
-            stone.mesh_vertices.to_string(),
-            stone.mesh_faces.to_string(),
-            format!("{:.6}", stone.mesh_volume * 1e9),
-            format!("{:.6}", stone.convexity),
-            stone.hull.to_string(),
-            stone.vertices.to_string(),
-            stone.faces.to_string(),
-            format!("{:.6}", stone.volume * 1e9),
+pub fn meshes_csv(records: &[MeshRecord], into: impl Write) -> Result<(), GrainsError> {
+    let row = |record: &MeshRecord| {
+        vec![
+            ("file", record.file.clone()),
+            ("object", record.object.clone()),
+            ("mesh_vertices", record.mesh_vertices.to_string()),
+            ("mesh_faces", record.mesh_faces.to_string()),
+            ("mesh_volume_mm3", format!("{:.6}", record.mesh_volume * 1e9)),
+            ("convexity", format!("{:.6}", record.convexity)),
+            ("hull", record.hull.to_string()),
+            ("vertices", record.vertices.to_string()),
+            ("faces", record.faces.to_string()),
+            ("volume_mm3", format!("{:.6}", record.volume * 1e9)),
             // No minus before what rounds to zero.
-            format!("{:.4}", (stone.volume_change_percent() * 1e4).round() / 1e4 + 0.0),
-            format!("{:.6}", to_mm(stone.left_out)),
-            format!("{:.4}", to_mm(stone.sieve_size)),
-            stone.grains.to_string(),
-            format!("{:.6}", stone.scales.0),
-            format!("{:.6}", stone.scales.1),
-        ])?;
-    }
-    csv.flush()?;
-    Ok(())
+            (
+                "volume_change_percent",
+                format!("{:.4}", (record.volume_change_percent() * 1e4).round() / 1e4 + 0.0),
+            ),
+            ("left_out_mm", format!("{:.6}", to_mm(record.left_out))),
+            ("sieve_size_mm", format!("{:.4}", to_mm(record.sieve_size))),
+            ("grains", record.grains.to_string()),
+            ("smallest_scale", format!("{:.6}", record.scales.0)),
+            ("largest_scale", format!("{:.6}", record.scales.1)),
+        ]
+    };
+    write_table(records.iter().map(row), into)
 }

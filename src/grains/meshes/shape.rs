@@ -1,15 +1,9 @@
 //! From a closed surface to a convex polyhedron.
 
-use super::{
-    rounded,
-    surface::{Surface, extent, fault, volume},
-};
-use crate::{
-    geometry::{ConvexPolyhedron, FLATNESS, Hull, hull, joined_polyhedron},
-    scenario::{Fault, MeshGrains},
-};
+use super::*;
+use crate::geometry::{FLATNESS, Hull, hull, joined_polyhedron};
 
-/// Stones whose volume is at least this share of their hull's are taken as
+/// Grains whose volume is at least this share of their hull's are taken as
 /// their hulls without being asked: the roughness of a scan leaves them there.
 pub(super) const NEARLY_CONVEX: f64 = 0.99;
 
@@ -38,16 +32,16 @@ pub(super) fn convex(surface: &Surface, spec: &MeshGrains) -> Result<Convex, Fau
         return Ok(Convex { shape, convexity: 1.0, hull: false, left_out: 0.0 });
     }
     let unmade = || {
-        fault(
-            "no convex hull can be made of its vertices".into(),
+        Fault::new(
+            "no convex hull can be made of its vertices",
             format!("{} vertices", surface.vertices.len()),
-            "a stone as thick as a hundredth of its length".into(),
+            "a stone as thick as a hundredth of its length",
         )
     };
     let whole = hull(&surface.vertices, usize::MAX).ok_or_else(unmade)?;
     let convexity = (surface.volume / volume(&whole.vertices, &whole.triangles)).min(1.0);
     if !(spec.hull || convexity >= NEARLY_CONVEX) {
-        return Err(fault(
+        return Err(Fault::new(
             format!(
                 "the stone is not convex: its hull has {} % more volume",
                 rounded(100.0 * (1.0 / convexity - 1.0))

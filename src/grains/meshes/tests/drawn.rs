@@ -1,4 +1,4 @@
-//! Drawn stones weigh what the sieve table asks for, each on its sieve.
+//! Drawn grains weigh what the sieve table asks for, each on its sieve.
 
 use super::*;
 use crate::{
@@ -55,13 +55,13 @@ fn every_fraction_has_its_mass_and_every_stone_its_sieve() {
             let (least, most) = (fraction.retained * 0.99, fraction.passing * 1.01);
             assert!((least..=most).contains(&size), "{size} m between {least} and {most}");
         }
-        // The stones' own measure holds exactly.
+        // The grains' own measure holds exactly.
         let shape = |g: &crate::grains::Grain| g.volume.cbrt();
         assert!(own.iter().any(|g| shape(g) != shape(own[0])), "sizes are scattered");
     }
-    let used: usize = set.stones.iter().map(|s| s.grains).sum();
+    let used: usize = set.meshes.iter().map(|s| s.grains).sum();
     assert_eq!(used, set.grains.len(), "each grain is a stone");
-    let counts: Vec<usize> = set.stones.iter().map(|s| s.grains).collect();
+    let counts: Vec<usize> = set.meshes.iter().map(|s| s.grains).collect();
     let (least, most) = (counts.iter().min().unwrap(), counts.iter().max().unwrap());
     assert!(
         most - least <= 3,
@@ -106,9 +106,9 @@ fn a_count_draws_stones_in_their_own_size() {
     let spec = MeshGrains { count: Some(15), ..boxes(folder.path()) };
     let set = from_meshes(&spec, 5).unwrap();
     assert_eq!(set.grains.len(), 15, "as many as asked for");
-    for stone in &set.stones {
-        assert!((2..=3).contains(&stone.grains), "15 of 6 stones: {}", stone.grains);
-        assert_eq!(stone.scales, (1.0, 1.0), "in their own size");
+    for prototype in &set.meshes {
+        assert!((2..=3).contains(&prototype.grains), "15 of 6 stones: {}", prototype.grains);
+        assert_eq!(prototype.scales, (1.0, 1.0), "in their own size");
     }
 }
 
@@ -134,6 +134,6 @@ fn scaling_a_thousand_times_is_noted() {
         ..spec(&[])
     };
     let set = from_meshes(&spec, 5).unwrap();
-    let notes = StoneRecord::notes(&set.stones).join("\n");
+    let notes = MeshRecord::notes(&set.meshes).join("\n");
     assert!(notes.contains("is `mesh_unit` right?"), "{notes}");
 }

@@ -2,13 +2,12 @@
 //!
 //! What is done before: a binary file is known by its length, because many
 //! begin with the word `solid` by which text is known; a text file is cut into
-//! its solids, each of which is a stone, and lower-cased, as the format allows
+//! its solids, each of which is a grain, and lower-cased, as the format allows
 //! both; and normals, which some programs write as `nan`, are left out.
 
 use std::io::Cursor;
 
-use super::read::{Object, ReadError};
-use crate::geometry::Point;
+use super::*;
 
 /// Bytes of a binary file before its triangles, and of one triangle.
 const HEADER: usize = 84;

@@ -1,9 +1,7 @@
 //! From file names and patterns to the objects that the files hold.
 
-use std::path::{Path, PathBuf};
-
-use super::{obj, ply, stl};
-use crate::{geometry::Point, input, scenario::Fault};
+use super::*;
+use crate::input;
 
 /// One object of a file, as the file gives it: in the file's unit of length.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,15 +23,20 @@ pub(super) enum ReadError {
     Fault(Fault),
 }
 
+/// The vertices that faces use, in the order of their numbers, and the faces by their new numbers.
+pub(super) fn used(faces: &[impl AsRef<[u32]>], vertices: &[Point]) -> (Vec<Point>, Vec<Vec<u32>>) {
+    let mut used: Vec<u32> = faces.iter().flat_map(AsRef::as_ref).copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    let number = |v: &u32| used.partition_point(|u| u < v) as u32;
+    let faces = faces.iter().map(|face| face.as_ref().iter().map(number).collect()).collect();
+    (used.iter().map(|&v| vertices[v as usize]).collect(), faces)
+}
+
 impl ReadError {
     /// A fault of the content of a file.
     pub fn fault(message: impl Into<String>, found: impl ToString, allowed: &str) -> Self {
-        Self::Fault(Fault {
-            found: found.to_string(),
-            allowed: allowed.to_owned(),
-            message: message.into(),
-            ..Fault::default()
-        })
+        Self::Fault(Fault::new(message, found, allowed))
     }
 }
 
@@ -42,12 +45,10 @@ impl ReadError {
 pub(super) fn files(entries: &[String], faults: &mut Vec<Fault>) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = Vec::new();
     for (index, entry) in entries.iter().enumerate() {
-        let fault = |message: String| Fault {
-            path: format!("grains.meshes[{index}]"),
-            found: format!("\"{entry}\""),
-            allowed: "a file, or a pattern such as \"stones/*.stl\" that files match".into(),
-            message,
-            ..Fault::default()
+        let fault = |message: String| {
+            let allowed = "a file, or a pattern such as \"stones/*.stl\" that files match";
+            let path = format!("grains.meshes[{index}]");
+            Fault { path, ..Fault::new(message, format!("\"{entry}\""), allowed) }
         };
         // A file may be called what would be a pattern.
         if !entry.contains(['*', '?', '[']) || Path::new(entry).exists() {

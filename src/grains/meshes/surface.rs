@@ -2,11 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{read::Object, rounded};
-use crate::{
-    geometry::{Point, Vector},
-    scenario::{Fault, MeshGrains},
-};
+use super::*;
 
 /// A closed surface with outward faces, in m.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,41 +25,42 @@ pub(super) fn surfaces(object: &Object, spec: &MeshGrains) -> Result<Vec<Surface
         object.vertices.iter().position(|v| !v.coords.iter().all(|c| c.is_finite()))
     {
         let v = object.vertices[vertex];
-        return Err(vec![fault(
+        return Err(vec![Fault::new(
             format!("vertex {vertex} has a coordinate that is no finite number"),
             format!("({}, {}, {})", v.x, v.y, v.z),
-            "finite numbers".into(),
+            "finite numbers",
         )]);
     }
     let (vertices, faces) = welded(object, spec.mesh_unit.metres());
     if faces.is_empty() {
-        return Err(vec![fault(
-            "no face of the object has an area".into(),
+        return Err(vec![Fault::new(
+            "no face of the object has an area",
             format!("{} faces", object.faces.len()),
-            "a closed surface".into(),
+            "a closed surface",
         )]);
     }
     let mut faults = edge_faults(&faces);
     let pieces = pieces(vertices.len(), &faces);
     if pieces.len() > 1 && !spec.split_surfaces {
-        faults.push(fault(
-            "the object holds several surfaces that are not joined".into(),
+        faults.push(Fault::new(
+            "the object holds several surfaces that are not joined",
             format!("{} surfaces", pieces.len()),
-            "one stone in an object; or `\"split_surfaces\": true`, where each is a stone".into(),
+            "one stone in an object; or `\"split_surfaces\": true`, where each is a stone",
         ));
     }
     if !faults.is_empty() {
         return Err(faults);
     }
-    let surfaces: Vec<Surface> = pieces.into_iter().map(|piece| part(&vertices, piece)).collect();
+    let part = |piece: &Vec<&[u32]>| {
+        let (vertices, faces) = used(piece, &vertices);
+        let volume = volume(&vertices, &faces);
+        Surface { vertices, faces, volume }
+    };
+    let surfaces: Vec<Surface> = pieces.iter().map(part).collect();
     for surface in &surfaces {
         faults.extend(volume_fault(surface));
     }
     if faults.is_empty() { Ok(surfaces) } else { Err(faults) }
-}
-
-pub(super) fn fault(message: String, found: String, allowed: String) -> Fault {
-    Fault { found, allowed, message, ..Fault::default() }
 }
 
 /// Vertices at one place joined (an STL file repeats them for every triangle,
@@ -112,7 +109,7 @@ fn edge_faults(faces: &[Vec<u32>]) -> Vec<Fault> {
     let mut add = |edges: usize, message: &str, allowed: &str| {
         if edges > 0 {
             let found = format!("{edges} of {all} edges");
-            faults.push(fault(message.into(), found, allowed.into()));
+            faults.push(Fault::new(message, found, allowed));
         }
     };
     add(
@@ -163,18 +160,6 @@ fn pieces(vertices: usize, faces: &[Vec<u32>]) -> Vec<Vec<&[u32]>> {
     pieces
 }
 
-/// The surface of some of the faces, with the vertices they use.
-fn part(vertices: &[Point], faces: Vec<&[u32]>) -> Surface {
-    let mut used: Vec<u32> = faces.iter().copied().flatten().copied().collect();
-    used.sort_unstable();
-    used.dedup();
-    let number = |v: &u32| used.partition_point(|u| u < v) as u32;
-    let faces: Vec<Vec<u32>> = faces.iter().map(|face| face.iter().map(number).collect()).collect();
-    let vertices: Vec<Point> = used.iter().map(|&v| vertices[v as usize]).collect();
-    let volume = volume(&vertices, &faces);
-    Surface { vertices, faces, volume }
-}
-
 /// Volume enclosed by face loops, by the divergence theorem about the mean of
 /// the vertices; negative where faces are turned inwards.
 pub(super) fn volume(vertices: &[Point], faces: &[Vec<u32>]) -> f64 {
@@ -187,7 +172,7 @@ pub(super) fn volume(vertices: &[Point], faces: &[Vec<u32>]) -> f64 {
         .sum()
 }
 
-/// Least volume of a stone, as a fraction of the cube of its largest
+/// Least volume of a grain, as a fraction of the cube of its largest
 /// dimension: a sheet a thousandth as thick as it is wide is none.
 const LEAST_VOLUME: f64 = 1e-4;
 
@@ -196,15 +181,15 @@ fn volume_fault(surface: &Surface) -> Option<Fault> {
     let least = LEAST_VOLUME * largest.powi(3);
     let in_mm3 = |m3: f64| format!("{} mm³", rounded(m3 * 1e9));
     if surface.volume < -least {
-        return Some(fault(
-            "the surface is turned inside out: it encloses a negative volume".into(),
+        return Some(Fault::new(
+            "the surface is turned inside out: it encloses a negative volume",
             in_mm3(surface.volume),
-            "faces counter-clockwise seen from outside; flip the normals of the mesh".into(),
+            "faces counter-clockwise seen from outside; flip the normals of the mesh",
         ));
     }
     if !(surface.volume > least) {
-        return Some(fault(
-            "the stone has no volume to speak of for its size".into(),
+        return Some(Fault::new(
+            "the stone has no volume to speak of for its size",
             in_mm3(surface.volume),
             format!("more than {}", in_mm3(least)),
         ));

@@ -1,47 +1,42 @@
-//! Which stones become grains, at which size and where they lie in the file.
+//! Which grains become grains, at which size and where they lie in the file.
 
 use rand_pcg::Pcg64;
 
-use super::{Stone, StoneRecord};
-use crate::{
-    geometry::{ConvexPolyhedron, Pose, Vector},
-    grains::{
-        Block, Fraction, GrainSet, ParticleSizeDistribution,
-        psd::MOST_GRAINS,
-        streams::{shuffle, stream, uniform},
-    },
-    scale::{self, Scale},
-    scenario::{Fault, MeshGrains},
-    units::{from_mm, to_g, to_mm},
-};
+use super::*;
+use crate::grains::psd::MOST_GRAINS;
+use crate::grains::streams::{shuffle, stream, uniform};
+use crate::grains::{Block, Fraction, GrainSet, ParticleSizeDistribution};
+use crate::scale::{self, Scale};
+use crate::units::to_g;
 
-/// How far inside its two sieves a stone stays, as a fraction of its size.
+/// How far inside its two sieves a grain stays, as a fraction of its size.
 const INSIDE: f64 = 1e-6;
 
-/// One grain to be: which stone, and how many times its size.
+/// One grain to be: which grain, and how many times its size.
 type Drawn = (usize, f64);
 
-/// Makes the grain set of the stones, and notes how often each was taken.
+/// Makes the grain set of the grains, and notes how often each was taken.
 pub(super) fn draw(
     spec: &MeshGrains,
     seed: u64,
-    stones: &[Stone],
-    mut records: Vec<StoneRecord>,
+    prototypes: &[Prototype],
+    mut records: Vec<MeshRecord>,
 ) -> Result<GrainSet, Fault> {
     let density = spec.density_kg_per_m3;
-    let mut set = GrainSet { grains: Vec::new(), blocks: Vec::new(), density, stones: Vec::new() };
+    let mut set = GrainSet::empty(density);
     let mut x = 0.0;
-    let blocks = plan(spec, seed, stones)?;
+    let blocks = plan(spec, seed, prototypes)?;
     let smallest = blocks.iter().map(|((retained, _), _)| *retained).fold(f64::INFINITY, f64::min);
     let gap = scale::BLOCK_GAP.at(&Scale::of_smallest(smallest, Scale::PAPER.gravity));
     for ((retained, passing), drawn) in blocks {
-        for &(stone, scale) in &drawn {
-            records[stone].take(scale);
+        for &(prototype, scale) in &drawn {
+            records[prototype].take(scale);
         }
-        let cells = drawn.iter().map(|&(stone, scale)| stones[stone].shape.scaled(scale));
+        let cells =
+            drawn.iter().map(|&(prototype, scale)| prototypes[prototype].shape.scaled(scale));
         x += push_laid_out(&mut set, (retained, passing), cells.collect(), x) + gap;
     }
-    set.stones = records;
+    set.meshes = records;
     Ok(set)
 }
 
@@ -49,16 +44,20 @@ pub(super) fn draw(
 type PlannedBlock = ((f64, f64), Vec<Drawn>);
 
 /// The blocks.
-fn plan(spec: &MeshGrains, seed: u64, stones: &[Stone]) -> Result<Vec<PlannedBlock>, Fault> {
+fn plan(
+    spec: &MeshGrains,
+    seed: u64,
+    prototypes: &[Prototype],
+) -> Result<Vec<PlannedBlock>, Fault> {
     let Some(sieved) = spec.as_sieved() else {
         let indices = match spec.count {
             Some(count) => {
-                let mut deck = Deck::new(seed, "stones", stones.len());
+                let mut deck = Deck::new(seed, "stones", prototypes.len());
                 (0..count).map(|_| deck.draw()).collect()
             }
-            None => (0..stones.len()).collect::<Vec<usize>>(),
+            None => (0..prototypes.len()).collect::<Vec<usize>>(),
         };
-        return Ok(vec![(bracket(stones), indices.into_iter().map(|i| (i, 1.0)).collect())]);
+        return Ok(vec![(bracket(prototypes), indices.into_iter().map(|i| (i, 1.0)).collect())]);
     };
     let psd = ParticleSizeDistribution::new(&sieved).map_err(|e| Fault {
         path: "grains.sieve_table".into(),
@@ -70,7 +69,7 @@ fn plan(spec: &MeshGrains, seed: u64, stones: &[Stone]) -> Result<Vec<PlannedBlo
     for (index, fraction) in psd.fractions.iter().enumerate() {
         let name = format!("stones of fraction {index}");
         let drawn =
-            fill(fraction, psd.density, stones, (seed, &name), MOST_GRAINS - grains).map_err(
+            fill(fraction, psd.density, prototypes, (seed, &name), MOST_GRAINS - grains).map_err(
                 |f| Fault { path: format!("grains.sieve_table[{index}].mass_percent"), ..f },
             )?;
         grains += drawn.len();
@@ -79,7 +78,7 @@ fn plan(spec: &MeshGrains, seed: u64, stones: &[Stone]) -> Result<Vec<PlannedBlo
     Ok(blocks)
 }
 
-/// Stones in a random order, each once before any comes again.
+/// Grains in a random order, each once before any comes again.
 struct Deck {
     rng: Pcg64,
     order: Vec<usize>,
@@ -87,8 +86,8 @@ struct Deck {
 }
 
 impl Deck {
-    fn new(seed: u64, name: &str, stones: usize) -> Self {
-        Self { rng: stream(seed, name), order: (0..stones).collect(), next: stones }
+    fn new(seed: u64, name: &str, count: usize) -> Self {
+        Self { rng: stream(seed, name), order: (0..count).collect(), next: count }
     }
 
     fn draw(&mut self) -> usize {
@@ -101,7 +100,7 @@ impl Deck {
     }
 }
 
-/// Draws stones until their mass is nearest to the fraction's, and scales them
+/// Draws grains until their mass is nearest to the fraction's, and scales them
 /// so that each stays between the two sieves and together they have that mass.
 ///
 /// Sizes are drawn so that the fraction's curve of mass against the logarithm
@@ -110,18 +109,22 @@ impl Deck {
 pub(in crate::grains) fn fill(
     fraction: &Fraction,
     density: f64,
-    stones: &[Stone],
+    prototypes: &[Prototype],
     (seed, name): (u64, &str),
     most: usize,
 ) -> Result<Vec<Drawn>, Fault> {
     let (least, largest) = (fraction.retained * (1.0 + INSIDE), fraction.passing * (1.0 - INSIDE));
-    let mass = |&(stone, size): &(usize, f64)| {
-        let stone = &stones[stone];
-        density * stone.volume * (size / stone.sieve_size).powi(3)
+    let mass = |&(prototype, size): &(usize, f64)| {
+        let prototype = &prototypes[prototype];
+        density * prototype.volume * (size / prototype.sieve_size).powi(3)
+    };
+    let fault = |found: String, allowed: &str| {
+        let message = "no whole number of stones between these sieves has the mass of the fraction";
+        Err(Fault::new(message, found, allowed))
     };
     let inverse_cube = |size: f64| 1.0 / (size * size * size);
     let (fine, coarse) = (inverse_cube(least), inverse_cube(largest));
-    let mut deck = Deck::new(seed, name, stones.len());
+    let mut deck = Deck::new(seed, name, prototypes.len());
     let mut sizes = stream(seed, &format!("sizes of {name}"));
     let mut next = || {
         let size = 1.0 / (fine + uniform(&mut sizes) * (coarse - fine)).cbrt();
@@ -131,7 +134,7 @@ pub(in crate::grains) fn fill(
     let mut total = 0.0;
     while total < fraction.mass {
         if drawn.len() >= most {
-            return Err(fault(format!("more than {MOST_GRAINS} grains"), "fewer grains"));
+            return fault(format!("more than {MOST_GRAINS} grains"), "fewer grains");
         }
         let last = next();
         total += mass(&last);
@@ -154,30 +157,19 @@ pub(in crate::grains) fn fill(
             let middle = f64::midpoint(low, high);
             if with(middle) < fraction.mass { low = middle } else { high = middle }
         }
-        let sized =
-            |&(i, s): &(usize, f64)| (i, (s * high).clamp(least, largest) / stones[i].sieve_size);
+        let sized = |&(i, s): &(usize, f64)| {
+            (i, (s * high).clamp(least, largest) / prototypes[i].sieve_size)
+        };
         return Ok(some.iter().map(sized).collect());
     }
-    Err(fault(
-        format!("{} g", super::rounded(to_g(fraction.mass))),
-        "the mass of several stones between these sieves",
-    ))
+    let found = format!("{} g", super::rounded(to_g(fraction.mass)));
+    fault(found, "the mass of several stones between these sieves")
 }
 
-fn fault(found: String, allowed: &str) -> Fault {
-    Fault {
-        found,
-        allowed: allowed.to_owned(),
-        message: "no whole number of stones between these sieves has the mass of the fraction"
-            .into(),
-        ..Fault::default()
-    }
-}
-
-/// Sieves that stones in their own size lie between: the finest and the
+/// Sieves that grains in their own size lie between: the finest and the
 /// coarsest sieve size, made rounder outwards.
-fn bracket(stones: &[Stone]) -> (f64, f64) {
-    let sizes = || stones.iter().map(|s| to_mm(s.sieve_size));
+fn bracket(prototypes: &[Prototype]) -> (f64, f64) {
+    let sizes = || prototypes.iter().map(|s| to_mm(s.sieve_size));
     let least = sizes().fold(f64::INFINITY, f64::min);
     let most = sizes().fold(0.0, f64::max);
     let step = |x: f64| 10_f64.powf(x.log10().floor() - 1.0);
@@ -194,21 +186,6 @@ pub(in crate::grains) fn push_laid_out(
     cells: Vec<ConvexPolyhedron>,
     x: f64,
 ) -> f64 {
-    let (side, cells) = laid_out(cells, x);
-    set.push_block(Block {
-        passing,
-        retained,
-        side,
-        origin: Vector::new(x, 0.0, 0.0),
-        points: Vec::new(),
-        first_grain: 0,
-        cells,
-    });
-    side
-}
-
-/// The side of the cube, and the polyhedra in it.
-fn laid_out(cells: Vec<ConvexPolyhedron>, x: f64) -> (f64, Vec<ConvexPolyhedron>) {
     let radius = cells.iter().map(ConvexPolyhedron::radius_about_origin).fold(0.0, f64::max);
     let pitch = 2.1 * radius;
     let mut rows = 1;
@@ -220,5 +197,15 @@ fn laid_out(cells: Vec<ConvexPolyhedron>, x: f64) -> (f64, Vec<ConvexPolyhedron>
         let (column, row, layer) = (i % rows, i / rows % rows, i / (rows * rows));
         cell.transformed(&Pose::translation(x + at(column), at(row), at(layer)))
     });
-    (rows as f64 * pitch, placed.collect())
+    let side = rows as f64 * pitch;
+    set.push_block(Block {
+        passing,
+        retained,
+        side,
+        origin: Vector::new(x, 0.0, 0.0),
+        points: Vec::new(),
+        first_grain: 0,
+        cells: placed.collect(),
+    });
+    side
 }

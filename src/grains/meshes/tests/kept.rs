@@ -40,12 +40,12 @@ fn meshes_written_are_grains_read_back() {
         let back = from_meshes(&in_metres, 1).unwrap_or_else(|e| panic!("{path}: {e}"));
         same_grains(&path, &back, &grains, 1e-12);
         near("mass, kg", back.total_mass(), grains.total_mass(), 1e-12);
-        for (record, grain) in back.stones.iter().zip(&grains.grains) {
+        for (record, grain) in back.meshes.iter().zip(&grains.grains) {
             let expected = (grain.shape.vertices().len(), grain.shape.faces().len());
             assert_eq!((record.vertices, record.faces), expected, "faces are as in the file");
             assert!(!record.hull && record.convexity == 1.0 && record.grains == 1, "{record:?}");
         }
-        assert!(StoneRecord::notes(&back.stones).is_empty(), "nothing to note");
+        assert!(MeshRecord::notes(&back.meshes).is_empty(), "nothing to note");
     }
 }
 
@@ -73,7 +73,7 @@ fn single_precision_triangles_become_faces_again() {
     let back = from_meshes(&spec, 1).unwrap();
     same_grains("STL", &back, &grains, 1e-5);
     let mut regained = 0;
-    for (record, grain) in back.stones.iter().zip(&grains.grains) {
+    for (record, grain) in back.meshes.iter().zip(&grains.grains) {
         regained += usize::from(record.faces == grain.shape.faces().len());
         assert!(record.convexity > 0.99999, "convex within rounding: {record:?}");
     }
@@ -125,7 +125,7 @@ fn a_triangulated_box_is_a_box_in_every_format() {
     ] {
         let path = file(folder.path(), name, content);
         let set = from_meshes(&spec(&[path]), 1).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let record = &set.stones[0];
+        let record = &set.meshes[0];
         assert_eq!((record.vertices, record.faces), (8, 6), "{name}: a box, {record:?}");
         near(&format!("{name}: volume"), set.grains[0].volume, 6e-6, 1e-17);
         near(&format!("{name}: sieve size"), record.sieve_size, 0.02, 2e-4);
@@ -162,18 +162,18 @@ fn a_dent_is_filled_only_when_asked_or_small() {
     }
     let asked = MeshGrains { hull: true, ..spec(&[deep]) };
     let set = from_meshes(&asked, 1).unwrap();
-    let record = &set.stones[0];
+    let record = &set.meshes[0];
     near("volume of the mesh, m³", record.mesh_volume, 6.4e-6, 1e-17);
     near("volume of the hull, m³", record.volume, 8e-6, 1e-16);
     near("percent that the hull adds", record.hull_adds_percent(), 25.0, 1e-9);
     assert!(record.hull && record.vertices == 8 && record.faces == 6, "{record:?}");
-    let notes = StoneRecord::notes(&set.stones).join("\n");
+    let notes = MeshRecord::notes(&set.meshes).join("\n");
     assert!(notes.contains("1 of 1 stones") && notes.contains("25 %"), "{notes}");
 
     let shallow = file(folder.path(), "shallow.obj", dented(0.5));
     let set = from_meshes(&spec(&[shallow]), 1).expect("99.2 % of the hull is enough");
-    assert!(set.stones[0].hull, "it is its hull: {:?}", set.stones[0]);
-    near("convexity", set.stones[0].convexity, 1.0 - 0.5 / 60.0, 1e-9);
+    assert!(set.meshes[0].hull, "it is its hull: {:?}", set.meshes[0]);
+    near("convexity", set.meshes[0].convexity, 1.0 - 0.5 / 60.0, 1e-9);
 }
 
 /// A ball of so many rings of triangles, radius 10 mm, as a scan would have it.
@@ -211,7 +211,7 @@ fn fine_scans_are_simplified_and_say_what_it_cost() {
     for most in [16, 64, 200] {
         let spec = MeshGrains { largest_vertex_count: most, ..spec(std::slice::from_ref(&path)) };
         let set = from_meshes(&spec, 1).unwrap();
-        let record = &set.stones[0];
+        let record = &set.meshes[0];
         assert!(record.vertices <= most as usize, "{} of {most} vertices", record.vertices);
         assert!(record.hull && record.left_out > 0.0 && record.left_out < before, "{record:?}");
         let change = record.volume_change_percent();
@@ -222,7 +222,7 @@ fn fine_scans_are_simplified_and_say_what_it_cost() {
             100.0 * (set.grains[0].volume / record.mesh_volume - 1.0),
             1e-9,
         );
-        assert!(StoneRecord::notes(&set.stones).join(" ").contains("simplified"));
+        assert!(MeshRecord::notes(&set.meshes).join(" ").contains("simplified"));
         before = record.left_out;
         if most == 64 {
             assert!((-15.0..-5.0).contains(&change), "64 vertices in a ball: {change} %");
@@ -245,7 +245,7 @@ fn objects_and_solids_are_stones_and_surfaces_may_be() {
         let text = format!("{key} small\n{a}{key} large\n{vertices}{second}");
         let path = file(folder.path(), &format!("two-{key}.obj"), text);
         let set = from_meshes(&spec(&[path]), 1).unwrap();
-        let names: Vec<&str> = set.stones.iter().map(|s| s.object.as_str()).collect();
+        let names: Vec<&str> = set.meshes.iter().map(|s| s.object.as_str()).collect();
         assert_eq!(names, ["small", "large"], "each `{key}` is a stone");
         near("volume of the second, m³", set.grains[1].volume, 8e-6, 1e-17);
     }
@@ -256,5 +256,5 @@ fn objects_and_solids_are_stones_and_surfaces_may_be() {
     }
     let set = from_meshes(&MeshGrains { split_surfaces: true, ..spec(&[joined]) }, 1).unwrap();
     assert_eq!(set.grains.len(), 2, "both surfaces are stones");
-    assert_eq!(set.stones[1].object, "object 1, surface 2");
+    assert_eq!(set.meshes[1].object, "object 1, surface 2");
 }

@@ -1,9 +1,7 @@
 //! Meshes as pieces of a laboratory: every closed surface is a convex part.
 
-use std::path::Path;
-
-use super::{read, shape, surface};
-use crate::scenario::{Fault, MOST_PARTS, MeshGrains, MeshPart, MeshUnit};
+use super::*;
+use crate::scenario::{MOST_PARTS, MeshPart};
 
 /// Most corners of a part.
 const MOST_VERTICES: u32 = 1000;
@@ -20,12 +18,10 @@ pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Ve
     let alone = |fault: Fault| vec![fault];
     let objects = read::objects(file).map_err(|error| match error {
         read::ReadError::Fault(fault) => alone(fault),
-        read::ReadError::Unreadable(reason) => alone(Fault {
-            found: file.display().to_string(),
-            allowed: "an OBJ, STL or PLY file".to_owned(),
-            message: format!("the mesh cannot be read: {reason}"),
-            ..Fault::default()
-        }),
+        read::ReadError::Unreadable(reason) => {
+            let message = format!("the mesh cannot be read: {reason}");
+            alone(Fault::new(message, file.display(), "an OBJ, STL or PLY file"))
+        }
     })?;
     // Lengths stay those of the file.
     let spec = MeshGrains {
@@ -74,12 +70,9 @@ pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Ve
         }
     }
     if parts.len() > MOST_PARTS {
-        faults.push(Fault {
-            found: format!("{} parts", parts.len()),
-            allowed: format!("at most {MOST_PARTS}"),
-            message: "the mesh has too many parts".to_owned(),
-            ..Fault::default()
-        });
+        let found = format!("{} parts", parts.len());
+        let allowed = format!("at most {MOST_PARTS}");
+        faults.push(Fault::new("the mesh has too many parts", found, allowed));
     }
     match faults.is_empty() {
         true => Ok(parts),

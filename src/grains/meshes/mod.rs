@@ -1,9 +1,9 @@
-//! Grains from meshes: scanned stones, read, checked, made convex, and drawn
+//! Grains from meshes: scanned grains, read, checked, made convex, and drawn
 //! by sieve fractions.
 //!
 //! The way of a mesh: a file is read into objects ([`read`]); of each the
 //! vertices are joined and the surface is checked ([`surface`]); it becomes a
-//! convex polyhedron, if it is not one already ([`shape`]); stones
+//! convex polyhedron, if it is not one already ([`shape`]); grains
 //! are drawn and scaled ([`draw`]). All faults of all files are reported at once.
 
 mod draw;
@@ -18,26 +18,24 @@ mod surface;
 
 pub(super) use draw::{fill, push_laid_out};
 pub use piece::parts_of_piece;
-pub use report::{StoneRecord, stones_csv};
+pub use report::{MeshRecord, meshes_csv};
 
+// What its parts are made of, too.
 use std::path::{Path, PathBuf};
 
-use super::{GrainSet, sieve_size};
+use super::*;
 use crate::plain::without_zeros;
-use crate::{
-    geometry::{ConvexPolyhedron, MassProperties, Pose},
-    scenario::{Fault, MeshGrains, MeshUnit, ScenarioErrors},
-    units::{from_mm, to_mm},
-};
+use crate::scenario::{Fault, MeshGrains, MeshUnit, ScenarioErrors};
+use {read::*, surface::*};
 
-/// Sieve sizes in m that a stone may have before it is scaled: what is finer
+/// Sieve sizes in m that a grain may have before it is scaled: what is finer
 /// than 0.05 mm is silt, and what is coarser than 1 m no granular soil that
 /// this program could carry. Outside, the unit is wrong.
 const SIEVE_SIZES: (f64, f64) = (0.05e-3, 1.0);
 
-/// One stone, ready to be drawn.
+/// One grain, ready to be drawn.
 #[derive(Debug, Clone)]
-pub(super) struct Stone {
+pub(super) struct Prototype {
     /// Shape about its centroid, in m.
     pub shape: ConvexPolyhedron,
     /// Volume in m³.
@@ -55,7 +53,7 @@ pub(super) struct Stone {
 pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErrors> {
     let mut faults = Vec::new();
     let mut unreadable: Vec<(PathBuf, String)> = Vec::new();
-    let mut stones = Vec::new();
+    let mut prototypes = Vec::new();
     let mut records = Vec::new();
     for path in read::files(&spec.meshes, &mut faults) {
         let objects = match read::objects(&path) {
@@ -83,11 +81,11 @@ pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErr
                 if several {
                     name = format!("{name}, surface {}", index + 1);
                 }
-                match stone(surface, spec) {
-                    Ok((stone, record)) => {
+                match prototype(surface, spec) {
+                    Ok((prototype, record)) => {
                         let file = path.display().to_string();
-                        records.push(StoneRecord { file, object: name, ..record });
-                        stones.push(stone);
+                        records.push(MeshRecord { file, object: name, ..record });
+                        prototypes.push(prototype);
                     }
                     Err(fault) => faults.push(named(fault, &path, &name)),
                 }
@@ -112,21 +110,25 @@ pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErr
     if !faults.is_empty() {
         return Err(ScenarioErrors::Faults(faults));
     }
-    draw::draw(spec, seed, &stones, records).map_err(|fault| ScenarioErrors::Faults(vec![fault]))
+    draw::draw(spec, seed, &prototypes, records)
+        .map_err(|fault| ScenarioErrors::Faults(vec![fault]))
 }
 
 fn named(fault: Fault, file: &Path, object: &str) -> Fault {
     Fault { file: file.display().to_string(), path: object.to_owned(), ..fault }
 }
 
-/// A closed surface as a stone, and what was done to it.
-fn stone(surface: &surface::Surface, spec: &MeshGrains) -> Result<(Stone, StoneRecord), Fault> {
+/// A closed surface as a grain, and what was done to it.
+fn prototype(
+    surface: &surface::Surface,
+    spec: &MeshGrains,
+) -> Result<(Prototype, MeshRecord), Fault> {
     let convex = shape::convex(surface, spec)?;
     let centroid = MassProperties::of(&convex.shape).centroid;
     let shape = convex.shape.transformed(&Pose::translation(-centroid.x, -centroid.y, -centroid.z));
     let sieve_size = sieve_size(&shape);
     check_size(sieve_size, spec.mesh_unit)?;
-    let record = StoneRecord {
+    let record = MeshRecord {
         mesh_vertices: surface.vertices.len(),
         mesh_faces: surface.faces.len(),
         mesh_volume: surface.volume,
@@ -137,18 +139,18 @@ fn stone(surface: &surface::Surface, spec: &MeshGrains) -> Result<(Stone, StoneR
         volume: shape.signed_volume(),
         left_out: convex.left_out,
         sieve_size,
-        ..StoneRecord::default()
+        ..MeshRecord::default()
     };
-    Ok((Stone { volume: record.volume, shape, sieve_size }, record))
+    Ok((Prototype { volume: record.volume, shape, sieve_size }, record))
 }
 
-/// Refuses sizes that no stone has, and says which unit would give one.
+/// Refuses sizes that no grain has, and says which unit would give one.
 fn check_size(sieve_size: f64, unit: MeshUnit) -> Result<(), Fault> {
     let (least, most) = SIEVE_SIZES;
     if (least..=most).contains(&sieve_size) {
         return Ok(());
     }
-    // Gravel and sand: the likeliest sizes of stones that people have scanned.
+    // Gravel and sand: the likeliest sizes of grains that people have scanned.
     let likely = |other: &MeshUnit| {
         let size = sieve_size / unit.metres() * other.metres();
         (from_mm(0.06)..=from_mm(200.0)).contains(&size).then_some((other.name(), size))
@@ -162,12 +164,11 @@ fn check_size(sieve_size: f64, unit: MeshUnit) -> Result<(), Fault> {
         true => String::new(),
         false => format!("; is the `mesh_unit` right? {}", hints.join(", ")),
     };
-    Err(Fault {
-        found: format!("{} mm with `mesh_unit` \"{}\"", rounded(to_mm(sieve_size)), unit.name()),
-        allowed: format!("{} to {} mm", rounded(to_mm(least)), rounded(to_mm(most))),
-        message: format!("the stone's sieve size is out of range{hint}"),
-        ..Fault::default()
-    })
+    Err(Fault::new(
+        format!("the stone's sieve size is out of range{hint}"),
+        format!("{} mm with `mesh_unit` \"{}\"", rounded(to_mm(sieve_size)), unit.name()),
+        format!("{} to {} mm", rounded(to_mm(least)), rounded(to_mm(most))),
+    ))
 }
 
 /// A number for people: three significant digits.

@@ -2,17 +2,14 @@
 //!
 //! Of the vertices `x`, `y` and `z` are read, of the faces the list
 //! `vertex_indices` (or `vertex_index`) and, where it is there, `grain`: the
-//! number of the stone that a face belongs to, as `pluvia grains` writes it.
+//! number of the grain that a face belongs to, as `pluvia grains` writes it.
 
 use std::collections::BTreeMap;
 
-use ply_rs_bw::{
-    parser::{ParseError, Parser, Reader},
-    ply::{Header, Property, PropertyAccess, PropertyAccessResult},
-};
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{Header, Property, PropertyAccess, PropertyAccessResult};
 
-use super::read::{Object, ReadError};
-use crate::geometry::Point;
+use super::*;
 
 /// A vertex or a face; what a property does not say stays empty.
 #[derive(Debug, Clone, Default)]
@@ -69,7 +66,7 @@ fn list(property: &Property) -> Option<Vec<i64>> {
     })
 }
 
-/// Reads the stones of a PLY file.
+/// Reads the grains of a PLY file.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
     let parser = Parser::<Element>::new();
     let unusable = |error: ParseError| {
@@ -96,22 +93,18 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
         )),
     });
     let vertices: Vec<Point> = vertices.collect::<Result<_, _>>()?;
-    let mut stones: BTreeMap<Option<i64>, Vec<Vec<usize>>> = BTreeMap::new();
+    let mut grains: BTreeMap<Option<i64>, Vec<Vec<u32>>> = BTreeMap::new();
     for (index, face) in elements("face").iter().enumerate() {
         let corners = face.corners.as_deref().unwrap_or_default();
-        let known = |corner: &i64| usize::try_from(*corner).ok().filter(|c| *c < vertices.len());
-        let corners: Vec<usize> = corners
-            .iter()
-            .map(|corner| {
-                known(corner).ok_or_else(|| {
-                    ReadError::fault(
-                        format!("face {index} names a vertex that is not there"),
-                        corner,
-                        &format!("whole numbers from 0 to {}", vertices.len().saturating_sub(1)),
-                    )
-                })
+        let number = |corner: &i64| {
+            let known = u32::try_from(*corner).ok().filter(|c| (*c as usize) < vertices.len());
+            known.ok_or_else(|| {
+                let message = format!("face {index} names a vertex that is not there");
+                let last = vertices.len().saturating_sub(1);
+                ReadError::fault(message, corner, &format!("whole numbers from 0 to {last}"))
             })
-            .collect::<Result<_, _>>()?;
+        };
+        let corners: Vec<u32> = corners.iter().map(number).collect::<Result<_, _>>()?;
         if corners.len() < 3 {
             return Err(ReadError::fault(
                 format!("face {index} has too few corners"),
@@ -119,9 +112,14 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
                 "a list `vertex_indices` of at least 3 whole numbers",
             ));
         }
-        stones.entry(face.grain).or_default().push(corners);
+        grains.entry(face.grain).or_default().push(corners);
     }
-    Ok(stones.into_iter().map(|(grain, faces)| object(grain, &faces, &vertices)).collect())
+    let object = |(grain, faces): (Option<i64>, Vec<Vec<u32>>)| {
+        let name = grain.map_or_else(|| "object 1".into(), |number| format!("grain {number}"));
+        let (vertices, faces) = used(&faces, &vertices);
+        Object { name, vertices, faces }
+    };
+    Ok(grains.into_iter().map(object).collect())
 }
 
 /// Counts that the file cannot hold would keep the crate reading for ever:
@@ -140,16 +138,4 @@ fn check_header(header: &Header, bytes: usize) -> Result<(), ReadError> {
         }
     }
     Ok(())
-}
-
-fn object(grain: Option<i64>, faces: &[Vec<usize>], vertices: &[Point]) -> Object {
-    let mut used: Vec<usize> = faces.iter().flatten().copied().collect();
-    used.sort_unstable();
-    used.dedup();
-    let number = |v: &usize| used.partition_point(|u| u < v) as u32;
-    Object {
-        name: grain.map_or_else(|| "object 1".into(), |number| format!("grain {number}")),
-        faces: faces.iter().map(|face| face.iter().map(number).collect()).collect(),
-        vertices: used.iter().map(|&v| vertices[v]).collect(),
-    }
 }

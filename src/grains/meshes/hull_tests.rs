@@ -5,7 +5,7 @@ use crate::{
     geometry::{ConvexPolyhedron, Hull, Point, Vector, hull},
     grains::{
         generate,
-        stones::surface::volume,
+        meshes::surface::volume,
         streams::{rotation, stream, uniform},
         tests::few_grains,
     },

@@ -1,4 +1,4 @@
-//! Stones from meshes: what comes back is what was written, what is wrong is
+//! Grains from meshes: what comes back is what was written, what is wrong is
 //! told, and what is drawn weighs what was asked for.
 
 mod drawn;

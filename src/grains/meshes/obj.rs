@@ -5,11 +5,10 @@
 //! material changes, which would make several open surfaces of one textured
 //! scan, and do not say in which line a fault stands.
 
-use super::read::{Object, ReadError};
-use crate::geometry::Point;
+use super::*;
 
 /// Reads the objects of an OBJ file. Where objects (`o`) are named, they are
-/// the stones; where only groups (`g`) are, the groups; else all is one stone.
+/// the grains; where only groups (`g`) are, the groups; else all is one grain.
 pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
     let Ok(text) = std::str::from_utf8(bytes) else {
         let message = "the file is not text, as OBJ files are";
@@ -20,7 +19,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
     let key =
         if text.lines().any(|l| l.split_whitespace().next() == Some("o")) { "o" } else { "g" };
     let mut vertices: Vec<Point> = Vec::new();
-    let mut parts: Vec<(String, Vec<Vec<usize>>)> = Vec::new();
+    let mut parts: Vec<(String, Vec<Vec<u32>>)> = Vec::new();
     let mut current = None;
     for (index, line) in text.lines().enumerate() {
         let line_number = index + 1;
@@ -51,17 +50,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Object>, ReadError> {
             _ => {}
         }
     }
-    Ok(parts.into_iter().map(|(name, faces)| object(name, &faces, &vertices)).collect())
-}
-
-/// An object with the vertices it uses, in the order of their numbers.
-fn object(name: String, faces: &[Vec<usize>], vertices: &[Point]) -> Object {
-    let mut used: Vec<usize> = faces.iter().flatten().copied().collect();
-    used.sort_unstable();
-    used.dedup();
-    let number = |v: &usize| used.partition_point(|u| u < v) as u32;
-    let faces = faces.iter().map(|face| face.iter().map(number).collect()).collect();
-    Object { name, vertices: used.iter().map(|&v| vertices[v]).collect(), faces }
+    let object = |(name, faces): (String, Vec<Vec<u32>>)| {
+        let (vertices, faces) = used(&faces, &vertices);
+        Object { name, vertices, faces }
+    };
+    Ok(parts.into_iter().map(object).collect())
 }
 
 fn vertex<'a>(
@@ -87,12 +80,12 @@ fn face<'a>(
     line: &str,
     number: usize,
     vertices: usize,
-) -> Result<Vec<usize>, ReadError> {
-    let index = |word: &str| -> Option<usize> {
+) -> Result<Vec<u32>, ReadError> {
+    let index = |word: &str| -> Option<u32> {
         // `7/2/5`: vertex, texture, normal.
         let given: i64 = word.split('/').next()?.parse().ok()?;
         let from_zero = if given < 0 { i64::try_from(vertices).ok()? + given } else { given - 1 };
-        usize::try_from(from_zero).ok().filter(|index| *index < vertices)
+        u32::try_from(from_zero).ok().filter(|index| (*index as usize) < vertices)
     };
     let mut corners = Vec::new();
     for word in words {
