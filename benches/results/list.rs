@@ -270,7 +270,7 @@ pub const KEPT: &[Kept] = &[
             ("laboratory/triaxial.svg", ""),
         ],
         made: Made::Make("laboratory"),
-        build: build("2026-11-25", "14"),
+        build: build("2026-11-26", "15"),
         takes: "40 minutes with --quick, else hours",
     },
     Kept {
