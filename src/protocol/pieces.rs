@@ -286,7 +286,8 @@ impl Pieces {
                 let way = turned.dot(&press.direction);
                 self.pressed_work += press.force_n * way;
                 turns.turned_rad += way;
-                press.speed_m_per_s = body.angular_velocity.dot(&press.direction);
+                let speed = body.angular_velocity.dot(&press.direction);
+                press.has_turned(speed, world.time_step());
                 piece.pose = now;
                 continue;
             }
@@ -308,14 +309,8 @@ impl Pieces {
                 for (_, felt) in self.watched.iter_mut().filter(|(of, _)| of.contains(&n)) {
                     *felt += impulse;
                 }
-                if let Some(press) = &mut state.pieces[n].press {
-                    press.resistance_n -= match press.turns {
-                        Some(turns) => {
-                            let arm = contact.point - turns.about;
-                            press.direction.dot(&arm.cross(&impulse)) / dt
-                        }
-                        None => press.direction.dot(&impulse) / dt,
-                    };
+                if let Some(press) = state.pieces[n].press.as_mut().filter(|p| p.turns.is_none()) {
+                    press.resistance_n -= press.direction.dot(&impulse) / dt;
                 }
                 let moves = self.drive.as_ref().is_some_and(|drive| drive.pieces.contains(&n));
                 if moves {

@@ -60,6 +60,15 @@ impl PressState {
         self.arrived = self.arrived || bears && self.is_reached();
     }
 
+    /// Notes the speed in rad/s of one that turns at the end of a step of a length in s. What
+    /// resisted it is the moment that did not make it faster: that of its contacts is off by the
+    /// little that their points lie elsewhere than where the solver pushed, which would hold a
+    /// large moment down for ever.
+    pub fn has_turned(&mut self, speed: f64, step: f64) {
+        self.resistance_n = self.force_n - self.mass_kg * (speed - self.speed_m_per_s) / step;
+        self.speed_m_per_s = speed;
+    }
+
     fn next_force(&self, step: f64) -> f64 {
         let change = self.rate_n_per_s * step;
         let wanted = self.target_n.clamp(self.force_n - change, self.force_n + change);
