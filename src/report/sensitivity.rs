@@ -81,8 +81,10 @@ pub struct ParameterRow {
     pub surface: Effect,
 }
 
-/// What parameters move: its name in tables, its title, and which effect of a row that is.
-pub(super) const OUTCOMES: [(&str, &str, fn(&ParameterRow) -> Effect); 3] = [
+/// What a parameter moves: its name in tables, its title, and which effect of a row that is.
+type Outcome = (&'static str, &'static str, fn(&ParameterRow) -> Effect);
+
+pub(super) const OUTCOMES: [Outcome; 3] = [
     ("height", "Height after pouring", |r| r.height),
     ("plate_settlement", "Settlement of the plate", |r| r.plate),
     ("surface_settlement", "Settlement of the mean surface", |r| r.surface),

@@ -127,7 +127,7 @@ fn settlement(
         curves.push((column, points, left_out.all));
     }
     let continuous = kind == RunKind::VibrationContinuous;
-    let band = (continuous && plate).then(|| bands::FINAL_SETTLEMENT_MM);
+    let band = (continuous && plate).then_some(bands::FINAL_SETTLEMENT_MM);
     let mut plot = Plot::of_settlement();
     if let Some(band) = band {
         plot.add_band("Laboratory, range of the final settlement", (band.low, band.high));
