@@ -81,7 +81,7 @@ failed, its last good state is kept; 4 files could not be read or written; 130 s
 Example:
   pluvia run scenarios/quick/pluviation.json --out out/first";
 
-/// Granular soil as rigid convex stones: pour, shake and measure it.
+/// Granular soil as rigid convex grains: pour, shake and measure it.
 #[derive(Debug, Parser)]
 #[command(name = "pluvia", version, about, after_help = EXIT_CODES)]
 struct Cli {

@@ -251,22 +251,7 @@ fn check_table(table: &[SieveFraction]) -> Result<(), GrainsError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grains::tests::{paper_grains, table};
-
-    fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
-        assert!(
-            (got - expected).abs() <= tolerance,
-            "{law}: expected {expected}, got {got}, tolerance {tolerance}"
-        );
-    }
-
-    #[test]
-    fn the_helper_can_fail() {
-        for off in [-0.2, 0.2] {
-            assert!(std::panic::catch_unwind(|| near("", 1.0 + off, 1.0, 0.1)).is_err());
-        }
-        near("", 1.05, 1.0, 0.1);
-    }
+    use crate::grains::tests::{near, paper_grains, table};
 
     #[test]
     fn the_paper_s_mass_gives_1456_grains() {

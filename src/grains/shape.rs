@@ -237,24 +237,9 @@ mod tests {
         grains::{
             generate,
             streams::{rotation, stream},
-            tests::{few_grains, regular_tetrahedron},
+            tests::{few_grains, near, regular_tetrahedron},
         },
     };
-
-    fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
-        assert!(
-            (got - expected).abs() <= tolerance,
-            "{law}: expected {expected}, got {got}, tolerance {tolerance:e}"
-        );
-    }
-
-    #[test]
-    fn the_helper_can_fail() {
-        for off in [-0.2, 0.2] {
-            assert!(std::panic::catch_unwind(|| near("", 1.0 + off, 1.0, 0.1)).is_err());
-        }
-        near("", 1.05, 1.0, 0.1);
-    }
 
     #[test]
     fn shapes_of_known_bodies() {

@@ -104,7 +104,7 @@ struct Statement {
     statement: String,
     /// Its number; none where the text has none, or the study decides.
     paper: Option<Stated>,
-    /// Unit of ours.
+    /// Unit of our number.
     unit: String,
     /// Whether it is no result, but goes in, or follows from what does.
     #[serde(default)]

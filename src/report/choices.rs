@@ -152,7 +152,7 @@ fn grains(grains: &GrainsSpec) -> String {
                 .join("; ")
         }
         GrainsSpec::File(f) => format!("grains read from {}", f.file),
-        GrainsSpec::Meshes(m) => format!("stones of {}", m.meshes.join(", ")),
+        GrainsSpec::Meshes(m) => format!("grains with the shapes of {}", m.meshes.join(", ")),
     }
 }
 

@@ -83,7 +83,7 @@ settings! {
         /// becomes a warning of every result. Left out of what is written where it
         /// is `false`.
         pub allow_coarse_steps: bool = false,
-        /// What only stock Bullet contacts can be told.
+        /// What only stock Bullet contacts ask for.
         pub stock: StockSettings = StockSettings::default(),
         /// What only the native contact solver asks for.
         pub native: NativeSettings = NativeSettings::default(),

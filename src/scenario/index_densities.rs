@@ -25,9 +25,13 @@ impl IndexDensitiesSpec {
     /// What of it makes no sense, in the JSON of a scenario.
     pub(super) fn check(value: &Value, faults: &mut Faults) {
         let Some(Ok(spec)) = value.get("index_densities").map(Self::deserialize) else { return };
-        refuse!(faults, "index_densities.e_min" => spec.e_min, if spec.e_min >= spec.e_max;
-            format!("less than e_max, {}", spec.e_max);
-            "the densest state has less voids than the loosest");
+        faults.add_if(
+            spec.e_min >= spec.e_max,
+            "index_densities.e_min",
+            spec.e_min,
+            format!("less than e_max, {}", spec.e_max),
+            "the densest state has less voids than the loosest",
+        );
     }
 }
 

@@ -1,8 +1,8 @@
-//! Grains whose shapes are those of meshes, such as scanned stones.
+//! Grains whose shapes are those of meshes, as scans give them.
 
 use super::*;
 
-/// Grains with the shapes of meshes. With a sieve table, stones are drawn and
+/// Grains with the shapes of meshes. With a sieve table, grains are drawn and
 /// scaled until every fraction has its mass; without one they are taken in
 /// their own size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -10,7 +10,7 @@ use super::*;
 pub struct MeshGrains {
     /// OBJ, STL and PLY files, or patterns of their names such as `stones/*.stl`,
     /// relative to the scenario file; once loaded, relative to the working directory.
-    /// Each object of an OBJ file and each solid of an STL file is a stone.
+    /// Each object of an OBJ file and each solid of an STL file is a grain.
     #[schemars(length(min = 1, max = 10000))]
     pub meshes: Vec<String>,
     /// Unit of length in the files, which do not say it themselves.
@@ -18,14 +18,14 @@ pub struct MeshGrains {
     /// Density of the solids, in kg/m³.
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 30000.0))]
     pub density_kg_per_m3: f64,
-    /// Take the convex hull of stones that are not convex. Without it only those
+    /// Take the convex hull of grains that are not convex. Without it only those
     /// whose volume is at least 99 % of their hull's are taken as their hulls.
     #[serde(default)]
     pub hull: bool,
-    /// Separate closed surfaces in one object are stones of their own.
+    /// Separate closed surfaces in one object are grains of their own.
     #[serde(default)]
     pub split_surfaces: bool,
-    /// Most vertices a stone may have; the hull of one that has more is
+    /// Most vertices a grain may have; the hull of one that has more is
     /// simplified, farthest vertices kept first.
     #[serde(default = "default_vertices")]
     #[schemars(range(min = 8, max = 1000))]
@@ -35,11 +35,11 @@ pub struct MeshGrains {
     #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
     pub total_mass_g: Option<f64>,
     /// Sieve fractions as of grains cut from sieve data, coarsest first. None:
-    /// the stones keep their own size.
+    /// the grains keep their own size.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(min = 1, max = 100))]
     pub sieve_table: Vec<SieveFraction>,
-    /// Without a sieve table: how many stones are drawn; if not given, each is taken once.
+    /// Without a sieve table: how many grains are drawn; if not given, each is taken once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "u32", range(min = 1, max = 1_000_000))]
     pub count: Option<u32>,
@@ -94,7 +94,7 @@ impl MeshUnit {
 
 impl MeshGrains {
     /// What the grains are to weigh on each sieve, in the form of grains cut
-    /// from sieve data; `None` where the stones keep their own size.
+    /// from sieve data; `None` where the grains keep their own size.
     pub fn as_sieved(&self) -> Option<SievedGrains> {
         if self.sieve_table.is_empty() {
             return None;

@@ -32,17 +32,6 @@ macro_rules! settings {
     };
 }
 
-/// Notes a fault of a field: what was found, when that is wrong (left out: always), what is
-/// allowed, and what is wrong with it.
-macro_rules! refuse {
-    ($faults:expr, $field:expr => $found:expr, if $wrong:expr; $allowed:expr; $what:expr) => {
-        $faults.add_if($wrong, $field, $found, $allowed, $what)
-    };
-    ($faults:expr, $field:expr => $found:expr; $allowed:expr; $what:expr) => {
-        $faults.add($field, $found, $allowed, $what)
-    };
-}
-
 mod accessors;
 mod automatic;
 mod begin;
@@ -195,7 +184,7 @@ pub enum GrainsSpec {
     Sieved(SievedGrains),
     /// A `grains.json` as `pluvia grains` writes it.
     File(GrainsFile),
-    /// Stones as OBJ, STL or PLY meshes.
+    /// Grains as OBJ, STL or PLY meshes.
     Meshes(MeshGrains),
 }
 

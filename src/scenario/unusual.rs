@@ -174,11 +174,16 @@ impl Judged<'_> {
         let (Some(typed), Some(automatic)) = (typed, self.automatic(path)) else { return };
         let is_read = of.holds(self.engine) && !self.is_unread(path, typed, automatic);
         let goes_wrong = if typed < automatic / UNUSUAL { low } else { high };
-        refuse!(faults, path => short(typed),
-            if is_read && (typed < automatic / UNUSUAL || typed > automatic * UNUSUAL);
-            format!("{} for these grains, or the field left out", short(automatic));
-            format!("the value differs by more than a factor of {UNUSUAL} from what these grains \
-            ask for: {goes_wrong}"));
+        faults.add_if(
+            is_read && (typed < automatic / UNUSUAL || typed > automatic * UNUSUAL),
+            path,
+            short(typed),
+            format!("{} for these grains, or the field left out", short(automatic)),
+            format!(
+                "the value differs by more than a factor of {UNUSUAL} from what these grains \
+            ask for: {goes_wrong}"
+            ),
+        );
     }
 
     /// Whether contacts do without the distance: native ones go by the shorter of it and their own
@@ -196,11 +201,16 @@ impl Judged<'_> {
         let overlap = OVERLAP_OF_STRESS * stress * self.scale.sizes.median / typed;
         let least = short(stiffness(self.value, grading, &self.scale));
         let (stress, percent) = (short(stress), short(100.0 * overlap));
-        refuse!(faults, STIFFNESS => short(typed),
-            if self.engine.is_native() && overlap > OVERLAP_ALLOWED;
-            format!("at least {least} N/m, or the field left out");
-            format!("contacts too soft for {stress} Pa at the bottom of the specimen: grains \
-            would overlap by some {percent} % of their size"));
+        faults.add_if(
+            self.engine.is_native() && overlap > OVERLAP_ALLOWED,
+            STIFFNESS,
+            short(typed),
+            format!("at least {least} N/m, or the field left out"),
+            format!(
+                "contacts too soft for {stress} Pa at the bottom of the specimen: grains \
+            would overlap by some {percent} % of their size"
+            ),
+        );
     }
 }
 
@@ -213,11 +223,16 @@ fn unusual_apparatus(scenario: &Scenario, grading: &Grading, faults: &mut Faults
     let (cylinder, funnel) = (&scenario.apparatus.cylinder, &scenario.apparatus.funnel);
     let area = PI / 4.0 * from_mm(cylinder.inner_diameter_mm).powi(2);
     let height = to_mm(grading.solids * (1.0 + LOOSE) / area);
-    refuse!(faults, "cylinder.height_mm" => short(cylinder.height_mm),
-        if height > cylinder.height_mm;
-        format!("at least {} mm", short(height));
-        format!("grains may fall over the rim: a specimen with a void ratio of {LOOSE} stands \
-        higher than the cylinder"));
+    faults.add_if(
+        height > cylinder.height_mm,
+        "cylinder.height_mm",
+        short(cylinder.height_mm),
+        format!("at least {} mm", short(height)),
+        format!(
+            "grains may fall over the rim: a specimen with a void ratio of {LOOSE} stands \
+        higher than the cylinder"
+        ),
+    );
     let least = JAMS_BELOW * to_mm(grading.sizes.median);
     for (field, across, jams) in [
         (
@@ -254,9 +269,14 @@ fn unusual_pieces(scenario: &Scenario, grading: &Grading, faults: &mut Faults) {
     // A floor, a hopper or a ramp beside them may take what does not go in.
     let holds: Vec<f64> = scenario.pieces.iter().filter_map(|p| p.shape.holds_mm3()).collect();
     let (room, needed) = (holds.iter().sum::<f64>(), grading.solids * 1e9 * (1.0 + LOOSE));
-    refuse!(faults, "pieces" => format!("{} cm³", short(room / 1e3)),
-        if !holds.is_empty() && room < needed;
-        format!("at least {} cm³", short(needed / 1e3));
-        format!("grains may fall over the rims: containers hold less than all grains take with a \
-        void ratio of {LOOSE}"));
+    faults.add_if(
+        !holds.is_empty() && room < needed,
+        "pieces",
+        format!("{} cm³", short(room / 1e3)),
+        format!("at least {} cm³", short(needed / 1e3)),
+        format!(
+            "grains may fall over the rims: containers hold less than all grains take with a \
+        void ratio of {LOOSE}"
+        ),
+    );
 }

@@ -22,7 +22,7 @@ fn the_example_of_stones_makes_grains_and_runs() {
     let read = |folder: &str, name: &str| {
         fs::read_to_string(Path::new(folder).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     };
-    assert_eq!(read(&made, "stones.csv").lines().count(), 7, "a head and six stones");
+    assert_eq!(read(&made, "stones.csv").lines().count(), 7, "a head and six meshes");
     let sieve = read(&made, "sieve.csv");
     for (row, expected) in sieve.lines().skip(1).zip([48.0, 72.0]) {
         let mass: f64 = row.split(',').nth(7).and_then(|m| m.parse().ok()).expect("a mass");
@@ -57,7 +57,7 @@ fn the_example_of_stones_makes_grains_and_runs() {
     assert_eq!(summary["grains"]["escaped"], 0, "none through a wall");
     let inside = summary["grains"]["in_cylinder"].as_u64().expect("a number");
     assert!(inside >= 30, "most of some forty lie in the cylinder, got {inside}");
-    assert_eq!(read(&ran, "stones.csv"), read(&made, "stones.csv"), "the same stones");
+    assert_eq!(read(&ran, "stones.csv"), read(&made, "stones.csv"), "the same meshes");
 }
 
 #[test]

@@ -119,7 +119,7 @@ pub(in crate::grains) fn fill(
         density * prototype.volume * (size / prototype.sieve_size).powi(3)
     };
     let fault = |found: String, allowed: &str| {
-        let message = "no whole number of stones between these sieves has the mass of the fraction";
+        let message = "no whole number of grains between these sieves has the mass of the fraction";
         Err(Fault::new(message, found, allowed))
     };
     let inverse_cube = |size: f64| 1.0 / (size * size * size);
@@ -163,7 +163,7 @@ pub(in crate::grains) fn fill(
         return Ok(some.iter().map(sized).collect());
     }
     let found = format!("{} g", super::rounded(to_g(fraction.mass)));
-    fault(found, "the mass of several stones between these sieves")
+    fault(found, "the mass of several grains between these sieves")
 }
 
 /// Sieves that grains in their own size lie between: the finest and the

@@ -7,24 +7,9 @@ use crate::{
         generate,
         meshes::surface::volume,
         streams::{rotation, stream, uniform},
-        tests::few_grains,
+        tests::{few_grains, near},
     },
 };
-
-fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "{law}: expected {expected:e}, got {got:e}, tolerance {tolerance:e}"
-    );
-}
-
-#[test]
-fn the_helper_can_fail() {
-    for off in [-0.2, 0.2] {
-        assert!(std::panic::catch_unwind(|| near("", 1.0 + off, 1.0, 0.1)).is_err());
-    }
-    near("", 1.05, 1.0, 0.1);
-}
 
 fn volume_of(hull: &Hull) -> f64 {
     volume(&hull.vertices, &hull.triangles)

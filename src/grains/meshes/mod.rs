@@ -165,7 +165,7 @@ fn check_size(sieve_size: f64, unit: MeshUnit) -> Result<(), Fault> {
         false => format!("; is the `mesh_unit` right? {}", hints.join(", ")),
     };
     Err(Fault::new(
-        format!("the stone's sieve size is out of range{hint}"),
+        format!("the grain's sieve size is out of range{hint}"),
         format!("{} mm with `mesh_unit` \"{}\"", rounded(to_mm(sieve_size)), unit.name()),
         format!("{} to {} mm", rounded(to_mm(least)), rounded(to_mm(most))),
     ))

@@ -42,7 +42,7 @@ pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Ve
                 Some(index) => format!("{}, surface {}", object.name, index + 1),
                 None => object.name.clone(),
             },
-            message: fault.message.replace("the stone", "the surface"),
+            message: fault.message.replace("the grain", "the surface"),
             ..fault
         };
         match surface::surfaces(&object, &spec) {

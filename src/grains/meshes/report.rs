@@ -77,7 +77,7 @@ impl MeshRecord {
         let hulls = records.iter().filter(|s| s.hull).count();
         if hulls > 0 {
             notes.push(format!(
-                "{hulls} of {} stones are the convex hulls of their meshes, which add at most {} % to \
+                "{hulls} of {} grains are the convex hulls of their meshes, which add at most {} % to \
                  the volume",
                 records.len(),
                 rounded(largest(Self::hull_adds_percent))
@@ -97,7 +97,7 @@ impl MeshRecord {
         let most = used().map(|s| s.scales.1).fold(0.0, f64::max);
         if least < USUAL_SCALES.0 || most > USUAL_SCALES.1 {
             notes.push(format!(
-                "stones were scaled by {} to {} to their sieves: is `mesh_unit` right?",
+                "grains were scaled by {} to {} to their sieves: is `mesh_unit` right?",
                 rounded(least),
                 rounded(most)
             ));

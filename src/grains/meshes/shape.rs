@@ -35,7 +35,7 @@ pub(super) fn convex(surface: &Surface, spec: &MeshGrains) -> Result<Convex, Fau
         Fault::new(
             "no convex hull can be made of its vertices",
             format!("{} vertices", surface.vertices.len()),
-            "a stone as thick as a hundredth of its length",
+            "a grain as thick as a hundredth of its length",
         )
     };
     let whole = hull(&surface.vertices, usize::MAX).ok_or_else(unmade)?;
@@ -43,12 +43,12 @@ pub(super) fn convex(surface: &Surface, spec: &MeshGrains) -> Result<Convex, Fau
     if !(spec.hull || convexity >= NEARLY_CONVEX) {
         return Err(Fault::new(
             format!(
-                "the stone is not convex: its hull has {} % more volume",
+                "the grain is not convex: its hull has {} % more volume",
                 rounded(100.0 * (1.0 / convexity - 1.0))
             ),
             format!("a volume of {} % of the hull's", rounded(100.0 * convexity)),
             format!(
-                "at least {} %; or `\"hull\": true`, which takes the hulls of all stones",
+                "at least {} %; or `\"hull\": true`, which takes the hulls of all grains",
                 100.0 * NEARLY_CONVEX
             ),
         ));

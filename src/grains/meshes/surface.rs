@@ -45,7 +45,7 @@ pub(super) fn surfaces(object: &Object, spec: &MeshGrains) -> Result<Vec<Surface
         faults.push(Fault::new(
             "the object holds several surfaces that are not joined",
             format!("{} surfaces", pieces.len()),
-            "one stone in an object; or `\"split_surfaces\": true`, where each is a stone",
+            "one grain in an object; or `\"split_surfaces\": true`, where each is a grain",
         ));
     }
     if !faults.is_empty() {
@@ -119,8 +119,8 @@ fn edge_faults(faces: &[Vec<u32>]) -> Vec<Fault> {
     );
     add(
         count(|u| u[0] + u[1] > 2),
-        "edges belong to more than two faces, as where stones touch or surfaces cross",
-        "two faces at each edge, and each stone in an object or file of its own",
+        "edges belong to more than two faces, as where grains touch or surfaces cross",
+        "two faces at each edge, and each grain in an object or file of its own",
     );
     add(
         count(|u| u[0] + u[1] == 2 && u[0] != 1),
@@ -189,7 +189,7 @@ fn volume_fault(surface: &Surface) -> Option<Fault> {
     }
     if !(surface.volume > least) {
         return Some(Fault::new(
-            "the stone has no volume to speak of for its size",
+            "the grain has no volume to speak of for its size",
             in_mm3(surface.volume),
             format!("more than {}", in_mm3(least)),
         ));

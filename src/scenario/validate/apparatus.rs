@@ -21,39 +21,64 @@ fn check_cylinder(parts: &Parts, faults: &mut Faults) {
     let Some(cylinder) = &parts.cylinder else { return };
     let Some(coarsest) = parts.coarsest_mm() else { return };
     let (across, longest) = (cylinder.inner_diameter_mm, LONGEST_GRAIN * coarsest);
-    refuse!(faults, "inner_diameter_mm" => across, if across < longest;
-        format!("at least {} mm, the length of the longest grains", short(longest));
-        format!("the cylinder is narrower than a grain: those that pass {coarsest} mm are up to \
-        {LONGEST_GRAIN} times as long"));
+    faults.add_if(
+        across < longest,
+        "inner_diameter_mm",
+        across,
+        format!("at least {} mm, the length of the longest grains", short(longest)),
+        format!(
+            "the cylinder is narrower than a grain: those that pass {coarsest} mm are up to \
+        {LONGEST_GRAIN} times as long"
+        ),
+    );
     // A mixture of sizes packs denser than this only by crushing.
     let Some(grading) = &parts.grading else { return };
     let height = grading.solids / (PI / 4.0 * from_mm(across).powi(2));
     let is_higher = height.is_finite() && height > from_mm(cylinder.height_mm);
-    refuse!(faults, "height_mm" => cylinder.height_mm, if is_higher && parts.has_stage("pour");
-        format!("more than {} mm", short(height * 1e3));
-        "the cylinder has less room than the grains have volume, voids not counted");
+    faults.add_if(
+        is_higher && parts.has_stage("pour"),
+        "height_mm",
+        cylinder.height_mm,
+        format!("more than {} mm", short(height * 1e3)),
+        "the cylinder has less room than the grains have volume, voids not counted",
+    );
 }
 
 fn check_funnel(parts: &Parts, faults: &mut Faults) {
     let Some(funnel) = &parts.funnel else { return };
     let (opening, top) = (funnel.opening_diameter_mm, funnel.top_diameter_mm);
-    refuse!(faults, "top_diameter_mm" => top, if top <= opening;
-        format!("more than the diameter of its opening, {opening} mm");
-        "the funnel is no wider at the top than at its opening");
+    faults.add_if(
+        top <= opening,
+        "top_diameter_mm",
+        top,
+        format!("more than the diameter of its opening, {opening} mm"),
+        "the funnel is no wider at the top than at its opening",
+    );
     if let Some(coarsest) = parts.coarsest_mm() {
-        refuse!(faults, "opening_diameter_mm" => opening, if opening <= coarsest;
-            format!("more than {coarsest} mm, and 7 to 8 grains wide against jams");
-            "no grain of the coarsest fraction can leave the funnel");
+        faults.add_if(
+            opening <= coarsest,
+            "opening_diameter_mm",
+            opening,
+            format!("more than {coarsest} mm, and 7 to 8 grains wide against jams"),
+            "no grain of the coarsest fraction can leave the funnel",
+        );
         let longest = LONGEST_GRAIN * coarsest;
-        refuse!(faults, "top_diameter_mm" => top, if top > opening && top < longest;
-            format!("at least {} mm, the length of the longest grains", short(longest));
-            "the funnel is narrower than a grain");
+        faults.add_if(
+            top > opening && top < longest,
+            "top_diameter_mm",
+            top,
+            format!("at least {} mm, the length of the longest grains", short(longest)),
+            "the funnel is narrower than a grain",
+        );
     }
     let Some(cylinder) = &parts.cylinder else { return };
-    refuse!(faults, "opening_diameter_mm" => opening,
-        if opening > cylinder.inner_diameter_mm && parts.has_stage("pour");
-        format!("at most the cylinder's inner diameter, {} mm", cylinder.inner_diameter_mm);
-        "the funnel's opening is wider than the cylinder: grains would fall beside it");
+    faults.add_if(
+        opening > cylinder.inner_diameter_mm && parts.has_stage("pour"),
+        "opening_diameter_mm",
+        opening,
+        format!("at most the cylinder's inner diameter, {} mm", cylinder.inner_diameter_mm),
+        "the funnel's opening is wider than the cylinder: grains would fall beside it",
+    );
 }
 
 /// Distance from the axis to the flats of a regular polygon with the area of a
@@ -71,7 +96,11 @@ fn check_plate(parts: &Parts, faults: &mut Faults) {
     }
     let corner = flat(plate.sides) / (PI / f64::from(plate.sides)).cos();
     let widest = cylinder.inner_diameter_mm * flat(cylinder.wall_pieces) / corner;
-    refuse!(faults, "diameter_mm" => plate.diameter_mm, if plate.diameter_mm >= widest;
-        format!("less than {} mm, at which its corners touch the wall", short(widest));
-        "the top plate does not fit into the cylinder");
+    faults.add_if(
+        plate.diameter_mm >= widest,
+        "diameter_mm",
+        plate.diameter_mm,
+        format!("less than {} mm, at which its corners touch the wall", short(widest)),
+        "the top plate does not fit into the cylinder",
+    );
 }

@@ -16,14 +16,21 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
         check_meshes(meshes, &mut faults);
     }
     let Some(sieved) = &parts.sieved else { return };
-    refuse!(faults, "cells" => "",
-        if sieved.shape == SievedShape::Spheres && sieved.cells != CellShape::default();
-        "this field, or `shape` \"spheres\"";
-        "spheres are cut from no cells, so there is nothing to relax or stretch");
+    faults.add_if(
+        sieved.shape == SievedShape::Spheres && sieved.cells != CellShape::default(),
+        "cells",
+        "",
+        "this field, or `shape` \"spheres\"",
+        "spheres are cut from no cells, so there is nothing to relax or stretch",
+    );
     let rounding = sieved.cells.rounding;
-    refuse!(faults, "cells.rounding" => rounding, if rounding > 0.0 && rounding < LEAST_ROUNDING;
-        format!("0, or {LEAST_ROUNDING} to 0.9");
-        "corners with so small a radius are neither sharp nor round in a contact");
+    faults.add_if(
+        rounding > 0.0 && rounding < LEAST_ROUNDING,
+        "cells.rounding",
+        rounding,
+        format!("0, or {LEAST_ROUNDING} to 0.9"),
+        "corners with so small a radius are neither sharp nor round in a contact",
+    );
     let table = &sieved.sieve_table;
     check_order(table, &mut faults);
     check_sum(table, &mut faults);
@@ -37,15 +44,24 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     for (i, fraction) in table.iter().enumerate().filter(|(_, fraction)| is_sound(fraction)) {
         let count = fraction.grain_count(mass, density);
         total += count;
-        refuse!(faults.at(format!("sieve_table[{i}]")), "mass_percent" => fraction.mass_percent,
-            if count < 1.0;
-            format!("at least {} %", short(fraction.mass_percent / count));
-            format!("the fraction {} to {} mm is lighter than one grain of its mean size",
-                fraction.passing_mm, fraction.retained_mm));
+        faults.at(format!("sieve_table[{i}]")).add_if(
+            count < 1.0,
+            "mass_percent",
+            fraction.mass_percent,
+            format!("at least {} %", short(fraction.mass_percent / count)),
+            format!(
+                "the fraction {} to {} mm is lighter than one grain of its mean size",
+                fraction.passing_mm, fraction.retained_mm
+            ),
+        );
     }
-    refuse!(faults, "total_mass_g" => mass, if total > MOST_GRAINS;
-        format!("at most {} g of this gravel", short(mass * MOST_GRAINS / total));
-        format!("this makes {total:.0} grains, more than {MOST_GRAINS:.0}"));
+    faults.add_if(
+        total > MOST_GRAINS,
+        "total_mass_g",
+        mass,
+        format!("at most {} g of this gravel", short(mass * MOST_GRAINS / total)),
+        format!("this makes {total:.0} grains, more than {MOST_GRAINS:.0}"),
+    );
 }
 
 /// A sieve table needs a mass to share out, and leaves nothing else to choose.
@@ -74,10 +90,13 @@ fn check_meshes(meshes: &MeshGrains, faults: &mut Faults) {
 
 fn check_order(table: &[SieveFraction], faults: &mut Faults) {
     for (i, fraction) in table.iter().enumerate() {
-        refuse!(faults.at(format!("sieve_table[{i}]")), "retained_mm" => fraction.retained_mm,
-            if fraction.passing_mm <= fraction.retained_mm;
-            format!("less than passing_mm, {}", fraction.passing_mm);
-            "grains that pass a sieve are retained by a finer one");
+        faults.at(format!("sieve_table[{i}]")).add_if(
+            fraction.passing_mm <= fraction.retained_mm,
+            "retained_mm",
+            fraction.retained_mm,
+            format!("less than passing_mm, {}", fraction.passing_mm),
+            "grains that pass a sieve are retained by a finer one",
+        );
     }
     for (i, pair) in table.windows(2).enumerate() {
         let (above, below) = (&pair[0], &pair[1]);
@@ -88,9 +107,13 @@ fn check_order(table: &[SieveFraction], faults: &mut Faults) {
         } else {
             "the sieve table has a gap: a fraction begins where the one before it ends"
         };
-        refuse!(faults.at(format!("sieve_table[{}]", i + 1)), "passing_mm" => below.passing_mm,
-            if below.passing_mm != above.retained_mm;
-            format!("{}, the retained_mm of the fraction before", above.retained_mm); message);
+        faults.at(format!("sieve_table[{}]", i + 1)).add_if(
+            below.passing_mm != above.retained_mm,
+            "passing_mm",
+            below.passing_mm,
+            format!("{}, the retained_mm of the fraction before", above.retained_mm),
+            message,
+        );
     }
 }
 

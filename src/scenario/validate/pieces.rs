@@ -53,26 +53,40 @@ fn check_pieces(parts: &Parts, faults: &mut Faults) {
 
 fn check_shape(shape: &ShapeSpec, faults: &mut Faults) {
     let given = shape.kinds();
-    refuse!(faults, "shape" => format!("{given} shapes"), if given != 1;
-        "one of `box`, `cylinder`, `plate`, `disc`, `hopper`, `wedge`, `drum`, `mesh` and `vane`";
-        "a piece has one shape");
+    faults.add_if(
+        given != 1,
+        "shape",
+        format!("{given} shapes"),
+        "one of `box`, `cylinder`, `plate`, `disc`, `hopper`, `wedge`, `drum`, `mesh` and `vane`",
+        "a piece has one shape",
+    );
     if let Some(hopper) = &shape.hopper {
-        refuse!(faults, "shape.hopper.top_diameter_mm" => hopper.top_diameter_mm,
-            if hopper.top_diameter_mm <= hopper.opening_diameter_mm;
-            format!("more than the diameter of its opening, {} mm", hopper.opening_diameter_mm);
-            "the hopper is no wider at the top than at its opening");
+        faults.add_if(
+            hopper.top_diameter_mm <= hopper.opening_diameter_mm,
+            "shape.hopper.top_diameter_mm",
+            hopper.top_diameter_mm,
+            format!("more than the diameter of its opening, {} mm", hopper.opening_diameter_mm),
+            "the hopper is no wider at the top than at its opening",
+        );
     }
     if let Some(drum) = &shape.drum {
         let radius = drum.inner_diameter_mm / 2.0;
-        refuse!(faults, "shape.drum.lifter_mm" => drum.lifter_mm,
-            if drum.lifters > 0 && drum.lifter_mm >= radius;
-            format!("less than {radius} mm, the inner radius");
-            "the bars reach the axis of the drum");
+        faults.add_if(
+            drum.lifters > 0 && drum.lifter_mm >= radius,
+            "shape.drum.lifter_mm",
+            drum.lifter_mm,
+            format!("less than {radius} mm, the inner radius"),
+            "the bars reach the axis of the drum",
+        );
     }
     if let Some(vane) = &shape.vane {
-        refuse!(faults, "shape.vane.blade_mm" => vane.blade_mm,
-            if vane.diameter_mm / 2.0 <= vane.core_mm();
-            "blades thinner than they are long"; "nothing is left between the blades");
+        faults.add_if(
+            vane.diameter_mm / 2.0 <= vane.core_mm(),
+            "shape.vane.blade_mm",
+            vane.blade_mm,
+            "blades thinner than they are long",
+            "nothing is left between the blades",
+        );
     }
     if let Some(mesh) = &shape.mesh {
         check_mesh(mesh, &mut faults.at("shape.mesh"));
@@ -102,18 +116,32 @@ fn check_names_of_stages(parts: &Parts, faults: &mut Faults) {
     for (i, stage) in parts.stages.iter().enumerate() {
         let Some(name) = stage.name.as_deref() else { continue };
         let mut faults = faults.at(format!("stages[{i}]"));
-        refuse!(faults, "stage" => Value::from(name), if own && BUILT_IN.contains(&name);
-            "`deposit`, `move`, `press`, `release`, `remove` and `rest`";
-            format!("`{name}` is done with the built-in apparatus, in whose place `pieces` \
-            stand"));
-        refuse!(faults, "stage" => Value::from(name), if !own && OF_PIECES.contains(&name);
-            "it in a scenario with `pieces`";
-            format!("`{name}` is done with pieces, and there are none"));
+        faults.add_if(
+            own && BUILT_IN.contains(&name),
+            "stage",
+            Value::from(name),
+            "`deposit`, `move`, `press`, `release`, `remove` and `rest`",
+            format!(
+                "`{name}` is done with the built-in apparatus, in whose place `pieces` \
+            stand"
+            ),
+        );
+        faults.add_if(
+            !own && OF_PIECES.contains(&name),
+            "stage",
+            Value::from(name),
+            "it in a scenario with `pieces`",
+            format!("`{name}` is done with pieces, and there are none"),
+        );
     }
     let filled = parts.has_stage("deposit") || parts.begun_after.is_some();
-    refuse!(faults, "stages" => "no `deposit`",
-        if own && !filled && parts.stages.iter().all(|s| s.name.is_some());
-        "at least one"; "no grain would get into the laboratory");
+    faults.add_if(
+        own && !filled && parts.stages.iter().all(|s| s.name.is_some()),
+        "stages",
+        "no `deposit`",
+        "at least one",
+        "no grain would get into the laboratory",
+    );
 }
 
 fn check_deposit(spec: &StageSpec, faults: &mut Faults) {
@@ -171,15 +199,22 @@ fn check_who_stands(parts: &Parts, faults: &mut Faults) {
 }
 
 fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Faults) {
-    refuse!(faults, "measures" => "regions, openings or groups",
-        if !measures.is_empty() && !parts.has_pieces();
-        "the field left out"; "these are measured in a laboratory of `pieces`");
+    faults.add_if(
+        !measures.is_empty() && !parts.has_pieces(),
+        "measures",
+        "regions, openings or groups",
+        "the field left out",
+        "these are measured in a laboratory of `pieces`",
+    );
     let mut faults = faults.at("measures");
     for (i, region) in measures.regions.iter().enumerate() {
-        refuse!(faults.at(format!("regions[{i}]")), "high_mm" => format!("{:?}", region.high_mm),
-            if !region.low_mm.iter().zip(&region.high_mm).all(|(low, high)| low < high);
-            "a corner above and beyond `low_mm` in every direction";
-            "the region holds nothing");
+        faults.at(format!("regions[{i}]")).add_if(
+            !region.low_mm.iter().zip(&region.high_mm).all(|(low, high)| low < high),
+            "high_mm",
+            format!("{:?}", region.high_mm),
+            "a corner above and beyond `low_mm` in every direction",
+            "the region holds nothing",
+        );
     }
     check_groups(parts, measures, &mut faults);
     for (i, opening) in measures.openings.iter().enumerate() {
@@ -194,9 +229,13 @@ fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Faults) {
     let pieces: HashSet<&String> = parts.pieces().map(|(_, piece)| &piece.name).collect();
     for (list, name) in regions.chain(openings).chain(groups) {
         let is_new = known.insert(name) && !(list == "groups" && pieces.contains(name));
-        refuse!(faults, list => Value::from(name.as_str()), if !is_new || !is_plain(name);
-            "names of their own, of letters, digits, `-` and `_`";
-            "results could not be told apart by this name");
+        faults.add_if(
+            !is_new || !is_plain(name),
+            list,
+            Value::from(name.as_str()),
+            "names of their own, of letters, digits, `-` and `_`",
+            "results could not be told apart by this name",
+        );
     }
 }
 

@@ -22,10 +22,13 @@ fn check_placements(parts: &Parts, faults: &mut Faults) {
     let clearance = (cylinder.inner_diameter_mm - plate.diameter_mm) / 2.0;
     for (i, spec) in parts.specs() {
         let StageSpec::PlaceTopPlate { offset_mm: Some(offset), .. } = *spec else { continue };
-        refuse!(faults.at(format!("stages[{i}]")), "offset_mm" => offset,
-            if offset > clearance && clearance > 0.0;
-            format!("at most the clearance between plate and cylinder, {} mm", short(clearance));
-            "the plate would be laid into the wall");
+        faults.at(format!("stages[{i}]")).add_if(
+            offset > clearance && clearance > 0.0,
+            "offset_mm",
+            offset,
+            format!("at most the clearance between plate and cylinder, {} mm", short(clearance)),
+            "the plate would be laid into the wall",
+        );
     }
 }
 
@@ -57,16 +60,22 @@ fn check_pile(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
         ),
         _ => {}
     }
-    refuse!(faults, "base_diameter_mm" => base_diameter_mm,
-        if spout_diameter_mm >= base_diameter_mm;
-        format!("more than the spout's diameter, {spout_diameter_mm} mm");
-        "grains would be let go beside the base");
+    faults.add_if(
+        spout_diameter_mm >= base_diameter_mm,
+        "base_diameter_mm",
+        base_diameter_mm,
+        format!("more than the spout's diameter, {spout_diameter_mm} mm"),
+        "grains would be let go beside the base",
+    );
     let Some(grading) = &parts.grading else { return };
     let feeding = grading.count / feed_rate_grains_per_s;
-    refuse!(faults, "time_limit_s" => time_limit_s,
-        if feeding.is_finite() && *time_limit_s <= feeding;
-        format!("more than {} s", short(feeding));
-        "the stage ends before all grains have been fed");
+    faults.add_if(
+        feeding.is_finite() && *time_limit_s <= feeding,
+        "time_limit_s",
+        time_limit_s,
+        format!("more than {} s", short(feeding)),
+        "the stage ends before all grains have been fed",
+    );
 }
 
 fn check_order(parts: &Parts, faults: &mut Faults) {
@@ -141,13 +150,22 @@ fn check_time(parts: &Parts, faults: &mut Faults) {
             if matches!(spec, StageSpec::Move { .. }) && limit <= 0.0 {
                 continue;
             }
-            refuse!(faults.at(format!("stages[{i}]")), field => limit, if limit <= settle.hold_s;
-                format!("more than settle.hold_s, {} s", settle.hold_s);
-                "the stage ends before anything can count as settled");
+            faults.at(format!("stages[{i}]")).add_if(
+                limit <= settle.hold_s,
+                field,
+                limit,
+                format!("more than settle.hold_s, {} s", settle.hold_s),
+                "the stage ends before anything can count as settled",
+            );
         }
     }
     let stages: f64 = parts.specs().map(|(_, spec)| spec.longest()).sum();
     let total = stages + parts.rest_test_s.unwrap_or(0.0);
-    refuse!(faults, "stages" => format!("{} s", short(total)), if total > LONGEST;
-        format!("at most {LONGEST} s"); "stages and rest test together take too long");
+    faults.add_if(
+        total > LONGEST,
+        "stages",
+        format!("{} s", short(total)),
+        format!("at most {LONGEST} s"),
+        "stages and rest test together take too long",
+    );
 }

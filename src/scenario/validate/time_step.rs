@@ -88,11 +88,20 @@ fn find_coarse_steps(parts: &Parts, faults: &mut Faults) {
     // What is past the middle of a wall at the end of a step is pushed outwards.
     for (path, thickness) in walls(parts) {
         let way = short(to_mm(step));
-        refuse!(faults, &path => thickness, if step > from_mm(thickness) / 2.0;
-            format!("at least {} mm, or {RATE} of at least {} Hz", short(2.0 * to_mm(step)),
-            (2.0 * speed / from_mm(thickness)).ceil());
-            format!("a wall through which grains can pass: {what} moves {way} mm in a step, more \
-            than half of its thickness"));
+        faults.add_if(
+            step > from_mm(thickness) / 2.0,
+            &path,
+            thickness,
+            format!(
+                "at least {} mm, or {RATE} of at least {} Hz",
+                short(2.0 * to_mm(step)),
+                (2.0 * speed / from_mm(thickness)).ceil()
+            ),
+            format!(
+                "a wall through which grains can pass: {what} moves {way} mm in a step, more \
+            than half of its thickness"
+            ),
+        );
     }
 }
 
@@ -117,11 +126,17 @@ fn find_coarse_frames(parts: &Parts, faults: &mut Faults) {
         let Some(motion) = spec.motion() else { continue };
         let Some(rate) = motion.frames_per_s else { continue };
         let way = motion.peak_speed() / rate;
-        refuse!(faults.at(format!("stages[{i}]")), "video_frames.frames_per_s" => rate,
-            if way > from_mm(size);
-            format!("at least {} frames a second", (motion.peak_speed() / from_mm(size)).ceil());
-            format!("frames that cannot resolve the motion: the shaking table is set by up to {} \
-            mm in one step, more than the smallest grain's size, {size} mm", short(to_mm(way))));
+        faults.at(format!("stages[{i}]")).add_if(
+            way > from_mm(size),
+            "video_frames.frames_per_s",
+            rate,
+            format!("at least {} frames a second", (motion.peak_speed() / from_mm(size)).ceil()),
+            format!(
+                "frames that cannot resolve the motion: the shaking table is set by up to {} \
+            mm in one step, more than the smallest grain's size, {size} mm",
+                short(to_mm(way))
+            ),
+        );
     }
 }
 
@@ -215,8 +230,11 @@ fn motions(parts: &Parts) -> Vec<Fast> {
 fn check_threshold(parts: &Parts, faults: &mut Faults) {
     let (Some(engine), Some(finest)) = (&parts.engine, parts.finest_mm()) else { return };
     let threshold = engine.contact_threshold_mm;
-    refuse!(faults, "engine.contact_threshold_mm" => threshold,
-        if engine.stock.relative_contact_threshold == 0.0 && threshold >= finest;
-        format!("less than the smallest grain's size, {finest} mm");
-        "contacts would be kept over a distance longer than a grain");
+    faults.add_if(
+        engine.stock.relative_contact_threshold == 0.0 && threshold >= finest,
+        "engine.contact_threshold_mm",
+        threshold,
+        format!("less than the smallest grain's size, {finest} mm"),
+        "contacts would be kept over a distance longer than a grain",
+    );
 }

@@ -135,7 +135,11 @@ fn check_way(
     };
     let moves = |name: &String| driven(name) || pressed.contains(name.as_str());
     let there = |name: &String| parts.pieces().any(|(_, piece)| piece.name == *name);
-    refuse!(faults, "piece" => Value::from(name.as_str()),
-        if names.iter().all(there) && !names.iter().any(moves);
-        "a piece that is pressed or free, or moved by this stage"; "the piece does not move");
+    faults.add_if(
+        names.iter().all(there) && !names.iter().any(moves),
+        "piece",
+        Value::from(name.as_str()),
+        "a piece that is pressed or free, or moved by this stage",
+        "the piece does not move",
+    );
 }

@@ -34,7 +34,7 @@ fn table(total_mass_g: f64) -> (Option<f64>, Vec<SieveFraction>) {
 }
 
 #[test]
-fn every_fraction_has_its_mass_and_every_stone_its_sieve() {
+fn every_fraction_has_its_mass_and_every_grain_its_sieve() {
     let folder = tempfile::tempdir().unwrap();
     let (total_mass_g, sieve_table) = table(500.0);
     let spec = MeshGrains { total_mass_g, sieve_table, ..boxes(folder.path()) };
@@ -60,12 +60,12 @@ fn every_fraction_has_its_mass_and_every_stone_its_sieve() {
         assert!(own.iter().any(|g| shape(g) != shape(own[0])), "sizes are scattered");
     }
     let used: usize = set.meshes.iter().map(|s| s.grains).sum();
-    assert_eq!(used, set.grains.len(), "each grain is a stone");
+    assert_eq!(used, set.grains.len(), "every grain has its mesh");
     let counts: Vec<usize> = set.meshes.iter().map(|s| s.grains).collect();
     let (least, most) = (counts.iter().min().unwrap(), counts.iter().max().unwrap());
     assert!(
         most - least <= 3,
-        "each stone is used before any comes again, in each fraction: {counts:?}"
+        "each mesh is used before any comes again, in each fraction: {counts:?}"
     );
     let mut csv = Vec::new();
     sieve_csv(&psd, &set, &mut csv).unwrap();
@@ -74,7 +74,7 @@ fn every_fraction_has_its_mass_and_every_stone_its_sieve() {
         let ((_, high), (low, _)) = (pair[0].bounding_box(), pair[1].bounding_box());
         assert!(
             high.x < low.x || pair[1].bounding_box().0.y > pair[0].bounding_box().0.y,
-            "stones lie apart"
+            "grains lie apart"
         );
     }
 }
@@ -101,19 +101,19 @@ fn sizes_fill_the_fraction_as_its_curve_is_drawn() {
 }
 
 #[test]
-fn a_count_draws_stones_in_their_own_size() {
+fn a_count_draws_grains_in_their_own_size() {
     let folder = tempfile::tempdir().unwrap();
     let spec = MeshGrains { count: Some(15), ..boxes(folder.path()) };
     let set = from_meshes(&spec, 5).unwrap();
     assert_eq!(set.grains.len(), 15, "as many as asked for");
     for prototype in &set.meshes {
-        assert!((2..=3).contains(&prototype.grains), "15 of 6 stones: {}", prototype.grains);
+        assert!((2..=3).contains(&prototype.grains), "15 of 6 meshes: {}", prototype.grains);
         assert_eq!(prototype.scales, (1.0, 1.0), "in their own size");
     }
 }
 
 #[test]
-fn a_fraction_too_light_for_a_stone_is_told() {
+fn a_fraction_too_light_for_a_grain_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let (_, sieve_table) = table(1.0);
     let spec = MeshGrains { total_mass_g: Some(8.0), sieve_table, ..boxes(folder.path()) };

@@ -123,7 +123,7 @@ fn surfaces_that_enclose_nothing_sound() {
 }
 
 #[test]
-fn two_stones_in_one_solid() {
+fn two_grains_in_one_solid() {
     let mut stl = String::from("solid both\n");
     for x in [0.0, 50.0] {
         let corners = [[x, 0.0, 0.0], [x + 9.0, 0.0, 0.0], [x, 9.0, 0.0], [x, 0.0, 9.0]];
@@ -140,7 +140,7 @@ fn two_stones_in_one_solid() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(folder.path(), "a.stl", stl);
     let split = MeshGrains { split_surfaces: true, ..spec(&[path]) };
-    assert_eq!(from_meshes(&split, 1).unwrap().grains.len(), 2, "where asked for, two stones");
+    assert_eq!(from_meshes(&split, 1).unwrap().grains.len(), 2, "where asked for, two grains");
 }
 
 #[test]

@@ -168,7 +168,7 @@ fn a_dent_is_filled_only_when_asked_or_small() {
     near("percent that the hull adds", record.hull_adds_percent(), 25.0, 1e-9);
     assert!(record.hull && record.vertices == 8 && record.faces == 6, "{record:?}");
     let notes = MeshRecord::notes(&set.meshes).join("\n");
-    assert!(notes.contains("1 of 1 stones") && notes.contains("25 %"), "{notes}");
+    assert!(notes.contains("1 of 1 grains") && notes.contains("25 %"), "{notes}");
 
     let shallow = file(folder.path(), "shallow.obj", dented(0.5));
     let set = from_meshes(&spec(&[shallow]), 1).expect("99.2 % of the hull is enough");
@@ -231,7 +231,7 @@ fn fine_scans_are_simplified_and_say_what_it_cost() {
 }
 
 #[test]
-fn objects_and_solids_are_stones_and_surfaces_may_be() {
+fn objects_and_solids_are_grains_and_surfaces_may_be() {
     let folder = tempfile::tempdir().unwrap();
     let (a, b) = (cuboid_obj([10.0; 3], [0.0; 3]), cuboid_obj([20.0; 3], [50.0, 0.0, 0.0]));
     let second = b.lines().filter(|l| l.starts_with('f')).map(|l| {
@@ -246,7 +246,7 @@ fn objects_and_solids_are_stones_and_surfaces_may_be() {
         let path = file(folder.path(), &format!("two-{key}.obj"), text);
         let set = from_meshes(&spec(&[path]), 1).unwrap();
         let names: Vec<&str> = set.meshes.iter().map(|s| s.object.as_str()).collect();
-        assert_eq!(names, ["small", "large"], "each `{key}` is a stone");
+        assert_eq!(names, ["small", "large"], "each `{key}` is a grain");
         near("volume of the second, m³", set.grains[1].volume, 8e-6, 1e-17);
     }
     let joined = file(folder.path(), "joined.obj", format!("{a}{vertices}{second}"));
@@ -255,6 +255,6 @@ fn objects_and_solids_are_stones_and_surfaces_may_be() {
         assert!(error.contains(words), "`{words}` in: {error}");
     }
     let set = from_meshes(&MeshGrains { split_surfaces: true, ..spec(&[joined]) }, 1).unwrap();
-    assert_eq!(set.grains.len(), 2, "both surfaces are stones");
+    assert_eq!(set.grains.len(), 2, "both surfaces are grains");
     assert_eq!(set.meshes[1].object, "object 1, surface 2");
 }
