@@ -208,7 +208,10 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     }
     let Summary { scenario, configuration, seed, simulated_s, steps, .. } = summary;
     let (took, memory) = (duration(summary.wall_s), summary.peak_memory_mib);
-    let cost = format!("{simulated_s:.2} s simulated in {steps} steps and {took}, {memory:.0} MiB");
+    let mut cost = format!("{simulated_s:.2} s simulated in {steps} steps and {took}");
+    if memory > 0.0 {
+        cost += &format!(", {memory:.0} MiB");
+    }
     rows.add("cost", cost);
     let head = format!("{scenario}, configuration {configuration}, seed {seed}\n");
     let mut text = head + &rows.aligned();

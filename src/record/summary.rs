@@ -147,7 +147,7 @@ pub struct Summary {
     pub wall_s: f64,
     /// The part of it spent inside the engine.
     pub engine_s: f64,
-    /// Peak memory of the process in MiB.
+    /// Peak memory of the process in MiB; 0 where the system does not say.
     pub peak_memory_mib: f64,
     /// Findings a reader must know.
     pub warnings: Vec<String>,
