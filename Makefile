@@ -22,7 +22,7 @@ TABLE ?= docs/results/scale/twins.csv
 export PATH := $(PATH):$(HOME)/.cargo/bin
 
 .NOTPARALLEL:
-.PHONY: docs help setup setup-lint build reproduce convergence sensitivity twins joint test test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep laboratory referee results deb test-deb archive wheel test-python test-wheel clean
+.PHONY: docs help setup setup-lint build reproduce convergence sensitivity twins joint test test-slow test-all test-exports test-sanitizers test-slurm test-snakemake soak load fuzz deny lint format bench bench-peers bench-sweep laboratory referee results deb test-deb archive wheel test-python test-wheel clean
 
 help: ## list these targets
 	@echo 'make reproduce [OUT=out/reproduce] [ARGS="--quick"], or one of:'
@@ -65,8 +65,13 @@ sensitivity: OUT = out/sensitivity
 sensitivity: build ## what each choice of ours moves, in $(OUT)/sensitivity.md
 	target/release/pluvia sensitivity --out "$(OUT)" $(ARGS)
 
-test: setup ## run every test
+test: setup ## run the tests, except the slow ones
 	cargo test --locked
+
+test-slow: setup ## run the slow tests (some ten minutes on two cores)
+	cargo test --locked -- --ignored
+
+test-all: test test-slow ## run every test
 
 test-exports: setup ## have VTK and the glTF validator read what `pluvia export` writes
 	@bash scripts/setup.sh exports

@@ -56,6 +56,15 @@ impl ShapeSpec {
         }
     }
 
+    /// First moment in mm³ about its upright axis of the faces that push grains when it is turned:
+    /// a pressure on them resists by as much. Known of a vane: of each blade's length times width
+    /// times half of that.
+    pub(super) fn turned_mm3(&self) -> Option<f64> {
+        let vane = self.vane.as_ref()?;
+        let arm = vane.diameter_mm / 2.0;
+        Some(f64::from(vane.blades) * vane.height_mm * arm * arm / 2.0)
+    }
+
     /// A length in mm from its origin that nothing of it exceeds.
     pub(super) fn reach_mm(&self) -> f64 {
         let sizes: Vec<f64> = match self {

@@ -17,10 +17,19 @@ fn list<'a>(value: &'a Value, name: &str) -> impl Iterator<Item = &'a Value> {
     value[name].as_array().into_iter().flatten()
 }
 
+/// The piece of a name.
+fn piece(value: &Value, name: &str) -> Option<PieceSpec> {
+    list(value, "pieces").filter_map(read::<PieceSpec>).find(|piece| piece.name == name)
+}
+
+/// Moment in N m by which a piece of a name resists being turned under a pressure of 1 Pa.
+fn turned(value: &Value, name: &str) -> Option<f64> {
+    Some(piece(value, name)?.shape.turned_mm3()? * 1e-9)
+}
+
 /// Area in m² that a piece of a name, as it was put up, shows along a direction.
 fn shown_area(value: &Value, name: &str, direction: Vector) -> Option<f64> {
-    let mut pieces = list(value, "pieces").filter_map(read::<PieceSpec>);
-    let piece = pieces.find(|piece| piece.name == name)?;
+    let piece = piece(value, name)?;
     let [x, y, z] = piece.rotation_deg.map(from_deg);
     let turn = UnitQuaternion::from_euler_angles(x, y, z);
     let along = turn.inverse() * direction.try_normalize(0.0)?;
@@ -51,6 +60,9 @@ fn pressed_stress(value: &Value) -> f64 {
     largest(loads.filter_map(|load| {
         if let Some(stress) = load.stress_kpa {
             return Some(from_kpa(stress));
+        }
+        if let Some(moment) = load.moment_n_m {
+            return Some(moment / turned(value, &load.piece)?);
         }
         Some(load.force_n? / shown_area(value, &load.piece, load.direction.into())?)
     }))
@@ -111,6 +123,13 @@ mod tests {
             9.81,
         );
         near("1 kg let go on 50 cm²", dropped, 1962.0);
+        let vane = serde_json::json!({
+            "pieces": [{ "name": "vane", "shape": { "vane": { "diameter_mm": 50, "height_mm": 40,
+                "blade_mm": 3, "blades": 4 } } }],
+            "stages": [{ "stage": "press",
+                "loads": [{ "piece": "vane", "moment_n_m": 2, "axis": [0, 0, 1] }] }]
+        });
+        near("2 N m on four blades of 25 by 40 mm", pressed_stress(&vane), 40_000.0);
         let other = serde_json::json!({ "piece": "other", "force_n": 10 });
         assert_eq!(stress(other, [0.0; 3]), 0.0, "law: what cannot be read counts for nothing");
     }

@@ -204,7 +204,7 @@ fn random_pairs_agree_with_the_exact_test() {
 }
 
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "slow: make test-all"]
 fn a_million_random_pairs_agree_with_the_exact_test() {
     std::thread::scope(|scope| {
         for seed in 2..4 {

@@ -91,6 +91,7 @@ fn wrong_names_are_refused_with_the_allowed_ones() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn interpretations_of_one_programme_accumulate() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().to_str().expect("UTF-8");

@@ -44,6 +44,7 @@ fn watched(mut command: Command) -> io::Result<(Output, usize)> {
 
 /// Law: three and four typed threads on two cores are two, with one warning, and no bit changes.
 #[test]
+#[ignore = "slow: make test-all"]
 fn typed_threads_stop_at_the_cores() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write_scenario(folder.path());
@@ -89,6 +90,7 @@ fn program_for_anybody(folder: &Path) -> PathBuf {
 /// Law: where the system gives few threads or none, a run ends with the same bytes or with one message;
 /// it never fails by itself. The limit counts processes of a user, and holds nobody who may do everything.
 #[test]
+#[ignore = "slow: make test-all"]
 fn threads_that_are_refused_end_in_no_panic() {
     let folder = tempfile::tempdir().expect("a folder");
     let program = program_for_anybody(folder.path());

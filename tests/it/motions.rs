@@ -40,6 +40,7 @@ fn number(value: &Value) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
     let folder = tempfile::tempdir().expect("a folder");
     let rest = json!({ "stage": "rest", "duration_s": 0.4 });
@@ -114,6 +115,7 @@ fn settlement_is_read_at_rest_and_goes_on_through_all_later_stages() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn every_motion_drives_a_stage_and_says_what_it_is() {
     let folder = tempfile::tempdir().expect("a folder");
     let with = |fields: Value| {
@@ -197,6 +199,7 @@ fn every_motion_drives_a_stage_and_says_what_it_is() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn plates_are_laid_anew_on_the_same_specimen_and_seated_on_demand() {
     let folder = tempfile::tempdir().expect("a folder");
     let placed = |name: &str, fields: Value| {

@@ -314,6 +314,7 @@ fn an_oedometer_settles_under_load_and_springs_back_by_less() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn grains_lie_still_under_a_lid_that_bears_a_thousand_times_their_weight() {
     let stages = r#"stages=[
         {"stage":"deposit","at_mm":[0,0,100],"diameter_mm":65,"rate_g_per_s":600},
@@ -401,10 +402,13 @@ fn a_vane_is_turned_by_a_moment_until_its_bed_fails() {
     let recipe = Recipe::run(
         "vane",
         &[
-            "grains.total_mass_g=120",
-            "pieces.0.shape.cylinder.inner_diameter_mm=60",
-            "pieces.1.shape.vane.diameter_mm=30",
-            "stages.0.diameter_mm=50",
+            "grains.total_mass_g=250",
+            "contact.grain_grain_friction=0.3",
+            "pieces.0.shape.cylinder.inner_diameter_mm=80",
+            "pieces.1.shape.vane.diameter_mm=20",
+            "pieces.1.shape.vane.height_mm=20",
+            "pieces.1.at_mm=[0,0,25]",
+            "stages.0.diameter_mm=70",
             "rest_test_s=0.2",
         ],
     );
@@ -419,5 +423,5 @@ fn a_vane_is_turned_by_a_moment_until_its_bed_fails() {
         .iter()
         .filter_map(|sample| Some(sample.pieces[vane].press?.force_n))
         .fold(0.0, f64::max);
-    within("its strength, below the moment that was wanted, N m", most, 0.002, 1.9);
+    within("its strength, below the moment that was wanted, N m", most, 0.002, 0.49);
 }

@@ -189,6 +189,7 @@ fn a_packing_at_rest_hardly_feels_a_seam() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn a_shaken_packing_goes_on_through_a_seam() {
     let folder = tempfile::tempdir().expect("a folder");
     let stage = json!({
@@ -247,6 +248,7 @@ fn killed_between_segments(scenario: &Path, out: &Path) -> Option<Vec<PathBuf>> 
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn damaged_checkpoints_are_told_and_those_before_are_used() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = write_scenario_in_segments(folder.path());

@@ -108,6 +108,7 @@ fn pour_and_export(folder: &Folder, scenario: &Value, solid: [f64; 2], in_scene:
 /// Random loose to dense packing of spheres with friction is 0.55 to 0.64, less what is lost along
 /// the walls of a narrow cylinder.
 #[test]
+#[ignore = "slow: make test-all"]
 fn beads_pour_settle_and_are_exported() {
     let made = pour_and_export(&Folder::new(), &beads(), [0.52, 0.66], "sphere_m");
     let round = made["shape"]["sphericity"]["p50"].as_f64().expect("a number");
@@ -115,6 +116,7 @@ fn beads_pour_settle_and_are_exported() {
 }
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn rounded_grains_pour_settle_and_are_exported() {
     let made = pour_and_export(&Folder::new(), &gravel(0.4), [0.45, 0.68], "rounded_m");
     for at in ["p10", "p50", "p90"] {

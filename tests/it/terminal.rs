@@ -23,6 +23,7 @@ fn text(bytes: &[u8]) -> String {
 const ESCAPE: char = '\x1b';
 
 #[test]
+#[ignore = "slow: make test-all"]
 fn pipes_get_plain_lines_and_no_colours() {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = folder.path().join("small.json");

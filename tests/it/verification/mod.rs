@@ -46,12 +46,12 @@ fn surprises(verdicts: &[Verdict]) -> String {
         .collect()
 }
 
-#[test]
-fn every_case_comes_out_as_it_says_on_every_setting() {
+/// Runs every case on some settings, and expects what the case says of each.
+fn comes_out(settings: Vec<Setting>) {
     let verdicts = run_suite(
         &SuiteOptions {
             cases: builtin().expect("the built-in cases are sound"),
-            settings: settings(),
+            settings,
             out: None,
             jobs: std::thread::available_parallelism().map_or(1, usize::from),
             cancel: Arc::new(AtomicBool::new(false)),
@@ -62,6 +62,26 @@ fn every_case_comes_out_as_it_says_on_every_setting() {
     .expect("the suite runs");
     let surprises = surprises(&verdicts);
     assert!(surprises.is_empty(), "cases that came out otherwise than they say:\n{surprises}");
+}
+
+/// The native contacts at the default rate, in the precision that is linked; and all others.
+fn by_default() -> (Vec<Setting>, Vec<Setting>) {
+    let parts: (Vec<_>, Vec<_>) = settings()
+        .into_iter()
+        .partition(|s| ["native-480", "native-480-single"].contains(&s.name.as_str()));
+    assert_eq!(parts.0.len(), 1, "law: one setting is the default");
+    parts
+}
+
+#[test]
+fn every_case_comes_out_as_it_says_by_default() {
+    comes_out(by_default().0);
+}
+
+#[test]
+#[ignore = "slow: make test-all"]
+fn every_case_comes_out_as_it_says_on_every_other_setting() {
+    comes_out(by_default().1);
 }
 
 #[test]
