@@ -18,7 +18,7 @@ pub struct BeginSpec {
     /// The stage at whose end the specimen is taken: its number from 0, its name, or `rest_test`;
     /// left out, the last one of the scenario.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String", length(min = 1))]
+    #[schemars(length(min = 1))]
     pub stage: Option<String>,
     /// Stages that the specimen has been through, in order. Filled in when the scenario is loaded.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -27,11 +27,9 @@ pub struct BeginSpec {
     /// Key of the last of them in the run's store. Filled in when the scenario is loaded; where it
     /// is given, no other stage is taken.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String")]
     pub key: Option<String>,
     /// SHA-256 of the specimen, likewise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String")]
     pub specimen_sha256: Option<String>,
 }
 

@@ -113,7 +113,6 @@ pub struct Scenario {
     /// A specimen of another run that the stages begin with. Everything but name, description,
     /// notes and stages may be left out then, and is as in that run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "BeginSpec")]
     pub begin: Option<BeginSpec>,
     /// The grains.
     pub grains: GrainsSpec,
@@ -129,7 +128,6 @@ pub struct Scenario {
     pub measures: MeasuresSpec,
     /// Loosest and densest state of the grains; with them the summary gives relative densities.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "IndexDensitiesSpec")]
     pub index_densities: Option<IndexDensitiesSpec>,
     /// Friction and restitution of each pair of surfaces.
     #[serde(default)]
