@@ -18,6 +18,7 @@ pub(crate) use bullet::tests::{exclusive_turn, shared_turn};
 pub use pairs::{Material, PairCoefficients, PairTable};
 pub use run_time_check::{CheckLimits, RunTimeCheck};
 
+use std::fmt::Display;
 use std::sync::Arc;
 
 use schemars::JsonSchema;
@@ -245,6 +246,34 @@ pub enum WorldError {
     },
 }
 
+impl WorldError {
+    fn bad_setting(setting: &str, reason: impl ToString) -> Self {
+        Self::BadSetting { setting: setting.to_owned(), reason: reason.to_string() }
+    }
+}
+
+/// A setting that is sound, or else what it is.
+fn sound<T: Display>(
+    setting: &str,
+    value: T,
+    is_sound: bool,
+    else_it_is: &str,
+) -> Result<T, WorldError> {
+    let bad = WorldError::bad_setting(setting, format!("{value} is {else_it_is}"));
+    is_sound.then_some(value).ok_or(bad)
+}
+
+/// A setting that must be a positive number.
+fn positive(setting: &str, value: f64) -> Result<f64, WorldError> {
+    sound(setting, value, value.is_finite() && value > 0.0, "not a positive number")
+}
+
+/// Gravity in m/s², as an engine takes it.
+fn finite(gravity: &Vector) -> Result<(), WorldError> {
+    let bad = || WorldError::bad_setting("gravity", format!("{gravity:?} is not finite"));
+    gravity.iter().all(|g| g.is_finite()).then_some(()).ok_or_else(bad)
+}
+
 /// Makes an empty world of settings, gravity (m/s²) and coefficients of pairs.
 pub type WorldMaker<'a> = &'a (
         dyn Fn(&EngineSettings, Vector, &PairTable) -> Result<Box<dyn World + Send>, WorldError>
@@ -454,12 +483,11 @@ pub fn create(
         #[cfg(feature = "rapier")]
         Backend::Rapier => Ok(Box::new(rapier::RapierBackend::new(settings, gravity, pairs)?)),
         #[cfg(not(feature = "rapier"))]
-        Backend::Rapier => Err(WorldError::BadSetting {
-            setting: "backend".into(),
-            reason: "this program was built without rapier; build it with the feature of that \
-                     name, which is on by default: cargo build --release --features rapier"
-                .into(),
-        }),
+        Backend::Rapier => Err(WorldError::bad_setting(
+            "backend",
+            "this program was built without rapier; build it with the feature of that name, which \
+             is on by default: cargo build --release --features rapier",
+        )),
     }
 }
 
