@@ -24,7 +24,10 @@ pub(super) enum ReadError {
 }
 
 /// The vertices that faces use, in the order of their numbers, and the faces by their new numbers.
-pub(super) fn used(faces: &[impl AsRef<[u32]>], vertices: &[Point]) -> (Vec<Point>, Vec<Vec<u32>>) {
+pub(in crate::grains) fn used<V: Copy>(
+    faces: &[impl AsRef<[u32]>],
+    vertices: &[V],
+) -> (Vec<V>, Vec<Vec<u32>>) {
     let mut used: Vec<u32> = faces.iter().flat_map(AsRef::as_ref).copied().collect();
     used.sort_unstable();
     used.dedup();
