@@ -145,10 +145,7 @@ pub(crate) fn cut(
                 let mut at = p + (q - p) * (a / (a - b));
                 onto(&mut at);
                 inside.push(at);
-                match a <= 0.0 {
-                    true => leaves = Some(at),
-                    false => enters = Some(at),
-                }
+                if a <= 0.0 { leaves = Some(at) } else { enters = Some(at) }
             }
         }
         rim.extend(enters.zip(leaves));

@@ -70,10 +70,7 @@ impl RecordedMotion {
         if faults.is_empty() {
             faults.extend(is_open(rows));
         }
-        match faults.is_empty() {
-            true => Ok(Self::of_sound(rows, interpolation)),
-            false => Err(faults),
-        }
+        if faults.is_empty() { Ok(Self::of_sound(rows, interpolation)) } else { Err(faults) }
     }
 
     /// The same of a piece, which stays where its last row is.
@@ -85,10 +82,7 @@ impl RecordedMotion {
         interpolation: Interpolation,
     ) -> Result<Self, Vec<RowFault>> {
         let faults = faults(rows);
-        match faults.is_empty() {
-            true => Ok(Self::of_sound(rows, interpolation)),
-            false => Err(faults),
-        }
+        if faults.is_empty() { Ok(Self::of_sound(rows, interpolation)) } else { Err(faults) }
     }
 
     fn of_sound(rows: &[[f64; 4]], interpolation: Interpolation) -> Self {
