@@ -54,7 +54,7 @@ pub use loads::{
     force_distribution, loaded_contacts, sliding_share,
 };
 pub use overlap::{OverlapStatistics, overlap_statistics};
-pub use pairs::{PairGap, pairs_within, pairs_within_of, touching_gap};
+pub use pairs::{PairGap, neighbours, pairs_within, pairs_within_of, touching_gap};
 pub use places::{Place, Places, places};
 pub use plate::{PlatePosition, plate_position};
 pub use profile::{Slice, layers, rings};
