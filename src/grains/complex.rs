@@ -7,7 +7,6 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-use super::meshes::used;
 use super::*;
 
 /// A vertex of the complex.

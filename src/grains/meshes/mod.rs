@@ -18,7 +18,6 @@ mod surface;
 
 pub(super) use draw::{fill, push_laid_out};
 pub use piece::parts_of_piece;
-pub(super) use read::used;
 pub use report::{MeshRecord, meshes_csv};
 
 // What its parts are made of, too.
