@@ -32,7 +32,6 @@ mod separation;
 mod settlement;
 #[cfg(test)]
 mod sphere_tests;
-pub mod standard_tests;
 pub mod statistics;
 mod stress;
 #[cfg(test)]
@@ -64,9 +63,7 @@ pub use repose::{
 };
 pub use rotation::rotations;
 pub use separation::{Separation, penetration_depth, separation, separation_within};
-pub use settlement::{
-    HeightSample, Period, Settlement, height_at, mean_height_between, settlement, share_after,
-};
+pub use settlement::{HeightSample, Period, Settlement, settlement};
 pub use stress::{Stress, stress_in};
 pub use void_ratio::{Voids, void_ratio};
 
