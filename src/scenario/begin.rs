@@ -133,7 +133,7 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
             Some(number.ok_or_else(|| {
                 let mut known: Vec<&str> = after.iter().map(String::as_str).collect();
                 known.extend(rest_test.map(|_| "rest_test"));
-                let near = nearest(asked, &known);
+                let near = nearest(asked, known.iter().copied());
                 let meant = near.map(|near| format!(", did you mean `{near}`?"));
                 let message = format!("the run has no such stage{}", meant.unwrap_or_default());
                 fault("stage", asked, &format!("one of {}", known.join(", ")), message)

@@ -64,7 +64,7 @@ pub use automatic::Grading;
 pub use begin::BeginSpec;
 pub use cells::{CellShape, LEAST_ROUNDING, SievedShape};
 pub use engine::{Backend, ContactSolver, EngineSettings};
-pub use fault::{Fault, ScenarioErrors};
+pub use fault::{Fault, ScenarioErrors, nearest};
 pub use index_densities::IndexDensitiesSpec;
 pub use load::{GradingOf, Loaded, Readers, check, gathered, load_grains_with, load_with};
 pub use mesh_pieces::{MOST_PARTS, MeshPart, MeshPieceSpec, PartsOf};
