@@ -47,10 +47,7 @@ pub fn plain_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
 
 /// A decimal number without the zeros at its end.
 pub fn without_zeros(number: &str) -> &str {
-    match number.contains('.') {
-        true => number.trim_end_matches('0').trim_end_matches('.'),
-        false => number,
-    }
+    if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { number }
 }
 
 /// A number with up to three decimals.

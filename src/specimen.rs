@@ -36,7 +36,7 @@ pub struct Specimen {
 }
 
 /// Everything that changes about a specimen.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SpecimenState {
     /// One entry a grain, in the order of the grain set: centroid position and
     /// orientation of its principal axes, and velocities.
@@ -345,16 +345,7 @@ impl SpecimenState {
         let nowhere = BodyState::at_rest(Pose::identity());
         Self {
             bodies: vec![GrainState { body: nowhere, fate: Fate::Present }; grains],
-            funnel: None,
-            cylinder: false,
-            base: None,
-            top_plate: None,
-            contacts: Vec::new(),
-            table_x: 0.0,
-            table_y: 0.0,
-            table_z: 0.0,
-            pieces: Vec::new(),
-            time: 0.0,
+            ..Self::default()
         }
     }
 }

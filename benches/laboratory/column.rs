@@ -1,16 +1,14 @@
 //! The collapse of a column: how far the grains run out.
 
 use pluvia::{
-    measure::{
-        Container, HeightMap, height_cell,
-        standard_tests::{deposit_edge, run_out_of_lube},
-    },
+    measure::{Container, HeightMap, height_cell},
     report::{Axis, Chart, Look, Plot},
 };
 
 use super::{
     bench::{Bench, Point, Run},
     row::{Found, Row, Rule},
+    standard_tests::{deposit_edge, run_out_of_lube},
 };
 
 const SCENARIO: &str = "scenarios/validation/column-collapse.json";

@@ -1,9 +1,6 @@
 //! Discharge of a flat-bottomed bin through round openings: Beverloo's law.
 
 use pluvia::{
-    measure::standard_tests::{
-        BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow,
-    },
     report::{Axis, Chart, Look, Plot},
     units::{from_mm, to_g, to_mm},
 };
@@ -11,6 +8,7 @@ use pluvia::{
 use super::{
     bench::{Bench, Point, Run},
     row::{Found, Row, Rule},
+    standard_tests::{BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow},
 };
 
 const SCENARIO: &str = "scenarios/validation/hopper-flat.json";

@@ -12,6 +12,8 @@ mod oedometer;
 mod repose;
 mod row;
 mod shear;
+#[allow(dead_code, unused_imports)] // its tests are those of tests/it/standard_tests.rs
+mod standard_tests;
 mod triaxial;
 
 use std::{path::PathBuf, process::ExitCode};

@@ -3,9 +3,6 @@
 use std::f64::consts::PI;
 
 use pluvia::{
-    measure::standard_tests::{
-        Compressed, Rebound, compression_index, rebound, void_ratio_of_height,
-    },
     report::{Axis, Chart, Look, Plot},
     units::{from_kpa, from_mm},
 };
@@ -13,6 +10,7 @@ use pluvia::{
 use super::{
     bench::{Bench, Point, Run},
     row::{Found, Row, Rule},
+    standard_tests::{Compressed, Rebound, compression_index, rebound, void_ratio_of_height},
 };
 
 const SCENARIO: &str = "scenarios/validation/oedometer.json";

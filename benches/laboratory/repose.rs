@@ -1,13 +1,11 @@
 //! The angle of repose of the same grains by three methods, over the friction between them.
 
-use pluvia::{
-    measure::standard_tests::{Tilted, crossing, sliding_tilt},
-    report::{Axis, Chart, Look, Plot},
-};
+use pluvia::report::{Axis, Chart, Look, Plot};
 
 use super::{
     bench::{Bench, Point, Run},
     row::{Found, Row, Rule},
+    standard_tests::{Tilted, crossing, sliding_tilt},
 };
 
 /// The angle that the paper measured, in degrees.

@@ -1,10 +1,9 @@
 //! A row of the table: a published number, where it was seen, and ours beside it.
 
-use pluvia::measure::{
-    inference::MeanTest,
-    standard_tests::{Verdict, judge},
-};
+use pluvia::measure::inference::MeanTest;
 use serde::{Deserialize, Serialize};
+
+use super::standard_tests::{Verdict, judge};
 
 /// What is published.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

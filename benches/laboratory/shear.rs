@@ -1,9 +1,6 @@
 //! Direct shear at three stresses: friction angles at the peak and at the end.
 
 use pluvia::{
-    measure::standard_tests::{
-        ShearStrength, Sheared, friction_angle, inertial_number, shear_strength,
-    },
     report::{Axis, Chart, Look, Plot},
     units::{from_kpa, from_mm, to_mm},
 };
@@ -11,6 +8,7 @@ use pluvia::{
 use super::{
     bench::{Bench, Point, Run},
     row::{Found, Published, Row, Rule},
+    standard_tests::{ShearStrength, Sheared, friction_angle, inertial_number, shear_strength},
 };
 
 const SCENARIO: &str = "scenarios/validation/direct-shear.json";

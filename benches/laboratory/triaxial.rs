@@ -1,9 +1,6 @@
 //! Triaxial compression of a loose and a dense specimen, and whether both come to one state.
 
 use pluvia::{
-    measure::standard_tests::{
-        CriticalState, Triaxial, angle_of_ratio, critical_state, inertial_number, peak_ratio,
-    },
     report::{Axis, Chart, Look, Plot},
     units::{from_kpa, from_mm},
 };
@@ -12,6 +9,9 @@ use serde_json::json;
 use super::{
     bench::{Bench, Point, Run},
     row::{Found, Published, Row, Rule},
+    standard_tests::{
+        CriticalState, Triaxial, angle_of_ratio, critical_state, inertial_number, peak_ratio,
+    },
 };
 
 const SPECIMEN: &str = "scenarios/validation/triaxial-specimen.json";

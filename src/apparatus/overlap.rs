@@ -11,44 +11,41 @@ const TOUCHING: f64 = 1e-6;
 /// # Errors
 /// Names every pair of them.
 pub fn overlapping(pieces: &[RigidPiece]) -> Result<(), ApparatusError> {
-    let solids: Vec<Vec<Solid>> = pieces
-        .iter()
-        .map(|piece| {
-            let parts = piece.parts.iter();
-            parts.map(|part| Solid::of(&part.shape.transformed(&(piece.at * part.pose)))).collect()
-        })
-        .collect();
+    let solids: Vec<Vec<Solid>> = pieces.iter().map(|piece| solids(piece, piece.at)).collect();
     let mut found = Vec::new();
     for (a, one) in solids.iter().enumerate() {
         for (b, other) in solids.iter().enumerate().skip(a + 1) {
             let may = pieces[a].may_cross || pieces[b].may_cross;
-            if !may && one.iter().any(|x| other.iter().any(|y| x.depth_in(y) > TOUCHING)) {
+            if !may && meet(one, other) {
                 found.push(format!("`{}` and `{}`", pieces[a].name, pieces[b].name));
             }
         }
     }
-    match found.is_empty() {
-        true => Ok(()),
-        false => {
-            let reason = ApparatusFault::Overlap(found.join(", "));
-            Err(ApparatusError { part: "laboratory", reason })
-        }
+    if found.is_empty() {
+        return Ok(());
     }
+    let reason = ApparatusFault::Overlap(found.join(", "));
+    Err(ApparatusError { part: "laboratory", reason })
 }
 
 /// The number of a piece that piece number `one` stands in, with the places in `at` of those that
 /// stand; none where it stands in none that it may not.
 pub fn stands_in(pieces: &[RigidPiece], at: &[Option<Pose>], one: usize) -> Option<usize> {
-    let solids = |n: usize, at: Pose| -> Vec<Solid> {
-        let parts = pieces[n].parts.iter();
-        parts.map(|part| Solid::of(&part.shape.transformed(&(at * part.pose)))).collect()
-    };
-    let own = solids(one, at[one]?);
+    let own = solids(&pieces[one], at[one]?);
     let may = |n: usize| pieces[one].may_cross || pieces[n].may_cross;
-    (0..pieces.len()).filter(|n| *n != one && !may(*n)).find(|&n| {
-        let other = at[n].map_or(Vec::new(), |at| solids(n, at));
-        own.iter().any(|x| other.iter().any(|y| x.depth_in(y) > TOUCHING))
-    })
+    let mut others = (0..pieces.len()).filter(|n| *n != one && !may(*n));
+    others.find(|&n| at[n].is_some_and(|at| meet(&own, &solids(&pieces[n], at))))
+}
+
+/// The parts of a piece at a place.
+fn solids(piece: &RigidPiece, at: Pose) -> Vec<Solid> {
+    let parts = piece.parts.iter();
+    parts.map(|part| Solid::of(&part.shape.transformed(&(at * part.pose)))).collect()
+}
+
+/// Whether one piece reaches into another.
+fn meet(one: &[Solid], other: &[Solid]) -> bool {
+    one.iter().any(|x| other.iter().any(|y| x.depth_in(y) > TOUCHING))
 }
 
 /// A convex solid as the separating axis theorem sees it.

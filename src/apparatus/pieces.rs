@@ -161,6 +161,18 @@ fn block(low: [f64; 3], high: [f64; 3]) -> Result<Piece, PolyhedronError> {
     ConvexPolyhedron::prism(&outline, low[2], high[2]).map(piece)
 }
 
+/// The same block a number of times, evenly turned about the z axis.
+fn around(count: u32, low: [f64; 3], high: [f64; 3]) -> Parts {
+    let turned = |k: u32| {
+        let block = block(low, high)?;
+        let angle = 2.0 * PI * f64::from(k) / f64::from(count);
+        let turn = UnitQuaternion::from_axis_angle(&Vector::z_axis(), angle);
+        let pose = Pose::from_parts(Translation3::identity(), turn) * block.pose;
+        Ok(Piece { pose, ..block })
+    };
+    (0..count).map(turned).collect()
+}
+
 fn walls_of_box(spec: &BoxSpec) -> Parts {
     let [x, y, h] = spec.inner_mm.map(from_mm);
     let (x, y, t) = (x / 2.0, y / 2.0, from_mm(spec.wall_mm));
@@ -230,15 +242,8 @@ fn drum(spec: &DrumSpec) -> Parts {
     let high = from_mm(spec.lifter_mm);
     // Their outer side lies within the wall, however its flats lie.
     let (inner, outer) = (radius - high, radius + t / 2.0);
-    for n in 0..spec.lifters {
-        let bar = block([inner, -high / 2.0, -half], [outer, high / 2.0, half])?;
-        let angle = 2.0 * PI * f64::from(n) / f64::from(spec.lifters);
-        let turn = UnitQuaternion::from_axis_angle(&Vector::z_axis(), angle);
-        parts.push(Piece {
-            pose: Pose::from_parts(Translation3::identity(), turn) * bar.pose,
-            ..bar
-        });
-    }
+    let (low, top) = ([inner, -high / 2.0, -half], [outer, high / 2.0, half]);
+    parts.extend(around(spec.lifters, low, top)?);
     // From an upright axis to one along y.
     let lie = UnitQuaternion::from_axis_angle(&Vector::x_axis(), -FRAC_PI_2);
     let lie = Pose::from_parts(Translation3::identity(), lie);
@@ -260,12 +265,7 @@ fn vane(spec: &VaneSpec) -> Parts {
         let outline: Vec<(f64, f64)> = (0..spec.blades).map(corner).collect();
         parts.push(piece(ConvexPolyhedron::prism(&outline, -half, half)?));
     }
-    for k in 0..spec.blades {
-        let blade = block([inner, -side, -half], [radius, side, half])?;
-        let turn = UnitQuaternion::from_axis_angle(&Vector::z_axis(), 2.0 * PI * f64::from(k) / n);
-        let pose = Pose::from_parts(Translation3::identity(), turn) * blade.pose;
-        parts.push(Piece { pose, ..blade });
-    }
+    parts.extend(around(spec.blades, [inner, -side, -half], [radius, side, half])?);
     Ok(parts)
 }
 

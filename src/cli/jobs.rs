@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::*;
 
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Clone, Copy, Default, Args)]
 pub(super) struct Jobs {
     /// Cores to use: so many stages run at the same time or, where fewer are left, on several
     /// threads each; no more than there are; results do not depend on it [default: all cores]

@@ -54,8 +54,8 @@ pub(super) fn of_runs<'a>(runs: impl Iterator<Item = (&'a str, &'a Summary)>) ->
 /// The last line of a study: how many runs are left out of its means.
 pub(super) fn of_study(left_out: usize, with_result: usize) -> String {
     match left_out_in_words(left_out, with_result) {
-        said if said.is_empty() => format!("runs that are valid: {with_result} of {with_result}\n"),
-        said => format!("{}: {said}\n", paint::bad("NOT VALID or short of grains")),
+        None => format!("runs that are valid: {with_result} of {with_result}\n"),
+        Some(said) => format!("{}: {said}\n", paint::bad("NOT VALID or short of grains")),
     }
 }
 

@@ -99,10 +99,7 @@ pub(super) fn run(args: &PlotArgs, context: &Context) -> Result<ExitStatus, CliE
     let failed = |reason: String| CliError::Usage(format!("{}: {reason}", plain_path(&path)));
     let svg = chart.svg().map_err(failed)?;
     let is_svg = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg"));
-    let content = match is_svg {
-        true => svg.into_bytes(),
-        false => svg_to_png(&svg).map_err(failed)?,
-    };
+    let content = if is_svg { svg.into_bytes() } else { svg_to_png(&svg).map_err(failed)? };
     prepare(out, args.force)?;
     write_file(out, &content)?;
     let drawn = Drawn {
@@ -271,10 +268,7 @@ fn begins(rows: &ColumnTable) -> Vec<f64> {
 }
 
 fn all_at_once(faults: Vec<String>) -> Result<(), CliError> {
-    match faults.is_empty() {
-        true => Ok(()),
-        false => Err(CliError::Usage(faults.join("\n"))),
-    }
+    if faults.is_empty() { Ok(()) } else { Err(CliError::Usage(faults.join("\n"))) }
 }
 
 fn list(context: &Context, path: PathBuf, rows: &ColumnTable) -> Result<ExitStatus, CliError> {

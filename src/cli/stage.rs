@@ -33,13 +33,8 @@ pub(super) struct StageArgs {
 }
 
 pub(super) fn run(args: &StageArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    let tasks = SweepTasks::read(RunOptions {
-        out: args.folder.clone(),
-        jobs: 1,
-        frames: false,
-        cancel: context.cancel.clone(),
-        progress: context.progress.clone(),
-    })?;
+    let options = context.run_options(&args.folder, Jobs::default());
+    let tasks = SweepTasks::read(RunOptions { jobs: 1, ..options })?;
     remove_abandoned(&args.folder);
     let asked = match &args.key {
         Some(key) => Some(tasks.find(key)?),

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{ConvexPolyhedron, Point, PolyhedronError, Vector};
+use super::{ConvexPolyhedron, Point, Vector};
 
 /// Triangles whose corners lie within this of one plane, as a fraction of the
 /// grain's radius, make one face. Half of what a polyhedron allows its faces,
@@ -19,24 +19,25 @@ pub(crate) fn joined_polyhedron(
 ) -> Option<ConvexPolyhedron> {
     if faces.iter().all(|face| face.len() == 3)
         && let Some(joined) = joined(vertices, faces)
-        && let Ok(shape) = compact(vertices, joined)
+        && let (vertices, joined) = used(&joined, vertices)
+        && let Ok(shape) = ConvexPolyhedron::new(vertices, joined)
     {
         return Some(shape);
     }
     ConvexPolyhedron::new(vertices.to_vec(), faces.to_vec()).ok()
 }
 
-fn compact(
-    vertices: &[Point],
-    mut faces: Vec<Vec<u32>>,
-) -> Result<ConvexPolyhedron, PolyhedronError> {
-    let mut used: Vec<u32> = faces.iter().flatten().copied().collect();
+/// The vertices that faces use, in the order of their numbers, and the faces by their new numbers.
+pub(crate) fn used<V: Copy>(
+    faces: &[impl AsRef<[u32]>],
+    vertices: &[V],
+) -> (Vec<V>, Vec<Vec<u32>>) {
+    let mut used: Vec<u32> = faces.iter().flat_map(AsRef::as_ref).copied().collect();
     used.sort_unstable();
     used.dedup();
-    for corner in faces.iter_mut().flatten() {
-        *corner = used.partition_point(|v| v < corner) as u32;
-    }
-    ConvexPolyhedron::new(used.iter().map(|&v| vertices[v as usize]).collect(), faces)
+    let number = |v: &u32| used.partition_point(|u| u < v) as u32;
+    let faces = faces.iter().map(|face| face.as_ref().iter().map(number).collect()).collect();
+    (used.iter().map(|&v| vertices[v as usize]).collect(), faces)
 }
 
 /// Joins triangles into plane faces, beginning with the largest; vertices amid
@@ -145,10 +146,7 @@ pub(crate) fn cut(
                 let mut at = p + (q - p) * (a / (a - b));
                 onto(&mut at);
                 inside.push(at);
-                match a <= 0.0 {
-                    true => leaves = Some(at),
-                    false => enters = Some(at),
-                }
+                if a <= 0.0 { leaves = Some(at) } else { enters = Some(at) }
             }
         }
         rim.extend(enters.zip(leaves));

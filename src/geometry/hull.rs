@@ -8,7 +8,7 @@
 
 use std::collections::{BinaryHeap, HashMap};
 
-use super::{Point, Vector};
+use super::{Point, Vector, used};
 
 /// Points nearer to a face than this, as a fraction of the largest distance
 /// from the points' mean, are taken to lie on it. Meshes of single precision
@@ -50,15 +50,9 @@ pub(crate) fn hull(points: &[Point], most_vertices: usize) -> Option<Hull> {
         .flat_map(|&p| facets.iter().map(move |f| (f, p)))
         .map(|(f, p)| f.height(&scaled[p as usize]))
         .fold(0.0, f64::max);
-    let mut used: Vec<u32> = facets.iter().flat_map(|f| f.corners).collect();
-    used.sort_unstable();
-    used.dedup();
-    let number = |v: u32| used.partition_point(|&u| u < v) as u32;
-    Some(Hull {
-        vertices: used.iter().map(|&v| points[v as usize]).collect(),
-        triangles: facets.iter().map(|f| f.corners.map(number).to_vec()).collect(),
-        left_out: left_out * radius,
-    })
+    let corners: Vec<[u32; 3]> = facets.iter().map(|f| f.corners).collect();
+    let (vertices, triangles) = used(&corners, points);
+    Some(Hull { vertices, triangles, left_out: left_out * radius })
 }
 
 /// A triangle of the hull as far as it has grown.

@@ -11,7 +11,7 @@ mod polyhedron;
 mod rounded;
 mod sphere;
 
-pub(crate) use convex::{FLATNESS, cut, joined_polyhedron};
+pub(crate) use convex::{FLATNESS, cut, joined_polyhedron, used};
 pub(crate) use hull::{Hull, hull};
 pub use mass::{MassProperties, PrincipalFrame};
 pub use polyhedron::{ConvexPolyhedron, PolyhedronError};

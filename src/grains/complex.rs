@@ -193,14 +193,8 @@ impl CellComplex {
             face.rotate_left(lowest);
             faces.push(face);
         }
-        let mut used: Vec<u32> = faces.iter().flatten().copied().collect();
-        used.sort_unstable();
-        used.dedup();
-        for corner in faces.iter_mut().flatten() {
-            *corner = used.partition_point(|v| v < corner) as u32;
-        }
-        let vertices = used.iter().map(|&v| self.vertices[v as usize].position).collect();
-        ConvexPolyhedron::new(vertices, faces)
+        let (vertices, faces) = used(&faces, &self.vertices);
+        ConvexPolyhedron::new(vertices.iter().map(|v| v.position).collect(), faces)
     }
 
     /// All cells as polyhedra.

@@ -39,7 +39,7 @@ pub use psd::{Fraction, ParticleSizeDistribution};
 pub use shape::{GrainShape, ShapeRatio};
 pub use sieve::{Passage, SIEVE_TOLERANCE, sieve_size};
 pub use sieve_memory::sieve_size_of;
-pub use sieve_table::sieve_csv;
+pub use sieve_table::{sieve_csv, table_csv};
 pub use sizes::{load_grains, load_scenario};
 
 // What its parts are made of, too.
@@ -49,7 +49,7 @@ use std::sync::Arc;
 use rand_pcg::Pcg64;
 
 use crate::geometry::{
-    ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, Rounded, Vector,
+    ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, Rounded, Vector, used,
 };
 use crate::scale::{self, Scale};
 use crate::scenario::{CellShape, SievedGrains};

@@ -1,7 +1,5 @@
 //! The table `sieve.csv`.
 
-use std::io::Write;
-
 use super::*;
 use crate::units::to_g;
 
@@ -15,8 +13,7 @@ use crate::units::to_g;
 pub fn sieve_csv(
     psd: &ParticleSizeDistribution,
     grains: &GrainSet,
-    into: impl Write,
-) -> Result<(), GrainsError> {
+) -> Result<Vec<u8>, GrainsError> {
     let (fractions, blocks) = (psd.fractions.len(), grains.blocks.len());
     if fractions != blocks {
         return Err(GrainsError::BadBlock {
@@ -47,22 +44,24 @@ pub fn sieve_csv(
             ("sieved_finer_percent", four(sieved.percent_finer(fraction.retained))),
         ]
     };
-    write_table(psd.fractions.iter().zip(&grains.blocks).enumerate().map(row), into)
+    Ok(table_csv(psd.fractions.iter().zip(&grains.blocks).enumerate().map(row))?)
 }
 
-/// Writes rows whose cells have the names of their columns as CSV.
-pub(super) fn write_table(
-    rows: impl Iterator<Item = Vec<(&'static str, String)>>,
-    into: impl Write,
-) -> Result<(), GrainsError> {
-    let mut csv = csv::Writer::from_writer(into);
+/// A table in memory, of rows of names and cells; the names are those of the first row.
+///
+/// # Errors
+/// The writer's; writing to memory does not fail.
+pub fn table_csv<N: AsRef<[u8]>>(
+    rows: impl Iterator<Item = Vec<(N, String)>>,
+) -> Result<Vec<u8>, csv::Error> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
     for (n, row) in rows.enumerate() {
         if n == 0 {
             csv.write_record(row.iter().map(|(name, _)| name))?;
         }
         csv.write_record(row.iter().map(|(_, cell)| cell))?;
     }
-    Ok(csv.flush()?)
+    csv.into_inner().map_err(|e| e.into_error().into())
 }
 
 #[cfg(test)]
@@ -75,8 +74,7 @@ mod tests {
         let spec = few_grains();
         let psd = ParticleSizeDistribution::new(&spec).unwrap();
         let grains = generate(&spec, 1).unwrap();
-        let mut bytes = Vec::new();
-        sieve_csv(&psd, &grains, &mut bytes).unwrap();
+        let bytes = sieve_csv(&psd, &grains).unwrap();
         let mut csv = csv::Reader::from_reader(&bytes[..]);
         let header = csv.headers().unwrap().iter().collect::<Vec<_>>().join(",");
         assert_eq!(
@@ -110,6 +108,6 @@ mod tests {
         assert!((all - 100.0).abs() < 1e-3, "fractions, finer and coarser: 100 %, got {all} %");
         let mut one_less = grains.clone();
         one_less.blocks.pop();
-        assert!(sieve_csv(&psd, &one_less, Vec::new()).is_err(), "a block is missing");
+        assert!(sieve_csv(&psd, &one_less).is_err(), "a block is missing");
     }
 }

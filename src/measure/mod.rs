@@ -32,7 +32,6 @@ mod separation;
 mod settlement;
 #[cfg(test)]
 mod sphere_tests;
-pub mod standard_tests;
 pub mod statistics;
 mod stress;
 #[cfg(test)]
@@ -54,7 +53,7 @@ pub use loads::{
     force_distribution, loaded_contacts, sliding_share,
 };
 pub use overlap::{OverlapStatistics, overlap_statistics};
-pub use pairs::{PairGap, pairs_within, pairs_within_of, touching_gap};
+pub use pairs::{PairGap, neighbours, pairs_within, pairs_within_of, touching_gap};
 pub use places::{Place, Places, places};
 pub use plate::{PlatePosition, plate_position};
 pub use profile::{Slice, layers, rings};
@@ -64,9 +63,7 @@ pub use repose::{
 };
 pub use rotation::rotations;
 pub use separation::{Separation, penetration_depth, separation, separation_within};
-pub use settlement::{
-    HeightSample, Period, Settlement, height_at, mean_height_between, settlement, share_after,
-};
+pub use settlement::{HeightSample, Period, Settlement, settlement};
 pub use stress::{Stress, stress_in};
 pub use void_ratio::{Voids, void_ratio};
 

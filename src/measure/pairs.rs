@@ -42,6 +42,17 @@ pub fn pairs_within(specimen: &Specimen, grains: &[usize], most: f64) -> Vec<Pai
     pairs
 }
 
+/// How many others each grain touches; 0 of those that no longer take part.
+pub fn neighbours(specimen: &Specimen) -> Vec<u32> {
+    let present: Vec<usize> = specimen.present().collect();
+    let mut counts = vec![0; specimen.grains.grains.len()];
+    for pair in pairs_within(specimen, &present, touching_gap(&specimen.grains)) {
+        counts[pair.a] += 1;
+        counts[pair.b] += 1;
+    }
+    counts
+}
+
 /// The same for prepared hulls: (index, index, gap in m), lower index first, in order.
 pub fn pairs_within_of(hulls: &[WorldHull], most: f64) -> Vec<(usize, usize, f64)> {
     let mut found: Vec<(usize, usize, f64)> = candidates(hulls, most)

@@ -38,11 +38,8 @@ pub fn places(specimen: &Specimen, container: &Container, wall: f64) -> Vec<Plac
     // Half of a wall deep, from which grains on their way count as having passed it.
     let deep = wall / 2.0;
     let place = |(n, grain): (usize, &crate::specimen::GrainState)| {
-        match grain.fate {
-            Fate::Present => {}
-            Fate::Spilled => return Place::Spilled,
-            Fate::ThroughWall => return Place::Escaped,
-            Fate::LeftInFunnel | Fate::Waiting => return Place::LeftInFunnel,
+        if grain.fate != Fate::Present {
+            return Place::by_fate(grain.fate);
         }
         let at = Point::from(grain.body.pose.translation.vector);
         if state.funnel.is_some_and(|funnel| at.z >= funnel.opening_height) {
@@ -60,6 +57,18 @@ pub fn places(specimen: &Specimen, container: &Container, wall: f64) -> Vec<Plac
     state.bodies.iter().enumerate().map(place).collect()
 }
 
+impl Place {
+    /// By what became of a grain alone.
+    fn by_fate(fate: Fate) -> Self {
+        match fate {
+            Fate::Present => Self::InCylinder,
+            Fate::Spilled => Self::Spilled,
+            Fate::ThroughWall => Self::Escaped,
+            Fate::LeftInFunnel | Fate::Waiting => Self::LeftInFunnel,
+        }
+    }
+}
+
 impl Places {
     /// Counted.
     pub fn of(places: &[Place]) -> Self {
@@ -75,16 +84,8 @@ impl Places {
     /// Counted by what became of the grains alone, as in a laboratory of named pieces, which has
     /// no cylinder: what takes part counts as in it.
     pub fn by_fate(specimen: &Specimen) -> Self {
-        let mut places = Self::default();
-        for grain in &specimen.state.bodies {
-            *match grain.fate {
-                Fate::Present => &mut places.in_cylinder,
-                Fate::Spilled => &mut places.spilled,
-                Fate::ThroughWall => &mut places.escaped,
-                Fate::LeftInFunnel | Fate::Waiting => &mut places.left_in_funnel,
-            } += 1;
-        }
-        places
+        let places = specimen.state.bodies.iter().map(|grain| Place::by_fate(grain.fate));
+        Self::of(&places.collect::<Vec<_>>())
     }
 }
 

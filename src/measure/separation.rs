@@ -61,39 +61,21 @@ pub fn penetration_depth(a: &WorldHull, b: &WorldHull) -> Option<f64> {
     (found.gap < 0.0).then_some(-found.gap)
 }
 
-/// Searches all axes for the widest gap, ending early when it exceeds `enough`.
+/// Searches all axes for the widest gap, ending early when it exceeds `enough`. Between rounded
+/// bodies it is exact, as moving two cores towards each other or apart moves what their balls
+/// sweep.
 fn search(a: &WorldHull, b: &WorldHull, enough: f64) -> Separation {
-    if a.rounding > 0.0 || b.rounding > 0.0 {
-        return cores(a, b, enough);
-    }
-    match (a.sphere, b.sphere) {
-        (Some(a), _) => {
-            let Separation { gap, axis } = from_body(b, &a.centre.coords);
-            return Separation { gap: gap - a.radius, axis: -axis };
-        }
-        (_, Some(b)) => {
-            let Separation { gap, axis } = from_body(a, &b.centre.coords);
-            return Separation { gap: gap - b.radius, axis };
-        }
-        _ => {}
-    }
-    along_axes(a, b, enough)
-}
-
-/// The gap of two of which one at least is rounded: exact, as moving two cores towards each other
-/// or apart moves what their balls sweep.
-fn cores(a: &WorldHull, b: &WorldHull, enough: f64) -> Separation {
     let radii = a.rounding + b.rounding;
-    if let Some(sphere) = b.sphere {
-        let Separation { gap, axis } = from_body(a, &sphere.centre.coords);
-        return Separation { gap: gap - sphere.radius - radii, axis };
-    }
     if let Some(sphere) = a.sphere {
         let Separation { gap, axis } = from_body(b, &sphere.centre.coords);
         return Separation { gap: gap - sphere.radius - radii, axis: -axis };
     }
+    if let Some(sphere) = b.sphere {
+        let Separation { gap, axis } = from_body(a, &sphere.centre.coords);
+        return Separation { gap: gap - sphere.radius - radii, axis };
+    }
     let found = along_axes(a, b, enough + radii);
-    if found.gap <= 0.0 || found.gap > enough + radii {
+    if radii == 0.0 || found.gap <= 0.0 || found.gap > enough + radii {
         return Separation { gap: found.gap - radii, ..found };
     }
     let Separation { gap, axis } = distance(a, b, &found);

@@ -86,52 +86,6 @@ pub fn settlement(series: &[HeightSample], periods: &[Period]) -> Result<Settlem
     })
 }
 
-/// Share of the final settlement reached after `seconds` of vibration, rests
-/// between periods not counted; `None` when the vibration is shorter or there
-/// is no settlement to share out. It may exceed 1, or be negative, when the
-/// height rises.
-///
-/// # Errors
-/// As [`settlement`].
-pub fn share_after(
-    series: &[HeightSample],
-    periods: &[Period],
-    seconds: f64,
-) -> Result<Option<f64>, MeasureError> {
-    check(series, periods)?;
-    let start = height_clamped(series, periods[0].start);
-    let last = series[series.len() - 1];
-    let at_end = start - last.height;
-    Ok(shaking_clock(periods, seconds, last.time)
-        .and_then(|time| share(start - height_clamped(series, time), at_end)))
-}
-
-/// Height at a time by linear interpolation between samples; `None` outside
-/// the series. Where two samples bear the same time (end of one stage and
-/// beginning of the next) the later one counts. The series must be in order of time.
-pub fn height_at(series: &[HeightSample], time: f64) -> Option<f64> {
-    let (first, last) = (series.first()?, series.last()?);
-    (time >= first.time - ROUNDING && time <= last.time + ROUNDING)
-        .then(|| height_clamped(series, time))
-}
-
-/// Mean height over the time from `from` to `to` (s), the area under the
-/// interpolated series over its length; for fluctuating readings. `None` when
-/// the interval is empty or not within the series.
-pub fn mean_height_between(series: &[HeightSample], from: f64, to: f64) -> Option<f64> {
-    if to <= from || (to - from).is_nan() {
-        return None;
-    }
-    let mut points = vec![HeightSample { time: from, height: height_at(series, from)? }];
-    points.extend(series.iter().filter(|s| s.time > from && s.time < to));
-    points.push(HeightSample { time: to, height: height_at(series, to)? });
-    let area: f64 = points
-        .windows(2)
-        .map(|w| (w[1].time - w[0].time) * (w[0].height + w[1].height) / 2.0)
-        .sum();
-    Some(area / (to - from))
-}
-
 /// A part of the final settlement as a share of it.
 fn share(part: f64, whole: f64) -> Option<f64> {
     (whole > 0.0).then(|| part / whole)
@@ -207,6 +161,14 @@ mod tests {
     use super::super::testing::assert_near;
     use super::*;
 
+    /// Share of the final settlement reached after a time of vibration, by the parts.
+    fn share_after(series: &[HeightSample], periods: &[Period], seconds: f64) -> Option<f64> {
+        let start = height_clamped(series, periods[0].start);
+        let last = series[series.len() - 1];
+        let time = shaking_clock(periods, seconds, last.time)?;
+        share(start - height_clamped(series, time), start - last.height)
+    }
+
     fn series(points: &[(f64, f64)]) -> Vec<HeightSample> {
         points.iter().map(|&(time, height)| HeightSample { time, height }).collect()
     }
@@ -235,7 +197,7 @@ mod tests {
         let share = got.share_after_5_s.unwrap();
         assert_near("share", fallen(5.0) / end, share, tolerance / end);
         assert_eq!(got.after_each_period, [got.at_end]);
-        let again = share_after(&points, &periods(&[(begin, 23.0)]), 5.0).unwrap();
+        let again = share_after(&points, &periods(&[(begin, 23.0)]), 5.0);
         assert_eq!(again, got.share_after_5_s, "share by the other way");
     }
 
@@ -247,27 +209,8 @@ mod tests {
         for (time, expected) in
             [(0.0, 1.0), (0.25, 1.5), (0.999, 2.998), (1.0, 5.0), (1.5, 4.5), (2.0, 4.0)]
         {
-            assert_near("height", expected, height_at(&s, time).unwrap(), 1e-12);
+            assert_near("height", expected, height_clamped(&s, time), 1e-12);
         }
-        assert_eq!(height_at(&s, -0.1), None);
-        assert_eq!(height_at(&s, 2.1), None);
-        assert_eq!(height_at(&[], 0.0), None);
-    }
-
-    /// Law: the area under a triangle over its base is half its height.
-    #[test]
-    fn mean_over_time() {
-        let s = series(&[(0.0, 0.0), (1.0, 2.0), (3.0, 0.0)]);
-        assert_near("triangle", 1.0, mean_height_between(&s, 0.0, 3.0).unwrap(), 1e-15);
-        assert_near("part", 1.5, mean_height_between(&s, 0.5, 1.0).unwrap(), 1e-15);
-        assert_near(
-            "within one interval",
-            0.5,
-            mean_height_between(&s, 2.25, 2.75).unwrap(),
-            1e-15,
-        );
-        assert_eq!(mean_height_between(&s, 1.0, 1.0), None);
-        assert_eq!(mean_height_between(&s, 1.0, 4.0), None);
     }
 
     /// Intermittent vibration: periods are read at the end of the rest that
@@ -294,15 +237,15 @@ mod tests {
         assert_near("after 5 s", 0.018, got.after_5_s.unwrap(), 1e-15);
         assert_near("at the end of shaking", 0.020, got.end_of_shaking, 1e-15);
         // The end of a period is read in the rest, as the laboratory did.
-        let share = share_after(&s, &shaken, 2.0).unwrap().unwrap();
+        let share = share_after(&s, &shaken, 2.0).unwrap();
         assert_near("share after the first period", 11.0 / 18.0, share, 1e-12);
-        let share = share_after(&s, &shaken, 6.0).unwrap().unwrap();
+        let share = share_after(&s, &shaken, 6.0).unwrap();
         assert_near("all of it", 1.0, share, 1e-12);
         // The settlement overshoots: a share above one is kept.
-        let share = share_after(&s, &shaken, 5.9).unwrap().unwrap();
+        let share = share_after(&s, &shaken, 5.9).unwrap();
         assert_near("share above one", 19.8 / 18.0, share, 1e-12);
-        assert_eq!(share_after(&s, &shaken, 6.1), Ok(None), "longer than the vibration");
-        assert_eq!(share_after(&s, &shaken, -1.0), Ok(None));
+        assert_eq!(share_after(&s, &shaken, 6.1), None, "longer than the vibration");
+        assert_eq!(share_after(&s, &shaken, -1.0), None);
     }
 
     /// Law: shaking of 2 s and a rest, in which what was thrown up comes down, give the value at rest as

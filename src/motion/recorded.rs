@@ -66,14 +66,8 @@ impl RecordedMotion {
     /// All faults: too few or too many rows, numbers that are not finite, times that do not
     /// grow, an end far from the beginning.
     pub fn new(rows: &[[f64; 4]], interpolation: Interpolation) -> Result<Self, Vec<RowFault>> {
-        let mut faults = faults(rows);
-        if faults.is_empty() {
-            faults.extend(is_open(rows));
-        }
-        match faults.is_empty() {
-            true => Ok(Self::of_sound(rows, interpolation)),
-            false => Err(faults),
-        }
+        let motion = Self::of_piece(rows, interpolation)?;
+        is_open(rows).map_or(Ok(motion), |fault| Err(vec![fault]))
     }
 
     /// The same of a piece, which stays where its last row is.
@@ -85,13 +79,9 @@ impl RecordedMotion {
         interpolation: Interpolation,
     ) -> Result<Self, Vec<RowFault>> {
         let faults = faults(rows);
-        match faults.is_empty() {
-            true => Ok(Self::of_sound(rows, interpolation)),
-            false => Err(faults),
+        if !faults.is_empty() {
+            return Err(faults);
         }
-    }
-
-    fn of_sound(rows: &[[f64; 4]], interpolation: Interpolation) -> Self {
         let [start, x, y, z] = rows[0];
         let times: Vec<f64> = rows.iter().map(|r| r[0] - start).collect();
         let place = |r: &[f64; 4]| Vector::new(r[1] - x, r[2] - y, r[3] - z).map(from_mm);
@@ -100,7 +90,7 @@ impl RecordedMotion {
             Interpolation::Cubic => natural_spline(&times, &places),
             Interpolation::Linear => Vec::new(),
         };
-        Self { interpolation, times, places, bends }
+        Ok(Self { interpolation, times, places, bends })
     }
 
     /// Length in s.

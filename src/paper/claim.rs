@@ -21,7 +21,7 @@ pub enum ClaimKind {
 }
 
 /// Whether a statement was met.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Ours lies in the interval in which the paper's statement is read.
@@ -29,6 +29,7 @@ pub enum Verdict {
     /// It does not.
     Outside,
     /// The paper's text gives no number to compare with.
+    #[default]
     NotStated,
     /// It was not measured: runs are missing, or do not tell.
     NotRun,
@@ -38,7 +39,7 @@ pub enum Verdict {
 }
 
 /// One entry of `claims.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
     /// Stable name, for scripts.
     pub id: String,
@@ -136,19 +137,10 @@ impl Draft {
             id: of.id,
             source: of.source,
             statement: of.statement,
-            paper: None,
-            ours: None,
             unit: of.unit,
             kind: if of.input { ClaimKind::Input } else { ClaimKind::NoNumber },
-            verdict: Verdict::NotStated,
-            reason: String::new(),
             full_size: of.full_size,
-            runs: Vec::new(),
-            read_as: None,
-            spread: None,
-            note: String::new(),
-            left_out: Vec::new(),
-            not_valid: None,
+            ..Claim::default()
         };
         let draft = Self { claim, missing: 0 };
         let draft = match &of.paper {

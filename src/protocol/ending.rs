@@ -83,7 +83,7 @@ pub struct Judged {
 }
 
 /// What came of the condition, or the conditions, that were to end a stage.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct UntilFound {
     /// Whether it held, so that it ended the stage; otherwise a limit of time did, or everything
     /// had settled.
@@ -243,13 +243,8 @@ impl Ending {
 impl UntilFound {
     /// When something held, and nothing of what was found.
     fn nothing(judged: &Judged) -> Self {
-        Self {
-            reached: judged.reached_s.is_some(),
-            at_s: judged.reached_s,
-            found: Found::default(),
-            conditions: Vec::new(),
-            all_of: false,
-        }
+        let at_s = judged.reached_s;
+        Self { reached: at_s.is_some(), at_s, ..Self::default() }
     }
 
     /// What was found, with its unit, for a reader. Of several conditions those that held come

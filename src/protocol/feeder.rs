@@ -200,13 +200,11 @@ impl Feeder {
         let mut top = None;
         while !self.is_empty() && self.is_due(time) {
             let grain = self.order[self.so_far.count];
-            let drop_height = match self.feed.outlet {
-                Outlet::Spout { drop_height, .. } => drop_height,
-                Outlet::Area(_) => 0.0,
-            };
-            let top = match self.feed.outlet {
-                Outlet::Spout { .. } => *top.get_or_insert_with(|| self.top_of_pile(specimen)),
-                Outlet::Area(area) => area.middle.z,
+            let (drop_height, top) = match self.feed.outlet {
+                Outlet::Spout { drop_height, .. } => {
+                    (drop_height, *top.get_or_insert_with(|| self.top_of_pile(specimen)))
+                }
+                Outlet::Area(area) => (0.0, area.middle.z),
             };
             let room = self.find_room(grain, top, specimen, &released, clear);
             let Some(place) = room else { break };
@@ -266,7 +264,7 @@ impl Feeder {
 }
 
 /// Height of a grain's highest point in m.
-fn highest_point(specimen: &Specimen, grain: usize) -> f64 {
+pub(super) fn highest_point(specimen: &Specimen, grain: usize) -> f64 {
     let pose = &specimen.state.bodies[grain].body.pose;
     specimen.grains.grains[grain].shape.heights(pose).1
 }

@@ -122,7 +122,11 @@ pub(super) fn lowest_of(reach: impl Iterator<Item = (bool, f64)>) -> f64 {
 
 impl Solids {
     /// The pieces, by number, that hold a place within a part.
-    fn holding(&self, place: &Vector, state: &SpecimenState) -> impl Iterator<Item = usize> {
+    pub(super) fn holding(
+        &self,
+        place: &Vector,
+        state: &SpecimenState,
+    ) -> impl Iterator<Item = usize> {
         let place = Point::from(*place);
         let present = state.pieces.iter().enumerate().filter(|(_, piece)| piece.present);
         present.filter_map(move |(n, piece)| {

@@ -66,17 +66,9 @@ impl Laboratory<'_> {
             }
             (DepositKind::Rain, None) => return Err(self.refused("rain needs a rate")),
         }
-        let Ended { mut stand, settled, feeder } = self.carry_out(specimen, 0.0, &course)?;
-        let waiting = feeder.map_or(0, |feeder| feeder.waiting());
-        if waiting > 0 {
-            stand.warn(format!(
-                "after {time_limit_s} s {waiting} grains of the deposit had not been let go: each \
-                 waits until others and the pieces are out of its way"
-            ));
-        } else if !settled {
-            stand.warn(not_settled("depositing", time_limit_s));
-        }
-        Ok(stand.finish())
+        let left = "of the deposit had not been let go: each waits until others and the pieces \
+                    are out of its way";
+        self.feed(specimen, &course, "depositing", left)
     }
 
     /// Grains that wait, of sieve fractions between two openings in m, up to a mass in kg, in
@@ -208,7 +200,8 @@ impl Laboratory<'_> {
             let direction = turning.map_or(load.direction, |(_, axis)| axis);
             let direction = Vector::from(direction).normalize();
             let about = turning.map(|_| load.about_mm.unwrap_or_default().map(from_mm).into());
-            let area = piece.area_along(&(state.pose.rotation.inverse() * direction));
+            let axis = state.pose.rotation.inverse() * direction;
+            let area = piece.area_along(&axis);
             let target = match (load.force_n.or(load.moment_n_m), load.stress_kpa) {
                 (Some(force), _) => force,
                 (None, Some(stress)) => from_kpa(stress) * area,
@@ -217,28 +210,19 @@ impl Laboratory<'_> {
             let alike = |press: &PressState| {
                 press.direction == direction && press.turns.map(|turns| turns.about) == about
             };
-            let before = state.press.filter(alike);
-            let force = before.map_or(0.0, |press| press.force_n);
-            let arrived = before.is_some_and(|press| press.arrived);
+            let before = state.press.filter(alike).unwrap_or_default();
+            let force = before.force_n;
             // A force that the approach holds down must be able to come back.
-            let change = if arrived { (target - force).abs() } else { target.max(force) };
+            let change = if before.arrived { (target - force).abs() } else { target.max(force) };
             let mass = load.mass_g.map_or_else(|| piece.volume() * LID_DENSITY, from_g);
-            let turns = about.map(|about| {
-                let place = state.pose.inverse() * Point::from(about);
-                let axis = state.pose.rotation.inverse() * direction;
-                let turned = before.and_then(|press| press.turns);
-                TurnState {
-                    about,
-                    reach_m: piece.reach_from(&axis, &place),
-                    turned_rad: turned.map_or(0.0, |turns| turns.turned_rad),
-                }
+            let place = |about: Vector| state.pose.inverse() * Point::from(about);
+            let turns = about.map(|about| TurnState {
+                about,
+                reach_m: piece.reach_from(&axis, &place(about)),
+                turned_rad: before.turns.map_or(0.0, |turns| turns.turned_rad),
             });
             // Of what turns the moment of inertia, and the speed about the axis.
-            let inertia = turns.map(|turns| {
-                let place = state.pose.inverse() * Point::from(turns.about);
-                let axis = state.pose.rotation.inverse() * direction;
-                piece.inertia_about(&axis, &place, mass)
-            });
+            let inertia = about.map(|about| piece.inertia_about(&axis, &place(about), mass));
             let approach = from_mm(*approach_mm_per_s);
             state.press = Some(PressState {
                 direction,
@@ -247,11 +231,8 @@ impl Laboratory<'_> {
                 target_n: target,
                 rate_n_per_s: change / ramp_s,
                 approach_m_per_s: turns.map_or(approach, |turns| approach / turns.reach_m),
-                arrived,
-                force_n: force,
-                resistance_n: before.map_or(0.0, |press| press.resistance_n),
-                speed_m_per_s: before.map_or(0.0, |press| press.speed_m_per_s),
                 turns,
+                ..before
             });
         }
         self.until_settled(specimen, *time_limit_s, "pressing")

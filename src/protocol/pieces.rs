@@ -408,12 +408,7 @@ impl Solids {
 
     /// Whether a place lies within a part: no grain's centroid can.
     pub(super) fn holds(&self, place: &Vector, state: &SpecimenState) -> bool {
-        state
-            .pieces
-            .iter()
-            .enumerate()
-            .filter(|(_, piece)| piece.present)
-            .any(|(n, piece)| self.is_in(n, &(piece.pose.inverse() * Point::from(*place))))
+        self.holding(place, state).next().is_some()
     }
 
     /// Whether a place in the frame of a piece lies within one of its parts.

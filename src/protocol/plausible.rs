@@ -53,13 +53,7 @@ pub fn plausible(
         let found = state.pieces.len();
         return Err(format!("it has {found} pieces of apparatus, and the scenario {pieces}"));
     }
-    let mut walls = Whereabouts::new(
-        grains,
-        state.cylinder.then_some(&setup.cylinder),
-        funnel.as_ref(),
-        state.base.as_ref().map(|b| b.radius),
-        from_mm(setup.funnel.wall_thickness_mm),
-    );
+    let mut walls = Whereabouts::of(setup, specimen, funnel.as_ref());
     if pieces > 0 {
         // They may be anywhere: a stage that moves them knows how low they reach.
         walls.floor_at(-f64::MAX);

@@ -19,7 +19,7 @@ const GRAIN_STEP: f64 = 12e-6;
 
 /// Where a stage is between two of its segments: all that it needs to go on, beside
 /// its grains.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Midway {
     /// The specimen.
     pub state: SpecimenState,
@@ -91,18 +91,9 @@ impl Midway {
             began_s: state.time,
             pieces_began: state.pieces.clone(),
             state,
-            steps: 0,
             collar_m,
             next_sample_s: setup.sample_interval,
-            calm_since_s: None,
-            engine_s: 0.0,
-            warnings: Vec::new(),
-            watch: Watch::default(),
-            residuals: Vec::new(),
-            fed: None,
-            part: 0,
-            part_began: 0,
-            judged: Judged::default(),
+            ..Self::default()
         }
     }
 

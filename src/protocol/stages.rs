@@ -240,15 +240,24 @@ impl<'a> Laboratory<'a> {
             gravity,
         };
         let course = Course { feed: Some(feed), ..Course::until_settled(time_limit_s) };
-        let Ended { mut stand, settled, feeder } = self.carry_out(specimen, 0.0, &course)?;
-        let waiting = feeder.map_or(0, |feeder| feeder.waiting());
+        let left = "had not been fed: each waits until the one before it is out of its way";
+        self.feed(specimen, &course, "slow pluviation", left)
+    }
+
+    /// Carries out a stage that lets grains go, and tells of those left.
+    pub(super) fn feed(
+        &mut self,
+        specimen: Specimen,
+        course: &Course,
+        what: &str,
+        left: &str,
+    ) -> StageResult {
+        let Ended { mut stand, settled, feeder } = self.carry_out(specimen, 0.0, course)?;
+        let (limit, waiting) = (course.until.limit, feeder.map_or(0, |feeder| feeder.waiting()));
         if waiting > 0 {
-            stand.warn(format!(
-                "after {time_limit_s} s {waiting} grains had not been fed: each waits until the \
-                 one before it is out of its way"
-            ));
+            stand.warn(format!("after {limit} s {waiting} grains {left}"));
         } else if !settled {
-            stand.warn(not_settled("slow pluviation", time_limit_s));
+            stand.warn(not_settled(what, limit));
         }
         Ok(stand.finish())
     }
@@ -296,13 +305,8 @@ impl<'a> Laboratory<'a> {
         let Some(placing) = Placing::of(self.stage, self.setup).filter(|_| poured) else {
             return Err(self.refused("it needs grains poured into the cylinder"));
         };
-        let highest = specimen
-            .present()
-            .map(|i| {
-                let pose = specimen.state.bodies[i].body.pose;
-                specimen.grains.grains[i].shape.heights(&pose).1
-            })
-            .fold(0.0, f64::max);
+        let tops = specimen.present().map(|i| highest_point(&specimen, i));
+        let highest = tops.fold(0.0, f64::max);
         let release = scale::PLATE_RELEASE.at(&self.setup.scale);
         let height = highest + release + self.setup.plate.thickness / 2.0;
         let pose = placing.pose(specimen.state.table(), height);

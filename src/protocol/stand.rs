@@ -90,7 +90,6 @@ impl<'a> Stand<'a> {
                     .map(|built| (built, f.lid))
             })
             .transpose()?;
-        let wall = crate::units::from_mm(setup.funnel.wall_thickness_mm);
 
         let mut on_table = Vec::new();
         let mut parties = HashMap::new();
@@ -150,13 +149,7 @@ impl<'a> Stand<'a> {
         parties.extend(present.filter_map(|(n, id)| Some((Party::Grain(n), (*id)?))));
         let remembered = remembered(&state.contacts, &parties);
         world.recall(&remembered).map_err(|source| fail(source, &specimen))?;
-        let mut whereabouts = Whereabouts::new(
-            &specimen.grains,
-            state.cylinder.then_some(&setup.cylinder),
-            funnel.as_ref().map(|(f, _)| f),
-            state.base.as_ref().map(|b| b.radius),
-            wall,
-        );
+        let mut whereabouts = Whereabouts::of(setup, &specimen, funnel.as_ref().map(|(f, _)| f));
         if !setup.pieces.is_empty() {
             whereabouts.floor_at(pieces.lowest());
         }

@@ -30,15 +30,11 @@ pub(super) struct Whereabouts {
 }
 
 impl Whereabouts {
-    /// For grains among the parts of the apparatus that stand; radius of a pile's
-    /// base and wall thickness in m.
-    pub(super) fn new(
-        grains: &GrainSet,
-        cylinder: Option<&Cylinder>,
-        funnel: Option<&Funnel>,
-        base: Option<f64>,
-        wall: f64,
-    ) -> Self {
+    /// For grains among the parts of the apparatus that stand.
+    pub(super) fn of(setup: &Setup, specimen: &Specimen, funnel: Option<&Funnel>) -> Self {
+        let Specimen { grains, state } = specimen;
+        let cylinder = state.cylinder.then_some(&setup.cylinder);
+        let wall = from_mm(setup.funnel.wall_thickness_mm);
         let floor = match (cylinder, funnel) {
             (Some(_), _) | (None, None) => -wall,
             (None, Some(f)) => f.opening_height - wall,
@@ -46,7 +42,7 @@ impl Whereabouts {
         Self {
             cylinder: cylinder.map(|c| (c.radius, c.height)),
             funnel: funnel.cloned(),
-            base,
+            base: state.base.as_ref().map(|base| base.radius),
             wall,
             floor,
             rim_zone: grains.of_size(&scale::RIM_ZONE),
@@ -124,19 +120,23 @@ impl Whereabouts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{CylinderSpec, FunnelSpec};
-
-    fn one_grain() -> GrainSet {
-        let table = r#"{ "total_mass_g": 2, "density_kg_per_m3": 2673.9, "sieve_table":
-            [{ "passing_mm": 16, "retained_mm": 8, "mass_percent": 100 }] }"#;
-        let spec = serde_json::from_str(table).expect("a sieve table");
-        crate::grains::generate(&spec, 1).expect("grains")
-    }
+    use crate::scenario::{GrainsSpec, Scenario};
 
     fn laboratory() -> Whereabouts {
-        let cylinder = Cylinder::new(&CylinderSpec::default()).expect("cylinder");
-        let funnel = Funnel::new(&FunnelSpec::default(), 0.25, 0.0).expect("funnel");
-        Whereabouts::new(&one_grain(), Some(&cylinder), Some(&funnel), None, 0.02)
+        let scenario: Scenario = serde_json::from_value(serde_json::json!({
+            "name": "one grain between cylinder and funnel",
+            "grains": { "total_mass_g": 2, "density_kg_per_m3": 2673.9, "sieve_table":
+                [{ "passing_mm": 16, "retained_mm": 8, "mass_percent": 100 }] },
+            "stages": []
+        }))
+        .expect("a scenario");
+        let setup = Setup::new(&scenario).expect("a laboratory");
+        let GrainsSpec::Sieved(spec) = &scenario.grains else { panic!("sieved") };
+        let grains = crate::grains::generate(spec, 1).expect("grains");
+        let mut state = SpecimenState::before_everything(grains.grains.len());
+        state.cylinder = true;
+        let funnel = Funnel::new(&setup.funnel, 0.25, 0.0).expect("funnel");
+        Whereabouts::of(&setup, &Specimen { grains: grains.into(), state }, Some(&funnel))
     }
 
     fn walk(path: &[[f64; 3]]) -> Vec<Fate> {

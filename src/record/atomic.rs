@@ -156,6 +156,14 @@ pub fn json_text(path: &Path, value: &impl Serialize) -> Result<Vec<u8>, FileErr
     Ok(text)
 }
 
+/// Writes a table that was made, whole or not at all.
+///
+/// # Errors
+/// When it could not be made, or the file not be written.
+pub fn write_csv(path: &Path, table: Result<Vec<u8>, impl ToString>) -> Result<(), FileError> {
+    write_file(path, &table.map_err(|e| FileError::new("write", path, e))?)
+}
+
 /// Reads a file.
 ///
 /// # Errors

@@ -26,7 +26,7 @@ const LOCK: &str = "lock";
 const TRIES: u32 = 1000;
 
 /// What is observed of a stage so far.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Observed {
     /// The rows of its series.
     pub rows: Vec<SeriesRow>,

@@ -114,7 +114,7 @@ impl Checks {
 }
 
 /// One check of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CheckSummary {
     /// What it watches.
     pub watches: String,
@@ -138,16 +138,7 @@ pub struct CheckSummary {
 impl CheckSummary {
     /// Of what nobody looked at.
     fn unseen(watches: &str, unit: &str, looks: u64) -> Self {
-        Self {
-            watches: watches.to_owned(),
-            unit: unit.to_owned(),
-            looks,
-            worst: None,
-            limit: None,
-            worst_at_s: None,
-            first_beyond_s: None,
-            passed: None,
-        }
+        Self { watches: watches.to_owned(), unit: unit.to_owned(), looks, ..Self::default() }
     }
 
     /// Of a quantity that was watched.

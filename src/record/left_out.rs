@@ -78,13 +78,11 @@ impl RunRow {
     }
 }
 
-/// How many runs with a result are left out of means, in a sentence; empty where none is.
-pub fn left_out_in_words(left_out: usize, with_result: usize) -> String {
-    match left_out {
-        0 => String::new(),
-        1 => format!("1 of {with_result} runs with a result is left out of means"),
-        n => format!("{n} of {with_result} runs with a result are left out of means"),
-    }
+/// How many runs with a result are left out of means, in a sentence; none where none is.
+pub fn left_out_in_words(left_out: usize, with_result: usize) -> Option<String> {
+    let are = if left_out == 1 { "is" } else { "are" };
+    (left_out > 0)
+        .then(|| format!("{left_out} of {with_result} runs with a result {are} left out of means"))
 }
 
 #[cfg(test)]
@@ -198,8 +196,9 @@ mod tests {
 
     #[test]
     fn what_is_left_out_is_counted_in_words() {
-        assert_eq!(left_out_in_words(0, 3), "");
-        assert_eq!(left_out_in_words(1, 3), "1 of 3 runs with a result is left out of means");
-        assert_eq!(left_out_in_words(2, 3), "2 of 3 runs with a result are left out of means");
+        assert_eq!(left_out_in_words(0, 3), None);
+        let words = |left_out| left_out_in_words(left_out, 3).expect("words");
+        assert_eq!(words(1), "1 of 3 runs with a result is left out of means");
+        assert_eq!(words(2), "2 of 3 runs with a result are left out of means");
     }
 }

@@ -24,8 +24,8 @@ mod unfinished;
 mod variations;
 
 pub use atomic::{
-    FileError, create_folder, json_text, read_file, read_json, read_unchanged, write_file,
-    write_json,
+    FileError, create_folder, json_text, read_file, read_json, read_unchanged, write_csv,
+    write_file, write_json,
 };
 pub use checkpoint::{Checkpoints, Observed, Reference, Resumed};
 pub use checks::{CheckSummary, Checks, OverlapWatch, StageChecks};
@@ -46,7 +46,7 @@ pub use store_check::{StoreReport, StoredItem, StoredState, check_store};
 pub use summary::*;
 pub use tables::{grains_csv, series_csv, series_from_csv, to_csv};
 pub use unfinished::{begin_file, remove_abandoned, remove_abandoned_beside};
-pub use variations::{RunRow, VariationRow, variation_runs_csv, variations_csv};
+pub use variations::{RunRow, VariationRow, variations_csv};
 
 // What its parts are made of, too.
 use std::fs::{self, File};

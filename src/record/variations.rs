@@ -1,6 +1,7 @@
 //! The table of many runs of one scenario: one row a run, one a variation.
 
 use super::*;
+use crate::grains::table_csv;
 use crate::measure::Estimate;
 use crate::scenario::{Backend, ContactSolver, Scenario};
 
@@ -335,32 +336,17 @@ fn cell(value: Option<f64>) -> String {
 /// `variations.csv`: one row a variation, each mean beside its standard error.
 ///
 /// # Errors
-/// The writer's; writing to memory does not fail.
+/// As [`table_csv`].
 pub fn variations_csv(rows: &[VariationRow]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for (index, row) in rows.iter().enumerate() {
-        let (settings, means) = (row.settings(), row.means());
-        if index == 0 {
-            let names = settings.iter().map(|(name, _)| (*name).to_owned());
-            let of_means = means
-                .iter()
-                .flat_map(|(name, _)| [(*name).to_owned(), format!("{name}_standard_error")]);
-            writer.write_record(names.chain(of_means))?;
-        }
-        let values = means.iter().flat_map(|(_, estimate)| {
-            [cell(estimate.map(|e| e.mean)), cell(estimate.and_then(|e| e.standard_error))]
+    table_csv(rows.iter().map(|row| {
+        let settings = row.settings().map(|(name, text)| (name.to_owned(), text));
+        let means = row.means().map(|(name, estimate)| {
+            let error = estimate.and_then(|e| e.standard_error);
+            let mean = (name.to_owned(), cell(estimate.map(|e| e.mean)));
+            [mean, (format!("{name}_standard_error"), cell(error))]
         });
-        writer.write_record(settings.into_iter().map(|(_, text)| text).chain(values))?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
-}
-
-/// `variation-runs.csv`: one row a run.
-///
-/// # Errors
-/// As [`to_csv`].
-pub fn variation_runs_csv(rows: &[RunRow]) -> Result<Vec<u8>, csv::Error> {
-    to_csv(rows)
+        settings.into_iter().chain(means.into_iter().flatten()).collect()
+    }))
 }
 
 #[cfg(test)]
@@ -420,7 +406,7 @@ mod tests {
         let rows = VariationRow::of(&runs);
         assert_eq!((rows[0].meeting_standard, rows[0].valid), (2, 1), "law: each by itself");
         assert_eq!((rows[0].left_out, rows[0].failed), (2, 1), "law: a failed run is not left out");
-        let text = variation_runs_csv(&runs).expect("written");
+        let text = to_csv(&runs).expect("written");
         let mut reader = csv::Reader::from_reader(&text[..]);
         let back: Vec<RunRow> = reader.deserialize().map(|r| r.expect("a row")).collect();
         let valid: Vec<Option<bool>> = back.iter().map(|r| r.valid).collect();
@@ -442,7 +428,7 @@ mod tests {
     fn tables_have_one_row_a_run_or_variation_and_as_many_cells_as_names() {
         let runs = [row("a", 1, Some(160.0)), row("a", 2, None)];
         for (table, rows) in [
-            (variation_runs_csv(&runs).expect("written"), 2),
+            (to_csv(&runs).expect("written"), 2),
             (variations_csv(&VariationRow::of(&runs)).expect("written"), 1),
         ] {
             let mut reader = csv::Reader::from_reader(&table[..]);
@@ -450,7 +436,7 @@ mod tests {
             let cells: Vec<usize> = reader.records().map(|r| r.expect("a row").len()).collect();
             assert_eq!(cells, vec![names; rows]);
         }
-        let text = variation_runs_csv(&runs).expect("written");
+        let text = to_csv(&runs).expect("written");
         let mut reader = csv::Reader::from_reader(&text[..]);
         let back: Vec<RunRow> = reader.deserialize().map(|r| r.expect("a row")).collect();
         assert_eq!(back, runs, "law: what is written is read back");

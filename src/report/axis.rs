@@ -1,7 +1,7 @@
 //! One axis: its range, its ticks, and where a value falls on it.
 
 /// An axis of a plot: it reaches to all that is drawn, unless it is divided already.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Axis {
     /// Name with unit.
     pub name: String,
@@ -34,13 +34,7 @@ const HAIR: f64 = 5e-3;
 impl Axis {
     /// A linear axis with its ends on round numbers.
     pub fn linear(name: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            is_log: false,
-            is_reversed: false,
-            holds: Vec::new(),
-            scale: None,
-        }
+        Self { name: name.into(), ..Self::default() }
     }
 
     /// A logarithmic axis, of the positive values.

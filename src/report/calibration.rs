@@ -17,7 +17,7 @@ use crate::{
         constants::ANGLE_OF_REPOSE_DEG,
         text::{compact, number},
     },
-    record::{FileError, to_csv, write_file, write_json},
+    record::{FileError, to_csv, write_csv, write_json},
 };
 
 /// One run of a calibration.
@@ -226,9 +226,7 @@ pub fn with_unit(number: &str, unit: &str) -> String {
 /// # Errors
 /// When it cannot be written.
 pub fn write_calibration_runs(out: &Path, runs: &[CalibrationRun]) -> Result<(), FileError> {
-    let path = out.join("evaluations.csv");
-    let table = to_csv(runs).map_err(|e| FileError::new("write", &path, e))?;
-    write_file(&path, &table)
+    write_csv(&out.join("evaluations.csv"), to_csv(runs))
 }
 
 /// Writes `calibrate.json`, `calibrate.md`, `report.html`, `evaluations.csv`

@@ -1,6 +1,7 @@
 //! A table of a run by its columns: names with units, ranges, the numbers of chosen rows.
 
 use crate::record::FileError;
+use crate::scenario::nearest;
 use std::path::Path;
 
 /// A table as it stands in a CSV file.
@@ -117,9 +118,8 @@ impl ColumnTable {
         if let Some(found) = self.names.iter().position(|known| known == name) {
             return Ok(found);
         }
-        let near = self.names.iter().map(|known| (strsim::levenshtein(known, name), known)).min();
-        let near = near.filter(|(far, _)| *far <= (name.chars().count() / 3).max(1));
-        let meant = near.map_or(".".to_owned(), |(_, near)| format!("; did you mean `{near}`?"));
+        let near = nearest(name, self.names.iter().map(String::as_str));
+        let meant = near.map_or(".".to_owned(), |near| format!("; did you mean `{near}`?"));
         Err(format!("there is no such column{meant} There are: {}", self.names.join(", ")))
     }
 

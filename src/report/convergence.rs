@@ -213,16 +213,16 @@ fn table(of: &Convergence) -> Table {
 fn page(of: &Convergence, figures: Vec<Figure>) -> Page {
     let specimen = specimen(&of.scenario, of.grains, of.quick);
     let (left_out, with_result) = of.left_out();
-    let said = match left_out_in_words(left_out, with_result) {
-        said if said.is_empty() => said,
-        said => format!("{said}, being not valid or short of grains."),
-    };
+    let said = left_out_in_words(left_out, with_result)
+        .map(|said| format!("{said}, being not valid or short of grains."));
     let intro = format!(
         "{specimen}. Heights and settlements in mm, of the mean surface after pouring, of the plate and \
          of the mean surface after 5 s of vibration (at its end, where it is shorter). Means over \
          configurations ± standard error."
     );
-    let head = [Block::Text(intro), Block::Banner(said)].into_iter().chain(cheapest(of));
+    let head = [Block::Text(intro), Block::Banner(said.unwrap_or_default())]
+        .into_iter()
+        .chain(cheapest(of));
     let mut page = Page::new("Convergence", head);
     let ladders: Vec<&str> = of.rows.iter().map(|row| row.ladder.as_str()).collect();
     for (n, ladder) in ladders.iter().enumerate().filter(|(n, l)| !ladders[..*n].contains(l)) {

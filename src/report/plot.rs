@@ -134,7 +134,7 @@ pub struct Mark {
 }
 
 /// Everything in one plot.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plot {
     /// Horizontal axis.
     pub x: Axis,
@@ -157,16 +157,7 @@ pub struct Plot {
 impl Plot {
     /// An empty plot.
     pub fn new(x: Axis, y: Axis) -> Self {
-        Self {
-            x,
-            y,
-            y_names: None,
-            bands: Vec::new(),
-            envelopes: Vec::new(),
-            marks: Vec::new(),
-            series: Vec::new(),
-            frame_height: style::FRAME_HEIGHT,
-        }
+        Self { x, y, frame_height: style::FRAME_HEIGHT, ..Self::default() }
     }
 
     /// An empty plot of settlement over time, drawn downwards, the way the plate goes.

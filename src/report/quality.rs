@@ -69,10 +69,7 @@ pub fn vibration_s(run: &RunRecord) -> Option<f64> {
 
 /// That runs are left out of means, as another sentence with how it ends; nothing where none is.
 pub(super) fn sentence_of_left_out(left_out: usize, of: usize, end: &str) -> String {
-    match left_out_in_words(left_out, of) {
-        said if said.is_empty() => said,
-        said => format!(" {said}{end}."),
-    }
+    left_out_in_words(left_out, of).map_or(String::new(), |said| format!(" {said}{end}."))
 }
 
 #[cfg(test)]

@@ -311,11 +311,10 @@ fn valid_badge(run: &RunRecord) -> Cell {
 fn counting(study: &StudyView) -> Block {
     let left_out: Vec<&str> =
         study.runs.iter().filter(|r| !r.counts_in_means()).map(|r| r.name.as_str()).collect();
-    match left_out_in_words(left_out.len(), study.runs.len()) {
-        said if said.is_empty() => {
-            Block::Text(format!("All {} runs are valid and count in means.", study.runs.len()))
-        }
-        said => Block::Banner(format!("{said}, ranges and claims: {}.", left_out.join(", "))),
+    let all = study.runs.len();
+    match left_out_in_words(left_out.len(), all) {
+        None => Block::Text(format!("All {all} runs are valid and count in means.")),
+        Some(said) => Block::Banner(format!("{said}, ranges and claims: {}.", left_out.join(", "))),
     }
 }
 

@@ -92,8 +92,8 @@ fn left_out(study: &StudyView) -> Option<String> {
         .filter(|r| !r.counts_in_means())
         .map(|r| format!("{} ({})", r.name, r.summary.why_left_out().join("; ")))
         .collect();
-    let said = left_out_in_words(each.len(), study.runs.len());
-    (!each.is_empty()).then(|| format!("{said}, ranges and claims: {}.", each.join(", ")))
+    left_out_in_words(each.len(), study.runs.len())
+        .map(|said| format!("{said}, ranges and claims: {}.", each.join(", ")))
 }
 
 fn creep(study: &StudyView, standard: &Standard) -> Vec<String> {

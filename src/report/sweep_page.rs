@@ -48,7 +48,7 @@ pub(super) fn page(of: &Sweep, figures: Vec<Figure>) -> Page {
             )
         ),
         say(not_valid, format!("; not valid: {not_valid} of {done}")),
-        say(left_out, format!("; {}", left_out_in_words(left_out, done))),
+        left_out_in_words(left_out, done).map_or(String::new(), |said| format!("; {said}")),
     );
     let is_well = failed == 0 && not_valid == 0 && left_out == 0;
     let why_left_out = reasons(of, of.left_out(), |r| r.left_out_of_means.as_ref());

@@ -10,7 +10,7 @@ use crate::{
     measure::Estimate,
     paper::text::{compact, number},
     plain::plain,
-    record::{FileError, NO_VALID_RUN, write_file},
+    record::{FileError, NO_VALID_RUN, write_csv},
 };
 
 /// A cell: its text, and what a page shows in its place where it can show more than text.
@@ -240,7 +240,7 @@ impl Table {
     /// # Errors
     /// [`FileError`] naming the file.
     pub(super) fn write(&self, path: &Path) -> Result<(), FileError> {
-        write_file(path, &self.csv().map_err(|e| FileError::new("write", path, e))?)
+        write_csv(path, self.csv())
     }
 
     /// Whether a column holds numbers: whether its first cell does.

@@ -183,10 +183,7 @@ fn fill_apparatus(value: &mut Value, scale: &Scale) {
         (CylinderSpec::default(), FunnelSpec::default(), TopPlateSpec::default());
     let coarser = Law::Coarse.factor(scale);
     let mut length = |path: &str, default: f64, factor: f64| {
-        let factor = match factor == 1.0 {
-            true => factor,
-            false => rounded(default * factor, 4) / default,
-        };
+        let factor = if factor == 1.0 { factor } else { rounded(default * factor, 4) / default };
         put(value, path, default, factor);
         number_at(value, path).unwrap_or(default)
     };

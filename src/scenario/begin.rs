@@ -18,7 +18,7 @@ pub struct BeginSpec {
     /// The stage at whose end the specimen is taken: its number from 0, its name, or `rest_test`;
     /// left out, the last one of the scenario.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String", length(min = 1))]
+    #[schemars(length(min = 1))]
     pub stage: Option<String>,
     /// Stages that the specimen has been through, in order. Filled in when the scenario is loaded.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -27,11 +27,9 @@ pub struct BeginSpec {
     /// Key of the last of them in the run's store. Filled in when the scenario is loaded; where it
     /// is given, no other stage is taken.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String")]
     pub key: Option<String>,
     /// SHA-256 of the specimen, likewise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String")]
     pub specimen_sha256: Option<String>,
 }
 
@@ -135,7 +133,7 @@ fn found(document: &Document, spec: &mut BeginSpec) -> Result<Map<String, Value>
             Some(number.ok_or_else(|| {
                 let mut known: Vec<&str> = after.iter().map(String::as_str).collect();
                 known.extend(rest_test.map(|_| "rest_test"));
-                let near = nearest(asked, &known);
+                let near = nearest(asked, known.iter().copied());
                 let meant = near.map(|near| format!(", did you mean `{near}`?"));
                 let message = format!("the run has no such stage{}", meant.unwrap_or_default());
                 fault("stage", asked, &format!("one of {}", known.join(", ")), message)

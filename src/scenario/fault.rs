@@ -217,8 +217,8 @@ impl std::error::Error for ScenarioErrors {}
 
 /// The entry of `known` that `word` is most likely a misspelling of: at most
 /// a third of its letters, and at least one, may differ.
-pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
-    let (distance, best) = known.iter().map(|k| (levenshtein(word, k), *k)).min()?;
+pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let (distance, best) = known.into_iter().map(|k| (levenshtein(word, k), k)).min()?;
     (distance <= (word.chars().count() / 3).max(1)).then_some(best)
 }
 
@@ -229,9 +229,9 @@ mod tests {
     #[test]
     fn only_near_spellings_are_suggested() {
         let known = ["rate_hz", "iterations", "length_scale"];
-        assert_eq!(nearest("iteration", &known), Some("iterations"));
-        assert_eq!(nearest("rate_Hz", &known), Some("rate_hz"));
-        assert_eq!(nearest("colour", &known), None);
+        assert_eq!(nearest("iteration", known), Some("iterations"));
+        assert_eq!(nearest("rate_Hz", known), Some("rate_hz"));
+        assert_eq!(nearest("colour", known), None);
     }
 
     #[test]

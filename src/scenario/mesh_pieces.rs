@@ -10,15 +10,15 @@ pub struct MeshPieceSpec {
     /// Path of an OBJ, STL or PLY file, relative to the scenario file that names it. Each closed
     /// surface in it is a part, and has to be convex. Once loaded, the parts stand in `parts`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String", length(min = 1))]
+    #[schemars(length(min = 1))]
     pub file: Option<String>,
     /// Millimetres per unit of length of the file, as 1000 for metres; left out, 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
     pub scale_to_mm: Option<f64>,
     /// The parts, in place of a file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Vec<MeshPart>", length(min = 1, max = 1000))]
+    #[schemars(length(min = 1, max = 1000))]
     pub parts: Option<Vec<MeshPart>>,
 }
 

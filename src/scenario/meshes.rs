@@ -32,7 +32,7 @@ pub struct MeshGrains {
     pub largest_vertex_count: u32,
     /// Mass of all grains together in grams; with a sieve table, and only with one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
     pub total_mass_g: Option<f64>,
     /// Sieve fractions as of grains cut from sieve data, coarsest first. None:
     /// the grains keep their own size.
@@ -41,7 +41,7 @@ pub struct MeshGrains {
     pub sieve_table: Vec<SieveFraction>,
     /// Without a sieve table: how many grains are drawn; if not given, each is taken once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "u32", range(min = 1, max = 1_000_000))]
+    #[schemars(range(min = 1, max = 1_000_000))]
     pub count: Option<u32>,
 }
 

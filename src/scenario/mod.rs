@@ -64,7 +64,7 @@ pub use automatic::Grading;
 pub use begin::BeginSpec;
 pub use cells::{CellShape, LEAST_ROUNDING, SievedShape};
 pub use engine::{Backend, ContactSolver, EngineSettings};
-pub use fault::{Fault, ScenarioErrors};
+pub use fault::{Fault, ScenarioErrors, nearest};
 pub use index_densities::IndexDensitiesSpec;
 pub use load::{GradingOf, Loaded, Readers, check, gathered, load_grains_with, load_with};
 pub use mesh_pieces::{MOST_PARTS, MeshPart, MeshPieceSpec, PartsOf};
@@ -113,7 +113,6 @@ pub struct Scenario {
     /// A specimen of another run that the stages begin with. Everything but name, description,
     /// notes and stages may be left out then, and is as in that run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "BeginSpec")]
     pub begin: Option<BeginSpec>,
     /// The grains.
     pub grains: GrainsSpec,
@@ -129,7 +128,6 @@ pub struct Scenario {
     pub measures: MeasuresSpec,
     /// Loosest and densest state of the grains; with them the summary gives relative densities.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "IndexDensitiesSpec")]
     pub index_densities: Option<IndexDensitiesSpec>,
     /// Friction and restitution of each pair of surfaces.
     #[serde(default)]

@@ -44,7 +44,7 @@ settings! {
         /// Left out, they are the cores that other stages of the same command leave free
         /// (`--jobs`), as far as the grains keep them busy. They change no bit of the result, and
         /// are therefore left out of what is kept of a run.
-        #[schemars(with = "u32", range(min = 1, max = 1024))]
+        #[schemars(range(min = 1, max = 1024))]
         #[serde(skip_serializing)]
         pub threads: Option<u32> = None,
         /// Whether steps may go without the threads where these make them no faster: of threads
@@ -65,7 +65,7 @@ settings! {
         /// from there. Left out, it is what a core does in about a minute, by the
         /// number of grains and the rate. It changes the bits of a stage that takes
         /// longer, not what is simulated.
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
         #[serde(skip_serializing_if = "Option::is_none")]
         pub checkpoint_every_s: Option<f64> = None,
     }

@@ -21,7 +21,7 @@ pub struct PieceSpec {
     /// Friction coefficient between grains, or a piece that moves freely, and this piece; left
     /// out, `contact.grain_wall_friction`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", range(min = 0.0, max = 10.0))]
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub friction: Option<f64>,
     /// Whether it may stand in other pieces, which pieces do not feel: plates around a specimen
     /// whose planes cross. Left out, pieces that stand in each other are refused.
@@ -35,40 +35,31 @@ pub struct PieceSpec {
 pub struct ShapeSpec {
     /// A container of flat walls. Origin: middle of the floor's upper side.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "BoxSpec")]
     pub r#box: Option<BoxSpec>,
     /// A round container, upright. Origin: middle of the floor's upper side.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "CylinderPieceSpec")]
     pub cylinder: Option<CylinderPieceSpec>,
     /// A solid plate or block. Origin: its middle.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "PlateSpec")]
     pub plate: Option<PlateSpec>,
     /// A solid round plate or rod, upright. Origin: its middle.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "DiscSpec")]
     pub disc: Option<DiscSpec>,
     /// A cone, or with four sides a pyramid, open above and below. Origin: middle of the
     /// opening below.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "HopperSpec")]
     pub hopper: Option<HopperSpec>,
     /// A solid ramp that rises along x. Origin: middle of its lower side.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "WedgeSpec")]
     pub wedge: Option<WedgeSpec>,
     /// A closed round drum whose axis lies along y. Origin: its middle.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "DrumSpec")]
     pub drum: Option<DrumSpec>,
     /// Solid convex parts from a mesh file. Origin: that of the file.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "MeshPieceSpec")]
     pub mesh: Option<MeshPieceSpec>,
     /// Flat blades about an upright axis, as of a vane shear test. Origin: its middle.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "VaneSpec")]
     pub vane: Option<VaneSpec>,
 }
 
@@ -280,29 +271,27 @@ pub struct LoadSpec {
     pub direction: [f64; 3],
     /// Force in N, of which the weight of the piece is a part; or `stress_kpa`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", range(min = 0.0, max = 1e9))]
+    #[schemars(range(min = 0.0, max = 1e9))]
     pub force_n: Option<f64>,
     /// The force over the area that the piece shows along the direction, in kPa.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", range(min = 0.0, max = 1e6))]
+    #[schemars(range(min = 0.0, max = 1e6))]
     pub stress_kpa: Option<f64>,
     /// A moment in N m that turns the piece about an axis, and about nothing else, in place of a
     /// force; its weight is part of the moment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", range(min = 0.0, max = 1e6))]
+    #[schemars(range(min = 0.0, max = 1e6))]
     pub moment_n_m: Option<f64>,
     /// Direction of the axis of a moment, right-handed; its length does not matter.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "[f64; 3]")]
     pub axis: Option<[f64; 3]>,
     /// A point of that axis in mm; left out, the origin of the laboratory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "[f64; 3]")]
     pub about_mm: Option<[f64; 3]>,
     /// Mass in g that the force accelerates; left out, that of the piece in aluminium,
     /// 2700 kg/m³.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
     pub mass_g: Option<f64>,
     /// In place of a load: the piece stays where it is from now on.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

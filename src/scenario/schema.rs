@@ -1,7 +1,7 @@
 //! JSON Schema of the scenario file, for editors that check and complete; other files that people
 //! write, checked against that of their type, all faults at once.
 
-use schemars::SchemaGenerator;
+use schemars::{Schema, generate::SchemaSettings, transform::RecursiveTransform};
 use serde::de::DeserializeOwned;
 
 use super::*;
@@ -65,7 +65,7 @@ pub(super) fn schema_field() -> Value {
 
 /// The schema of the type, as its definition declares it.
 pub(super) fn typed() -> Value {
-    let mut schema = schemars::schema_for!(Scenario).to_value();
+    let mut schema = schema_of::<Scenario>();
     let mark = |part: &mut Value, field: &str| {
         if let Some(field) = part["properties"].get_mut(field).and_then(Value::as_object_mut) {
             field.insert("x-automatic".into(), true.into());
@@ -98,7 +98,27 @@ pub fn document_schema<T: JsonSchema>() -> Value {
 }
 
 fn schema_of<T: JsonSchema>() -> Value {
-    SchemaGenerator::default().into_root_schema_for::<T>().to_value()
+    let settings = SchemaSettings::default().with_transform(RecursiveTransform(without_null));
+    settings.into_generator().into_root_schema_for::<T>().to_value()
+}
+
+/// A field that need not be given is left out, not `null`.
+fn without_null(schema: &mut Schema) {
+    let Some(fields) = schema.as_object_mut() else { return };
+    if let Some(Value::Array(kinds)) = fields.get("type")
+        && let [kind, Value::String(null)] = &kinds[..]
+        && null == "null"
+    {
+        fields["type"] = kind.clone();
+    }
+    if let Some(Value::Array(choices)) = fields.get("anyOf")
+        && let [Value::Object(given), other] = &choices[..]
+        && other["type"] == "null"
+    {
+        let given = given.clone();
+        fields.shift_remove("anyOf");
+        fields.extend(given);
+    }
 }
 
 /// Reads a JSON file of a type that has no unions. A `$schema` for editors may

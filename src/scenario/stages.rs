@@ -36,7 +36,7 @@ pub struct VerticalSpec {
     /// Frequency f in Hz; that of the horizontal motion where it is left out. A period holds a
     /// whole number of its cycles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1000.0))]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1000.0))]
     pub frequency_hz: Option<f64>,
     /// Phase φ in degrees.
     #[serde(default)]
@@ -76,7 +76,7 @@ pub struct BaseSpec {
     /// Coulomb friction ratio between grains and the floor: a `plane` needs it,
     /// `fixed_grains` have that between grains.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64", range(min = 0.0, max = 10.0))]
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub friction: Option<f64>,
 }
 
@@ -157,7 +157,7 @@ pub enum StageSpec {
         /// Largest offset in mm that is drawn, uniformly on a disc; left out, 0.8 of the
         /// clearance between plate and cylinder.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", range(min = 0.0, max = 10000.0))]
+        #[schemars(range(min = 0.0, max = 10000.0))]
         offset_mm: Option<f64>,
         /// Largest rotation in degrees that is drawn, uniformly to either side.
         #[serde(default = "half_turn")]
@@ -180,18 +180,18 @@ pub enum StageSpec {
         start: Start,
         /// Frequency in Hz; must be given but for a recorded motion.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1000.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1000.0))]
         frequency_hz: Option<f64>,
         /// Amplitude in mm; must be given but for a recorded motion.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", range(min = 0.0, max = 1000.0))]
+        #[schemars(range(min = 0.0, max = 1000.0))]
         amplitude_mm: Option<f64>,
         /// Whether the amplitude is half or the full stroke.
         #[serde(default = "half_stroke")]
         stroke: StrokeKind,
         /// Length of one period of vibration in s; must be given but for a recorded motion.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
         duration_s: Option<f64>,
         /// Number of periods of vibration.
         #[serde(default = "one")]
@@ -209,30 +209,27 @@ pub enum StageSpec {
         ramp_s: f64,
         /// Radius of the crank over the length of the rod, of a `slider_crank`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 0.5))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 0.5))]
         crank_to_rod: Option<f64>,
         /// Path of a recorded motion, relative to the scenario file that names it: a CSV with the
         /// columns `time_s`, `x_mm` and optionally `y_mm` and `z_mm`, of at most 100 000 rows.
         /// Displacement and time are counted from the first row; the last must be where the
         /// first is. Once loaded, its rows stand in `motion_rows`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "String", length(min = 1))]
+        #[schemars(length(min = 1))]
         motion_file: Option<String>,
         /// Rows of a recorded motion, in place of a file: time in s, x, y and z in mm.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "Vec<[f64; 4]>", length(min = 2, max = 100_000))]
+        #[schemars(length(min = 2, max = 100_000))]
         motion_rows: Option<Vec<[f64; 4]>>,
         /// How a recorded displacement goes between two rows; left out, `cubic`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "Interpolation")]
         interpolation: Option<Interpolation>,
         /// What the table does along z beside that; of a recorded motion, a column does.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "VerticalSpec")]
         vertical: Option<VerticalSpec>,
         /// Sets the table from video frame to video frame instead of moving it all the time.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "VideoFramesSpec")]
         video_frames: Option<VideoFramesSpec>,
         /// Longest time in s in which, after the last period, everything comes to rest with
         /// the table at its place; the stage ends when it has settled, at the latest after this.
@@ -251,25 +248,23 @@ pub enum StageSpec {
         at_mm: [f64; 3],
         /// Sizes of a rectangular area along x and y in mm.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "[f64; 2]")]
         area_mm: Option<[f64; 2]>,
         /// Diameter of a round area in mm, in place of `area_mm`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 10000.0))]
         diameter_mm: Option<f64>,
         /// Mass in g that is let go in a second; rain needs it. A grain waits where others
         /// are still in its way.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
         rate_g_per_s: Option<f64>,
         /// Mass in g of the layer; left out, all that is waiting.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
         mass_g: Option<f64>,
         /// Takes only grains of the sieve fractions that lie between these two openings in mm,
         /// the finer first: a layer of grains of its own.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "[f64; 2]")]
         sizes_mm: Option<[f64; 2]>,
         /// Ends when all of them have been let go and everything has settled, at the latest
         /// after this time.
@@ -284,49 +279,44 @@ pub enum StageSpec {
         pieces: Vec<String>,
         /// Velocity along x, y and z in mm/s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "[f64; 3]")]
         velocity_mm_per_s: Option<[f64; 3]>,
         /// A turn about an axis, in place of a velocity.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "RotationSpec")]
         rotation: Option<RotationSpec>,
         /// A sine, in place of a velocity.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "SineSpec")]
         sine: Option<SineSpec>,
         /// Path of a recorded motion, in place of a velocity: a CSV as that of a vibration, whose
         /// last row may be anywhere. Once loaded, its rows stand in `motion_rows`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "String", length(min = 1))]
+        #[schemars(length(min = 1))]
         motion_file: Option<String>,
         /// Rows of a recorded motion, in place of a file: time in s, x, y and z in mm.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "Vec<[f64; 4]>", length(min = 2, max = 100_000))]
+        #[schemars(length(min = 2, max = 100_000))]
         motion_rows: Option<Vec<[f64; 4]>>,
         /// How a recorded displacement goes between two rows; left out, `cubic`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "Interpolation")]
         interpolation: Option<Interpolation>,
         /// How long they move, in s; or `travel_mm`, `travel_deg` or `until`.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
         duration_s: Option<f64>,
         /// The displacement in mm after which a velocity ends.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 100000.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100000.0))]
         travel_mm: Option<f64>,
         /// The angle in degrees after which a rotation ends.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e6))]
         travel_deg: Option<f64>,
         /// What ends the motion: from when it holds on, the motion dies away within its ramp. A
         /// sine without a ramp ends with its cycle.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "UntilSpec")]
         until: Option<UntilSpec>,
         /// Time in s after which a motion with `until` ends if that does not hold before.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 3600.0))]
         time_limit_s: Option<f64>,
         /// Time in s in which the motion grows from nothing along half a cosine, and dies
         /// away at its end; 0: it starts and stops abruptly.
@@ -358,7 +348,6 @@ pub enum StageSpec {
         approach_mm_per_s: f64,
         /// What ends the stage before that.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "UntilSpec")]
         until: Option<UntilSpec>,
         /// Ends when the forces are what is wanted and everything has settled, at the latest
         /// after this time.
@@ -374,11 +363,10 @@ pub enum StageSpec {
         pieces: Vec<String>,
         /// Mass in g of each; left out, that of the piece in aluminium, 2700 kg/m³.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "f64", extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1e9))]
         mass_g: Option<f64>,
         /// What ends the stage before everything has settled.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "UntilSpec")]
         until: Option<UntilSpec>,
         /// Ends when everything has settled, at the latest after this time.
         #[serde(default = "deposit_limit")]
@@ -393,7 +381,6 @@ pub enum StageSpec {
         pieces: Vec<String>,
         /// What ends the stage before everything has settled.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(with = "UntilSpec")]
         until: Option<UntilSpec>,
         /// Ends when everything has settled, at the latest after this time.
         #[serde(default = "deposit_limit")]

@@ -216,7 +216,10 @@ impl Part {
                 ValidationErrorKind::AdditionalProperties { unexpected } => {
                     let known = fields(schema);
                     for name in unexpected {
-                        let message = match (renamed::field(&here, name), nearest(name, &known)) {
+                        let message = match (
+                            renamed::field(&here, name),
+                            nearest(name, known.iter().copied()),
+                        ) {
                             (Some(new), _) => format!("this field is now called `{new}`"),
                             (None, Some(near)) => {
                                 format!("there is no such field, did you mean `{near}`?")
@@ -254,7 +257,8 @@ impl Part {
                                 .flatten()
                                 .flat_map(Value::as_str)
                                 .collect();
-                            nearest(word, &known).map(|near| format!(", did you mean \"{near}\"?"))
+                            nearest(word, known.iter().copied())
+                                .map(|near| format!(", did you mean \"{near}\"?"))
                         }
                         _ => None,
                     };

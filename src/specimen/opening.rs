@@ -25,10 +25,7 @@ impl Opening {
             return 0.0;
         }
         let at = before + (after - before) * (a / (a - b));
-        match (at - self.middle).norm() <= self.radius {
-            true => (b - a).signum(),
-            false => 0.0,
-        }
+        if (at - self.middle).norm() <= self.radius { (b - a).signum() } else { 0.0 }
     }
 
     /// Mass in kg that went through between two looks, by the centroids of the grains;

@@ -8,7 +8,7 @@ use crate::geometry::Vector;
 /// How a piece is pressed: it moves along one direction alone, by a force along it and by what
 /// the grains do. Where it turns about an axis instead, `turns` says so: forces are then moments in
 /// N m, the mass is a moment of inertia in kg m², and speeds are in rad/s.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PressState {
     /// A unit vector.
     pub direction: Vector,

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use super::{
     RunOptions, StudyError,
     plan::{PlannedRun, Prepared},
-    run::{carry_out, folder_of, kind_of, make_grains, write_grains},
+    run::{carry_out, folder_of, make_grains, write_grains},
     summarise::standard,
     told::tell_warnings,
 };
@@ -97,11 +97,8 @@ fn planned(
         scenario
     };
     let run = |name: String, scenario, prepared| PlannedRun {
-        name,
-        kind: kind_of(&scenario),
-        scenario,
-        grains: grains.clone(),
         prepared,
+        ..PlannedRun::new(name, scenario, grains.clone())
     };
     let mut runs: Vec<PlannedRun> =
         backends.iter().map(|b| run(name(*b), with(*b), None)).collect();

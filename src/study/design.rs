@@ -49,13 +49,8 @@ impl<'a> Faults<'a> {
 
     /// Adds a fault at a dotted path of the design.
     pub(super) fn add(&mut self, path: &str, found: &str, allowed: &str, message: &str) {
-        self.found.push(Fault {
-            file: self.file.display().to_string(),
-            path: path.to_owned(),
-            found: found.to_owned(),
-            allowed: allowed.to_owned(),
-            message: message.to_owned(),
-        });
+        let file = self.file.display();
+        self.found.push(Fault::new(message, found, allowed).at(path).of(file));
     }
 
     /// Reads changes that stand at a path of the design.

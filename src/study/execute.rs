@@ -29,16 +29,14 @@ use crate::world::HeldShape;
 
 /// What the threads share.
 struct Board {
-    /// Finished stages, by node.
-    done: Vec<Option<Arc<StoredStage>>>,
+    executed: Executed,
     /// Nodes nobody has begun and whose parent is finished.
     ready: Vec<usize>,
     running: usize,
-    failed: Vec<(usize, StudyError)>,
-    cancelled: bool,
 }
 
 /// What became of a plan.
+#[derive(Default)]
 pub struct Executed {
     /// Finished stages, by node; none where it failed or was not begun.
     pub done: Vec<Option<Arc<StoredStage>>>,
@@ -82,13 +80,8 @@ pub fn execute_each(
 ) -> Executed {
     let shop = Shop { store, make_world, cancel, progress, cores: jobs.max(1) };
     let roots = (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent.is_none()).collect();
-    let board = Mutex::new(Board {
-        done: vec![None; plan.nodes.len()],
-        ready: roots,
-        running: 0,
-        failed: Vec::new(),
-        cancelled: false,
-    });
+    let executed = Executed { done: vec![None; plan.nodes.len()], ..Executed::default() };
+    let board = Mutex::new(Board { executed, ready: roots, running: 0 });
     let changed = Condvar::new();
     progress.begin_work(plan.nodes.iter().map(|node| node.expected).sum());
     tell_of_threads(plan, progress);
@@ -108,8 +101,7 @@ pub fn execute_each(
         work();
     });
     progress.end_work();
-    let board = board.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Executed { done: board.done, failed: board.failed, cancelled: board.cancelled }
+    board.into_inner().unwrap_or_else(PoisonError::into_inner).executed
 }
 
 /// The processors that this process may use: by its affinity mask and its control group's quota.
@@ -157,7 +149,7 @@ impl Shop<'_> {
                 let mut held = lock(board);
                 loop {
                     if self.cancel.load(Ordering::Relaxed) {
-                        held.cancelled = true;
+                        held.executed.cancelled = true;
                         held.ready.clear();
                     }
                     // The stage with the longest chain behind it goes first.
@@ -168,7 +160,8 @@ impl Shop<'_> {
                     if let Some(next) = next {
                         let node = held.ready.swap_remove(next);
                         held.running += 1;
-                        let parent = plan.nodes[node].parent.and_then(|p| held.done[p].clone());
+                        let done = &held.executed.done;
+                        let parent = plan.nodes[node].parent.and_then(|p| done[p].clone());
                         let at_once = (held.running + held.ready.len()).min(self.cores);
                         break (node, parent, at_once);
                     }
@@ -193,13 +186,13 @@ impl Shop<'_> {
             held.running -= 1;
             match result {
                 Ok(stage) => {
-                    held.done[node] = Some(Arc::new(stage));
+                    held.executed.done[node] = Some(Arc::new(stage));
                     let children =
                         (0..plan.nodes.len()).filter(|&n| plan.nodes[n].parent == Some(node));
                     held.ready.extend(children);
                 }
-                Err(StudyError::Cancelled) => held.cancelled = true,
-                Err(error) => held.failed.push((node, error)),
+                Err(StudyError::Cancelled) => held.executed.cancelled = true,
+                Err(error) => held.executed.failed.push((node, error)),
             }
             drop(held);
             changed.notify_all();
@@ -259,7 +252,7 @@ impl Shop<'_> {
             progress.update(id, time, &note(row));
         });
         recorder.start = began;
-        recorder.reference.before_vibration_mm =
+        recorder.observed.reference.before_vibration_mm =
             before_it.and_then(|(record, _)| record.before_vibration_mm);
         recorder.on_finding = &tell;
         recorder.checkpoints = checkpoints.as_ref();

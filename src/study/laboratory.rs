@@ -24,7 +24,6 @@ pub(super) struct LaboratoryRecorder {
     openings: Vec<Opening>,
     /// Where the pieces are when the laboratory is set up.
     set_up: Vec<Pose>,
-    pub(super) series: LaboratorySeries,
     /// Where the grains were when flow was last looked at.
     before: Vec<Option<Vector>>,
     observes: bool,
@@ -39,51 +38,48 @@ impl LaboratoryRecorder {
             regions: regions(setup),
             openings: measures.openings.iter().map(crate::protocol::opening).collect(),
             set_up: setup.pieces.iter().map(|piece| piece.at).collect(),
-            series: LaboratorySeries::default(),
-            before: Vec::new(),
-            grains: None,
             observes: !setup.pieces.is_empty(),
+            ..Self::default()
         }
     }
 
     /// Adds a row.
-    pub(super) fn observe(&mut self, specimen: &Specimen) {
+    pub(super) fn observe(&mut self, specimen: &Specimen, series: &mut LaboratorySeries) {
         if !self.observes {
             return;
         }
         self.grains.get_or_insert_with(|| specimen.grains.clone());
-        self.look_at_flow(specimen);
+        self.look_at_flow(specimen, series);
         let row = LaboratoryRow {
             pieces: specimen.state.pieces.iter().zip(&self.set_up).map(piece_row).collect(),
-            passed_g: std::mem::take(&mut self.series.pending_g),
+            passed_g: std::mem::take(&mut series.pending_g),
             void_ratios: self.regions.iter().map(|r| void_ratio_in(specimen, r)).collect(),
             stresses_kpa: self.regions.iter().map(|r| stress_kpa(specimen, r)).collect(),
         };
-        self.series.rows.push(row);
+        series.rows.push(row);
     }
 
     /// Adds up what has passed since it last looked.
-    pub(super) fn look_at_flow(&mut self, specimen: &Specimen) {
+    fn look_at_flow(&mut self, specimen: &Specimen, series: &mut LaboratorySeries) {
         if !self.observes || self.openings.is_empty() {
             return;
         }
-        self.series.pending_g.resize(self.openings.len(), 0.0);
-        for (opening, sum) in self.openings.iter().zip(&mut self.series.pending_g) {
+        series.pending_g.resize(self.openings.len(), 0.0);
+        for (opening, sum) in self.openings.iter().zip(&mut series.pending_g) {
             *sum += to_g(opening.mass_passed(&self.before, specimen));
         }
         self.before = centroids(specimen);
     }
 
     /// Looks at flow where a segment ends, so that a stage that goes on there misses none of it.
-    pub(super) fn leg_ends(&mut self, state: &SpecimenState) {
+    pub(super) fn leg_ends(&mut self, state: &SpecimenState, series: &mut LaboratorySeries) {
         if let Some(grains) = self.grains.clone() {
-            self.look_at_flow(&Specimen { grains, state: state.clone() });
+            self.look_at_flow(&Specimen { grains, state: state.clone() }, series);
         }
     }
 
-    /// Goes on from what was observed before, with grains where they are now.
-    pub(super) fn go_on(&mut self, series: LaboratorySeries, specimen: &Specimen) {
-        self.series = series;
+    /// Goes on with grains where they are now.
+    pub(super) fn go_on(&mut self, specimen: &Specimen) {
         self.before = centroids(specimen);
         self.grains = self.observes.then(|| specimen.grains.clone());
     }

@@ -9,7 +9,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use serde::Serialize;
 
-use super::{StudyError, begin::Begun, summarise::grains_hash};
+use super::{StudyError, begin::Begun, run::kind_of, summarise::grains_hash};
 use crate::grains::GrainSet;
 use crate::protocol::{Setup, segments};
 use crate::record::{RunKind, StageIdentity};
@@ -38,6 +38,13 @@ pub struct PlannedRun {
     /// Stages run by another engine than the scenario's, for runs that
     /// begin with a specimen which that one made.
     pub prepared: Option<Prepared>,
+}
+
+impl PlannedRun {
+    /// A run by the scenario's engine alone, of the kind that its stages say.
+    pub fn new(name: String, scenario: Scenario, grains: Arc<GrainSet>) -> Self {
+        Self { name, kind: kind_of(&scenario), scenario, grains, prepared: None }
+    }
 }
 
 /// The beginning of a run by another engine.

@@ -10,9 +10,7 @@ use crate::measure::{
     mean_grain_height, plate_position,
 };
 use crate::protocol::{Midway, Moment, Observer, Setup};
-use crate::record::{
-    Checkpoints, EnergyRow, FileError, FrameWriter, Observed, OverlapWatch, Reference, SeriesRow,
-};
+use crate::record::{Checkpoints, EnergyRow, FileError, FrameWriter, Observed, SeriesRow};
 use crate::scenario::StageSpec;
 use crate::specimen::Specimen;
 use crate::units::to_mm;
@@ -26,20 +24,15 @@ pub struct Recorder<'a, F: FnMut(&SeriesRow)> {
     table_moves: [bool; 2],
     /// At what time of the run, in s, the stage begins.
     pub(super) start: f64,
-    /// What settlement is counted from, where the run was vibrated before.
-    pub(super) reference: Reference,
-    overlap: OverlapWatch,
-    rows: Vec<SeriesRow>,
+    /// What was observed so far; its wall time is that before `began`.
+    pub(super) observed: Observed,
+    began: Instant,
     laboratory: LaboratoryRecorder,
-    energy: Vec<EnergyRow>,
     frames: Option<FrameWriter>,
     /// Where checkpoints are kept, in a stage that has segments.
     pub(super) checkpoints: Option<&'a Checkpoints>,
     /// Why one could not be.
     fault: Option<FileError>,
-    /// When this began to record, and the wall time in s before that.
-    began: Instant,
-    wall_before: f64,
     /// Told of every row as it comes.
     on_row: F,
     /// Told of what a check finds.
@@ -75,16 +68,12 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
             stage,
             table_moves: stage.motion().map_or([false; 2], |m| m.moves_along_y_z()),
             start: 0.0,
-            reference: Reference::default(),
-            overlap: OverlapWatch::default(),
-            rows: Vec::new(),
+            observed: Observed::default(),
+            began: Instant::now(),
             laboratory: LaboratoryRecorder::new(setup),
-            energy: Vec::new(),
             frames,
             checkpoints: None,
             fault: None,
-            began: Instant::now(),
-            wall_before: 0.0,
             on_row,
             on_finding: &|_| {},
         }
@@ -94,6 +83,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     fn pile_height(&mut self, specimen: &Specimen) -> Option<f64> {
         specimen.state.base.as_ref()?;
         let level = *self
+            .observed
             .reference
             .base_level_m
             .get_or_insert_with(|| measure::base_level(specimen).unwrap_or(0.0));
@@ -115,8 +105,8 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
 
     /// Looks once more, at a finished stage of a length in s.
     pub fn end(&mut self, specimen: &Specimen, length: f64) {
-        let time = self.start + length;
-        if let Some(text) = last_look_at_overlap(&mut self.overlap, specimen, length, time) {
+        let (overlap, time) = (&mut self.observed.overlap, self.start + length);
+        if let Some(text) = last_look_at_overlap(overlap, specimen, length, time) {
             (self.on_finding)(&text);
         }
     }
@@ -124,12 +114,14 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     /// Goes on from what was observed before.
     /// `specimen` is where it goes on.
     pub fn go_on(&mut self, observed: Observed, specimen: &Specimen) {
-        self.laboratory.go_on(observed.laboratory, specimen);
-        self.rows = observed.rows;
-        self.energy = observed.energy;
-        self.reference = observed.reference;
-        self.overlap = observed.overlap;
-        self.wall_before = observed.wall_s;
+        self.laboratory.go_on(specimen);
+        self.observed = observed;
+    }
+
+    /// Counts the wall time that has passed since it was last counted.
+    fn count_time(&mut self) {
+        self.observed.wall_s += self.began.elapsed().as_secs_f64();
+        self.began = Instant::now();
     }
 
     /// Why a checkpoint could not be kept, if that is so.
@@ -138,11 +130,9 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
     }
 
     /// What was observed, and its frames.
-    pub fn into_parts(self) -> (Observed, Option<FrameWriter>) {
-        let wall_s = self.wall_before + self.began.elapsed().as_secs_f64();
-        let Self { rows, reference, overlap, frames, energy, .. } = self;
-        let laboratory = self.laboratory.series;
-        (Observed { rows, reference, overlap, laboratory, energy, wall_s }, frames)
+    pub fn into_parts(mut self) -> (Observed, Option<FrameWriter>) {
+        self.count_time();
+        (self.observed, self.frames)
     }
 }
 
@@ -190,7 +180,7 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         }
         let plate_height_mm = position.map(|p| to_mm(p.height));
         let mean_surface_mm = to_mm(surface);
-        let before = &mut self.reference.before_vibration_mm;
+        let before = &mut self.observed.reference.before_vibration_mm;
         if matches!(self.stage, StageSpec::Vibrate { .. }) && before.is_none() {
             *before = Some((plate_height_mm, mean_surface_mm));
         }
@@ -216,17 +206,17 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         if let Some(frames) = &mut self.frames {
             frames.add(state, row.time_s);
         }
-        self.laboratory.observe(specimen);
+        self.laboratory.observe(specimen, &mut self.observed.laboratory);
         (self.on_row)(&row);
-        self.rows.push(row);
-        self.energy.push(EnergyRow {
+        self.observed.rows.push(row);
+        self.observed.energy.push(EnergyRow {
             potential_energy_j: potential,
             work_input_j: moment.balance.input,
             dissipated_j: moment.balance.dissipated,
         });
         let at = moment.stage_time;
         let of = (self.stage, &self.setup.scale);
-        let found = look_at_overlap(&mut self.overlap, of, specimen, at, row.time_s);
+        let found = look_at_overlap(&mut self.observed.overlap, of, specimen, at, row.time_s);
         if let Some(text) = found {
             (self.on_finding)(&text);
         }
@@ -237,21 +227,10 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
     }
 
     fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
-        self.laboratory.leg_ends(&midway.state);
+        self.laboratory.leg_ends(&midway.state, &mut self.observed.laboratory);
         let Some(checkpoints) = self.checkpoints else { return ControlFlow::Continue(()) };
-        let observed = Observed {
-            rows: std::mem::take(&mut self.rows),
-            reference: self.reference,
-            overlap: self.overlap,
-            laboratory: std::mem::take(&mut self.laboratory.series),
-            energy: std::mem::take(&mut self.energy),
-            wall_s: self.wall_before + self.began.elapsed().as_secs_f64(),
-        };
-        let kept = checkpoints.keep(midway, &observed, self.frames.as_mut());
-        self.rows = observed.rows;
-        self.laboratory.series = observed.laboratory;
-        self.energy = observed.energy;
-        self.fault = kept.err();
+        self.count_time();
+        self.fault = checkpoints.keep(midway, &self.observed, self.frames.as_mut()).err();
         if self.fault.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

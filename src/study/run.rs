@@ -23,7 +23,7 @@ use crate::protocol::{Progress, WorldMaker};
 use crate::record::{
     FileError, LaboratoryRow, RunKind, RunRecord, StageStore, StoredStage, create_folder,
     distributions, grains_csv, hash_bytes, json_text, read_json, series_csv, to_csv, with_energy,
-    with_laboratory, write_file, write_json,
+    with_laboratory, write_csv, write_file, write_json,
 };
 use crate::scale;
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
@@ -61,13 +61,7 @@ pub fn run_scenario(scenario: &Scenario, options: &RunOptions) -> Result<RunReco
     for warning in of_grains(scenario, &grains) {
         options.progress.message(&format!("warning: {warning}"));
     }
-    let run = PlannedRun {
-        name: scenario.name.clone(),
-        kind: kind_of(scenario),
-        scenario: scenario.clone(),
-        grains: grains.clone(),
-        prepared: None,
-    };
+    let run = PlannedRun::new(scenario.name.clone(), scenario.clone(), grains.clone());
     for (n, facts) in vibrations(scenario) {
         options.progress.message(&format!("stage {n}, vibrate: {}", facts.line()));
     }
@@ -215,18 +209,10 @@ pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(
     };
     if let Some(sieved) = sieved {
         let distribution = ParticleSizeDistribution::new(&sieved).map_err(StudyError::grains)?;
-        let path = out.join("sieve.csv");
-        let mut content = Vec::new();
-        grains::sieve_csv(&distribution, set, &mut content)
-            .map_err(|e| FileError::new("write", &path, e))?;
-        write_file(&path, &content)?;
+        write_csv(&out.join("sieve.csv"), grains::sieve_csv(&distribution, set))?;
     }
     if matches!(scenario.grains, GrainsSpec::Meshes(_)) {
-        let path = out.join("stones.csv");
-        let mut content = Vec::new();
-        grains::meshes_csv(&set.meshes, &mut content)
-            .map_err(|e| FileError::new("write", &path, e))?;
-        write_file(&path, &content)?;
+        write_csv(&out.join("stones.csv"), grains::meshes_csv(&set.meshes))?;
     }
     Ok(())
 }

@@ -189,10 +189,7 @@ pub fn summarise(
         contact_solver: contact_solver(&scenario.engine),
         seed: scenario.seed,
         configuration: scenario.configuration,
-        falling_height_mm: scenario.stages.iter().find_map(|s| match s {
-            StageSpec::Pour { falling_height_mm, .. } => Some(*falling_height_mm),
-            _ => None,
-        }),
+        falling_height_mm: scenario.falling_height_mm(),
         grains,
         sieve_analysis: Some(sieve),
         shape: ShapeSummary::of(&known.shapes),

@@ -94,34 +94,27 @@ pub struct Setting {
 /// at twice that, the native contact solver at three rates, and rapier where
 /// it is built in.
 pub fn settings() -> Vec<Setting> {
-    let stock =
-        EngineSettings { contact_solver: ContactSolver::Stock, ..EngineSettings::default() };
+    let engine = |contact_solver, rate_hz| EngineSettings {
+        contact_solver,
+        rate_hz,
+        ..EngineSettings::default()
+    };
+    let usual = EngineSettings::default().rate_hz;
     let precision = match world::info(Backend::Bullet).precision.as_str() {
         "single" => "-single",
         _ => "",
     };
     let mut settings = vec![
-        Setting { name: format!("stock{precision}"), engine: stock.clone() },
-        Setting {
-            name: format!("stock-960{precision}"),
-            engine: EngineSettings { rate_hz: 960.0, ..stock.clone() },
-        },
+        (format!("stock{precision}"), engine(ContactSolver::Stock, usual)),
+        (format!("stock-960{precision}"), engine(ContactSolver::Stock, 960.0)),
     ];
     for rate_hz in [240.0, 480.0, 1000.0] {
-        settings.push(Setting {
-            name: format!("native-{rate_hz}{precision}"),
-            engine: EngineSettings {
-                contact_solver: ContactSolver::Native,
-                rate_hz,
-                ..stock.clone()
-            },
-        });
+        let name = format!("native-{rate_hz}{precision}");
+        settings.push((name, engine(ContactSolver::Native, rate_hz)));
     }
     if world::built_in().contains(&Backend::Rapier) {
-        settings.push(Setting {
-            name: "rapier".to_owned(),
-            engine: EngineSettings { backend: Backend::Rapier, ..stock },
-        });
+        let stock = engine(ContactSolver::Stock, usual);
+        settings.push(("rapier".to_owned(), EngineSettings { backend: Backend::Rapier, ..stock }));
     }
-    settings
+    settings.into_iter().map(|(name, engine)| Setting { name, engine }).collect()
 }

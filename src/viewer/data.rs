@@ -3,7 +3,7 @@
 //! Little endian: the eight bytes of [`MAGIC`], the length of a JSON text as a
 //! 32-bit integer, the text (padded with blanks to a multiple of four bytes
 //! from the block's beginning), and sections of numbers. The text
-//! ([`Header`]) says where each section begins (`offset`, in bytes from the
+//! says where each section begins (`offset`, in bytes from the
 //! end of the text) and how many numbers of 32 bits it has (`count`):
 //!
 //! - `constants`: five floats per grain: fraction, sieve size mm, mass g, volume
@@ -28,13 +28,14 @@ use std::{io, path::Path};
 
 use rayon::prelude::*;
 use serde::Serialize;
+use serde_json::{Value, json};
 
 use super::links::links;
 use super::shapes::Shape;
 use crate::apparatus::{ApparatusError, Funnel, Piece};
 use crate::export::{ExportError, Exported, Playback, PlayedStage, read_playback, read_run};
 use crate::grains::sieve_size;
-use crate::measure::{pairs_within, touching_gap};
+use crate::measure::neighbours;
 use crate::plain::plain;
 use crate::protocol::{Setup, base_pieces};
 use crate::specimen::{SavedContact, Specimen};
@@ -66,82 +67,11 @@ pub struct RunData {
     pub bytes: Vec<u8>,
 }
 
-/// The text.
-#[derive(Debug, Serialize)]
-struct Header {
-    format: &'static str,
-    version: u32,
-    program: String,
-    scenario: String,
-    grains: usize,
-    frame_bytes: usize,
-    fractions: Vec<FractionEntry>,
-    cylinder: CylinderEntry,
-    funnel: FunnelEntry,
-    /// Of the floor under a pile; none where there is none.
-    base: Option<BaseEntry>,
-    /// Names of the shapes after those of the grains; `base` is among them where
-    /// there is a pile.
-    apparatus: Vec<String>,
-    /// Names of the pieces of a laboratory; their shapes are the last of `apparatus`.
-    pieces: Vec<String>,
-    /// Of each the radius about the origin of its frame that holds it.
-    piece_radii_m: Vec<f64>,
-    constants: Section,
-    shapes: ShapeSections,
-    stages: Vec<StageEntry>,
-}
-
 /// Where numbers begin, and how many there are.
 #[derive(Debug, Clone, Copy, Serialize)]
 struct Section {
     offset: usize,
     count: usize,
-}
-
-#[derive(Debug, Serialize)]
-struct FractionEntry {
-    passing_mm: f64,
-    retained_mm: f64,
-    grains: usize,
-}
-
-#[derive(Debug, Serialize)]
-struct CylinderEntry {
-    radius_m: f64,
-    height_m: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct FunnelEntry {
-    top_radius_m: f64,
-    height_m: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct BaseEntry {
-    radius_m: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct ShapeSections {
-    vertex_counts: Section,
-    face_counts: Section,
-    vertices_m: Section,
-    face_sizes: Section,
-    corners: Section,
-}
-
-#[derive(Debug, Serialize)]
-struct StageEntry {
-    name: String,
-    kept: bool,
-    /// Whether a pile's base stood.
-    base: bool,
-    frames: Section,
-    velocities_m_per_s: Section,
-    coordination: Section,
-    links: Section,
 }
 
 /// Numbers of a grain that do not change: the section `constants`.
@@ -193,59 +123,58 @@ fn encode(run: &Playback, ends: &[Specimen]) -> Result<RunData, ApparatusError> 
     }
     let shapes = body.shapes(&shapes);
 
-    let stages: Vec<StageEntry> =
+    let stages: Vec<Value> =
         run.stages.iter().zip(ends).map(|(stage, end)| body.stage(stage, end)).collect();
 
-    let fractions = set
-        .blocks
-        .iter()
-        .enumerate()
-        .map(|(n, block)| FractionEntry {
-            passing_mm: to_mm(block.passing),
-            retained_mm: to_mm(block.retained),
-            grains: set.grains.iter().filter(|g| g.fraction == n).count(),
-        })
-        .collect();
-    let frames = run.stages.iter().map(|s| s.frames.len()).sum();
-    let header = Header {
-        format: FORMAT,
-        version: VERSION,
-        program: format!("pluvia {}", env!("CARGO_PKG_VERSION")),
-        scenario: plain(&run.scenario).into_owned(),
-        grains: set.grains.len(),
-        frame_bytes: frame_bytes(run),
-        fractions,
-        cylinder: cylinder(setup),
-        pieces: setup.pieces.iter().map(|p| plain(&p.name).into_owned()).collect(),
-        piece_radii_m: setup.pieces.iter().map(|p| p.radius).collect(),
-        funnel: FunnelEntry { top_radius_m: funnel.top_radius, height_m: funnel.top_height },
-        base: base.map(|base| BaseEntry { radius_m: base.radius }),
-        apparatus,
-        constants,
-        shapes,
-        stages,
-    };
+    let fractions = set.blocks.iter().enumerate().map(|(n, block)| {
+        let grains = set.grains.iter().filter(|g| g.fraction == n).count();
+        let (passing, retained) = (to_mm(block.passing), to_mm(block.retained));
+        json!({ "passing_mm": passing, "retained_mm": retained, "grains": grains })
+    });
+    let pieces = || setup.pieces.iter();
+    let header = json!({
+        "format": FORMAT,
+        "version": VERSION,
+        "program": format!("pluvia {}", env!("CARGO_PKG_VERSION")),
+        "scenario": plain(&run.scenario),
+        "grains": set.grains.len(),
+        "frame_bytes": frame_bytes(run),
+        "fractions": fractions.collect::<Vec<_>>(),
+        "cylinder": cylinder(setup),
+        "funnel": { "top_radius_m": funnel.top_radius, "height_m": funnel.top_height },
+        // Of the floor under a pile; null where there is none.
+        "base": base.map(|base| json!({ "radius_m": base.radius })),
+        // Names of the shapes after those of the grains; `base` is among them where there is a
+        // pile.
+        "apparatus": apparatus,
+        // Names of the pieces of a laboratory; their shapes are the last of `apparatus`.
+        "pieces": pieces().map(|p| plain(&p.name)).collect::<Vec<_>>(),
+        // Of each the radius about the origin of its frame that holds it.
+        "piece_radii_m": pieces().map(|p| p.radius).collect::<Vec<_>>(),
+        "constants": constants,
+        "shapes": shapes,
+        "stages": stages,
+    });
     Ok(RunData {
         scenario: run.scenario.clone(),
         grains: set.grains.len(),
         stages: run.stages.len(),
-        frames,
+        frames: run.stages.iter().map(|s| s.frames.len()).sum(),
         kept: run.stages.iter().all(|s| s.kept),
-        bytes: block(&header, &body.bytes),
+        bytes: block(&header.to_string(), &body.bytes),
     })
 }
 
 /// The cylinder, or what holds all pieces of a laboratory about the axis: what a camera must see.
-fn cylinder(setup: &Setup) -> CylinderEntry {
+fn cylinder(setup: &Setup) -> Value {
     if setup.pieces.is_empty() {
         let cylinder = &setup.cylinder;
-        return CylinderEntry { radius_m: cylinder.radius, height_m: cylinder.height };
+        return json!({ "radius_m": cylinder.radius, "height_m": cylinder.height });
     }
     let pieces = || setup.pieces.iter().map(|p| (p.at.translation.vector, p.radius));
-    CylinderEntry {
-        radius_m: pieces().map(|(at, radius)| at.xy().norm() + radius).fold(0.0, f64::max) / 1.5,
-        height_m: pieces().map(|(at, radius)| at.z + radius).fold(0.0, f64::max),
-    }
+    let wide = pieces().map(|(at, radius)| at.xy().norm() + radius).fold(0.0, f64::max);
+    let high = pieces().map(|(at, radius)| at.z + radius).fold(0.0, f64::max);
+    json!({ "radius_m": wide / 1.5, "height_m": high })
 }
 
 /// Length of a frame, which all of a run share.
@@ -257,9 +186,8 @@ fn frame_bytes(run: &Playback) -> usize {
     bytes.len()
 }
 
-fn block(header: &Header, body: &[u8]) -> Vec<u8> {
-    // A value of plain structs and names has JSON.
-    let mut text = serde_json::to_vec(header).unwrap_or_default();
+fn block(header: &str, body: &[u8]) -> Vec<u8> {
+    let mut text = header.as_bytes().to_vec();
     while !(MAGIC.len() + 4 + text.len()).is_multiple_of(4) {
         text.push(b' ');
     }
@@ -297,19 +225,19 @@ impl Body {
         self.words(values.map(u32::to_le_bytes))
     }
 
-    fn shapes(&mut self, shapes: &[Shape]) -> ShapeSections {
+    fn shapes(&mut self, shapes: &[Shape]) -> Value {
         let faces = || shapes.iter().flat_map(|s| &s.faces);
         let vertices = shapes.iter().flat_map(|s| &s.vertices);
-        ShapeSections {
-            vertex_counts: self.integers(shapes.iter().map(|s| s.vertices.len() as u32)),
-            face_counts: self.integers(shapes.iter().map(|s| s.faces.len() as u32)),
-            vertices_m: self.floats(vertices.flat_map(|v| [v.x, v.y, v.z])),
-            face_sizes: self.integers(faces().map(|f| f.len() as u32)),
-            corners: self.integers(faces().flatten().copied()),
-        }
+        json!({
+            "vertex_counts": self.integers(shapes.iter().map(|s| s.vertices.len() as u32)),
+            "face_counts": self.integers(shapes.iter().map(|s| s.faces.len() as u32)),
+            "vertices_m": self.floats(vertices.flat_map(|v| [v.x, v.y, v.z])),
+            "face_sizes": self.integers(faces().map(|f| f.len() as u32)),
+            "corners": self.integers(faces().flatten().copied()),
+        })
     }
 
-    fn stage(&mut self, stage: &PlayedStage, end: &Specimen) -> StageEntry {
+    fn stage(&mut self, stage: &PlayedStage, end: &Specimen) -> Value {
         let offset = self.bytes.len();
         for frame in &stage.frames {
             written(frame.write(&mut self.bytes));
@@ -319,15 +247,16 @@ impl Body {
             let v = g.body.linear_velocity;
             [v.x, v.y, v.z]
         });
-        StageEntry {
-            name: plain(&stage.name).into_owned(),
-            kept: stage.kept,
-            base: end.state.base.is_some(),
-            frames,
-            velocities_m_per_s: self.floats(velocities),
-            coordination: self.integers(neighbours(end).into_iter()),
-            links: self.links(&end.state.contacts),
-        }
+        json!({
+            "name": plain(&stage.name),
+            "kept": stage.kept,
+            // Whether a pile's base stood.
+            "base": end.state.base.is_some(),
+            "frames": frames,
+            "velocities_m_per_s": self.floats(velocities),
+            "coordination": self.integers(neighbours(end).into_iter()),
+            "links": self.links(&end.state.contacts),
+        })
     }
 
     /// Eight words a link: two parties, a point, the force on the first.
@@ -341,17 +270,6 @@ impl Body {
         });
         self.words(words)
     }
-}
-
-/// How many grains each grain touches.
-fn neighbours(specimen: &Specimen) -> Vec<u32> {
-    let present: Vec<usize> = specimen.present().collect();
-    let mut counts = vec![0; specimen.grains.grains.len()];
-    for pair in pairs_within(specimen, &present, touching_gap(&specimen.grains)) {
-        counts[pair.a] += 1;
-        counts[pair.b] += 1;
-    }
-    counts
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! rounding are the backend's private business.
 
 pub mod bullet;
+mod error;
 mod pairs;
 #[cfg(test)]
 mod parity_tests;
@@ -15,6 +16,7 @@ pub mod scripted;
 
 #[cfg(test)]
 pub(crate) use bullet::tests::{exclusive_turn, shared_turn};
+pub use error::WorldError;
 pub use pairs::{Material, PairCoefficients, PairTable};
 pub use run_time_check::{CheckLimits, RunTimeCheck};
 
@@ -25,6 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::{ConvexPolyhedron, Pose, Vector};
 use crate::scenario::{Backend, EngineSettings};
+use error::{finite, positive, sound};
 
 /// How a body moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -205,45 +208,6 @@ pub type Snapshot = Vec<Option<BodyState>>;
 
 /// A setting as the engine holds it, read back after it was set.
 pub type EffectiveSettings = std::collections::BTreeMap<String, serde_json::Value>;
-
-/// What can go wrong in a world.
-#[derive(Debug, thiserror::Error)]
-pub enum WorldError {
-    /// A body was refused before it reached the engine.
-    #[error("body refused: {reason}")]
-    BadBody {
-        /// Why.
-        reason: String,
-    },
-    /// No body of that number is in the world.
-    #[error("there is no body {0:?} in this world")]
-    NoSuchBody(BodyId),
-    /// Only kinematic bodies can be driven.
-    #[error("body {0:?} is not driven")]
-    NotKinematic(BodyId),
-    /// Only pressed bodies have a force.
-    #[error("body {0:?} is not pressed")]
-    NotPressed(BodyId),
-    /// Settings the engine cannot take, or did not keep.
-    #[error("engine setting `{setting}`: {reason}")]
-    BadSetting {
-        /// Name of the setting.
-        setting: String,
-        /// Why.
-        reason: String,
-    },
-    /// The engine reported a fault of its own.
-    #[error("the engine failed: {0}")]
-    Engine(String),
-    /// A check found the state unphysical.
-    #[error("the simulation became unphysical at {time_s:.4} s: {what}")]
-    Unphysical {
-        /// Simulated time in the stage, in s.
-        time_s: f64,
-        /// What was found, with the body and the limit.
-        what: String,
-    },
-}
 
 /// Makes an empty world of settings, gravity (m/s²) and coefficients of pairs.
 pub type WorldMaker<'a> = &'a (
@@ -454,12 +418,11 @@ pub fn create(
         #[cfg(feature = "rapier")]
         Backend::Rapier => Ok(Box::new(rapier::RapierBackend::new(settings, gravity, pairs)?)),
         #[cfg(not(feature = "rapier"))]
-        Backend::Rapier => Err(WorldError::BadSetting {
-            setting: "backend".into(),
-            reason: "this program was built without rapier; build it with the feature of that \
-                     name, which is on by default: cargo build --release --features rapier"
-                .into(),
-        }),
+        Backend::Rapier => Err(WorldError::bad_setting(
+            "backend",
+            "this program was built without rapier; build it with the feature of that name, which \
+             is on by default: cargo build --release --features rapier",
+        )),
     }
 }
 

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::WorldError;
+
 /// What a surface is made of; the pair of two materials decides friction and restitution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -70,6 +72,30 @@ impl PairTable {
             _ => None,
         };
         own.unwrap_or(self.common[a.kind()][b.kind()])
+    }
+
+    /// The coefficients of every pair in both orders, row by row.
+    pub fn values(&self) -> Vec<PairCoefficients> {
+        let all = self.materials();
+        all.iter().flat_map(|a| all.iter().map(|b| self.get(*a, *b))).collect()
+    }
+
+    /// Whether engines can take it.
+    ///
+    /// # Errors
+    /// [`WorldError::BadSetting`] for negative friction or restitution outside 0 to 1.
+    pub fn check(&self) -> Result<(), WorldError> {
+        let sound = |p: &PairCoefficients| {
+            p.friction >= 0.0 && p.friction.is_finite() && (0.0..=1.0).contains(&p.restitution)
+        };
+        let Some(bad) = self.values().into_iter().find(|p| !sound(p)) else { return Ok(()) };
+        let PairCoefficients { friction, restitution } = bad;
+        Err(WorldError::bad_setting(
+            "contact",
+            format!(
+                "friction {friction} must be zero or more, restitution {restitution} from 0 to 1"
+            ),
+        ))
     }
 
     /// The table with one value for every pair.

@@ -46,6 +46,7 @@ mod shown;
 mod signals;
 mod small;
 mod soak;
+mod standard_tests;
 mod stones;
 mod store;
 mod studies;

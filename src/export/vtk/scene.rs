@@ -9,9 +9,9 @@ use crate::export::moments::Moment;
 use crate::export::parts::Part;
 use crate::geometry::{Point, Vector};
 use crate::grains::{GrainSet, sieve_size};
-use crate::measure::{pairs_within, touching_gap};
+use crate::measure::neighbours;
 use crate::protocol::Setup;
-use crate::specimen::{Other, Party, SavedContact, Specimen, SpecimenState};
+use crate::specimen::{Other, Party, SavedContact, SpecimenState};
 
 /// The side of the square opening that each grain passes, in m.
 pub fn sieve_sizes(grains: &GrainSet) -> Vec<f64> {
@@ -34,7 +34,7 @@ pub fn grains(moment: &Moment, set: &Arc<GrainSet>, sizes: &[f64]) -> PolyData {
         }
         faces.push(shape.faces().len());
     }
-    let touching = touching(&specimen, &present);
+    let touching = neighbours(&specimen);
     let ints = |of: &dyn Fn(usize) -> i32| Values::Int(present.iter().map(|&n| of(n)).collect());
     let floats = |of: &dyn Fn(usize) -> Option<f64>| Values::floats(present.iter().map(|&n| of(n)));
     let of_grains = [
@@ -44,21 +44,11 @@ pub fn grains(moment: &Moment, set: &Arc<GrainSet>, sizes: &[f64]) -> PolyData {
         ("mass_kg", floats(&|n| Some(set.grains[n].mass))),
         ("speed_m_per_s", floats(&|n| moment.speed(n))),
         ("displacement_m", floats(&|n| moment.displacement(n))),
-        ("coordination_number", ints(&|n| touching[n])),
+        ("coordination_number", ints(&|n| touching[n] as i32)),
     ];
     data.cell_data =
         of_grains.into_iter().map(|(name, values)| (name, values.repeated(&faces))).collect();
     data
-}
-
-/// How many others each grain touches, as [`crate::measure::coordination`] counts.
-fn touching(specimen: &Specimen, present: &[usize]) -> Vec<i32> {
-    let mut counts = vec![0; specimen.grains.grains.len()];
-    for pair in pairs_within(specimen, present, touching_gap(&specimen.grains)) {
-        counts[pair.a] += 1;
-        counts[pair.b] += 1;
-    }
-    counts
 }
 
 /// The parts of the apparatus that stand; `part` counts them in their order.

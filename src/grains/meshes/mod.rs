@@ -68,28 +68,16 @@ pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErr
             }
         };
         for object in objects {
-            let surfaces = match surface::surfaces(&object, spec) {
-                Ok(surfaces) => surfaces,
-                Err(found) => {
-                    faults.extend(found.into_iter().map(|f| named(f, &path, &object.name)));
-                    continue;
-                }
-            };
-            let several = surfaces.len() > 1;
-            for (index, surface) in surfaces.iter().enumerate() {
-                let mut name = object.name.clone();
-                if several {
-                    name = format!("{name}, surface {}", index + 1);
-                }
-                match prototype(surface, spec) {
-                    Ok((prototype, record)) => {
-                        let file = path.display().to_string();
-                        records.push(MeshRecord { file, object: name, ..record });
-                        prototypes.push(prototype);
-                    }
-                    Err(fault) => faults.push(named(fault, &path, &name)),
-                }
-            }
+            let file = path.display().to_string();
+            let found = each_surface(&object, spec, |surface, name| {
+                let (prototype, record) = prototype(surface, spec)?;
+                let (file, object) = (file.clone(), name.to_owned());
+                records.push(MeshRecord { file, object, ..record });
+                prototypes.push(prototype);
+                Ok(())
+            });
+            let in_file = |fault| Fault { file: file.clone(), ..fault };
+            faults.extend(found.into_iter().map(in_file));
         }
     }
     if faults.is_empty()
@@ -114,8 +102,24 @@ pub fn from_meshes(spec: &MeshGrains, seed: u64) -> Result<GrainSet, ScenarioErr
         .map_err(|fault| ScenarioErrors::Faults(vec![fault]))
 }
 
-fn named(fault: Fault, file: &Path, object: &str) -> Fault {
-    Fault { file: file.display().to_string(), path: object.to_owned(), ..fault }
+/// Makes something of each surface of an object, by its name; faults tell that name.
+fn each_surface(
+    object: &Object,
+    spec: &MeshGrains,
+    mut make: impl FnMut(&Surface, &str) -> Result<(), Fault>,
+) -> Vec<Fault> {
+    let named = |fault: Fault, name: &str| Fault { path: name.to_owned(), ..fault };
+    let surfaces = match surfaces(object, spec) {
+        Ok(surfaces) => surfaces,
+        Err(faults) => return faults.into_iter().map(|f| named(f, &object.name)).collect(),
+    };
+    let several = surfaces.len() > 1;
+    let faults = surfaces.iter().enumerate().filter_map(|(index, surface)| {
+        let of_several = || format!("{}, surface {}", object.name, index + 1);
+        let name = if several { of_several() } else { object.name.clone() };
+        make(surface, &name).err().map(|fault| named(fault, &name))
+    });
+    faults.collect()
 }
 
 /// A closed surface as a grain, and what was done to it.

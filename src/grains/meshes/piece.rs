@@ -15,12 +15,11 @@ const SPLIT: &str = "convex surfaces that are not joined: split it into convex p
 /// # Errors
 /// Every fault of the file, with the object in it as path.
 pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Vec<Fault>> {
-    let alone = |fault: Fault| vec![fault];
     let objects = read::objects(file).map_err(|error| match error {
-        read::ReadError::Fault(fault) => alone(fault),
+        read::ReadError::Fault(fault) => vec![fault],
         read::ReadError::Unreadable(reason) => {
             let message = format!("the mesh cannot be read: {reason}");
-            alone(Fault::new(message, file.display(), "an OBJ, STL or PLY file"))
+            vec![Fault::new(message, file.display(), "an OBJ, STL or PLY file")]
         }
     })?;
     // Lengths stay those of the file.
@@ -37,47 +36,25 @@ pub fn parts_of_piece(file: &Path, scale_to_mm: f64) -> Result<Vec<MeshPart>, Ve
     };
     let (mut parts, mut faults) = (Vec::new(), Vec::new());
     for object in objects {
-        let of = |index: Option<usize>, fault: Fault| Fault {
-            path: match index {
-                Some(index) => format!("{}, surface {}", object.name, index + 1),
-                None => object.name.clone(),
-            },
+        let found = each_surface(&object, &spec, |surface, _| {
+            let split = |fault| Fault { allowed: SPLIT.to_owned(), ..fault };
+            let shape = shape::convex(surface, &spec).map_err(split)?.shape;
+            let vertices = shape.vertices().iter().map(|v| (v.coords * scale_to_mm).into());
+            let (vertices_mm, faces) = (vertices.collect(), shape.faces().to_vec());
+            parts.push(MeshPart { vertices_mm, faces });
+            Ok(())
+        });
+        faults.extend(found.into_iter().map(|fault| Fault {
             message: fault.message.replace("the grain", "the surface"),
             ..fault
-        };
-        match surface::surfaces(&object, &spec) {
-            Err(found) => faults.extend(found.into_iter().map(|fault| of(None, fault))),
-            Ok(surfaces) => {
-                let several = surfaces.len() > 1;
-                for (index, surface) in surfaces.iter().enumerate() {
-                    match shape::convex(surface, &spec) {
-                        Ok(convex) => parts.push(MeshPart {
-                            vertices_mm: convex
-                                .shape
-                                .vertices()
-                                .iter()
-                                .map(|v| (v.coords * scale_to_mm).into())
-                                .collect(),
-                            faces: convex.shape.faces().to_vec(),
-                        }),
-                        Err(fault) => {
-                            let fault = Fault { allowed: SPLIT.to_owned(), ..fault };
-                            faults.push(of(several.then_some(index), fault));
-                        }
-                    }
-                }
-            }
-        }
+        }));
     }
     if parts.len() > MOST_PARTS {
         let found = format!("{} parts", parts.len());
         let allowed = format!("at most {MOST_PARTS}");
         faults.push(Fault::new("the mesh has too many parts", found, allowed));
     }
-    match faults.is_empty() {
-        true => Ok(parts),
-        false => Err(faults),
-    }
+    if faults.is_empty() { Ok(parts) } else { Err(faults) }
 }
 
 #[cfg(test)]

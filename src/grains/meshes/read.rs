@@ -23,16 +23,6 @@ pub(super) enum ReadError {
     Fault(Fault),
 }
 
-/// The vertices that faces use, in the order of their numbers, and the faces by their new numbers.
-pub(super) fn used(faces: &[impl AsRef<[u32]>], vertices: &[Point]) -> (Vec<Point>, Vec<Vec<u32>>) {
-    let mut used: Vec<u32> = faces.iter().flat_map(AsRef::as_ref).copied().collect();
-    used.sort_unstable();
-    used.dedup();
-    let number = |v: &u32| used.partition_point(|u| u < v) as u32;
-    let faces = faces.iter().map(|face| face.as_ref().iter().map(number).collect()).collect();
-    (used.iter().map(|&v| vertices[v as usize]).collect(), faces)
-}
-
 impl ReadError {
     /// A fault of the content of a file.
     pub fn fault(message: impl Into<String>, found: impl ToString, allowed: &str) -> Self {

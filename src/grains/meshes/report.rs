@@ -1,10 +1,7 @@
 //! What became of each mesh, for the table `stones.csv` and for warnings.
 
-use std::io::Write;
-
 use super::*;
-use crate::grains::GrainsError;
-use crate::grains::sieve_table::write_table;
+use crate::grains::table_csv;
 
 /// One grain: its mesh as read, the shape made of it, and how it was used.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -106,11 +103,11 @@ impl MeshRecord {
     }
 }
 
-/// Writes `stones.csv`: a row a grain.
+/// `stones.csv`: a row a grain.
 ///
 /// # Errors
-/// When writing fails.
-pub fn meshes_csv(records: &[MeshRecord], into: impl Write) -> Result<(), GrainsError> {
+/// As [`table_csv`].
+pub fn meshes_csv(records: &[MeshRecord]) -> Result<Vec<u8>, csv::Error> {
     let row = |record: &MeshRecord| {
         vec![
             ("file", record.file.clone()),
@@ -135,5 +132,5 @@ pub fn meshes_csv(records: &[MeshRecord], into: impl Write) -> Result<(), Grains
             ("largest_scale", format!("{:.6}", record.scales.1)),
         ]
     };
-    write_table(records.iter().map(row), into)
+    table_csv(records.iter().map(row))
 }

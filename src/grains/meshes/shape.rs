@@ -25,10 +25,13 @@ pub(super) struct Convex {
 /// asked for.
 pub(super) fn convex(surface: &Surface, spec: &MeshGrains) -> Result<Convex, Fault> {
     let most = spec.largest_vertex_count as usize;
-    if surface.vertices.len() <= 8 * most
-        && let Some(shape) = joined_polyhedron(&surface.vertices, &surface.faces)
-        && shape.vertices().len() <= most
-    {
+    // Joining triangles may leave vertices amid a face, so count after it.
+    let small = |vertices: &[Point], faces: &[Vec<u32>]| {
+        let few = vertices.len() <= 8 * most;
+        let shape = few.then(|| joined_polyhedron(vertices, faces)).flatten();
+        shape.filter(|shape| shape.vertices().len() <= most)
+    };
+    if let Some(shape) = small(&surface.vertices, &surface.faces) {
         return Ok(Convex { shape, convexity: 1.0, hull: false, left_out: 0.0 });
     }
     let unmade = || {
@@ -56,11 +59,7 @@ pub(super) fn convex(surface: &Surface, spec: &MeshGrains) -> Result<Convex, Fau
     if whole.left_out > FLATNESS * extent(&surface.vertices) {
         return Err(unmade());
     }
-    // Joining triangles may leave vertices amid a face, so count after it.
-    if whole.vertices.len() <= 8 * most
-        && let Some(shape) = joined_polyhedron(&whole.vertices, &whole.triangles)
-        && shape.vertices().len() <= most
-    {
+    if let Some(shape) = small(&whole.vertices, &whole.triangles) {
         return Ok(Convex { shape, convexity, hull: true, left_out: 0.0 });
     }
     let Hull { vertices, triangles, left_out } = hull(&whole.vertices, most).ok_or_else(unmade)?;

@@ -143,13 +143,13 @@ fn standard(study: &StudyView) -> String {
     let all = study.runs.len();
     let left_out = study.runs.iter().filter(|r| !r.counts_in_means()).count();
     match left_out_in_words(left_out, all) {
-        none if none.is_empty() => {
+        None => {
             let runs =
                 if all == 1 { "The one run is".to_owned() } else { format!("All {all} runs are") };
             format!(
                 "{runs} valid: the accuracy standard is met and no run-time check found anything."
             )
         }
-        said => format!("{said}, being not valid or short of grains."),
+        Some(said) => format!("{said}, being not valid or short of grains."),
     }
 }

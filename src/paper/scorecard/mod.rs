@@ -44,7 +44,7 @@ pub struct ResultCounts {
 }
 
 /// One row of the scorecard.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ScoreRow {
     /// Stable name, for scripts.
     pub id: &'static str,
@@ -287,17 +287,12 @@ impl Row<'_> {
             statement: self.statement,
             source: first.source.clone(),
             paper,
-            ours: None,
-            interval: None,
-            count: 0,
             unit: unit.to_owned(),
-            in_words: String::new(),
             verdict: speaks.verdict,
-            decided: None,
             reason: speaks.reason.clone(),
             left_out: left_out.len(),
             claims: self.claims.iter().map(|c| c.id.clone()).collect(),
-            beyond: 0.0,
+            ..ScoreRow::default()
         })
     }
 }

@@ -5,9 +5,8 @@ use super::{Fate, StageError, Stand, TableMotion, Vector, WorldError, moved};
 impl Stand<'_> {
     pub(super) fn move_table(&mut self, to: Vector) -> Result<(), StageError> {
         for (id, at_rest) in &self.on_table {
-            if let Err(source) = self.world.drive(*id, &moved(at_rest, &to)) {
-                return Err(self.failed(source));
-            }
+            let driven = self.world.drive(*id, &moved(at_rest, &to));
+            driven.map_err(|source| self.failed(source))?;
         }
         self.midway.watch.table_moved(to - self.specimen.state.table());
         self.specimen.state.set_table(to);
@@ -22,9 +21,8 @@ impl Stand<'_> {
         let ends = [2, 1, 0].map(|ago| steps.checked_sub(ago).map_or(Vector::zeros(), place));
         for (id, at_rest) in &self.on_table {
             let ends = ends.map(|at| moved(at_rest, &at));
-            if let Err(source) = self.world.recall_drive(*id, &ends) {
-                return Err(self.failed(source));
-            }
+            let recalled = self.world.recall_drive(*id, &ends);
+            recalled.map_err(|source| self.failed(source))?;
         }
         Ok(())
     }

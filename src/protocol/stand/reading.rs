@@ -84,12 +84,7 @@ impl Stand<'_> {
                 state.fate = fate;
                 self.grains[index] = None;
                 gone = true;
-                if let Err(source) = self.world.remove(id) {
-                    return Err(StageError::World {
-                        source,
-                        last_good: Box::new(self.specimen.clone()),
-                    });
-                }
+                self.world.remove(id).map_err(|source| self.failed(source))?;
                 if fate == Fate::ThroughWall {
                     self.midway.watch.through_walls += 1;
                     let at = body.pose.translation.vector * 1e3;

@@ -194,7 +194,7 @@ fn notes(of: &Calibration, kept: &Kept) -> Vec<String> {
     if let (Some(first), true) = (left_out.first(), of.ending != Ending::Failed) {
         notes.push(format!(
             "{}, with their configuration in the line, as runs that failed are; the first, {}: {}",
-            left_out_in_words(left_out.len(), of.runs.len() - failed),
+            left_out_in_words(left_out.len(), of.runs.len() - failed).unwrap_or_default(),
             first.run,
             first.left_out_of_means.as_deref().unwrap_or_default()
         ));

@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::super::{StudyError, design::range};
 use crate::record::Summary;
 use crate::report::unit_of;
-use crate::scenario::{Override, Scenario};
+use crate::scenario::{Override, Scenario, nearest};
 
 /// A result of a run that is to have a value: a number of its `summary.json`.
 #[derive(Debug, Clone, PartialEq)]
@@ -194,10 +194,8 @@ pub(super) fn known(target: &CalibrationTarget) -> Result<(), StudyError> {
     if numbers.contains(&asked) {
         return Ok(());
     }
-    let near = numbers.iter().map(|known| (strsim::levenshtein(known, &asked), known)).min();
-    let near = near.filter(|(distance, _)| *distance <= (asked.chars().count() / 3).max(1));
-    let meant = match near {
-        Some((_, known)) => format!("; did you mean `{known}`?"),
+    let meant = match nearest(&asked, numbers.iter().map(String::as_str)) {
+        Some(known) => format!("; did you mean `{known}`?"),
         None => format!("; it has {} and {} more", SHOWN.join(", "), numbers.len() - SHOWN.len()),
     };
     let field = target.field();

@@ -22,7 +22,6 @@ pub struct ConvergenceDesign {
     pub full: SpecimenDesign,
     /// A smaller one, for `--quick`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "SpecimenDesign")]
     pub quick: Option<SpecimenDesign>,
     /// How far a result may be from the converged one.
     pub limits: ConvergenceLimits,
@@ -62,7 +61,7 @@ pub struct LadderDesign {
     pub changes: Vec<String>,
     /// At most so many configurations, where the ladder is costly.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "u32", range(min = 1, max = 1000))]
+    #[schemars(range(min = 1, max = 1000))]
     pub configurations: Option<u32>,
     /// From the coarsest to the finest, which is the ladder's converged one.
     #[schemars(length(min = 2, max = 100))]

@@ -28,7 +28,6 @@ pub struct SensitivityDesign {
     pub full: SpecimenDesign,
     /// A smaller one, for `--quick`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "SpecimenDesign")]
     pub quick: Option<SpecimenDesign>,
     /// The parameters, each varied by itself.
     #[schemars(length(min = 1, max = 1000))]
@@ -54,14 +53,12 @@ pub struct ParameterDesign {
     /// Path of its value in the scenario, as in `--set`; left out where the
     /// ends are made by changes of several values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String")]
     pub path: Option<String>,
     /// The low end; that of the default where only higher values are of interest.
     pub low: f64,
     /// The scenario's own value, which it must be. With `path` it may be left
     /// out: it is then read from the scenario.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64")]
     pub default: Option<f64>,
     /// The high end.
     pub high: f64,
@@ -73,15 +70,12 @@ pub struct ParameterDesign {
     pub high_changes: Vec<String>,
     /// The low end on the smaller specimen, where it is another.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64")]
     pub quick_low: Option<f64>,
     /// The smaller specimen's own value, where it is another.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64")]
     pub quick_default: Option<f64>,
     /// The high end on the smaller specimen, where it is another.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "f64")]
     pub quick_high: Option<f64>,
     /// Whether it is also varied with `--quick`.
     #[serde(default = "yes")]

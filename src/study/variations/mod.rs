@@ -19,14 +19,14 @@ use super::{
     StudyError,
     believed::held,
     plan::{Plan, PlannedRun, stage_label},
-    run::{RunOptions, carry_out_each, folder_of, kind_of, make_grains, write_grains},
+    run::{RunOptions, carry_out_each, folder_of, make_grains, write_grains},
 };
 use crate::grains::GrainSet;
 use crate::grains::load_scenario;
 use crate::protocol::WorldMaker;
 use crate::record::{
-    FileError, RunRow, StageStore, VariationRow, create_folder, hash_json, variation_runs_csv,
-    variations_csv, write_file, write_json,
+    RunRow, StageStore, VariationRow, create_folder, hash_json, to_csv, variations_csv, write_csv,
+    write_json,
 };
 use crate::scenario::{Backend, Fault, Override, Scenario, ScenarioErrors};
 
@@ -132,13 +132,8 @@ struct Table<'a> {
 /// When a file cannot be written.
 pub fn write_variations(out: &Path, runs: &[RunRow]) -> Result<Vec<VariationRow>, StudyError> {
     let variations = VariationRow::of(runs);
-    let table = |name: &str, content: Result<Vec<u8>, csv::Error>| {
-        let path = out.join(name);
-        let content = content.map_err(|e| FileError::new("write", &path, e))?;
-        write_file(&path, &content)
-    };
-    table("variations.csv", variations_csv(&variations))?;
-    table("variation-runs.csv", variation_runs_csv(runs))?;
+    write_csv(&out.join("variations.csv"), variations_csv(&variations))?;
+    write_csv(&out.join("variation-runs.csv"), to_csv(runs))?;
     write_json(&out.join("variations.json"), &Table { runs, variations: &variations })?;
     Ok(variations)
 }
@@ -301,13 +296,8 @@ fn planned_run(
     scenario.configuration = scenario.configuration.saturating_add(number);
     let precision = crate::world::info(scenario.engine.backend).precision;
     let suffix = if precision == "single" { "-single" } else { "" };
-    PlannedRun {
-        name: format!("{}-c{}{suffix}", variation.name, number + 1),
-        kind: kind_of(&scenario),
-        scenario,
-        grains,
-        prepared: None,
-    }
+    let name = format!("{}-c{}{suffix}", variation.name, number + 1);
+    PlannedRun::new(name, scenario, grains)
 }
 
 /// A run with the row that it will complete.

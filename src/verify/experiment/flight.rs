@@ -6,17 +6,9 @@ use super::*;
 
 const CUBE: f64 = 0.01;
 
-pub(super) fn free_fall(bench: &Bench, height: f64, duration: f64) -> Measured {
-    flight(bench, Vector::new(0.0, 0.0, from_mm(height)), Vector::zeros(), duration)
-}
-
-pub(super) fn projectile(bench: &Bench, velocity: Vector, duration: f64) -> Measured {
-    flight(bench, Vector::zeros(), velocity, duration)
-}
-
 /// Against x₀ + v t − g h²·n(n+1)/2 for n steps of h: velocity first, then
 /// position, once a step or once a sub-step where the engine has those.
-fn flight(bench: &Bench, from: Vector, velocity: Vector, duration: f64) -> Measured {
+pub(super) fn flight(bench: &Bench, from: Vector, velocity: Vector, duration: f64) -> Measured {
     let mut scene = bench.scene(&uniform(0.0, 0.0))?;
     let mut body = block(Vector::repeat(CUBE), from)?;
     body.state.linear_velocity = velocity;

@@ -186,9 +186,12 @@ impl Experiment {
     pub fn run(&self, bench: &Bench) -> Result<Outcome, VerifyError> {
         match *self {
             Self::MassProperties => properties(),
-            Self::FreeFall { height_mm, duration_s } => free_fall(bench, height_mm, duration_s),
+            Self::FreeFall { height_mm, duration_s } => {
+                let from = Vector::new(0.0, 0.0, from_mm(height_mm));
+                flight(bench, from, Vector::zeros(), duration_s)
+            }
             Self::Projectile { speed_m_per_s, duration_s } => {
-                projectile(bench, speed_m_per_s.into(), duration_s)
+                flight(bench, Vector::zeros(), speed_m_per_s.into(), duration_s)
             }
             Self::Tumbling { spin_rad_per_s, duration_s, quantity } => {
                 tumbling(bench, spin_rad_per_s.into(), duration_s, quantity)

@@ -112,7 +112,7 @@ impl Packing {
 
     /// Mass of all grains in kg.
     pub fn mass(&self) -> f64 {
-        self.bodies.iter().map(mass).sum()
+        self.bodies.iter().map(|body| mass_of(body).0).sum()
     }
 
     /// Moves the whole box to a displacement along x (m) at the end of the next step.
@@ -170,13 +170,6 @@ impl Packing {
         let states = self.states()?;
         let bodies = self.bodies.iter().zip(states);
         Ok(bodies.map(|(body, state)| Body { state, ..body.clone() }).collect())
-    }
-}
-
-pub(super) fn mass(body: &Body) -> f64 {
-    match body.motion {
-        Motion::Free { mass, .. } => mass,
-        _ => 0.0,
     }
 }
 

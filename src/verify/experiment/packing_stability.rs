@@ -1,6 +1,6 @@
 //! Whether a packing stays as it is: at rest, after a restart, between walls that shake.
 
-use super::packing::{FRICTION, OfGrains, Packing, WIDTH, corners, mass};
+use super::packing::{FRICTION, OfGrains, Packing, WIDTH, corners};
 use super::*;
 
 /// The paper's vibration: 3 Hz, 25 mm to either side (sections 3 and 4).
@@ -69,7 +69,7 @@ impl OfGrains {
                 .iter()
                 .zip(&packing.bodies)
                 .filter(|(b, body)| **b < 2.0 * body.shape.radius_about_origin())
-                .map(|(_, body)| mass(body))
+                .map(|(_, body)| mass_of(body).0)
                 .sum();
             share = share.min(inside / packing.mass());
             curve.push((time, share));

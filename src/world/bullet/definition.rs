@@ -5,7 +5,7 @@ use crate::geometry::Vector;
 use crate::scale::{self, Scale};
 use crate::scenario::{ContactSolver, EngineSettings, InertiaRule, StockSettings};
 use crate::units::{from_g, from_mm};
-use crate::world::WorldError;
+use crate::world::{WorldError, finite, positive, sound};
 
 /// Everything that is fixed when a world is made; gravity in m/s²,
 /// and how many materials bodies are of.
@@ -17,52 +17,22 @@ pub(super) fn definition(
     gravity: Vector,
     materials: usize,
 ) -> Result<ffi::WorldDefinition, WorldError> {
-    let positive = |setting: &str, value: f64| {
-        if value.is_finite() && value > 0.0 {
-            Ok(value)
-        } else {
-            Err(WorldError::BadSetting {
-                setting: setting.into(),
-                reason: format!("{value} is not a positive number"),
-            })
-        }
-    };
     let zero_or_more = |setting: &str, value: f64| {
-        if value.is_finite() && value >= 0.0 {
-            Ok(value)
-        } else {
-            Err(WorldError::BadSetting {
-                setting: setting.into(),
-                reason: format!("{value} is neither zero nor a positive number"),
-            })
-        }
+        let is_sound = value.is_finite() && value >= 0.0;
+        sound(setting, value, is_sound, "neither zero nor a positive number")
     };
     if s.contact_solver == ContactSolver::Native && s.stock != StockSettings::default() {
-        return Err(WorldError::BadSetting {
-            setting: "stock".into(),
-            reason: "these are settings of stock Bullet contacts; the native contact solver \
-                     asks for hulls without margin and bodies that never sleep"
-                .into(),
-        });
+        let reason = "these are settings of stock Bullet contacts; the native contact solver \
+                      asks for hulls without margin and bodies that never sleep";
+        return Err(WorldError::bad_setting("stock", reason));
     }
-    if !gravity.iter().all(|g| g.is_finite()) {
-        return Err(WorldError::BadSetting {
-            setting: "gravity".into(),
-            reason: format!("{gravity:?} is not finite"),
-        });
-    }
+    finite(&gravity)?;
     let size = from_mm(positive("grain_size_mm", s.grain_size_mm)?);
     let scale = Scale::of_smallest(size, Scale::PAPER.gravity);
     let mut solver_mode = constants::SOLVER_USE_WARMSTARTING;
-    match s.friction_directions {
-        1 => {}
-        2 => solver_mode |= constants::SOLVER_USE_2_FRICTION_DIRECTIONS,
-        other => {
-            return Err(WorldError::BadSetting {
-                setting: "friction_directions".into(),
-                reason: format!("{other} is neither 1 nor 2"),
-            });
-        }
+    let is_sound = (1..=2).contains(&s.friction_directions);
+    if sound("friction_directions", s.friction_directions, is_sound, "neither 1 nor 2")? == 2 {
+        solver_mode |= constants::SOLVER_USE_2_FRICTION_DIRECTIONS;
     }
     Ok(ffi::WorldDefinition {
         length_scale: positive("length_scale", s.length_scale)?,

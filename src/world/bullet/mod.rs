@@ -99,27 +99,13 @@ impl BulletBackend {
         gravity: Vector,
         pairs: &PairTable,
     ) -> Result<Self, WorldError> {
-        let materials = pairs.materials();
-        let definition = definition(settings, gravity, materials.len())?;
-        let pair_values: Vec<ffi::PairValue> = materials
+        let definition = definition(settings, gravity, pairs.materials().len())?;
+        pairs.check()?;
+        let pair_values: Vec<ffi::PairValue> = pairs
+            .values()
             .iter()
-            .flat_map(|a| materials.iter().map(|b| pairs.get(*a, *b)))
             .map(|p| ffi::PairValue { friction: p.friction, restitution: p.restitution })
             .collect();
-        if let Some(bad) = pair_values.iter().find(|p| {
-            !(p.friction >= 0.0
-                && p.friction.is_finite()
-                && p.restitution >= 0.0
-                && p.restitution <= 1.0)
-        }) {
-            return Err(WorldError::BadSetting {
-                setting: "contact".into(),
-                reason: format!(
-                    "friction {} must be zero or more, restitution {} from 0 to 1",
-                    bad.friction, bad.restitution
-                ),
-            });
-        }
         let world = ffi::new_world(&definition, &pair_values).map_err(engine)?;
         let backend = Self {
             world,
@@ -166,10 +152,8 @@ impl BulletBackend {
             let kept = held.get(name).and_then(serde_json::Value::as_f64);
             let good = kept.is_some_and(|k| (k - asked).abs() <= tolerance * asked.abs().max(1e-9));
             if !good {
-                return Err(WorldError::BadSetting {
-                    setting: name.into(),
-                    reason: format!("asked for {asked}, the engine holds {kept:?}"),
-                });
+                let reason = format!("asked for {asked}, the engine holds {kept:?}");
+                return Err(WorldError::bad_setting(name, reason));
             }
         }
         Ok(())

@@ -84,12 +84,7 @@ impl RapierBackend {
         pairs: &PairTable,
     ) -> Result<Self, WorldError> {
         let units = settings::units(settings)?;
-        if !gravity.iter().all(|g| g.is_finite()) {
-            return Err(WorldError::BadSetting {
-                setting: "gravity".into(),
-                reason: format!("{gravity:?} is not finite"),
-            });
-        }
+        super::finite(&gravity)?;
         let world = PhysicsWorld {
             gravity: units.length(&gravity),
             integration_parameters: settings::integration_parameters(settings, units)?,

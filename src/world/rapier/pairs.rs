@@ -25,22 +25,9 @@ pub(super) struct Pairs {
 
 impl Pairs {
     /// # Errors
-    /// [`WorldError::BadSetting`] for negative friction or restitution outside 0 to 1.
+    /// As [`PairTable::check`].
     pub(super) fn new(table: &PairTable) -> Result<Self, WorldError> {
-        let sound = |p: &PairCoefficients| {
-            p.friction >= 0.0 && p.friction.is_finite() && (0.0..=1.0).contains(&p.restitution)
-        };
-        let all = table.materials();
-        let mut values = all.iter().flat_map(|a| all.iter().map(|b| table.get(*a, *b)));
-        if let Some(bad) = values.find(|p| !sound(p)) {
-            return Err(WorldError::BadSetting {
-                setting: "contact".into(),
-                reason: format!(
-                    "friction {} must be zero or more, restitution {} from 0 to 1",
-                    bad.friction, bad.restitution
-                ),
-            });
-        }
+        table.check()?;
         Ok(Self { table: table.clone() })
     }
 

@@ -6,7 +6,7 @@ use rapier3d_f64::prelude::{
 };
 use serde_json::{Value, json};
 
-use super::super::{EffectiveSettings, WorldError};
+use super::super::{EffectiveSettings, WorldError, positive, sound};
 use super::convert::Units;
 use crate::scale::{self, Scale};
 use crate::scenario::{self, EngineSettings};
@@ -16,32 +16,12 @@ use crate::units::from_mm;
 /// (`CHANGE_DETECTION_FACTOR` in `broad_phase_bvh/mod.rs`, 0.36).
 const MARGIN_OF_LENGTH_UNIT: f64 = 0.04;
 
-fn bad(setting: &str, reason: String) -> WorldError {
-    WorldError::BadSetting { setting: setting.into(), reason }
-}
-
-fn positive(setting: &str, value: f64) -> Result<f64, WorldError> {
-    if value.is_finite() && value > 0.0 {
-        Ok(value)
-    } else {
-        Err(bad(setting, format!("{value} is not a positive number")))
-    }
-}
-
 fn within(setting: &str, value: f64, most: f64) -> Result<f64, WorldError> {
-    if (0.0..=most).contains(&value) {
-        Ok(value)
-    } else {
-        Err(bad(setting, format!("{value} is not between 0 and {most}")))
-    }
+    sound(setting, value, (0.0..=most).contains(&value), &format!("not between 0 and {most}"))
 }
 
 fn count(setting: &str, value: u32, least: u32) -> Result<usize, WorldError> {
-    if value >= least {
-        Ok(value as usize)
-    } else {
-        Err(bad(setting, format!("{value} is less than {least}")))
-    }
+    Ok(sound(setting, value, value >= least, &format!("less than {least}"))? as usize)
 }
 
 pub(super) fn units(s: &EngineSettings) -> Result<Units, WorldError> {
@@ -52,11 +32,9 @@ pub(super) fn units(s: &EngineSettings) -> Result<Units, WorldError> {
 /// Rapier's damping c in 1/s, with velocities falling like exp(-c t), for the
 /// fraction lost in a second.
 pub(super) fn damping(setting: &str, lost_per_second: f64) -> Result<f64, WorldError> {
-    if (0.0..1.0).contains(&lost_per_second) {
-        Ok(-(-lost_per_second).ln_1p())
-    } else {
-        Err(bad(setting, format!("{lost_per_second} is not at least 0 and below 1")))
-    }
+    let is_sound = (0.0..1.0).contains(&lost_per_second);
+    sound(setting, lost_per_second, is_sound, "not at least 0 and below 1")?;
+    Ok(-(-lost_per_second).ln_1p())
 }
 
 /// Every field of rapier's parameters; none is left to its default.

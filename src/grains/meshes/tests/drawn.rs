@@ -67,8 +67,7 @@ fn every_fraction_has_its_mass_and_every_grain_its_sieve() {
         most - least <= 3,
         "each mesh is used before any comes again, in each fraction: {counts:?}"
     );
-    let mut csv = Vec::new();
-    sieve_csv(&psd, &set, &mut csv).unwrap();
+    let csv = sieve_csv(&psd, &set).unwrap();
     assert_eq!(String::from_utf8(csv).unwrap().lines().count(), 4, "a row a fraction");
     for pair in set.blocks[0].cells.windows(2) {
         let ((_, high), (low, _)) = (pair[0].bounding_box(), pair[1].bounding_box());

@@ -5,7 +5,7 @@
 //! that C has no unit whatever n is. Rates scatter by a share of themselves: the squares that are
 //! least are those of the logarithms.
 
-use crate::measure::statistics::least_squares_slope;
+use pluvia::measure::statistics::least_squares_slope;
 
 /// Lowest k that is tried. Below zero grains would flow where there is no opening.
 const LEAST_K: f64 = 0.0;
