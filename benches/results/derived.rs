@@ -160,7 +160,7 @@ fn setting(point: &Rows, first: &Rows) -> String {
         let (a, b) = (number(point.first()?, field)?, number(first.first()?, field)?);
         (a != b).then(|| word(a))
     });
-    words.next().unwrap_or_else(|| "the default then".to_owned())
+    words.next().unwrap_or_else(|| "the default".to_owned())
 }
 
 /// `docs/accuracy.md`: heights of pours against the default's.
@@ -170,7 +170,7 @@ fn convergence(results: &Results) -> Result<Value, String> {
     let row = |point: &Rows| {
         let (rows, jam) = whole(point.clone());
         let name = setting(point, &points[0]);
-        let change = (name != "the default then")
+        let change = (name != "the default")
             .then(|| interval(&pairs(&rows, &default, height_percent, "void_ratio")));
         json!({
             "name": name, "count": rows.len(), "jammed": jam,
@@ -189,7 +189,7 @@ fn settlement(results: &Results) -> Result<Value, String> {
         let (rows, jam) = whole(point.clone());
         let name = setting(point, &points[0]);
         let change = |field: &str| {
-            (name != "the default then").then(|| interval(&pairs(&rows, &default, percent, field)))
+            (name != "the default").then(|| interval(&pairs(&rows, &default, percent, field)))
         };
         let [height, surface, plate] =
             ["poured_height_mm.mean_surface", "surface_settlement_mm.final", "settlement_mm.final"];

@@ -208,24 +208,30 @@ pub const KEPT: &[Kept] = &[
         name: "native-convergence",
         what: "Pours of the quick specimen, one setting of the solver changed at a time, 12 \
                realisations",
-        files: &[("engines/native-convergence.csv", "")],
-        made: Made::Once("pluvia sweep scenarios/quick/pluviation.json --one-at-a-time"),
-        build: build("2026-11-23", "5"),
-        takes: "",
+        files: &[("engines/native-convergence.csv", "sweep.csv")],
+        made: Made::Pluvia(&["sweep scenarios/quick/pluviation.json --one-at-a-time \
+                              --configurations 12 \
+                              --over engine.native.iterations=4,16,40 \
+                              --over engine.native.substep_rate_hz=960,2880 \
+                              --over engine.rate_hz=240,960 \
+                              --over engine.native.contact_stiffness_n_per_m=5000,20000 \
+                              --out OUT"]),
+        build: build("2026-11-26", "15"),
+        takes: "20 minutes",
     },
     Kept {
         name: "native-settlement",
         what: "The quick specimen poured and shaken, one setting of the solver changed at a time, \
-               seven realisations",
+               twelve realisations",
         files: &[("engines/native-settlement.csv", "sweep.csv")],
         made: Made::Pluvia(&["sweep scenarios/quick/vibration.json --one-at-a-time \
-                              --configurations 7 \
+                              --configurations 12 \
                               --over engine.native.solver_tolerance=0.05,0.0005 \
                               --over engine.native.substep_rate_hz=960,2880 \
                               --over engine.rate_hz=240,960 \
                               --over engine.native.contact_stiffness_n_per_m=5000,20000 \
                               --out OUT"]),
-        build: build("2026-11-23", "8"),
+        build: build("2026-11-26", "15"),
         takes: "half an hour",
     },
     Kept {
@@ -253,7 +259,7 @@ pub const KEPT: &[Kept] = &[
         what: "The quick specimen 0.1, 1 and 5 times as large, 20 realisations",
         files: &[("scale/twins.csv", "")],
         made: Made::Make("twins"),
-        build: build("2026-11-23", "8"),
+        build: build("2026-11-26", "15"),
         takes: "10 minutes",
     },
     Kept {
