@@ -131,11 +131,12 @@ pub const KEPT: &[Kept] = &[
     },
     Kept {
         name: "sensitivity",
-        what: "What each choice moves, on the quick specimen, two realisations",
+        what: "What each choice moves, on the quick specimen, five realisations",
         files: &[("sensitivity-quick.md", "")],
-        made: Made::Pluvia(&["sensitivity --quick --out OUT"]),
-        build: build("2026-11-22", "2"),
-        takes: "half an hour",
+        made: Made::Pluvia(&["sweep --design scenarios/studies/sensitivity.json --quick \
+                              --configurations 5 --out OUT"]),
+        build: build("2026-11-26", "15"),
+        takes: "a quarter of an hour",
     },
     Kept {
         name: "convergence",
