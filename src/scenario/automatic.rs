@@ -37,6 +37,12 @@ const CYCLES: f64 = 12.0;
 /// holds: the paper's specimen and plate press with 8.
 const STRESS_OF_DEFAULT: f64 = 10.0;
 
+/// By how much overlaps are pushed apart faster where a load presses more than that. The limit of
+/// the speed is one of the force, v (c + h k) with damping c and sub-step h: by default ten times
+/// the mean force of a contact under the stress that the stiffness follows from. Grains at the ends
+/// of chains of force bear more, and would sink into each other without end.
+const FASTER_UNDER_LOAD: f64 = 10.0;
+
 /// Widest opening of the funnel that is filled in, in cylinder diameters.
 const OPENING_OF_CYLINDER: f64 = 0.9;
 
@@ -99,12 +105,17 @@ pub(super) fn fill(value: &mut Value, grading: &Grading) {
     let scale = grading.scale_for_filling(gravity);
     fill_apparatus(value, &scale);
     fill_stages(value, &scale);
-    for (path, law, default) in fields().filter(|field| ![RATE, STIFFNESS].contains(&field.0)) {
+    let by_law = fields().filter(|field| ![RATE, STIFFNESS, DEPENETRATION].contains(&field.0));
+    for (path, law, default) in by_law {
         put(value, path, default, law.factor(&scale));
     }
     let stiffness = stiffness(value, grading, &scale);
-    let default = NativeSettings::default().contact_stiffness_n_per_m;
+    let speed = depenetration(value, grading, &scale);
+    let native = NativeSettings::default();
+    let default = native.contact_stiffness_n_per_m;
     put(value, STIFFNESS, default, stiffness / default);
+    let default = native.max_depenetration_velocity_m_per_s;
+    put(value, DEPENETRATION, default, speed / default);
     let rate = rate(value, grading, &scale);
     let default = EngineSettings::default().rate_hz;
     put(value, RATE, default, rate / default);
@@ -148,6 +159,9 @@ pub(super) const RATE: &str = "engine.rate_hz";
 
 /// Path of the stiffness.
 pub(super) const STIFFNESS: &str = "engine.native.contact_stiffness_n_per_m";
+
+/// Path of the speed at which overlaps are pushed apart.
+pub(super) const DEPENETRATION: &str = "engine.native.max_depenetration_velocity_m_per_s";
 
 /// Sizes of the apparatus that are automatic where they are left out.
 const OF_APPARATUS: [&str; 9] = [
@@ -238,9 +252,21 @@ fn fill_stages(value: &mut Value, scale: &Scale) {
 /// the largest stress exceeds what the default is for.
 pub(super) fn stiffness(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
     let default = NativeSettings::default().contact_stiffness_n_per_m;
+    rounded(default * Law::Stiffness.factor(scale) * heavier(value, grading, scale), 2)
+}
+
+/// Largest speed in m/s at which an overlap is pushed apart: that of the law, and more where the
+/// largest stress exceeds what the default stiffness is for.
+pub(super) fn depenetration(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
+    let default = NativeSettings::default().max_depenetration_velocity_m_per_s;
+    let faster = if heavier(value, grading, scale) > 1.0 { FASTER_UNDER_LOAD } else { 1.0 };
+    default * Law::Speed.factor(scale) * faster
+}
+
+/// By how much the largest stress exceeds what the default stiffness is for; 1 where it does not.
+fn heavier(value: &Value, grading: &Grading, scale: &Scale) -> f64 {
     let light = scale.density * scale.gravity * STRESS_OF_DEFAULT * scale.sizes.median;
-    let heavier = (largest_stress(value, grading, scale.gravity) / light).max(1.0);
-    rounded(default * Law::Stiffness.factor(scale) * heavier, 2)
+    (largest_stress(value, grading, scale.gravity) / light).max(1.0)
 }
 
 /// Sets a field that is left out to its default times a factor; nothing where that is the
@@ -417,5 +443,13 @@ mod tests {
         assert_eq!(wide, 67_000.0, "law: that of the size where little weighs on a grain");
         assert!(narrow > wide, "law: more where more does");
         assert!((narrower / narrow - 2.0).abs() < 0.05, "law: as the stress, {narrow}, {narrower}");
+        let speed = |diameter: f64| {
+            let value = json!({ "apparatus": { "cylinder": { "inner_diameter_mm": diameter } } });
+            depenetration(&value, &larger(), &scale)
+        };
+        let (wide, narrow) = (speed(3000.0), speed(200.0));
+        // 0.3 m/s × √3.
+        assert!((wide - 0.5196).abs() < 1e-4, "law: that of the size, got {wide} m/s");
+        assert_eq!(narrow, 10.0 * wide, "law: ten times that under a load");
     }
 }

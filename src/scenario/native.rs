@@ -36,8 +36,9 @@ settings! {
         /// than 1: contacts swing; higher: overlaps last longer.
         #[schemars(range(min = 0.0, max = 100.0))]
         pub contact_damping_ratio: f64 = 1.0,
-        /// Largest speed in m/s at which an overlap is pushed apart. Lower:
-        /// overlaps last; higher: they burst.
+        /// Largest speed in m/s at which an overlap is pushed apart. It limits the force of a
+        /// contact, too, to this speed times stiffness and sub-step, plus the damper's part.
+        /// Lower: overlaps last, and grains give way under a load; higher: overlaps burst.
         #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 100.0))]
         pub max_depenetration_velocity_m_per_s: f64 = 0.3,
         /// Threads that compute one world: they find its contacts, solve them and move its bodies.

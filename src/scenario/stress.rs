@@ -7,9 +7,22 @@ use super::*;
 use crate::units::{from_deg, from_kpa};
 
 /// Largest stress in Pa under weight, plate and pressed pieces, arching left out: everything rests
-/// on the floor of the cylinder, or of the pile.
+/// on the floor of the cylinder, or of the pile. A table that shakes up and down makes weights so
+/// much heavier as it accelerates.
 pub(super) fn largest_stress(value: &Value, grading: &Grading, gravity: f64) -> f64 {
+    let gravity = gravity + upward_acceleration(value);
     weight_stress(value, grading, gravity) + pressed_stress(value).max(free_stress(value, gravity))
+}
+
+/// The largest acceleration in m/s² of the table along z, A (2πf)²; 0 where nothing shakes it so.
+/// That of a recorded motion is not read.
+fn upward_acceleration(value: &Value) -> f64 {
+    let stages = list(value, "stages").filter(|stage| stage["stage"] == "vibrate");
+    largest(stages.filter_map(|stage| {
+        let up: VerticalSpec = read(&stage["vertical"])?;
+        let frequency = up.frequency_hz.or_else(|| stage["frequency_hz"].as_f64())?;
+        Some(from_mm(up.amplitude_mm) * (2.0 * PI * frequency).powi(2))
+    }))
 }
 
 /// The elements of a list; none of what is no list.
@@ -130,6 +143,14 @@ mod tests {
                 "loads": [{ "piece": "vane", "moment_n_m": 2, "axis": [0, 0, 1] }] }]
         });
         near("2 N m on four blades of 25 by 40 mm", pressed_stress(&vane), 40_000.0);
+        let shaken = serde_json::json!({ "stages": [
+            { "stage": "vibrate", "frequency_hz": 10, "vertical": { "amplitude_mm": 5 } },
+            { "stage": "vibrate", "frequency_hz": 10,
+                "vertical": { "amplitude_mm": 1, "frequency_hz": 20 } },
+            { "stage": "vibrate", "frequency_hz": 50, "amplitude_mm": 5 } ] });
+        let expected = 0.005 * (20.0 * PI).powi(2);
+        let got = upward_acceleration(&shaken);
+        assert!((got / expected - 1.0).abs() < 1e-9, "law: A ω², {expected} m/s², got {got}");
         let other = serde_json::json!({ "piece": "other", "force_n": 10 });
         assert_eq!(stress(other, [0.0; 3]), 0.0, "law: what cannot be read counts for nothing");
     }

@@ -96,8 +96,9 @@ fields! {
         low "grains sink into each other";
         high "loads need more sub-steps and iterations to get through the packing, which costs \
               time";
-    "engine.native.max_depenetration_velocity_m_per_s" => Native:
-        low "overlaps that impacts leave last";
+    DEPENETRATION => Native:
+        low "overlaps that impacts leave last, and contacts bear no more than this speed times \
+              stiffness and sub-step";
         high "overlaps burst and throw grains apart";
     "engine.restitution_velocity_threshold_m_per_s" => Bullet:
         low "contacts at rest go on rebounding, and the specimen settles late";
@@ -159,6 +160,7 @@ impl Judged<'_> {
         let number = match (path, &self.grading) {
             (RATE, Some(grading)) => automatic::rate(self.value, grading, &self.scale),
             (STIFFNESS, Some(grading)) => stiffness(self.value, grading, &self.scale),
+            (DEPENETRATION, Some(grading)) => depenetration(self.value, grading, &self.scale),
             _ => {
                 let (_, law, default) = by_size().find(|field| field.0 == path)?;
                 default * law.factor(&self.scale)

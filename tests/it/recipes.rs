@@ -369,10 +369,11 @@ fn a_footing_comes_to_rest_on_its_bed_and_bears_more_the_deeper_it_is() {
     let recipe = Recipe::run(
         "footing",
         &[
-            "grains.total_mass_g=180",
-            "pieces.0.shape.box.inner_mm=[60,45,120]",
+            // So wide that the block lies on grains alone, however it tilts.
+            "grains.total_mass_g=240",
+            "pieces.0.shape.box.inner_mm=[60,60,120]",
             "pieces.1.shape.plate.size_mm=[20,40,20]",
-            "stages.0.area_mm=[50,35]",
+            "stages.0.area_mm=[50,50]",
             "stages.1.mass_g=130",
             "stages.2.loads.0.force_n=60",
             r#"stages.2.until=[{"piece":"block","moved_mm":6},
