@@ -24,10 +24,12 @@ pub const PARTS: [Part; 3] = [
         ],
         beside: &[
             "instants",
+            "instants_below_1e_10",
             "velocity_error_worst_percent",
             "instant_error_median_percent",
             "instant_error_worst_percent",
             "engine_residual",
+            "siconos_error_worst",
             "other_solution_p99_percent",
             "inconsistency",
             "reference_wall_s_per_instant",

@@ -28,9 +28,6 @@ using nlohmann::json;
 // Gap up to which grains count as touching when they are counted, m.
 constexpr double TOUCHING_GAP = 5e-5;
 
-// Siconos' dense form is asked for its error up to so many contact points.
-constexpr std::size_t MOST_FOR_SICONOS = 1000;
-
 json list(const Vec3 &v) { return {v.x(), v.y(), v.z()}; }
 
 int check() {
@@ -78,6 +75,7 @@ json step(const std::string &line, bool twice) {
                 {"velocity_error_worst", percentile(errors, 1)},
                 {"residual", near.residual},
                 {"residual_given", residual(system, given, pushed)},
+                {"siconos_error", siconos_error(system, near.impulses)},
                 // Velocities and impulses that were given must belong together.
                 {"inconsistency", distance(pushed, found) / distance(found, system.free)},
                 {"iterations", near.iterations},
@@ -90,9 +88,6 @@ json step(const std::string &line, bool twice) {
         out.update({{"afresh_p99", percentile(other, 0.99)},
                     {"afresh_worst", percentile(other, 1)},
                     {"residual_afresh", afresh.residual}});
-    }
-    if (system.rows.size() <= MOST_FOR_SICONOS) {
-        out["siconos_error"] = siconos_error(system, near.impulses);
     }
     return out;
 }
@@ -107,8 +102,9 @@ json measured(const Scene &scene) {
 
 json pour(const std::string &line, const PourSettings &settings) {
     const Scene scene = read_scene(line);
-    Pour pour(scene, settings,
-              compression_and_restitution(scene.restitution, scene.restitution_threshold));
+    const ImpactRule rule{scene.restitution, scene.restitution_threshold, scene.closed_gap,
+                          scene.met_gap};
+    Pour pour(scene, settings, compression_and_restitution(rule));
     const PourRecord record = pour.run();
     json out = measured(pour.scene());
     out.update({{"simulated_s", record.simulated},

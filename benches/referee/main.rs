@@ -115,6 +115,7 @@ fn compare(options: &Options) -> Result<(), String> {
     create_folder(&folder).map_err(|e| e.to_string())?;
     kept::own_identity()?;
     let mut results = earlier(&options.out)?;
+    options.check_others(&results)?;
     let mut tables = String::new();
     for part in Part::ALL.into_iter().filter(|p| options.only.contains(p)) {
         tables += &match part {
@@ -150,11 +151,27 @@ impl Options {
         value: Value,
     ) -> Result<(), String> {
         results.insert(field.to_owned(), value);
-        let faults = fields::faults(&json!(results));
-        if !faults.is_empty() {
-            return Err(format!("{}: {}", self.out.display(), faults.join("; ")));
-        }
+        self.check_fields(results)?;
         write_json(&self.out, results).map_err(|e| e.to_string())
+    }
+
+    /// Whether the parts that stay can be written again, before hours are spent on the others:
+    /// another version may have written them with other fields.
+    fn check_others(&self, results: &Map<String, Value>) -> Result<(), String> {
+        let mut others = results.clone();
+        for part in &self.only {
+            others.insert(part.to_string().replace('-', "_"), json!([]));
+        }
+        let hint = "compute these parts, too, or move the file away";
+        self.check_fields(&others).map_err(|faults| format!("{faults}; {hint}"))
+    }
+
+    fn check_fields(&self, results: &Map<String, Value>) -> Result<(), String> {
+        let faults = fields::faults(&json!(results));
+        if faults.is_empty() {
+            return Ok(());
+        }
+        Err(format!("{}: {}", self.out.display(), faults.join("; ")))
     }
 }
 

@@ -6,6 +6,9 @@ use serde_json::Value;
 
 use super::program::number;
 
+/// Residual at which the reference is solved (`main.cpp`).
+const SOLVED: f64 = 1e-10;
+
 /// One instant, as it is kept in `steps.jsonl`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Instant {
@@ -24,6 +27,8 @@ pub struct Instant {
     /// Natural-map residuals of the reference and of what was found.
     pub residual: f64,
     pub engine_residual: f64,
+    /// Siconos' measure of the reference's error.
+    pub siconos_error: f64,
     /// How far the velocities are from those that the impulses give.
     pub inconsistency: f64,
     /// 99th percentile of the distance between the solutions from what was found
@@ -56,6 +61,7 @@ impl Instant {
             velocity_errors: errors.filter_map(Value::as_f64).collect(),
             residual: number("residual")?,
             engine_residual: number("residual_given")?,
+            siconos_error: number("siconos_error")?,
             inconsistency: number("inconsistency")?,
             other_solution_p99: answer["afresh_p99"].as_f64(),
             wall_s: number("wall_s")?,
@@ -84,6 +90,8 @@ pub struct Nearness {
     pub contacts: f64,
     pub engine: String,
     pub instants: usize,
+    /// Those whose reference is solved; all are compared.
+    pub instants_below_1e_10: usize,
     /// Over all touched bodies of all instants.
     pub velocity_error_median_percent: f64,
     pub velocity_error_p99_percent: f64,
@@ -94,6 +102,8 @@ pub struct Nearness {
     /// The worst of the instants: residual of the reference, and of what was found.
     pub reference_residual: f64,
     pub engine_residual: f64,
+    /// Worst of the instants.
+    pub siconos_error_worst: f64,
     /// Worst of the instants; `null` unless solved twice.
     pub other_solution_p99_percent: Option<f64>,
     pub inconsistency: f64,
@@ -119,6 +129,7 @@ pub fn summary(scene: &str, engine: &str, instants: &[&Instant]) -> Option<Nearn
         contacts: average(&|i| i.contacts).round(),
         engine: engine.to_owned(),
         instants: instants.len(),
+        instants_below_1e_10: instants.iter().filter(|i| i.residual < SOLVED).count(),
         velocity_error_median_percent: error(50.0),
         velocity_error_p99_percent: error(99.0),
         velocity_error_worst_percent: error(100.0),
@@ -126,6 +137,7 @@ pub fn summary(scene: &str, engine: &str, instants: &[&Instant]) -> Option<Nearn
         instant_error_worst_percent: percentile(&whole, 100.0).unwrap_or(f64::NAN),
         reference_residual: worst(&|i| i.residual),
         engine_residual: worst(&|i| i.engine_residual),
+        siconos_error_worst: worst(&|i| i.siconos_error),
         other_solution_p99_percent: others.into_iter().reduce(f64::max).map(|o| 100.0 * o),
         inconsistency: worst(&|i| i.inconsistency),
         reference_wall_s_per_instant: average(&|i| i.wall_s),

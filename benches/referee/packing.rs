@@ -33,6 +33,10 @@ pub struct Recipe {
     pub restitution: f64,
     /// Approach velocity in m/s below which nothing rebounds.
     pub restitution_threshold: f64,
+    /// Gap in m up to which a contact point that bears nothing takes part in impacts.
+    pub closed_gap: f64,
+    /// Gap in m up to which such a point may be an impact itself.
+    pub met_gap: f64,
 }
 
 /// How a pour ended.
@@ -204,5 +208,7 @@ pub fn as_json(recipe: &Recipe, grains: &[Body], states: &[BodyState]) -> Value 
         "gravity_m_per_s2": [0, 0, -GRAVITY],
         "pairs": pairs,
         "restitution_threshold_m_per_s": recipe.restitution_threshold,
+        "closed_gap_m": recipe.closed_gap,
+        "met_gap_m": recipe.met_gap,
     })
 }

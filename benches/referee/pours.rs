@@ -7,7 +7,9 @@ use std::{
 };
 
 use pluvia::{
+    scale::{self, Scale},
     scenario::{Backend, ContactSolver, EngineSettings},
+    units::from_mm,
     world::{Body, BodyState},
 };
 use serde::{Deserialize, Serialize};
@@ -155,13 +157,22 @@ fn arguments() -> [String; 4] {
     ["pour".to_owned(), step, duration, tolerance]
 }
 
+/// What is poured, with the native solver's rule of impacts at its defaults.
 fn recipe(restitution: f64, friction: f64) -> Recipe {
+    let native = EngineSettings::default();
+    let threshold = native.restitution_velocity_threshold_m_per_s;
+    let substep_rate = native.rate_hz * f64::from(native.native.substeps(native.rate_hz));
+    let scale = Scale::of_smallest(from_mm(native.grain_size_mm), Scale::PAPER.gravity);
     Recipe {
         grains: GRAINS,
         width: WIDTH,
         friction,
         restitution,
-        restitution_threshold: EngineSettings::default().restitution_velocity_threshold_m_per_s,
+        restitution_threshold: threshold,
+        closed_gap: scale::CLOSED_GAP.at(&scale),
+        // Half of what a body at the threshold goes in a sub-step (`cpp/contact_iterations.cpp`):
+        // the same length here, although the referee's step is shorter.
+        met_gap: threshold / substep_rate / 2.0,
     }
 }
 

@@ -51,8 +51,8 @@ void set_rigid(Row &row, double target) {
 
 } // namespace
 
-Law compression_and_restitution(double restitution, double threshold, double closed_gap) {
-    return [=](const Step &step, const Solution &first, const Limits &limits) {
+Law compression_and_restitution(const ImpactRule &rule) {
+    return [rule](const Step &step, const Solution &first, const Limits &limits) {
         const auto &rows = step.system.rows;
         // Those that take part: what is open after the first solution does not.
         System system = step.system;
@@ -65,11 +65,12 @@ Law compression_and_restitution(double restitution, double threshold, double clo
             // Without the target, which is part of what is fixed.
             const double before = step.system.speed(i, step.before)[0] - rows[i].fixed[0];
             const double after = step.system.speed(i, first.motion)[0] - rows[i].fixed[0];
+            const double gap = step.gaps[i] + step.length * after;
             const bool bears = first.impulses[i][0] > 0;
-            if (!bears && step.gaps[i] + step.length * after > closed_gap) {
+            if (!bears && gap > rule.closed_gap) {
                 continue;
             }
-            const bool impact = -before > threshold;
+            const bool impact = -before > rule.threshold && (bears || gap <= rule.met_gap);
             any = any || impact;
             taken.push_back(i);
             start.push_back(first.impulses[i]);
@@ -87,13 +88,13 @@ Law compression_and_restitution(double restitution, double threshold, double clo
         s.newton_steps += first.newton_steps;
         // Worst of both: a step is solved when all of it is.
         s.residual = std::max(s.residual, first.residual);
-        if (restitution > 0) {
+        if (rule.restitution > 0) {
             std::vector<double> most(taken.size(), FREE);
             for (std::size_t k = 0; k < taken.size(); ++k) {
                 Row &row = system.rows[k];
                 if (approach[k] > 0) {
-                    set_rigid(row, restitution * approach[k]);
-                    most[k] = restitution * s.impulses[k][0];
+                    set_rigid(row, rule.restitution * approach[k]);
+                    most[k] = rule.restitution * s.impulses[k][0];
                 } else {
                     const double speed = system.speed(k, s.motion)[0] - row.fixed[0];
                     set_rigid(row, std::min(0.0, speed));

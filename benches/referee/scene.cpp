@@ -81,6 +81,8 @@ Scene read_scene(const std::string &text) {
     }
     scene.gravity = three(read.at("gravity_m_per_s2"));
     scene.restitution_threshold = read.value("restitution_threshold_m_per_s", 0.0);
+    scene.closed_gap = read.value("closed_gap_m", 0.0);
+    scene.met_gap = read.value("met_gap_m", 0.0);
     return scene;
 }
 

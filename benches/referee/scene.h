@@ -33,7 +33,8 @@ struct Scene {
     Vec3 gravity{0, 0, -9.81};
     std::array<std::array<double, 3>, 3> friction{}; // by material
     double restitution = 0;
-    double restitution_threshold = 0; // approach below which nothing rebounds, m/s
+    double restitution_threshold = 0;   // approach below which nothing rebounds, m/s
+    double closed_gap = 0, met_gap = 0; // of the rule of impacts (restitution.h), m
 
     void set_friction(double of_all);
 };
@@ -46,7 +47,7 @@ struct SceneTouch {
 };
 
 // Reads a scene of docs/exchange.md. Beside it: `walls_m`, planes as [nx, ny, nz,
-// offset]; `restitution_threshold_m_per_s`.
+// offset]; `restitution_threshold_m_per_s`, `closed_gap_m`, `met_gap_m`.
 Scene read_scene(const std::string &text);
 
 // All contact points with gaps up to the sum of the two bodies' margins; what is

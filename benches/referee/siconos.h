@@ -11,7 +11,9 @@ namespace referee {
 Solution solve_with_siconos(const System &system, const Impulses &start, double tolerance,
                             int iterations);
 
-// Siconos' own measure of error for impulses.
+// Siconos' own measure of error for impulses: the natural map with a factor of 1, over the
+// norm of the relative velocities without impulses. It mixes impulses with velocities, and
+// depends on their units.
 double siconos_error(const System &system, const Impulses &impulses);
 
 } // namespace referee

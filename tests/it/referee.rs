@@ -10,10 +10,10 @@ fn result() -> Value {
     json!({
         "one_step": [{
             "scene": "quick pour", "grains": 364, "contacts": 2309.0, "engine": "native",
-            "instants": 1, "velocity_error_median_percent": 0.05,
+            "instants": 1, "instants_below_1e_10": 0, "velocity_error_median_percent": 0.05,
             "velocity_error_p99_percent": 1.8, "velocity_error_worst_percent": 10.0,
             "instant_error_median_percent": 0.28, "instant_error_worst_percent": 0.4,
-            "reference_residual": 5e-9, "engine_residual": 1.6e-3,
+            "reference_residual": 5e-9, "engine_residual": 1.6e-3, "siconos_error_worst": 2e-12,
             "other_solution_p99_percent": null, "inconsistency": 1e-6,
             "reference_wall_s_per_instant": 9.0
         }],
