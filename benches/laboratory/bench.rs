@@ -1,6 +1,7 @@
 //! Runs of a scenario at several points and realisations, and what they leave.
 
 use std::{
+    cell::RefCell,
     path::{Path, PathBuf},
     sync::{Arc, atomic::AtomicBool},
 };
@@ -8,6 +9,7 @@ use std::{
 use pluvia::{
     export::read_run,
     protocol::{Progress, spring_energy},
+    record::{Summary, read_json},
     scenario::{EngineSettings, Override},
     specimen::Specimen,
     study::{RunOptions, Variation, Varied, carry_out_variations},
@@ -23,6 +25,8 @@ pub struct Bench {
     pub configurations: u32,
     /// Stages at a time.
     pub jobs: usize,
+    /// Runs that nothing was read of, and why; see [`Bench::take_left_out`].
+    pub left_out: RefCell<Vec<String>>,
 }
 
 /// A point of a design: its name, and what it changes in the scenario.
@@ -65,7 +69,13 @@ impl Bench {
         }
     }
 
-    /// Runs a scenario at all points in all realisations. Runs that fail are reported and left out.
+    /// Runs that were left out since this was last asked, and why.
+    pub fn take_left_out(&self) -> Vec<String> {
+        self.left_out.take()
+    }
+
+    /// Runs a scenario at all points in all realisations. Runs that fail, and those in which a
+    /// check found something or grains are missing, are reported and left out.
     pub fn run(&self, name: &str, scenario: &str, points: &[Point]) -> Result<Vec<Run>, String> {
         let change = |text: &String| text.parse::<Override>().map_err(|e| e.to_string());
         let variations = points.iter().map(|point| {
@@ -85,13 +95,19 @@ impl Bench {
         let mut runs = Vec::new();
         for row in rows {
             let point = points.iter().position(|p| p.name == row.variation);
-            match (&row.failure, point) {
-                (None, Some(point)) => runs.push(Run {
-                    point,
-                    configuration: row.configuration,
-                    folder: options.out.join("runs").join(&row.run),
-                }),
-                (why, _) => eprintln!("{}: {}", row.run, why.as_deref().unwrap_or("unknown")),
+            let (configuration, folder) =
+                (row.configuration, options.out.join("runs").join(&row.run));
+            let run = point.map(|point| Run { point, configuration, folder });
+            let why = match (&row.failure, &run) {
+                (None, Some(run)) => run.why_left_out()?,
+                (failure, _) => Some(failure.clone().unwrap_or_else(|| "unknown".to_owned())),
+            };
+            match why {
+                None => runs.extend(run),
+                Some(why) => {
+                    eprintln!("{name}, {}: left out, {why}", row.run);
+                    self.left_out.borrow_mut().push(format!("{} ({why})", row.run));
+                }
             }
         }
         Ok(runs)
@@ -99,6 +115,16 @@ impl Bench {
 }
 
 impl Run {
+    /// Why nothing is to be read of the run, if so. Tests that are read in motion have no rest
+    /// test: that their creep is not known is nothing against them.
+    fn why_left_out(&self) -> Result<Option<String>, String> {
+        let summary: Summary =
+            read_json(&self.folder.join("summary.json")).map_err(|e| e.to_string())?;
+        let found = summary.checks.as_ref().filter(|checks| checks.passed == Some(false));
+        let found = found.map(|checks| format!("checks {}", checks.line()));
+        Ok(found.or_else(|| summary.grains.too_few_in_place()))
+    }
+
     /// Columns of `series.csv` by their names.
     pub fn series<const N: usize>(&self, names: [&str; N]) -> Result<Vec<[f64; N]>, String> {
         let path = self.folder.join("series.csv");
@@ -129,16 +155,14 @@ impl Run {
     /// A number of `summary.json`.
     pub fn summary(&self, pointer: &str) -> Result<Option<f64>, String> {
         let path = self.folder.join("summary.json");
-        let summary: serde_json::Value =
-            pluvia::record::read_json(&path).map_err(|e| e.to_string())?;
+        let summary: serde_json::Value = read_json(&path).map_err(|e| e.to_string())?;
         Ok(summary.pointer(pointer).and_then(serde_json::Value::as_f64))
     }
 
     /// Settings of the engine.
     fn engine(&self) -> Result<EngineSettings, String> {
         let path = self.folder.join("manifest.json");
-        let mut manifest: serde_json::Value =
-            pluvia::record::read_json(&path).map_err(|e| e.to_string())?;
+        let mut manifest: serde_json::Value = read_json(&path).map_err(|e| e.to_string())?;
         serde_json::from_value(manifest["scenario"]["engine"].take()).map_err(|e| e.to_string())
     }
 

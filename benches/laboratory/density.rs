@@ -6,7 +6,7 @@ use pluvia::{
 };
 
 use super::{
-    bench::{Bench, root},
+    bench::{Bench, Run, root},
     row::{Found, Row, Rule},
 };
 
@@ -65,7 +65,7 @@ const STRONG: Vibration = Vibration {
     name: "vibrated",
     surcharge_kpa: 0.0,
     frequency_hz: 12.0,
-    double_amplitude_mm: 10.0,
+    double_amplitude_mm: 8.0,
     duration_s: [8.0, 60.0],
     most: u32::MAX,
 };
@@ -92,15 +92,25 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
             .noted(note)
     };
     let mut rows = vec![
-        none("e-max", "loosest", &found.e_max, made(&found, &found.e_max)),
-        none("e-min", "densest", &found.e_min, made(&found, &found.e_min) + &still_falls(&found)),
+        none("e-max", "loosest", &found.states.e_max, made(&found, &found.states.e_max)),
+        none(
+            "e-min",
+            "densest",
+            &found.states.e_min,
+            made(&found, &found.states.e_min) + &still_falls(&found),
+        ),
         none(
             "d4253",
             "vibrated as in ASTM D4253, but for seconds",
-            &standard.e_min,
-            made(&standard, &standard.e_min) + &still_falls(&standard),
+            &standard.states.e_min,
+            made(&standard, &standard.states.e_min) + &still_falls(&standard),
         ),
-        none("frictionless", BOUND, &found.frictionless, made(&found, &found.frictionless)),
+        none(
+            "frictionless",
+            BOUND,
+            &found.states.frictionless,
+            made(&found, &found.states.frictionless),
+        ),
     ];
     let mut points = Vec::new();
     for material in &MATERIALS {
@@ -123,14 +133,14 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
             );
             row(bench, &id, &quantity, rule, of).seen(&source).noted(note)
         };
-        rows.push(of("e-max", "loosest", &found.e_max, Some(material.e_max)));
-        let mut densest = of("e-min", "densest", &found.e_min, Some(material.e_min));
+        rows.push(of("e-max", "loosest", &found.states.e_max, Some(material.e_max)));
+        let mut densest = of("e-min", "densest", &found.states.e_min, Some(material.e_min));
         densest.note += &still_falls(&found);
         rows.push(densest);
-        rows.push(of("frictionless", BOUND, &found.frictionless, None));
+        rows.push(of("frictionless", BOUND, &found.states.frictionless, None));
         points.push((material, found));
     }
-    Ok(Found { rows, charts: vec![chart(&points)] })
+    Ok(Found { rows, charts: vec![chart(&points), settling(bench, &paper)?] })
 }
 
 const BOUND: &str = "without friction, a bound";
@@ -159,8 +169,48 @@ fn still_falls(found: &IndexDensities) -> String {
     }
 }
 
+/// The folder of a scenario's runs, in that of all.
+fn folder(scenario: &str, vibration: &Vibration) -> String {
+    format!("{}-{}", scenario.replace("validation/", "").replace('/', "-"), vibration.name)
+}
+
+/// How specimens sink while they are vibrated.
+fn settling(bench: &Bench, paper: &str) -> Result<Chart, String> {
+    let mut plot = Plot::new(
+        Axis::linear("Time of vibration (s)").from_zero(),
+        Axis::linear("Mean surface over its height at the end"),
+    );
+    let own = [(paper, "The paper's grains", &STRONG), (paper, "The same, 60 Hz", &STANDARD)];
+    let scenarios: Vec<String> =
+        MATERIALS.iter().map(|material| format!("validation/density-{}", material.name)).collect();
+    let published = scenarios.iter().zip(&MATERIALS).map(|(path, m)| (&path[..], m.title, &STRONG));
+    for (kind, (scenario, title, vibration)) in own.into_iter().chain(published).enumerate() {
+        let out = bench.options(&folder(scenario, vibration)).out;
+        for configuration in 1..=bench.configurations.min(vibration.most) {
+            let folder = out.join(format!("runs/densest-c{configuration}"));
+            if !folder.join("series.csv").exists() {
+                continue;
+            }
+            let run = Run { point: 0, configuration, folder };
+            let rows = run.series(["time_s", "stage", "mean_surface_mm"])?;
+            let Some(last) = rows.last() else { continue };
+            let shaken: Vec<&[f64; 3]> = rows.iter().filter(|row| row[1] == last[1]).collect();
+            let points = shaken.iter().map(|row| (row[0] - shaken[0][0], row[2] / last[2]));
+            let name = if configuration == 1 { title } else { "" };
+            plot.add(name, Look::spaced(kind), points.collect());
+        }
+    }
+    Ok(Chart {
+        stem: "density-vibration".into(),
+        title: "How specimens sink while they are vibrated".into(),
+        caption: "Mean surface against time, each realisation a line. Where it still falls, the \
+                  densest state is not reached."
+            .into(),
+        panels: vec![plot],
+    })
+}
+
 fn states(bench: &Bench, scenario: &str, vibration: &Vibration) -> Result<IndexDensities, String> {
-    let folder = scenario.replace("validation/", "").replace('/', "-");
     index_densities(&DensityOptions {
         scenario: root().join(format!("scenarios/{scenario}.json")),
         changes: Vec::new(),
@@ -169,7 +219,7 @@ fn states(bench: &Bench, scenario: &str, vibration: &Vibration) -> Result<IndexD
         frequency_hz: vibration.frequency_hz,
         double_amplitude_mm: vibration.double_amplitude_mm,
         duration_s: vibration.duration_s[usize::from(!bench.quick)],
-        run: bench.options(&format!("{folder}-{}", vibration.name)),
+        run: bench.options(&folder(scenario, vibration)),
     })
     .map_err(|e| e.to_string())
 }
@@ -182,9 +232,9 @@ fn chart(found: &[(&Material, IndexDensities)]) -> Chart {
             found.iter().flat_map(|of| values(of).into_iter().map(|e| (of.0.roundness, e)));
         plot.add(name, look, points.collect());
     };
-    add("Loosest", Look::points(0), |of| of.1.e_max.values.clone());
-    add("Densest", Look::points(1), |of| of.1.e_min.values.clone());
-    add("Without friction", Look::points(2), |of| of.1.frictionless.values.clone());
+    add("Loosest", Look::points(0), |of| of.1.states.e_max.values.clone());
+    add("Densest", Look::points(1), |of| of.1.states.e_min.values.clone());
+    add("Without friction", Look::points(2), |of| of.1.states.frictionless.values.clone());
     add("Published, loosest", Look::dots(0), |of| vec![of.0.e_max]);
     add("Published, densest", Look::dots(1), |of| vec![of.0.e_min]);
     Chart {

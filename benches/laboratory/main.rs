@@ -16,7 +16,7 @@ mod shear;
 mod standard_tests;
 mod triaxial;
 
-use std::{path::PathBuf, process::ExitCode};
+use std::{cell::RefCell, path::PathBuf, process::ExitCode};
 
 use clap::{Parser, ValueEnum};
 use pluvia::record::{create_folder, write_json};
@@ -116,12 +116,13 @@ fn run(options: &Options) -> Result<(), String> {
         quick: options.quick,
         configurations: options.configurations.unwrap_or(if options.quick { 2 } else { 5 }),
         jobs: options.jobs as usize,
+        left_out: RefCell::default(),
     };
     create_folder(&bench.out).map_err(|e| e.to_string())?;
     let kept = bench::root().join("docs/results");
     let mut rows = earlier(&options.out)?;
     for part in Part::ALL.into_iter().filter(|part| options.only.contains(part)) {
-        let found = match part {
+        let mut found = match part {
             Part::Hopper => hopper::carry_out(&bench),
             Part::Column => column::carry_out(&bench),
             Part::Repose => repose::carry_out(&bench),
@@ -131,6 +132,11 @@ fn run(options: &Options) -> Result<(), String> {
             Part::Triaxial => triaxial::carry_out(&bench),
         }
         .map_err(|e| format!("{part}: {e}"))?;
+        let left_out = bench.take_left_out();
+        if !left_out.is_empty() {
+            let told = format!("; left out of this test: {}", left_out.join(", "));
+            found.rows.iter_mut().for_each(|row| row.note += &told);
+        }
         rows.retain(|row| row.test != part.name());
         rows.extend(found.rows);
         let order = |row: &Row| Part::ALL.iter().position(|part| part.name() == row.test);

@@ -1,7 +1,10 @@
 //! Direct shear at three stresses: friction angles at the peak and at the end.
 
+use std::collections::BTreeMap;
+
 use pluvia::{
     report::{Axis, Chart, Look, Plot},
+    specimen::Specimen,
     units::{from_kpa, from_mm, to_mm},
 };
 
@@ -29,6 +32,10 @@ const HALF: f64 = 0.5;
 const END: f64 = 2.0 / 3.0;
 /// Stage in which the lower half is drawn aside.
 const SHEARING: f64 = 3.0;
+/// Roundness of the rounder grains.
+const ROUNDER: [f64; 2] = [0.2, 0.45];
+/// Number of the first of their points, after the stresses and what is tried once.
+const FIRST_ROUNDER: usize = STRESSES.len() + 3;
 /// Height in m of the plane between the halves.
 const PLANE: f64 = 0.025_25;
 const GRAVITY: f64 = 9.81;
@@ -40,6 +47,8 @@ const PEAK_SEEN: &str = "AASHTO No. 8 aggregates, crushed, uncompacted, dry, fro
 const END_NOT_SEEN: &str = "φ = 42° − 17° R of Cho, Dodds & Santamarina 2006, with roundness R of 0.1 to \
     0.3, from memory: the abstract was seen, which says that the angle at the critical state rises with \
     angularity, the formula was not";
+const ROUNDER_SEEN: &str = "Cho, Dodds & Santamarina 2006, abstract seen: the angle at the critical state \
+    rises with angularity; by how much was not seen";
 const NONE: &str = "none is published";
 
 /// Box and speed of a design.
@@ -84,6 +93,8 @@ struct Test {
     configuration: u32,
     moments: Vec<Sheared>,
     strength: ShearStrength,
+    /// Mean displacement of the grains along the box in m, by their height before in m.
+    profile: Vec<(f64, f64)>,
 }
 
 /// Runs the test.
@@ -107,6 +118,11 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     points.push(tried("half-speed", HALF, &[]));
     points.push(tried("stiffer", 1.0, &["engine.native.contact_stiffness_n_per_m=860000"]));
     points.push(tried("friction-0.3", 1.0, &["contact.grain_grain_friction=0.3"]));
+    points.extend(ROUNDER.iter().map(|roundness| {
+        let mut changes = design.changes(STRESSES[TRIED], 1.0);
+        changes.push(format!("grains.cells.rounding={roundness}"));
+        Point { name: format!("roundness-{roundness}"), changes, most: None }
+    }));
     let runs = bench.run("direct-shear", SCENARIO, &points)?;
     let mut tests = Vec::new();
     for run in &runs {
@@ -115,8 +131,8 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         let together = if run.point == STRESSES.len() { 2 * TOGETHER } else { TOGETHER };
         match shear_strength(&moments, together, END * from_mm(design.travel_mm)) {
             Some(strength) => {
-                let configuration = run.configuration;
-                tests.push(Test { point: run.point, configuration, moments, strength });
+                let (configuration, profile) = (run.configuration, profile(run)?);
+                tests.push(Test { point: run.point, configuration, moments, strength, profile });
             }
             None => eprintln!("{}: not sheared", run.folder.display()),
         }
@@ -126,7 +142,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         bench.design().clone_into(&mut row.design);
         row.decimals = 1;
     }
-    Ok(Found { rows, charts: vec![chart(&tests)] })
+    Ok(Found { rows, charts: vec![chart(&tests), profiles(&tests)] })
 }
 
 fn rows(bench: &Bench, design: &Design, tests: &[Test]) -> Vec<Row> {
@@ -189,7 +205,17 @@ fn rows(bench: &Bench, design: &Design, tests: &[Test]) -> Vec<Row> {
     );
     let stiffer = "860 in place of 430 kN/m, at 50 kPa; poured anew".to_owned();
     let own = "our own check; none is published";
-    vec![
+    let rounder = ROUNDER.iter().enumerate().map(|(n, roundness)| {
+        row(
+            &format!("roundness-{roundness}"),
+            &format!("direct shear, grains of roundness {roundness}, change of the end, °"),
+            Rule::Unseen(None),
+            &change(FIRST_ROUNDER + n, end),
+            ROUNDER_SEEN,
+            "At 50 kPa, against grains with sharp edges of the same realisation".to_owned(),
+        )
+    });
+    let mut rows = vec![
         row(
             "peak",
             "direct shear, friction angle at the peak, °",
@@ -246,7 +272,23 @@ fn rows(bench: &Bench, design: &Design, tests: &[Test]) -> Vec<Row> {
             own,
             stiffer,
         ),
-    ]
+    ];
+    rows.extend(rounder);
+    rows
+}
+
+/// How far grains have come along the box in the end, in layers a grain high.
+fn profile(run: &Run) -> Result<Vec<(f64, f64)>, String> {
+    let (before, after) = (run.specimen(Some("2"))?, run.specimen(Some("3"))?);
+    let place = |of: &Specimen, i: usize| of.state.bodies[i].body.pose.translation.vector;
+    let mut layers: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+    for i in before.present() {
+        let from = place(&before, i);
+        let layer = layers.entry((to_mm(from.z) / SIZE_MM).max(0.0) as usize).or_default();
+        *layer = (layer.0 + 1.0, layer.1 + place(&after, i).x - from.x);
+    }
+    let middle = |layer: usize| from_mm(SIZE_MM) * (layer as f64 + 0.5);
+    Ok(layers.into_iter().map(|(layer, (count, sum))| (middle(layer), sum / count)).collect())
 }
 
 /// Displacement, forces on the lower half and height of the lid while it is sheared. The weight of
@@ -277,15 +319,20 @@ fn moments(run: &Run) -> Result<Vec<Sheared>, String> {
     Ok(first.chain(whole.map(|pair| pair[1])).map(moment).collect())
 }
 
+/// Tests at the three stresses, the first at each with its name.
+fn named(tests: &[Test]) -> impl Iterator<Item = (&Test, String)> {
+    let at_stresses = tests.iter().enumerate().filter(|(_, test)| test.point < STRESSES.len());
+    at_stresses.map(|(n, test)| {
+        let is_first = tests[..n].iter().all(|earlier| earlier.point != test.point);
+        (test, if is_first { format!("{} kPa", STRESSES[test.point]) } else { String::new() })
+    })
+}
+
 fn chart(tests: &[Test]) -> Chart {
     let panel = |name: &str, y: fn(&Test, &Sheared) -> f64| {
         let x = Axis::linear("Displacement (mm)").from_zero();
         let mut plot = Plot::new(x, Axis::linear(name).from_zero());
-        for test in tests.iter().filter(|test| test.point < STRESSES.len()) {
-            let name = match test.configuration {
-                1 => format!("{} kPa", STRESSES[test.point]),
-                _ => String::new(),
-            };
+        for (test, name) in named(tests) {
             let points = test.moments.iter().map(|m| (to_mm(m.displacement), y(test, m)));
             plot.add(name, Look::marked(test.point), points.collect());
         }
@@ -301,5 +348,26 @@ fn chart(tests: &[Test]) -> Chart {
             "Stress ratio and height of the lid against displacement, each realisation a line."
                 .into(),
         panels: vec![ratio, lid],
+    }
+}
+
+fn profiles(tests: &[Test]) -> Chart {
+    let mut plot = Plot::new(
+        Axis::linear("Mean displacement of grains (mm)"),
+        Axis::linear("Height before (mm)").from_zero(),
+    );
+    plot.mark_level("Plane between the halves", to_mm(PLANE));
+    for (test, name) in named(tests) {
+        let points = test.profile.iter().map(|(height, way)| (to_mm(*way), to_mm(*height)));
+        plot.add(name, Look::marked(test.point), points.collect());
+    }
+    Chart {
+        stem: "direct-shear-profile".into(),
+        title: "Where a shear box shears".into(),
+        caption:
+            "How far grains have come with the lower half at the end, by layers a grain high, \
+                  each realisation a line."
+                .into(),
+        panels: vec![plot],
     }
 }

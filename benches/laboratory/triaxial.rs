@@ -296,10 +296,11 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
 fn chart(tests: &[Test]) -> Chart {
     let panel = |axis: Axis, y: fn(&Triaxial) -> f64| {
         let mut plot = Plot::new(Axis::linear("Axial strain (%)").from_zero(), axis);
-        for test in tests {
-            let name = match (test.configuration, test.kind) {
-                (1, 0) => "Loose",
-                (1, _) => "Dense",
+        for (n, test) in tests.iter().enumerate() {
+            let is_first = tests[..n].iter().all(|earlier| earlier.kind != test.kind);
+            let name = match (is_first, test.kind) {
+                (true, 0) => "Loose",
+                (true, _) => "Dense",
                 _ => "",
             };
             let points = test.moments.iter().map(|m| (100.0 * m.strain, y(m))).collect();

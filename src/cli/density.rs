@@ -11,7 +11,7 @@ loosest state is of grains let fall from just above those in the mould (after AS
 densest of grains vibrated vertically; grains without friction are a bound. ASTM D4253 vibrates for
 8 minutes at 60 Hz and 0.33 mm under 13.8 kPa, of which a few seconds do little: hence other values
 here. Leaves density.json, which also says where this is not what the standards ask for, and
-runs/ in DIR. What is already done there is not done again. Put e_max and e_min into a scenario as
+runs/ in DIR. Finished stages there are reused. Put e_max and e_min into a scenario as
 index_densities, and its summary gives relative densities.
 
 Examples:
@@ -33,7 +33,7 @@ pub(super) struct DensityArgs {
     #[arg(long, value_name = "HZ", default_value_t = 12.0, value_parser = from_1_to::<200>)]
     frequency_hz: f64,
     /// From end to end of the vibration in mm
-    #[arg(long, value_name = "MM", default_value_t = 10.0, value_parser = from_0_to::<100>)]
+    #[arg(long, value_name = "MM", default_value_t = 8.0, value_parser = from_0_to::<100>)]
     double_amplitude_mm: f64,
     /// How long it is vibrated, in s: a whole number of cycles
     #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = from_1_to::<3600>)]
@@ -72,8 +72,8 @@ pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, C
         duration_s: args.seconds,
         run: context.run_options(&args.out, args.jobs),
     })?;
-    let states =
-        [("e_max", &found.e_max), ("e_min", &found.e_min), ("frictionless", &found.frictionless)];
+    let of = &found.states;
+    let states = [("e_max", &of.e_max), ("e_min", &of.e_min), ("frictionless", &of.frictionless)];
     let mut text = format!("{}, {} grains\n", found.scenario, found.grains);
     for (name, state) in states {
         text += &format!("{name:<13} {}: {}\n", in_words(state), state.method);

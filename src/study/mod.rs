@@ -39,7 +39,7 @@ pub use compare::{HEIGHT_BAND, VOID_RATIO_BAND, compare};
 pub use converge::{
     ConvergenceDesign, ConvergenceLimits, ConvergenceStudy, LadderDesign, RungDesign, StudyOptions,
 };
-pub use density::{DensityOptions, IndexDensities, IndexState, index_densities};
+pub use density::{DensityOptions, IndexDensities, IndexState, OfStates, index_densities};
 pub use design::SpecimenDesign;
 pub use execute::available_cores;
 pub use interpretations::Interpretation;
