@@ -42,8 +42,7 @@ class ContactSolver {
 
     // A kinematic body that moves along one direction alone from now on, by its number.
     void press(int number, const Press &press) { presses_[number] = press; }
-    // Sets the force on it, in engine units.
-    // In N, or of what turns in N m.
+    // Sets the force on it in N, or of what turns the moment in N m.
     void set_force(int number, double force) {
         Press &press = presses_.at(number);
         press.force = force * press.unit;

@@ -64,7 +64,7 @@ class EngineWorld : public btDiscreteDynamicsWorld {
     virtual void press(btRigidBody &, const Press &) {
         throw std::runtime_error("only native contacts can press a body along one direction");
     }
-    // Changes the force on it, in engine units.
+    // Changes the force on it in N, or of what turns the moment in N m.
     virtual void set_force(btRigidBody &, double) {}
     // Makes a body a further part of another, which has the same pose and is none itself.
     virtual void join(btRigidBody &, btRigidBody &) {

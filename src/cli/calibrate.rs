@@ -15,7 +15,7 @@ const FRICTION_RANGE: CalibrationRange = CalibrationRange { low: 0.1, high: 1.5 
 The range is looked at as a whole, the place where the result is passed closed in on, and a line
 fitted there; the interval says how well the answer is known beside the scatter from mixing to
 mixing of the grains. Leaves calibrate.json, calibrate.md, report.html, evaluations.csv, figures/
-and runs/ in DIR. What is already done there is not done again; interrupted, the same command goes
+and runs/ in DIR. Finished stages there are reused: after an interruption the same command goes
 on where it stopped. Exit code 1 means that no value gives the result, or that it is known less
 well than asked; what was found is kept all the same.
 

@@ -9,7 +9,7 @@ use crate::study::ConvergenceStudy;
 Varies time step, iterations, sub-steps, contact stiffness and contact solver as the design says
 (scenarios/studies/convergence.json is built in), each setting in several configurations. Leaves
 convergence.md, convergence.csv, convergence.json, figures/, variations.csv, variation-runs.csv,
-variations.json and runs/ in DIR. What is already done there is not done again. Precision is that
+variations.json and runs/ in DIR. Finished stages there are reused. Precision is that
 of the build: what a build in the other precision left in DIR of the same design is judged along.
 
 Examples:

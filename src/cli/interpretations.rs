@@ -7,9 +7,9 @@ use crate::study::{InterpretationsOptions, interpretations};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 An interpretation is what the paper's authors may have meant or typed: scenarios/interpretations/ holds them.
-Leaves interpretations.json, interpretations.md, interpretations.html, figures/ and runs/ in DIR. What is already done
-there is not done again, and interpretations run there by earlier commands stay in the table. A
-run that fails is said in the table; the others go on. `bullet_stock` takes hours.
+Leaves interpretations.json, interpretations.md, interpretations.html, figures/ and runs/ in DIR. Finished stages
+there are reused, and interpretations run there by earlier commands stay in the table. A run that
+fails is marked in the table; the others go on. `bullet_stock` takes hours.
 
 Examples:
   pluvia interpretations --quick --out out/quick-interpretations

@@ -9,7 +9,7 @@ use crate::study::SensitivityStudy;
 Varies one parameter at a time around the default, over the range that the design gives
 (scenarios/studies/sensitivity.json is built in), each in several configurations. Leaves
 sensitivity.md, sensitivity.csv, sensitivity.json, figures/, variations.csv, variation-runs.csv,
-variations.json and runs/ in DIR. What is already done there is not done again.
+variations.json and runs/ in DIR. Finished stages there are reused.
 
 Examples:
   pluvia sensitivity --quick --out out/sensitivity-quick

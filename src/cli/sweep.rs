@@ -13,7 +13,7 @@ use crate::study::{
 --over gives a field its values; several make a grid of all combinations, or with --one-at-a-time
 each field is varied by itself around the scenario. --samples latin-hypercube:N draws N points from
 the ranges of --range. Leaves plan.json, sweep.csv (one row a run), sweep.json, sweep.md,
-report.html, figures/ and runs/ in DIR. What is already done there is not done again; the same
+report.html, figures/ and runs/ in DIR. Finished stages there are reused; the same
 command with more --configurations adds to it. A run that fails is a row that says why.
 --design varies the parameters of a sensitivity design, one at a time, and leaves sensitivity.md,
 sensitivity.csv and sensitivity.json as well, as every sweep does that varies one thing at a time.

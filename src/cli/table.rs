@@ -194,7 +194,9 @@ pub(super) fn of_summary(summary: &Summary) -> String {
     );
     rows.add("overlap", overlap);
     rows.add("coordination", coordination(summary));
-    let creep = summary.creep_um_per_s.map(|creep| format!("{creep:.1} µm/s"));
+    // Nothing added to what rounds to −0 makes it 0.
+    let creep =
+        summary.creep_um_per_s.map(|v| format!("{:.1} µm/s", (10.0 * v).round() / 10.0 + 0.0));
     rows.add_some("creep at rest", creep);
     let standard = if summary.meets_standard {
         paint::good("met")

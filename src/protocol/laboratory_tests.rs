@@ -1,4 +1,4 @@
-//! Laboratories of pieces: on a world that does what it is reported, and in the engine.
+//! Laboratories of pieces: on a world that follows a script, and in the engine.
 
 use std::sync::{Arc, atomic::AtomicBool};
 

@@ -1,4 +1,4 @@
-//! Piles on a world that does what it is reported.
+//! Piles, on a world that follows a script.
 
 use std::sync::{Arc, Mutex, atomic::AtomicBool};
 

@@ -1,4 +1,4 @@
-//! The stages on a world that does what it is reported.
+//! The stages, on a world that follows a script.
 
 use std::sync::{
     Arc,

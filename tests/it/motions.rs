@@ -1,4 +1,4 @@
-//! A vibration ends at rest, whatever moves the table; plates are laid as they are reported.
+//! A vibration ends at rest, whatever moves the table; plates are laid as the scenario says.
 
 use std::{fs, path::Path};
 

@@ -1,4 +1,4 @@
-//! Which grains become grains, at which size and where they lie in the file.
+//! Which meshes become grains, at which size, and where they lie in the file.
 
 use rand_pcg::Pcg64;
 

@@ -21,7 +21,6 @@ use super::{
 };
 use crate::record::RunRow;
 use crate::report::{self, Convergence};
-use crate::scale::Scale;
 
 /// Where the built-in design stands under `scenarios/`.
 const BUILT_IN: &str = "studies/convergence.json";
@@ -72,8 +71,8 @@ impl ConvergenceStudy {
     }
 
     fn judged(&self, runs: &[RunRow]) -> Convergence {
-        let standard = standard(&Scale::PAPER);
         let Self { limits, reference, ladders, varied, .. } = self;
+        let standard = standard(&varied.base.scale());
         let rows = judge::judge(runs, ladders, reference, *limits, &standard);
         let cheapest = judge::cheapest(&rows, &standard);
         Convergence {
