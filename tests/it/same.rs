@@ -89,7 +89,7 @@ fn same_content(a: &Path, b: &Path) -> bool {
 }
 
 /// The files under a folder, relative to it, without those of a temporary name.
-fn files(folder: &Path) -> BTreeSet<PathBuf> {
+pub fn files(folder: &Path) -> BTreeSet<PathBuf> {
     let mut found = BTreeSet::new();
     let mut below = vec![PathBuf::new()];
     while let Some(at) = below.pop() {
