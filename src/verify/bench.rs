@@ -3,7 +3,7 @@
 
 use super::{VerifyError, scene::Scene, view::View};
 use crate::geometry::Vector;
-use crate::scenario::{Backend, ContactSolver, EngineSettings};
+use crate::scenario::{Backend, ContactSolver, EngineSettings, FrictionModel};
 use crate::world::{self, PairTable, WorldMaker};
 
 /// Gravitational acceleration of the experiments in m/s², as in the scenarios.
@@ -83,16 +83,17 @@ impl<'a> Bench<'a> {
 /// An engine with its settings, under a name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// Name, as case files use it: the engine, and the rate where it is not
-    /// the default; single precision is named, double is not.
+    /// Name, as case files use it: the engine, the rate in Hz where it is not
+    /// the default, and what else differs; single precision is named, double is not.
     pub name: String,
     /// What the name stands for.
     pub engine: EngineSettings,
 }
 
-/// The settings of this build: stock Bullet contacts at the default rate and
-/// at twice that, the native contact solver at three rates, and rapier where
-/// it is built in.
+/// The settings of this build: stock Bullet contacts and the native contact solver in the
+/// precision that is linked, and rapier where it is built in, each at 240, 480 and 1000 Hz; stock
+/// Bullet also at twice the default rate, rapier also with friction at every contact point
+/// (`FrictionModel::Coulomb`).
 pub fn settings() -> Vec<Setting> {
     let engine = |contact_solver, rate_hz| EngineSettings {
         contact_solver,
@@ -100,21 +101,67 @@ pub fn settings() -> Vec<Setting> {
         ..EngineSettings::default()
     };
     let usual = EngineSettings::default().rate_hz;
+    // The default rate is not named.
+    let at = |name: &str, rate_hz: f64| {
+        if rate_hz == usual { name.to_owned() } else { format!("{name}-{rate_hz}") }
+    };
     let precision = match world::info(Backend::Bullet).precision.as_str() {
         "single" => "-single",
         _ => "",
     };
-    let mut settings = vec![
-        (format!("stock{precision}"), engine(ContactSolver::Stock, usual)),
-        (format!("stock-960{precision}"), engine(ContactSolver::Stock, 960.0)),
-    ];
+    let mut settings = Vec::new();
+    for rate_hz in [usual, 240.0, 960.0, 1000.0] {
+        let name = format!("{}{precision}", at("stock", rate_hz));
+        settings.push((name, engine(ContactSolver::Stock, rate_hz)));
+    }
     for rate_hz in [240.0, 480.0, 1000.0] {
         let name = format!("native-{rate_hz}{precision}");
         settings.push((name, engine(ContactSolver::Native, rate_hz)));
     }
     if world::built_in().contains(&Backend::Rapier) {
-        let stock = engine(ContactSolver::Stock, usual);
-        settings.push(("rapier".to_owned(), EngineSettings { backend: Backend::Rapier, ..stock }));
+        let rapier = |rate_hz| EngineSettings {
+            backend: Backend::Rapier,
+            ..engine(ContactSolver::Stock, rate_hz)
+        };
+        for rate_hz in [usual, 240.0, 1000.0] {
+            settings.push((at("rapier", rate_hz), rapier(rate_hz)));
+        }
+        let mut coulomb = rapier(usual);
+        coulomb.rapier.friction_model = FrictionModel::Coulomb;
+        settings.push(("rapier-coulomb".to_owned(), coulomb));
     }
     settings.into_iter().map(|(name, engine)| Setting { name, engine }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_engine_is_tried_at_three_rates_under_names_of_its_own() {
+        let settings = settings();
+        for (n, setting) in settings.iter().enumerate() {
+            let again = settings[n + 1..].iter().any(|s| s.name == setting.name);
+            assert!(!again, "{} is there twice", setting.name);
+        }
+        let mut engines =
+            vec![(Backend::Bullet, ContactSolver::Stock), (Backend::Bullet, ContactSolver::Native)];
+        if world::built_in().contains(&Backend::Rapier) {
+            engines.push((Backend::Rapier, ContactSolver::Stock));
+        }
+        for (backend, contact_solver) in engines {
+            for rate_hz in [240.0, 480.0, 1000.0] {
+                let expected = EngineSettings {
+                    backend,
+                    contact_solver,
+                    rate_hz,
+                    ..EngineSettings::default()
+                };
+                assert!(
+                    settings.iter().any(|s| s.engine == expected),
+                    "no setting is {backend:?}, {contact_solver:?} at {rate_hz} Hz"
+                );
+            }
+        }
+    }
 }

@@ -19,7 +19,7 @@ pub enum Status {
     Fail,
     /// The law is missed, as the case says it would be.
     KnownFailure,
-    /// The law is met though the case calls it a known failure: the case must be mended.
+    /// The law is met though the case calls it a known failure: the case must be corrected.
     UnexpectedPass,
 }
 

@@ -33,8 +33,12 @@ pub enum Regime {
     Slips,
     /// It slips, stops and sticks; nothing rebounds.
     SlipStops,
-    /// It slips, stops and slips the other way: judged are energy, cone and approach alone.
+    /// It slips, stops and slips the other way: judged are energy, cone and approach alone,
+    /// which hold for every hypothesis of restitution.
     SlipReverses,
+    /// It slips, stops, and sticks or slips the other way: judged by the impulse with Stronge's
+    /// energetic coefficient of restitution.
+    Energetic,
 }
 
 /// Room below the lowest corner in m.
@@ -75,13 +79,14 @@ impl ImpactTilted {
         }
     }
 
-    /// The impulse by the law; `None` where slip reverses.
+    /// The impulse (N s) by the law; `None` where laws that every hypothesis obeys are judged.
     fn law(&self, impact: &Impact) -> Result<Option<Vector>, VerifyError> {
         let found = match self.regime {
             Regime::Sticks => impact.sticks().map(Some),
             Regime::Slips => impact.slips().map(Some),
             Regime::SlipStops => impact.slip_stops().map(Some),
             Regime::SlipReverses => impact.slip_reverses().filter(|r| *r).map(|_| None),
+            Regime::Energetic => impact.energetic().map(Some),
         };
         found.ok_or_else(|| VerifyError::Setup("the impact is of another regime".into()))
     }

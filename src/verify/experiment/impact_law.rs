@@ -10,8 +10,28 @@
 //! the same, and a contact solver that
 //! first brings the normal velocity to zero and then adds the restitution is exact. Where slip
 //! stops on the way they agree as long as nothing rebounds: both parts of
-//! the velocity are zero at the end, and p = −K⁻¹ u. Where slip reverses they
-//! disagree; no energy may come from it, and the impulse stays in the cone.
+//! the velocity are zero at the end, and p = −K⁻¹ u. Otherwise, where slip stops or
+//! reverses, they disagree; no energy may come from it, and the impulse stays in the cone.
+//!
+//! Of the three Stronge's is the one that says what it costs: the work of the normal
+//! impulse in restitution is e² of that in compression. In a plane of symmetry that has a closed
+//! form ([`Impact::energetic`]). Let t be the direction of slip, and p the normal impulse. While
+//! the point slips, u grows by K (n − μ t) for each unit of p: slip stops at
+//! p₁ = −uₜ/(t·K (n − μ t)), when the normal velocity is u₁ = uₙ + a₁ p₁ with
+//! a₁ = n·K (n − μ t). From then on the impulse grows along one direction d: along
+//! K⁻¹ n/(n·K⁻¹ n) if that lies in the cone, and the point sticks; along n + μ t if not, and
+//! slip reverses. With a₂ = n·K d compression ends after a further p₂ = −u₁/a₂, and has taken
+//!
+//! W = ∫ −uₙ dp = (uₙ² − u₁²)/2a₁ + u₁²/2a₂.
+//!
+//! Restitution begins at rest: its work ½ a₂ p₃² = e² W gives p₃ = e √(2 W/a₂), and the
+//! impulse is p₁ (n − μ t) + (p₂ + p₃) d.
+//!
+//! A law of impact that knows of compression and of restitution only the velocity at the
+//! end, as those of Moreau and of Glocker and Pfeiffer (and so the native solver's) do, lets
+//! friction oppose the slip that is left at the end, not the slip on the way. Where slip reverses
+//! it has another impulse than Routh's even without rebound, and where slip stops, Newton's or
+//! Poisson's rebound, which lie on either side of Stronge's.
 
 use super::*;
 
@@ -109,6 +129,37 @@ impl Impact {
         ok.then_some(impulse)
     }
 
+    /// Impulse (N s) with Stronge's energetic coefficient where slip stops before the body does:
+    /// the point then sticks or slips the other way. In a plane of symmetry of the body.
+    pub fn energetic(&self) -> Option<Vector> {
+        let way = self.slip().try_normalize(0.0)?;
+        let compliance = self.compliance()?;
+        let slips = Vector::z() - self.friction * way;
+        let rate = compliance * slips;
+        let stops = -self.velocity.dot(&way) / rate.dot(&way);
+        let arrives = self.velocity.z + rate.z * stops;
+        let hold = compliance.try_inverse()? * Vector::z();
+        let holds = self.in_cone(&hold);
+        let then = if holds { hold / hold.z } else { Vector::z() + self.friction * way };
+        let after = compliance * then;
+        // In the plane of symmetry nothing turns the slip aside.
+        let aside = |v: Vector| v - Vector::z() * v.z - way * v.dot(&way);
+        let straight = aside(rate).norm() < 1e-9 * rate.norm() && aside(then).norm() < 1e-9;
+        // Slip that has stopped and is not held goes the other way.
+        let reverses = holds || after.dot(&way) < 0.0;
+        if !(straight && reverses && stops > 0.0 && arrives < 0.0 && after.z > 0.0) {
+            return None;
+        }
+        let slipping = if rate.z == 0.0 {
+            -self.velocity.z * stops
+        } else {
+            0.5 * (self.velocity.z.powi(2) - arrives.powi(2)) / rate.z
+        };
+        let work = slipping + 0.5 * arrives.powi(2) / after.z;
+        let rest = -arrives / after.z + self.restitution * (2.0 * work / after.z).sqrt();
+        Some(slips * stops + then * rest)
+    }
+
     /// Whether slip along one direction stops while the body still comes, and
     /// begins again the other way because friction cannot hold the point.
     pub fn slip_reverses(&self) -> Option<bool> {
@@ -137,9 +188,20 @@ mod tests {
         }
     }
 
+    /// What ends restitution.
+    #[derive(Clone, Copy)]
+    enum Ends {
+        /// e times the normal velocity of the approach.
+        Newton,
+        /// e times the normal impulse of the compression.
+        Poisson,
+        /// e² of the work of the compression.
+        Stronge,
+    }
+
     /// The law itself in small steps of normal impulse: slip where the point
-    /// slips, stick where friction can hold it; Poisson's restitution.
-    fn routh(impact: &Impact) -> Vector {
+    /// slips, stick where friction can hold it.
+    fn routh(impact: &Impact, ends: Ends) -> Vector {
         const STEPS: f64 = 4e5;
         let compliance = impact.compliance().expect("a body");
         let inverse = compliance.try_inverse().expect("a body");
@@ -147,8 +209,9 @@ mod tests {
         let hold = hold / hold.z;
         let step = impact.mass * impact.velocity.z.abs() / STEPS;
         let (mut impulse, mut point) = (Vector::zeros(), impact.velocity);
-        let mut compression = None;
+        let (mut compression, mut work) = (None, 0.0);
         loop {
+            let before = point.z;
             let slip = Vector::new(point.x, point.y, 0.0);
             // What a step can change is no slip.
             let tiny = 2.0 * step * (compliance * (Vector::z() + Vector::x())).norm();
@@ -162,10 +225,17 @@ mod tests {
             };
             impulse += way * step;
             point += compliance * way * step;
+            work += 0.5 * (before + point.z) * step;
             if compression.is_none() && point.z >= 0.0 {
-                compression = Some(impulse.z);
+                compression = Some((impulse.z, work));
             }
-            if compression.is_some_and(|c| impulse.z >= (1.0 + impact.restitution) * c) {
+            let e = impact.restitution;
+            let over = compression.is_some_and(|(normal, taken)| match ends {
+                Ends::Newton => point.z >= -e * impact.velocity.z,
+                Ends::Poisson => impulse.z >= (1.0 + e) * normal,
+                Ends::Stronge => work - taken >= -e * e * taken,
+            });
+            if over {
                 return impulse;
             }
         }
@@ -189,13 +259,46 @@ mod tests {
     #[test]
     fn every_closed_solution_is_that_of_the_small_steps() {
         let stick = rod(0.0, 0.7, 0.5);
-        near("law: stick", routh(&stick), stick.sticks().expect("sticks"));
+        near("law: stick", routh(&stick, Ends::Poisson), stick.sticks().expect("sticks"));
         for (slip, friction) in [(0.3, 0.3), (-1.0, 0.3)] {
             let slips = rod(slip, friction, 0.5);
-            near("law: slip", routh(&slips), slips.slips().expect("slips"));
+            near("law: slip", routh(&slips, Ends::Poisson), slips.slips().expect("slips"));
         }
         let stops = rod(-0.1, 0.7, 0.0);
-        near("law: slip stops", routh(&stops), stops.slip_stops().expect("stops"));
+        near("law: slip stops", routh(&stops, Ends::Poisson), stops.slip_stops().expect("stops"));
+    }
+
+    #[test]
+    fn the_energetic_solution_is_that_of_the_small_steps() {
+        // Of a friction coefficient the first stops slip, the second reverses it.
+        for friction in [0.7, 0.3] {
+            for restitution in [0.0, 0.5, 1.0] {
+                let impact = rod(-0.1, friction, restitution);
+                let expected = routh(&impact, Ends::Stronge);
+                near("law: Stronge", impact.energetic().expect("stops"), expected);
+            }
+        }
+        let stops = rod(-0.1, 0.7, 0.0);
+        let (a, b) = (stops.energetic().expect("stops"), stops.slip_stops().expect("stops"));
+        assert!((a - b).norm() < 1e-12 * b.norm(), "law: one impulse without rebound, {a} and {b}");
+    }
+
+    #[test]
+    fn the_energetic_rebound_lies_between_newton_and_poisson_and_takes_energy() {
+        for friction in [0.7, 0.3] {
+            let impact = rod(-0.1, friction, 1.0);
+            let stronge = impact.energetic().expect("stops").z;
+            let (newton, poisson) =
+                (routh(&impact, Ends::Newton).z, routh(&impact, Ends::Poisson).z);
+            let (low, high) = (newton.min(poisson), newton.max(poisson));
+            assert!(high > 1.01 * low, "they differ: {low} and {high} N s");
+            assert!((low..high).contains(&stronge), "law: {low} to {high} N s, got {stronge}");
+            let before = impact.energy_after(&Vector::zeros()).expect("a body");
+            let after = impact.energy_after(&impact.energetic().expect("stops")).expect("a body");
+            assert!(after < before, "law: friction takes energy, {before} J to {after} J");
+        }
+        assert_eq!(rod(-1.0, 0.3, 0.5).energetic(), None, "law: this slip does not stop");
+        assert_eq!(rod(0.0, 0.7, 0.5).energetic(), None, "law: nothing slips");
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! The experiments, each a function of its numbers and a bench.
 
 mod arrest;
+mod drag;
+mod drag_law;
 mod flight;
 mod friction;
 mod impact;
@@ -15,6 +17,7 @@ mod pivot;
 mod rebound;
 mod resting;
 mod rocking;
+mod round;
 mod spin;
 mod spin_law;
 mod statics;
@@ -29,7 +32,7 @@ use nalgebra::{Matrix3, SVector, UnitQuaternion, Vector2};
 use serde::{Deserialize, Serialize};
 
 use super::scene::{
-    START_GAP, Scene, block, floor, grain_body, grains, lowest, mass_of, uniform, wall,
+    START_GAP, Scene, block, floor, free, grain_body, grains, lowest, mass_of, uniform, wall,
 };
 use super::{Bench, VerifyError, bench::GRAVITY};
 use crate::geometry::{ConvexPolyhedron, Point, Pose, Vector};
@@ -119,6 +122,8 @@ pub enum Experiment {
     Bounces { restitution: f64, height_mm: f64, count: usize },
     /// A thin block slides and spins to rest: distance in mm, angle in rad or time in s.
     SpinSlide(spin::SpinSlide),
+    /// Several of them: distance, angle or time over that of the law, the worst.
+    SpinSlides(spin::SpinSlides),
     /// A block rocks from edge to edge: ratio of angular velocities at the
     /// first impact, or a peak over that of the law.
     RockingBlock(rocking::RockingBlock),
@@ -138,6 +143,16 @@ pub enum Experiment {
     CriticalFriction(statics::CriticalFriction),
     /// A block slides over joints: distance from the path without joints, in mm.
     InnerEdge(inner_edge::InnerEdge),
+    /// A block is pushed steadily over a joint and the step down behind it: mean force over μ m g.
+    Dragged(drag::Dragged),
+    /// A ball on a slope or a floor: speed or spin over that of the law, the worse.
+    BallOnPlane(round::BallOnPlane),
+    /// A ball slides off a body without friction: horizontal velocity over that of the law.
+    SlidesOff(round::SlidesOff),
+    /// Rounded cubes meet corner to corner: relative velocity after over before.
+    CornersMeet(round::CornersMeet),
+    /// A rounded block on steeper slopes: tangent at which it topples over that of the law.
+    RoundedTopples(round::RoundedTopples),
     /// A body at rest: distance it moves in mm.
     Rests { body: RestingBody, settle_s: f64, duration_s: f64 },
     /// Grains heaped three below, one above: largest movement in mm.
@@ -210,6 +225,7 @@ impl Experiment {
                 bounces(bench, restitution, height_mm, count)
             }
             Self::SpinSlide(ref slide) => slide.run(bench),
+            Self::SpinSlides(ref slides) => slides.run(bench),
             Self::RockingBlock(ref rocking) => rocking.run(bench),
             Self::Pivot(ref pivot) => pivot.run(bench),
             Self::Top(ref top) => top.run(bench),
@@ -218,6 +234,11 @@ impl Experiment {
             Self::ApproachArrested(ref arrested) => arrested.run(bench),
             Self::CriticalFriction(ref critical) => critical.run(bench),
             Self::InnerEdge(ref joints) => joints.run(bench),
+            Self::Dragged(ref dragged) => dragged.run(bench),
+            Self::BallOnPlane(ref ball) => ball.run(bench),
+            Self::SlidesOff(ref ball) => ball.run(bench),
+            Self::CornersMeet(ref cubes) => cubes.run(bench),
+            Self::RoundedTopples(ref block) => block.run(bench),
             Self::Rests { body, settle_s, duration_s } => rests(bench, body, settle_s, duration_s),
             Self::GrainOnThree { settle_s, duration_s } => {
                 grain_on_three(bench, settle_s, duration_s)

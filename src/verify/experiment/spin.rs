@@ -21,6 +21,14 @@ pub struct SpinSlide {
     pub quantity: Quantity,
 }
 
+/// Several such blocks, each with its own quantity, which is compared with the law's own value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpinSlides {
+    /// The blocks.
+    pub blocks: Vec<SpinSlide>,
+}
+
 /// What is measured of a block that spins to rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -58,8 +66,7 @@ impl SpinSlide {
         }
     }
 
-    /// What the law says, in the unit of the quantity.
-    #[cfg(test)]
+    /// What the law says, in the unit of the quantity (mm, rad or s).
     fn expected(&self) -> f64 {
         let end = self.law().end();
         match self.quantity {
@@ -124,10 +131,60 @@ impl SpinSlide {
     }
 }
 
+impl SpinSlides {
+    /// The ratio to the law's value that is furthest from 1.
+    pub(super) fn run(&self, bench: &Bench) -> Measured {
+        let mut outcome = Outcome::new("Time (s)", "Distance (mm)");
+        let (mut ratios, mut notes) = (Vec::new(), Vec::new());
+        for block in &self.blocks {
+            let law = block.expected();
+            let one = block.run(bench)?;
+            let name = format!(
+                "{:?} mm, μ = {}, {} m/s, {} rad/s",
+                block.sides_mm, block.friction, block.speed_m_per_s, block.spin_rad_per_s
+            );
+            notes.push(format!("{name}: {:.4}, by the law {law:.4}", one.got));
+            for mut curve in one.curves {
+                curve.name = format!("{name}: {}", curve.name);
+                outcome.curves.push(curve);
+            }
+            ratios.push(one.got / law);
+        }
+        outcome.note = Some(notes.join("; "));
+        Ok(outcome.got(worst_of(&ratios, |ratio| (ratio - 1.0).abs())))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::verify::experiment::Experiment;
+
+    /// Angle and time are compared for every block whose distance is.
+    #[test]
+    fn angle_and_time_are_asked_of_every_block_that_slides() {
+        let cases = crate::verify::builtin().expect("sound");
+        let (mut single, mut several): (Vec<&SpinSlide>, Vec<&SpinSlide>) = Default::default();
+        for case in &cases {
+            match &case.experiment {
+                Experiment::SpinSlide(s) if s.quantity == Quantity::Distance => single.push(s),
+                Experiment::SpinSlides(s) => several.extend(&s.blocks),
+                _ => {}
+            }
+        }
+        assert!(single.len() >= 9, "found {} distances", single.len());
+        for block in single {
+            for quantity in [Quantity::Angle, Quantity::Time] {
+                let wanted = SpinSlide { quantity, ..block.clone() };
+                // What does not spin has no angle to compare.
+                let nothing = quantity == Quantity::Angle && block.spin_rad_per_s == 0.0;
+                assert!(nothing || several.contains(&&wanted), "not asked: {wanted:?}");
+            }
+        }
+        for block in several {
+            assert!(block.expected() > 0.0, "law: a ratio needs a value: {block:?}");
+        }
+    }
 
     #[test]
     fn a_stop_lies_between_the_steps() {

@@ -19,6 +19,8 @@ pub enum Defect {
     OneFrictionDirection,
     /// Every free body seems to sink, ever so slowly.
     Drift,
+    /// Nothing ever rebounds.
+    NoRebound,
 }
 
 /// Apparent sinking in m/s: 0.2 mm in 20 s, twice what a packing is allowed.
@@ -31,13 +33,17 @@ pub fn made_with(
 {
     move |settings, gravity, pairs| {
         let (mut settings, mut pairs) = (settings.clone(), pairs.clone());
-        if defect == Defect::ProductRule {
+        if [Defect::ProductRule, Defect::NoRebound].contains(&defect) {
             let all = pairs.materials();
             for (n, a) in all.iter().enumerate() {
                 for b in &all[n..] {
                     let mut pair = pairs.get(*a, *b);
-                    pair.friction *= pair.friction;
-                    pair.restitution *= pair.restitution;
+                    if defect == Defect::NoRebound {
+                        pair.restitution = 0.0;
+                    } else {
+                        pair.friction *= pair.friction;
+                        pair.restitution *= pair.restitution;
+                    }
                     pairs.set(*a, *b, pair);
                 }
             }

@@ -106,8 +106,8 @@ fn every_known_failure_names_a_setting_that_exists_somewhere() {
 /// on stock Bullet contacts at the default rate or another one.
 fn finds(defect: Defect, id: &str, rate: &str) {
     // Where single precision is linked, names say so.
-    let single = settings().iter().any(|s| s.name.starts_with("stock-single"));
-    let name = if single { format!("stock-single{rate}") } else { format!("stock{rate}") };
+    let single = settings().iter().any(|s| s.name == "stock-single");
+    let name = format!("stock{rate}{}", if single { "-single" } else { "" });
     let (case, setting) = (case(id), setting(&name));
     let right = verify(&case, &setting, &pluvia::world::create);
     assert!(right.pass, "{id} passes with right physics, got {:?} {:?}", right.got, right.note);
@@ -132,6 +132,26 @@ fn friction_as_a_product_is_found() {
 #[test]
 fn a_single_friction_direction_is_found() {
     finds(Defect::OneFrictionDirection, "incline-holds", "");
+}
+
+/// What never rebounds obeys "at most e u": no case of an arrested approach may pass for it.
+#[test]
+fn a_solver_that_never_rebounds_is_found() {
+    let setting = by_default().0.remove(0);
+    let arrested: Vec<Case> = builtin()
+        .expect("sound")
+        .into_iter()
+        .filter(|c| c.id.starts_with("approach-arrested"))
+        .collect();
+    assert!(arrested.len() >= 15, "expected the arrested approaches, found {}", arrested.len());
+    for case in arrested {
+        let wrong = verify(&case, &setting, &made_with(Defect::NoRebound));
+        assert!(
+            !wrong.pass,
+            "{} must find that nothing rebounds: expected to miss {} ± {}, got {:?} {:?}",
+            case.id, wrong.expected, wrong.tolerance, wrong.got, wrong.note
+        );
+    }
 }
 
 #[test]
