@@ -4,6 +4,7 @@
 //! scenario of `scenarios/validation/` at several points, each in several realisations, run through
 //! the store of stages: what is done is not done again.
 
+mod beads;
 mod bench;
 mod column;
 mod density;
@@ -64,6 +65,8 @@ enum Part {
     Density,
     /// Direct shear at three stresses
     DirectShear,
+    /// Direct shear of steel beads
+    Beads,
     /// Compression in an oedometer
     Oedometer,
     /// Triaxial compression of loose and dense specimens
@@ -71,12 +74,13 @@ enum Part {
 }
 
 impl Part {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 8] = [
         Self::Hopper,
         Self::Column,
         Self::Repose,
         Self::Density,
         Self::DirectShear,
+        Self::Beads,
         Self::Oedometer,
         Self::Triaxial,
     ];
@@ -88,6 +92,7 @@ impl Part {
             Self::Repose => "repose",
             Self::Density => "density",
             Self::DirectShear => "direct-shear",
+            Self::Beads => "beads",
             Self::Oedometer => "oedometer",
             Self::Triaxial => "triaxial",
         }
@@ -128,6 +133,7 @@ fn run(options: &Options) -> Result<(), String> {
             Part::Repose => repose::carry_out(&bench),
             Part::Density => density::carry_out(&bench),
             Part::DirectShear => shear::carry_out(&bench),
+            Part::Beads => beads::carry_out(&bench),
             Part::Oedometer => oedometer::carry_out(&bench),
             Part::Triaxial => triaxial::carry_out(&bench),
         }

@@ -126,7 +126,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     let runs = bench.run("direct-shear", SCENARIO, &points)?;
     let mut tests = Vec::new();
     for run in &runs {
-        let moments = moments(run)?;
+        let moments = moments(run, PLANE)?;
         // The peak is a mean over the same displacement at either speed.
         let together = if run.point == STRESSES.len() { 2 * TOGETHER } else { TOGETHER };
         match shear_strength(&moments, together, END * from_mm(design.travel_mm)) {
@@ -292,8 +292,8 @@ fn profile(run: &Run) -> Result<Vec<(f64, f64)>, String> {
 }
 
 /// Displacement, forces on the lower half and height of the lid while it is sheared. The weight of
-/// the grains in the lower half is no force across the plane.
-fn moments(run: &Run) -> Result<Vec<Sheared>, String> {
+/// the grains in the lower half, below the height of the plane in m, is no force across it.
+pub fn moments(run: &Run, plane: f64) -> Result<Vec<Sheared>, String> {
     let rows = run.series([
         "time_s",
         "stage",
@@ -303,7 +303,7 @@ fn moments(run: &Run) -> Result<Vec<Sheared>, String> {
         "lid_z_mm",
     ])?;
     let before = run.specimen(Some("2"))?;
-    let below = |i: &usize| before.state.bodies[*i].body.pose.translation.z < PLANE;
+    let below = |i: &usize| before.state.bodies[*i].body.pose.translation.z < plane;
     let mass: f64 = before.present().filter(below).map(|i| before.grains.grains[i].mass).sum();
     let shearing: Vec<&[f64; 6]> = rows.iter().filter(|row| row[1] == SHEARING).collect();
     let usual = shearing.windows(2).map(|pair| pair[1][0] - pair[0][0]).fold(0.0, f64::max);
