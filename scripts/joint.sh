@@ -45,3 +45,4 @@ done
     --target 'continuous:settlement_mm.final=14..19.61' \
     --target 'continuous:settlement_mm.after_5_s/settlement_mm.final=75..85' \
     --target 'intermittent:settlement_mm.after_each_period.0/settlement_mm.final=80..90'
+cp "$out/targets/targets.json" "$tables/targets.json"

@@ -13,7 +13,7 @@ pub struct Kept {
     pub files: &'static [(&'static str, &'static str)],
     /// What computes it. `OUT` stands for the output folder.
     pub made: Made,
-    /// Of which build the kept files are: the day and `FORMAT` of `src/study/plan.rs` then.
+    /// Of which build the kept files are: the day and `FORMAT` of `src/study/stage_key.rs` then.
     pub build: Build,
     /// About how long it takes on two cores.
     pub takes: &'static str,
@@ -34,7 +34,7 @@ pub enum Made {
 pub struct Build {
     /// When the files were added.
     pub day: &'static str,
-    /// `FORMAT` of `src/study/plan.rs` then: it rises whenever results change.
+    /// `FORMAT` of `src/study/stage_key.rs` then: it rises whenever results change.
     pub format: &'static str,
 }
 

@@ -3,6 +3,7 @@
 //! nothing and fails where a page quotes another number than its results file gives.
 
 mod derived;
+mod joint;
 mod list;
 mod make;
 mod marks;

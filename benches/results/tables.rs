@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{list, missed::missed, value::Results};
+use super::{joint, list, missed::missed, value::Results};
 
 type Cells<'a> = &'a dyn Fn(&str) -> Result<String, String>;
 
@@ -24,6 +24,8 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "grain-sieve" => grain_sieve(&quote, results.source("grains")?.as_ref()),
         "grain-sizes" => grain_sizes(&quote),
         "grain-shape" => grain_shape(&quote),
+        "joint-targets" => joint::targets(results.source("joint")?.as_ref()),
+        "joint-together" => joint::together(results.source("joint")?.as_ref()),
         "files" => Ok(files()),
         _ => Err("no table has this name".to_owned()),
     }

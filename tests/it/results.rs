@@ -5,6 +5,8 @@ use std::{fs, path::Path};
 
 #[path = "../../benches/results/derived.rs"]
 mod derived;
+#[path = "../../benches/results/joint.rs"]
+mod joint;
 #[allow(dead_code)] // commands are for the generator
 #[path = "../../benches/results/list.rs"]
 mod list;
