@@ -35,11 +35,11 @@ def sweep(
     """Runs a scenario at many values of its fields into the folder `out`.
 
     `over` gives fields their values, `{"contact.grain_grain_friction": [0.4, 0.6, 0.8]}`: every combination of several
-    fields, or with `one_at_a_time` each by itself around the scenario. `samples` draws so many points from `ranges`,
-    `{"contact.restitution": (0.1, 0.6)}`, by a Latin hypercube. `configurations` are realisations of each point: the
-    same grains mixed anew. The rest is as of `run`.
+    fields, or with `one_at_a_time` each by itself around the scenario. `samples` draws that many points from `ranges`,
+    `{"contact.restitution": (0.1, 0.6)}`, by a Latin hypercube. `configurations` are realisations of each point: new
+    random arrangements of the same grains. The rest is as of `run`.
 
-    The same call resumes, or with more configurations adds to what is there. A run that fails is a row that says why.
+    The same call resumes, or with more configurations adds to what is there. A run that fails is a row with the reason.
     """
     words = [f"--out={os.fspath(out)}", f"--configurations={configurations}"]
     for path, values in (over or {}).items():

@@ -12,12 +12,11 @@ const FRICTION_RANGE: CalibrationRange = CalibrationRange { low: 0.1, high: 1.5 
 /// Find the friction that gives a measured angle of repose, or any field that gives a result
 #[derive(Debug, Args)]
 #[command(after_help = "\
-The range is looked at as a whole, the place where the result is passed closed in on, and a line
-fitted there; the interval says how well the answer is known beside the scatter from mixing to
-mixing of the grains. Leaves calibrate.json, calibrate.md, report.html, evaluations.csv, figures/
-and runs/ in DIR. Finished stages there are reused: after an interruption the same command goes
-on where it stopped. Exit code 1 means that no value gives the result, or that it is known less
-well than asked; what was found is kept all the same.
+The command scans the whole range, narrows in on the crossing and fits a line there; the interval
+reflects the scatter between realisations. Leaves calibrate.json, calibrate.md, report.html,
+evaluations.csv, figures/ and runs/ in DIR. Exit code 1 means that no value gives the result, or
+that its interval is wider than asked; results are kept all the same. Finished stages in DIR are
+reused: after an interruption, run the same command again to resume.
 
 Examples:
   pluvia calibrate scenarios/paper/repose.json --angle-of-repose 38.4 --jobs 2
@@ -29,51 +28,54 @@ pub(super) struct CalibrateArgs {
     /// The scenario file
     #[arg(value_name = "SCENARIO.json")]
     scenario: PathBuf,
-    /// Angle of repose that is wanted, in degrees
+    /// Target angle of repose in degrees
     #[arg(long, value_name = "DEGREES", value_parser = angle, conflicts_with = "target",
           required_unless_present = "target", allow_negative_numbers = true)]
     angle_of_repose: Option<CalibrationTarget>,
-    /// Any number of a run's summary.json that is to have a value
+    /// Any number of a run's summary.json and its target value
     #[arg(long, value_name = "field=value", requires = "unknown", requires = "between")]
     target: Option<CalibrationTarget>,
-    /// The number of the scenario that is sought [default: contact.grain_grain_friction, with --angle-of-repose]
+    /// The number of the scenario to find [default: contact.grain_grain_friction, with
+    /// --angle-of-repose]
     #[arg(long, value_name = "path", requires = "between")]
     unknown: Option<String>,
-    /// Between which values it is sought [default: 0.1..1.5, with --angle-of-repose]
+    /// Range to search for it [default: 0.1..1.5, with --angle-of-repose]
     #[arg(long, value_name = "low..high", allow_hyphen_values = true)]
     between: Option<CalibrationRange>,
-    /// Configurations a value, each the same grains mixed anew; the same at every value
+    /// Configurations per value, each a new random arrangement of the same grains; the same at
+    /// every value
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(2..=1000))]
     replicates: u32,
-    /// Half of the 95 % interval that is narrow enough, in the result's unit [default: the standard deviation of a single run]
+    /// Stop when half the 95 % interval is at most this, in the result's unit [default: the
+    /// standard deviation of a single run]
     #[arg(long, value_name = "WIDTH", value_parser = positive)]
     tolerance: Option<f64>,
-    /// Most runs altogether [default: 16 a replicate]
+    /// Maximum number of runs [default: 16 per replicate]
     #[arg(long, value_name = "N")]
     most_runs: Option<usize>,
     #[command(flatten)]
     changes: Changes,
     #[command(flatten)]
     jobs: Jobs,
-    /// Folder for the results; it is made if needed
+    /// Folder for the results, created if needed
     #[arg(long, value_name = "DIR", default_value = "out/calibrate")]
     out: PathBuf,
 }
 
 fn angle(text: &str) -> Result<CalibrationTarget, String> {
-    let degrees = text.parse().map_err(|_| format!("`{text}` is no number of degrees"))?;
+    let degrees = text.parse().map_err(|_| format!("`{text}` is not a number of degrees"))?;
     CalibrationTarget::angle_of_repose(degrees)
 }
 
 fn positive(text: &str) -> Result<f64, String> {
     let value = text.parse().ok().filter(|v: &f64| *v > 0.0 && v.is_finite());
-    value.ok_or_else(|| format!("`{text}` is no positive number"))
+    value.ok_or_else(|| format!("`{text}` is not a positive number"))
 }
 
 pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let target = args.angle_of_repose.clone().or_else(|| args.target.clone());
-    let target = target.ok_or_else(|| CliError::Usage("nothing is wanted".to_owned()))?;
+    let target = target.ok_or_else(|| CliError::Usage("no target is given".to_owned()))?;
     let options = CalibrationOptions {
         scenario: args.scenario.clone(),
         changes: args.changes.overrides(),

@@ -9,7 +9,7 @@ use crate::study::compare;
 Every engine gets the same grains in the same places; then the specimen of the first is handed to
 the others. Leaves compare.json, report.html, figures/ and runs/ in DIR. Exit code 1 means that the
 engines differ by more than the stated bands, or that a run is not valid or lacks grains, so that
-the bands are not judged. Interrupted, the same command goes on where it stopped.
+the bands are not judged. After an interruption, run the same command again to resume.
 
 Examples:
   pluvia compare scenarios/quick/vibration.json --out out/compare
@@ -27,7 +27,7 @@ pub(super) struct CompareArgs {
     set: Vec<Override>,
     #[command(flatten)]
     jobs: Jobs,
-    /// Folder for the results; it is made if needed
+    /// Folder for the results, created if needed
     #[arg(long, value_name = "DIR", default_value = "out/compare")]
     out: PathBuf,
 }

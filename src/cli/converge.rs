@@ -9,8 +9,8 @@ use crate::study::ConvergenceStudy;
 Varies time step, iterations, sub-steps, contact stiffness and contact solver as the design says
 (scenarios/studies/convergence.json is built in), each setting in several configurations. Leaves
 convergence.md, convergence.csv, convergence.json, figures/, variations.csv, variation-runs.csv,
-variations.json and runs/ in DIR. Finished stages there are reused. Precision is that
-of the build: what a build in the other precision left in DIR of the same design is judged along.
+variations.json and runs/ in DIR. Finished stages there are reused. Precision is that of the build;
+results of the same design in DIR from a build in the other precision are included.
 
 Examples:
   pluvia converge --quick --out out/convergence-quick
@@ -19,7 +19,7 @@ Examples:
 pub(super) struct ConvergeArgs {
     #[command(flatten)]
     designed: DesignedArgs,
-    /// Folder for the results; it is made if needed
+    /// Folder for the results, created if needed
     #[arg(long, value_name = "DIR", default_value = "out/convergence")]
     out: PathBuf,
 }

@@ -10,9 +10,9 @@ Grains, contact and engine are the scenario's; mould and procedure are those of 
 loosest state is of grains let fall from just above those in the mould (after ASTM D4254), the
 densest of grains vibrated vertically; grains without friction are a bound. ASTM D4253 vibrates for
 8 minutes at 60 Hz and 0.33 mm under 13.8 kPa, of which a few seconds do little: hence other values
-here. Leaves density.json, which also says where this is not what the standards ask for, and
-runs/ in DIR. Finished stages there are reused. Put e_max and e_min into a scenario as
-index_densities, and its summary gives relative densities.
+here. Leaves density.json, which also lists the deviations from the standards, and runs/ in DIR.
+Finished stages there are reused. Put e_max and e_min into a scenario as index_densities, and its
+summary gives relative densities.
 
 Examples:
   pluvia density scenarios/quick/pluviation.json --configurations 3 --out out/density
@@ -22,7 +22,7 @@ pub(super) struct DensityArgs {
     /// The scenario file
     #[arg(value_name = "SCENARIO.json")]
     scenario: PathBuf,
-    /// Configurations, each the same grains mixed anew
+    /// Number of configurations, each a new random arrangement of the same grains
     #[arg(long, value_name = "N", default_value_t = 3,
           value_parser = clap::value_parser!(u32).range(1..=1000))]
     configurations: u32,
@@ -32,17 +32,17 @@ pub(super) struct DensityArgs {
     /// Frequency of the vibration in Hz
     #[arg(long, value_name = "HZ", default_value_t = 12.0, value_parser = from_1_to::<200>)]
     frequency_hz: f64,
-    /// From end to end of the vibration in mm
+    /// Double amplitude (end to end) of the vibration in mm
     #[arg(long, value_name = "MM", default_value_t = 8.0, value_parser = from_0_to::<100>)]
     double_amplitude_mm: f64,
-    /// How long it is vibrated, in s: a whole number of cycles
+    /// Duration of the vibration in s: a whole number of cycles
     #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = from_1_to::<3600>)]
     seconds: f64,
     #[command(flatten)]
     changes: Changes,
     #[command(flatten)]
     jobs: Jobs,
-    /// Folder for the results; it is made if needed
+    /// Folder for the results, created if needed
     #[arg(long, value_name = "DIR", default_value = "out/density")]
     out: PathBuf,
 }
@@ -84,7 +84,7 @@ pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, C
     for departure in &found.departures {
         text += &format!("{departure}\n");
     }
-    text += &format!("all of it in {}\n", plain_path(&args.out.join("density.json")));
+    text += &format!("full results in {}\n", plain_path(&args.out.join("density.json")));
     context.print(&text, &found)?;
     Ok(ExitStatus::by(states.iter().any(|(_, state)| state.mean.is_some())))
 }

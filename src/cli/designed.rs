@@ -6,10 +6,11 @@ use crate::study::StudyOptions;
 /// What both studies ask for.
 #[derive(Debug, Args)]
 pub(super) struct DesignedArgs {
-    /// A few hundred grains instead of 1456, and what the design leaves out for it
+    /// A few hundred grains instead of 1456, and fewer variations if the design says so
     #[arg(long)]
     quick: bool,
-    /// Number of configurations, each the same grains mixed anew [default: the design's]
+    /// Number of configurations, each a new random arrangement of the same grains
+    /// [default: the design's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     configurations: Option<u32>,
     #[command(flatten)]
@@ -36,5 +37,5 @@ impl DesignedArgs {
 pub(super) fn page_until(page: &Path, headings: &[&str]) -> Result<String, FileError> {
     let text = String::from_utf8_lossy(&read_file(page)?).into_owned();
     let end = headings.iter().find_map(|heading| text.find(heading)).unwrap_or(text.len());
-    Ok(format!("{}\nall of it in {}\n", &text[..end], plain_path(page)))
+    Ok(format!("{}\nfull results in {}\n", &text[..end], plain_path(page)))
 }

@@ -73,8 +73,9 @@ pub enum CliError {
 }
 
 impl CliError {
-    /// The exit code: 2 wrong usage or scenario, or a file that is not what is read there, 3 the
-    /// simulation failed, 4 files that the system does not let be read or written, 130 stopped by Ctrl-C (as shells have it: 128 + SIGINT).
+    /// The exit code: 2 wrong usage or scenario, or a file of the wrong kind, 3 the simulation
+    /// failed, 4 files that the system does not let be read or written, 130 stopped by Ctrl-C (as
+    /// shells have it: 128 + SIGINT).
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Scenario(ScenarioErrors::Faults(_)) => 2,

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::export::{
-    DEFAULT_EVERY, Exported, Moments, apparatus_obj, contacts_csv, glb, grains_csv, grains_obj,
-    grains_ply, grains_stl, pairs_csv, read_at_rest, read_moments, read_run, stage_at_rest,
-    write_vtk,
+    DEFAULT_EVERY, Exported, Moments, VTK_LISTS, apparatus_obj, contacts_csv, glb, grains_csv,
+    grains_obj, grains_ply, grains_stl, pairs_csv, read_at_rest, read_moments, read_run,
+    stage_at_rest, write_vtk,
 };
 use crate::specimen::{Fate, SpecimenState};
 
@@ -12,9 +12,9 @@ use crate::specimen::{Fate, SpecimenState};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Leaves in DIR, in SI units; tables in mm, g, N and what their headers say:
-  json  scene.json: all that another engine needs to carry on (docs/exchange.md)
+  json  scene.json: all that another engine needs to continue (docs/exchange.md)
   csv   grains.csv, contacts.csv (loaded contacts), pairs.csv (touching grains with their gaps)
-  obj   grains.obj, apparatus.obj: one object a body, in world coordinates
+  obj   grains.obj, apparatus.obj: one object per body, in world coordinates
   stl   grains.stl: the triangles of all grains where they are
   ply   grains.ply: their faces, numbered by grain
   vtk   for ParaView: grains.pvd and apparatus.pvd with a .vtp file every S seconds and at the end of
@@ -33,9 +33,9 @@ pub(super) struct ExportArgs {
     /// What to write
     #[arg(long, value_enum)]
     format: Format,
-    /// The stage to take, at its end: its number from 0, its name, or `rest_test`; if left out the
-    /// specimen at rest, which is that of the rest test where the run has one and else of
-    /// the last stage, and every stage with vtk and --animate
+    /// The stage to take, at its end: its number from 0, its name, or `rest_test`; by default the
+    /// specimen at the end of the rest test or, without one, of the last stage, and every stage
+    /// with vtk and --animate
     #[arg(long)]
     stage: Option<String>,
     /// Least time between two frames in simulated seconds, for vtk and --animate [default: 0.4 for
@@ -45,9 +45,12 @@ pub(super) struct ExportArgs {
     /// With glb: how everything moved, as an animation
     #[arg(long)]
     animate: bool,
-    /// Folder for the files; it is made if needed
+    /// Folder for the files, created if needed
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Replace files of another export in that folder
+    #[arg(long)]
+    force: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -62,7 +65,7 @@ enum Format {
     Stl,
     /// Faces of the grains in their places, PLY
     Ply,
-    /// Frames, contacts and chains of force for ParaView
+    /// Frames, contacts and force chains for ParaView
     Vtk,
     /// One binary glTF file, still or moving
     Glb,
@@ -96,10 +99,10 @@ struct Written {
 pub(super) fn run(args: &ExportArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let moving = args.format == Format::Vtk || args.animate;
     if args.animate && args.format != Format::Glb {
-        return Err(CliError::Usage("--animate goes with --format glb alone".to_owned()));
+        return Err(CliError::Usage("--animate needs --format glb".to_owned()));
     }
     if args.every.is_some() && !moving {
-        let what = "--every goes with --format vtk and with --animate alone";
+        let what = "--every needs --format vtk or --animate";
         return Err(CliError::Usage(what.to_owned()));
     }
     let written = match args.format {
@@ -130,21 +133,15 @@ fn specimen(args: &ExportArgs) -> Result<Written, CliError> {
         None => read_at_rest(&args.run)?,
     };
     output_folder::prepare(&args.out)?;
-    let mut files = Vec::new();
-    let mut bytes = 0;
-    for (name, content) in contents(args, &run)? {
-        let path = args.out.join(name);
-        write_file(&path, &content)?;
-        bytes += content.len() as u64;
-        files.push(path);
-    }
+    let contents = contents(args, &run)?;
+    let files = output_folder::write_files(&args.out, &contents, args.force)?;
     Ok(Written {
         scenario: run.made_by.scenario,
         stage: run.made_by.stage,
         time_s: run.made_by.time_s,
         grains: run.specimen.present().count(),
         moments: 1,
-        bytes,
+        bytes: contents.iter().map(|(_, content)| content.len() as u64).sum(),
         files,
         more_files: 0,
     })
@@ -205,6 +202,9 @@ fn frames(args: &ExportArgs, context: &Context) -> Result<Written, CliError> {
     const ID: u64 = 0;
     let moments = read_moments(&args.run, args.stage.as_deref())?;
     output_folder::prepare(&args.out)?;
+    if !args.force {
+        output_folder::refuse_any(&args.out, &VTK_LISTS)?;
+    }
     let every = args.every.unwrap_or(DEFAULT_EVERY);
     let count = moments.thinned(every).len();
     context.progress.begin_pieces(ID, "moments", count);
@@ -233,13 +233,13 @@ fn scene(args: &ExportArgs) -> Result<Written, CliError> {
     }
     let made = glb(&moments, every).map_err(|e| CliError::Usage(e.to_string()))?;
     output_folder::prepare(&args.out)?;
-    let path = args.out.join("specimen.glb");
-    write_file(&path, &made.bytes)?;
+    let bytes = made.bytes.len() as u64;
+    let file = [("specimen.glb", made.bytes)];
     Ok(Written {
         grains: made.grains,
         moments: made.keys.max(1),
-        bytes: made.bytes.len() as u64,
-        files: vec![path],
+        bytes,
+        files: output_folder::write_files(&args.out, &file, args.force)?,
         ..of_end(&moments)
     })
 }

@@ -6,15 +6,15 @@ use crate::grains::{
     write_ply, write_stl,
 };
 use crate::record::{GradationSummary, ShapeSummary, SieveSummary};
-use crate::scenario::GrainsSpec;
-use crate::study::{make_grains, write_grains};
+use crate::study::{grain_files, make_grains};
 use crate::units::{to_cm3, to_g};
 
-/// Make only the grains of a scenario; what else it says is not looked at
+/// Make only the grains of a scenario; the rest of the file is ignored
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Leaves grains.json in DIR, for grains made by sieve fractions sieve.csv, for grains made from
-meshes stones.csv, which says what became of each; with another format also grains.obj, grains.stl or grains.ply, for programs that show meshes.
+Leaves grains.json in DIR; for grains made by sieve fractions also sieve.csv; for grains made from
+meshes also stones.csv, with the outcome for each mesh; with another format also grains.obj,
+grains.stl or grains.ply, for programs that show meshes.
 
 Examples:
   pluvia grains scenarios/paper/pluviation.json --out out/grains
@@ -26,18 +26,21 @@ pub(super) struct GrainsArgs {
     /// Format of the grains
     #[arg(long, value_enum, default_value_t = Format::Json)]
     format: Format,
-    /// Folder for the files; it is made if needed
+    /// Folder for the files, created if needed
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Replace other grains in that folder
+    #[arg(long)]
+    force: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
     /// grains.json alone
     Json,
-    /// Wavefront OBJ, one object a grain
+    /// Wavefront OBJ, one object per grain
     Obj,
-    /// STL, one solid a grain
+    /// STL, one solid per grain
     Stl,
     /// PLY, faces numbered by grain
     Ply,
@@ -62,10 +65,7 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
     let scenario = load_grains(&args.scenario)?.scenario;
     output_folder::prepare(&args.out)?;
     let set = make_grains(&scenario)?;
-    write_grains(&args.out, &scenario, &set)?;
-    let mut files = vec![args.out.join("grains.json")];
-    // What the scenario's kind of grains has; older files may lie there.
-    files.extend(table_names(&scenario).iter().map(|name| args.out.join(name)));
+    let mut files = grain_files(&scenario, &set)?;
     let mut content = Vec::new();
     let written = match args.format {
         Format::Json => None,
@@ -74,11 +74,10 @@ pub(super) fn run(args: &GrainsArgs, context: &Context) -> Result<ExitStatus, Cl
         Format::Ply => Some(("grains.ply", write_ply(&set, &mut content))),
     };
     if let Some((name, written)) = written {
-        let path = args.out.join(name);
-        written.map_err(|error| FileError::new("write", &path, error))?;
-        write_file(&path, &content)?;
-        files.push(path);
+        written.map_err(|error| FileError::new("write", &args.out.join(name), error))?;
+        files.push((name, content));
     }
+    let files = output_folder::write_files(&args.out, &files, args.force)?;
     let made = Made {
         scenario: scenario.name,
         grains: set.grains.len(),
@@ -131,14 +130,4 @@ fn in_words(of: &GradationSummary) -> String {
         "D10 {d10_mm:.2} mm, D30 {d30_mm:.2} mm, D50 {d50_mm:.2} mm, D60 {d60_mm:.2} mm, Cu {cu:.2}, \
          Cc {cc:.2}, {uscs}"
     )
-}
-
-/// The tables that [`write_grains`] leaves beside `grains.json`.
-fn table_names(scenario: &Scenario) -> &'static [&'static str] {
-    match &scenario.grains {
-        GrainsSpec::Sieved(_) => &["sieve.csv"],
-        GrainsSpec::Meshes(meshes) if meshes.sieve_table.is_empty() => &["stones.csv"],
-        GrainsSpec::Meshes(_) => &["sieve.csv", "stones.csv"],
-        GrainsSpec::File(_) => &[],
-    }
 }

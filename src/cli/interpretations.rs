@@ -6,10 +6,11 @@ use crate::study::{InterpretationsOptions, interpretations};
 /// Run the paper's programme under several interpretations of it, side by side
 #[derive(Debug, Args)]
 #[command(after_help = "\
-An interpretation is what the paper's authors may have meant or typed: scenarios/interpretations/ holds them.
-Leaves interpretations.json, interpretations.md, interpretations.html, figures/ and runs/ in DIR. Finished stages
-there are reused, and interpretations run there by earlier commands stay in the table. A run that
-fails is marked in the table; the others go on. `bullet_stock` takes hours.
+An interpretation is what the paper's authors may have meant or typed; scenarios/interpretations/
+holds them. Leaves interpretations.json, interpretations.md, interpretations.html, figures/ and
+runs/ in DIR. Finished stages there are reused, and interpretations run there by earlier commands
+stay in the table. A run that fails is marked in the table; the others continue. `bullet_stock`
+takes hours.
 
 Examples:
   pluvia interpretations --quick --out out/quick-interpretations
@@ -29,7 +30,7 @@ pub(super) struct InterpretationsArgs {
     jobs: Jobs,
     #[command(flatten)]
     changes: Changes,
-    /// Folder for the results; it is made if needed
+    /// Folder for the results, created if needed
     #[arg(long, value_name = "DIR", default_value = "out/interpretations")]
     out: PathBuf,
 }

@@ -9,8 +9,8 @@ use super::*;
 
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(super) struct Jobs {
-    /// Cores to use: so many stages run at the same time or, where fewer are left, on several
-    /// threads each; no more than there are; results do not depend on it [default: all cores]
+    /// Number of cores: that many stages run in parallel; when fewer are left, each uses several
+    /// threads. Limited to the available cores; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
 }
@@ -27,9 +27,7 @@ pub(super) fn cores_for(jobs: Option<u16>) -> usize {
     let there = available_cores();
     let asked = jobs.map_or(there, usize::from);
     if asked > there {
-        say(&format!(
-            "warning: --jobs {asked} is more than the {there} cores that there are; taking {there}"
-        ));
+        say(&format!("warning: --jobs {asked} exceeds the {there} available cores; using {there}"));
     }
     asked.min(there)
 }

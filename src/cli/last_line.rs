@@ -35,7 +35,7 @@ pub(super) fn of_runs<'a>(runs: impl Iterator<Item = (&'a str, &'a Summary)>) ->
     if against.is_empty() {
         return match all.len() {
             0 => "no run has a result\n".to_owned(),
-            n => format!("runs that are valid: {n} of {n}\n"),
+            n => format!("valid runs: {n} of {n}\n"),
         };
     }
     let more = against.len().saturating_sub(MOST);
@@ -54,7 +54,7 @@ pub(super) fn of_runs<'a>(runs: impl Iterator<Item = (&'a str, &'a Summary)>) ->
 /// The last line of a study: how many runs are left out of its means.
 pub(super) fn of_study(left_out: usize, with_result: usize) -> String {
     match left_out_in_words(left_out, with_result) {
-        None => format!("runs that are valid: {with_result} of {with_result}\n"),
+        None => format!("valid runs: {with_result} of {with_result}\n"),
         Some(said) => format!("{}: {said}\n", paint::bad("NOT VALID or short of grains")),
     }
 }
@@ -70,7 +70,7 @@ mod tests {
     fn only_what_is_not_valid_warns() {
         assert!(warns(&format!("{}: the standard is missed", paint::bad("NOT VALID"))));
         assert!(warns("LEFT OUT OF MEANS: 3 grains are missing"));
-        assert!(!warns("runs that are valid: 3 of 3") && !warns("results in NOT VALID"));
+        assert!(!warns("valid runs: 3 of 3") && !warns("results in NOT VALID"));
     }
 
     /// Law: the last line says of every command whether its runs are valid, and why not.
@@ -83,7 +83,7 @@ mod tests {
         let valid = canned::valid_runs();
         let all =
             |runs: &[RunRecord]| plain(of_runs(runs.iter().map(|r| (r.name.as_str(), &r.summary))));
-        assert_eq!(all(&valid), "runs that are valid: 18 of 18\n");
+        assert_eq!(all(&valid), "valid runs: 18 of 18\n");
         assert_eq!(all(&[]), "no run has a result\n");
         let said = all(&runs);
         let start =
@@ -101,7 +101,7 @@ mod tests {
             "{}",
             of(&jammed)
         );
-        assert_eq!(plain(of_study(0, 4)), "runs that are valid: 4 of 4\n");
+        assert_eq!(plain(of_study(0, 4)), "valid runs: 4 of 4\n");
         let said = plain(of_study(1, 4));
         assert!(said.ends_with("1 of 4 runs with a result is left out of means\n"), "{said}");
     }

@@ -16,7 +16,7 @@ Examples:
   pluvia man | man -l -
   pluvia man --out ~/.local/share/man/man1    # then: man pluvia-export")]
 pub(super) struct ManArgs {
-    /// Folder for the pages; it is made if needed
+    /// Folder for the pages, created if needed
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }

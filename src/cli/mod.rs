@@ -73,10 +73,10 @@ use {
 };
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 done, but verify, compare, calibrate or --strict found an expectation missed,
-no run of a sweep has a result, or store check found damage;
-2 wrong usage, a fault in the scenario, or a file that is not what is read there; 3 the simulation
-failed, its last good state is kept; 4 files could not be read or written; 130 stopped by Ctrl-C.
+Exit codes: 0 done; 1 done, but an expectation of verify, compare, calibrate or --strict is not met,
+no run of a sweep has a result, or store check found damage; 2 wrong usage, a fault in the scenario,
+or a file of the wrong kind; 3 the simulation failed, its last good state is kept; 4 files could not
+be read or written; 130 stopped by Ctrl-C.
 
 Example:
   pluvia run scenarios/quick/pluviation.json --out out/first";
@@ -94,13 +94,13 @@ struct Cli {
 /// Options of every subcommand.
 #[derive(Debug, Clone, Copy, Args)]
 struct Global {
-    /// Print nothing but errors and what --json asks for
+    /// Print only errors and what --json asks for
     #[arg(long, global = true)]
     quiet: bool,
     /// Print results as JSON
     #[arg(long, global = true)]
     json: bool,
-    /// Say more of what is done; twice for still more
+    /// Print more detail; twice for even more
     #[arg(short, long, action = clap::ArgAction::Count, global = true)]
     verbose: u8,
 }

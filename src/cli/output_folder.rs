@@ -29,6 +29,47 @@ pub(super) fn prepare(folder: &Path) -> Result<(), FileError> {
     Ok(())
 }
 
+/// Writes files of one command into its folder. Where a file of one of these names lies there with
+/// another content, none is written, unless `force` says that it is replaced.
+///
+/// # Errors
+/// [`FileError`], refused, naming the first such file; the system's where one cannot be written.
+pub(super) fn write_files(
+    folder: &Path,
+    files: &[(&'static str, Vec<u8>)],
+    force: bool,
+) -> Result<Vec<PathBuf>, FileError> {
+    let paths: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
+    let differs = |path: &Path, content: &[u8]| {
+        let same_length = path.metadata().is_ok_and(|m| m.len() == content.len() as u64);
+        path.exists() && !(same_length && read_file(path).is_ok_and(|there| there == content))
+    };
+    let mut all = paths.iter().zip(files);
+    if let Some((path, _)) = all.find(|(path, (_, content))| !force && differs(path, content)) {
+        return Err(refused(path, "another file of this name exists"));
+    }
+    for (path, (_, content)) in paths.iter().zip(files) {
+        write_file(path, content)?;
+    }
+    Ok(paths)
+}
+
+/// Refuses a folder in which one of the files is there already.
+///
+/// # Errors
+/// [`FileError`], refused, naming it.
+pub(super) fn refuse_any(folder: &Path, names: &[&str]) -> Result<(), FileError> {
+    match names.iter().map(|name| folder.join(name)).find(|path| path.exists()) {
+        Some(path) => Err(refused(&path, "it exists already")),
+        None => Ok(()),
+    }
+}
+
+fn refused(path: &Path, why: &str) -> FileError {
+    let reason = format!("{why}; name another folder, or give --force to replace it");
+    FileError { refused: true, ..FileError::new("write", path, reason) }
+}
+
 /// Whether each folder is still where its command began: files that were written after it got
 /// another name are in a folder made anew, without those before.
 ///
@@ -74,6 +115,27 @@ mod tests {
         let folder = base.path().join("a/b");
         prepare(&folder).expect("it can be made");
         assert_eq!(fs::read_dir(&folder).expect("it is there").count(), 0, "the probe is gone");
+    }
+
+    /// Law: the same files again change nothing, another content is written by force alone, and
+    /// where one of several is refused the others are as they were.
+    #[test]
+    fn files_with_another_content_are_kept() {
+        let base = tempfile::tempdir().expect("a temporary folder");
+        let folder = base.path();
+        let files = |a: &str, b: &str| [("a", a.into()), ("b", b.into())];
+        let there = |name| fs::read_to_string(folder.join(name)).expect("it is there");
+        write_files(folder, &files("1", "2"), false).expect("law: nothing is there");
+        write_files(folder, &files("1", "2"), false).expect("law: the same is there");
+        for (a, b) in [("3", "2"), ("1", "3"), ("1", "22")] {
+            let error =
+                write_files(folder, &files(a, b), false).expect_err("law: another is there");
+            assert!(error.refused && error.to_string().contains("--force"), "{error}");
+            assert_eq!((there("a"), there("b")), ("1".into(), "2".into()), "law: all are kept");
+        }
+        write_files(folder, &files("3", "4"), true).expect("law: by force");
+        assert_eq!((there("a"), there("b")), ("3".into(), "4".into()), "law: replaced");
+        assert!(refuse_any(folder, &["c", "b"]).is_err() && refuse_any(folder, &["c"]).is_ok());
     }
 
     /// Law: results in two folders are not said to be in one.

@@ -23,58 +23,58 @@ pub(super) struct PictureArgs {
     /// Folder of a run, as `pluvia run` and `pluvia reproduce` leave it, or a file `grains.json`
     #[arg(value_name = "RUN_DIR|GRAINS.json")]
     subject: PathBuf,
-    /// File for the picture; its folder is made if needed, and a file that is there is kept
+    /// File for the picture; its folder is created if needed, and an existing file is kept
     #[arg(long, value_name = "FILE.png", required_unless_present = "animate")]
     out: Option<PathBuf>,
     /// File for an animation instead
     #[arg(long, value_name = "FILE.png", conflicts_with_all = ["out", "time", "grains"])]
     animate: Option<PathBuf>,
-    /// Replace the file where it is there already
+    /// Replace the file if it exists already
     #[arg(long)]
     force: bool,
     /// The stage: its number from 0, its name, or `rest_test`. Its end is shown; animated, all of it
     #[arg(long)]
     stage: Option<String>,
-    /// The time to show, in s since the run began (of each stage that kept no frames only the end
+    /// The time to show, in s since the run began (of a stage that kept no frames, only the end
     /// can be shown)
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     time: Option<f64>,
     /// Show the run's grains alone, in rows by sieve fraction
     #[arg(long)]
     grains: bool,
-    /// What the grains' colours tell
+    /// What the colours show
     #[arg(long, value_enum, default_value_t = ColourBy::Fraction)]
     colour_by: ColourBy,
     /// How cylinder and funnel are shown
     #[arg(long, value_enum, default_value_t = Walls::Transparent)]
     cylinder: Walls,
-    /// Where the camera stands, counter-clockwise from the front: at 0 the table shakes from left
-    /// to right. [default: 25; 0 of grains alone]
+    /// Azimuth of the camera, counter-clockwise from the front; at 0 the table shakes from left to
+    /// right [default: 25; 0 for grains alone]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     azimuth: Option<f64>,
-    /// How high the camera stands above the horizon. [default: 18; 60 of grains alone]
+    /// Elevation of the camera above the horizon [default: 18; 60 for grains alone]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     elevation: Option<f64>,
-    /// Width in pixels. [default: 1600; animated 640]
+    /// Width in pixels [default: 1600; animated 640]
     #[arg(long, value_name = "PX")]
     width: Option<u32>,
-    /// Height in pixels. [default: three quarters of the width; five eighths of grains alone; animated as
-    /// the width]
+    /// Height in pixels [default: three quarters of the width; five eighths for grains alone;
+    /// animated as the width]
     #[arg(long, value_name = "PX")]
     height: Option<u32>,
-    /// What lies behind
+    /// Background
     #[arg(long, value_enum, default_value_t = Background::White)]
     background: Background,
     /// Leave out the key and the notes beside the picture
     #[arg(long)]
     no_key: bool,
-    /// Simulated time from frame to frame of an animation; frames are kept every 0.08 s
+    /// Simulated time between two frames of an animation; frames are kept every 0.08 s
     #[arg(long, value_name = "S", default_value_t = 0.08, requires = "animate")]
     every: f64,
-    /// Frames of an animation shown in a second
+    /// Frames per second of an animation
     #[arg(long, value_name = "N", default_value_t = 12, requires = "animate")]
     frames_per_second: u16,
-    /// Largest size of an animation; judged before it is made
+    /// Largest size of an animation; checked before it is made
     #[arg(long, value_name = "MB", default_value_t = 25.0, requires = "animate")]
     limit_mb: f64,
 }
@@ -163,7 +163,7 @@ pub(super) fn prepare(file: &Path, force: bool) -> Result<(), FileError> {
         return Err(FileError::new("write", file, "it is a folder"));
     }
     if file.exists() && !force {
-        let reason = "it is there already; name another, or give --force to replace it";
+        let reason = "it exists already; name another, or give --force to replace it";
         return Err(FileError { refused: true, ..FileError::new("write", file, reason) });
     }
     let folder = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -4,11 +4,11 @@ use super::picture::prepare;
 use super::*;
 use crate::report::{ChartColumn, ChartStyle, ColumnChart, ColumnRange, ColumnTable, svg_to_png};
 
-/// Draw any columns of a run's tables over each other
+/// Plot any columns of a run's tables against each other
 #[derive(Debug, Args)]
 #[command(after_help = "\
-A row is a point; where the table goes on in time, rows are joined by a line. Columns of different
-units stand in panels of their own. The names and ranges of all columns: --list.
+A row is a point; where rows follow each other in time, a line joins them. Columns of different
+units get separate panels. The names and ranges of all columns: --list.
 
 Examples:
   pluvia plot out/first --list
@@ -20,14 +20,14 @@ pub(super) struct PlotArgs {
     /// Folder of a run, or any other with tables of Pluvia (CSV)
     #[arg(value_name = "RUN_DIR")]
     run: PathBuf,
-    /// The table: series, rest_test, grains, void_profile, distributions, sieve or another CSV file of the
-    /// folder
+    /// The table: series, rest_test, grains, void_profile, distributions, sieve or another CSV file
+    /// of the folder
     #[arg(long, value_name = "TABLE", default_value = "series")]
     file: String,
     /// The column along the horizontal axis
     #[arg(long, value_name = "COLUMN", required_unless_present = "list")]
     x: Option<String>,
-    /// The columns over it, separated by commas
+    /// The columns along the vertical axis, separated by commas
     #[arg(
         long,
         value_name = "COLUMN,...",
@@ -35,11 +35,11 @@ pub(super) struct PlotArgs {
         required_unless_present = "list"
     )]
     y: Vec<String>,
-    /// Take the rows of one stage: its number from 0, its name (of all stages of that name), or
+    /// Use only rows of one stage: its number from 0, its name (of all stages of that name), or
     /// `rest_test`
     #[arg(long)]
     stage: Option<String>,
-    /// Take the rows where a column has a value; may be given several times
+    /// Use only rows in which the column has this value (repeatable)
     #[arg(long = "where", value_name = "COLUMN=VALUE")]
     conditions: Vec<String>,
     /// Logarithmic horizontal axis
@@ -48,16 +48,16 @@ pub(super) struct PlotArgs {
     /// Logarithmic vertical axis
     #[arg(long)]
     log_y: bool,
-    /// Draw rows as points that are not joined
+    /// Draw points without lines
     #[arg(long)]
     points: bool,
-    /// File for the figure; its folder is made if needed, and a file that is there is kept
+    /// File for the figure; its folder is created if needed, and an existing file is kept
     #[arg(long, value_name = "FILE.svg|FILE.png", required_unless_present = "list")]
     out: Option<PathBuf>,
-    /// Replace the file where it is there already
+    /// Replace the file if it exists already
     #[arg(long)]
     force: bool,
-    /// Print the columns of the table with their ranges, and draw nothing
+    /// Print the columns of the table with their ranges without drawing anything
     #[arg(long, conflicts_with_all = ["x", "y", "out"])]
     list: bool,
 }
@@ -224,7 +224,7 @@ fn chart(
             if numbers.iter().all(Option::is_none) {
                 let what = match rows.texts(found).first() {
                     Some(text) => format!("it holds text, such as `{text}`"),
-                    None => "it is empty in the rows that are taken".to_owned(),
+                    None => "it is empty in these rows".to_owned(),
                 };
                 faults.push(format!("{option} {name}: there is no number to draw: {what}"));
             }

@@ -8,8 +8,8 @@ use crate::study::{ReproduceOptions, reproduce};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Leaves report.html, scorecard.json, claims.json, figures/ and runs/ in DIR. Finished runs are
-reused: after Ctrl-C or a crash, rerun the same command to resume. What other engines and settings
-made of the same programme in DIR stands beside it in the report.
+reused: after Ctrl-C or a crash, rerun the same command to resume. The report also shows results of
+the same programme in DIR from other engines and settings.
 
 Examples:
   pluvia reproduce --quick --out out/quick
@@ -22,11 +22,12 @@ pub(super) struct ReproduceArgs {
     /// A few hundred grains instead of 1456, and shorter vibration
     #[arg(long)]
     quick: bool,
-    /// Number of initial configurations, each the same grains mixed anew [default: 3, with --quick 1]
+    /// Number of initial configurations, each a new random arrangement of the same grains
+    /// [default: 3, with --quick 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     configurations: Option<u32>,
-    /// How often the plate is laid on each specimen: more than 1 draws so many offsets and rotations, shakes
-    /// each, and tells the scatter of placements from that of specimens
+    /// How often the plate is laid on each specimen; with more than 1, that many random offsets
+    /// and rotations are shaken, which separates the scatter of placements from that of specimens
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     placements: u32,
     #[command(flatten)]
@@ -39,7 +40,7 @@ pub(super) struct ReproduceArgs {
     /// End with exit code 1 when a claim of the paper is missed
     #[arg(long)]
     strict: bool,
-    /// Folder for the results; it is made if needed
+    /// Folder for the results, created if needed
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     out: PathBuf,
 }

@@ -7,8 +7,8 @@ use crate::study::{run_scenario, tell_warnings};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Leaves manifest.json, summary.json, series.csv, grains.csv, grains.json, specimen.json and figures
-in DIR. Interrupted, the same command goes on where it stopped. A folder that holds the results of
-another scenario or command is refused, unless --force replaces them.
+in DIR. After an interruption, run the same command again to resume. A folder that holds the results
+of another scenario or command is refused, unless --force replaces them.
 
 Examples:
   pluvia run scenarios/quick/pluviation.json --out out/first
@@ -20,7 +20,7 @@ pub(super) struct RunArgs {
     scenario: PathBuf,
     #[command(flatten)]
     changes: Changes,
-    /// Folder for the results; it is made if needed
+    /// Folder for the results, created if needed
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Replace the results of another run in that folder

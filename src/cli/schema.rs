@@ -41,10 +41,12 @@ impl Of {
             Self::Scenario => (
                 "Every field of a scenario",
                 "Written by `pluvia schema --page`, from the same source by which scenarios are \
-                 checked.\n[The scenario file](scenario-files.md) shows one with \
-                 nearly every field in its place; \
-                 units are in the names. A file must\nhave `name`, `grains` and `stages`, itself or from the one that it extends; all else has a default. What is\nautomatic follows from the grains ([any grain size](scale.md)); in brackets stands its value for the paper's gravel. Any field can be \
-                 changed for one run by its path: `--set engine.rate_hz=960`.",
+                 checked.\n[The scenario file](scenario-files.md) shows one with nearly every \
+                 field in its place; units are in the names. A file must\nhave `name`, `grains` \
+                 and `stages`, its own or those of the file that it extends; all else has a \
+                 default. What is\nautomatic follows from the grains ([any grain size](scale.md)); \
+                 its value for the paper's gravel is in brackets. Any\nfield can be changed for \
+                 one run by its path: `--set engine.rate_hz=960`.",
             ),
             Self::Convergence => (
                 "Every field of a convergence design",

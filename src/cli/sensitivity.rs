@@ -3,7 +3,7 @@
 use super::*;
 use crate::study::SensitivityStudy;
 
-/// Vary each choice that the paper does not give by itself, and rank what it moves
+/// Vary each choice that the paper leaves open, one at a time, and rank the effects
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Varies one parameter at a time around the default, over the range that the design gives
@@ -18,7 +18,7 @@ Examples:
 pub(super) struct SensitivityArgs {
     #[command(flatten)]
     designed: DesignedArgs,
-    /// Folder for the results; it is made if needed
+    /// Folder for the results, created if needed
     #[arg(long, value_name = "DIR", default_value = "out/sensitivity")]
     out: PathBuf,
 }

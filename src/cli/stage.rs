@@ -6,9 +6,9 @@ use super::*;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 For engines that spread a sweep over many machines: `pluvia sweep --plan-only` makes the plan, this
-runs one of its stages in the folder that all machines share, `pluvia sweep --collect` puts
-the results together. Stages of a level need only such of the levels before. One that is stored is
-left alone; one whose beginning is not stored is refused with exit code 2.
+command runs one of its stages in the folder that all machines share, and `pluvia sweep --collect`
+collects the results. A stage needs only stages of earlier levels. A stored stage is skipped; a
+stage whose predecessor is not stored is refused with exit code 2.
 
 Examples:
   pluvia stage out/sweep --list
@@ -18,7 +18,7 @@ pub(super) struct StageArgs {
     /// Folder of the sweep, with its plan.json
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// The stage's name in the store, or its beginning
+    /// The stage's key in the store, or the first characters of it
     #[arg(long, value_name = "KEY", conflicts_with_all = ["level", "task", "list"])]
     key: Option<String>,
     /// Level of the stage, from 0
@@ -27,7 +27,7 @@ pub(super) struct StageArgs {
     /// Number of the stage within its level, from 0
     #[arg(long, value_name = "N", requires = "level")]
     task: Option<usize>,
-    /// Print how many stages each level has, and which are not stored
+    /// Print how many stages each level has, and how many are not stored
     #[arg(long, conflicts_with = "level")]
     list: bool,
 }

@@ -5,7 +5,7 @@ use clap::Subcommand;
 use super::*;
 use crate::record::{StoreReport, StoredItem, StoredState, check_store};
 
-/// Look after the stages that an output folder has in store
+/// Manage the stored stages of an output folder
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Example:
@@ -23,10 +23,10 @@ enum StoreAction {
 /// Check every stored stage and checkpoint
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Reads all of a store and changes nothing: whether every stage is complete, its files have the
-hashes that were noted, it is the stage that its folder names, it went on from the stage before as
-that is stored, and has as many bodies as grains; the same of checkpoints; and what is half written.
-A damaged stage is never used: the command that needs it says so and makes it anew.
+Reads a whole store and changes nothing. Checks of every stage that it is complete, that its files
+have the recorded hashes, that it is the stage that its folder names, that it continues the stored
+stage before it, and that it has as many bodies as grains; the same of checkpoints. Lists what is
+half written. A damaged stage is never used: the command that needs it reports it and runs it again.
 
 Exit codes: 0 nothing is damaged; 1 something is; 2 there is no store; 4 it could not be read.
 

@@ -12,9 +12,9 @@ use crate::study::{
 #[command(after_help = "\
 --over gives a field its values; several make a grid of all combinations, or with --one-at-a-time
 each field is varied by itself around the scenario. --samples latin-hypercube:N draws N points from
-the ranges of --range. Leaves plan.json, sweep.csv (one row a run), sweep.json, sweep.md,
+the ranges of --range. Leaves plan.json, sweep.csv (one row per run), sweep.json, sweep.md,
 report.html, figures/ and runs/ in DIR. Finished stages there are reused; the same
-command with more --configurations adds to it. A run that fails is a row that says why.
+command with more --configurations adds to it. A run that fails is a row with the reason.
 --design varies the parameters of a sensitivity design, one at a time, and leaves sensitivity.md,
 sensitivity.csv and sensitivity.json as well, as every sweep does that varies one thing at a time.
 --slurm submits what is not stored yet to a cluster, --snakemake writes a Snakefile; --status and
@@ -44,7 +44,7 @@ pub(super) struct SweepArgs {
     /// Vary each field by itself around the scenario, in place of all combinations
     #[arg(long, conflicts_with = "samples")]
     one_at_a_time: bool,
-    /// Draw so many points from the ranges, each as evenly filled as can be
+    /// Draw N points that cover each range evenly
     #[arg(long, value_name = "latin-hypercube:N", value_parser = samples, requires = "range")]
     samples: Option<usize>,
     /// A number of the scenario and the range from which it is drawn (repeatable)
@@ -57,20 +57,20 @@ pub(super) struct SweepArgs {
     /// The smaller specimen of the design
     #[arg(long, requires = "design")]
     quick: bool,
-    /// Configurations a point, each the same grains mixed anew; the same at every point
-    /// [default: 1, or the design's]
+    /// Configurations per point, each a new random arrangement of the same grains; the same at
+    /// every point [default: 1, or the design's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     configurations: Option<u32>,
     /// Only write plan.json, which lists every run
     #[arg(long)]
     plan_only: bool,
-    /// Only write plan.json and a Snakefile that carries it out
+    /// Only write plan.json and a Snakefile that runs it
     #[arg(long, conflicts_with_all = ["status", "collect"])]
     snakemake: bool,
-    /// Print how far the sweep in DIR is
+    /// Print the progress of the sweep in DIR
     #[arg(long, conflicts_with_all = ["scenario", "over", "design", "plan_only", "collect"])]
     status: bool,
-    /// Put what is stored of the sweep in DIR together, and run nothing
+    /// Collect the stored results of the sweep in DIR without running anything
     #[arg(long, conflicts_with_all = ["scenario", "over", "design", "plan_only"])]
     collect: bool,
     #[command(flatten)]
@@ -79,7 +79,7 @@ pub(super) struct SweepArgs {
     changes: Changes,
     #[command(flatten)]
     jobs: Jobs,
-    /// Folder for the results; it is made if needed
+    /// Folder for the results, created if needed
     #[arg(long, value_name = "DIR", default_value = "out/sweep")]
     out: PathBuf,
 }
@@ -99,7 +99,7 @@ struct SlurmArgs {
     /// Memory of a stage, as sbatch takes it
     #[arg(long, value_name = "SIZE", requires = "slurm")]
     mem: Option<String>,
-    /// Account that pays for the jobs
+    /// Account to charge for the jobs
     #[arg(long, value_name = "NAME", requires = "slurm")]
     account: Option<String>,
 }

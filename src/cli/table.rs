@@ -193,11 +193,11 @@ pub(super) fn of_summary(summary: &Summary) -> String {
         "{mean_percent:.2} % mean, {p99_percent:.2} % 99th percentile, {max_percent:.2} % largest"
     );
     rows.add("overlap", overlap);
-    rows.add("coordination", coordination(summary));
+    rows.add("coordination number", coordination(summary));
     // Nothing added to what rounds to −0 makes it 0.
     let creep =
         summary.creep_um_per_s.map(|v| format!("{:.1} µm/s", (10.0 * v).round() / 10.0 + 0.0));
-    rows.add_some("creep at rest", creep);
+    rows.add_some("numerical creep at rest", creep);
     let standard = if summary.meets_standard {
         paint::good("met")
     } else {

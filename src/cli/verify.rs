@@ -3,12 +3,12 @@
 use super::*;
 use crate::verify::{SuiteOptions, builtin, run_suite, settings};
 
-/// Hold the engines against analytical solutions
+/// Compare the engines with analytical solutions
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Leaves verify.json, verify.csv, report.html with a figure a case, and figures/ in DIR. What an
-engine is known to miss is shown as a known failure with its reason, and is no surprise; exit code
-1 means that a case came out otherwise than expected.
+Leaves verify.json, verify.csv, report.html with a figure per case, and figures/ in DIR. What an
+engine is known to miss is shown as a known failure with its reason; exit code 1 means that a case
+has an unexpected outcome.
 
 Examples:
   pluvia verify --out out/verify
@@ -26,7 +26,7 @@ pub(super) struct VerifyArgs {
     /// Experiments at the same time [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Folder for the results; it is made if needed
+    /// Folder for the results, created if needed
     #[arg(long, value_name = "DIR", default_value = "out/verify")]
     out: PathBuf,
 }

@@ -22,11 +22,11 @@ pub(super) struct ViewArgs {
     /// Port on 127.0.0.1; 0 takes a free one
     #[arg(long, default_value_t = 0)]
     port: u16,
-    /// Print the address, and leave opening it to you
+    /// Print the address without opening a browser
     #[arg(long)]
     no_browser: bool,
-    /// Write the page with the run inside as one file, to hand to others, and serve nothing; a
-    /// file that is there is kept
+    /// Write the page with the run inside as one file, to hand to others, and serve nothing; an
+    /// existing file is kept
     #[arg(long, value_name = "FILE.html", conflicts_with_all = ["port", "no_browser"])]
     save: Option<PathBuf>,
 }
@@ -71,10 +71,10 @@ impl Shown {
         let scenario = plain(scenario);
         let mut text = format!("{scenario}: {grains} grains, {stages} stages, {frames} frames\n");
         if !self.frames_kept {
-            text += "Not every stage kept frames: of such a stage only the end is shown.\n";
+            text += "Some stages kept no frames: only their end is shown.\n";
         }
         match (&self.address, &self.file) {
-            (Some(address), _) => text += &format!("{address}  (Ctrl-C ends it)\n"),
+            (Some(address), _) => text += &format!("{address}  (stop with Ctrl-C)\n"),
             (None, Some(file)) => text += &format!("wrote {}\n", plain_path(file)),
             (None, None) => {}
         }
@@ -84,7 +84,7 @@ impl Shown {
 
 pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliError> {
     if let Some(file) = args.save.as_ref().filter(|file| file.exists()) {
-        let reason = "it is there already; name another, or remove it";
+        let reason = "it exists already; name another, or remove it";
         return Err(FileError::new("write", file, reason).into());
     }
     let data = read_run_data(&args.run)?;

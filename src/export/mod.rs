@@ -27,7 +27,7 @@ pub use playback::{Playback, PlayedStage, read_playback, read_playback_ends, rea
 pub use run_folder::{ExportError, Exported, read_at_rest, read_run, stage_at_rest};
 pub use solids::{apparatus_obj, grains_obj, grains_ply, grains_stl};
 pub use tables::{contacts_csv, grains_csv, pairs_csv};
-pub use vtk::{VtkFiles, write_vtk};
+pub use vtk::{VTK_LISTS, VtkFiles, write_vtk};
 
 // What its parts are made of, too.
 use std::path::Path;

@@ -62,7 +62,7 @@ pub enum PictureError {
         stages: String,
     },
     /// Nothing was kept of that time.
-    #[error("nothing was kept of {asked_s} s; {allowed}")]
+    #[error("no frame is stored at {asked_s} s; {allowed}")]
     NoTime {
         /// What was asked for, in s since the run began.
         asked_s: f64,
@@ -79,7 +79,7 @@ pub enum PictureError {
         what: &'static str,
     },
     /// Colours that tell of contacts, of grains that lie apart.
-    #[error("grains alone touch none: their colours can be fraction or plain")]
+    #[error("grains alone have no contacts: colour them by fraction or plain")]
     NeedsRun,
     /// An animation of one frame.
     #[error("nothing moves: an animation needs two frames at least (frames.bin of the stage)")]

@@ -9,9 +9,9 @@ pub enum ColourBy {
     /// Sieve fraction.
     #[default]
     Fraction,
-    /// Way since the stage began, as seen from the table.
+    /// Displacement since the stage began, relative to the table.
     Displacement,
-    /// Speed as seen from the table.
+    /// Speed relative to the table.
     Speed,
     /// Number of grains that each touches.
     Coordination,

@@ -254,7 +254,7 @@ impl Laboratory<'_> {
                 return Err(self.refused("its pieces do not stand"));
             }
             if stands_in(&solid, &at, n).is_some() {
-                return Err(self.refused("what moves freely may not stand in another piece"));
+                return Err(self.refused("a free piece must not overlap another piece"));
             }
             let mass = mass_g.map_or_else(|| solid[n].volume() * LID_DENSITY, from_g);
             states[n].hold();

@@ -314,11 +314,12 @@ impl StageStore {
         });
         let kept = match finished {
             Ok(0) => "no stage had been finished".to_owned(),
-            Ok(1) => {
-                format!("the finished stage in {root} is kept; the same command goes on from it")
-            }
+            Ok(1) => format!(
+                "the finished stage in {root} is kept; run the same command again to resume from it"
+            ),
             Ok(n) => format!(
-                "the {n} finished stages in {root} are kept; the same command goes on from them"
+                "the {n} finished stages in {root} are kept; run the same command again to resume \
+                 from them"
             ),
             Err(_) => format!("the finished stages in {root} are gone too"),
         };

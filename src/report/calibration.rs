@@ -240,12 +240,13 @@ pub fn write_calibration(out: &Path, of: &Calibration) -> Result<(), ReportError
     page(of, figures::of_calibration(of)?).write(out, &["calibrate.md", "report.html"])
 }
 
-const HOW_TO_READ: &str = "Every value is run in the same configurations, each the same grains mixed anew. A \
-     line is fitted to each configuration's results near the solution; the configurations' lines \
-     are a sample, and the interval holds all values at which Student's t-test does not refuse \
-     that their mean is the wanted result (Fieller 1954). Runs that are not valid, or of which too many \
-     grains are missing, are left out as runs that failed are (docs/accuracy.md). It says what chance in mixing does, not \
-     what a time step, an engine or a model does.";
+const HOW_TO_READ: &str = "Every value is run in the same configurations, each a new random \
+     arrangement of the same grains. A line is fitted to each configuration's results near the \
+     solution; the configurations' lines are a sample, and the interval holds all values at which \
+     Student's t-test does not reject that their mean is the wanted result (Fieller 1954). Runs \
+     that are not valid, or of which too many grains are missing, are left out as runs that failed \
+     are (docs/accuracy.md). The interval covers random arrangement only, not the effects of a \
+     time step, an engine or a model.";
 
 /// The page.
 fn page(of: &Calibration, figure: Figure) -> Page {
@@ -256,7 +257,7 @@ fn page(of: &Calibration, figure: Figure) -> Page {
     let notes = of.notes.iter().map(|note| format!("{}.", capital(note))).collect();
     Page::new(title, [Block::lead(lead, of.ending == CalibrationEnding::Found)])
         .section("found", "What was found", [Block::Table(Table::of_pairs(found))])
-        .section("notes", "To be known", [Block::List(notes)])
+        .section("notes", "Notes", [Block::List(notes)])
         .figures("figure", "Figure", [figure])
         .section("values", "Values tried", [Block::Table(values(of))])
         .section("reading", "How to read it", [Block::Text(HOW_TO_READ.to_owned())])
@@ -275,7 +276,7 @@ pub fn found(of: &Calibration) -> Vec<(String, String)> {
     let mut row = |name: &str, value: String| rows.push((name.to_owned(), value));
     if let Some(s) = of.solution {
         row(&format!("{} needed", of.unknown_in_words()), compact(s.value));
-        let none = || "none: the slope cannot be told from zero".to_owned();
+        let none = || "none: the slope does not differ significantly from zero".to_owned();
         let interval = s.interval_95.map(|i| format!("{} to {}", compact(i.low), compact(i.high)));
         row("its 95 % confidence interval", interval.unwrap_or_else(none));
         let known_to = |mean, off| with_unit(&plus_minus(mean, Some(off), compact), &of.unit);

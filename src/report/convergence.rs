@@ -338,18 +338,19 @@ fn against_the_study(of: &Convergence) -> Table {
 fn how_to_read(of: &Convergence) -> String {
     format!(
         "A packing is chaotic: one bit changed gives another packing. Deviations are means over \
-         configurations, paired, with their standard error. \"~\" marks a deviation that lies inside the \
-         scatter: its 95 % confidence interval (Student's t) holds zero. **Bold** is beyond the limit of \
-         {} % (height) or {} % (settlements); \"?\" says that scatter leaves open whether it is. What has \
-         no ± stands on one run, which tells nothing of scatter. \"reference\" is the finest rung, from \
-         which nothing can deviate: what its own ladder does not refine may still be wrong. Left out are \
-         runs with a result that are not valid, or short of grains (docs/accuracy.md): heights, \
-         settlements and deviations are without them; overlap, creep, grains outside and times are of \
-         all runs, or a setting would pass by what it spoils. A setting with a run in which a run-time \
-         check found something misses the standard, as one with a run that failed. Grains outside are \
-         those that do not lie in the cylinder at the end, in the mean over runs: a jam in the funnel \
-         lowers the specimen by what is stuck there. Creep is without its sign. \"standard\" takes \
-         everything together, with the deviations from both references.",
+         configurations, paired, with their standard error. \"~\" marks a deviation that lies \
+         inside the scatter: its 95 % confidence interval (Student's t) contains zero. **Bold** is \
+         beyond the limit of {} % (height) or {} % (settlements); \"?\" says that scatter leaves \
+         open whether it is. Values without ± are of one run, which gives no scatter. \
+         \"reference\" is the finest rung, from which nothing can deviate: what its own ladder \
+         does not refine may still be wrong. Left out are runs with a result that are not valid, \
+         or short of grains (docs/accuracy.md): heights, settlements and deviations are without \
+         them; overlap, creep, grains outside and times are of all runs; otherwise a setting could \
+         pass because its bad runs are left out. A setting with a run in which a run-time check \
+         found something misses the standard, as one with a run that failed. Grains outside are \
+         those that do not lie in the cylinder at the end, in the mean over runs: a jam in the \
+         funnel lowers the specimen by what is stuck there. Creep is without its sign. \
+         \"standard\" takes everything together, with the deviations from both references.",
         compact(of.height_limit_percent),
         compact(of.settlement_limit_percent)
     )

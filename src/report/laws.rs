@@ -94,8 +94,8 @@ fn page(cases: &[LawCase], figures: Vec<Figure>) -> Page {
         rows().count(),
         rows().filter(|r| !r.met && r.as_expected).count(),
         match unexpected.len() {
-            0 => "none is a surprise".to_owned(),
-            n => format!("{n} cases came out otherwise than expected"),
+            0 => "no outcome is unexpected".to_owned(),
+            n => format!("{n} cases have an unexpected outcome"),
         }
     );
     let unexpected = match unexpected.as_slice() {

@@ -65,10 +65,11 @@ pub(super) fn scorecard(card: &Scorecard) -> Vec<Block> {
     });
     let reading = html! {
         p.soft {
-            "Means over the configurations, each the same grains mixed anew, with the 95 % confidence "
-            "interval of the mean in brackets. “Within”: the mean lies where the paper's number is read to "
-            "lie; of a count: all show it; of the angle: the interval holds the paper's. “Not decided”: the "
-            "interval reaches across an end of the paper's range. Every statement by itself: "
+            "Means over the configurations, each a new random arrangement of the same grains, with "
+            "the 95 % confidence interval of the mean in brackets. “Within”: the mean lies within "
+            "the range taken for the paper's number; of a count: all show it; of the angle: the "
+            "interval contains the paper's. “Not decided”: the interval reaches across an end of "
+            "the paper's range. Every statement by itself: "
             a href="#claims" { "table" } "."
         }
     };
@@ -87,11 +88,11 @@ pub(super) fn claims(claims: &[Claim], beside: &[Column]) -> Vec<Block> {
         }
     };
     let mut reading =
-        "Counted are the results alone. “Within”: our number lies where the paper's is read to lie. \
-         “Outside”: it does not. “Not run”: it was not measured. “Not comparable”: it was, but on a \
-         smaller specimen, or in runs that do not count; what such runs show stands in brackets. “Not \
-         stated”: the text gives no number; ours is for information. Ours is of the runs that count \
-         (docs/accuracy.md)."
+        "Only results are counted. “Within”: our number lies within the range taken for the \
+         paper's. “Outside”: it does not. “Not run”: it was not measured. “Not comparable”: it \
+         was, but on a smaller specimen, or in runs that do not count; what such runs show stands \
+         in brackets. “Not stated”: the text gives no number; ours is for information. Ours is of \
+         the runs that count (docs/accuracy.md)."
             .to_owned();
     if !beside.is_empty() {
         reading += " The last columns are the same programme by other engines or settings.";

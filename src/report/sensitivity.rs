@@ -169,11 +169,12 @@ fn page(of: &Sensitivity, figure: Figure) -> Page {
     let intro = format!(
         "{}, {} configuration{}. Each parameter is varied by itself, all others at their defaults. \
          Differences in mm ± standard error, paired by configuration: runs of a pair have the same \
-         grains in the same order. A packing is chaotic, so that pairs scatter; \"~\" marks an effect \
-         that lies inside that scatter: the 95 % confidence interval (Student's t) of its largest \
-         difference holds zero. Grains outside are those that do not lie in the cylinder at the end: a \
-         jam in the funnel lowers the specimen by what is stuck there. Runs that are not valid, or short \
-         of grains, are left out of every difference with their pair (docs/accuracy.md), and counted.",
+         grains in the same order. A packing is chaotic, so that pairs scatter; \"~\" marks an \
+         effect that lies inside that scatter: the 95 % confidence interval (Student's t) of its \
+         largest difference contains zero. Grains outside are those that do not lie in the \
+         cylinder at the end: a jam in the funnel lowers the specimen by what is stuck there. Runs \
+         that are not valid, or short of grains, are left out of every difference with their pair \
+         (docs/accuracy.md), and counted.",
         specimen(&of.scenario, of.grains, of.quick),
         of.configurations,
         if of.configurations == 1 { "" } else { "s" },

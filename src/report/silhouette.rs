@@ -3,11 +3,12 @@
 
 use crate::{
     geometry::{ConvexPolyhedron, Pose, Vector},
+    measure::height_cell,
     specimen::Specimen,
 };
 
-/// Side in m of the cells in which it is noted what is hidden.
-const CELL: f64 = 0.5e-3;
+/// Side of the cells in which it is noted what is hidden, in cells of a height map.
+const CELL: f64 = 0.5;
 
 /// A face turned towards the viewer.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +32,7 @@ pub fn facets(specimen: &Specimen) -> Vec<Facet> {
     let mut bodies: Vec<(&ConvexPolyhedron, Pose, bool)> = free.chain(fixed).collect();
     // The viewer stands at y = −∞: the nearest first.
     bodies.sort_by(|a, b| a.1.translation.y.total_cmp(&b.1.translation.y));
-    let mut covered = Cover::over(&bodies);
+    let mut covered = Cover::over(&bodies, CELL * height_cell(&specimen.grains));
     let mut seen: Vec<Vec<Facet>> = Vec::new();
     for (shape, pose, fixed) in bodies {
         let faces = towards_viewer(shape, &pose, fixed);
@@ -60,13 +61,15 @@ fn towards_viewer(shape: &ConvexPolyhedron, pose: &Pose, fixed: bool) -> Vec<Fac
 
 /// Cells of the picture that something nearer covers.
 struct Cover {
+    /// Side of a cell in m.
+    cell: f64,
     low: (f64, f64),
     width: usize,
     cells: Vec<bool>,
 }
 
 impl Cover {
-    fn over(bodies: &[(&ConvexPolyhedron, Pose, bool)]) -> Self {
+    fn over(bodies: &[(&ConvexPolyhedron, Pose, bool)], cell: f64) -> Self {
         let ends = bodies.iter().map(|(shape, pose, _)| {
             let (r, t) = (shape.radius_about_origin(), pose.translation.vector);
             [t.x - r, t.z - r, t.x + r, t.z + r]
@@ -74,9 +77,9 @@ impl Cover {
         let start = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         let [x0, z0, x1, z1] = ends
             .fold(start, |a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]);
-        let cells = |length: f64| (length.max(0.0) / CELL) as usize + 1;
+        let cells = |length: f64| (length.max(0.0) / cell) as usize + 1;
         let (width, height) = (cells(x1 - x0), cells(z1 - z0));
-        Self { low: (x0, z0), width, cells: vec![false; width * height] }
+        Self { cell, low: (x0, z0), width, cells: vec![false; width * height] }
     }
 
     /// Covers what the faces cover; says whether any of it was seen before.
@@ -86,13 +89,14 @@ impl Cover {
             let zs = facet.corners.iter().map(|c| c.1);
             let low = zs.clone().fold(f64::INFINITY, f64::min);
             let high = zs.fold(f64::NEG_INFINITY, f64::max);
-            let rows = ((low - self.low.1) / CELL) as usize..=((high - self.low.1) / CELL) as usize;
+            let rows = ((low - self.low.1) / self.cell) as usize
+                ..=((high - self.low.1) / self.cell) as usize;
             for row in rows {
-                let z = self.low.1 + (row as f64 + 0.5) * CELL;
+                let z = self.low.1 + (row as f64 + 0.5) * self.cell;
                 let Some((from, to)) = span(&facet.corners, z) else { continue };
                 // Cells whose centres lie in the face.
-                let first = ((from - self.low.0) / CELL - 0.5).ceil().max(0.0) as usize;
-                let end = ((to - self.low.0) / CELL + 0.5).floor().max(0.0) as usize;
+                let first = ((from - self.low.0) / self.cell - 0.5).ceil().max(0.0) as usize;
+                let end = ((to - self.low.0) / self.cell + 0.5).floor().max(0.0) as usize;
                 for column in first..end.min(self.width) {
                     if let Some(cell) = self.cells.get_mut(row * self.width + column) {
                         seen |= !*cell;

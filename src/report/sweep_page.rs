@@ -8,14 +8,17 @@ use super::{
 };
 use crate::{paper::text::compact, plain::plain, record::left_out_in_words};
 
-const HOW_TO_READ: &str = "Every point is run in the same configurations, each the same grains mixed anew. \
-     Intervals hold 95 % of what the mean over configurations may be, by Student's t; sweep.json has those of the bootstrap \
-     as well. A change for one unit is the slope of a line through each configuration's own results, its mean and interval \
-     over configurations; where values were drawn from ranges, it is the coefficient in a linear model of all of them. \
-     The test by ranks (Page 1963) asks whether results rise or fall from value to value without asking for a line. \
-     A run is valid if it meets the accuracy standard and no run-time check found anything. Means and effects leave out runs that \
-     are not valid, and runs of which too many grains are missing (docs/accuracy.md); each point says how many. \
-     Configurations needed: so many would show a slope of this size among this scatter with a probability of 80 %.";
+const HOW_TO_READ: &str = "Every point is run in the same configurations, each a new random \
+     arrangement of the same grains. Intervals are 95 % confidence intervals of the mean over \
+     configurations, by Student's t; sweep.json has those of the bootstrap as well. A change for \
+     one unit is the slope of a line through each configuration's own results, its mean and \
+     interval over configurations; where values were drawn from ranges, it is the coefficient in a \
+     linear model of all of them. The test by ranks (Page 1963) asks whether results rise or fall \
+     from value to value without assuming a line. A run is valid if it meets the accuracy standard \
+     and no run-time check found anything. Means and effects leave out runs that are not valid, \
+     and runs of which too many grains are missing (docs/accuracy.md); each point says how many. \
+     Configurations needed: the number that would show a slope of this size among this scatter with \
+     a probability of 80 %.";
 
 /// The page.
 pub(super) fn page(of: &Sweep, figures: Vec<Figure>) -> Page {

@@ -9,8 +9,8 @@ use serde_json::Number;
 
 use super::accessors::field;
 use super::stages::{
-    drop_height, feed_rate, fill_limit, place_limit, pour_limit, settle_limit, slow_limit,
-    spout_diameter,
+    approach, deposit_limit, drop_height, feed_rate, fill_limit, place_limit, pour_limit,
+    press_ramp, settle_limit, slow_limit, spout_diameter,
 };
 use super::validate::least_rate_hz;
 use super::*;
@@ -181,14 +181,26 @@ pub(super) fn automatic_paths() -> impl Iterator<Item = &'static str> {
     fields().map(|(path, ..)| path).chain(OF_APPARATUS)
 }
 
-/// Those of stages.
-pub(super) const AUTOMATIC_OF_STAGES: [&str; 5] = [
-    "time_limit_s",
-    "settle_limit_s",
-    "feed_rate_grains_per_s",
-    "drop_height_mm",
-    "spout_diameter_mm",
-];
+/// What is automatic of stages where it is left out: stage, field, law and default.
+pub(super) fn fields_of_stages() -> [(&'static str, &'static str, Law, f64); 14] {
+    use Law::{Coarse, Rate, Speed, Time};
+    [
+        ("fill_funnel", "time_limit_s", Time, fill_limit()),
+        ("pour", "time_limit_s", Time, pour_limit()),
+        ("place_top_plate", "time_limit_s", Time, place_limit()),
+        ("slow_pluviation", "time_limit_s", Time, slow_limit()),
+        ("slow_pluviation", "feed_rate_grains_per_s", Rate, feed_rate()),
+        ("slow_pluviation", "drop_height_mm", Coarse, drop_height()),
+        ("slow_pluviation", "spout_diameter_mm", Coarse, spout_diameter()),
+        ("vibrate", "settle_limit_s", Time, settle_limit()),
+        ("deposit", "time_limit_s", Time, deposit_limit()),
+        ("press", "time_limit_s", Time, deposit_limit()),
+        ("press", "ramp_s", Time, press_ramp()),
+        ("press", "approach_mm_per_s", Speed, approach()),
+        ("release", "time_limit_s", Time, deposit_limit()),
+        ("remove", "time_limit_s", Time, deposit_limit()),
+    ]
+}
 
 /// Cylinder, funnel and plate are those of the paper times the size of the largest grains; funnel
 /// and plate are narrower where they would not fit into a cylinder that is typed.
@@ -225,25 +237,14 @@ fn fill_apparatus(value: &mut Value, scale: &Scale) {
 fn fill_stages(value: &mut Value, scale: &Scale) {
     let stages = value.get_mut("stages").and_then(Value::as_array_mut);
     for stage in stages.into_iter().flatten() {
-        let (field, limit) = match stage["stage"].as_str() {
-            Some("fill_funnel") => ("time_limit_s", fill_limit()),
-            Some("pour") => ("time_limit_s", pour_limit()),
-            Some("place_top_plate") => ("time_limit_s", place_limit()),
-            Some("slow_pluviation") => ("time_limit_s", slow_limit()),
-            Some("vibrate") => ("settle_limit_s", settle_limit()),
-            _ => continue,
-        };
-        // Small grains fall sooner; but it is a limit, and there may be many.
-        put(stage, field, limit, Law::Time.factor(scale).max(1.0));
-        if stage["stage"] != "slow_pluviation" {
-            continue;
-        }
-        for (name, law, default) in [
-            ("feed_rate_grains_per_s", Law::Rate, feed_rate()),
-            ("drop_height_mm", Law::Coarse, drop_height()),
-            ("spout_diameter_mm", Law::Coarse, spout_diameter()),
-        ] {
-            put(stage, name, default, law.factor(scale));
+        for (name, field, law, default) in fields_of_stages() {
+            if stage["stage"] != name {
+                continue;
+            }
+            let factor = law.factor(scale);
+            // Small grains fall sooner; but a limit is one, and there may be many.
+            let is_limit = field.ends_with("_limit_s");
+            put(stage, field, default, if is_limit { factor.max(1.0) } else { factor });
         }
     }
 }
@@ -361,8 +362,18 @@ mod tests {
         got.sort_unstable();
         expected.sort_unstable();
         assert_eq!(got, expected, "law: fields that are filled in");
-        for field in AUTOMATIC_OF_STAGES.iter().filter(|field| **field != "settle_limit_s") {
-            assert!(value["stages"][0][field].is_number(), "law: {field} is filled in");
+        for (stage, field, law, default) in fields_of_stages() {
+            let mut value = json!({ "stages": [{ "stage": stage }] });
+            fill(&mut value, &larger());
+            let got = value["stages"][0][field].as_f64().unwrap_or(f64::NAN);
+            let expected = default * law.factor(&larger().scale(super::super::default_gravity()));
+            let differs = (got / expected - 1.0).abs();
+            assert!(differs < 1e-12, "law: {field} of {stage}: expected {expected}, got {got}");
+            let variants = schema["$defs"]["StageSpec"]["oneOf"].as_array().expect("stages");
+            let of_stage = |v: &&Value| v["properties"]["stage"]["const"] == stage;
+            let known = variants.iter().find(of_stage).expect("law: it is a stage");
+            let known = &known["properties"][field]["x-automatic"];
+            assert!(*known == true, "law: the schema says so of {field} of {stage}");
         }
     }
 

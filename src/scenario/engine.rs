@@ -100,11 +100,9 @@ impl<'de> Deserialize<'de> for EngineSettings {
     }
 }
 
-/// Rapier's settings are left out where Bullet carries the grains, those of
-/// the native contact solver where contacts are Bullet's, those of Bullet's
-/// own contacts and the leave for coarse steps everywhere, if they are the
-/// defaults: stored stages are found again by what is written here,
-/// and what Bullet computes does not depend on them.
+/// What is written of settings is what the engine reads: rapier's are left out where Bullet
+/// carries the grains, those of the native contact solver where contacts are Bullet's, those of
+/// Bullet's own contacts and the leave for coarse steps everywhere, if they are the defaults.
 impl Serialize for EngineSettings {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let written = Self::serialize(self, serde_json::value::Serializer);

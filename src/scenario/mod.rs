@@ -119,7 +119,7 @@ pub struct Scenario {
     /// Funnel, cylinder, top plate.
     #[serde(default)]
     pub apparatus: ApparatusSpec,
-    /// Pieces of an apparatus of its own, in place of funnel, cylinder and top plate.
+    /// Pieces of a user-defined apparatus, in place of funnel, cylinder and top plate.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 100))]
     pub pieces: Vec<PieceSpec>,
@@ -142,10 +142,10 @@ pub struct Scenario {
     #[serde(default = "default_gravity")]
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 100.0))]
     pub gravity_m_per_s2: f64,
-    /// Seed of every random stream (grain shapes, mixing).
+    /// Seed of every random stream (grain shapes, arrangement).
     #[serde(default = "default_seed")]
     pub seed: u64,
-    /// Which mixing of the same grains is used, counted from 1: another
+    /// Which random arrangement of the grains is used, counted from 1: another
     /// number gives another order and other orientations (paper, section 3:
     /// "three different initial configurations ... obtained by additional mixing").
     #[serde(default = "default_configuration")]

@@ -73,7 +73,7 @@ settings! {
         /// Length of one engine unit in mm. The collision library's tolerances are
         /// in engine units: it keeps contact points until they shift by more than
         /// a thousandth of a unit. Longer: stale contacts; shorter: contacts are
-        /// found anew for nothing. Units of 1, 10 and 100 mm differ little.
+        /// needlessly recomputed. Units of 1, 10 and 100 mm differ little.
         #[schemars(range(min = 0.01, max = 100_000.0))]
         pub engine_unit_mm: f64 = 10.0,
         /// Gap in mm up to which contacts are prepared in advance. Smaller: grains

@@ -83,7 +83,8 @@ pub(super) fn typed() -> Value {
         }
     }
     for stage in schema["$defs"]["StageSpec"]["oneOf"].as_array_mut().into_iter().flatten() {
-        AUTOMATIC_OF_STAGES.iter().for_each(|field| mark(stage, field));
+        let name = stage["properties"]["stage"]["const"].clone();
+        fields_of_stages().iter().filter(|f| name == f.0).for_each(|f| mark(stage, f.1));
     }
     schema
 }

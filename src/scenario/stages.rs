@@ -406,7 +406,7 @@ defaults! {
     pub(super) place_limit: f64 = 1.5;
     pub(super) settle_limit: f64 = 2.0;
     pub(super) half_turn: f64 = 180.0;
-    press_ramp: f64 = 0.2;
+    pub(super) press_ramp: f64 = 0.2;
     pub(super) approach: f64 = 50.0;
     half_stroke: StrokeKind = StrokeKind::HalfStroke;
     one: u32 = 1;

@@ -129,7 +129,7 @@ fields! {
         high "grains jitter in the funnel unless engine.rapier.substeps is raised, which costs \
               time";
     "engine.rapier.engine_unit_mm" => Rapier:
-        low "contact points are found anew for nothing";
+        low "contact points are needlessly recomputed";
         high "contact points are kept that are no longer there";
     "engine.rapier.prediction_mm" => Rapier:
         low "grains sink in before they are met";

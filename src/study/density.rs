@@ -53,13 +53,13 @@ pub struct DensityOptions {
     pub scenario: PathBuf,
     /// Changes in it.
     pub changes: Vec<Override>,
-    /// Configurations, each the same grains mixed anew.
+    /// Configurations, each a new random arrangement of the same grains.
     pub configurations: u32,
     /// Surcharge on the vibrated specimen in kPa.
     pub surcharge_kpa: f64,
     /// Frequency of the vibration in Hz.
     pub frequency_hz: f64,
-    /// From end to end of the vibration in mm.
+    /// Double amplitude (end to end) of the vibration in mm.
     pub double_amplitude_mm: f64,
     /// How long it is vibrated, in s.
     pub duration_s: f64,

@@ -92,7 +92,7 @@ pub fn execute_each(
             let begun = thread::Builder::new().name("stages".to_owned()).spawn_scoped(scope, work);
             if let Err(error) = begun {
                 progress.message(&format!(
-                    "warning: {at_once} of {} stages at the same time: {error}",
+                    "warning: only {at_once} of {} stages run in parallel: {error}",
                     shop.cores
                 ));
                 break;
@@ -117,8 +117,8 @@ fn tell_of_threads(plan: &Plan, progress: &dyn Progress) {
     let asked = asked.filter(|asked| *asked as usize > there);
     if let Some(asked) = asked.filter(|_| !TOLD.swap(true, Ordering::Relaxed)) {
         progress.message(&format!(
-            "warning: engine.native.threads = {asked} is more than the {there} cores that there \
-             are; taking {there}"
+            "warning: engine.native.threads = {asked} exceeds the {there} available cores; using \
+             {there}"
         ));
     }
 }
@@ -258,7 +258,7 @@ impl Shop<'_> {
         recorder.checkpoints = checkpoints.as_ref();
         if let (Some(midway), Some(observed)) = (&midway, observed) {
             let done = midway.steps as f64 / node.setup.engine.rate_hz;
-            progress.message(&format!("{}: goes on from {done:.2} s", node.label));
+            progress.message(&format!("{}: resumes at {done:.2} s", node.label));
             let specimen = Specimen { grains: node.grains.clone(), state: midway.state.clone() };
             recorder.go_on(observed, &specimen);
         }

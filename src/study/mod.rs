@@ -22,6 +22,7 @@ mod run;
 mod sensitivity;
 mod side_by_side;
 mod slurm;
+mod stage_key;
 mod standing;
 mod summarise;
 mod sweep;
@@ -46,7 +47,7 @@ pub use interpretations::Interpretation;
 pub use presets::preset;
 pub use recorder::container;
 pub use reproduce::{ReproduceOptions, ReproduceOutcome, reproduce};
-pub use run::{RunOptions, make_grains, run_scenario, write_grains};
+pub use run::{RunOptions, grain_files, make_grains, run_scenario};
 pub use sensitivity::{Parameter, ParameterDesign, SensitivityDesign, SensitivityStudy};
 pub use side_by_side::{InterpretationsOptions, InterpretationsOutcome, interpretations};
 pub use slurm::{SlurmJob, SlurmRequest, quoted, submit as submit_to_slurm, this_program};
@@ -112,8 +113,8 @@ pub enum StudyError {
     /// A result could not be measured.
     #[error("a result could not be measured: {0}")]
     Measure(String),
-    /// Asked to stop; what is finished is stored, and the same command goes on from there.
-    #[error("stopped; the same command goes on from here")]
+    /// Asked to stop; what is finished is stored, and the same command resumes from there.
+    #[error("stopped; run the same command again to resume")]
     Cancelled,
 }
 

@@ -7,22 +7,17 @@
 
 use std::{collections::HashMap, sync::Arc};
 
-use serde::Serialize;
-
-use super::{StudyError, begin::Begun, run::kind_of, summarise::grains_hash};
+use super::{
+    StudyError,
+    begin::Begun,
+    run::kind_of,
+    stage_key::{EngineKey, MadeBy, StageKey},
+    summarise::grains_hash,
+};
 use crate::grains::GrainSet;
 use crate::protocol::{Setup, segments};
 use crate::record::{RunKind, StageIdentity};
-use crate::scale::{GrainSizes, Scale};
-use crate::scenario::{
-    ApparatusSpec, ContactSpec, EngineSettings, MeasuresSpec, PieceSpec, Scenario, SettleSpec,
-    StageSpec,
-};
-use crate::world::BackendInfo;
-
-/// Raised whenever the meaning of a stored stage changes, so that none of an
-/// older meaning is ever taken for a new one.
-const FORMAT: u32 = 15;
+use crate::scenario::{EngineSettings, Scenario, StageSpec};
 
 /// A run to run.
 #[derive(Debug, Clone)]
@@ -104,34 +99,6 @@ pub struct Plan {
     pub nodes: Vec<Node>,
     /// In the order of the planned runs.
     pub runs: Vec<RunNodes>,
-}
-
-/// Everything that determines a stage's result. The grains are named by the
-/// parent of the first stage; names, notes and the later stages of the
-/// scenario do not act on it.
-#[derive(Serialize)]
-struct Determinants<'a> {
-    format: u32,
-    version: &'a str,
-    backend: &'a BackendInfo,
-    apparatus: &'a ApparatusSpec,
-    contact: &'a ContactSpec,
-    engine: &'a EngineSettings,
-    settle: &'a SettleSpec,
-    gravity_m_per_s2: f64,
-    scale: (Scale, GrainSizes),
-    seed: u64,
-    configuration: u32,
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    pieces: &'a [PieceSpec],
-    #[serde(skip_serializing_if = "MeasuresSpec::is_empty")]
-    measures: &'a MeasuresSpec,
-    parent: &'a str,
-    stage: &'a StageSpec,
-    /// Steps of a segment; left out where the stage is over within one, whose bits
-    /// do not depend on it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    segment_steps: Option<u64>,
 }
 
 /// A scenario with its laboratory built.
@@ -253,13 +220,12 @@ impl Plan {
         let begun = start.begun.filter(|_| parent.is_none());
         let before = parent.map(|p| self.nodes[p].key().to_owned());
         let before = before.or_else(|| begun.map(|begun| begun.key.clone()));
-        let determinants = Determinants {
-            format: FORMAT,
-            version: env!("CARGO_PKG_VERSION"),
+        let key = StageKey {
+            made_by: MadeBy::THIS,
             backend: &crate::world::info(scenario.engine.backend),
             apparatus: &scenario.apparatus,
             contact: &scenario.contact,
-            engine: &scenario.engine,
+            engine: EngineKey::of(&scenario.engine),
             settle: &scenario.settle,
             gravity_m_per_s2: scenario.gravity_m_per_s2,
             scale: (laboratory.setup.scale, run.grains.sizes()),
@@ -272,7 +238,7 @@ impl Plan {
             segment_steps,
         };
         let grains = (run.grains.grains.len(), start.grains_hash);
-        let identity = StageIdentity::new(stage.name(), grains, before.as_deref(), &determinants);
+        let identity = key.identity(grains, before.as_deref());
         if let Some(&node) = known.get(&identity.key) {
             return node;
         }

@@ -23,7 +23,7 @@ use crate::protocol::{Progress, WorldMaker};
 use crate::record::{
     FileError, LaboratoryRow, RunKind, RunRecord, StageStore, StoredStage, create_folder,
     distributions, grains_csv, hash_bytes, json_text, read_json, series_csv, to_csv, with_energy,
-    with_laboratory, write_csv, write_file, write_json,
+    with_laboratory, write_file, write_json,
 };
 use crate::scale;
 use crate::scenario::{GrainsSpec, Scenario, StageSpec};
@@ -194,14 +194,19 @@ pub fn make_grains(scenario: &Scenario) -> Result<GrainSet, StudyError> {
     }
 }
 
-/// Writes `grains.json`, for grains made by sieve fractions `sieve.csv`, and for
-/// those made from meshes `stones.csv`.
+/// The files that describe a set of grains, by name: `grains.json`, and the tables of its kind.
 ///
 /// # Errors
-/// When a file cannot be written.
-pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(), StudyError> {
-    create_folder(out)?;
-    write_json(&out.join(GRAINS_FILE), &grains::to_json(set))?;
+/// When one of them cannot be made.
+pub fn grain_files(
+    scenario: &Scenario,
+    set: &GrainSet,
+) -> Result<Vec<(&'static str, Vec<u8>)>, StudyError> {
+    let mut files = vec![(GRAINS_FILE, json_text(Path::new(GRAINS_FILE), &grains::to_json(set))?)];
+    let mut add = |name, table: Result<Vec<u8>, String>| {
+        let made = table.map_err(|why| FileError::new("write", Path::new(name), why));
+        made.map(|content| files.push((name, content)))
+    };
     let sieved = match &scenario.grains {
         GrainsSpec::Sieved(sieved) => Some(sieved.clone()),
         GrainsSpec::Meshes(meshes) => meshes.as_sieved(),
@@ -209,10 +214,24 @@ pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(
     };
     if let Some(sieved) = sieved {
         let distribution = ParticleSizeDistribution::new(&sieved).map_err(StudyError::grains)?;
-        write_csv(&out.join("sieve.csv"), grains::sieve_csv(&distribution, set))?;
+        let table = grains::sieve_csv(&distribution, set);
+        add("sieve.csv", table.map_err(|e| e.to_string()))?;
     }
     if matches!(scenario.grains, GrainsSpec::Meshes(_)) {
-        write_csv(&out.join("stones.csv"), grains::meshes_csv(&set.meshes))?;
+        let table = grains::meshes_csv(&set.meshes);
+        add("stones.csv", table.map_err(|e| e.to_string()))?;
+    }
+    Ok(files)
+}
+
+/// Writes the files of [`grain_files`] into a folder, which is made if needed.
+///
+/// # Errors
+/// When one of them cannot be made or written.
+pub fn write_grains(out: &Path, scenario: &Scenario, set: &GrainSet) -> Result<(), StudyError> {
+    create_folder(out)?;
+    for (name, content) in grain_files(scenario, set)? {
+        write_file(&out.join(name), &content)?;
     }
     Ok(())
 }

@@ -223,7 +223,7 @@ fn pieces_that_are_let_go_are_checked_and_refused_where_no_engine_can() {
     for (value, field, words) in [
         (with(&["nobody"]), "pieces[0]", "no such piece"),
         (with(&["block", "block"]), "pieces[1]", "named twice"),
-        (with(&["cross"]), "pieces[0]", "feels the pieces"),
+        (with(&["cross"]), "pieces[0]", "collides with the pieces"),
         (with(&all), "pieces", "nothing is left that could carry"),
         (with(&[]), "pieces", "too short"),
         (rapier, "stage", "rapier moves no piece freely"),

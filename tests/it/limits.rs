@@ -62,15 +62,14 @@ fn typed_threads_stop_at_the_cores() {
         return skipped("threads on two cores", "it takes two cores, and taskset");
     };
     assert_eq!(two.status.code(), Some(0), "law: it can be run, got {}", said(&two));
-    assert!(!said(&two).contains("is more than"), "law: two threads are not too many");
+    assert!(!said(&two).contains("exceeds the"), "law: two threads are not too many");
     for threads in [3, 4] {
         let (output, out) = run(&threads.to_string(), threads);
         let (output, with_more) = output.expect("it starts");
         let told = said(&output);
         assert_eq!(output.status.code(), Some(0), "law: it is run, got {told}");
-        let warning = format!(
-            "engine.native.threads = {threads} is more than the 2 cores that there are; taking 2"
-        );
+        let warning =
+            format!("engine.native.threads = {threads} exceeds the 2 available cores; using 2");
         assert_eq!(told.matches(&warning).count(), 1, "law: one warning, got {told}");
         assert!(bytes(&plain) == bytes(&out), "law: {threads} threads give the same bytes");
         assert_eq!(with_more, with_two, "law: {threads} typed threads make no more than two do");

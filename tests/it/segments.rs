@@ -277,7 +277,7 @@ fn damaged_checkpoints_are_told_and_those_before_are_used() {
         assert!(output.status.success(), "law: damage does not end a run, got {said}");
         let told = said.matches("a checkpoint is damaged").count();
         assert_eq!(told, torn.min(2), "law: as many are reported as are damaged, got {said}");
-        let goes_on = said.contains("goes on from");
+        let goes_on = said.contains("resumes at");
         assert_eq!(goes_on, torn == 1, "law: it goes on where one is sound, got {said}");
         assert_same_files(in_segments(), &out, &format!("{torn} damaged checkpoints"));
     }

@@ -25,6 +25,10 @@ pub struct VtkFiles {
     pub bytes: u64,
 }
 
+/// The lists that [`write_vtk`] writes last, each of the files of one kind.
+pub const VTK_LISTS: [&str; 4] =
+    ["grains.pvd", "apparatus.pvd", "contacts.pvd", "force_chains.pvd"];
+
 /// A series of files of one kind: `grains/grains_0000.vtp` and so on.
 struct Series<'a> {
     folder: &'a Path,

@@ -346,7 +346,7 @@ fn in_words(
     let Some(slope) = slope else {
         return format!(
             "{} poured from every height: whether the standing height falls with the falling height \
-             cannot be told from scatter.",
+             cannot be distinguished from scatter.",
             match slopes.len() {
                 0 => "No configuration was".to_owned(),
                 _ => "Only one configuration was".to_owned(),
@@ -392,7 +392,7 @@ fn in_words(
             );
         }
         None if slopes.len() < 3 => {
-            text += " How many configurations would show it cannot be told from fewer than three.";
+            text += " At least three configurations are needed to estimate how many would show it.";
         }
         None => {}
     }

@@ -125,7 +125,7 @@ fn one(
 
 fn note(groups: &[Vec<f64>], nested: Option<&Nested>) -> String {
     let Some(nested) = nested else {
-        return "One specimen: its scatter cannot be told from that of others.".to_owned();
+        return "With one specimen, the scatter between specimens is unknown.".to_owned();
     };
     let mut notes = Vec::new();
     if let Some(estimated) = nested.between_as_estimated.filter(|v| *v < 0.0) {

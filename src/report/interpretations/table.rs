@@ -112,11 +112,11 @@ pub(super) fn decimals(unit: &str) -> Option<usize> {
     }
 }
 
-const OUTCOME: &str = "What became of it";
+const OUTCOME: &str = "Outcome";
 const FIGURE_7: &str = "Figure 7: standing height, mean surface";
 const FIGURE_9: &str = "Figure 9: continuous vibration";
 const FIGURE_10: &str = "Figure 10: intermittent vibration";
-const TRUST: &str = "Whether it can be believed";
+const TRUST: &str = "Credibility";
 /// The one result among what tells whether an interpretation can be believed.
 const VOID_RATIO: &str = "void ratio after pouring";
 const CLAIMS: &str = "The paper's statements";
@@ -219,7 +219,7 @@ impl Rows<'_> {
             ("overlap of grains, mean", "%", |r| Some(r.summary.overlap.mean_percent)),
             ("overlap of grains, 99th percentile", "%", |r| Some(r.summary.overlap.p99_percent)),
             ("largest overlap", "mm", |r| Some(r.summary.overlap.max_mm)),
-            ("creep at rest, unshaken", "µm/s", |r| r.summary.creep_um_per_s),
+            ("numerical creep at rest", "µm/s", |r| r.summary.creep_um_per_s),
             (VOID_RATIO, "", |r| r.summary.void_ratio.filter(|_| r.kind == RunKind::Pluviation)),
             ("grains in the cylinder", "", |r| Some(r.summary.grains.in_cylinder as f64)),
             ("grains through walls or floor", "", |r| Some(r.summary.grains.escaped as f64)),

@@ -25,7 +25,7 @@ pub(super) fn check_release(parts: &Parts, names: &[String], faults: &mut Faults
         faults.add_if(!seen.insert(name), &field, &shown, "each piece once", message);
         let piece = parts.pieces().find(|(_, piece)| piece.name == *name);
         let crosses = piece.is_some_and(|(_, piece)| piece.may_cross);
-        let message = "what moves freely feels the pieces that it would stand in";
+        let message = "a free piece collides with the pieces that it overlaps";
         faults.add_if(crosses, &field, &shown, "a piece without `may_cross`", message);
     }
     let all = parts.pieces().all(|(_, piece)| names.contains(&piece.name));

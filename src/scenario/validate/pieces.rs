@@ -45,7 +45,7 @@ fn check_pieces(parts: &Parts, faults: &mut Faults) {
             let message = "the name cannot be that of columns";
             faults.add("name", shown, "letters, digits, `-` and `_`", message);
         } else if !known.insert(name) {
-            faults.add("name", shown, "a name of its own", "two pieces have this name");
+            faults.add("name", shown, "a unique name", "two pieces have this name");
         }
         check_shape(&piece.shape, &mut faults);
     }
@@ -233,8 +233,8 @@ fn check_measures(parts: &Parts, measures: &MeasuresSpec, faults: &mut Faults) {
             !is_new || !is_plain(name),
             list,
             Value::from(name.as_str()),
-            "names of their own, of letters, digits, `-` and `_`",
-            "results could not be told apart by this name",
+            "unique names of letters, digits, `-` and `_`",
+            "results would have ambiguous names",
         );
     }
 }

@@ -65,7 +65,7 @@ fn check_pile(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
         "base_diameter_mm",
         base_diameter_mm,
         format!("more than the spout's diameter, {spout_diameter_mm} mm"),
-        "grains would be let go beside the base",
+        "grains would be released outside the base",
     );
     let Some(grading) = &parts.grading else { return };
     let feeding = grading.count / feed_rate_grains_per_s;
@@ -119,7 +119,7 @@ fn check_order(parts: &Parts, faults: &mut Faults) {
             ),
             _ if before("slow_pluviation") && name != "rest" => (
                 "`rest` after `slow_pluviation`",
-                format!("a pile stands in no cylinder: `{name}` cannot be done with it"),
+                format!("a pile has no cylinder, so `{name}` is not possible"),
             ),
             _ => {
                 let needs = match name {

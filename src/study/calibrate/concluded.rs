@@ -115,7 +115,7 @@ fn statement(of: &Calibration) -> String {
     };
     let solved = of.solution.map(|s| {
         let interval = s.interval_95.map_or_else(
-            || "no interval: the slope cannot be told from zero".to_owned(),
+            || "no interval: the slope does not differ significantly from zero".to_owned(),
             |i| format!("95 % confidence {} to {}", compact(i.low), compact(i.high)),
         );
         format!("{} ({interval})", compact(s.value))
@@ -211,7 +211,7 @@ fn notes(of: &Calibration, kept: &Kept) -> Vec<String> {
     let Interval { low, high } = of.between;
     if !(low..=high).contains(&solution.value) {
         notes.push(format!(
-            "the line reaches the wanted result at {}, outside of the range: a wider one may hold it",
+            "the line reaches the wanted result at {}, outside the range; try a wider range",
             compact(solution.value)
         ));
     } else if solution.interval_95.is_some_and(|i| i.low < low || i.high > high) {

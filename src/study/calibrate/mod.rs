@@ -40,12 +40,12 @@ pub struct CalibrationOptions {
     pub unknown: String,
     /// Between which values.
     pub between: CalibrationRange,
-    /// Configurations a value, at least 2: each the same grains mixed anew.
+    /// Configurations per value, at least 2: each a new random arrangement of the same grains.
     pub replicates: u32,
     /// How well the result is to be known, in its unit: half of the 95 %
     /// interval. `None` for the standard deviation of a single run.
     pub tolerance: Option<f64>,
-    /// Most runs altogether; `None` for 16 a replicate.
+    /// Maximum number of runs; `None` for 16 per replicate.
     pub most_runs: Option<usize>,
     /// Where to, how many at a time, whom to tell.
     pub run: RunOptions,
@@ -75,6 +75,7 @@ impl<'a> CalibrationStudy<'a> {
     pub fn new(options: &'a CalibrationOptions) -> Result<Self, StudyError> {
         let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
         question::known(&options.target)?;
+        question::measured(&options.target, &scenario)?;
         let unknown = question::unknown(&options.unknown, &scenario)?;
         let CalibrationRange { low, high } = options.between;
         if unknown.whole && (low.fract() != 0.0 || high.fract() != 0.0) {

@@ -202,6 +202,36 @@ pub(super) fn known(target: &CalibrationTarget) -> Result<(), StudyError> {
     Err(StudyError::Scenario(format!("--target {field}: no summary.json has such a number{meant}")))
 }
 
+/// Checks that a scenario measures the target, as far as its stages say so.
+///
+/// # Errors
+/// With what the scenario would need.
+pub(super) fn measured(target: &CalibrationTarget, scenario: &Scenario) -> Result<(), StudyError> {
+    let has = |name: &str| scenario.stages.iter().any(|stage| stage.name() == name);
+    let vibrates = ("a stage `vibrate`", has("vibrate"));
+    let plate = ("a stage `place_top_plate`", has("place_top_plate"));
+    let pours = ("a stage `pour`", has("pour"));
+    let needs: &[(&str, bool)] = match numbered(target.field()).split(['.', '[']).next() {
+        Some("settlement_mm") => &[plate, vibrates],
+        Some("surface_settlement_mm" | "vibrations") => &[vibrates],
+        Some("poured_height_mm" | "poured_void_ratio") => &[pours],
+        Some("angle_of_repose") => &[("a stage `slow_pluviation`", has("slow_pluviation"))],
+        Some("laboratory") => &[("`pieces`", !scenario.pieces.is_empty())],
+        Some("relative_density") => &[("`index_densities`", scenario.index_densities.is_some())],
+        _ => &[],
+    };
+    let missing: Vec<&str> = needs.iter().filter(|(_, is)| !is).map(|(what, _)| *what).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(StudyError::Scenario(format!(
+        "--target {}: the scenario `{}` does not measure it: that needs {}",
+        target.field(),
+        scenario.name,
+        missing.join(" and ")
+    )))
+}
+
 /// Numbers that are named where nothing is near.
 const SHOWN: [&str; 5] = [
     "standing_height_mm.mean_surface",
@@ -300,6 +330,34 @@ mod tests {
         ] {
             let said = known(&of(field)).expect_err("no number").to_string();
             assert!(said.contains(field) && said.contains(meant), "law: `{field}`, got `{said}`");
+        }
+    }
+
+    /// Law: a result that no stage of the scenario gives is refused, one that a stage gives is not.
+    #[test]
+    fn results_that_no_stage_gives_are_refused() {
+        let of = |field: &str| format!("{field}=1").parse::<CalibrationTarget>().expect("a target");
+        let path =
+            |name| concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/quick/").to_owned() + name;
+        let scenario = |name| {
+            let loaded = crate::grains::load_scenario(path(name).as_ref(), &[]);
+            loaded.expect("a scenario of ours").scenario
+        };
+        let (vibration, repose) = (scenario("vibration.json"), scenario("repose.json"));
+        for (field, needs) in [
+            ("settlement_mm.final", "`place_top_plate` and a stage `vibrate`"),
+            ("surface_settlement_mm.final", "a stage `vibrate`"),
+            ("vibrations[0].settling.time_s", "a stage `vibrate`"),
+            ("poured_void_ratio", "a stage `pour`"),
+        ] {
+            let said = measured(&of(field), &repose).expect_err("not measured").to_string();
+            assert!(said.contains(field) && said.contains(needs), "law: `{field}`, got `{said}`");
+            assert!(measured(&of(field), &vibration).is_ok(), "law: `{field}` is measured there");
+        }
+        let said = measured(&of(ANGLE_OF_REPOSE), &vibration).expect_err("no pile").to_string();
+        assert!(said.contains("`slow_pluviation`"), "law: what a pile needs, got `{said}`");
+        for field in [ANGLE_OF_REPOSE, "void_ratio", "overlap.p99_percent"] {
+            assert!(measured(&of(field), &repose).is_ok(), "law: `{field}` is measured there");
         }
     }
 

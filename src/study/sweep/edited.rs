@@ -53,7 +53,7 @@ pub(super) fn refuse(
         } else {
             told.join("; ")
         };
-        format!("{} is not what it was then: {told}", options.scenario.display())
+        format!("{} has changed since: {told}", options.scenario.display())
     });
     Err(StudyError::Scenario(format!(
         "{} was made before a change: {why}. Nothing was written. Choose another folder with --out, \

@@ -46,7 +46,7 @@ pub struct SweepOptions {
     pub ranges: Vec<SampledRange>,
     /// How points are made of them.
     pub design: Design,
-    /// Configurations a point, each the same grains mixed anew.
+    /// Configurations per point, each a new random arrangement of the same grains.
     pub configurations: u32,
     /// Where to, how many at a time, whom to tell.
     pub run: RunOptions,

@@ -147,7 +147,7 @@ impl SweepTasks {
         let before = chain.nodes.len() - 1;
         if let Some(needed) = (0..before).find(|n| !is_held[*n]).map(|n| &chain.nodes[n]) {
             return Err(StudyError::Scenario(format!(
-                "{label} goes on from {}, which is not stored",
+                "{label} needs {}, which is not stored",
                 needed.label
             )));
         }

@@ -313,7 +313,7 @@ impl World for BulletBackend {
     fn join(&mut self, part: BodyId, whole: BodyId) -> Result<(), WorldError> {
         let (a, b) = (self.read_body(part)?, self.read_body(whole)?);
         if a.pose != b.pose {
-            return Err(WorldError::BadBody { reason: "its parts have not one pose".into() });
+            return Err(WorldError::BadBody { reason: "its parts differ in pose".into() });
         }
         self.world
             .pin_mut()
