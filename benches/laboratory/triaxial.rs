@@ -23,7 +23,9 @@ const KINDS: [(&str, f64); 2] = [("loose", FRICTION), ("dense", 0.05)];
 /// Time in s that a specimen has at rest with its new friction, before it is sheared.
 const REST: f64 = 0.2;
 /// Time in s over which the mean stress is smoothed and restored: see the scenario's notes.
-const WINDOW: f64 = 0.1;
+const WINDOW: f64 = 0.05;
+/// Time in s in which the top plate comes to its full speed, likewise.
+const RAMP: f64 = 0.4;
 /// Plates whose forces keep it.
 const SIDES: [&str; 4] = ["west", "east", "south", "north"];
 /// Stress in kPa from all sides.
@@ -87,7 +89,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         let stages = json!([
             { "stage": "rest", "duration_s": REST },
             { "stage": "move", "pieces": ["top"], "velocity_mm_per_s": [0, 0, -RATE * side],
-              "travel_mm": TRAVEL * side, "ramp_s": 0.05,
+              "travel_mm": TRAVEL * side, "ramp_s": RAMP,
               "keep_mean_stress": { "region": "core", "pieces": SIDES, "window_s": WINDOW } },
         ]);
         let mut changes = changes(FRICTION);

@@ -13,9 +13,10 @@ use crate::specimen::Region;
 /// Least and largest factor on the forces: beyond, grains do not take part any more.
 const LIMITS: [f64; 2] = [0.1, 10.0];
 
-/// Largest change of the factor from one look to the next, as a share of it: what the grains can
-/// follow without being hit.
-const LARGEST_CHANGE: f64 = 0.05;
+/// Largest change of the factor from one look to the next, as a share of it. A packing answers
+/// within some inertial times d √(ρ/p), 5 ms of 9 mm under 10 kPa: over a look of 20 ms it
+/// follows that as good as at rest. A dense one at a strain rate of 0.2 s⁻¹ asks for no less.
+const LARGEST_CHANGE: f64 = 0.1;
 
 /// What keeps a mean stress.
 #[derive(Debug, Clone, PartialEq)]
@@ -175,7 +176,10 @@ mod tests {
                 let before = kept.factor;
                 told += u32::from(kept.follow(found, 0.02, 0.1));
                 let change = (kept.factor / before).max(before / kept.factor);
-                assert!(change <= 1.0 + LARGEST_CHANGE + 1e-12, "law: 5 % at a time, got {change}");
+                assert!(
+                    change <= 1.0 + LARGEST_CHANGE + 1e-12,
+                    "law: 10 % at a time, got {change}"
+                );
             }
             assert_eq!((kept.factor, told), (limit, 1), "law: to the limit, which is said once");
         }
@@ -190,7 +194,7 @@ mod tests {
         }
         let mut kept = begun();
         kept.follow(2.0 * TARGET, 1.0, 0.02);
-        assert_eq!(kept.factor, 1.0 / 1.05, "law: a window shorter than a look is no fault");
+        assert_eq!(kept.factor, 1.0 / 1.1, "law: a window shorter than a look is no fault");
     }
 
     #[test]

@@ -12,20 +12,20 @@ fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
     let mut scenario: Scenario = serde_json::from_value(serde_json::json!({
         "name": "test",
         "grains": {
-            "total_mass_g": 110, "density_kg_per_m3": 2650,
+            "total_mass_g": 65, "density_kg_per_m3": 2650,
             "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
         },
         "contact": { "grain_wall_friction": 0.0 },
         "pieces": [
-            { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 120],
+            { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 90],
               "open": ["top", "high_x"] } } },
-            { "name": "wall", "shape": { "plate": { "size_mm": [10, 90, 140] } },
-              "at_mm": [30, 0, 70], "may_cross": true },
+            { "name": "wall", "shape": { "plate": { "size_mm": [10, 90, 100] } },
+              "at_mm": [30, 0, 50], "may_cross": true },
             { "name": "lid", "shape": { "plate": { "size_mm": [90, 49, 10] } },
-              "at_mm": [20, 0, 125], "may_cross": true }
+              "at_mm": [20, 0, 95], "may_cross": true }
         ],
         "measures": {
-            "regions": [{ "name": "core", "low_mm": [-25, -25, 0], "high_mm": [20, 25, 22] }]
+            "regions": [{ "name": "core", "low_mm": [-25, -25, 0], "high_mm": [25, 25, 25] }]
         },
         "stages": []
     }))
@@ -78,9 +78,9 @@ fn before_everything() -> Specimen {
 
 /// Grains between box, wall and lid, which both press by 10 kPa.
 fn pressed() -> Specimen {
-    let rain = serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 95], "area_mm": [30, 30],
+    let rain = serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 70], "area_mm": [30, 30],
         "rate_g_per_s": 300, "time_limit_s": 4 });
-    let press = serde_json::json!({ "stage": "press", "time_limit_s": 4, "loads": [
+    let press = serde_json::json!({ "stage": "press", "time_limit_s": 4, "approach_mm_per_s": 100, "loads": [
         { "piece": "wall", "direction": [-1, 0, 0], "force_n": 15 },
         { "piece": "lid", "direction": [0, 0, -1], "force_n": 25 }] });
     let filled = go(None, before_everything(), None, rain).0.expect("it runs").specimen;
@@ -90,7 +90,7 @@ fn pressed() -> Specimen {
 /// Moves the lid at a speed in mm/s, and keeps the mean stress where a window in s is given.
 fn lid(speed: f64, window_s: Option<f64>) -> serde_json::Value {
     let mut stage = serde_json::json!({ "stage": "move", "pieces": ["lid"],
-        "velocity_mm_per_s": [0, 0, speed], "duration_s": 0.8, "ramp_s": 0.1 });
+        "velocity_mm_per_s": [0, 0, speed], "duration_s": 1.2, "ramp_s": 0.1 });
     if let Some(window_s) = window_s {
         stage["keep_mean_stress"] =
             serde_json::json!({ "region": "core", "pieces": ["wall"], "window_s": window_s });
@@ -104,20 +104,20 @@ fn lid(speed: f64, window_s: Option<f64>) -> serde_json::Value {
 fn a_mean_stress_is_kept_while_a_lid_goes_down_or_up() {
     let _turn = crate::world::shared_turn();
     let begun = pressed();
-    for speed in [-5.0, 3.0] {
+    for speed in [-6.0, 3.0] {
         let end = |window_s| {
             let (outcome, seen) = go(None, begun.clone(), None, lid(speed, window_s));
             let warnings = outcome.expect("it runs").warnings;
             assert!(warnings.is_empty(), "law: no limit is come to, {warnings:?}");
             let target = seen.moments[0].0;
-            let later = &seen.moments[seen.moments.len() / 2..];
+            let later = &seen.moments[2 * seen.moments.len() / 3..];
             let mean = later.iter().map(|(p, _)| p / target).sum::<f64>() / later.len() as f64;
             (mean, later[0].1 / seen.moments[0].1)
         };
         let ((kept, force), (free, same)) = (end(Some(0.1)), end(None));
-        eprintln!("{speed} mm/s: {kept} of p₀ by {force} of the force, {free} by {same}");
-        assert!((kept - 1.0).abs() < 0.1, "law: p stays at {speed} mm/s, got {kept} of it");
-        assert!((free - 1.0).abs() > 0.2, "law: else it does not, got {free} of it");
+        println!("{speed} mm/s: {kept} of p₀ by {force} of the force, {free} by {same}");
+        assert!((kept - 1.0).abs() < 0.15, "law: p stays at {speed} mm/s, got {kept} of it");
+        assert!((free - 1.0).abs() > 0.35, "law: else it does not, got {free} of it");
         assert_eq!((force - 1.0).signum(), speed.signum(), "law: less force where the lid presses");
         assert_eq!(same, 1.0, "law: without the field the force stays");
     }
