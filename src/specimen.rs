@@ -3,12 +3,14 @@
 mod free;
 mod opening;
 mod press;
+mod region;
 
 use std::{borrow::Cow, sync::Arc};
 
 pub use free::FreeState;
 pub use opening::{Opening, centroids};
 pub use press::{PressState, TurnState};
+pub use region::Region;
 
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,9 @@
-//! Triaxial compression of a loose and a dense specimen, and whether both come to one state.
+//! Triaxial compression of a loose and a dense specimen at constant mean stress, and whether both
+//! come to one state.
 
 use pluvia::{
     report::{Axis, Chart, Look, Plot},
-    units::{from_kpa, from_mm},
+    units::{from_kpa, from_mm, to_kpa},
 };
 use serde_json::json;
 
@@ -15,12 +16,18 @@ use super::{
 };
 
 const SPECIMEN: &str = "scenarios/validation/triaxial-specimen.json";
-const SCENARIO: &str = "scenarios/validation/triaxial.json";
+const SCENARIO: &str = "scenarios/validation/triaxial-mean-stress.json";
 /// Friction between grains while they are sheared, and while each kind of specimen is made.
 const FRICTION: f64 = 0.5;
 const KINDS: [(&str, f64); 2] = [("loose", FRICTION), ("dense", 0.05)];
 /// Time in s that a specimen has at rest with its new friction, before it is sheared.
 const REST: f64 = 0.2;
+/// Time in s over which the mean stress is smoothed and restored: see the scenario's notes.
+const WINDOW: f64 = 0.05;
+/// Time in s in which the top plate comes to its full speed, likewise.
+const RAMP: f64 = 0.4;
+/// Plates whose forces keep it.
+const SIDES: [&str; 4] = ["west", "east", "south", "north"];
 /// Stress in kPa from all sides.
 const STRESS: f64 = 10.0;
 /// How far the top plate goes, in widths of the cube, and axial strain from which on is the end.
@@ -82,7 +89,8 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         let stages = json!([
             { "stage": "rest", "duration_s": REST },
             { "stage": "move", "pieces": ["top"], "velocity_mm_per_s": [0, 0, -RATE * side],
-              "travel_mm": TRAVEL * side, "ramp_s": 0.05 },
+              "travel_mm": TRAVEL * side, "ramp_s": RAMP,
+              "keep_mean_stress": { "region": "core", "pieces": SIDES, "window_s": WINDOW } },
         ]);
         let mut changes = changes(FRICTION);
         changes.push(format!("begin.specimen={}", folder.display()));
@@ -107,7 +115,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     for row in &mut rows {
         bench.design().clone_into(&mut row.design);
     }
-    Ok(Found { rows, charts: vec![chart(&tests)] })
+    Ok(Found { rows, charts: vec![chart(&tests), path(&tests)] })
 }
 
 /// The cube of the full design.
@@ -201,8 +209,8 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
     };
     let inertial = inertial_number(RATE, from_mm(SIZE_MM), SOLIDS, from_kpa(STRESS));
     let how = format!(
-        "A cube {:.0} grains wide, smooth plates, void ratio and stress of an inner region; means beyond an \
-         axial strain of {:.0} %, I = ε̇ d √(ρ/p) = {inertial:.0e}",
+        "A cube {:.0} grains wide, smooth plates, void ratio and stress of an inner region, whose mean stress \
+         the plates at the sides keep; means beyond an axial strain of {:.0} %, I = ε̇ d √(ρ/p) = {inertial:.0e}",
         side / SIZE_MM,
         100.0 * END
     );
@@ -293,20 +301,32 @@ fn rows(bench: &Bench, tests: &[Test], side: f64) -> Vec<Row> {
     ]
 }
 
+/// A line for each test: what is to the right and what is upwards at a moment.
+fn plot(
+    tests: &[Test],
+    axes: [Axis; 2],
+    x: impl Fn(&Triaxial) -> f64,
+    y: impl Fn(&Triaxial) -> f64,
+) -> Plot {
+    let [right, up] = axes;
+    let mut plot = Plot::new(right, up);
+    for (n, test) in tests.iter().enumerate() {
+        let is_first = tests[..n].iter().all(|earlier| earlier.kind != test.kind);
+        let name = match (is_first, test.kind) {
+            (true, 0) => "Loose",
+            (true, _) => "Dense",
+            _ => "",
+        };
+        let points = test.moments.iter().map(|m| (x(m), y(m))).collect();
+        plot.add(name, Look::marked(test.kind), points);
+    }
+    plot
+}
+
 fn chart(tests: &[Test]) -> Chart {
-    let panel = |axis: Axis, y: fn(&Triaxial) -> f64| {
-        let mut plot = Plot::new(Axis::linear("Axial strain (%)").from_zero(), axis);
-        for (n, test) in tests.iter().enumerate() {
-            let is_first = tests[..n].iter().all(|earlier| earlier.kind != test.kind);
-            let name = match (is_first, test.kind) {
-                (true, 0) => "Loose",
-                (true, _) => "Dense",
-                _ => "",
-            };
-            let points = test.moments.iter().map(|m| (100.0 * m.strain, y(m))).collect();
-            plot.add(name, Look::marked(test.kind), points);
-        }
-        plot
+    let panel = |up: Axis, y: fn(&Triaxial) -> f64| {
+        let strain = Axis::linear("Axial strain (%)").from_zero();
+        plot(tests, [strain, up], |m| 100.0 * m.strain, y)
     };
     Chart {
         stem: "triaxial".into(),
@@ -318,5 +338,19 @@ fn chart(tests: &[Test]) -> Chart {
             panel(Axis::linear("q/p").from_zero(), Triaxial::ratio),
             panel(Axis::linear("Void ratio"), |m| m.void_ratio),
         ],
+    }
+}
+
+/// The path in the plane of p and q.
+fn path(tests: &[Test]) -> Chart {
+    let axes =
+        ["Mean stress p (kPa)", "Deviator stress q (kPa)"].map(|of| Axis::linear(of).from_zero());
+    Chart {
+        stem: "triaxial-path".into(),
+        title: "Stress paths of loose and dense specimens".into(),
+        caption: "Deviator stress against mean stress of an inner region, each realisation a line: p is kept \
+                  by the forces at the sides, and q grows to its peak and falls to the critical state."
+            .into(),
+        panels: vec![plot(tests, axes, |m| to_kpa(m.mean()), |m| to_kpa(m.deviator()))],
     }
 }

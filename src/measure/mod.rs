@@ -57,7 +57,7 @@ pub use pairs::{PairGap, neighbours, pairs_within, pairs_within_of, touching_gap
 pub use places::{Place, Places, places};
 pub use plate::{PlatePosition, plate_position};
 pub use profile::{Slice, layers, rings};
-pub use region::{Region, void_ratio_in};
+pub use region::void_ratio_in;
 pub use repose::{
     FLANK, NoPile, PileSurface, Repose, Sector, base_level, over, pile_surface, pile_top,
 };
@@ -73,6 +73,7 @@ use statrs::distribution::StudentsT;
 use crate::geometry::{ConvexPolyhedron, MassProperties, Point, Pose, Sphere, Vector, cut};
 use crate::grains::GrainSet;
 use crate::scale;
+pub use crate::specimen::Region;
 use crate::specimen::{Fate, Party, SavedContact, Specimen, SpecimenState};
 use crate::world::BodyState;
 use {hull::*, inference::*, raster::*, region::*, statistics::*};

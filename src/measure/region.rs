@@ -2,27 +2,7 @@
 
 use super::*;
 
-/// A box along the axes, in m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Region {
-    /// Its lowest corner.
-    pub low: Vector,
-    /// Its highest corner.
-    pub high: Vector,
-}
-
 impl Region {
-    /// Its volume in m³.
-    pub fn volume(&self) -> f64 {
-        let sides = self.high - self.low;
-        sides.x * sides.y * sides.z
-    }
-
-    /// Whether a point lies in it; boxes side by side share none.
-    pub fn holds(&self, point: &Vector) -> bool {
-        (0..3).all(|k| self.low[k] <= point[k] && point[k] < self.high[k])
-    }
-
     /// Volume in m³ of the part of a solid that lies in it.
     pub fn volume_of(&self, shape: &ConvexPolyhedron, pose: &Pose) -> f64 {
         let corners = corners_at(shape, pose);

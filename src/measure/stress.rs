@@ -52,41 +52,7 @@ pub fn stress_in(specimen: &Specimen, region: &Region) -> Option<Stress> {
     if state.contacts.is_empty() {
         return None;
     }
-    let centroid = |party: &Party| match party {
-        Party::Grain(n) => Some(state.bodies[*n].body.pose.translation.vector),
-        Party::Other(_) => None,
-    };
-    let mut sum = Matrix3::zeros();
-    for contact in &state.contacts {
-        let forces = [contact.force_n, -contact.force_n];
-        for (party, force) in contact.between.iter().zip(forces) {
-            let Some(centroid) = centroid(party) else { continue };
-            // A force on a grain that presses points from the contact to the centroid.
-            let line = centroid - contact.point_m;
-            sum += force * (line * region.share_of_line(&contact.point_m, &centroid)).transpose();
-        }
-    }
-    Some(Stress::of(&(sum / region.volume())))
-}
-
-impl Region {
-    /// Share of the straight line between two points that lies in the box.
-    pub fn share_of_line(&self, from: &Vector, to: &Vector) -> f64 {
-        let (mut begins, mut ends) = (0.0_f64, 1.0_f64);
-        for k in 0..3 {
-            let way = to[k] - from[k];
-            if way == 0.0 {
-                if from[k] < self.low[k] || from[k] >= self.high[k] {
-                    return 0.0;
-                }
-                continue;
-            }
-            let (a, b) = ((self.low[k] - from[k]) / way, (self.high[k] - from[k]) / way);
-            begins = begins.max(a.min(b));
-            ends = ends.min(a.max(b));
-        }
-        (ends - begins).max(0.0)
-    }
+    Some(Stress::of(&region.stress_of(state)))
 }
 
 #[cfg(test)]

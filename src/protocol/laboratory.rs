@@ -144,7 +144,7 @@ impl Laboratory<'_> {
 
     /// Moves pieces as prescribed.
     pub(super) fn move_pieces(&mut self, mut specimen: Specimen) -> StageResult {
-        let (StageSpec::Move { pieces: names, .. }, Some(motion)) =
+        let (StageSpec::Move { pieces: names, keep_mean_stress, .. }, Some(motion)) =
             (self.stage, self.stage.piece_motion())
         else {
             return Err(self.refused("it needs a motion"));
@@ -172,6 +172,10 @@ impl Laboratory<'_> {
         };
         course.drive = Some(Drive { pieces, motion });
         course.endings = self.endings();
+        if let Some(keep) = keep_mean_stress {
+            let keeper = StressKeeper::of(keep, self.setup, &specimen);
+            course.keeper = Some(keeper.map_err(|reason| self.refused(reason))?);
+        }
         let Ended { mut stand, settled, .. } = self.carry_out(specimen, 0.0, &course)?;
         if limit > 0.0 && !settled {
             stand.warn(not_settled("rest after the motion", limit));

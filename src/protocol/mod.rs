@@ -17,6 +17,9 @@ mod free_tests;
 mod laboratory;
 #[cfg(test)]
 mod laboratory_tests;
+mod mean_stress;
+#[cfg(test)]
+mod mean_stress_tests;
 mod pieces;
 #[cfg(test)]
 mod pile_tests;
@@ -43,6 +46,7 @@ mod whereabouts;
 pub use base::{base_pieces, friction_between};
 pub use bodies::spring_energy;
 pub use ending::{Judged, UntilFound, opening};
+pub use mean_stress::{KeptStress, region};
 pub use plausible::plausible;
 pub use progress::{Progress, Silent};
 pub use segments::{Midway, segments};
@@ -78,8 +82,8 @@ use crate::world::{
 };
 use crate::{grains, scale};
 use {
-    bodies::*, ending::*, feeder::*, free_pieces::*, pieces::*, placing::*, plausible::*,
-    segments::*, stages::*, stand::*, watch::*, whereabouts::*,
+    bodies::*, ending::*, feeder::*, free_pieces::*, mean_stress::*, pieces::*, placing::*,
+    plausible::*, segments::*, stages::*, stand::*, watch::*, whereabouts::*,
 };
 
 /// Sees the specimen at regular times: how series are recorded.

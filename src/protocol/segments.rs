@@ -58,6 +58,9 @@ pub struct Midway {
     /// What was seen of the condition that ends the stage.
     #[serde(default, skip_serializing_if = "Judged::is_empty")]
     pub judged: Judged,
+    /// The mean stress that the stage keeps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kept_stress: Option<KeptStress>,
 }
 
 impl Midway {
@@ -82,6 +85,7 @@ impl Midway {
             return Err(format!("`part_began` is {}, after `steps`", self.part_began));
         }
         self.judged.check()?;
+        self.kept_stress.iter().try_for_each(KeptStress::check)?;
         self.fed.as_ref().map_or(Ok(()), |fed| fed.check(grains))
     }
 

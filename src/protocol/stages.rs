@@ -64,11 +64,14 @@ pub(super) struct Course {
     pub(super) drive: Option<Drive>,
     /// What ends it before its time.
     pub(super) endings: Option<Endings>,
+    /// What keeps a mean stress, and how that begins.
+    pub(super) keeper: Option<(StressKeeper, KeptStress)>,
 }
 
 impl Course {
     pub(super) fn until(until: Until) -> Self {
-        Self { until, motion: None, feed: None, placing: None, drive: None, endings: None }
+        let (motion, feed, placing, drive) = (None, None, None, None);
+        Self { until, motion, feed, placing, drive, endings: None, keeper: None }
     }
 
     pub(super) fn until_settled(limit: f64) -> Self {
@@ -124,7 +127,10 @@ impl<'a> Laboratory<'a> {
         let Specimen { grains, state } = specimen;
         let mut midway = match &self.midway {
             Some(midway) => midway.clone(),
-            None => Midway::at_start(state, collar, self.setup),
+            None => Midway {
+                kept_stress: course.keeper.as_ref().map(|(_, kept)| *kept),
+                ..Midway::at_start(state, collar, self.setup)
+            },
         };
         loop {
             let fed = midway.fed.take();
@@ -139,6 +145,9 @@ impl<'a> Laboratory<'a> {
             };
             if let Some(endings) = &course.endings {
                 stand.end_when(endings.clone());
+            }
+            if let Some((keeper, _)) = &course.keeper {
+                stand.keep_stress(keeper.clone());
             }
             let begin = |feed| Feeder::new(stand.specimen(), feed, seed, configuration, fed);
             let mut feeder = course.feed.clone().map(begin);

@@ -3,6 +3,7 @@
 mod contacts;
 mod driven;
 mod ending;
+mod keeping;
 mod reading;
 
 use std::sync::Arc;
@@ -34,6 +35,8 @@ pub(super) struct Stand<'a> {
     /// What ends the stage, and where the grains were when that was last looked at.
     endings: Option<Endings>,
     places: Vec<Option<Vector>>,
+    /// What keeps a mean stress.
+    keeper: Option<StressKeeper>,
     /// Where the stage is; the specimen is in the field of that name, and the
     /// spout is handed in.
     midway: Midway,
@@ -175,6 +178,7 @@ impl<'a> Stand<'a> {
             snapshot: Snapshot::new(),
             endings: None,
             places: Vec::new(),
+            keeper: None,
             midway,
         })
     }
@@ -263,6 +267,10 @@ impl<'a> Stand<'a> {
                 let since = self.midway.calm_since_s.unwrap_or(time);
                 self.midway.calm_since_s = calm.then_some(since);
                 settled = calm && time - since >= self.setup.settle.hold;
+            }
+            // What settles has the forces that the last look asked for; the next are told now.
+            if regular && let Some(text) = self.keep_mean_stress(check_every as f64 * dt) {
+                observer.warn(&text);
             }
             if due || step == last_step || Some(step) == shaken || settled {
                 if due {

@@ -355,6 +355,7 @@ pub(super) mod tests {
             part_began: 0,
             pieces_began: Vec::new(),
             judged: crate::protocol::Judged::default(),
+            kept_stress: None,
         }
     }
 

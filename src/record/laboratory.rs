@@ -1,7 +1,10 @@
 //! What is recorded of a laboratory of pieces: loads, flows, void ratios.
 
+use nalgebra::Matrix3;
+
 use super::*;
 use crate::geometry::Vector;
+use crate::measure::Stress;
 
 /// One moment of a laboratory, beside a row of the series.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -218,6 +221,7 @@ pub fn with_laboratory(
     columns.extend(names.regions.iter().map(|name| format!("{name}_void_ratio")));
     for name in names.regions.iter().filter(|_| stresses) {
         columns.extend(STRESSES.map(|ij| format!("{name}_stress_{ij}_kpa")));
+        columns.extend(INVARIANTS.map(|of| format!("{name}_stress_{of}_kpa")));
     }
     let cells = |n: usize| {
         let row = rows.get(n);
@@ -241,6 +245,8 @@ pub fn with_laboratory(
         for k in (0..names.regions.len()).filter(|_| stresses) {
             let stress = row.and_then(|row| row.stresses_kpa.get(k).copied().flatten());
             cells.extend((0..STRESSES.len()).map(|k| stress.map(|stress| stress[k])));
+            let both = stress.map(|stress| invariants(&stress));
+            cells.extend((0..INVARIANTS.len()).map(|k| both.map(|both| both[k])));
         }
         cells
     };
@@ -278,6 +284,16 @@ impl Own {
 
 /// The components of a stress in a row.
 const STRESSES: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];
+
+/// What of a stress does not depend on the axes: p and q.
+const INVARIANTS: [&str; 2] = ["mean", "deviatoric"];
+
+/// Mean stress and deviatoric stress √(3/2 s:s) of a stress by its components.
+fn invariants(&[xx, yy, zz, xy, xz, yz]: &[f64; 6]) -> [f64; 2] {
+    let tensor = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    let stress = Stress::of(&tensor);
+    [stress.mean(), stress.deviatoric()]
+}
 
 #[cfg(test)]
 mod tests {
@@ -334,11 +350,13 @@ mod tests {
              0,1,2,3,0,0,-5.5,0,0,0,2.5,\n1,,,,,,,,,,2.5,\n";
         assert_eq!(text(&[row(true), row(false)], &names), expected);
         let stressed =
-            LaboratoryRow { stresses_kpa: vec![Some([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])], ..row(true) };
+            LaboratoryRow { stresses_kpa: vec![Some([1.0, 2.0, 3.0, 1.0, 3.0, 4.0])], ..row(true) };
         let names = LaboratoryNames { regions: vec!["core".to_owned()], ..Default::default() };
+        // s = (−1, 0, 1) and 1, 3, 4 aside: q² = 3/2 (2 + 2 · 26) = 81.
         let expected = "time_s,core_void_ratio,core_stress_xx_kpa,core_stress_yy_kpa,\
-             core_stress_zz_kpa,core_stress_xy_kpa,core_stress_xz_kpa,core_stress_yz_kpa\n\
-             0,,1,2,3,4,5,6\n1,,,,,,,\n";
+             core_stress_zz_kpa,core_stress_xy_kpa,core_stress_xz_kpa,core_stress_yz_kpa,\
+             core_stress_mean_kpa,core_stress_deviatoric_kpa\n\
+             0,,1,2,3,1,3,4,2,9\n1,,,,,,,,,\n";
         assert_eq!(text(&[stressed, row(true)], &names), expected);
     }
 

@@ -328,6 +328,11 @@ pub enum StageSpec {
         #[serde(default)]
         #[schemars(range(min = 0.0, max = 600.0))]
         settle_limit_s: f64,
+        /// Changes the forces on pressed pieces all the time, so that the mean stress in a region
+        /// stays what it was when the stage began; left out, they keep their forces. Native
+        /// contacts of Bullet alone can do this.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        keep_mean_stress: Option<KeepMeanStressSpec>,
     },
     /// Press pieces: each moves along one direction alone, by a force along it and by what the
     /// grains do, and does so in all later stages until it is pressed otherwise, moved, locked or

@@ -13,9 +13,9 @@ use crate::record::{
     LaboratorySummary, OpeningSummary, PieceRow, PieceSummary, RegionSummary, SeriesRow,
     StoredStage, StressSummary, of_group,
 };
-use crate::scenario::{GroupSpec, RegionSpec, Scenario};
+use crate::scenario::{GroupSpec, Scenario};
 use crate::specimen::{Opening, PieceState, Specimen, SpecimenState, centroids};
-use crate::units::{from_mm, to_g, to_kpa, to_mm};
+use crate::units::{to_g, to_kpa, to_mm};
 
 /// Writes rows of what the pieces carry, what flows, and how dense regions are.
 #[derive(Debug, Default)]
@@ -87,9 +87,7 @@ impl LaboratoryRecorder {
 
 /// The regions of a laboratory, in m.
 pub(super) fn regions(setup: &Setup) -> Vec<Region> {
-    let mm = |place: [f64; 3]| Vector::from(place.map(from_mm));
-    let of = |r: &RegionSpec| Region { low: mm(r.low_mm), high: mm(r.high_mm) };
-    setup.measures.regions.iter().map(of).collect()
+    setup.measures.regions.iter().map(crate::protocol::region).collect()
 }
 
 /// Stress of a region in kPa, in the order of a row.

@@ -188,6 +188,81 @@ fn loads_are_checked_all_at_once_and_refused_where_no_engine_can_press() {
     }
 }
 
+/// A lid is lowered while a pressed cover keeps the mean stress, as `keep` has it.
+fn kept(keep: Value) -> Value {
+    let mut value = sound();
+    let plate = |name: &str, z: f64| json!({ "name": name, "shape": { "plate": { "size_mm": [20, 20, 5] } }, "at_mm": [0, 0, z] });
+    let pieces = value["pieces"].as_array_mut().expect("pieces");
+    pieces.extend([plate("cover", 400.0), plate("vane", 450.0), plate("block", 500.0)]);
+    value["measures"] = json!({ "regions": [
+        { "name": "core", "low_mm": [-10, -10, 10], "high_mm": [10, 10, 20] }] });
+    let stages = value["stages"].as_array_mut().expect("stages");
+    let at = stages.len() - 2;
+    stages.insert(
+        at,
+        json!({ "stage": "press", "loads": [{ "piece": "cover", "force_n": 5 },
+        { "piece": "vane", "moment_n_m": 1, "axis": [0, 0, 1] }] }),
+    );
+    stages.insert(at + 1, json!({ "stage": "release", "pieces": ["block"] }));
+    stages.insert(
+        at + 2,
+        json!({ "stage": "move", "pieces": ["lid"], "travel_mm": 1,
+        "velocity_mm_per_s": [0, 0, -5], "keep_mean_stress": keep }),
+    );
+    value
+}
+
+#[test]
+fn a_mean_stress_is_kept_by_pieces_that_a_force_presses_and_by_no_others() {
+    let keep = |pieces: &[&str]| json!({ "region": "core", "pieces": pieces });
+    let good = kept(keep(&["cover"]));
+    assert_eq!(faults(&good), [], "law: a pressed cover can keep it");
+    let with = good["stages"].as_array().expect("stages");
+    let moves = |stage: &&Value| stage.get("keep_mean_stress").is_some();
+    let at = with.iter().position(|stage| moves(&stage)).expect("it moves");
+    let told = |value: &Value, field: &str, words: &str| {
+        let (found, path) = (faults(value), format!("stages[{at}].keep_mean_stress.{field}"));
+        let told = found.iter().any(|(at, text)| *at == path && text.contains(words));
+        assert!(told, "law: `{path}` is reported with `{words}`, got {found:#?}");
+    };
+    // All at once.
+    let names = ["nobody", "cover", "cover", "lid", "vane", "block", "box"];
+    let mut bad = kept(json!({ "region": "rim", "pieces": names, "window_s": 0 }));
+    told(&bad, "window_s", "out of range");
+    bad["stages"][at]["keep_mean_stress"]["window_s"] = json!(0.1);
+    for (field, words) in [
+        ("region", "no such region (found \"rim\"; allowed: core)"),
+        ("pieces[0]", "no such piece (found \"nobody\"; allowed: cover)"),
+        ("pieces[2]", "named twice"),
+        ("pieces[3]", "moved by this stage"),
+        ("pieces[4]", "a moment turns the piece"),
+        ("pieces[5]", "moves freely"),
+        ("pieces[6]", "no force presses the piece"),
+    ] {
+        told(&bad, field, words);
+    }
+    told(&kept(keep(&[])), "pieces", "too short");
+    told(
+        &kept(json!({ "region": "core", "pieces": ["cover"], "gain": 1 })),
+        "gain",
+        "no such field",
+    );
+    let mut locked = kept(keep(&["cover"]));
+    locked["stages"][at - 2]["loads"][0] = json!({ "piece": "cover", "locked": true });
+    told(&locked, "pieces[0]", "no force presses the piece");
+    for (engine, words) in [
+        (json!({ "backend": "rapier" }), "rapier cannot press"),
+        (json!({ "contact_solver": "stock" }), "stock contacts cannot press"),
+    ] {
+        let mut value = good.clone();
+        value["engine"] = engine;
+        told(&value, "pieces", words);
+    }
+    let without: Scenario = serde_json::from_value(sound()).expect("a scenario");
+    let text = without.canonical_json();
+    assert!(!text.contains("keep_mean_stress"), "law: keys of other stages stay, {text}");
+}
+
 #[test]
 fn pieces_that_are_let_go_are_checked_and_refused_where_no_engine_can() {
     let stage = sound()["stages"].as_array().expect("stages").len();

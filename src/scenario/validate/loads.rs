@@ -3,14 +3,19 @@
 use super::*;
 use crate::scenario::LoadSpec;
 
+/// What computes the scenario in place of Bullet with native contacts, where something does.
+pub(super) fn other_solver(parts: &Parts) -> Option<&'static str> {
+    let engine = parts.engine.as_ref()?;
+    match (engine.backend, engine.contact_solver) {
+        (Backend::Rapier, _) => Some("rapier"),
+        (Backend::Bullet, ContactSolver::Stock) => Some("Bullet with stock contacts"),
+        (Backend::Bullet, ContactSolver::Native) => None,
+    }
+}
+
 /// A stage that only Bullet with native contacts can do, and what others lack.
 fn check_solver(parts: &Parts, stage: &str, lack: &str, faults: &mut Faults) {
-    let Some(engine) = &parts.engine else { return };
-    let who = match (engine.backend, engine.contact_solver) {
-        (Backend::Rapier, _) => "rapier",
-        (Backend::Bullet, ContactSolver::Stock) => "Bullet with stock contacts",
-        (Backend::Bullet, ContactSolver::Native) => return,
-    };
+    let Some(who) = other_solver(parts) else { return };
     let message = format!("{who} {lack}");
     faults.add("stage", format!("{stage:?}"), "it on Bullet with native contacts", message);
 }

@@ -8,6 +8,7 @@ mod apparatus;
 mod engine;
 mod grains;
 mod loads;
+mod mean_stress;
 mod motion;
 mod moves;
 mod pieces;

@@ -29,6 +29,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     moves::check(parts, faults);
     check_who_stands(parts, faults);
     until::check(parts, faults);
+    mean_stress::check(parts, faults);
 }
 
 /// Whether a name can be a part of the name of a column.

@@ -1,0 +1,159 @@
+//! Mean stress that pressed pieces keep, in the engine.
+
+use std::ops::ControlFlow;
+use std::sync::{Arc, atomic::AtomicBool};
+
+use super::*;
+use crate::grains::generate;
+use crate::scenario::{GrainsSpec, Scenario};
+
+/// A smooth box of 50 mm that is open above and to one side; a wall stands there, and a lid above.
+fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
+    let mut scenario: Scenario = serde_json::from_value(serde_json::json!({
+        "name": "test",
+        "grains": {
+            "total_mass_g": 65, "density_kg_per_m3": 2650,
+            "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
+        },
+        "contact": { "grain_wall_friction": 0.0 },
+        "pieces": [
+            { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 90],
+              "open": ["top", "high_x"] } } },
+            { "name": "wall", "shape": { "plate": { "size_mm": [10, 90, 100] } },
+              "at_mm": [30, 0, 50], "may_cross": true },
+            { "name": "lid", "shape": { "plate": { "size_mm": [90, 49, 10] } },
+              "at_mm": [20, 0, 95], "may_cross": true }
+        ],
+        "measures": {
+            "regions": [{ "name": "core", "low_mm": [-25, -25, 0], "high_mm": [25, 25, 25] }]
+        },
+        "stages": []
+    }))
+    .expect("a scenario");
+    scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
+    scenario
+}
+
+/// Keeps what it is shown.
+#[derive(Default)]
+struct Seen {
+    /// Mean stress of the region in Pa, and force on the wall in N.
+    moments: Vec<(f64, f64)>,
+    seams: Vec<Midway>,
+}
+
+impl Observer for Seen {
+    fn observe(&mut self, specimen: &Specimen, _: Moment) {
+        let mean = region(&scenario(None).measures.regions[0]).mean_stress_of(&specimen.state);
+        let force = specimen.state.pieces[1].press.map_or(0.0, |press| press.force_n);
+        self.moments.push((mean, force));
+    }
+
+    fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
+        self.seams.push(midway.clone());
+        ControlFlow::Continue(())
+    }
+}
+
+fn go(
+    every: Option<f64>,
+    specimen: Specimen,
+    midway: Option<Midway>,
+    stage: serde_json::Value,
+) -> (Result<StageOutcome, StageError>, Seen) {
+    let mut setup = Setup::new(&scenario(every)).expect("a laboratory");
+    setup.sample_interval = 0.02;
+    let (mut seen, never) = (Seen::default(), AtomicBool::new(false));
+    let stage: StageSpec = serde_json::from_value(stage).expect("a stage");
+    let make = &crate::world::create;
+    (run(&setup, make, specimen, &stage, midway, &mut seen, &never), seen)
+}
+
+fn before_everything() -> Specimen {
+    let GrainsSpec::Sieved(spec) = scenario(None).grains else { panic!("sieved") };
+    let grains = Arc::new(generate(&spec, 1).expect("grains"));
+    let state = SpecimenState::before_everything(grains.grains.len());
+    Specimen { grains, state }
+}
+
+/// Grains between box, wall and lid, which both press by 10 kPa.
+fn pressed() -> Specimen {
+    let rain = serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 70], "area_mm": [30, 30],
+        "rate_g_per_s": 300, "time_limit_s": 4 });
+    let press = serde_json::json!({ "stage": "press", "time_limit_s": 4, "approach_mm_per_s": 100, "loads": [
+        { "piece": "wall", "direction": [-1, 0, 0], "force_n": 15 },
+        { "piece": "lid", "direction": [0, 0, -1], "force_n": 25 }] });
+    let filled = go(None, before_everything(), None, rain).0.expect("it runs").specimen;
+    go(None, filled, None, press).0.expect("it runs").specimen
+}
+
+/// Moves the lid at a speed in mm/s, and keeps the mean stress where a window in s is given.
+fn lid(speed: f64, window_s: Option<f64>) -> serde_json::Value {
+    let mut stage = serde_json::json!({ "stage": "move", "pieces": ["lid"],
+        "velocity_mm_per_s": [0, 0, speed], "duration_s": 1.2, "ramp_s": 0.1 });
+    if let Some(window_s) = window_s {
+        stage["keep_mean_stress"] =
+            serde_json::json!({ "region": "core", "pieces": ["wall"], "window_s": window_s });
+    }
+    stage
+}
+
+/// Law: a lid that goes down or up at constant speed changes the mean stress where the wall keeps
+/// its force; where the wall may change it, the mean stress stays.
+#[test]
+fn a_mean_stress_is_kept_while_a_lid_goes_down_or_up() {
+    let _turn = crate::world::shared_turn();
+    let begun = pressed();
+    for speed in [-6.0, 3.0] {
+        let end = |window_s| {
+            let (outcome, seen) = go(None, begun.clone(), None, lid(speed, window_s));
+            let warnings = outcome.expect("it runs").warnings;
+            assert!(warnings.is_empty(), "law: no limit is come to, {warnings:?}");
+            let target = seen.moments[0].0;
+            let later = &seen.moments[2 * seen.moments.len() / 3..];
+            let mean = later.iter().map(|(p, _)| p / target).sum::<f64>() / later.len() as f64;
+            (mean, later[0].1 / seen.moments[0].1)
+        };
+        let ((kept, force), (free, same)) = (end(Some(0.1)), end(None));
+        println!("{speed} mm/s: {kept} of p₀ by {force} of the force, {free} by {same}");
+        assert!((kept - 1.0).abs() < 0.15, "law: p stays at {speed} mm/s, got {kept} of it");
+        assert!((free - 1.0).abs() > 0.35, "law: else it does not, got {free} of it");
+        assert_eq!((force - 1.0).signum(), speed.signum(), "law: less force where the lid presses");
+        assert_eq!(same, 1.0, "law: without the field the force stays");
+    }
+}
+
+#[test]
+fn a_mean_stress_is_kept_on_from_a_checkpoint_with_the_same_bits() {
+    let _turn = crate::world::shared_turn();
+    let begun = pressed();
+    let (whole, seen) = go(Some(0.25), begun.clone(), None, lid(-5.0, Some(0.1)));
+    let whole = whole.expect("it runs").specimen.state;
+    assert!(seen.seams.len() > 2, "the check sees segments, {}", seen.seams.len());
+    for midway in [&seen.seams[0], &seen.seams[seen.seams.len() - 1]] {
+        let stored = serde_json::to_string(midway).expect("JSON");
+        let read: Midway = serde_json::from_str(&stored).expect("a checkpoint");
+        assert!(read.kept_stress.is_some_and(|kept| kept.factor != 1.0), "it is under way");
+        let (got, _) = go(Some(0.25), begun.clone(), Some(read), lid(-5.0, Some(0.1)));
+        let same = got.expect("it runs").specimen.state == whole;
+        assert!(same, "law: the same bits from a checkpoint as without a break");
+    }
+    let (other, _) = go(Some(0.25), begun, None, lid(-5.0, Some(0.2)));
+    assert!(other.expect("it runs").specimen.state != whole, "the comparison can fail");
+}
+
+#[test]
+fn what_cannot_keep_a_mean_stress_is_refused() {
+    let _turn = crate::world::shared_turn();
+    let begun = pressed();
+    let refused = |change: &dyn Fn(&mut Specimen)| {
+        let mut specimen = begun.clone();
+        change(&mut specimen);
+        let got = go(None, specimen, None, lid(-5.0, Some(0.1))).0;
+        got.expect_err("law: it is refused").to_string()
+    };
+    let told = refused(&|specimen| specimen.state.pieces[1].hold());
+    assert!(told.contains("no force presses a piece"), "law: why, got {told}");
+    let told = refused(&|specimen| specimen.state.contacts.clear());
+    assert!(told.contains("nothing is pressed in the region"), "law: why, got {told}");
+}
