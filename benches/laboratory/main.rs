@@ -38,9 +38,9 @@ struct Options {
     /// Realisations of each point [default: 5, quick 2]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100))]
     configurations: Option<u32>,
-    /// Stages that run at the same time
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=256))]
-    jobs: u32,
+    /// Stages that run at the same time [default: one per core]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=256))]
+    jobs: Option<u32>,
     /// File for the rows; runs lie in a folder of its name
     #[arg(long, default_value = "out/laboratory.json")]
     out: PathBuf,
@@ -120,7 +120,7 @@ fn run(options: &Options) -> Result<(), String> {
         out: options.out.with_extension(""),
         quick: options.quick,
         configurations: options.configurations.unwrap_or(if options.quick { 2 } else { 5 }),
-        jobs: options.jobs as usize,
+        jobs: options.jobs.map_or_else(pluvia::study::available_cores, |jobs| jobs as usize),
         left_out: RefCell::default(),
     };
     create_folder(&bench.out).map_err(|e| e.to_string())?;
