@@ -164,12 +164,16 @@ fn moments(run: &Run) -> Result<Vec<Triaxial>, String> {
         "core_stress_yy_kpa",
         "core_stress_zz_kpa",
         "core_void_ratio",
+        "time_s",
     ])?;
     // The lower side of the top plate, which is 20 mm thick.
-    let height = |row: &[f64; 6]| row[1] - 10.0;
-    let sheared: Vec<&[f64; 6]> = rows.iter().filter(|row| row[0] == 1.0).collect();
+    let height = |row: &[f64; 7]| row[1] - 10.0;
+    // Less than half as fast, the plate lets the deviator go.
+    let end = rows.last().map_or(0.0, |row| row[6]) - RAMP / 2.0;
+    let is_sheared = |row: &&[f64; 7]| row[0] == 1.0 && row[6] <= end;
+    let sheared: Vec<&[f64; 7]> = rows.iter().filter(is_sheared).collect();
     let Some(first) = sheared.first().map(|row| height(row)) else { return Ok(Vec::new()) };
-    let moment = |row: &&[f64; 6]| Triaxial {
+    let moment = |row: &&[f64; 7]| Triaxial {
         strain: 1.0 - height(row) / first,
         stress: [row[2], row[3], row[4]].map(from_kpa),
         void_ratio: row[5],
