@@ -101,11 +101,16 @@ fn an_earlier_stage_can_be_chosen_and_carries_what_follows() {
     assert_eq!((law.amplitude_m, law.frequency_hz, law.duration_s), (0.01, 4.0, 0.25));
     done(small_run(), &["--format", "json", "--stage", "2"], folder.path());
     assert_eq!(scene(folder.path()), named, "law: number and name say the same");
-    done(small_run(), &["--format", "json", "--stage", "fill_funnel"], folder.path());
+    let earlier = ["--format", "json", "--stage", "fill_funnel"];
+    let refused = export(small_run(), &earlier, folder.path());
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "law: another scene is not written over: {said}");
+    assert!(said.contains("--force"), "law: with the way out: {said}");
+    done(small_run(), &[&earlier[..], &["--force"]].concat(), folder.path());
     let filled = scene(folder.path());
     assert_eq!(filled.apparatus.len(), 33, "32 funnel pieces and the lid, no cylinder yet");
     assert!(filled.apparatus.iter().all(|p| p.motion == Carrier::Fixed));
-    done(small_run(), &["--format", "json", "--stage", "rest_test"], folder.path());
+    done(small_run(), &["--force", "--format", "json", "--stage", "rest_test"], folder.path());
     assert_eq!(scene(folder.path()).made_by.stage, "rest_test");
 }
 
@@ -265,7 +270,7 @@ fn frames_for_paraview_are_listed_and_counted() {
 fn a_scene_for_blender_stands_still_or_moves() {
     let folder = tempfile::tempdir().expect("a folder");
     let read = |more: &[&str]| {
-        done(small_run(), &[&["--format", "glb"], more].concat(), folder.path());
+        done(small_run(), &[&["--format", "glb", "--force"], more].concat(), folder.path());
         let bytes = fs::read(folder.path().join("specimen.glb")).expect("a file");
         gltf::Gltf::from_slice(&bytes).expect("a sound glTF file")
     };

@@ -234,7 +234,8 @@ fn a_specimen_of_other_grains_is_refused() {
         for format in ["vtk", "obj", "glb", "csv"] {
             let run = run.to_str().expect("UTF-8");
             let out = folder.path().join("out");
-            let output = ended(pluvia(&["export", run, "--format", format], &out), field);
+            let output =
+                ended(pluvia(&["export", run, "--force", "--format", format], &out), field);
             // Formats of the whole run read the stages, which are as they were.
             if output.status.code() != Some(0) {
                 refused(&output, 2, &["specimen.json", field], field);

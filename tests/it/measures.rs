@@ -324,7 +324,7 @@ fn groups_that_make_no_sense_are_refused_with_the_field() {
         (json!([{ "name": "a", "pieces": ["flor"] }]), "measures.groups[0].pieces[0]"),
         (json!([{ "name": "a", "pieces": ["floor", "floor"] }]), "in the group already"),
         (json!([{ "name": "a", "pieces": [] }]), "measures.groups[0].pieces"),
-        (json!([{ "name": "all", "pieces": ["floor"] }]), "of their own"),
+        (json!([{ "name": "all", "pieces": ["floor"] }]), "unique names"),
     ] {
         let mut value = scenario();
         value["measures"]["groups"] = groups;

@@ -247,7 +247,7 @@ fn typed_values_are_warned_of_in_both_directions() {
         (&settle, "largest_speed_mm_per_s", 559.0, "time limit", "still fall"),
         (&settle, "hold_s", 0.28, "bounce", "longer than it needs"),
         (&rapier, "contact_frequency_hz", 447.0, "sink into each other", "substeps"),
-        (&rapier, "engine_unit_mm", 12.5, "for nothing", "no longer there"),
+        (&rapier, "engine_unit_mm", 12.5, "needlessly", "no longer there"),
         (&rapier, "prediction_mm", 0.375, "before they are met", "costs time"),
         (&rapier, "corrective_speed_m_per_s", 3.35, "last", "burst"),
         (&rapier, "recycling_distance_mm", 0.25, "creeps", "out of date"),

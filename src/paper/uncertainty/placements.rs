@@ -213,6 +213,6 @@ mod tests {
         assert_eq!(claims(&own), claims(&runs), "law: placements answer no claim of the paper");
         let found = scatter(&study, &study, 0.95);
         assert_eq!(found[0].mean, None, "law: one specimen tells nothing of others");
-        assert!(found[0].note.starts_with("One specimen"), "{}", found[0].note);
+        assert!(found[0].note.starts_with("With one specimen"), "{}", found[0].note);
     }
 }
