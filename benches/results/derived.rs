@@ -19,6 +19,7 @@ pub fn named(name: &str) -> Option<Work> {
         "handed" => handed,
         "twins-means" => twins,
         "tally" => tally,
+        "joint-met" => joint,
         _ => return None,
     })
 }
@@ -263,6 +264,45 @@ fn twins(results: &Results) -> Result<Value, String> {
         }));
     }
     Ok(found.into())
+}
+
+/// Points of the joint sweeps, `abrupt` and with a `ramp`: how many there are, in how many the
+/// share of the first period is as wanted, and in how many all four numbers are. A point's pile,
+/// continuous and intermittent shaking have its friction.
+fn joint(results: &Results) -> Result<Value, String> {
+    let [piles, continuous, intermittent] =
+        ["joint-pile", "joint-continuous", "joint-intermittent"]
+            .map(|source| rows(results, source));
+    let (piles, intermittent) = (piles?, intermittent?);
+    let found = results.source("joint")?;
+    let met = |target: usize, value: Option<f64>| {
+        let end = |name: &str| found["targets"][target][name].as_f64().unwrap_or(f64::NAN);
+        value.is_some_and(|value| (end("low")..=end("high")).contains(&value))
+    };
+    let share = |row: &Map<String, Value>, of: &str| {
+        Some(100.0 * number(row, of)? / number(row, "settlement_mm.final")?)
+    };
+    let mut counts: BTreeMap<&str, [u32; 3]> = BTreeMap::new();
+    for shaken in &continuous? {
+        let same = |row: &&Map<String, Value>, field: &str| row.get(field) == shaken.get(field);
+        let alike = |row: &&Map<String, Value>| same(row, "contact.grain_grain_friction");
+        let pile = piles.iter().find(alike).ok_or("a point without a pile")?;
+        let other = intermittent.iter().find(|row| alike(row) && same(row, "stages.3.ramp_s"));
+        let other = other.ok_or("a point that is not shaken intermittently")?;
+        let first = met(3, share(other, "settlement_mm.after_each_period.0"));
+        let all = first
+            && met(0, number(pile, "angle_of_repose.degrees"))
+            && met(1, number(shaken, "settlement_mm.final"))
+            && met(2, share(shaken, "settlement_mm.after_5_s"));
+        let is_abrupt = number(shaken, "stages.3.ramp_s") == Some(0.0);
+        let count = counts.entry(if is_abrupt { "abrupt" } else { "ramp" }).or_default();
+        for (n, is) in [true, first, all].into_iter().enumerate() {
+            count[n] += u32::from(is);
+        }
+    }
+    let of =
+        |[points, first, all]: [u32; 3]| json!({ "points": points, "first": first, "all": all });
+    Ok(counts.into_iter().map(|(name, count)| (name.to_owned(), of(count))).collect())
 }
 
 /// Verdicts on the statements of the paper's programme.

@@ -268,7 +268,8 @@ impl<'a> Stand<'a> {
                 self.midway.calm_since_s = calm.then_some(since);
                 settled = calm && time - since >= self.setup.settle.hold;
             }
-            // What settles has the forces that the last look asked for; the next are told now.
+            // What settles has the forces that the last look asked for; those until the next look
+            // are set now.
             if regular && let Some(text) = self.keep_mean_stress(check_every as f64 * dt) {
                 observer.warn(&text);
             }

@@ -189,7 +189,7 @@ fn figure(case: &LawCase) -> Result<Figure, ReportError> {
         }
         let n = settings.iter().position(|s| *s == setting).unwrap_or(0);
         let label = if first { setting } else { "" };
-        plot.add(label, Look::line(n).thin(), thinned(&curve.points));
+        plot.add(label, Look::spaced(n).thin(), thinned(&curve.points));
     }
     if let Some(law) = laws.first() {
         plot.add(&law.name, Look::of(style::INK).dash(style::DASHED), thinned(&law.points));

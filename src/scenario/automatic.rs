@@ -182,7 +182,7 @@ pub(super) fn automatic_paths() -> impl Iterator<Item = &'static str> {
 }
 
 /// What is automatic of stages where it is left out: stage, field, law and default.
-pub(super) fn fields_of_stages() -> [(&'static str, &'static str, Law, f64); 14] {
+pub(super) fn fields_of_stages() -> [(&'static str, &'static str, Law, f64); 15] {
     use Law::{Coarse, Rate, Speed, Time};
     [
         ("fill_funnel", "time_limit_s", Time, fill_limit()),
@@ -194,6 +194,7 @@ pub(super) fn fields_of_stages() -> [(&'static str, &'static str, Law, f64); 14]
         ("slow_pluviation", "spout_diameter_mm", Coarse, spout_diameter()),
         ("vibrate", "settle_limit_s", Time, settle_limit()),
         ("deposit", "time_limit_s", Time, deposit_limit()),
+        ("move", "keep_mean_stress.window_s", Time, mean_stress::window()),
         ("press", "time_limit_s", Time, deposit_limit()),
         ("press", "ramp_s", Time, press_ramp()),
         ("press", "approach_mm_per_s", Speed, approach()),
@@ -238,7 +239,8 @@ fn fill_stages(value: &mut Value, scale: &Scale) {
     let stages = value.get_mut("stages").and_then(Value::as_array_mut);
     for stage in stages.into_iter().flatten() {
         for (name, field, law, default) in fields_of_stages() {
-            if stage["stage"] != name {
+            let is_there = |(part, _): (&str, &str)| stage[part].is_object();
+            if stage["stage"] != name || !field.split_once('.').is_none_or(is_there) {
                 continue;
             }
             let factor = law.factor(scale);
@@ -364,15 +366,28 @@ mod tests {
         assert_eq!(got, expected, "law: fields that are filled in");
         for (stage, field, law, default) in fields_of_stages() {
             let mut value = json!({ "stages": [{ "stage": stage }] });
+            let part = field.split_once('.');
+            if let Some((part, _)) = part {
+                fill(&mut value, &larger());
+                assert!(value["stages"][0][part].is_null(), "law: no `{part}` where none is asked");
+                value["stages"][0][part] = json!({});
+            }
             fill(&mut value, &larger());
-            let got = value["stages"][0][field].as_f64().unwrap_or(f64::NAN);
+            let got = number_at(&value["stages"][0], field).unwrap_or(f64::NAN);
             let expected = default * law.factor(&larger().scale(super::super::default_gravity()));
             let differs = (got / expected - 1.0).abs();
             assert!(differs < 1e-12, "law: {field} of {stage}: expected {expected}, got {got}");
             let variants = schema["$defs"]["StageSpec"]["oneOf"].as_array().expect("stages");
             let of_stage = |v: &&Value| v["properties"]["stage"]["const"] == stage;
             let known = variants.iter().find(of_stage).expect("law: it is a stage");
-            let known = &known["properties"][field]["x-automatic"];
+            let properties = match part {
+                None => &known["properties"],
+                Some((part, _)) => {
+                    let name = known["properties"][part]["$ref"].as_str().expect("a type");
+                    &schema.pointer(name.trim_start_matches('#')).expect("a type")["properties"]
+                }
+            };
+            let known = &properties[field.rsplit('.').next().unwrap_or(field)]["x-automatic"];
             assert!(*known == true, "law: the schema says so of {field} of {stage}");
         }
     }

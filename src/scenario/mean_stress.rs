@@ -20,5 +20,5 @@ pub struct KeepMeanStressSpec {
 }
 
 defaults! {
-    window: f64 = 0.1;
+    pub(super) window: f64 = 0.1;
 }

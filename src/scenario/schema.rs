@@ -82,9 +82,22 @@ pub(super) fn typed() -> Value {
             mark(part, field);
         }
     }
+    let mut parts = Vec::new();
     for stage in schema["$defs"]["StageSpec"]["oneOf"].as_array_mut().into_iter().flatten() {
         let name = stage["properties"]["stage"]["const"].clone();
-        fields_of_stages().iter().filter(|f| name == f.0).for_each(|f| mark(stage, f.1));
+        for (_, path, ..) in fields_of_stages().into_iter().filter(|f| name == f.0) {
+            let Some((part, field)) = path.split_once('.') else {
+                mark(stage, path);
+                continue;
+            };
+            let of = stage["properties"][part]["$ref"].as_str().unwrap_or_default();
+            parts.push((of.trim_start_matches('#').to_owned(), field));
+        }
+    }
+    for (pointer, field) in parts {
+        if let Some(part) = schema.pointer_mut(&pointer) {
+            mark(part, field);
+        }
     }
     schema
 }

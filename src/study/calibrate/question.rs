@@ -341,7 +341,7 @@ mod tests {
             |name| concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/quick/").to_owned() + name;
         let scenario = |name| {
             let loaded = crate::grains::load_scenario(path(name).as_ref(), &[]);
-            loaded.expect("a scenario of ours").scenario
+            loaded.expect("a shipped scenario").scenario
         };
         let (vibration, repose) = (scenario("vibration.json"), scenario("repose.json"));
         for (field, needs) in [

@@ -112,9 +112,14 @@ impl Dragged {
         ));
         outcome.measured("Engine", curve);
         let way = |x: f64| to_mm(x + 2.0 * law.half_length) + self.before_mm;
-        let mut points = vec![(0.0, 1.0)];
-        points.extend(law.tilted().iter().step_by(50).map(|(x, f)| (way(*x), f / self.friction)));
-        points.push((self.distance_mm, 1.0));
+        let tilted = law.tilted();
+        let tilted: Vec<(f64, f64)> =
+            tilted.iter().step_by(50).map(|(x, f)| (way(*x), f / self.friction)).collect();
+        // Flat before the block tips and after it lies on the lower piece.
+        let (tips, lies) = (tilted[0].0, tilted[tilted.len() - 1].0);
+        let mut points = vec![(0.0, 1.0), (tips, 1.0)];
+        points.extend(tilted);
+        points.extend([(lies, 1.0), (self.distance_mm, 1.0)]);
         outcome.law("Statics", points);
         Ok(outcome.got(if there { got } else { f64::NAN }))
     }
