@@ -30,6 +30,7 @@ pub struct Bench {
 }
 
 /// A point of a design: its name, and what it changes in the scenario.
+#[derive(Clone)]
 pub struct Point {
     pub name: String,
     pub changes: Vec<String>,

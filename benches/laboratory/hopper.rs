@@ -46,23 +46,63 @@ const K_SEEN: &str = "1 to 2: Mankoc et al. 2007, p. 1, seen only as quoted agai
     document, which also has 1.4 to 3 from Darias et al. 2020; another says 1.4 to 1.5 for spheres \
     and up to 2.5 for long grains";
 
-/// Runs the test.
-pub fn carry_out(bench: &Bench) -> Result<Found, String> {
-    let points: Vec<Point> = (1..=FLOOR.len())
-        .map(|count| {
+/// Grains of one shape, and the bin that they fill.
+struct Grains {
+    /// Beginning of the names of points and rows.
+    id: &'static str,
+    /// What quantities say of them.
+    called: &'static str,
+    /// What they change in the scenario.
+    shape: Option<&'static str>,
+    /// Mass in kg in the quick design: rates through the widest opening are steady until two fifths
+    /// have left.
+    quick: f64,
+    /// Factor on the times of [`FLOOR`] in the quick design.
+    longer: f64,
+}
+
+const ANGULAR: Grains =
+    Grains { id: "hopper", called: "", shape: None, quick: 4.5, longer: 1.5 };
+/// The constants that are usually given are those of spheres, or nearly.
+const SPHERES: Grains = Grains {
+    id: "hopper-spheres",
+    called: "spheres, ",
+    shape: Some("grains.shape=spheres"),
+    quick: 5.0,
+    longer: 1.0,
+};
+
+impl Grains {
+    /// Mass of a bin in kg.
+    fn total(&self, bench: &Bench) -> f64 {
+        if bench.quick { self.quick } else { 28.0 }
+    }
+
+    /// A point an opening.
+    fn points(&self, bench: &Bench) -> Vec<Point> {
+        let of = |count: usize| {
             let names: Vec<&str> = FLOOR[..count].iter().map(|f| f.0).collect();
-            let mut changes = vec![format!("stages.1.pieces={}", serde_json::json!(names))];
             let (_, opening, watched) = FLOOR[count - 1];
             // What a bin that is so much wider gives.
-            let longer = if bench.quick { 1.0 } else { 2.0 };
-            changes.push(format!("stages.1.time_limit_s={}", longer * watched));
+            let longer = if bench.quick { self.longer } else { 2.0 };
+            let mut changes = vec![
+                format!("stages.1.pieces={}", serde_json::json!(names)),
+                format!("stages.1.time_limit_s={}", longer * watched),
+                format!("grains.total_mass_g={}", 1e3 * self.total(bench)),
+            ];
             if !bench.quick {
                 changes.extend(wide());
             }
-            Point { name: format!("opening-{opening}"), changes, most: None }
-        })
-        .collect();
-    let total = if bench.quick { 3.0 } else { 28.0 };
+            changes.extend(self.shape.map(str::to_owned));
+            Point { name: format!("{}-opening-{opening}", self.id), changes, most: None }
+        };
+        (1..=FLOOR.len()).map(of).collect()
+    }
+}
+
+/// Runs the test.
+pub fn carry_out(bench: &Bench) -> Result<Found, String> {
+    let total = ANGULAR.total(bench);
     // What may be why it misses: tried at one opening in one realisation.
     let tried = [
         (
@@ -81,93 +121,125 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     ];
     // The wider bin takes as long as all of the quick design.
     let tried = if bench.quick { &tried[..2] } else { &tried[..] };
-    let of_one = points[TRIED].changes.clone();
-    let points = points.into_iter().chain(tried.iter().map(|(name, _, _, changes)| Point {
+    let angular = ANGULAR.points(bench);
+    let of_one = angular[TRIED].changes.clone();
+    let others = tried.iter().map(|(name, _, _, changes)| Point {
         name: (*name).to_owned(),
         changes: of_one.iter().chain(changes).cloned().collect(),
         most: Some(1),
-    }));
-    let points: Vec<Point> = points.collect();
+    });
+    let points: Vec<Point> =
+        angular.into_iter().chain(SPHERES.points(bench)).chain(others).collect();
     let runs = bench.run("hopper", SCENARIO, &points)?;
-    let mut flows: Vec<(u32, Discharge)> = Vec::new();
-    let mut others: Vec<(&str, Discharge)> = Vec::new();
-    let mut jammed: Vec<String> = Vec::new();
+    let mut flows = [Flows::default(), Flows::default()];
+    let mut changed: Vec<(&str, Discharge)> = Vec::new();
     for run in &runs {
-        let other = run.point.checked_sub(FLOOR.len()).map(|n| &tried[n]);
-        let opening = FLOOR[if other.is_some() { TRIED } else { run.point }].1;
-        let flow = discharge(run, opening, other.map_or(total, |other| other.2))?;
-        match (flow, other) {
-            (Flow::Steady(flow), None) => flows.push((run.configuration, flow)),
-            (Flow::Steady(flow), Some(other)) => others.push((other.1, flow)),
-            (Flow::Jammed, None) => jammed.push(format!("{opening} mm")),
+        let (set, n) = (run.point / FLOOR.len(), run.point % FLOOR.len());
+        let (grains, opening) = match set {
+            0 => (total, FLOOR[n].1),
+            1 => (SPHERES.total(bench), FLOOR[n].1),
+            _ => (tried[n].2, FLOOR[TRIED].1),
+        };
+        match (discharge(run, opening, grains)?, flows.get_mut(set)) {
+            (Flow::Steady(flow), Some(flows)) => flows.steady.push((run.configuration, flow)),
+            (Flow::Steady(flow), None) => changed.push((tried[n].1, flow)),
+            (Flow::Jammed, Some(flows)) => flows.jammed.push(format!("{opening} mm")),
             (_, _) => eprintln!("{}: no steady flow", run.folder.display()),
         }
     }
-    let own = flows.iter().find(|f| f.0 == 1 && f.1.opening == from_mm(FLOOR[TRIED].1));
-    let changed = own.map_or_else(String::new, |(_, own)| {
+    let [angular, spheres] = flows;
+    let is_own = |f: &&(u32, Discharge)| f.0 == 1 && f.1.opening == from_mm(FLOOR[TRIED].1);
+    let changed = angular.steady.iter().find(is_own).map_or_else(String::new, |(_, own)| {
         let of = |(what, flow): &(&str, Discharge)| {
             let more = 100.0 * (flow.rate / flow.bulk_density * own.bulk_density / own.rate - 1.0);
             format!("with {what} {more:+.0} %")
         };
-        let told: Vec<String> = others.iter().map(of).collect();
+        let told: Vec<String> = changed.iter().map(of).collect();
         format!(
             ". Tried through {} mm in one realisation, rate over bulk density: {}",
             FLOOR[TRIED].1,
             told.join(", ")
         )
     });
-    let fits = |held: Held| -> Vec<BeverlooFit> {
+    let mut rows = rows(bench, &ANGULAR, &angular, &changed);
+    rows.extend(self::rows(bench, &SPHERES, &spheres, ""));
+    Ok(Found { rows, charts: vec![chart(bench, &angular, &spheres)] })
+}
+
+/// What came through the openings.
+#[derive(Default)]
+struct Flows {
+    /// Realisations and flows.
+    steady: Vec<(u32, Discharge)>,
+    /// Openings of flows that jammed.
+    jammed: Vec<String>,
+}
+
+impl Flows {
+    /// The law fitted to the flows of each realisation.
+    fn fits(&self, bench: &Bench, held: Held) -> Vec<BeverlooFit> {
         let of = |configuration: u32| {
-            let own: Vec<Discharge> =
-                flows.iter().filter(|f| f.0 == configuration).map(|f| f.1).collect();
+            let is_own = |f: &&(u32, Discharge)| f.0 == configuration;
+            let own: Vec<Discharge> = self.steady.iter().filter(is_own).map(|f| f.1).collect();
             fit_beverloo(&own, SIZE, GRAVITY, held)
         };
         (1..=bench.configurations).filter_map(of).collect()
-    };
-    let free = fits(Held::default());
-    let with_exponent = fits(Held { exponent: Some(2.5), k: None });
-    let with_k = fits(Held { exponent: None, k: Some(USUAL_K) });
+    }
+
+    /// C and k by the usual exponent.
+    fn usual(&self, bench: &Bench) -> Vec<BeverlooFit> {
+        self.fits(bench, Held { exponent: Some(2.5), k: None })
+    }
+}
+
+fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row> {
     let values = |fits: &[BeverlooFit], of: fn(&BeverlooFit) -> f64| -> Vec<f64> {
         fits.iter().map(of).collect()
     };
-    let bin = if bench.quick {
-        "The bin is 170 mm wide, less than D + 30 d"
-    } else {
-        "The bin is 360 mm wide, D + 30 d of all openings"
+    let bin = match bench.quick {
+        true => format!(
+            "The bin is 170 mm wide, less than D + 30 d, and holds {} kg",
+            grains.total(bench)
+        ),
+        false => "The bin is 360 mm wide, D + 30 d of all openings".to_owned(),
     };
-    let jams = match jammed.len() {
+    let jams = match flows.jammed.len() {
         0 => String::new(),
-        count => format!(", {count} flows jammed and are left out ({})", jammed.join(", ")),
+        1 => format!(", one flow jammed and is left out ({})", flows.jammed[0]),
+        count => format!(", {count} flows jammed and are left out ({})", flows.jammed.join(", ")),
     };
     let rule = Rule::Range(2.4, 2.6);
     let row = |id: &str, quantity: &str, rule: Rule, values: Vec<f64>| {
-        Row::of("hopper", id, quantity, rule, &values)
+        let id = format!("{}-{id}", grains.id);
+        let quantity = format!("hopper, {}{quantity}", grains.called);
+        let mut row = Row::of("hopper", &id, &quantity, rule, &values);
+        bench.design().clone_into(&mut row.design);
+        row
     };
     let five = format!(
         "Five openings of 5 to 9 d{jams}. {bin}. Exponent and k make up for each other over so short \
          a range"
     );
     let contact = format!("{bin}. Friction between grains 0.5, restitution 0.315{changed}");
-    let (free, with_k) = (values(&free, |f| f.exponent), values(&with_k, |f| f.exponent));
-    let (c, k) = (values(&with_exponent, |f| f.c), values(&with_exponent, |f| f.k));
-    let mut rows = vec![
-        row("hopper-exponent", "exponent, with C and k fitted", rule, free)
+    let free = values(&flows.fits(bench, Held::default()), |f| f.exponent);
+    let with_k = Held { exponent: None, k: Some(USUAL_K) };
+    let with_k = values(&flows.fits(bench, with_k), |f| f.exponent);
+    let usual = flows.usual(bench);
+    let (c, k) = (values(&usual, |f| f.c), values(&usual, |f| f.k));
+    vec![
+        row("exponent", "exponent, with C and k fitted", rule, free)
             .seen(EXPONENT_SEEN)
             .noted(five),
-        row("hopper-exponent-at-k", "exponent, with k held at 1.4", rule, with_k)
+        row("exponent-at-k", "exponent, with k held at 1.4", rule, with_k)
             .seen(EXPONENT_SEEN)
             .noted("Of the same flows: what is left to the exponent where k is that of spheres"),
-        row("hopper-c", "C, with the exponent held at 2.5", Rule::Range(0.55, 0.65), c)
+        row("c", "C, with the exponent held at 2.5", Rule::Range(0.55, 0.65), c)
             .seen(C_SEEN)
             .noted(contact),
-        row("hopper-k", "k, with the exponent held at 2.5", Rule::Range(1.0, 2.0), k)
+        row("k", "k, with the exponent held at 2.5", Rule::Range(1.0, 2.0), k)
             .seen(K_SEEN)
             .noted("d is the equivalent diameter, 9.0 mm"),
-    ];
-    for row in &mut rows {
-        bench.design().clone_into(&mut row.design);
-    }
-    Ok(Found { rows, charts: vec![chart(&flows, &with_exponent)] })
+    ]
 }
 
 /// The same bin, as wide and as full as the law asks for.
@@ -212,10 +284,10 @@ enum Flow {
     Short,
 }
 
-fn chart(flows: &[(u32, Discharge)], fits: &[BeverlooFit]) -> Chart {
-    let count = flows.len().max(1) as f64;
-    let density = flows.iter().map(|f| f.1.bulk_density).sum::<f64>() / count;
-    let law = |c: f64, k: f64| -> Vec<(f64, f64)> {
+fn chart(bench: &Bench, angular: &Flows, spheres: &Flows) -> Chart {
+    let all = || angular.steady.iter().chain(&spheres.steady);
+    let density = all().map(|f| f.1.bulk_density).sum::<f64>() / all().count().max(1) as f64;
+    let law = |density: f64, c: f64, k: f64| -> Vec<(f64, f64)> {
         (40..=85)
             .map(|mm| {
                 let gap = (from_mm(f64::from(mm)) - k * SIZE).max(0.0);
@@ -225,18 +297,27 @@ fn chart(flows: &[(u32, Discharge)], fits: &[BeverlooFit]) -> Chart {
     };
     let mut plot =
         Plot::new(Axis::linear("Opening (mm)").from_zero(), Axis::linear("Rate (g/s)").from_zero());
-    let measured = flows.iter().map(|(_, f)| (to_mm(f.opening), to_g(f.rate))).collect();
-    plot.add("Measured", Look::points(0), measured);
-    let mean = |of: fn(&BeverlooFit) -> f64| fits.iter().map(of).sum::<f64>() / fits.len() as f64;
-    if !fits.is_empty() {
-        let (c, k) = (mean(|f| f.c), mean(|f| f.k));
-        plot.add(format!("Fitted, C {c:.2}, k {k:.2}"), Look::law(0), law(c, k));
+    for (n, (called, flows)) in [("Angular", angular), ("Spheres", spheres)].iter().enumerate() {
+        let measured = flows.steady.iter().map(|(_, f)| (to_mm(f.opening), to_g(f.rate))).collect();
+        plot.add(*called, Look::points(n), measured);
+        let fits = flows.usual(bench);
+        if fits.is_empty() {
+            continue;
+        }
+        let mean = |of: &dyn Fn(&BeverlooFit) -> f64| {
+            fits.iter().map(of).sum::<f64>() / fits.len() as f64
+        };
+        let (c, k) = (mean(&|f| f.c), mean(&|f| f.k));
+        let count = flows.steady.len() as f64;
+        let density = flows.steady.iter().map(|f| f.1.bulk_density).sum::<f64>() / count;
+        plot.add(format!("Fitted, C {c:.2}, k {k:.2}"), Look::law(n), law(density, c, k));
     }
-    plot.add(format!("C {USUAL_C}, k {USUAL_K}"), Look::law(1), law(USUAL_C, USUAL_K));
+    plot.add(format!("C {USUAL_C}, k {USUAL_K}"), Look::law(2), law(density, USUAL_C, USUAL_K));
     Chart {
         stem: "hopper".into(),
         title: "Discharge of a flat-bottomed bin".into(),
-        caption: "Steady rate against the diameter of the opening, each realisation a point."
+        caption: "Steady rate against the diameter of the opening, angular grains and spheres, each \
+                  realisation a point."
             .into(),
         panels: vec![plot],
     }

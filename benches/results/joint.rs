@@ -64,7 +64,7 @@ pub fn targets(found: &Value) -> Result<String, String> {
 
 /// A row a pair of targets, and one of all: how probable it is to meet them together, and where.
 pub fn together(found: &Value) -> Result<String, String> {
-    let mut names = vec!["together", "runs that meet them", "on average", "at best"];
+    let mut names = vec!["together", "points that meet them", "on average", "at best"];
     names.extend(FACTORS.iter().map(|(_, name)| *name));
     let mut text = head(&names);
     for group in list(found, "pairs")?.iter().chain([&found["all"]]) {
@@ -77,9 +77,9 @@ pub fn together(found: &Value) -> Result<String, String> {
             |path: &str| Ok::<_, String>(format!("{:.0} %", 100.0 * number(&group[path])?));
         let mut cells = vec![
             if is_all { "all four".to_owned() } else { named.join("; ") },
-            match group["runs"].as_array() {
-                Some(runs) => format!("{} of {}", runs[0], runs[1]),
-                None => String::new(),
+            match &group["points"] {
+                Value::Null => String::new(),
+                points => format!("{} of {}", points["met"], points["of"]),
             },
             percent("mean")?,
             percent("best")?,

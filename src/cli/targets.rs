@@ -8,11 +8,12 @@ use crate::study::{TargetRuns, meet_targets};
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Reads finished sweeps, runs nothing. A target is a column of their tables, or the ratio of two
-columns in percent, and a range for it. A linear model of all factors is fitted to each target; its
-scatter gives the probability that a run meets the target, and the product of these probabilities
-is that of meeting several. The command says whether a combination meets all targets, and which two
-targets exclude each other. Sweeps of the same name are merged. Leaves targets.json and targets.md
-in DIR.
+columns in percent, and a range for it. Runs of different sweeps form a point if they agree in all
+factors that their sweeps share; points that meet all targets are counted and listed. A linear
+model of all factors is fitted to each target; its scatter gives the probability that a run meets
+the target, and the correlations of residuals at the same point that of meeting several. The
+command says whether a combination meets all targets, and which two targets exclude each other.
+Sweeps of the same name are merged. Leaves targets.json and targets.md in DIR.
 
 Examples:
   pluvia targets --runs shaken=out/shaken --target shaken:settlement_mm.final=14..19.61 \\

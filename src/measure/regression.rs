@@ -117,17 +117,50 @@ impl LinearModel {
         self.row(point).dot(&self.coefficients)
     }
 
-    /// Probability that one more result at a point lies from `low` to `high`: Student's t with
-    /// the scatter of the residuals and the uncertainty of the model there.
-    pub fn probability(&self, point: &[f64], low: f64, high: f64) -> f64 {
+    /// Ends of a range at a point, as multiples of the spread of one more result about its mean
+    /// there: the scatter of the residuals and the uncertainty of the model. Without any scatter
+    /// they are infinite.
+    pub fn in_spreads(&self, point: &[f64], low: f64, high: f64) -> [f64; 2] {
         let row = self.row(point);
-        let spread = self.residual * (1.0 + (self.inverse.clone() * &row).dot(&row)).sqrt();
+        let spread = self.residual * (1.0 + self.leverage(&row)).sqrt();
         let middle = row.dot(&self.coefficients);
-        match StudentsT::new(middle, spread, self.freedom) {
-            Ok(t) => t.cdf(high) - t.cdf(low),
-            // No scatter at all.
-            Err(_) => f64::from(u8::from((low..=high).contains(&middle))),
+        if spread > 0.0 {
+            return [(low - middle) / spread, (high - middle) / spread];
         }
+        let end = |is_above: bool| if is_above { f64::INFINITY } else { f64::NEG_INFINITY };
+        [end(low > middle), end(high >= middle)]
+    }
+
+    /// Probability that one more result lies between these multiples of its spread: Student's t.
+    pub fn between(&self, [low, high]: [f64; 2]) -> f64 {
+        let student = StudentsT::new(0.0, 1.0, self.freedom);
+        let below = |x: f64| match x.is_infinite() {
+            true => f64::from(u8::from(x > 0.0)),
+            false => student.map_or(f64::NAN, |student| student.cdf(x)),
+        };
+        below(high) - below(low)
+    }
+
+    /// Probability that one more result at a point lies from `low` to `high`.
+    pub fn probability(&self, point: &[f64], low: f64, high: f64) -> f64 {
+        self.between(self.in_spreads(point, low, high))
+    }
+
+    /// Degrees of freedom: values less coefficients.
+    pub fn freedom(&self) -> f64 {
+        self.freedom
+    }
+
+    /// Residual of a result that the model was fitted to, over its standard deviation (internally
+    /// studentised: Cook & Weisberg 1982). No number where there is no scatter.
+    pub fn studentised(&self, point: &[f64], result: f64) -> f64 {
+        let row = self.row(point);
+        let spread = self.residual * (1.0 - self.leverage(&row)).sqrt();
+        (result - row.dot(&self.coefficients)) / spread
+    }
+
+    fn leverage(&self, row: &DVector<f64>) -> f64 {
+        (&self.inverse * row).dot(row)
     }
 
     fn row(&self, point: &[f64]) -> DVector<f64> {
@@ -183,6 +216,23 @@ mod tests {
         assert_near("nine tenths within ± t₀.₉₅ s √(1 + 1/9)", 0.9, got, 1e-9);
         let far = model.probability(&[1.0, 10.0], middle + 100.0 * spread, f64::INFINITY);
         assert!(far < 1e-6, "law: next to none a hundred spreads away, got {far}");
+    }
+
+    /// Law: the variance of a residual is s² (1 − h) with Σ e² = s² (n − terms); a value of a
+    /// plane without scatter is certain.
+    #[test]
+    fn residuals_have_their_own_spread() {
+        let rows = grid(|n| (n as f64 * 1.7).sin());
+        let model = LinearModel::fit(&rows).expect("a fit");
+        let share = |x: &[f64]| 1.0 - model.leverage(&model.row(x));
+        let sum: f64 = rows.iter().map(|(x, y)| model.studentised(x, *y).powi(2) * share(x)).sum();
+        assert_near("Σ r² (1 − h) is the freedom", model.freedom(), sum, 1e-10);
+        let still = LinearModel { residual: 0.0, ..model };
+        let middle = still.at(&[1.0, 10.0]);
+        let of = |low: f64, high: f64| still.probability(&[1.0, 10.0], middle + low, middle + high);
+        assert_near("inside", 1.0, of(-1.0, 1.0), 0.0);
+        assert_near("above", 0.0, of(1.0, 2.0), 0.0);
+        assert_near("below", 0.0, of(-2.0, -1.0), 0.0);
     }
 
     /// Law: PRESS is the sum over fits that leave one value out.

@@ -75,7 +75,7 @@ pub use sweep::{
     MAIN_OUTCOMES, OUTCOMES, Sweep, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun,
     write_sweep,
 };
-pub use targets::{Target, TargetFound, TargetsFound, Together, write_targets};
+pub use targets::{MetAt, PointsMet, Target, TargetFound, TargetsFound, Together, write_targets};
 
 /// Why a report could not be written.
 #[derive(Debug, thiserror::Error)]

@@ -10,7 +10,7 @@ use super::{
     page::{Block, Page},
     table::{Cell, Table, plus_minus, row, table},
 };
-use crate::measure::regression::LinearFit;
+use crate::measure::{inference::wilson_interval, regression::LinearFit};
 use crate::paper::text::compact;
 use crate::record::write_json;
 
@@ -82,9 +82,41 @@ pub struct Together {
     pub best: f64,
     /// Values of the factors where it is.
     pub at: BTreeMap<String, f64>,
-    /// Runs of one table that meet them all, of those that have all results; none where the
-    /// targets are of several tables.
-    pub runs: Option<(usize, usize)>,
+    /// Points that meet them all; none where no point has all results.
+    pub points: Option<PointsMet>,
+}
+
+/// Points of sweeps that meet targets. A point is a run, or runs of several sweeps with the same
+/// values of all factors that they share.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PointsMet {
+    /// How many meet them all.
+    pub met: usize,
+    /// How many have all results.
+    pub of: usize,
+    /// 95 % interval of the share (Wilson 1927), of points taken to be independent.
+    pub share: [f64; 2],
+}
+
+impl PointsMet {
+    /// `met` of `of` points; none of none.
+    pub fn new(met: usize, of: usize) -> Option<Self> {
+        (of > 0).then(|| Self { met, of, share: wilson_interval(met, of) })
+    }
+
+    fn text(self) -> String {
+        let [low, high] = self.share.map(percent);
+        format!("{} of {} ({low} to {high})", self.met, self.of)
+    }
+}
+
+/// A point that meets all targets.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MetAt {
+    /// Values of the factors.
+    pub at: BTreeMap<String, f64>,
+    /// Values of the targets, in their order.
+    pub values: Vec<f64>,
 }
 
 /// Everything found.
@@ -94,12 +126,17 @@ pub struct TargetsFound {
     pub factors: BTreeMap<String, [f64; 2]>,
     /// One a target.
     pub targets: Vec<TargetFound>,
+    /// Correlations of the residuals of all targets at points that have them all; none where
+    /// these are too few, and residuals are taken to be independent.
+    pub correlations: Option<Vec<Vec<f64>>>,
     /// Every pair of targets, the least likely first.
     pub pairs: Vec<Together>,
     /// All targets.
     pub all: Together,
-    /// Number of points searched.
-    pub points: usize,
+    /// Points that meet all targets.
+    pub met_at: Vec<MetAt>,
+    /// Number of places searched.
+    pub searched: usize,
 }
 
 /// Below this probability everywhere two targets are said to exclude each other. Ours: one run in
@@ -121,13 +158,20 @@ impl TargetsFound {
             .filter(|t| t.best < EXCLUDED_BELOW)
             .map(|t| format!("{} ({})", t.target.title(), percent(t.best)))
             .collect();
-        let mut text = match self.all.best < EXCLUDED_BELOW {
-            true => format!(
-                "Nowhere in these ranges does a run meet all targets with more than {}.",
+        let mut text = match &self.all.points {
+            None => String::new(),
+            Some(points) => format!("Points that meet all targets: {}. ", points.text()),
+        };
+        let _ = match self.all.best < EXCLUDED_BELOW {
+            true => write!(
+                text,
+                "By the linear models a run nowhere in these ranges meets all targets with more \
+                 than {}.",
                 percent(self.all.best)
             ),
-            false => format!(
-                "A run meets all targets with {} at best, at {}.",
+            false => write!(
+                text,
+                "By the linear models a run meets all targets with {} at best, at {}.",
                 percent(self.all.best),
                 place(&self.all.at)
             ),
@@ -185,11 +229,35 @@ impl TargetsFound {
                 true => "all".to_owned(),
                 false => self.names(&found.targets),
             },
-            "runs that meet them" => found.runs.map(|(met, of)| format!("{met} of {of}")),
+            "points that meet them" => found.points.map(PointsMet::text),
             "mean" => Cell::number(percent(found.mean)),
             "best" => Cell::number(percent(found.best)),
             "at" => place(&found.at),
         })
+    }
+
+    fn correlated(&self) -> Option<Table> {
+        let correlations = self.correlations.as_ref()?;
+        let titles = || self.targets.iter().map(|t| t.target.title());
+        let mut table = Table::new([String::new()].into_iter().chain(titles()));
+        for (title, of) in titles().zip(correlations) {
+            let mut cells = row![title];
+            cells.extend(of.iter().map(|r| Cell::number(format!("{r:+.2}").replace('-', "−"))));
+            table.row(cells);
+        }
+        Some(table)
+    }
+
+    fn met_at(&self) -> Table {
+        let titles = self.targets.iter().map(|t| t.target.title());
+        let mut table = Table::new(self.factors.keys().cloned().chain(titles));
+        for point in &self.met_at {
+            let at = |name: &String| point.at.get(name).map(|x| Cell::number(compact(*x))).into();
+            let mut cells: Vec<Cell> = self.factors.keys().map(at).collect();
+            cells.extend(point.values.iter().map(|x| Cell::number(compact(*x))));
+            table.row(cells);
+        }
+        table
     }
 
     /// `targets.md`.
@@ -204,16 +272,31 @@ impl TargetsFound {
                      its scatter.";
         let effects = "Change of each result over the range of a factor, ± half of its 95 % confidence \
                        interval.";
+        let dependence = match self.correlations {
+            Some(_) => "Residuals of different targets go together as in the last table",
+            None => "Residuals of different targets are taken to be independent",
+        };
         let together = format!(
-            "Probability of meeting targets together, over {} points that fill the ranges, and where it \
-             is largest. Residuals of different targets are taken to be independent.",
-            self.points
+            "Points that meet targets together (runs with the same values of all factors that their \
+             sweeps share; in brackets the 95 % interval of that share), and the probability by the \
+             linear models, over {} places that fill the ranges: on average, at best, and where that \
+             is. {dependence}.",
+            self.searched
         );
+        let met_at = "Factors and results of the points that meet all targets.";
+        let correlated = "Correlations of the residuals of two targets at the same point.";
         let section = |said: &str, table| [Block::Text(said.to_owned()), Block::Table(table)];
-        Page::new("Targets met together", [Block::Lead(self.answer())])
+        let mut page = Page::new("Targets met together", [Block::Lead(self.answer())])
             .section("alone", "Each target by itself", section(alone, self.alone()))
             .section("effects", "What each factor moves", section(effects, self.effects()))
-            .section("together", "Together", section(&together, self.together()))
+            .section("together", "Together", section(&together, self.together()));
+        if !self.met_at.is_empty() {
+            page = page.section("met", "Where all are met", section(met_at, self.met_at()));
+        }
+        if let Some(table) = self.correlated() {
+            page = page.section("correlations", "Correlations", section(correlated, table));
+        }
+        page
     }
 }
 

@@ -54,8 +54,10 @@ fn the_point_where_all_targets_are_met_is_found() {
     assert!((at["a"] - 2.0).abs() < 0.2, "law: settlement 30 at a = 2: {at:?}");
     assert!((at["b"] - 3.0).abs() < 0.5, "law: 33 degrees at b = 3: {at:?}");
     assert!(found.all.best > 0.3, "law: met by a good part of runs there: {}", found.all.best);
-    assert_eq!(found.all.runs, Some((1, 25)), "law: the run at (2, 3) alone");
-    assert!(found.answer().starts_with("A run meets all targets with"), "{}", found.answer());
+    let points = found.all.points.expect("law: they are of one table");
+    assert_eq!((points.met, points.of), (1, 25), "law: the run at (2, 3) alone");
+    let expected = "By the linear models a run meets all targets with";
+    assert!(found.answer().contains(expected), "law: {expected} in {}", found.answer());
 }
 
 #[test]
@@ -68,7 +70,8 @@ fn targets_that_exclude_each_other_are_named() {
     let found = meet_targets(&both, &targets, &[]).expect("an answer");
     assert!(found.targets.iter().all(|t| t.best > 0.5), "law: each by itself is met somewhere");
     assert!(found.all.best < 0.01, "law: never together, got {}", found.all.best);
-    assert_eq!(found.all.runs, None, "law: they are of different tables");
+    let points = found.all.points.expect("law: their runs have the same factors");
+    assert_eq!((points.met, points.of), (0, 25), "law: a run has one settlement");
     let answer = found.answer();
     let expected =
         "Targets that exclude each other: t:settlement_mm.final and u:settlement_mm.final";
@@ -134,10 +137,66 @@ fn what_cannot_be_answered_is_refused_with_the_reason() {
     assert!(refused.to_string().contains("no table of a sweep"), "{refused}");
 }
 
-/// Law: the first elements of the sequence of base 2 are 1/2, 1/4, 3/4, 1/8.
+/// A table of 25 runs with one column a factor and a result, from the numbers 0 to 24.
+fn of_numbers(path: &Path, head: &str, row: impl Fn(f64, f64) -> String) {
+    let mut csv = format!("run,point,configuration,{head},left_out_of_means,failure\n");
+    for n in 0..25_u32 {
+        let _ = writeln!(csv, "r{n},p{n},1,{},,", row(f64::from(n % 5), f64::from(n / 5)));
+    }
+    std::fs::write(path, csv).expect("a table");
+}
+
+/// Law: with x = a + r and y = a − r of one specimen's r, both lie 0.5 to 1.5 beyond and below
+/// a = 2 where r is 0.5 to 1.5, as probable as that of one; residuals that were independent would
+/// give its square.
 #[test]
-fn haltons_sequence_halves_and_halves_again() {
-    let got: Vec<f64> = (1..=4).map(|n| halton(n, 2)).collect();
-    assert_eq!(got, [0.5, 0.25, 0.75, 0.125]);
-    assert!((halton(5, 3) - (2.0 / 3.0 + 1.0 / 9.0)).abs() < 1e-15, "law: 5 is 12 in base 3");
+fn residuals_of_one_point_go_together() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("sweep.csv");
+    of_numbers(&path, "a,settlement_mm.final,void_ratio", |a, r| {
+        format!("{a},{},{}", a + r - 2.0, a - r + 2.0)
+    });
+    let wanted = [target("t:settlement_mm.final=2.5..3.5"), target("t:void_ratio=0.5..1.5")];
+    let found = meet_targets(&[runs("t", path)], &wanted, &[]).expect("an answer");
+    let correlations = found.correlations.as_ref().expect("law: 25 points are enough");
+    let got = correlations[0][1];
+    assert!((got + 1.0).abs() < 1e-9, "law: one residual is the other's opposite, got {got}");
+    let rows: Vec<(Vec<f64>, f64)> =
+        (0..25_u32).map(|n| (vec![f64::from(n % 5)], f64::from(n / 5) - 2.0)).collect();
+    let model = LinearModel::fit(&rows).expect("a fit");
+    let expected = model.probability(&[2.0], 0.5, 1.5);
+    let got = found.all.best;
+    assert!((got - expected).abs() < 0.02, "law: expected {expected}, got {got}, tolerance 0.02");
+    assert!((found.all.at["a"] - 2.0).abs() < 0.1, "law: at a = 2, got {:?}", found.all.at);
+    let alone = expected.powi(2);
+    assert!(alone + 0.1 < expected, "law: the test tells it from {alone}, that of independence");
+}
+
+/// Law: every shaken run belongs to the pile of its a, whatever its b; a run of another
+/// configuration, or of an a without a pile, to none.
+#[test]
+fn runs_of_two_sweeps_are_joined_by_the_factors_that_they_share() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shaken = folder.path().join("shaken.csv");
+    of_numbers(&shaken, "a,b,settlement_mm.final", |a, b| format!("{a},{b},{}", 10.0 * a + b));
+    let mut csv =
+        "run,point,configuration,a,angle_of_repose.degrees,left_out_of_means,failure\n".to_owned();
+    for a in 0..4_u32 {
+        let _ = writeln!(csv, "r,p,1,{a}.0,{},,", 30 + a);
+    }
+    csv += "r,p,2,4.0,34,,\n";
+    let piles = folder.path().join("piles.csv");
+    std::fs::write(&piles, csv).expect("a table");
+    let wanted =
+        [target("pile:angle_of_repose.degrees=31.5..32.5"), target("t:settlement_mm.final=20..22")];
+    let found = meet_targets(&[runs("pile", piles), runs("t", shaken)], &wanted, &[]);
+    let found = found.expect("an answer");
+    let points = found.all.points.expect("law: they are joined");
+    assert_eq!((points.met, points.of), (3, 20), "law: a = 2 and b of 0, 1 and 2, of 4 × 5");
+    let at: Vec<(f64, f64)> = found.met_at.iter().map(|m| (m.at["a"], m.at["b"])).collect();
+    assert_eq!(at, [(2.0, 0.0), (2.0, 1.0), (2.0, 2.0)]);
+    assert_eq!(found.met_at[2].values, [32.0, 22.0], "law: angle and settlement, in their order");
+    let page = found.page();
+    assert!(page.contains("Points that meet all targets: 3 of 20 (5.2 % to 36 %)"), "{page}");
+    assert!(page.contains("Where all are met"), "{page}");
 }

@@ -2,9 +2,12 @@
 //!
 //! A target is a result, or the share of one in another, and the range in which it is wanted. To
 //! the runs of each target a linear model of all factors is fitted ([`LinearModel`]); the
-//! probability that a run at some point meets a target is that of the model with its scatter. That
-//! of several targets is the product: their residuals are taken to be independent. The points
-//! searched fill the ranges of all factors evenly (Halton 1960).
+//! probability that a run at some point meets a target is that of the model with its scatter. Runs
+//! of different sweeps belong together where their factors agree ([`points`]): such points are
+//! counted, and say how residuals of different targets go together ([`together`]).
+
+mod points;
+mod together;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -15,10 +18,7 @@ use std::{
 use super::{StudyError, design::range};
 use crate::measure::{inference::wilson_interval, regression::LinearModel};
 use crate::record::read_file;
-use crate::report::{ColumnTable, OUTCOMES, Target, TargetFound, TargetsFound, Together};
-
-/// Points that are searched.
-const POINTS: usize = 20_000;
+use crate::report::{ColumnTable, OUTCOMES, Target, TargetFound, TargetsFound};
 
 /// Runs of one experiment: finished sweeps over the same factors.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -85,7 +85,25 @@ struct Runs {
     factors: Vec<String>,
     /// Columns of factors, those that stand for chance or do not vary among them.
     columns: Vec<String>,
-    rows: Vec<(Vec<f64>, BTreeMap<String, f64>)>,
+    rows: Vec<Row>,
+}
+
+/// A run that counts.
+struct Row {
+    configuration: String,
+    /// Value of every column of the table that is a factor.
+    columns: BTreeMap<String, String>,
+    /// Values of the factors, in their order.
+    factors: Vec<f64>,
+    results: BTreeMap<String, f64>,
+}
+
+/// A target and the model of its runs.
+struct Modelled<'a> {
+    target: &'a Target,
+    /// The table that has them.
+    table: &'a Runs,
+    model: LinearModel,
 }
 
 /// Seeks what meets all targets; `chance` names factors that are none, but stand for chance.
@@ -123,7 +141,7 @@ pub fn meet_targets(
         )));
     }
     let mut models = Vec::new();
-    let mut found = Vec::new();
+    let mut found: Vec<TargetFound> = Vec::new();
     for target in targets {
         let table = tables.get(&target.runs).ok_or_else(|| {
             StudyError::Scenario(format!(
@@ -134,10 +152,10 @@ pub fn meet_targets(
             ))
         })?;
         let (model, of_target) = model(target, table)?;
-        models.push((model, table.factors.clone()));
+        models.push(Modelled { target, table, model });
         found.push(of_target);
     }
-    Ok(search(&tables, models, found))
+    Ok(together::search(&models, found))
 }
 
 /// The rows of a sweep that count in means.
@@ -157,6 +175,7 @@ fn read(path: &Path, chance: &[String]) -> Result<Runs, StudyError> {
         .map(|column| table.cells(column))
         .collect();
     let columns: Vec<Vec<Option<f64>>> = (0..names.len()).map(|n| table.numbers(n)).collect();
+    let cells: Vec<Vec<Option<&str>>> = (0..end).map(|n| table.cells(n)).collect();
     let varies = |n: &usize| {
         let mut values = columns[*n].iter().flatten();
         values.next().is_some_and(|first| values.any(|other| other != first))
@@ -171,26 +190,32 @@ fn read(path: &Path, chance: &[String]) -> Result<Runs, StudyError> {
         let values: Option<Vec<f64>> = factors.iter().map(|n| columns[*n][row]).collect();
         let values = values.ok_or_else(|| unfit("a factor is no number in every run"))?;
         let results = (end..names.len()).filter_map(|n| Some((names[n].clone(), columns[n][row]?)));
-        rows.push((values, results.collect()));
+        let cell = |n: usize| cells[n][row].unwrap_or_default().to_owned();
+        rows.push(Row {
+            configuration: cell(first - 1),
+            columns: (first..end).map(|n| (names[n].clone(), cell(n))).collect(),
+            factors: values,
+            results: results.collect(),
+        });
     }
     let columns = names[first..end].to_vec();
     Ok(Runs { factors: factors.into_iter().map(|n| names[n].clone()).collect(), columns, rows })
 }
 
 /// The value of a target in a row.
-fn value(target: &Target, results: &BTreeMap<String, f64>) -> Option<f64> {
-    let result = *results.get(&target.result)?;
+fn value(target: &Target, row: &Row) -> Option<f64> {
+    let result = *row.results.get(&target.result)?;
     let Some(of) = &target.share_of else { return Some(result) };
-    Some(100.0 * result / results.get(of)?).filter(|share| share.is_finite())
+    Some(100.0 * result / row.results.get(of)?).filter(|share| share.is_finite())
 }
 
 fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), StudyError> {
     let rows: Vec<(Vec<f64>, f64)> =
-        table.rows.iter().filter_map(|(x, r)| Some((x.clone(), value(target, r)?))).collect();
+        table.rows.iter().filter_map(|r| Some((r.factors.clone(), value(target, r)?))).collect();
     let title = target.title();
     for result in [Some(&target.result), target.share_of.as_ref()].into_iter().flatten() {
-        if !table.rows.iter().any(|(_, results)| results.contains_key(result)) {
-            let there = listed(table.rows.iter().flat_map(|(_, results)| results.keys()));
+        if !table.rows.iter().any(|row| row.results.contains_key(result)) {
+            let there = listed(table.rows.iter().flat_map(|row| row.results.keys()));
             return Err(StudyError::Scenario(format!(
                 "--target {title}: no run that counts has `{result}` (there are {there})"
             )));
@@ -221,90 +246,5 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
     Ok((fitted, found))
 }
 
-fn search(
-    tables: &BTreeMap<String, Runs>,
-    models: Vec<(LinearModel, Vec<String>)>,
-    mut targets: Vec<TargetFound>,
-) -> TargetsFound {
-    let mut factors: BTreeMap<String, [f64; 2]> = BTreeMap::new();
-    for table in tables.values() {
-        for (n, name) in table.factors.iter().enumerate() {
-            let range = factors.entry(name.clone()).or_insert([f64::MAX, f64::MIN]);
-            for (x, _) in &table.rows {
-                *range = [range[0].min(x[n]), range[1].max(x[n])];
-            }
-        }
-    }
-    let names: Vec<&String> = factors.keys().collect();
-    let ranges: Vec<[f64; 2]> = factors.values().copied().collect();
-    let places: Vec<Vec<usize>> = models
-        .iter()
-        .map(|(_, own)| own.iter().filter_map(|f| names.iter().position(|n| *n == f)).collect())
-        .collect();
-    let point = |number: usize| -> Vec<f64> {
-        let of = |(n, range): (usize, &[f64; 2])| {
-            range[0] + (range[1] - range[0]) * halton(number + 1, PRIMES[n % PRIMES.len()])
-        };
-        ranges.iter().enumerate().map(of).collect()
-    };
-    let mut chances: Vec<Vec<f64>> = Vec::with_capacity(POINTS);
-    for number in 0..POINTS {
-        let at = point(number);
-        let of = |n: usize| {
-            let own: Vec<f64> = places[n].iter().map(|place| at[*place]).collect();
-            models[n].0.probability(&own, targets[n].target.low, targets[n].target.high)
-        };
-        chances.push((0..models.len()).map(of).collect());
-    }
-    for (n, found) in targets.iter_mut().enumerate() {
-        found.best = chances.iter().map(|c| c[n]).fold(0.0, f64::max);
-    }
-    let together = |which: Vec<usize>| {
-        let chance = |n: usize| which.iter().map(|t| chances[n][*t]).product::<f64>();
-        let best = (0..POINTS)
-            .map(|n| (n, chance(n)))
-            .fold((0, -1.0), |best, this| if this.1 > best.1 { this } else { best });
-        let at = names.iter().map(|n| (*n).clone()).zip(point(best.0)).collect();
-        let mean = (0..POINTS).map(chance).sum::<f64>() / POINTS as f64;
-        let wanted: Vec<&Target> = which.iter().map(|t| &targets[*t].target).collect();
-        Together { runs: counted(tables, &wanted), targets: which, mean, best: best.1, at }
-    };
-    let count = targets.len();
-    let mut pairs: Vec<Together> =
-        (0..count).flat_map(|a| (a + 1..count).map(move |b| vec![a, b])).map(together).collect();
-    pairs.sort_by(|a, b| a.best.total_cmp(&b.best));
-    let all = together((0..count).collect());
-    TargetsFound { factors, targets, pairs, all, points: POINTS }
-}
-
-/// Runs that meet all targets, of those that have all results, where they are of one table.
-fn counted(tables: &BTreeMap<String, Runs>, targets: &[&Target]) -> Option<(usize, usize)> {
-    let name = &targets.first()?.runs;
-    if targets.iter().any(|t| t.runs != *name) {
-        return None;
-    }
-    let values = |results: &BTreeMap<String, f64>| -> Option<Vec<f64>> {
-        targets.iter().map(|t| value(t, results)).collect()
-    };
-    let whole: Vec<Vec<f64>> =
-        tables.get(name)?.rows.iter().filter_map(|(_, r)| values(r)).collect();
-    let met = |v: &&Vec<f64>| v.iter().zip(targets).all(|(v, t)| t.met(*v));
-    Some((whole.iter().filter(met).count(), whole.len()))
-}
-
-const PRIMES: [usize; 12] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37];
-
-/// Element of the van der Corput sequence of a base, from 0 to 1 (Halton 1960).
-fn halton(mut number: usize, base: usize) -> f64 {
-    let (mut share, mut value) = (1.0, 0.0);
-    while number > 0 {
-        share /= base as f64;
-        value += share * (number % base) as f64;
-        number /= base;
-    }
-    value
-}
-
 #[cfg(test)]
-#[path = "targets_tests.rs"]
 mod tests;
