@@ -62,7 +62,7 @@ joint: build ## which values of what the paper leaves open meet its numbers toge
 	bash scripts/joint.sh "$(OUT)" docs/results/joint $(BATCHES)
 
 sensitivity: OUT = out/sensitivity
-sensitivity: build ## what each choice of ours moves, in $(OUT)/sensitivity.md
+sensitivity: build ## what each of our choices moves, in $(OUT)/sensitivity.md
 	target/release/pluvia sensitivity --out "$(OUT)" $(ARGS)
 
 test: setup ## run the tests, except the slow ones
@@ -143,7 +143,7 @@ results: build ## compute what docs/results/ misses and fill the pages' numbers 
 bench-sweep: build ## what a sweep costs beside its runs (a few minutes)
 	bash scripts/sweep-overhead.sh
 
-deb: build ## pack the program for Debian 12, in target/package (docs/install.md)
+deb: build ## pack the program for Debian 12, in dist/ (docs/install.md)
 	@bash scripts/setup.sh package
 	bash scripts/package.sh deb
 
@@ -151,7 +151,7 @@ test-deb: deb ## install that package on a bare Debian 12 and run it; as root
 	@bash scripts/setup.sh bare
 	bash scripts/test-deb.sh
 
-archive: build ## pack the program with manual pages, scenarios and docs, in target/package
+archive: build ## pack the program with manual pages, scenarios and docs, in dist/
 	@bash scripts/setup.sh package
 	bash scripts/package.sh archive
 

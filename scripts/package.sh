@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Packs the release program for people who do not build it.
 #
-#   scripts/package.sh deb        target/package/pluvia_VERSION-1_ARCHITECTURE.deb
-#   scripts/package.sh archive    target/package/pluvia-VERSION-MACHINE-linux.tar.xz
-#   scripts/package.sh checksums  target/package/SHA256SUMS of what is there
+#   scripts/package.sh deb        dist/pluvia_VERSION-1_ARCHITECTURE.deb
+#   scripts/package.sh archive    dist/pluvia-VERSION-MACHINE-linux.tar.xz
+#   scripts/package.sh checksums  dist/SHA256SUMS of what is there
 #
 # Both hold the stripped program, the manual pages and completions that it prints itself,
 # scenarios and documentation. Neither holds Bullet: the package depends on Debian's, the archive
@@ -13,7 +13,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 program=${PLUVIA:-target/release/pluvia}
-out=target/package
+out=target/package # what is packed
+made=dist
 version=$(sed -n 's/^version = "\(.*\)"$/\1/p' Cargo.toml | head -1)
 
 fail() {
@@ -103,7 +104,7 @@ Description: granular soil as rigid convex polyhedra
  /usr/share/doc/pluvia.
 END
     same_time "$root"
-    file=$out/pluvia_$version-1_$architecture.deb
+    file=$made/pluvia_$version-1_$architecture.deb
     dpkg-deb --root-owner-group -Zxz --build "$root" "$file" >/dev/null
     echo "$file, $(du -h "$file" | cut -f1)"
 }
@@ -124,18 +125,18 @@ then run ./pluvia, or copy it to a folder of PATH, man/ to a MANPATH, and comple
 your shell looks for them.
 END
     same_time "$out/$name"
-    file=$out/$name.tar.xz
+    file=$made/$name.tar.xz
     tar --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$SOURCE_DATE_EPOCH" \
         -C "$out" -cJf "$file" "$name"
     echo "$file, $(du -h "$file" | cut -f1)"
 }
 
 checksums() {
-    (cd "$out" && find . -maxdepth 1 -type f \( -name '*.deb' -o -name '*.tar.xz' -o -name '*.whl' \) \
+    (cd "$made" && find . -maxdepth 1 -type f \( -name '*.deb' -o -name '*.tar.xz' -o -name '*.whl' \) \
         -printf '%P\n' | sort | xargs -r sha256sum >SHA256SUMS && cat SHA256SUMS)
 }
 
-mkdir -p "$out"
+mkdir -p "$out" "$made"
 case ${1:-} in
 deb) deb ;;
 archive) archive ;;

@@ -193,7 +193,7 @@ pub enum Fate {
 pub struct Base {
     /// Radius in m, about the z axis.
     pub radius: f64,
-    /// Coulomb friction ratio between floor and grains; `None` where the floor
+    /// Coulomb friction coefficient between floor and grains; `None` where the floor
     /// is of the grains' own material.
     pub friction: Option<f64>,
     /// The grains fixed to the floor.

@@ -25,8 +25,8 @@ const SLIPPERY: f64 = 0.2;
 const TOLERANCE: f64 = 0.15;
 
 const SEEN: &str = "Lube et al. 2004, J. Fluid Mech. 508: 1.24 a below 1.7, 1.6 √a above, seen only \
-    as quoted in three public documents, which agree; the paper itself was not seen. ± 15 % is what \
-    was asked for";
+    as quoted in three public documents, which agree; the paper itself was not seen. ± 15 % is \
+    our choice";
 
 /// Runs the test.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {

@@ -39,7 +39,7 @@ const USUAL_C: f64 = 0.58;
 
 const EXPONENT_SEEN: &str = "Mankoc et al. 2007, arXiv:0707.4550, abstract, seen: \"known to be \
     dependent on its diameter to a 5/2 power law\"; Beverloo et al. 1961 itself was not seen. \
-    ± 0.1 is what was asked for";
+    ± 0.1 is our choice";
 const C_SEEN: &str = "0.55 to 0.65 with the bulk density: Beverloo et al. 1961 as quoted by Mankoc \
     et al. 2007, p. 1, seen only as quoted again in two public documents on bulk solids";
 const K_SEEN: &str = "1 to 2: Mankoc et al. 2007, p. 1, seen only as quoted again in a public \
@@ -61,8 +61,7 @@ struct Grains {
     longer: f64,
 }
 
-const ANGULAR: Grains =
-    Grains { id: "hopper", called: "", shape: None, quick: 4.5, longer: 1.5 };
+const ANGULAR: Grains = Grains { id: "hopper", called: "", shape: None, quick: 4.5, longer: 1.5 };
 /// The constants that are usually given are those of spheres, or nearly.
 const SPHERES: Grains = Grains {
     id: "hopper-spheres",
@@ -304,9 +303,8 @@ fn chart(bench: &Bench, angular: &Flows, spheres: &Flows) -> Chart {
         if fits.is_empty() {
             continue;
         }
-        let mean = |of: &dyn Fn(&BeverlooFit) -> f64| {
-            fits.iter().map(of).sum::<f64>() / fits.len() as f64
-        };
+        let mean =
+            |of: &dyn Fn(&BeverlooFit) -> f64| fits.iter().map(of).sum::<f64>() / fits.len() as f64;
         let (c, k) = (mean(&|f| f.c), mean(&|f| f.k));
         let count = flows.steady.len() as f64;
         let density = flows.steady.iter().map(|f| f.1.bulk_density).sum::<f64>() / count;
@@ -316,9 +314,10 @@ fn chart(bench: &Bench, angular: &Flows, spheres: &Flows) -> Chart {
     Chart {
         stem: "hopper".into(),
         title: "Discharge of a flat-bottomed bin".into(),
-        caption: "Steady rate against the diameter of the opening, angular grains and spheres, each \
+        caption:
+            "Steady rate against the diameter of the opening, angular grains and spheres, each \
                   realisation a point."
-            .into(),
+                .into(),
         panels: vec![plot],
     }
 }

@@ -10,6 +10,7 @@ mod marks;
 mod missed;
 mod pages;
 mod scan;
+mod speed;
 mod tables;
 mod value;
 

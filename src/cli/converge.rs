@@ -6,8 +6,8 @@ use crate::study::ConvergenceStudy;
 /// Refine the engine's settings step by step, and find the cheapest that is fine enough
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Varies time step, iterations, sub-steps, contact stiffness and contact solver as the design says
-(scenarios/studies/convergence.json is built in), each setting in several configurations. Leaves
+Varies time step, solver tolerance, sub-steps, contact stiffness and contact solver as the design
+says (scenarios/studies/convergence.json is built in), each setting in several realisations. Leaves
 convergence.md, convergence.csv, convergence.json, figures/, variations.csv, variation-runs.csv,
 variations.json and runs/ in DIR. Finished stages there are reused. Precision is that of the build;
 results of the same design in DIR from a build in the other precision are included.

@@ -60,7 +60,7 @@ pub struct MadeBy {
 pub struct PairValue {
     /// The two materials.
     pub between: [Material; 2],
-    /// Coulomb friction ratio.
+    /// Coulomb friction coefficient.
     pub friction: f64,
     /// Coefficient of restitution.
     pub restitution: f64,

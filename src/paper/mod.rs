@@ -1,5 +1,5 @@
 //! What the paper states, with section and figure, and how each statement is
-//! held against the runs of a study.
+//! compared with the runs of a study.
 //!
 //! The paper is Izadi & Bezuijen (2014), "Simulation of granular soil
 //! behaviour using the Bullet physics library". Only its text was available to us:

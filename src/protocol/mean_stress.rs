@@ -15,7 +15,7 @@ const LIMITS: [f64; 2] = [0.1, 10.0];
 
 /// Largest change of the factor from one look to the next, as a share of it. A packing answers
 /// within some inertial times d √(ρ/p), 5 ms of 9 mm under 10 kPa: over a look of 20 ms it
-/// follows that as good as at rest. A dense one at a strain rate of 0.2 s⁻¹ asks for no less.
+/// follows quasi-statically. A dense one at a strain rate of 0.2 s⁻¹ asks for no less.
 const LARGEST_CHANGE: f64 = 0.1;
 
 /// What keeps a mean stress.

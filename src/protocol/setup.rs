@@ -37,7 +37,7 @@ pub struct Setup {
     pub settle: SettleCriterion,
     /// Seed of the random streams.
     pub seed: u64,
-    /// Which mixing of the grains.
+    /// Which realisation, counted from 1.
     pub configuration: u32,
     /// Interval between observations in s.
     pub sample_interval: f64,

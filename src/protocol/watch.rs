@@ -5,8 +5,8 @@
 //! can rise only by the work of the table: contacts and friction take. Its work is
 //! the integral of its velocity over the momentum that it gives, and along each
 //! direction at most the larger of its velocities at the two looks times that
-//! momentum; along z what gravity has taken is given, too. What rises beyond comes
-//! from nowhere. It is summed up, and the sum falls, to zero at the least,
+//! momentum; along z what gravity has taken is given, too. What rises beyond is
+//! unexplained. It is summed up, and the sum falls, to zero at the least,
 //! where more is lost than given: it is the largest rise without a cause from
 //! any earlier moment to now. Where pieces are pressed, contacts are loaded springs: what pieces
 //! gave them, and what they held when the stage began, may come back.
@@ -17,7 +17,7 @@ use super::*;
 /// gravity and table could give together.
 const ENERGY_SHARE: f64 = 0.05;
 
-/// The same share, at which it ends: from nowhere has come as much as there was.
+/// The same share, at which it ends: as much has come unexplained as there was.
 const ENERGY_RUNAWAY: f64 = 1.0;
 
 /// A stage is warned of when something is faster than this many times what
@@ -61,7 +61,7 @@ pub struct EnergyBalance {
     pub dissipated: f64,
 }
 
-/// What speeds and energies are held against, in SI units.
+/// What speeds and energies are compared with, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Budget {
     /// Peak speed of the table.

@@ -11,7 +11,7 @@ pub struct Watched {
     pub beyond: u64,
     /// The value that came nearest to its limit, or went farthest beyond.
     pub worst: f64,
-    /// The limit it was held against.
+    /// The limit it was compared with.
     pub limit: f64,
     /// When that was, in s since the first stage began.
     pub worst_at_s: f64,

@@ -125,7 +125,7 @@ pub struct CheckSummary {
     /// The value that came nearest to its limit, or went farthest beyond; null
     /// where nobody looked.
     pub worst: Option<f64>,
-    /// The limit it was held against.
+    /// The limit it was compared with.
     pub limit: Option<f64>,
     /// When that was, in s since the run began; null where no time belongs to it.
     pub worst_at_s: Option<f64>,

@@ -40,7 +40,7 @@ pub struct RunRecord {
     pub name: String,
     /// What it is in the paper's programme.
     pub kind: RunKind,
-    /// Which mixing of the grains, counted from 1.
+    /// Which realisation, counted from 1.
     pub configuration: u32,
     /// Distance between funnel and cylinder in mm.
     pub falling_height_mm: f64,

@@ -55,7 +55,7 @@ pub struct Summary {
     pub contact_solver: String,
     /// Seed of the random streams.
     pub seed: u64,
-    /// Which mixing of the grains.
+    /// Which realisation, counted from 1.
     pub configuration: u32,
     /// Falling height in mm, where grains were poured.
     pub falling_height_mm: Option<f64>,

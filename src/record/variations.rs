@@ -15,7 +15,7 @@ pub struct RunRow {
     pub variation: String,
     /// What the variation is part of, a ladder for one.
     pub group: String,
-    /// Which mixing of the grains, counted from 1.
+    /// Which realisation, counted from 1.
     pub configuration: u32,
     /// What was changed in the scenario, `path=value`, divided by semicolons.
     pub changes: String,

@@ -25,7 +25,7 @@ use crate::{
 pub struct CalibrationRun {
     /// Value of the unknown.
     pub value: f64,
-    /// Which mixing of the grains, counted from the scenario's own as 1.
+    /// Which realisation, counted from the scenario's own as 1.
     pub configuration: u32,
     /// Name of the run and of its folder under `runs/`.
     pub run: String,
@@ -129,10 +129,10 @@ pub struct CalibrationSolution {
 }
 
 /// The assumption that the angle of repose is the angle of friction between
-/// surfaces, held against the runs.
+/// surfaces, compared with the runs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FrictionIdentity {
-    /// Friction ratio it gives: the tangent of the wanted angle.
+    /// Friction coefficient it gives: the tangent of the wanted angle.
     pub friction: f64,
     /// Angle of friction in degrees of the ratio that was found; `None` where
     /// none was.
@@ -149,7 +149,7 @@ pub struct FrictionIdentity {
     pub p: Option<f64>,
     /// Whether the found interval holds `friction`.
     pub inside_interval: Option<bool>,
-    /// The friction ratio that the paper took from it.
+    /// The friction coefficient that the paper took from it.
     pub paper_friction: f64,
 }
 

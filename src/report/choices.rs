@@ -181,7 +181,7 @@ mod tests {
         );
         s.engine.rate_hz = 960.0;
         let c = choices(&s);
-        assert_eq!(value(&c, "Time step").as_deref(), Some("960 steps a second in 2 sub-steps"));
+        assert_eq!(value(&c, "Time step").as_deref(), Some("960 steps per second in 2 sub-steps"));
         assert_eq!(value(&c, "Sieve table").as_deref(), Some("8 to 10 mm: 100 %"));
         assert_eq!(value(&c, "Rest between periods").as_deref(), Some("1.5 s"));
         let amplitude = value(&c, "Meaning of the amplitude").expect("vibrated");

@@ -80,9 +80,9 @@ pub struct ConvergenceRow {
     pub ladder: String,
     /// The setting in words.
     pub rung: String,
-    /// Whether it is what its ladder is held against.
+    /// Whether its ladder is compared with it.
     pub finest_of_ladder: bool,
-    /// Whether it is what the study is held against.
+    /// Whether the study is compared with it.
     pub finest_of_study: bool,
     /// Its settings and means.
     pub result: VariationRow,

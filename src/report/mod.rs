@@ -122,7 +122,7 @@ pub struct ReportInput<'a> {
     pub beside: &'a [Column],
     /// Values the paper does not give, and why they were chosen.
     pub choices: &'a [Choice],
-    /// The accuracy standard that runs are held against.
+    /// The accuracy standard that runs are compared with.
     pub standard: Standard,
     /// Versions, seed, commands: names and values in words.
     pub provenance: &'a BTreeMap<String, String>,

@@ -76,7 +76,7 @@ pub struct SweepRun {
     pub run: String,
     /// The point that it belongs to.
     pub point: String,
-    /// Which mixing of the grains, counted from 1.
+    /// Which realisation, counted from 1.
     pub configuration: u32,
     /// The value of each factor.
     pub values: Vec<Value>,

@@ -45,7 +45,7 @@ settings! {
         /// other; higher: slower.
         #[schemars(range(min = 30.0, max = 100000.0))]
         pub rate_hz: f64 = 480.0,
-        /// Iterations a step of Bullet's own solver. Fewer: contacts give way; more: slower.
+        /// Iterations per step of Bullet's own solver. Fewer: contacts give way; more: slower.
         #[schemars(range(min = 1, max = 10000))]
         pub iterations: u32 = 20,
         /// Engine length units in a metre. Bullet's absolute tolerances are made
@@ -59,7 +59,7 @@ settings! {
         /// Distance up to which a contact is kept, in mm.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         pub contact_threshold_mm: f64 = 1.0,
-        /// Share of the overlap removed a step (Bullet's `m_erp2`).
+        /// Share of the overlap removed per step (Bullet's `m_erp2`).
         #[schemars(range(min = 0.0, max = 1.0))]
         pub erp: f64 = 0.2,
         /// Share of the last step's normal impulses with which the solver starts.

@@ -180,7 +180,7 @@ defaults! {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum GrainsSpec {
-    /// By sieve fractions: Voronoi cells cut from one cube a fraction, or spheres.
+    /// By sieve fractions: Voronoi cells cut from one cube per fraction, or spheres.
     Sieved(SievedGrains),
     /// A `grains.json` as `pluvia grains` writes it.
     File(GrainsFile),
@@ -317,16 +317,16 @@ settings! {
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
     #[serde(deny_unknown_fields, default)]
     pub struct ContactSpec {
-        /// Coulomb friction ratio between grains (paper, section 3: 0.793).
+        /// Coulomb friction coefficient between grains (paper, section 3: 0.793).
         #[schemars(range(min = 0.0, max = 10.0))]
         pub grain_grain_friction: f64 = 0.793,
-        /// Coulomb friction ratio between grains and walls, floor, funnel and lid (ours).
+        /// Coulomb friction coefficient between grains and walls, floor, funnel and lid (ours).
         #[schemars(range(min = 0.0, max = 10.0))]
         pub grain_wall_friction: f64 = 0.5,
-        /// Coulomb friction ratio between grains and top plate (ours).
+        /// Coulomb friction coefficient between grains and top plate (ours).
         #[schemars(range(min = 0.0, max = 10.0))]
         pub grain_plate_friction: f64 = 0.5,
-        /// Coulomb friction ratio between top plate and cylinder wall (ours).
+        /// Coulomb friction coefficient between top plate and cylinder wall (ours).
         #[schemars(range(min = 0.0, max = 10.0))]
         pub plate_wall_friction: f64 = 0.2,
         /// Coefficient of restitution of every pair (paper, section 3: 0.315).

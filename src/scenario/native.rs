@@ -73,7 +73,7 @@ settings! {
 }
 
 impl NativeSettings {
-    /// Sub-steps of a step at a rate in steps a second.
+    /// Sub-steps of a step at a rate in steps per second.
     pub fn substeps(&self, rate_hz: f64) -> u32 {
         // What is a whole number but for rounding is that number.
         let count = (self.substep_rate_hz / rate_hz - 1e-9).ceil();

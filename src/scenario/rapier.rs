@@ -25,7 +25,7 @@ settings! {
     /// engine settings apply to it too; the other fields there are Bullet's, also
     /// `iterations`, whose part `substeps` has.
     ///
-    /// The defaults are for grains of 10 mm at 480 steps a second. What is said of
+    /// The defaults are for grains of 10 mm at 480 steps per second. What is said of
     /// them was measured on 364 grains poured from 5 cm and then left alone
     /// (`docs/parameters.md`); the paper's standard is `docs/accuracy.md`.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

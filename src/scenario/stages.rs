@@ -73,7 +73,7 @@ pub enum BaseKind {
 pub struct BaseSpec {
     /// What it is made of.
     pub kind: BaseKind,
-    /// Coulomb friction ratio between grains and the floor: a `plane` needs it,
+    /// Coulomb friction coefficient between grains and the floor: a `plane` needs it,
     /// `fixed_grains` have that between grains.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0, max = 10.0))]

@@ -13,7 +13,7 @@ use crate::specimen::Specimen;
 
 /// Largest 99th percentile of the solver's residual, our choice: quick specimens have 0.002 to
 /// 0.015 at the default while they are poured and shaken, and 0.02 to 0.04 with eight
-/// iterations whatever they leave (docs/accuracy.md).
+/// iterations whatever they leave.
 const RESIDUAL_LIMIT: f64 = 0.05;
 
 /// Times in s that differ by less are the same.

@@ -29,7 +29,7 @@ impl<'a> Bench<'a> {
         Self { engine, view: View::default(), larger: 1.0, make }
     }
 
-    /// The same at another rate in steps a second.
+    /// The same at another rate in steps per second.
     pub fn at_rate(&self, rate_hz: f64) -> Self {
         let mut other = self.clone();
         other.engine.rate_hz = rate_hz / self.larger.sqrt();

@@ -42,7 +42,7 @@ impl Material {
 /// Friction and restitution of one pair of materials, both without unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PairCoefficients {
-    /// Coulomb friction ratio.
+    /// Coulomb friction coefficient.
     pub friction: f64,
     /// Coefficient of restitution.
     pub restitution: f64,

@@ -20,6 +20,8 @@ mod pages;
 #[allow(dead_code)]
 #[path = "../../benches/results/scan.rs"]
 mod scan;
+#[path = "../../benches/results/speed.rs"]
+mod speed;
 #[path = "../../benches/results/tables.rs"]
 mod tables;
 #[path = "../../benches/results/value.rs"]

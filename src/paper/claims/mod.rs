@@ -1,4 +1,4 @@
-//! Every statement of the paper that runs can show, held against a study.
+//! Every statement of the paper that runs can show, compared with a study.
 
 mod material;
 mod pluviation;

@@ -82,7 +82,7 @@ fn atan_friction(study: &StudyView, runs: &[&RunRecord]) -> Claim {
     let friction = study.pile_friction;
     let atan = friction.atan().to_degrees();
     let draft = Draft::of("repose-is-atan-friction").note(format!(
-        "Ours is the pile of grains whose surfaces have a friction ratio of {}, atan {}°. The law \
+        "Ours is the pile of grains whose surfaces have a friction coefficient of {}, atan {}°. The law \
          cited is of the friction of the whole material, which interlocking and rolling make other \
          than that of two surfaces.",
         number(friction, 3),

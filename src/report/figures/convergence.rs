@@ -262,7 +262,7 @@ fn cost(of: &Convergence) -> Result<Figure, ReportError> {
         "Cost against error",
         "The largest of overlap, creep and deviations, each over what the standard allows, against \
          wall time; below the dotted line the whole standard is met. Lines join the rungs of a ladder \
-         in order. The setting that the study is held against is left out: it cannot deviate from \
+         in order. The setting that the study is compared with is left out: it cannot deviate from \
          itself.",
         &[plot],
         &table,

@@ -26,7 +26,7 @@ pub struct ConvergenceDesign {
     /// How far a result may be from the converged one.
     pub limits: ConvergenceLimits,
     /// Name of the ladder whose finest rung stands for the converged result of
-    /// the whole study; every setting is held against it, too.
+    /// the whole study; every setting is compared with it, too.
     #[schemars(length(min = 1))]
     pub reference: String,
     /// The ladders.

@@ -282,7 +282,7 @@ fn single_precision_is_held_against_double() {
         rows.iter().find(|r| r.rung == "fine" && r.result.precision == "single").expect("a row");
     assert!(!single_fine.finest_of_ladder, "law: the reference is in double precision");
     assert!((height_percent(single_fine) + 100.0 * 10.0 / 164.0).abs() < 1e-9);
-    // Alone it is held against itself.
+    // Alone it is compared with itself.
     let alone = judged(&both[6..], &ladders);
     assert_eq!(height_percent(&alone[0]), 0.0);
     assert!(alone[1].finest_of_ladder);

@@ -1,0 +1,93 @@
+//! Tables of `make bench` and `make bench-peers`: what steps cost, here and in other engines.
+
+use serde_json::Value;
+
+use super::tables::{head, row};
+
+fn rows(all: &Value) -> Result<&Vec<Value>, String> {
+    all.as_array().ok_or_else(|| "no rows".to_owned())
+}
+
+/// A number with so many decimals; empty where it is not known.
+fn number(of: &Value, decimals: usize) -> String {
+    of.as_f64().map_or_else(String::new, |x| format!("{x:.decimals$}"))
+}
+
+/// A row an engine: wall time by scene, and what its grains look like at rest.
+pub fn peers(all: &Value) -> Result<String, String> {
+    let all = rows(all)?;
+    let of = |engine: &str, scene: &str| {
+        all.iter().find(|r| r["engine"] == engine && r["scene"] == scene).unwrap_or(&Value::Null)
+    };
+    let wall = |engine: &str, scene: &str| of(engine, scene)["wall_s_per_simulated_s"].as_f64();
+    let mut engines: Vec<&str> = Vec::new();
+    for name in all.iter().filter_map(|r| r["engine"].as_str()) {
+        if !engines.contains(&name) {
+            engines.push(name);
+        }
+    }
+    let mut text = head(&[
+        "engine",
+        "rest",
+        "shaken",
+        "pour",
+        "time over Pluvia's, shaken",
+        "overlap at rest, mean / p99, %",
+        "creep, µm/s",
+        "MiB",
+    ]);
+    for engine in engines {
+        let rest = of(engine, "rest");
+        let settings = match (rest["rate_hz"].as_f64(), rest["iterations"].as_u64()) {
+            (Some(rate), Some(iterations)) => format!(", {rate:.0} Hz × {iterations}"),
+            (Some(rate), None) => format!(", {rate:.0} Hz"),
+            _ => String::new(),
+        };
+        let time = |scene: &str| wall(engine, scene).map_or(String::new(), |s| format!("{s:.1}"));
+        let times = wall(engine, "shaken").zip(wall("pluvia", "shaken"));
+        let overlap = ["overlap_mean_percent", "overlap_p99_percent"];
+        let overlap = overlap.map(|field| number(&rest[field], 2)).join(" / ");
+        text += &row(&[
+            format!("{engine}{settings}"),
+            time("rest"),
+            time("shaken"),
+            time("pour"),
+            times.map_or(String::new(), |(own, pluvia)| format!("{:.1}", own / pluvia)),
+            if overlap == " / " { String::new() } else { overlap },
+            number(&rest["creep_um_per_s"], 1),
+            number(&of(engine, "shaken")["peak_memory_mib"], 0),
+        ]);
+    }
+    Ok(text)
+}
+
+/// A row a specimen, state and number of threads.
+pub fn steps(all: &Value) -> Result<String, String> {
+    let mut text = head(&[
+        "state",
+        "grains",
+        "threads",
+        "ms a step",
+        "µs a grain and step",
+        "growth",
+        "serial share, %",
+        "faster than on one thread",
+        "KiB a grain",
+    ]);
+    for of in rows(all)? {
+        let state = of["state"].as_str().ok_or("a row without a state")?.replace('_', ", ");
+        let serial = of["serial_share"].as_f64();
+        text += &row(&[
+            state,
+            number(&of["grains"], 0),
+            number(&of["threads"], 0),
+            number(&of["ms_per_step"], 2),
+            number(&of["us_per_grain_step"], 1),
+            number(&of["growth"], 2),
+            serial.map_or(String::new(), |share| format!("{:.0}", 100.0 * share)),
+            number(&of["speed_up"], 2),
+            number(&of["memory_kib_per_grain"], 1),
+        ]);
+    }
+    Ok(text)
+}
