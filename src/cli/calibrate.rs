@@ -88,7 +88,13 @@ pub(super) fn run(args: &CalibrateArgs, context: &Context) -> Result<ExitStatus,
         run: context.run_options(&args.out, args.jobs),
     };
     let study = CalibrationStudy::new(&options)?;
-    context.begin(&args.out)?;
+    let question = json!({
+        "scenario": asked::scenario(study.scenario()),
+        "target": options.target.field(),
+        "wanted": options.target.wanted(),
+        "unknown": options.unknown,
+    });
+    context.begin(&args.out, "calibrate", &question)?;
     let found = study.carry_out()?;
     let mut text = table::of_calibration(&found);
     text += &format!("report in {}\n", plain_path(&args.out.join("report.html")));

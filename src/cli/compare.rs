@@ -41,7 +41,8 @@ pub(super) fn run(args: &CompareArgs, context: &Context) -> Result<ExitStatus, C
         ));
     }
     let loaded = load_scenario(&args.scenario, &args.set)?;
-    context.begin(&args.out)?;
+    let question = json!({ "scenario": asked::scenario(&loaded.scenario), "backends": distinct });
+    context.begin(&args.out, "compare", &question)?;
     let options = context.run_options(&args.out, args.jobs);
     let record = compare(&loaded.scenario, &distinct, &options)?;
     let mut text = table::of_comparison(&record);

@@ -63,12 +63,19 @@ impl Context {
         }
     }
 
-    /// Makes the folder for results; from here on, Ctrl-C stops cleanly.
+    /// Makes the folder for a command's results, unless it holds others ([`asked::begin`]); from
+    /// here on, Ctrl-C stops cleanly.
     ///
     /// # Errors
     /// [`FileError`] naming the folder.
-    pub(super) fn begin(&self, out: &Path) -> Result<(), FileError> {
+    pub(super) fn begin(
+        &self,
+        out: &Path,
+        command: &str,
+        question: &Value,
+    ) -> Result<(), FileError> {
         output_folder::prepare(out)?;
+        asked::begin(out, command, question)?;
         self.stop_on_ctrl_c();
         Ok(())
     }

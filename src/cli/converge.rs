@@ -27,7 +27,7 @@ pub(super) struct ConvergeArgs {
 pub(super) fn run(args: &ConvergeArgs, context: &Context) -> Result<ExitStatus, CliError> {
     let options = args.designed.options(&args.out, context);
     let study = ConvergenceStudy::read(&options)?;
-    context.begin(&args.out)?;
+    context.begin(&args.out, "converge", &asked::ANYTHING)?;
     let found = study.carry_out(&options.run)?;
     let text = page_until(&args.out.join("convergence.md"), &["\n## How to read it"])?;
     let (left_out, with_result) = found.left_out();

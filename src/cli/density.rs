@@ -33,7 +33,7 @@ pub(super) struct DensityArgs {
     #[arg(long, value_name = "HZ", default_value_t = 12.0, value_parser = from_1_to::<200>)]
     frequency_hz: f64,
     /// Double amplitude (end to end) of the vibration in mm
-    #[arg(long, value_name = "MM", default_value_t = 8.0, value_parser = from_0_to::<100>)]
+    #[arg(long, value_name = "MM", default_value_t = 8.0, value_parser = amplitude)]
     double_amplitude_mm: f64,
     /// Duration of the vibration in s: a whole number of cycles
     #[arg(long, value_name = "S", default_value_t = 8.0, value_parser = from_1_to::<3600>)]
@@ -55,16 +55,28 @@ fn from_1_to<const MOST: u32>(text: &str) -> Result<f64, String> {
     between(text, 1.0, f64::from(MOST))
 }
 
+fn amplitude(text: &str) -> Result<f64, String> {
+    between(text, 0.001, 100.0)
+}
+
 fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|n| (low..=high).contains(n));
     number.ok_or_else(|| format!("`{text}` is not a number from {low} to {high}"))
 }
 
 pub(super) fn run(args: &DensityArgs, context: &Context) -> Result<ExitStatus, CliError> {
-    context.begin(&args.out)?;
+    let changes = args.changes.overrides();
+    let question = json!({
+        "scenario": asked::scenario(&load_scenario(&args.scenario, &changes)?.scenario),
+        "surcharge_kpa": args.surcharge_kpa,
+        "frequency_hz": args.frequency_hz,
+        "double_amplitude_mm": args.double_amplitude_mm,
+        "seconds": args.seconds,
+    });
+    context.begin(&args.out, "density", &question)?;
     let found = index_densities(&DensityOptions {
         scenario: args.scenario.clone(),
-        changes: args.changes.overrides(),
+        changes,
         configurations: args.configurations,
         surcharge_kpa: args.surcharge_kpa,
         frequency_hz: args.frequency_hz,

@@ -12,7 +12,8 @@ const UNFINISHED: &str = "unfinished.json";
 const MANIFEST: &str = "manifest.json";
 
 /// Files by which results of other commands are known, and runs that say of no scenario.
-const RESULTS: [&str; 13] = [
+const RESULTS: [&str; 14] = [
+    asked::FILE,
     "summary.json",
     "series.csv",
     "specimen.json",
@@ -44,7 +45,7 @@ const REMOVED: [&str; 10] = [
 ];
 
 /// Fields of a scenario for the reader alone.
-const WORDS: [&str; 2] = ["description", "notes"];
+pub(super) const WORDS: [&str; 2] = ["description", "notes"];
 
 /// Begins a run of a scenario in a folder, unless this holds what would be written over: the
 /// results of another scenario, finished or not, or of another command. A run of the same
@@ -109,7 +110,7 @@ fn has_stages(folder: &Path) -> bool {
 }
 
 /// The first field in which two values differ; text for the reader does not count.
-fn first_difference(path: &str, a: &Value, b: &Value) -> Option<String> {
+pub(super) fn first_difference(path: &str, a: &Value, b: &Value) -> Option<String> {
     let within = |field: &str| match path {
         "" => field.to_owned(),
         path => format!("{path}.{field}"),

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each a function of its arguments
 //! and a [`Context`].
 
+mod asked;
 mod calibrate;
 mod changes;
 mod compare;

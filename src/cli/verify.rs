@@ -58,7 +58,7 @@ pub(super) fn run(args: &VerifyArgs, context: &Context) -> Result<ExitStatus, Cl
         .filter(|s| args.backend.is_none_or(|b| s.engine.backend == b))
         .collect();
     let settings = choose("setting", offered, &args.setting, |s| &s.name)?;
-    context.begin(&args.out)?;
+    context.begin(&args.out, "verify", &asked::ANYTHING)?;
     let options = SuiteOptions {
         cases,
         settings,

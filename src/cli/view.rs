@@ -85,7 +85,8 @@ impl Shown {
 pub(super) fn run(args: &ViewArgs, context: &Context) -> Result<ExitStatus, CliError> {
     if let Some(file) = args.save.as_ref().filter(|file| file.exists()) {
         let reason = "it exists already; name another, or remove it";
-        return Err(FileError::new("write", file, reason).into());
+        let error = FileError::new("write", file, reason);
+        return Err(FileError { refused: true, ..error }.into());
     }
     let data = read_run_data(&args.run)?;
     if let Some(file) = &args.save {

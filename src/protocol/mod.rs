@@ -98,6 +98,9 @@ pub trait Observer {
         ControlFlow::Continue(())
     }
 
+    /// Called when a grain that was waiting is let go at a place in m.
+    fn let_go(&mut self, _grain: usize, _at: &Vector) {}
+
     /// Called when a check finds what a reader should know at once.
     fn warn(&mut self, _finding: &str) {}
 }

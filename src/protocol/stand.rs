@@ -74,7 +74,8 @@ impl<'a> Stand<'a> {
         mut midway: Midway,
     ) -> Result<Self, StageError> {
         let nothing = SpecimenState::before_everything(0);
-        let specimen = Specimen { grains, state: std::mem::replace(&mut midway.state, nothing) };
+        let mut specimen =
+            Specimen { grains, state: std::mem::replace(&mut midway.state, nothing) };
         let under_way = midway.steps > 0;
         let gravity = Vector::new(0.0, 0.0, -setup.gravity);
         let fail = |source, specimen: &Specimen| StageError::World {
@@ -146,7 +147,7 @@ impl<'a> Stand<'a> {
             }
             Ok((plate, grains, pieces))
         };
-        let (plate, grains, pieces) = build().map_err(|source| fail(source, &specimen))?;
+        let (plate, mut grains, pieces) = build().map_err(|source| fail(source, &specimen))?;
         parties.extend(plate.map(|id| (Party::Other(Other::TopPlate), id)));
         let present = grains.iter().enumerate();
         parties.extend(present.filter_map(|(n, id)| Some((Party::Grain(n), (*id)?))));
@@ -161,6 +162,19 @@ impl<'a> Stand<'a> {
             for index in specimen.present() {
                 let position = state.bodies[index].body.pose.translation.vector;
                 whereabouts.note(index, &level(position, state), state.table_x);
+            }
+        } else if !setup.pieces.is_empty() {
+            // What pieces carried that are gone is below all that there is.
+            let lowest = whereabouts.lowest();
+            let is_below = |s: &GrainState| s.body.pose.translation.z < lowest;
+            let bodies = specimen.state.bodies.iter_mut().zip(&mut grains);
+            let mut fallen = Vec::new();
+            for (state, id) in bodies.filter(|(s, id)| id.is_some() && is_below(s)) {
+                state.fate = Fate::Spilled;
+                fallen.extend(id.take());
+            }
+            for id in fallen {
+                world.remove(id).map_err(|source| fail(source, &specimen))?;
             }
         }
         Ok(Self {
@@ -291,6 +305,7 @@ impl<'a> Stand<'a> {
                 let clear = |at: &Vector, r: f64| self.pieces.solids().is_clear(at, r, state);
                 for (grain, pose) in feeder.due(&self.specimen, time, &clear) {
                     self.let_go(grain, pose)?;
+                    observer.let_go(grain, &pose.translation.vector);
                 }
             }
             if Some(step) == seam && step < last_step {
@@ -334,6 +349,9 @@ impl<'a> Stand<'a> {
         self.grains[index] = Some(id);
         self.parties.insert(Party::Grain(index), id);
         self.specimen.state.bodies[index] = GrainState { body: state, fate: Fate::Present };
+        if let Some(place) = self.places.get_mut(index) {
+            *place = Some(pose.translation.vector);
+        }
         let grain = &self.specimen.grains.grains[index];
         self.midway.watch.let_go((grain.mass, &grain.inertia, &state));
         Ok(())

@@ -167,13 +167,16 @@ impl TargetsFound {
                 text,
                 "By the linear models a run nowhere in these ranges meets all targets with more \
                  than {}.",
-                percent(self.all.best)
+                percent(self.all.best.max(0.001))
             ),
             false => write!(
                 text,
-                "By the linear models a run meets all targets with {} at best, at {}.",
+                "By the linear models a run meets all targets with {} at best{}.",
                 percent(self.all.best),
-                place(&self.all.at)
+                match self.all.at.is_empty() {
+                    true => String::new(),
+                    false => format!(", at {}", place(&self.all.at)),
+                }
             ),
         };
         if !impossible.is_empty() {
@@ -202,7 +205,7 @@ impl TargetsFound {
                 percent(t.share_meeting[0]),
                 percent(t.share_meeting[1])
             ),
-            "fit" => format!("{:.2}, {:.2} unseen", t.fit.explained, t.fit.predicted),
+            "fit" => format!("{:.2}, {:.2} unseen", t.fit.explained, t.fit.predicted).replace('-', "−"),
             "best" => Cell::number(percent(t.best)),
         })
     }

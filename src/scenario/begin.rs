@@ -15,8 +15,8 @@ pub struct BeginSpec {
     /// directory.
     #[schemars(length(min = 1))]
     pub specimen: String,
-    /// The stage at whose end the specimen is taken: its number from 0, its name, or `rest_test`;
-    /// left out, the last one of the scenario.
+    /// The stage at whose end the specimen is taken: its number from 0 as a text (`"0"`), its name,
+    /// or `rest_test`; left out, the last one of the scenario.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1))]
     pub stage: Option<String>,
@@ -31,6 +31,11 @@ pub struct BeginSpec {
     /// SHA-256 of the specimen, likewise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specimen_sha256: Option<String>,
+    /// Paths of automatic values that are as in the run, or larger where the scenario's own loads
+    /// ask for that. Filled in when the scenario is loaded.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 10))]
+    pub taken_over: Vec<String>,
 }
 
 /// Fields of a run's scenario that are not taken from it.
@@ -68,8 +73,18 @@ pub(super) fn read(document: &mut Document) -> Vec<Fault> {
     let Ok(mut spec) = BeginSpec::deserialize(begin) else { return Vec::new() };
     match found(document, &mut spec) {
         Ok(scenario) => {
+            let found = begun::contradictions(&scenario, &document.value);
+            // A scenario that was loaded before says so itself.
+            if spec.taken_over.is_empty() {
+                spec.taken_over = begun::taken_over(&scenario, &document.value);
+            }
+            let faults = found.into_iter().map(|fault| {
+                let origin = document.origin(&fault.path);
+                fault.of(origin)
+            });
+            let faults = faults.collect();
             take_over(document, scenario, &spec);
-            Vec::new()
+            faults
         }
         Err(fault) => {
             let origin = document.origin(&fault.path);

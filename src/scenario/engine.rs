@@ -20,7 +20,7 @@ pub enum Backend {
 pub enum ContactSolver {
     /// Bullet's own collision algorithms and sequential impulse solver.
     Stock,
-    /// Full contact manifolds with memory from our own hull–hull test, and the native
+    /// Contact points that are kept from step to step, from our own hull–hull test, and the native
     /// solver.
     Native,
 }

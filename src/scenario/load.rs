@@ -92,6 +92,7 @@ fn load_document_with(
     unread.extend(mesh_pieces::read(&mut document, readers.parts));
     let grading = grading_of(&document, readers.grading);
     if let Some(grading) = &grading {
+        begun::stiffen(&mut document.value, grading);
         automatic::fill(&mut document.value, grading);
     }
     let (scenario, found) = match check_value(&document.value, grading.as_ref()) {

@@ -35,6 +35,7 @@ macro_rules! settings {
 mod accessors;
 mod automatic;
 mod begin;
+mod begun;
 mod cells;
 mod engine;
 mod fault;

@@ -59,7 +59,7 @@ settings! {
         #[schemars(range(min = 0.0, max = 1000.0))]
         pub contact_damping_ratio: f64 = 1.0,
         /// The natural frequency where one of the bodies is fixed for ever, in Hz:
-        /// the funnel. (Cylinder and floor are driven, also where they rest.)
+        /// the funnel. (Cylinder and floor are kinematic, also where they rest.)
         #[schemars(extend("exclusiveMinimum" = 0.0), range(max = 1e6))]
         pub wall_contact_frequency_hz: f64 = 500.0,
         /// The damping ratio there.

@@ -71,6 +71,13 @@ impl LaboratoryRecorder {
         self.before = centroids(specimen);
     }
 
+    /// Notes where a grain begins to fall: it may pass an opening before the next look.
+    pub(super) fn let_go(&mut self, grain: usize, at: &Vector) {
+        if let Some(place) = self.before.get_mut(grain) {
+            *place = Some(*at);
+        }
+    }
+
     /// Looks at flow where a segment ends, so that a stage that goes on there misses none of it.
     pub(super) fn leg_ends(&mut self, state: &SpecimenState, series: &mut LaboratorySeries) {
         if let Some(grains) = self.grains.clone() {

@@ -222,6 +222,10 @@ impl<F: FnMut(&SeriesRow)> Observer for Recorder<'_, F> {
         }
     }
 
+    fn let_go(&mut self, grain: usize, at: &Vector) {
+        self.laboratory.let_go(grain, at);
+    }
+
     fn warn(&mut self, finding: &str) {
         (self.on_finding)(finding);
     }

@@ -137,7 +137,7 @@ fn a_result_that_is_not_measured_is_told_with_what_is() {
         ("slope.degrees=3", ["slope.degrees", "standing_height_mm.mean_surface"], false),
         ("settlement_mm.final=3", ["does not measure it", "a stage `vibrate`"], false),
         // Cells have corners, of whose roundness nobody speaks: known from the first run alone.
-        ("shape.roundness.p50=0.3", ["there is no such number", "coordination_number"], true),
+        ("shape.roundness.p50=0.3", ["has no number at", "coordination_number"], true),
     ] {
         let (code, printed, said) =
             calibrate(&scenario, &out, &[&["--target", target], &restitution[..]].concat());

@@ -78,6 +78,9 @@ fn faults_name_the_field_and_what_is_allowed() {
     for (pointer, to, path, words) in [
         ("/pieces/1/name", json!("box"), "pieces[1].name", "two pieces"),
         ("/pieces/1/name", json!("a b"), "pieces[1].name", "letters, digits"),
+        ("/pieces/1/name", json!("table"), "pieces[1].name", "not a piece's"),
+        ("/stages/0/rate_g_per_s", json!(0.01), "stages[0].time_limit_s", "take longer"),
+        ("/stages/2/pieces", json!(["lid", "lid"]), "stages[2].pieces[1]", "named twice"),
         ("/pieces/1/shape", json!({}), "pieces[1].shape", "one of `box`"),
         ("/pieces/1/shape", json!({ "cube": 1 }), "pieces[1].shape.cube", "there is no such field"),
         (

@@ -3,6 +3,7 @@
 mod architecture;
 mod begin;
 mod bits;
+mod bookkeeping;
 mod calibrate;
 mod checks;
 mod cli;

@@ -39,6 +39,17 @@ struct Series<'a> {
 impl<'a> Series<'a> {
     fn new(folder: &'a Path, name: &'static str) -> Result<Self, FileError> {
         create_folder(&folder.join(name))?;
+        // An export of more moments left more of them.
+        let earlier = std::fs::read_dir(folder.join(name)).into_iter().flatten().flatten();
+        for path in earlier.map(|entry| entry.path()) {
+            let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or_default();
+            let of_moment = stem.strip_prefix(name).and_then(|s| s.strip_prefix('_'));
+            let is_ours = of_moment.is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()))
+                && path.extension().is_some_and(|e| e == "vtp");
+            if is_ours {
+                std::fs::remove_file(&path).map_err(|e| FileError::new("remove", &path, e))?;
+            }
+        }
         Ok(Self { folder, name, entries: Vec::new() })
     }
 

@@ -1,5 +1,7 @@
 //! What of the stand moves as prescribed, and whether the rest still does.
 
+use crate::specimen::PressState;
+
 use super::{Fate, StageError, Stand, TableMotion, Vector, WorldError, moved};
 
 impl Stand<'_> {
@@ -66,20 +68,25 @@ impl Stand<'_> {
         let state = &self.specimen.state;
         let present = state.bodies.iter().filter(|g| g.fate == Fate::Present).map(|g| &g.body);
         let (mut squares, mut count, mut largest) = (0.0, 0u32, 0.0_f64);
-        let free = self.pieces.free_motion(state).map(|(.., body)| body);
-        for body in present.chain(state.top_plate.as_ref()).chain(free) {
+        for body in present.chain(state.top_plate.as_ref()) {
             let square = body.linear_velocity.norm_squared();
             squares += square;
             count += 1;
             largest = largest.max(square);
         }
-        let pressed = state.pieces.iter().filter_map(|piece| piece.press);
-        for press in pressed.clone() {
-            largest = largest.max(press.of_points(press.speed_m_per_s).powi(2));
-        }
-        count > 0
-            && pressed.clone().all(|press| press.is_reached())
-            && (squares / f64::from(count)).sqrt() <= limits.rms_speed
+        // Many grains at rest would hide one piece that slides.
+        let mut free = self.pieces.free_motion(state).map(|(.., body)| body);
+        let free_at_rest = free.all(|body| body.linear_velocity.norm() <= limits.rms_speed);
+        // A small force is whole before its piece meets anything, and a heavy piece rebounds.
+        let bears = |press: &PressState| press.arrived || press.target_n == 0.0;
+        let speed = |press: &PressState| press.of_points(press.speed_m_per_s);
+        let is_still = |press: &PressState| speed(press) <= limits.rms_speed;
+        let mut pressed = state.pieces.iter().filter_map(|piece| piece.press);
+        // Where nothing is left, only what is waited for can still come: a flow that has ended.
+        (count > 0 || self.endings.is_none())
+            && free_at_rest
+            && pressed.all(|press| press.is_reached() && bears(&press) && is_still(&press))
+            && (squares / f64::from(count.max(1))).sqrt() <= limits.rms_speed
             && largest.sqrt() <= limits.largest_speed
     }
 }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::geometry::ConvexPolyhedron;
 use crate::scenario::{DepositKind, MeshPieceSpec, ShapeSpec};
+use crate::units::to_g;
 
 /// Stages of the built-in apparatus.
 const BUILT_IN: [&str; 5] =
@@ -20,7 +21,7 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     for (i, spec) in parts.specs() {
         let mut faults = faults.at(format!("stages[{i}]"));
         match spec {
-            StageSpec::Deposit { .. } => check_deposit(spec, &mut faults),
+            StageSpec::Deposit { .. } => check_deposit(parts, spec, &mut faults),
             StageSpec::Press { loads, .. } => loads::check(parts, loads, &mut faults),
             StageSpec::Release { pieces, .. } => loads::check_release(parts, pieces, &mut faults),
             _ => {}
@@ -31,6 +32,9 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     until::check(parts, faults);
     mean_stress::check(parts, faults);
 }
+
+/// Whose place columns of `series.csv` give already.
+const TABLE: &str = "table";
 
 /// Whether a name can be a part of the name of a column.
 fn is_plain(name: &str) -> bool {
@@ -45,6 +49,8 @@ fn check_pieces(parts: &Parts, faults: &mut Faults) {
         if !is_plain(name) {
             let message = "the name cannot be that of columns";
             faults.add("name", shown, "letters, digits, `-` and `_`", message);
+        } else if name == TABLE {
+            faults.add("name", shown, "another name", "columns of this name are not a piece's");
         } else if !known.insert(name) {
             faults.add("name", shown, "a unique name", "two pieces have this name");
         }
@@ -145,8 +151,18 @@ fn check_names_of_stages(parts: &Parts, faults: &mut Faults) {
     );
 }
 
-fn check_deposit(spec: &StageSpec, faults: &mut Faults) {
-    let StageSpec::Deposit { how, area_mm, diameter_mm, rate_g_per_s, sizes_mm, .. } = *spec else {
+fn check_deposit(parts: &Parts, spec: &StageSpec, faults: &mut Faults) {
+    let StageSpec::Deposit {
+        how,
+        area_mm,
+        diameter_mm,
+        rate_g_per_s,
+        sizes_mm,
+        mass_g,
+        time_limit_s,
+        ..
+    } = *spec
+    else {
         return;
     };
     let unclear = area_mm.is_some() == diameter_mm.is_some();
@@ -160,11 +176,27 @@ fn check_deposit(spec: &StageSpec, faults: &mut Faults) {
     faults.add_if(missing, "rate_g_per_s", "", "a number above 0", "rain needs its rate");
     let rate = rate_g_per_s.filter(|_| !is_rain);
     faults.idle("rate_g_per_s", rate, "grains of a lattice begin all at once");
+    // All that there is, where the stage is the only one that takes some of it.
+    let deposits = parts.specs().filter(|(_, spec)| matches!(spec, StageSpec::Deposit { .. }));
+    let alone = deposits.count() == 1 && parts.begun_after.is_none() && sizes_mm.is_none();
+    let all_g = parts.grading.filter(|_| alone).map(|all| to_g(all.solids * all.density));
+    let mass = mass_g.map_or(all_g, |own| all_g.map_or(Some(own), |all| Some(own.min(all))));
+    if let Some((mass, rate)) = mass.zip(rate_g_per_s.filter(|_| is_rain)) {
+        faults.add_if(
+            mass / rate > time_limit_s,
+            "time_limit_s",
+            time_limit_s,
+            format!("more than {} s", short(mass / rate)),
+            format!("{} g at {} g/s take longer", short(mass), short(rate)),
+        );
+    }
     if let Some([low, high]) = sizes_mm.filter(|[low, high]| !(*low >= 0.0 && low < high)) {
         let (found, allowed) = (format!("[{low}, {high}]"), "two openings, the finer first");
         faults.add("sizes_mm", found, allowed, "no grain is of that size");
     }
 }
+
+const TWICE: &str = "the piece is named twice";
 
 /// Whether the pieces that stages speak of stand then.
 fn check_who_stands(parts: &Parts, faults: &mut Faults) {
@@ -185,6 +217,10 @@ fn check_who_stands(parts: &Parts, faults: &mut Faults) {
         };
         for (k, name) in names.iter().enumerate() {
             let message = match () {
+                () if names[..k].contains(name) && !matches!(spec, StageSpec::Press { .. }) => {
+                    faults.add(&field(k), Value::from(name.as_str()), "each piece once", TWICE);
+                    continue;
+                }
                 () if !known.contains(&name.as_str()) => "there is no such piece",
                 () if removed.contains(name.as_str()) => "the piece was removed before",
                 () => continue,

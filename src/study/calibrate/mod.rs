@@ -67,6 +67,11 @@ const RUNS_A_REPLICATE: usize = 16;
 const LEAST_RUNS_A_REPLICATE: usize = 6;
 
 impl<'a> CalibrationStudy<'a> {
+    /// The scenario with its changes.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
     /// Checks everything that can be checked before anything runs: the
     /// scenario at both ends of the range, the unknown, the numbers.
     ///

@@ -103,14 +103,20 @@ impl CalibrationTarget {
 
     /// Says what a summary has in place of the field.
     pub(super) fn not_there(&self, summary: &Value, reading: Reading) -> StudyError {
+        if matches!(reading, Reading::NotMeasured) {
+            let warnings = summary["warnings"].as_array().into_iter().flatten();
+            let told: Vec<&str> = warnings.filter_map(Value::as_str).collect();
+            let told = if told.is_empty() { "no warning says why" } else { &told.join("; ") };
+            return StudyError::Scenario(format!(
+                "the first run did not measure `{}`, it is null ({told}). Where a value of the \
+                 range is at fault, choose another one with --between",
+                self.field
+            ));
+        }
         let mut numbers = Vec::new();
         collect_numbers("", summary, &mut numbers);
-        let why = match reading {
-            Reading::NotMeasured => "this scenario does not measure it (it is null)",
-            _ => "there is no such number",
-        };
         StudyError::Scenario(format!(
-            "summary.json of a run has no number at `{}`: {why}; it has {}",
+            "summary.json of a run has no number at `{}`; it has {}",
             self.field,
             numbers.join(", ")
         ))

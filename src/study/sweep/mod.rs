@@ -113,6 +113,11 @@ impl SweepStudy {
         if let Some(twice) = paths.iter().enumerate().find(|(n, p)| paths[..*n].contains(p)) {
             return Err(StudyError::Scenario(format!("`{}` is varied twice", twice.1)));
         }
+        if options.configurations > 1 && paths.contains(&"configuration") {
+            let why = "`configuration` cannot be varied while --configurations takes several at \
+                       each point: some runs would belong to two points";
+            return Err(StudyError::Scenario(why.to_owned()));
+        }
         let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
         let gathered = gathered(&options.scenario)?;
         let SweepOptions { design, over, parameters, ranges, .. } = &options;

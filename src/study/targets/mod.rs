@@ -117,7 +117,18 @@ pub fn meet_targets(
     chance: &[String],
 ) -> Result<TargetsFound, StudyError> {
     let mut tables: BTreeMap<String, Runs> = BTreeMap::new();
-    for of in runs {
+    let same = |a: &TargetRuns, b: &TargetRuns| {
+        let whole = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        a.name == b.name && whole(&a.path) == whole(&b.path)
+    };
+    for (n, of) in runs.iter().enumerate() {
+        if runs[..n].iter().any(|earlier| same(earlier, of)) {
+            let path = of.path.display();
+            return Err(StudyError::Scenario(format!(
+                "--runs {}={path}: it is given twice",
+                of.name
+            )));
+        }
         let read = read(&of.path, chance)?;
         match tables.get_mut(&of.name) {
             None => drop(tables.insert(of.name.clone(), read)),
@@ -180,6 +191,17 @@ fn read(path: &Path, chance: &[String]) -> Result<Runs, StudyError> {
         let mut values = columns[*n].iter().flatten();
         values.next().is_some_and(|first| values.any(|other| other != first))
     };
+    let in_words = |n: &usize| {
+        let words: BTreeSet<&str> = cells[*n].iter().flatten().copied().collect();
+        words.len() > 1 && words.iter().any(|word| word.parse::<f64>().is_err())
+    };
+    if let Some(n) = (first..end).find(|n| !chance.contains(&names[*n]) && in_words(n)) {
+        return Err(unfit(&format!(
+            "`{}` has values that are no numbers, which no linear model takes: make a sweep of \
+             each value, or count it as chance with --chance {0}",
+            names[n]
+        )));
+    }
     let counts = |n: &usize| !chance.contains(&names[*n]) && varies(n);
     let factors: Vec<usize> = (first..end).filter(counts).collect();
     let mut rows = Vec::new();
@@ -216,8 +238,12 @@ fn model(target: &Target, table: &Runs) -> Result<(LinearModel, TargetFound), St
     for result in [Some(&target.result), target.share_of.as_ref()].into_iter().flatten() {
         if !table.rows.iter().any(|row| row.results.contains_key(result)) {
             let there = listed(table.rows.iter().flat_map(|row| row.results.keys()));
+            let there = match there.is_empty() {
+                true => "no run has a result".to_owned(),
+                false => format!("there are {there}"),
+            };
             return Err(StudyError::Scenario(format!(
-                "--target {title}: no run that counts has `{result}` (there are {there})"
+                "--target {title}: no run that counts has `{result}` ({there})"
             )));
         }
     }
