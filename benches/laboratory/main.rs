@@ -29,7 +29,7 @@ use row::Row;
 #[derive(Debug, Parser)]
 #[command(name = "make laboratory ARGS=...")]
 struct Options {
-    /// Smaller specimens, fewer points and realisations: about 40 minutes of one core
+    /// Smaller specimens, fewer points and realisations: about two hours of one core
     #[arg(long)]
     quick: bool,
     /// Only these tests, with commas between; rows of the others stay in the file

@@ -282,7 +282,7 @@ pub const KEPT: &[Kept] = &[
         ],
         made: Made::Make("laboratory"),
         build: build("2026-11-26", "14 and 15"),
-        takes: "40 minutes with --quick, else hours",
+        takes: "an hour with --quick, else many",
     },
     Kept {
         name: "joint",

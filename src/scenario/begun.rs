@@ -151,4 +151,29 @@ mod tests {
         let fewer = pieces(&|p| drop(p.as_array_mut().expect("a list").pop()));
         assert_eq!(fewer, ["pieces"]);
     }
+
+    /// Law: a press of 100 kPa asks for stiffer contacts than those of the run; a rest asks for
+    /// none, and leaves them.
+    #[test]
+    fn contacts_get_as_stiff_as_the_new_loads_ask_for() {
+        let grains = json!({ "total_mass_g": 100, "density_kg_per_m3": 2650, "sieve_table":
+            [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }] });
+        let grading = Grading::of_json(&grains).expect("a grading");
+        let stiffness = |stage: Value| {
+            let mut value = json!({
+                "grains": grains,
+                "begin": { "specimen": "run", "taken_over": [automatic::STIFFNESS] },
+                "engine": { "native": { "contact_stiffness_n_per_m": 6900 } },
+                "pieces": [{ "name": "lid", "shape": { "plate": { "size_mm": [50, 50, 10] } } }],
+                "stages": [stage]
+            });
+            stiffen(&mut value, &grading);
+            number_at(&value, automatic::STIFFNESS).expect("a stiffness")
+        };
+        let rest = stiffness(json!({ "stage": "rest", "duration_s": 1 }));
+        assert!(rest >= 6900.0 && rest < 2e4, "law: as in the run, or as weight asks, got {rest}");
+        let load = json!({ "piece": "lid", "stress_kpa": 100 });
+        let pressed = stiffness(json!({ "stage": "press", "loads": [load] }));
+        assert!(pressed > 1e5, "law: some hundred kN/m under 100 kPa, got {pressed}");
+    }
 }
