@@ -171,7 +171,7 @@ mod tests {
             number_at(&value, automatic::STIFFNESS).expect("a stiffness")
         };
         let rest = stiffness(json!({ "stage": "rest", "duration_s": 1 }));
-        assert!(rest >= 6900.0 && rest < 2e4, "law: as in the run, or as weight asks, got {rest}");
+        assert!((6900.0..2e4).contains(&rest), "law: as in the run, or as weight asks, got {rest}");
         let load = json!({ "piece": "lid", "stress_kpa": 100 });
         let pressed = stiffness(json!({ "stage": "press", "loads": [load] }));
         assert!(pressed > 1e5, "law: some hundred kN/m under 100 kPa, got {pressed}");
