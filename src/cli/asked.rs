@@ -36,10 +36,16 @@ pub(super) fn begin(folder: &Path, command: &str, question: &Value) -> Result<()
         .map_err(|error| FileError::new("write", &folder.join(FILE), error))
 }
 
+/// Whether a command has left more in a folder than that it began.
+pub(super) fn is_there(folder: &Path) -> bool {
+    let entries = || std::fs::read_dir(folder).into_iter().flatten().flatten();
+    folder.join(FILE).is_file() && entries().any(|entry| entry.file_name() != FILE)
+}
+
 /// What a folder holds that a command would write over; none where it may write.
 pub(super) fn held(folder: &Path, command: &str, question: &Value) -> Option<String> {
     let path = folder.join(FILE);
-    if path.is_file() {
+    if is_there(folder) {
         let Ok(there) = read_json::<Value>(&path) else {
             return Some(format!("it holds results whose {FILE} cannot be read"));
         };
@@ -91,7 +97,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let out = folder.path();
         let question = |wanted: f64| json!({ "target": "void_ratio", "wanted": wanted });
-        assert_eq!(said(out, "calibrate", &question(0.8)), "", "law: an empty folder");
+        assert_eq!(said(out, "density", &ANYTHING), "", "law: an empty folder");
+        assert_eq!(said(out, "calibrate", &question(0.8)), "", "law: nothing is there but a name");
         fs::write(out.join("grains.json"), "").expect("written");
         assert_eq!(said(out, "calibrate", &question(0.8)), "", "law: the same goes on");
         let other = said(out, "calibrate", &question(0.9));

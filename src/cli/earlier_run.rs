@@ -12,8 +12,7 @@ const UNFINISHED: &str = "unfinished.json";
 const MANIFEST: &str = "manifest.json";
 
 /// Files by which results of other commands are known, and runs that say of no scenario.
-const RESULTS: [&str; 14] = [
-    asked::FILE,
+const RESULTS: [&str; 13] = [
     "summary.json",
     "series.csv",
     "specimen.json",
@@ -98,7 +97,8 @@ fn held(folder: &Path, own: &Value) -> Option<String> {
             )),
         };
     }
-    let there = RESULTS.iter().find(|name| folder.join(name).is_file())?;
+    let there = RESULTS.iter().find(|name| folder.join(name).is_file());
+    let there = there.copied().or_else(|| asked::is_there(folder).then_some(asked::FILE))?;
     Some(format!("it holds the results of another command ({there})"))
 }
 

@@ -31,8 +31,8 @@ pub struct BeginSpec {
     /// SHA-256 of the specimen, likewise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub specimen_sha256: Option<String>,
-    /// Paths of automatic values that are as in the run, or larger where the scenario's own loads
-    /// ask for that. Filled in when the scenario is loaded.
+    /// Paths of contact settings that are as in the run, or, where they were automatic there,
+    /// larger if the scenario's own loads ask for that. Filled in when the scenario is loaded.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 10))]
     pub taken_over: Vec<String>,
@@ -66,11 +66,11 @@ fn run_folder(named: &Path) -> (PathBuf, Option<String>) {
 }
 
 /// Looks up what a document begins with, where it does: fills in what it leaves out from that
-/// run, and which stage it is; the faults of what cannot be begun with.
-pub(super) fn read(document: &mut Document) -> Vec<Fault> {
-    let Some(begin) = document.value.get("begin") else { return Vec::new() };
+/// run, and which stage it is. The run's scenario, and the faults of what cannot be begun with.
+pub(super) fn read(document: &mut Document) -> (Option<Map<String, Value>>, Vec<Fault>) {
+    let Some(begin) = document.value.get("begin") else { return (None, Vec::new()) };
     // The schema reports faults of form.
-    let Ok(mut spec) = BeginSpec::deserialize(begin) else { return Vec::new() };
+    let Ok(mut spec) = BeginSpec::deserialize(begin) else { return (None, Vec::new()) };
     match found(document, &mut spec) {
         Ok(scenario) => {
             let found = begun::contradictions(&scenario, &document.value);
@@ -83,8 +83,8 @@ pub(super) fn read(document: &mut Document) -> Vec<Fault> {
                 fault.of(origin)
             });
             let faults = faults.collect();
-            take_over(document, scenario, &spec);
-            faults
+            take_over(document, scenario.clone(), &spec);
+            (Some(scenario), faults)
         }
         Err(fault) => {
             let origin = document.origin(&fault.path);
@@ -93,7 +93,7 @@ pub(super) fn read(document: &mut Document) -> Vec<Fault> {
             if let Value::Object(fields) = &mut document.value {
                 fields.entry("grains").or_insert(from_nowhere);
             }
-            vec![fault.of(origin)]
+            (None, vec![fault.of(origin)])
         }
     }
 }

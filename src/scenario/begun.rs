@@ -4,8 +4,9 @@
 use super::automatic::{self, Grading, number_at};
 use super::*;
 
-/// Automatic values that are as in the run that a scenario begins with, unless its own loads ask
-/// for more: softer contacts would let a pressed specimen sink into itself.
+/// Values that are as in the run that a scenario begins with. Where they were automatic there, they
+/// grow with the scenario's own loads, and never shrink: softer contacts would let a pressed
+/// specimen sink into itself.
 const KEPT: [&str; 2] = [automatic::STIFFNESS, automatic::DEPENETRATION];
 
 /// The faults of what contradicts the specimen: its grains are what they are, and its pieces stand
@@ -19,18 +20,27 @@ pub(super) fn contradictions(run: &Map<String, Value>, own: &Value) -> Vec<Fault
         .map(|d| fault(d, "a specimen that is begun with has its grains"))
         .into_iter()
         .collect();
+    let is_file = |grains: Option<&Value>| grains.is_some_and(|grains| !grains["file"].is_null());
+    let has_sieves = run.get("grains").is_some_and(|grains| !grains["sieve_table"].is_null());
+    if faults.is_empty()
+        && is_file(own.get("grains"))
+        && has_sieves
+        && run["grains"]["meshes"].is_null()
+    {
+        let found = ("grains.file".to_owned(), own["grains"]["file"].clone(), "nothing".to_owned());
+        faults.push(fault(found, "a specimen that is begun with has its grains"));
+    }
     let none = Vec::new();
     let there = run.get("pieces").and_then(Value::as_array).unwrap_or(&none);
     let Some(pieces) = own.get("pieces").and_then(Value::as_array) else { return faults };
-    for (n, piece) in there.iter().enumerate() {
+    if pieces.len() != there.len() {
+        let names: Vec<&str> = there.iter().filter_map(|p| p["name"].as_str()).collect();
+        let message = "the specimen has other pieces: leave the field out";
+        faults.push(Fault::new(message, pieces.len(), names.join(", ")).at("pieces"));
+        return faults;
+    }
+    for (n, (piece, own)) in there.iter().zip(pieces).enumerate() {
         let path = format!("pieces[{n}]");
-        let Some(own) = pieces.get(n) else {
-            let names: Vec<&str> = there.iter().filter_map(|p| p["name"].as_str()).collect();
-            let message = "the specimen has more pieces: leave the field out, or append to them";
-            let allowed = format!("at first {}", names.join(", "));
-            faults.push(Fault::new(message, pieces.len(), allowed).at("pieces"));
-            break;
-        };
         let place = ["name", "shape", "at_mm", "rotation_deg"];
         let found = place.iter().find_map(|field| {
             let own = own.get(field)?;
@@ -65,41 +75,49 @@ fn difference(path: &str, run: &Value, own: &Value) -> Option<(String, Value, St
     }
 }
 
-/// Which automatic values a document would take over from a run.
+/// Which of these values a document takes over from a run.
 pub(super) fn taken_over(run: &Map<String, Value>, own: &Value) -> Vec<String> {
     let run = Value::Object(run.clone());
     let is_there = |path: &&&str| number_at(own, path).is_none() && number_at(&run, path).is_some();
     KEPT.iter().filter(is_there).map(|path| (*path).to_owned()).collect()
 }
 
+/// The automatic value of a field, whatever stands there.
+fn automatic_value(value: &Value, path: &str, grading: &Grading) -> f64 {
+    let mut free = value.clone();
+    let (parent, name) = path.rsplit_once('.').unwrap_or(("", path));
+    let parent = format!("/{}", parent.replace('.', "/"));
+    if let Some(fields) = free.pointer_mut(&parent).and_then(Value::as_object_mut) {
+        fields.remove(name);
+    }
+    automatic::fill(&mut free, grading);
+    let native = NativeSettings::default();
+    number_at(&free, path).unwrap_or(match path {
+        automatic::STIFFNESS => native.contact_stiffness_n_per_m,
+        _ => native.max_depenetration_velocity_m_per_s,
+    })
+}
+
 /// Makes contacts as stiff as a scenario's own loads ask for, where they were softer in the run
-/// that it begins with.
-pub(super) fn stiffen(value: &mut Value, grading: &Grading) {
-    let listed: Vec<String> = value["begin"]["taken_over"]
-        .as_array()
-        .into_iter()
-        .flatten()
-        .filter_map(|path| path.as_str().map(str::to_owned))
-        .collect();
-    for path in listed {
-        let Some(there) = number_at(value, &path) else { continue };
-        let mut free = value.clone();
-        let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent).replace('.', "/");
-        let name = path.rsplit('.').next().unwrap_or_default();
-        let parent = format!("/{parent}");
-        if let Some(fields) = free.pointer_mut(&parent).and_then(Value::as_object_mut) {
-            fields.remove(name);
-        }
-        automatic::fill(&mut free, grading);
-        let default = match path == automatic::STIFFNESS {
-            true => NativeSettings::default().contact_stiffness_n_per_m,
-            false => NativeSettings::default().max_depenetration_velocity_m_per_s,
-        };
-        let asked = number_at(&free, &path).unwrap_or(default);
-        if asked > there
-            && let Some(fields) = value.pointer_mut(&parent).and_then(Value::as_object_mut)
+/// that it begins with, and nobody typed how stiff.
+pub(super) fn stiffen(value: &mut Value, run: &Map<String, Value>, grading: &Grading) {
+    let run = Value::Object(run.clone());
+    let listed = |value: &Value, path: &str| {
+        let paths = value["begin"]["taken_over"].as_array();
+        paths.is_some_and(|paths| paths.iter().any(|of| of == path))
+    };
+    for path in KEPT {
+        let there = number_at(value, path).filter(|_| listed(value, path));
+        let Some(there) = there else { continue };
+        let was_automatic =
+            listed(&run, path) || (there / automatic_value(&run, path, grading) - 1.0).abs() < 1e-9;
+        let asked = automatic_value(value, path, grading);
+        let pointer = format!("/{}", path.replace('.', "/"));
+        if was_automatic
+            && asked > there
+            && let Some(field) = value.pointer_mut(&pointer)
         {
-            fields.insert(name.to_owned(), json!(asked));
+            *field = json!(asked);
         }
     }
 }
@@ -131,6 +149,7 @@ mod tests {
         assert_eq!(paths(&json!({ "grains": { "total_mass_g": 100.0 } })), [""; 0], "law: 100.0");
         let own = json!({ "grains": { "density_kg_per_m3": 5300 } });
         assert_eq!(paths(&own), ["grains.density_kg_per_m3"]);
+        assert_eq!(paths(&json!({ "grains": { "file": "other.json" } })), ["grains.file"]);
         let pieces = |change: &dyn Fn(&mut Value)| {
             let mut pieces = run()["pieces"].clone();
             change(&mut pieces);
@@ -138,7 +157,7 @@ mod tests {
         };
         assert_eq!(pieces(&|p| p[0]["friction"] = json!(0.9)), [""; 0], "law: friction may change");
         let append = |p: &mut Value| p.as_array_mut().expect("a list").push(json!({ "name": "c" }));
-        assert_eq!(pieces(&append), [""; 0], "law: pieces may be added");
+        assert_eq!(pieces(&append), ["pieces"], "law: none is added");
         let other = pieces(&|p| p[1]["shape"]["mesh"]["file"] = json!("lid.stl"));
         assert_eq!(other, [""; 0], "law: from another folder");
         assert_eq!(pieces(&|p| p[1]["at_mm"][2] = json!(9)), ["pieces[1].at_mm[2]"]);
@@ -159,21 +178,28 @@ mod tests {
         let grains = json!({ "total_mass_g": 100, "density_kg_per_m3": 2650, "sieve_table":
             [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }] });
         let grading = Grading::of_json(&grains).expect("a grading");
-        let stiffness = |stage: Value| {
-            let mut value = json!({
+        let rest = json!({ "stage": "rest", "duration_s": 1 });
+        let of = |stiffness: f64, stage: &Value| {
+            json!({
                 "grains": grains,
-                "begin": { "specimen": "run", "taken_over": [automatic::STIFFNESS] },
-                "engine": { "native": { "contact_stiffness_n_per_m": 6900 } },
+                "engine": { "native": { "contact_stiffness_n_per_m": stiffness } },
                 "pieces": [{ "name": "lid", "shape": { "plate": { "size_mm": [50, 50, 10] } } }],
                 "stages": [stage]
-            });
-            stiffen(&mut value, &grading);
+            })
+        };
+        let own = automatic_value(&of(1.0, &rest), automatic::STIFFNESS, &grading);
+        let stiffness = |there: f64, stage: &Value| {
+            let run = of(there, &rest);
+            let mut value = of(there, stage);
+            value["begin"] = json!({ "specimen": "run", "taken_over": [automatic::STIFFNESS] });
+            stiffen(&mut value, run.as_object().expect("an object"), &grading);
             number_at(&value, automatic::STIFFNESS).expect("a stiffness")
         };
-        let rest = stiffness(json!({ "stage": "rest", "duration_s": 1 }));
-        assert!((6900.0..2e4).contains(&rest), "law: as in the run, or as weight asks, got {rest}");
+        assert_eq!(stiffness(own, &rest), own, "law: a rest asks for no more");
         let load = json!({ "piece": "lid", "stress_kpa": 100 });
-        let pressed = stiffness(json!({ "stage": "press", "loads": [load] }));
+        let press = json!({ "stage": "press", "loads": [load] });
+        let pressed = stiffness(own, &press);
         assert!(pressed > 1e5, "law: some hundred kN/m under 100 kPa, got {pressed}");
+        assert_eq!(stiffness(own / 2.0, &press), own / 2.0, "law: what was typed stays");
     }
 }

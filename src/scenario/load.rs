@@ -87,12 +87,15 @@ fn load_document_with(
             faults.push(fault);
         }
     }
-    faults.extend(begin::read(&mut document));
+    let (begun_with, found) = begin::read(&mut document);
+    faults.extend(found);
     let mut unread = motion_file::read(&mut document);
     unread.extend(mesh_pieces::read(&mut document, readers.parts));
     let grading = grading_of(&document, readers.grading);
     if let Some(grading) = &grading {
-        begun::stiffen(&mut document.value, grading);
+        if let Some(run) = &begun_with {
+            begun::stiffen(&mut document.value, run, grading);
+        }
         automatic::fill(&mut document.value, grading);
     }
     let (scenario, found) = match check_value(&document.value, grading.as_ref()) {

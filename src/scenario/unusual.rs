@@ -49,7 +49,7 @@ pub(super) fn unusual(scenario: &Scenario, value: &Value) -> Vec<Fault> {
         unusual_apparatus(scenario, &grading, faults);
         unusual_pieces(scenario, &grading, faults);
     }
-    // Nobody typed what a run has left.
+    // The run that they are of has reported them.
     let taken_over = scenario.begin.iter().flat_map(|begin| &begin.taken_over);
     let taken_over: Vec<&String> = taken_over.collect();
     found.retain(|fault| !taken_over.contains(&&fault.path));
