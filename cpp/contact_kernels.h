@@ -295,20 +295,17 @@ template <class N> PLUVIA_INLINE void integrate_velocity(PackedBodies<N> &bodies
 
 // Begins iterations at the motion that a body has.
 template <class N> PLUVIA_INLINE void begin_search(PackedBodies<N> &bodies, std::size_t b) {
-    bodies.before[b] = bodies.motion[b];
-    bodies.search[b] = Record<N>{};
+    bodies.before[b] = bodies.search[b] = bodies.motion[b];
 }
 
-// A body's part of going on along the way that the last iteration and the one before took
-// together; `before` is the motion before the last iteration.
+// A body's part of going on along the way from where the iteration before the last ended to where
+// the last one did.
 template <class N> PLUVIA_INLINE void extrapolate(PackedBodies<N> &bodies, std::size_t b, N beta) {
     for (int i = 0; i < 8; ++i) {
-        N &now = bodies.motion[b].at[i];
-        N &extrapolation = bodies.search[b].at[i];
-        N &before = bodies.before[b].at[i];
-        extrapolation = (extrapolation + (now - before)) * beta;
-        now += extrapolation;
-        before = now;
+        const N now = bodies.motion[b].at[i];
+        bodies.motion[b].at[i] = now + (now - bodies.search[b].at[i]) * beta;
+        bodies.search[b].at[i] = now;
+        bodies.before[b].at[i] = bodies.motion[b].at[i];
     }
 }
 

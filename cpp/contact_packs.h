@@ -64,11 +64,9 @@ template <class L> struct alignas(64) PointMemory {
     L total, total_1, total_2; // impulses of the step
 };
 
-// Of a point of each pair: what the last iteration changed, and the way that
-// it went on before that.
+// Of a point of each pair: what the iteration before the last ended with.
 template <class L> struct alignas(64) Search {
-    L change, change_1, change_2;
-    L extrapolation, extrapolation_1, extrapolation_2;
+    L impulse, impulse_1, impulse_2;
 };
 
 // Bodies in records, each kind by itself: what iterations read and write is the
@@ -85,8 +83,8 @@ template <class N> struct PackedBodies {
         displacement; // gone since the step began: shift, -, turn (a rotation vector), -
     UnsetVector<Record<N>> forced; // what external forces add to the motion in a sub-step
     UnsetVector<Record<N>> free;   // motion without the impulses that are looked for
-    UnsetVector<Record<N>> before; // motion before the last iteration
-    UnsetVector<Record<N>> search; // the way that the last iteration went on, in the motion
+    UnsetVector<Record<N>> before; // motion that the last iteration began with
+    UnsetVector<Record<N>> search; // motion that the iteration before it ended with
 
     void resize(std::size_t count) {
         for (auto *records : {&motion, &root, &displacement, &forced, &free, &before, &search}) {

@@ -40,6 +40,7 @@ enum class Phase {
 // How much the last iteration changed bodies, as energies; by impacts, as squares of a speed.
 struct BodyChange {
     double most = 0; // of one body
+    double work = 0; // of all together; for impacts as well as an energy
     double all = 0;  // what contacts have changed in the sub-step, of all free ones together
     int touched = 0; // free bodies
     int active = 0;  // those that changed by more than asked for
@@ -53,11 +54,9 @@ template <class L> struct Pairs {
     UnsetVector<Pack<L>> packs;
     UnsetVector<Point<L>> points;
     UnsetVector<Search<L>> search;
-    std::vector<double> work; // by pack: what the last iteration changed
 
     void resize(std::size_t pack_count, std::size_t point_count) {
         packs.resize(pack_count);
-        work.resize(pack_count);
         points.resize(point_count);
         search.resize(point_count);
     }
@@ -105,15 +104,9 @@ PLUVIA_INLINE void visit_all(Problem<L> &p, const Part &part) {
     for (std::size_t k = part.begin; k < part.end; ++k) {
         const std::size_t i = part.at(HALF == Half::There ? k : part.begin + part.end - 1 - k);
         const Pack<L> &pack = p.pairs->packs[i];
-        if (HALF == Half::Back) {
-            own.work = L{};
-        }
         visit<WHAT, HALF>(pack, &p.pairs->points[static_cast<std::size_t>(pack.first)],
                           &p.pairs->search[static_cast<std::size_t>(pack.first)], beta, motion,
                           own);
-        if (HALF == Half::Back) {
-            p.pairs->work[i] = sum(own.work);
-        }
     }
     unsolved = own;
 }
@@ -127,6 +120,7 @@ PLUVIA_INLINE void find_change(Problem<L> &p, const Part &part, std::size_t bloc
         const std::size_t b = part.at(k);
         const auto &now = p.bodies.motion[b];
         auto one = energy(now, p.bodies.before[b]);
+        change.work += static_cast<double>(one);
         if (WHAT == Solved::Impacts) {
             one *= p.bodies.root[b].at[6];
         }
@@ -174,10 +168,11 @@ template <class L> PLUVIA_INLINE void run_phase(Phase phase, Problem<L> &p, cons
                   __attribute__((always_inline)) { pluvia::warm_start(pack, points, motion); });
         break;
     case Phase::ClearSearch:
-        packs([&](const auto &pack, auto *, auto *, auto *search, std::size_t)
+        packs([&](const auto &pack, auto *points, auto *, auto *search, std::size_t)
                   __attribute__((always_inline)) {
                       for (int n = 0; n < pack.points; ++n) {
-                          search[n] = Search<L>{};
+                          const Point<L> &c = points[n];
+                          search[n] = {c.impulse, c.impulse_1, c.impulse_2};
                       }
                   });
         break;

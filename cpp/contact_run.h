@@ -19,24 +19,23 @@ constexpr int SMALL_WORK = 512;
 constexpr int SMALL_ITERATIONS = 32;
 constexpr int SMALL_IMPACT_ITERATIONS = 256;
 
-// Once no more than one in this number of bodies changes too much, iterations
+// Once fewer than one in this number of bodies change too much, iterations
 // go over the pairs of those alone, up to so many times.
-constexpr int FEW = 32;
+constexpr int FEW = 64;
 constexpr int LOCAL_ITERATIONS = 16;
 
-// How often those beside them that were moved by it become the few, before all are looked at.
-// From the ninth time on iterations go on less far: with friction, few bodies may swing about
-// their solution otherwise.
-constexpr int MOST_SPREADS = 16;
-constexpr int CAREFUL_SPREADS = 9;
-constexpr double CAREFUL = 0.4;
+// What those few may change more than the others when all is solved, as a factor of the change.
+constexpr double FEW_MORE = 4;
 
-// Once no body changes by more than asked for, so many iterations at most see to approach
+// How often those beside them that were moved by it become the few, before all are looked at.
+constexpr int MOST_SPREADS = 4;
+
+// Once bodies change by no more than asked for, so many iterations at most see to approach
 // velocities: between bodies of very different masses they fall too slowly to wait for.
 constexpr int MOST_FOR_SPEED = 4;
 
-// Share of what a body may change when all is solved, that it may change in an
-// iteration over the pairs of few bodies.
+// Share of what a body may change when all is solved, as an energy, from which on it is one that
+// changes too much: where few remain, the others are well below what is asked for.
 constexpr double LOCAL_SHARE = 0.25;
 
 // Iterations begin anew when one changes more than the last by this factor; and
@@ -49,19 +48,16 @@ constexpr double FARTHEST = 0.85;
 // How far iterations go on along the way, as a share of the last.
 class Pace {
   public:
-    explicit Pace(double farthest = FARTHEST) : farthest_(farthest) {}
-
     // `work`: what the last iteration changed, as an energy.
     double next(double work) {
         const bool worse = last_ > 0 && work > WORSE * last_;
         last_ = work;
         const double t = worse ? 1 : t_;
         t_ = worse ? 1 : (1 + std::sqrt(1 + 4 * t * t)) / 2;
-        return worse ? 0 : std::min((t - 1) / t_, farthest_);
+        return worse ? 0 : std::min((t - 1) / t_, FARTHEST);
     }
 
   private:
-    double farthest_;
     double t_ = 1;    // Nesterov's sequence
     double last_ = 0; // work
 };
@@ -155,6 +151,7 @@ template <class L> class Run {
         BodyChange all;
         for (const BodyChange &one : p_.changes) {
             all.most = std::max(all.most, one.most);
+            all.work += one.work;
             all.all += one.all;
             all.touched += one.touched;
             all.active += one.active;
@@ -169,10 +166,16 @@ template <class L> class Run {
         p_.beta = L{};
     }
 
-    // Goes over the contacts that are awake until they are solved: until no body changes by
-    // more than asked for, and, of forces, no contact is approached faster than it aims at by
-    // more than `limit`, for which there are MOST_FOR_SPEED iterations at most. Of impacts,
+    // Goes over the contacts that are awake until they are solved: until an iteration changes
+    // no body by more than asked for, and, of forces, no contact is approached faster than it aims
+    // at by more than `limit`, for which there are MOST_FOR_SPEED iterations at most. Of impacts,
     // `limit` is what decides how much a body may change.
+    //
+    // Of forces, few bodies may change by FEW_MORE times that: the slowest of thousands would
+    // otherwise cost as many iterations as all others. But the worst body counts, not all
+    // together: where one grain lags behind the forces on it, it swings, and is never at rest.
+    // Bodies count, not impulses: where several points hold a body, impulses may wander among
+    // them while nothing moves.
     //
     // A contact that bears nothing and is not approached too fast is left as it
     // is. So those that are asleep are looked at in the first iteration, every so
@@ -193,7 +196,7 @@ template <class L> class Run {
         Pace pace;
         int local = 0;     // iterations over the few at hand
         int spread = 0;    // how often others became the few, since there were iterations over all
-        int for_speed = 0; // iterations that no body was changed by too much
+        int for_speed = 0; // iterations that changed no body by too much
         bool over_few = false;
         now_.packs(Phase::ClearSearch);
         now_.bodies(Phase::BeginSearch, touched_.data(), touched_.size());
@@ -211,7 +214,7 @@ template <class L> class Run {
             const BodyChange changed = this->changed();
             if (over_few) {
                 if (++local < LOCAL_ITERATIONS && changed.most > p_.limit) {
-                    extrapolate(turn, bodies, pace);
+                    extrapolate(bodies, changed.work, pace);
                     continue;
                 }
                 few_.put_back();
@@ -219,7 +222,7 @@ template <class L> class Run {
                     choose_few();
                     left -= packs;
                     local = 0;
-                    pace = Pace(spread < CAREFUL_SPREADS ? FARTHEST : CAREFUL);
+                    pace = Pace{};
                     continue;
                 }
                 over_few = false;
@@ -234,16 +237,18 @@ template <class L> class Run {
                                                     changed.all / changed.touched
                                               : 0;
             }
-            const bool still = n >= least && changed.most <= allowed;
+            const bool few_left = changed.active * FEW < static_cast<int>(touched_.size());
+            const bool still =
+                n >= least &&
+                (changed.most <= allowed ||
+                 (!IMPACTS && few_left && changed.most <= FEW_MORE * FEW_MORE * allowed));
             const bool met_slowly = IMPACTS || !any_larger(unsolved.speed, limit);
             for_speed += still && !met_slowly;
             const bool solved = still && (met_slowly || for_speed >= MOST_FOR_SPEED);
-            if ((n == 1 || n % least == 0 || solved) && !wake(back, limit) && solved) {
+            if ((n == 1 || n % least == 0 || solved) && !wake(back) && solved) {
                 break;
             }
-            if (n >= least && changed.active > 0 &&
-                changed.active * FEW < static_cast<int>(touched_.size()) &&
-                changed.most > allowed) {
+            if ((IMPACTS || n >= least) && few_left && changed.active > 0 && !still) {
                 choose_few();
                 left -= packs;
                 over_few = true;
@@ -252,7 +257,7 @@ template <class L> class Run {
                 pace = Pace{};
                 continue;
             }
-            extrapolate(turn, bodies, pace);
+            extrapolate(bodies, changed.work, pace);
         }
         // Where iterations ran out: what was to come next would move bodies, not their impulses.
         now_.forget();
@@ -270,24 +275,20 @@ template <class L> class Run {
 
     // Goes on along the way, the farther the more iterations there were since it
     // began anew.
-    void extrapolate(const Turn &turn, const std::vector<int> &bodies, Pace &pace) {
-        double work = 0;
-        for (const int i : turn.packs) {
-            work += p_.pairs->work[static_cast<std::size_t>(i)];
-        }
+    void extrapolate(const std::vector<int> &bodies, double work, Pace &pace) {
         p_.beta = L{} + static_cast<N>(pace.next(work));
         now_.bodies(Phase::Extrapolate, bodies.data(), bodies.size());
     }
 
-    // Looks at the pairs that are asleep. Whether one woke, or is met too fast.
-    bool wake(Phase back, N limit) {
+    // Looks at the pairs that are asleep. Whether one woke.
+    bool wake(Phase back) {
         if (asleep_.packs.empty()) {
             return false;
         }
         p_.beta = L{};
         now_.colours(back, asleep_, contacts_.colours, true);
         now_.run();
-        bool woke = any_larger(take_unsolved().speed, limit);
+        take_unsolved();
         bool any = false;
         for (const int number : asleep_.packs) {
             const auto i = static_cast<std::size_t>(number);
@@ -300,7 +301,7 @@ template <class L> class Run {
         if (any) {
             choose_awake();
         }
-        return woke || any;
+        return any;
     }
 
     void look_at(Look &look) {

@@ -27,7 +27,7 @@ const TYPED: &[&str] = &[
     "11.2", "51.95", "33.05", "31.5", "6.3", "4.75", "0.075",
     // Confidence; the accuracy standard.
     "95", "0.5", "3 %", "5 µm/s", "0.1 mm", // Defaults of settings.
-    "0.0025", "0.02 mm", "1.5 s",
+    "0.002", "0.0025", "0.02 mm", "1.5 s",
 ];
 
 /// How many measured numbers without a mark stand in each section of a page; sections by their

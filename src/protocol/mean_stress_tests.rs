@@ -69,21 +69,21 @@ fn go(
     (run(&setup, make, specimen, &stage, midway, &mut seen, &never), seen)
 }
 
-fn before_everything() -> Specimen {
+fn before_everything(seed: u64) -> Specimen {
     let GrainsSpec::Sieved(spec) = scenario(None).grains else { panic!("sieved") };
-    let grains = Arc::new(generate(&spec, 1).expect("grains"));
+    let grains = Arc::new(generate(&spec, seed).expect("grains"));
     let state = SpecimenState::before_everything(grains.grains.len());
     Specimen { grains, state }
 }
 
 /// Grains between box, wall and lid, which both press by 10 kPa.
-fn pressed() -> Specimen {
+fn pressed(seed: u64) -> Specimen {
     let rain = serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 70], "area_mm": [30, 30],
         "rate_g_per_s": 300, "time_limit_s": 4 });
     let press = serde_json::json!({ "stage": "press", "time_limit_s": 4, "approach_mm_per_s": 100, "loads": [
         { "piece": "wall", "direction": [-1, 0, 0], "force_n": 15 },
         { "piece": "lid", "direction": [0, 0, -1], "force_n": 25 }] });
-    let filled = go(None, before_everything(), None, rain).0.expect("it runs").specimen;
+    let filled = go(None, before_everything(seed), None, rain).0.expect("it runs").specimen;
     go(None, filled, None, press).0.expect("it runs").specimen
 }
 
@@ -99,12 +99,15 @@ fn lid(speed: f64, window_s: Option<f64>) -> serde_json::Value {
 }
 
 /// Law: a lid that goes down or up at constant speed changes the mean stress where the wall keeps
-/// its force; where the wall may change it, the mean stress stays.
+/// its force; where the wall may change it, the mean stress stays. The middle one of several
+/// specimens counts: of some hundred grains, one alone keeps its mean stress to 10 to 20 %.
 #[test]
 fn a_mean_stress_is_kept_while_a_lid_goes_down_or_up() {
     let _turn = crate::world::shared_turn();
-    let begun = pressed();
-    for speed in [-6.0, 3.0] {
+    const SEEDS: u64 = 5;
+    /// Mean stress and force of the last third, over those at the start, with and without the field.
+    fn ends(seed: u64, speed: f64) -> [f64; 2] {
+        let begun = pressed(seed);
         let end = |window_s| {
             let (outcome, seen) = go(None, begun.clone(), None, lid(speed, window_s));
             let warnings = outcome.expect("it runs").warnings;
@@ -116,17 +119,31 @@ fn a_mean_stress_is_kept_while_a_lid_goes_down_or_up() {
         };
         let ((kept, force), (free, same)) = (end(Some(0.1)), end(None));
         println!("{speed} mm/s: {kept} of p₀ by {force} of the force, {free} by {same}");
-        assert!((kept - 1.0).abs() < 0.15, "law: p stays at {speed} mm/s, got {kept} of it");
-        assert!((free - 1.0).abs() > 0.35, "law: else it does not, got {free} of it");
         assert_eq!((force - 1.0).signum(), speed.signum(), "law: less force where the lid presses");
         assert_eq!(same, 1.0, "law: without the field the force stays");
+        [kept, free]
+    }
+    for speed in [-6.0, 3.0] {
+        let all: Vec<_> = std::thread::scope(|scope| {
+            let runs: Vec<_> =
+                (1..=SEEDS).map(|seed| scope.spawn(move || ends(seed, speed))).collect();
+            runs.into_iter().map(|run| run.join().expect("it runs")).collect()
+        });
+        let middle = |i: usize| {
+            let mut one: Vec<f64> = all.iter().map(|ends| ends[i]).collect();
+            one.sort_by(f64::total_cmp);
+            one[one.len() / 2]
+        };
+        let (kept, free) = (middle(0), middle(1));
+        assert!((kept - 1.0).abs() < 0.15, "law: p stays at {speed} mm/s, got {kept} of it");
+        assert!((free - 1.0).abs() > 0.35, "law: else it does not, got {free} of it");
     }
 }
 
 #[test]
 fn a_mean_stress_is_kept_on_from_a_checkpoint_with_the_same_bits() {
     let _turn = crate::world::shared_turn();
-    let begun = pressed();
+    let begun = pressed(1);
     let (whole, seen) = go(Some(0.25), begun.clone(), None, lid(-5.0, Some(0.1)));
     let whole = whole.expect("it runs").specimen.state;
     assert!(seen.seams.len() > 2, "the check sees segments, {}", seen.seams.len());
@@ -145,7 +162,7 @@ fn a_mean_stress_is_kept_on_from_a_checkpoint_with_the_same_bits() {
 #[test]
 fn what_cannot_keep_a_mean_stress_is_refused() {
     let _turn = crate::world::shared_turn();
-    let begun = pressed();
+    let begun = pressed(1);
     let refused = |change: &dyn Fn(&mut Specimen)| {
         let mut specimen = begun.clone();
         change(&mut specimen);

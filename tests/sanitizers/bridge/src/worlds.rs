@@ -70,7 +70,7 @@ pub fn definition((own_collision, threads, portable, contacts_at_once): Kind) ->
         max_depenetration_velocity: 0.3,
         substeps: 4,
         native_iterations: 5,
-        solver_tolerance: 0.0025,
+        solver_tolerance: 0.002,
         threads,
         may_leave_threads: false,
         portable,
