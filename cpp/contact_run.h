@@ -25,7 +25,7 @@ constexpr int FEW = 64;
 constexpr int LOCAL_ITERATIONS = 16;
 
 // What those few may change more than the others when all is solved, as a factor of the change.
-constexpr double FEW_MORE = 4;
+constexpr double FEW_MORE = 2;
 
 // How often those beside them that were moved by it become the few, before all are looked at.
 constexpr int MOST_SPREADS = 4;
