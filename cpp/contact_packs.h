@@ -65,9 +65,7 @@ template <class L> struct alignas(64) PointMemory {
 };
 
 // Of a point of each pair: what the iteration before the last ended with.
-template <class L> struct alignas(64) Search {
-    L impulse, impulse_1, impulse_2;
-};
+template <class L> struct alignas(64) Search { L impulse, impulse_1, impulse_2; };
 
 // Bodies in records, each kind by itself: what iterations read and write is the
 // motion alone. A body that is driven or stands still keeps its motion.
