@@ -88,22 +88,23 @@ fn a_run_continued_after_an_impact_goes_on_as_in_line() {
             }
             other.recall(contacts).expect("recalled");
             other.step().expect("a step");
-            let others = states(&other);
-            (0..bodies.len()).map(move |i| (i, others[i])).collect::<Vec<_>>()
+            states(&other)
         };
         let with_impacts: Vec<_> =
             remembered.iter().map(|c| RememberedContact { warm_start: 1.0, ..*c }).collect();
         let (told, whole) = (continued(&remembered), continued(&with_impacts));
-        shares.extend(told.iter().zip(&whole).filter(|((i, _), _)| *i > 0 && met[*i]).map(
-            |((i, told), (_, whole))| {
-                let of = |other| difference(&bodies[*i], &after[*i], other);
-                of(told) / of(whole)
-            },
-        ));
+        for i in (1..bodies.len()).filter(|&i| met[i]) {
+            let of = |others: &[BodyState]| difference(&bodies[i], &after[i], &others[i]);
+            let (told, whole) = (of(&told), of(&whole));
+            if whole > 0.0 {
+                shares.push(told / whole);
+            }
+        }
     }
-    assert!(shares.len() > 500, "the check sees blocks just after an impact, {}", shares.len());
-    // Of shares a geometric mean: no single block decides.
-    let logs = shares.iter().map(|share| share.max(1e-12).ln());
+    assert!(shares.len() > 500, "law: whole forces make a difference, to {} blocks", shares.len());
+    // Of shares a geometric mean: no single block decides. Less than 1e-9 is rounding: blocks move
+    // at some 0.1 m/s, in single precision.
+    let logs = shares.iter().map(|share| share.clamp(1e-9, 1e9).ln());
     let mean = (logs.sum::<f64>() / shares.len() as f64).exp();
     assert!(
         mean < 0.2,
