@@ -9,9 +9,10 @@ use std::{env, path::PathBuf, process::exit};
 const BULLET_VERSIONS: (&str, &str) = ("3.24", "3.26");
 
 /// The concerns of `cpp/`, one header and one source each.
-const SHIMS: [&str; 40] = [
+const SHIMS: [&str; 41] = [
     "contact_bodies",
     "contact_colours",
+    "contact_homes",
     "contact_iterations",
     "contact_loads",
     "contact_look",

@@ -75,23 +75,4 @@ class Colours {
     void gather(const std::vector<PairPlace> &pairs, int free, int width);
 };
 
-// Packs to visit, by colour.
-struct Turn {
-    std::vector<int> packs;
-    std::vector<int> begin;
-
-    template <class F> void choose(const Colours &colours, const F &takes) {
-        packs.clear();
-        begin.assign(1, 0);
-        for (std::size_t c = 0; c < colours.count(); ++c) {
-            for (int i = colours.begin()[c]; i < colours.begin()[c + 1]; ++i) {
-                if (takes(static_cast<std::size_t>(i))) {
-                    packs.push_back(i);
-                }
-            }
-            begin.push_back(static_cast<int>(packs.size()));
-        }
-    }
-};
-
 } // namespace pluvia

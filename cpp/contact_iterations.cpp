@@ -51,10 +51,18 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, doub
     problem.pairs = &problem.all;
     problem.law = lane_law<typename Lane<L>::Number>(law, step);
     problem.bodies.resize(bodies.size());
-    workers.share(packs, PACKS_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            load(contacts.touching, contacts.places, colours, moves, law.substeps, i, problem);
-        }
+    const Homes &homes = contacts.homes;
+    // Every pack by the thread at which it is at home.
+    const auto at_home = [&](const auto &what) {
+        const Share all{packs, std::max<std::size_t>(1, packs), PACKS_AT_ONCE, homes.ends()};
+        workers.share(&all, 1, [&](std::size_t, int, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                what(static_cast<std::size_t>(homes.order()[i]));
+            }
+        });
+    };
+    at_home([&](std::size_t i) {
+        load(contacts.touching, contacts.places, colours, moves, law.substeps, i, problem);
     });
     workers.share(bodies.size(), BODIES_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -67,10 +75,8 @@ void run_step(Problem<L> &problem, Kernel<L> kernel, const ContactLaw &law, doub
             run.substep(i + 1 == law.substeps ? look : nullptr);
         }
     }
-    workers.share(packs, PACKS_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            unload(problem, contacts.touching, contacts.places, law.substeps, i);
-        }
+    at_home([&](std::size_t i) {
+        unload(problem, contacts.touching, contacts.places, law.substeps, i);
     });
     workers.share(bodies.size(), BODIES_AT_ONCE, [&](int, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {

@@ -1,7 +1,7 @@
 // Pairs and bodies on their way into the solver's packs and back.
 #pragma once
 
-#include "contact_colours.h"
+#include "contact_homes.h"
 #include "contact_phases.h"
 #include "hull_algorithm.h"
 
@@ -15,6 +15,7 @@ struct Contacts {
     const std::vector<Touching> &touching;
     const std::vector<PairPlace> &places;
     const Colours &colours;
+    const Homes &homes;
 };
 
 // A gap that nothing crosses in a step, in engine units: some tens of metres.

@@ -71,7 +71,7 @@ template <class L> class Run {
     Run(Problem<L> &problem, Kernel<L> kernel, const Contacts &contacts, int free, int iterations,
         Workers &workers)
         : p_(problem), kernel_(kernel), contacts_(contacts), least_(iterations),
-          now_(problem, kernel, workers), few_(problem, contacts, free, workers) {
+          now_(problem, kernel, contacts.homes, workers), few_(problem, contacts, free, workers) {
         const auto bodies = p_.bodies.motion.size();
         p_.active.assign(bodies, 0);
         p_.unsolved.assign(static_cast<std::size_t>(workers.count()), Unsolved<L>{});
@@ -134,8 +134,10 @@ template <class L> class Run {
     }
 
     void choose_awake() {
-        all_.choose(contacts_.colours, [&](std::size_t i) { return p_.awake[i] != 0; });
-        asleep_.choose(contacts_.colours, [&](std::size_t i) { return p_.awake[i] == 0; });
+        choose(contacts_.colours, contacts_.homes, all_,
+               [&](std::size_t i) { return p_.awake[i] != 0; });
+        choose(contacts_.colours, contacts_.homes, asleep_,
+               [&](std::size_t i) { return p_.awake[i] == 0; });
     }
 
     Unsolved<L> take_unsolved() {

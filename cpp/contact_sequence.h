@@ -1,6 +1,7 @@
 // Phases that follow each other without the control looking in between, by all threads.
 #pragma once
 
+#include "contact_homes.h"
 #include "contact_load.h"
 #include "workers.h"
 
@@ -11,18 +12,23 @@ namespace pluvia {
 
 // Packs and bodies that a thread takes at least: fewer do not pay for the others' coming.
 constexpr std::size_t PACKS_AT_ONCE = 8;
-constexpr std::size_t BODIES_AT_ONCE = 128;
+constexpr std::size_t FEW_PACKS_AT_ONCE = 32; // copied for one thread, and solved in no time
+constexpr std::size_t BODIES_AT_ONCE = 512;
 
 template <class L> class Sequence {
   public:
-    Sequence(Problem<L> &problem, Kernel<L> kernel, Workers &workers)
-        : p_(problem), kernel_(kernel), workers_(workers) {}
+    Sequence(Problem<L> &problem, Kernel<L> kernel, const Homes &homes, Workers &workers)
+        : p_(problem), kernel_(kernel), homes_(homes), workers_(workers) {}
 
     // Over listed packs or bodies; over all of `size` where the list is null.
     void packs(Phase phase, const int *list, std::size_t size) {
         add(phase, list, size, size, PACKS_AT_ONCE);
     }
-    void packs(Phase phase) { packs(phase, nullptr, p_.all.packs.size()); }
+    // Over all packs, each by the thread at which it is at home.
+    void packs(Phase phase) {
+        chained_ = false;
+        add_at_home(phase, homes_.order().data(), homes_.order().size(), homes_.ends(), Share::ALL);
+    }
     void bodies(Phase phase, const int *list, std::size_t size) {
         add(phase, list, size, size, BODIES_AT_ONCE);
     }
@@ -34,8 +40,22 @@ template <class L> class Sequence {
         for (std::size_t k = 0; k < count; ++k) {
             const std::size_t c = back ? count - 1 - k : k;
             const auto size = static_cast<std::size_t>(turn.begin[c + 1] - turn.begin[c]);
-            add(phase, turn.packs.data() + turn.begin[c], size, size,
-                colours.in_order(c) ? size : PACKS_AT_ONCE);
+            const int *const packs = turn.packs.data() + turn.begin[c];
+            if (turn.ends.empty() || colours.in_order(c)) {
+                add(phase, packs, size, size, colours.in_order(c) ? size : FEW_PACKS_AT_ONCE);
+                continue;
+            }
+            const auto threads = static_cast<std::size_t>(workers_.count());
+            const std::size_t *const ends = turn.ends.data() + 2 * threads * c;
+            const std::size_t between = ends[threads - 1];
+            if (!chained_) {
+                first_ = shares_.size();
+                next_ = first_;
+            }
+            add_at_home(phase, packs, between, ends, next_);
+            next_ = between > 0 ? shares_.size() : next_;
+            add_at_home(phase, packs + between, size - between, ends + threads, first_);
+            chained_ = true;
         }
     }
 
@@ -59,6 +79,7 @@ template <class L> class Sequence {
     void forget() {
         steps_.clear();
         shares_.clear();
+        chained_ = false;
     }
 
   private:
@@ -69,12 +90,17 @@ template <class L> class Sequence {
     };
     Problem<L> &p_;
     Kernel<L> kernel_;
+    const Homes &homes_;
     Workers &workers_;
     std::vector<Step> steps_;
     std::vector<Share> shares_;
+    // Colours that follow each other: which share is their first, and of which all must be over
+    // before packs between threads come to the next.
+    bool chained_ = false;
+    std::size_t first_ = 0, next_ = 0;
 
     // What impulses give, there, back, and what comes between.
-    static_assert(3 * Colours::MOST + 7 <= Workers::MOST_SHARES);
+    static_assert(6 * Colours::MOST + 7 <= Workers::MOST_SHARES);
 
     // `listed` are in the list, `size` things are done; `least` of them a thread takes.
     void add(Phase phase, const int *list, std::size_t listed, std::size_t size,
@@ -83,6 +109,16 @@ template <class L> class Sequence {
             const auto threads = static_cast<std::size_t>(workers_.count());
             steps_.push_back({phase, list, listed});
             shares_.push_back({size, std::max(least, (size + threads - 1) / threads), least});
+            chained_ = false;
+        }
+    }
+
+    // Those that every thread has at home, in one part.
+    void add_at_home(Phase phase, const int *list, std::size_t size, const std::size_t *ends,
+                     std::size_t after) {
+        if (size > 0) {
+            steps_.push_back({phase, list, size});
+            shares_.push_back({size, size, PACKS_AT_ONCE / 2, ends, after});
         }
     }
 };

@@ -24,6 +24,9 @@ constexpr std::size_t SLICES = 1024;
 // Bodies or pairs that a thread takes at once.
 constexpr std::size_t AT_ONCE = 64;
 
+// The home of a body that does not move.
+constexpr std::uint16_t NOWHERE = 0xffff;
+
 // Whether a point of a pair may well bear something in the step.
 bool is_near(const ContactLaw &law, double step, const Touching &pair, const SolverBody &a,
              const SolverBody &b) {
@@ -57,12 +60,19 @@ void ContactSolver::solve(double step) {
     take_bodies(step);
     take_pairs(step);
     colours_.sort(places_, moves.all, kernels_ == Kernels::OneByOne ? 1 : Lane<Float8>::WIDTH);
+    homes_.find(colours_, places_, moves.all, workers_.count());
+    body_homes_.assign(place_.size(), NOWHERE);
+    for (std::size_t i = 0; i < place_.size(); ++i) {
+        if (!moves.still(place_[i])) {
+            body_homes_[i] = static_cast<std::uint16_t>(homes_.of_body(place_[i]));
+        }
+    }
     Look look;
     recorded_ = SubstepRecord{};
     look.record = recording_ ? &recorded_ : nullptr;
     const bool looks = recording_ || steps_++ % LOOK_EVERY == 0;
-    iterations_.run(kernels_, law_, step, {touching_, places_, colours_}, moves, bodies_, workers_,
-                    looks ? &look : nullptr);
+    iterations_.run(kernels_, law_, step, {touching_, places_, colours_, homes_}, moves, bodies_,
+                    workers_, looks ? &look : nullptr);
     if (looks) {
         const Residual &residual = look.residual;
         residual_ = residual.impulse > 0 ? std::sqrt(residual.error / residual.impulse) : 0;

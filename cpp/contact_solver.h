@@ -65,6 +65,10 @@ class ContactSolver {
     // Adds how each kinematic body went through the last step; none once a body came or went.
     void read_drives(const Units &units, rust::Vec<DriveRead> &out) const;
 
+    // By number the thread that had most to do with a body in the last step; for one that does
+    // not move, more than any.
+    const std::vector<std::uint16_t> &homes() const { return body_homes_; }
+
     const ContactLaw &law() const { return law_; }
     // Natural-map residual of the last sub-step of the step looked at last, over
     // its impulses, both in the kinetic norm; 0 before the first.
@@ -96,6 +100,8 @@ class ContactSolver {
     std::vector<SolverBody> bodies_;
     std::vector<PairPlace> places_; // of the pairs that touch
     Colours colours_;
+    Homes homes_;
+    std::vector<std::uint16_t> body_homes_; // by the body's number
     Iterations iterations_;
     bool sorted_ = false; // moving_ and driving_ are the world's bodies
     // By the body's number in its world: a new body may get the address of one that left.

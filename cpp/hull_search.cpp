@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <new>
 #include <stdexcept>
+#include <utility>
 
 namespace pluvia {
 
@@ -20,6 +21,7 @@ constexpr std::size_t FAR_AHEAD = 32;
 // Pairs of a block, which a thread takes at once: enough to pay for taking them, few
 // enough for all threads to end together.
 constexpr std::size_t BLOCK = 256;
+constexpr std::size_t FIND_AT_ONCE = 256; // where contacts are found
 
 } // namespace
 
@@ -77,14 +79,40 @@ void HullSearch::make(const Fresh &fresh) {
     fresh.pair->m_algorithm = work.algorithm;
 }
 
-void HullSearch::find(Block &block, PairScratch &scratch) {
-    block.touching = 0;
-    for (std::size_t i = block.begin; i < block.end; ++i) {
-        ask_ahead(i, block.end);
-        Work &work = work_[i];
+// Sorts the pairs by thread.
+void HullSearch::send_home(const std::vector<std::uint16_t> &homes) {
+    const std::size_t threads = scratch_.size();
+    const auto home = [&](const Work &work) -> std::size_t {
+        const auto of = [&](const HullBody &body) {
+            const auto number = static_cast<std::size_t>(body.number);
+            return number < homes.size() ? std::size_t{homes[number]} : threads;
+        };
+        const std::size_t first = std::min(of(*work.a), of(*work.b));
+        return first < threads ? first : 0;
+    };
+    const auto each = [&](const auto &what) {
+        for (const Block &block : blocks_) {
+            for (std::size_t i = block.begin; i < block.end; ++i) {
+                what(i, ends_[home(work_[i])]);
+            }
+        }
+    };
+    ends_.assign(threads, 0);
+    each([](std::size_t, std::size_t &end) { ++end; });
+    std::size_t before = 0;
+    for (std::size_t &end : ends_) {
+        before += std::exchange(end, before);
+    }
+    order_.resize(before);
+    each([&](std::size_t i, std::size_t &end) { order_[end++] = static_cast<std::uint32_t>(i); });
+}
+
+void HullSearch::find(std::size_t begin, std::size_t end, PairScratch &scratch) {
+    for (std::size_t k = begin; k < end; ++k) {
+        ask_ahead(k, end);
+        Work &work = work_[order_[k]];
         work.algorithm->find(*work.a, *work.b, work.travelled, scratch);
         work.points = work.algorithm->points();
-        block.touching += work.points > 0;
     }
 }
 
@@ -92,9 +120,10 @@ void HullSearch::find(Block &block, PairScratch &scratch) {
 void HullSearch::list_touching() {
     std::size_t all = 0;
     for (Block &block : blocks_) {
-        const std::size_t own = block.touching;
         block.touching = all;
-        all += own;
+        for (std::size_t i = block.begin; i < block.end; ++i) {
+            all += work_[i].points > 0;
+        }
     }
     std::vector<Touching> &touching = collision_.touching;
     touching.resize(all);
@@ -111,22 +140,22 @@ void HullSearch::list_touching() {
     });
 }
 
-// Asks the memory for what the pairs after number `i` carry, and then for what
+// Asks the memory for what the pairs after number `k` of the order carry, and then for what
 // they will read of the hulls.
-void HullSearch::ask_ahead(std::size_t i, std::size_t end) const {
-    if (i + AHEAD < end) {
-        const Work &work = work_[i + AHEAD];
+void HullSearch::ask_ahead(std::size_t k, std::size_t end) const {
+    if (k + AHEAD < end) {
+        const Work &work = work_[order_[k + AHEAD]];
         prefetch(*work.algorithm);
         __builtin_prefetch(work.a->hull);
         __builtin_prefetch(work.b->hull);
     }
-    if (i + AHEAD / 2 < end) {
-        const Work &work = work_[i + AHEAD / 2];
+    if (k + AHEAD / 2 < end) {
+        const Work &work = work_[order_[k + AHEAD / 2]];
         work.algorithm->ask_for_hulls(*work.a->hull, *work.b->hull);
     }
 }
 
-void HullSearch::find(btOverlappingPairCache &pairs) {
+void HullSearch::find(btOverlappingPairCache &pairs, const std::vector<std::uint16_t> &homes) {
     btBroadphasePair *const first = pairs.getOverlappingPairArrayPtr();
     const auto count = static_cast<std::size_t>(pairs.getNumOverlappingPairs());
     work_.resize(count);
@@ -141,10 +170,10 @@ void HullSearch::find(btOverlappingPairCache &pairs) {
         std::for_each(block.fresh.begin(), block.fresh.end(),
                       [this](const Fresh &fresh) { make(fresh); });
     }
-    workers_.share(blocks_.size(), 1, [&](int worker, std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b) {
-            find(blocks_[b], scratch_[static_cast<std::size_t>(worker)]);
-        }
+    send_home(homes);
+    const Share all{order_.size(), FIND_AT_ONCE, FIND_AT_ONCE, ends_.data()};
+    workers_.share(&all, 1, [&](std::size_t, int worker, std::size_t begin, std::size_t end) {
+        find(begin, end, scratch_[static_cast<std::size_t>(worker)]);
     });
     list_touching();
 }

@@ -9,6 +9,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <vector>
 
@@ -33,10 +34,11 @@ class HullSearch {
     // All must outlive the search. Every shape must be a TightHull.
     HullSearch(HullCollision &collision, HullPairs &pairs, Workers &workers);
 
-    // Pairs are culled and computed in fixed blocks by all threads, each writing
+    // Pairs are culled in fixed blocks and computed one by one by all threads, each writing
     // only what belongs to its pair or block: the result does not depend on the
-    // number of threads.
-    void find(btOverlappingPairCache &pairs);
+    // number of threads. `homes`: by body the thread at which its pairs are computed, if there
+    // is such a thread: the one that solves them has in its cache what they carry.
+    void find(btOverlappingPairCache &pairs, const std::vector<std::uint16_t> &homes);
 
   private:
     struct Work {
@@ -61,14 +63,17 @@ class HullSearch {
     Workers &workers_;
     std::vector<Work> work_; // a stretch for every block, as long as it has pairs
     std::vector<Block> blocks_;
-    std::deque<PairScratch> scratch_; // by thread
+    std::vector<std::uint32_t> order_; // of work_, by thread
+    std::vector<std::size_t> ends_;    // of each
+    std::deque<PairScratch> scratch_;  // by thread
 
     void cull(btBroadphasePair *first, std::size_t count, std::size_t block);
     void take(btBroadphasePair &pair, Block &block);
     void make(const Fresh &fresh);
-    void find(Block &block, PairScratch &scratch);
+    void send_home(const std::vector<std::uint16_t> &homes);
+    void find(std::size_t begin, std::size_t end, PairScratch &scratch);
     void list_touching();
-    void ask_ahead(std::size_t i, std::size_t end) const;
+    void ask_ahead(std::size_t k, std::size_t end) const;
 };
 
 } // namespace pluvia

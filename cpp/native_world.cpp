@@ -151,7 +151,7 @@ void NativeWorld::search() {
         computeOverlappingPairs();
         boxes.m_deferedcollide = false; // boxes that are added meet others at once
     }
-    search_.find(*getPairCache());
+    search_.find(*getPairCache(), solver_.homes());
 }
 
 // Bodies that are not driven in the step stand still in it.

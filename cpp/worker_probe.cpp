@@ -55,6 +55,65 @@ std::uint64_t shared_sum(std::int32_t threads, std::size_t size, std::size_t rou
     return std::accumulate(here.begin(), here.end(), std::uint64_t{0});
 }
 
+std::array<std::uint64_t, 2> chained_work(std::int32_t threads, std::size_t rounds) {
+    if (threads < 1) {
+        throw std::runtime_error("work is shared by one thread at least");
+    }
+    Workers workers(threads);
+    const auto count = static_cast<std::size_t>(workers.count());
+    constexpr std::size_t COLOURS = 20;
+    std::vector<std::size_t> ends(count);
+    std::iota(ends.begin(), ends.end(), std::size_t{1});
+    // Of a colour, what is between threads and what is a thread's own.
+    std::vector<Share> shares;
+    std::size_t next = 0;
+    for (std::size_t c = 0; c < COLOURS; ++c) {
+        shares.push_back({count, count, 1, ends.data(), next});
+        next = shares.size();
+        shares.push_back({count, count, 1, ends.data(), 0});
+    }
+    struct Numbers {
+        std::vector<std::uint64_t> own, between;
+        void work(std::size_t share, std::size_t thread) {
+            std::uint64_t &mine = own[thread];
+            if (share % 2 == 1) {
+                for (int i = 0; i < 20; ++i) {
+                    mine = 31 * mine + share;
+                }
+                return;
+            }
+            std::uint64_t &ours = between[thread + share / 2 % 2];
+            ours = 17 * ours + mine;
+            mine = 13 * mine + ours;
+        }
+    };
+    Numbers shared{std::vector<std::uint64_t>(count, 1), std::vector<std::uint64_t>(count + 1, 2)};
+    Numbers alone = shared;
+    for (std::size_t round = 0; round < rounds; ++round) {
+        workers.share(shares.data(), shares.size(),
+                      [&](std::size_t share, int, std::size_t begin, std::size_t end) {
+                          for (std::size_t i = begin; i < end; ++i) {
+                              shared.work(share, i);
+                          }
+                      });
+        for (std::size_t share = 0; share < shares.size(); ++share) {
+            for (std::size_t i = 0; i < count; ++i) {
+                alone.work(share, i);
+            }
+        }
+    }
+    const auto sum = [](const Numbers &numbers) {
+        std::uint64_t all = 0;
+        for (const auto *list : {&numbers.own, &numbers.between}) {
+            for (const std::uint64_t number : *list) {
+                all = 7 * all + number;
+            }
+        }
+        return all;
+    };
+    return {sum(shared), sum(alone)};
+}
+
 std::array<double, 4> shared_time(std::int32_t threads, rust::Slice<const std::size_t> sizes,
                                   rust::Slice<const std::size_t> leasts) {
     if (threads < 1 || sizes.size() != leasts.size()) {

@@ -16,6 +16,11 @@ namespace pluvia {
 std::uint64_t shared_sum(std::int32_t threads, std::size_t size, std::size_t rounds,
                          std::size_t fails_at);
 
+// What `threads` threads make, `rounds` times, of shares that follow each other without all being
+// over, and what one makes of the same: each thread has a number of its own and shares one with
+// each neighbour, in turn from share to share, and what comes out depends on the order.
+std::array<std::uint64_t, 2> chained_work(std::int32_t threads, std::size_t rounds);
+
 // How long one job of these shares takes of what threads can share, and would take on
 // 2, 8 and 16 of them, in s. `leasts`: of each share, as in `Share`.
 std::array<double, 4> shared_time(std::int32_t threads, rust::Slice<const std::size_t> sizes,

@@ -20,9 +20,11 @@ constexpr int LOOKS = 256;
 // microseconds, longer than one that is awake needs.
 constexpr int PATIENCE = 128;
 
-constexpr std::uint64_t LEFT = 0xffffffffU; // of a ticket: the lower half
+constexpr std::uint64_t PARTS = 0xffffffffU; // of where a stretch is at: the lower half
+constexpr std::uint64_t BUSY = 1;
 
-std::uint64_t job_of(std::uint64_t ticket) { return ticket >> 32; }
+std::uint64_t job_of(std::uint64_t at) { return at >> 32; }
+std::uint64_t over(std::uint64_t at) { return (at & PARTS) >> 1; }
 
 void pause() {
 #if defined(__x86_64__)
@@ -41,18 +43,24 @@ template <class F> bool at_once(int looks, const F &is_true) {
     return false;
 }
 
-template <class F> void wait_until(const F &is_true) {
-    while (!at_once(LOOKS, is_true)) {
+// Between one look in vain and the next.
+void look_again(int &looks) {
+    if (++looks % LOOKS == 0) {
         std::this_thread::yield();
+    } else {
+        pause();
     }
 }
 
-// Numbers of a share from 0 up to the beginning of stretch number `i` of `count`.
-std::size_t before(const Share &share, std::size_t i, std::size_t count) {
-    if (share.size <= share.length) {
-        return i == 0 ? 0 : share.size;
+// Where stretch number `i` of `count` begins; that of number `count` is the end.
+std::size_t begin_of(const Share &share, std::size_t i, std::size_t count) {
+    if (i == 0) {
+        return 0;
     }
-    return share.size * i / count;
+    if (share.ends != nullptr) {
+        return share.ends[i - 1];
+    }
+    return share.size <= share.length ? share.size : share.size * i / count;
 }
 
 } // namespace
@@ -66,7 +74,6 @@ Workers::Workers(int count) : stretches_(new Stretch[static_cast<std::size_t>(co
     } catch (...) {
         // The system gives no more threads: those that there are share the work.
     }
-    parts_.resize(threads_.size() + 1);
 }
 
 Workers::~Workers() {
@@ -80,22 +87,57 @@ Workers::~Workers() {
     }
 }
 
-// Takes and does a part of somebody's stretch of a share. False where none is left. While a part
-// that was taken is not over, the job stays as it is; who takes none may look at nothing else of
-// it.
-bool Workers::take_part(int worker, std::uint64_t number, std::size_t of, std::size_t share) {
-    Ticket &left = stretches_[of].tickets[share];
-    std::uint64_t ticket = left.load();
-    do {
-        if (job_of(ticket) != number || (ticket & LEFT) == 0) {
+// Whether all that a share of a stretch waits for is over.
+bool Workers::may_begin(std::uint64_t number, std::size_t of, std::size_t share) const {
+    const auto count = static_cast<std::size_t>(this->count());
+    const std::size_t after = after_[share].load(std::memory_order_acquire);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Stretch &other = stretches_[i];
+        const std::uint32_t parts = other.before[after].load(std::memory_order_acquire);
+        if (i == of || parts == 0) {
+            continue;
+        }
+        const std::uint64_t at = other.at.load(std::memory_order_acquire);
+        if (job_of(at) != number || over(at) < parts) {
             return false;
         }
-    } while (!left.compare_exchange_weak(ticket, ticket - 1));
+    }
+    return true;
+}
+
+bool Workers::finished(std::uint64_t number, std::size_t of) const {
+    const Stretch &stretch = stretches_[of];
+    const std::uint64_t at = stretch.at.load(std::memory_order_acquire);
+    const std::size_t shares = shares_.load(std::memory_order_acquire);
+    return job_of(at) != number ||
+           ((at & BUSY) == 0 && over(at) == stretch.before[shares].load(std::memory_order_acquire));
+}
+
+// Does the next part of a stretch, whose share is `share` or a later one. False where there is
+// none, where somebody is at it, or where it must wait. While a part is being done the job stays
+// as it is; who does none may look at nothing else of it.
+bool Workers::go_on(int worker, std::uint64_t number, std::size_t of, std::size_t &share) {
+    Stretch &stretch = stretches_[of];
+    std::uint64_t at = stretch.at.load(std::memory_order_acquire);
+    const std::size_t shares = shares_.load(std::memory_order_acquire);
+    const auto before = [&](std::size_t k) {
+        return stretch.before[k].load(std::memory_order_acquire);
+    };
+    if (job_of(at) != number || (at & BUSY) != 0) {
+        return false;
+    }
+    while (share < shares && before(share + 1) <= over(at)) {
+        ++share;
+    }
+    if (share >= shares || !may_begin(number, of, share) ||
+        !stretch.at.compare_exchange_strong(at, at | BUSY, std::memory_order_acq_rel)) {
+        return false;
+    }
     const Share &whole = job_.shares[share];
     const auto count = static_cast<std::size_t>(this->count());
-    // Parts are counted from the end of the stretch.
-    const std::size_t begin = before(whole, of, count) + ((ticket & LEFT) - 1) * whole.length;
-    const std::size_t end = std::min(before(whole, of + 1, count), begin + whole.length);
+    const std::size_t begin =
+        begin_of(whole, of, count) + (over(at) - before(share)) * whole.length;
+    const std::size_t end = std::min(begin_of(whole, of + 1, count), begin + whole.length);
     // An exception may leave neither a thread nor, while others are at work, the
     // job that they share.
     try {
@@ -107,33 +149,37 @@ bool Workers::take_part(int worker, std::uint64_t number, std::size_t of, std::s
             error_ = std::current_exception();
         }
     }
-    --open_[share];
+    stretch.at.store(at + 2 * BUSY, std::memory_order_release);
     return true;
 }
 
-// A worker sees a job by the first ticket of its own stretch, which is therefore written last;
-// and its end by a ticket with another number.
+// A worker sees a job by its own stretch, which is therefore written last. Before anything else
+// is written, nobody can begin a part any more.
 void Workers::publish(const Job &job) {
+    number_ = (number_ + 1) & PARTS;
+    const auto count = static_cast<std::size_t>(this->count());
+    for (std::size_t i = 0; i < count; ++i) {
+        stretches_[i].at.store(number_ << 32 | BUSY);
+    }
     job_ = job;
     failed_ = false;
-    number_ = (number_ + 1) & LEFT;
-    const auto count = static_cast<std::size_t>(this->count());
-    for (std::size_t k = job.count; k-- > 0;) {
-        const Share &share = job.shares[k];
-        std::uint64_t all = 0;
-        std::size_t begin = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t end = before(share, i + 1, count);
-            parts_[i] = (end - begin + share.length - 1) / share.length;
-            all += parts_[i];
-            begin = end;
+    shares_.store(static_cast<std::uint32_t>(job.count), std::memory_order_release);
+    for (std::size_t k = 0; k < job.count; ++k) {
+        after_[k].store(static_cast<std::uint32_t>(std::min(job.shares[k].after, k)),
+                        std::memory_order_release);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        std::uint32_t parts = 0;
+        for (std::size_t k = 0; k < job.count; ++k) {
+            stretches_[i].before[k].store(parts, std::memory_order_release);
+            const Share &share = job.shares[k];
+            const std::size_t size = begin_of(share, i + 1, count) - begin_of(share, i, count);
+            parts += static_cast<std::uint32_t>((size + share.length - 1) / share.length);
         }
-        open_[k].store(number_ << 32 | all, std::memory_order_release);
-        for (std::size_t i = 0; i < count; ++i) {
-            stretches_[i].tickets[k].store(number_ << 32 | parts_[i],
-                                           k > 0 ? std::memory_order_release
-                                                 : std::memory_order_seq_cst);
-        }
+        stretches_[i].before[job.count].store(parts, std::memory_order_release);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        stretches_[i].at.store(number_ << 32);
     }
 }
 
@@ -143,12 +189,7 @@ void Workers::run(const Job &job) {
         const std::lock_guard<std::mutex> lock(mutex_);
         begin_.notify_all();
     }
-    for (std::size_t k = 0; k < job.count; ++k) {
-        while (take_part(0, number_, 0, k)) {
-        }
-        help(k);
-        wait_until([&] { return (open_[k].load() & LEFT) == 0; });
-    }
+    lead();
     if (failed_) {
         std::rethrow_exception(std::exchange(error_, nullptr));
     }
@@ -176,23 +217,36 @@ void Workers::account(const Share *shares, std::size_t count, double took) {
     }
 }
 
-// Takes what those who are late have left of a share.
-void Workers::help(std::size_t share) {
-    for (std::size_t i = 1; i < static_cast<std::size_t>(count()); ++i) {
-        Stretch &stretch = stretches_[i];
-        const auto taken = [&] { return (stretch.tickets[share].load() & LEFT) == 0; };
-        if (!stretch.late && at_once(PATIENCE, taken)) {
+// Does the caller's stretch, and goes on with those of others who do not come.
+void Workers::lead() {
+    std::size_t own = 0;
+    for (int looks = 0;;) {
+        if (go_on(0, number_, 0, own)) {
+            looks = 0;
             continue;
         }
-        while (take_part(0, number_, i, share)) {
-            stretch.late = true;
+        bool all = finished(number_, 0);
+        for (std::size_t i = 1; i < static_cast<std::size_t>(count()); ++i) {
+            if (finished(number_, i)) {
+                continue;
+            }
+            all = false;
+            Stretch &stretch = stretches_[i];
+            std::size_t share = 0;
+            if ((stretch.late || looks >= PATIENCE) && go_on(0, number_, i, share)) {
+                stretch.late = true;
+            }
         }
+        if (all) {
+            return;
+        }
+        look_again(looks);
     }
 }
 
 void Workers::wait_for_job(int worker, std::uint64_t seen) {
-    const Ticket &own = stretches_[static_cast<std::size_t>(worker)].tickets[0];
-    const auto called = [&] { return closing_ || job_of(own.load()) != seen; };
+    const Stretch &own = stretches_[static_cast<std::size_t>(worker)];
+    const auto called = [&] { return closing_ || job_of(own.at.load()) != seen; };
     const auto until = std::chrono::steady_clock::now() + AWAKE;
     do {
         if (at_once(LOOKS, called)) {
@@ -206,37 +260,32 @@ void Workers::wait_for_job(int worker, std::uint64_t seen) {
     --asleep_;
 }
 
-// Does a worker's parts of a job. It may be over at any time, taken by the caller.
+// Does a worker's stretch of a job. It may be over at any time, done by the caller.
 void Workers::follow(int worker, std::uint64_t number) {
     const auto own = static_cast<std::size_t>(worker);
     Stretch &stretch = stretches_[own];
-    for (std::size_t k = 0; k < MOST_SHARES; ++k) {
-        if (job_of(stretch.tickets[k].load()) != number) {
-            return;
-        }
-        if (k > 0) {
-            wait_until([&] {
-                const std::uint64_t open = open_[k - 1].load();
-                return (open & LEFT) == 0 || job_of(open) != number;
-            });
-        }
-        if (stretch.late) {
-            stretch.late = false;
-        }
-        while (take_part(worker, number, own, k)) {
+    std::size_t share = 0;
+    for (int looks = 0; !finished(number, own);) {
+        if (go_on(worker, number, own, share)) {
+            looks = 0;
+            if (stretch.late) {
+                stretch.late = false;
+            }
+        } else {
+            look_again(looks);
         }
     }
 }
 
 void Workers::work(int worker) {
-    const Ticket &first = stretches_[static_cast<std::size_t>(worker)].tickets[0];
+    const Stretch &own = stretches_[static_cast<std::size_t>(worker)];
     std::uint64_t seen = 0;
     for (;;) {
         wait_for_job(worker, seen);
         if (closing_) {
             return;
         }
-        seen = job_of(first.load());
+        seen = job_of(own.at.load());
         follow(worker, seen);
     }
 }

@@ -16,11 +16,18 @@
 
 namespace pluvia {
 
-// One thing after another that threads share: the numbers from 0 to `size`, of which one thread
-// takes `length` at a time, or the caller all of them where there are no more.
+// One thing after another that threads share: the numbers from 0 to `size`, of which a thread
+// takes `length` at a time, or the caller all of them where there are no more. Every thread has
+// its own stretch of them, and comes to that of a share when it is done with those before.
 struct Share {
+    static constexpr std::size_t ALL = ~std::size_t{0};
+
     std::size_t size, length;
     std::size_t least; // that it pays for a thread to take, however many threads there are
+    const std::size_t *ends = nullptr; // by thread, where its stretch ends; null: equal stretches
+    // How many of the shares before, from the first on, must be over, everybody's, before one
+    // begins.
+    std::size_t after = ALL;
 };
 
 // How long shares took that threads can share, in s: those of more than the least that pays for a
@@ -37,7 +44,7 @@ struct SharedTime {
 // all of them. What it computes must not depend on who computes which part.
 class Workers {
   public:
-    static constexpr std::size_t MOST_SHARES = 224; // of a job
+    static constexpr std::size_t MOST_SHARES = 400; // of a job
 
     // `count`: threads in all, at least 1; fewer where the system gives no more.
     explicit Workers(int count);
@@ -50,11 +57,11 @@ class Workers {
     // Whether the caller does everything by itself from now on.
     void leave_alone(bool on) { alone_ = on; }
 
-    // Calls `part(share, worker, begin, end)` for parts of each of `count` shares; all of one are
-    // over before any of the next begins. `worker` is smaller than `count()` and no two calls
-    // at a time have the same. Every worker has its own stretch, the same for the same size: what
-    // it wrote the last time is in its cache. The caller takes what is left of the stretch of one
-    // that is late: where processors are shared, a worker may not run for milliseconds.
+    // Calls `part(share, worker, begin, end)` for parts of each of `count` shares. `worker` is
+    // smaller than `count()` and no two calls at a time have the same. A thread's stretch is the
+    // same for the same size: what it wrote the last time is in its cache. The caller goes on
+    // with the stretch of one that is late: where processors are shared, a worker may not run
+    // for milliseconds.
     // What a part throws is thrown here, once all that began are over; of several, one.
     template <class Part> void share(const Share *shares, std::size_t count, const Part &part) {
         if (count > MOST_SHARES) {
@@ -63,8 +70,10 @@ class Workers {
         bool alone = true;
         bool small = true;
         for (std::size_t k = 0; k < count; ++k) {
-            alone = alone && shares[k].size <= shares[k].length;
-            small = small && shares[k].size <= shares[k].least;
+            const bool is_small = shares[k].size <= shares[k].least;
+            small = small && is_small;
+            alone = alone &&
+                    (shares[k].ends != nullptr ? is_small : shares[k].size <= shares[k].length);
         }
         const auto begun = small ? Clock::time_point{} : Clock::now();
         if (alone || alone_ || threads_.empty()) {
@@ -109,13 +118,14 @@ class Workers {
         const Share *shares = nullptr;
         std::size_t count = 0;
     };
-    // The number of a job, and in the lower half how many parts nobody has taken, or are not over.
-    using Ticket = std::atomic<std::uint64_t>;
-    using Tickets = std::array<Ticket, MOST_SHARES>;
-    // What a worker takes first.
+    // What a thread does first.
     struct alignas(64) Stretch {
-        Tickets tickets{};             // by share
-        std::atomic<bool> late{false}; // its parts are taken at once
+        // The number of a job, and in the lower half twice how many parts are over, and one
+        // more while the next is being done. Parts are done in this order, whoever does them.
+        std::atomic<std::uint64_t> at{0};
+        std::atomic<bool> late{false}; // others go on with it at once
+        // How many parts come before a share's; at the end, all.
+        std::array<std::atomic<std::uint32_t>, MOST_SHARES + 1> before{};
     };
 
     std::mutex mutex_;
@@ -123,12 +133,13 @@ class Workers {
     Job job_;
     std::uint64_t number_ = 0; // of the job
     std::unique_ptr<Stretch[]> stretches_;
-    alignas(64) Tickets open_{}; // by share: parts that are not over
+    // Of the job, for those who look without doing a part of it: it may be over at any time.
+    std::array<std::atomic<std::uint32_t>, MOST_SHARES> after_{};
+    std::atomic<std::uint32_t> shares_{0};
     std::atomic<int> asleep_{0};
     std::atomic<bool> closing_{false};
     std::atomic<bool> failed_{false};
-    std::exception_ptr error_;         // of the first part that failed
-    std::vector<std::uint64_t> parts_; // by stretch, while a job is published
+    std::exception_ptr error_; // of the first part that failed
     bool alone_ = false;
     SharedTime shared_;
     std::vector<std::thread> threads_;
@@ -136,10 +147,12 @@ class Workers {
     void run(const Job &job);
     void account(const Share *shares, std::size_t count, double took);
     void publish(const Job &job);
-    void help(std::size_t share);
+    void lead();
     void work(int worker);
     void follow(int worker, std::uint64_t number);
-    bool take_part(int worker, std::uint64_t number, std::size_t of, std::size_t share);
+    bool go_on(int worker, std::uint64_t number, std::size_t of, std::size_t &share);
+    bool may_begin(std::uint64_t number, std::size_t of, std::size_t share) const;
+    bool finished(std::uint64_t number, std::size_t of) const;
     void wait_for_job(int worker, std::uint64_t seen);
 };
 

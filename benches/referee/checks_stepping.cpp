@@ -40,7 +40,7 @@ PourSettings settings(double step, double duration) {
     PourSettings s;
     s.step = step;
     s.duration = duration;
-    s.limits = {1e-8, 500, 100};
+    s.limits = {1e-8, 500, Limits{}.newton_steps};
     s.rest_speed = 0;
     return s;
 }

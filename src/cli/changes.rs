@@ -11,7 +11,7 @@ pub(super) struct Changes {
     #[arg(long, value_name = "B", value_parser = backend)]
     backend: Option<Backend>,
     /// Seed of the random streams, in place of the scenario's
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Change one value of the scenario (repeatable)
     #[arg(long, value_name = "path=value")]
@@ -21,6 +21,11 @@ pub(super) struct Changes {
 /// The engine of a name, as in scenario files.
 pub(super) fn backend(name: &str) -> Result<Backend, String> {
     serde_json::from_value(Value::from(name)).map_err(|error| error.to_string())
+}
+
+/// A seed as in scenario files.
+fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("allowed are whole numbers from 0 to {}", u64::MAX))
 }
 
 impl Changes {

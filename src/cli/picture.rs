@@ -69,13 +69,13 @@ pub(super) struct PictureArgs {
     #[arg(long)]
     no_key: bool,
     /// Simulated time between two frames of an animation; frames are kept every 0.08 s
-    #[arg(long, value_name = "S", default_value_t = 0.08, requires = "animate")]
+    #[arg(long, value_name = "S", default_value_t = 0.08, conflicts_with = "out")]
     every: f64,
     /// Frames per second of an animation
-    #[arg(long, value_name = "N", default_value_t = 12, requires = "animate")]
+    #[arg(long, value_name = "N", default_value_t = 12, conflicts_with = "out")]
     frames_per_second: u16,
     /// Largest size of an animation; checked before it is made
-    #[arg(long, value_name = "MB", default_value_t = 25.0, requires = "animate")]
+    #[arg(long, value_name = "MB", default_value_t = 25.0, conflicts_with = "out")]
     limit_mb: f64,
 }
 

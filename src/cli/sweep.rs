@@ -129,7 +129,9 @@ pub(super) fn run(args: &SweepArgs, context: &Context) -> Result<ExitStatus, Cli
         if args.slurm.slurm {
             return on_slurm(&args.slurm, &tasks()?, context);
         }
-        let mut text = format!("{} runs planned in {}\n", plan.runs.len(), plain_path(&args.out));
+        let runs = plan.runs.len();
+        let word = if runs == 1 { "run" } else { "runs" };
+        let mut text = format!("{runs} {word} planned in {}\n", plain_path(&args.out));
         if args.snakemake {
             write_snakefile(&tasks()?, &this_program()?)?;
             let file = args.out.join(SNAKEFILE);

@@ -169,6 +169,15 @@ fn unknown_fields_are_named_with_what_is_known() {
 }
 
 #[test]
+fn a_mass_less_than_one_grain_of_every_fraction_is_told_from_a_small_fraction() {
+    expect_one(
+        |s| s["grains"]["total_mass_g"] = json!(0.01),
+        "grains.total_mass_g",
+        &["not every fraction", "at least"],
+    );
+}
+
+#[test]
 fn unions_are_decided_before_they_are_checked() {
     expect_one(
         |s| s["grains"] = json!({ "file": "grains.json", "total_mass_g": 1 }),

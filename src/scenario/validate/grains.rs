@@ -41,20 +41,33 @@ pub(super) fn check(parts: &Parts, faults: &mut Faults) {
     let is_sound =
         |f: &SieveFraction| f.passing_mm > 0.0 && f.retained_mm > 0.0 && f.mass_percent > 0.0;
     let mut total = 0.0;
+    let mut least = 0.0_f64; // mass of which every fraction has a grain, where no share would do
     for (i, fraction) in table.iter().enumerate().filter(|(_, fraction)| is_sound(fraction)) {
         let count = fraction.grain_count(mass, density);
         total += count;
+        let enough = fraction.mass_percent / count;
+        if enough > 100.0 {
+            least = least.max(1.0 / fraction.grain_count(1.0, density));
+            continue;
+        }
         faults.at(format!("sieve_table[{i}]")).add_if(
             count < 1.0,
             "mass_percent",
             fraction.mass_percent,
-            format!("at least {} %", short(fraction.mass_percent / count)),
+            format!("at least {} %", short(enough)),
             format!(
                 "the fraction {} to {} mm is lighter than one grain of its mean size",
                 fraction.passing_mm, fraction.retained_mm
             ),
         );
     }
+    faults.add_if(
+        least > 0.0,
+        "total_mass_g",
+        mass,
+        format!("at least {} g with this sieve table", short(least)),
+        "not every fraction has the mass of one grain of its mean size",
+    );
     faults.add_if(
         total > MOST_GRAINS,
         "total_mass_g",

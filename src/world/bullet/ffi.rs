@@ -375,6 +375,7 @@ mod bridge {
         include!("pluvia/cpp/worker_probe.h");
 
         fn shared_sum(threads: i32, size: usize, rounds: usize, fails_at: usize) -> Result<u64>;
+        fn chained_work(threads: i32, rounds: usize) -> Result<[u64; 2]>;
         fn shared_time(threads: i32, sizes: &[usize], leasts: &[usize]) -> Result<[f64; 4]>;
         fn steps_alone(may_leave: bool, shared_s: &[f64], alone_s: &[f64]) -> Vec<bool>;
 

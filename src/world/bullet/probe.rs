@@ -164,6 +164,15 @@ pub fn shared_sum(
     ffi::shared_sum(i32::from(threads), size, rounds, fails_at).map_err(engine)
 }
 
+/// What threads make of shares that follow each other without all being over, and what one
+/// thread makes of them: the same, if each waits for what it needs.
+///
+/// # Errors
+/// [`WorldError::Engine`] without a thread.
+pub fn chained_work(threads: u16, rounds: usize) -> Result<[u64; 2], WorldError> {
+    ffi::chained_work(i32::from(threads), rounds).map_err(engine)
+}
+
 /// How long one job of these shares takes of what threads can share, and would take on 2, 8
 /// and 16 of them, in s; every part of it takes a millisecond. `leasts`: the least of each
 /// share that pays for a thread to take.

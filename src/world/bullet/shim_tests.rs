@@ -2,7 +2,7 @@
 //! exception comes back as an error with its words, and ends nothing.
 
 use super::definition::tolerances;
-use super::probe::{shared_sum, shared_time, steps_alone};
+use super::probe::{chained_work, shared_sum, shared_time, steps_alone};
 use super::tests::{exclusive_turn, free_box, shared_turn, slab};
 use super::*;
 use crate::scale::Scale;
@@ -243,6 +243,17 @@ fn what_fails_in_a_thread_comes_back_from_all_of_them() {
     }
     assert!(shared_sum(0, 10, 1, None).is_err(), "law: no thread, no work");
     assert_eq!(shared_sum(4, 0, 3, None).expect("nothing to do"), 0);
+}
+
+/// Law: shares of which a thread begins the next before others are done with the last give what
+/// one thread gives, since each waits for the neighbours that it meets.
+#[test]
+fn threads_that_run_ahead_wait_where_they_meet() {
+    for threads in [1, 2, 3, 8] {
+        let [got, expected] = chained_work(threads, 2000).expect("shares");
+        assert_eq!(got, expected, "law: {threads} threads make what one makes");
+    }
+    assert!(chained_work(0, 1).is_err(), "law: no thread, no work");
 }
 
 #[test]
