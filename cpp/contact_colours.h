@@ -34,8 +34,8 @@ struct Moves {
 // other.
 //
 // Bodies are numbered along the specimen, and in a colour pairs follow these
-// numbers in blocks: a thread that takes the same stretch of every colour meets
-// the same bodies again, and has them in its cache.
+// numbers in blocks: the bodies of a pack are near each other, and a thread that has
+// the packs of one part of the specimen (contact_homes.h) has these bodies in its cache.
 class Colours {
   public:
     struct Pack {

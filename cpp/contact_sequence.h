@@ -12,7 +12,7 @@ namespace pluvia {
 
 // Packs and bodies that a thread takes at least: fewer do not pay for the others' coming.
 constexpr std::size_t PACKS_AT_ONCE = 8;
-constexpr std::size_t FEW_PACKS_AT_ONCE = 32; // copied for one thread, and solved in no time
+constexpr std::size_t FEW_PACKS_AT_ONCE = 32; // of the pairs of few bodies (contact_few.h)
 constexpr std::size_t BODIES_AT_ONCE = 512;
 
 template <class L> class Sequence {

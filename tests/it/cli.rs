@@ -70,7 +70,7 @@ fn wrong_usage_ends_with_2() {
         assert!(!err.is_empty(), "{args:?} is told why");
     }
     let (_, _, err) = run(&["run", SCENARIO, "--out", "x", "--seed", "-1"]);
-    assert!(err.contains("whole numbers from 0"), "law: what a seed may be is told: {err}");
+    assert!(err.contains("whole numbers from 0"), "law: the error gives the range of seeds: {err}");
     let of_animations = ["picture", "x", "--out", "x.png", "--every", "1"];
     let (code, _, err) = run(&of_animations);
     assert_eq!(code, Some(2), "law: a picture has no frames: {err}");

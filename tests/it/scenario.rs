@@ -169,7 +169,7 @@ fn unknown_fields_are_named_with_what_is_known() {
 }
 
 #[test]
-fn a_mass_less_than_one_grain_of_every_fraction_is_told_from_a_small_fraction() {
+fn a_mass_too_small_for_every_fraction_is_a_fault_of_the_mass() {
     expect_one(
         |s| s["grains"]["total_mass_g"] = json!(0.01),
         "grains.total_mass_g",
