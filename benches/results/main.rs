@@ -9,6 +9,7 @@ mod make;
 mod marks;
 mod missed;
 mod pages;
+mod referee;
 mod scan;
 mod speed;
 mod tables;

@@ -9,7 +9,7 @@ fn rows(all: &Value) -> Result<&Vec<Value>, String> {
 }
 
 /// A number with so many decimals; empty where it is not known.
-fn number(of: &Value, decimals: usize) -> String {
+pub(super) fn number(of: &Value, decimals: usize) -> String {
     of.as_f64().map_or_else(String::new, |x| format!("{x:.decimals$}"))
 }
 

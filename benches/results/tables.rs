@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{joint, list, missed::missed, speed, value::Results};
+use super::{joint, list, missed::missed, referee, speed, value::Results};
 
 type Cells<'a> = &'a dyn Fn(&str) -> Result<String, String>;
 
@@ -27,6 +27,8 @@ pub fn named(name: &str, results: &Results) -> Result<String, String> {
         "joint-targets" => joint::targets(results.source("joint")?.as_ref()),
         "joint-together" => joint::together(results.source("joint")?.as_ref()),
         "peers" => speed::peers(results.source("peers")?.as_ref()),
+        "referee-one-step" => referee::one_step(results.source("referee")?.as_ref()),
+        "referee-static" => referee::certificates(results.source("referee")?.as_ref()),
         "steps" => speed::steps(results.source("bench")?.as_ref()),
         "files" => Ok(files()),
         _ => Err("no table has this name".to_owned()),
