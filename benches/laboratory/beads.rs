@@ -53,10 +53,11 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     };
     let mut points: Vec<Point> =
         STRESSES.iter().map(|s| at(*s, Vec::new(), format!("stress-{s}"), None)).collect();
-    points.extend(FRICTIONS.iter().map(|friction| {
+    let others = FRICTIONS.map(|friction| {
         let more = vec![format!("contact.grain_grain_friction={friction}")];
-        at(STRESSES[TRIED], more, format!("friction-{friction}"), bench.quick.then_some(1))
-    }));
+        at(STRESSES[TRIED], more, format!("friction-{friction}"), bench.is_small().then_some(1))
+    });
+    points.extend(bench.unless_quick(others.to_vec()));
     let mut tests = Vec::new();
     for run in bench.run("beads", SCENARIO, &points)? {
         let moments = moments(&run, PLANE)?;

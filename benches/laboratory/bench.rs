@@ -15,12 +15,23 @@ use pluvia::{
     study::{RunOptions, Variation, Varied, carry_out_variations},
 };
 
+/// How much is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Design {
+    /// Small specimens, few points, nothing that is only tried.
+    Quick,
+    /// Small specimens.
+    Small,
+    /// Specimens of the size that the tests ask for, and more points.
+    Full,
+}
+
 /// What is to be done.
 pub struct Bench {
     /// Folder of runs.
     pub out: PathBuf,
-    /// Whether the smaller designs are meant.
-    pub quick: bool,
+    /// How much is run.
+    pub design: Design,
     /// Realisations of each point.
     pub configurations: u32,
     /// Stages at a time.
@@ -54,9 +65,28 @@ pub fn root() -> &'static Path {
 }
 
 impl Bench {
-    /// `quick` or `full`.
+    /// `quick`, `small` or `full`.
     pub fn design(&self) -> &'static str {
-        if self.quick { "quick" } else { "full" }
+        match self.design {
+            Design::Quick => "quick",
+            Design::Small => "small",
+            Design::Full => "full",
+        }
+    }
+
+    /// Whether specimens are small.
+    pub fn is_small(&self) -> bool {
+        self.design != Design::Full
+    }
+
+    /// Whether only the least is run.
+    pub fn is_quick(&self) -> bool {
+        self.design == Design::Quick
+    }
+
+    /// What the quick design leaves out.
+    pub fn unless_quick<T>(&self, of: Vec<T>) -> Vec<T> {
+        if self.is_quick() { Vec::new() } else { of }
     }
 
     /// Options of a study in a folder of its own.

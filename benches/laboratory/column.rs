@@ -6,7 +6,7 @@ use pluvia::{
 };
 
 use super::{
-    bench::{Bench, Point, Run},
+    bench::{Bench, Design, Point, Run},
     row::{Found, Row, Rule},
     standard_tests::{deposit_edge, run_out_of_lube},
 };
@@ -30,7 +30,7 @@ const SEEN: &str = "Lube et al. 2004, J. Fluid Mech. 508: 1.24 a below 1.7, 1.6 
 
 /// Runs the test.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {
-    let (radius_mm, aspects): (f64, &[f64]) = if bench.quick {
+    let (radius_mm, aspects): (f64, &[f64]) = if bench.is_small() {
         (50.0, &[0.6, 1.2, 2.4])
     } else {
         (90.0, &[0.5, 1.0, 1.5, 2.0, 3.0, 4.0])
@@ -58,7 +58,11 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         tried("a column twice as wide", 2.0 * radius_mm, TRIED, &[]),
     ];
     // Twice as wide as those of the full design are, a run takes an hour.
-    let tried = if bench.quick { &tried[..] } else { &tried[..2] };
+    let tried = match bench.design {
+        Design::Quick => &[],
+        Design::Small => &tried[..],
+        Design::Full => &tried[..2],
+    };
     let points: Vec<Point> = points.chain(tried.iter().map(|t| t.point.clone())).collect();
     let runs = bench.run("column", SCENARIO, &points)?;
     let mut found: Vec<Collapse> = Vec::new();

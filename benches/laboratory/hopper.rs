@@ -6,7 +6,7 @@ use pluvia::{
 };
 
 use super::{
-    bench::{Bench, Point, Run},
+    bench::{Bench, Design, Point, Run},
     row::{Found, Row, Rule},
     standard_tests::{BeverlooFit, Discharge, Held, Outflow, fit_beverloo, steady_outflow},
 };
@@ -54,49 +54,54 @@ struct Grains {
     called: &'static str,
     /// What they change in the scenario.
     shape: Option<&'static str>,
-    /// Mass in kg in the quick design: rates through the widest opening are steady until two fifths
+    /// Mass in kg in the small designs: rates through the widest opening are steady until two fifths
     /// have left.
-    quick: f64,
-    /// Factor on the times of [`FLOOR`] in the quick design.
+    small: f64,
+    /// Factor on the times of [`FLOOR`] in the small designs.
     longer: f64,
 }
 
-const ANGULAR: Grains = Grains { id: "hopper", called: "", shape: None, quick: 4.5, longer: 1.5 };
+const ANGULAR: Grains = Grains { id: "hopper", called: "", shape: None, small: 4.5, longer: 1.5 };
 /// The constants that are usually given are those of spheres, or nearly.
 const SPHERES: Grains = Grains {
     id: "hopper-spheres",
     called: "spheres, ",
     shape: Some("grains.shape=spheres"),
-    quick: 5.0,
+    small: 5.0,
     longer: 1.0,
 };
 
 impl Grains {
     /// Mass of a bin in kg.
     fn total(&self, bench: &Bench) -> f64 {
-        if bench.quick { self.quick } else { 28.0 }
+        if bench.is_small() { self.small } else { 28.0 }
     }
 
     /// A point an opening.
     fn points(&self, bench: &Bench) -> Vec<Point> {
-        let of = |count: usize| {
-            let names: Vec<&str> = FLOOR[..count].iter().map(|f| f.0).collect();
-            let (_, opening, watched) = FLOOR[count - 1];
+        let of = |n: &usize| {
+            let names: Vec<&str> = FLOOR[..=*n].iter().map(|f| f.0).collect();
+            let (_, opening, watched) = FLOOR[*n];
             // What a bin that is so much wider gives.
-            let longer = if bench.quick { self.longer } else { 2.0 };
+            let longer = if bench.is_small() { self.longer } else { 2.0 };
             let mut changes = vec![
                 format!("stages.1.pieces={}", serde_json::json!(names)),
                 format!("stages.1.time_limit_s={}", longer * watched),
                 format!("grains.total_mass_g={}", 1e3 * self.total(bench)),
             ];
-            if !bench.quick {
+            if !bench.is_small() {
                 changes.extend(wide());
             }
             changes.extend(self.shape.map(str::to_owned));
             Point { name: format!("{}-opening-{opening}", self.id), changes, most: None }
         };
-        (1..=FLOOR.len()).map(of).collect()
+        openings(bench).iter().map(of).collect()
     }
+}
+
+/// Numbers of the openings that are used.
+fn openings(bench: &Bench) -> &'static [usize] {
+    if bench.is_quick() { &[0, 2, 4] } else { &[0, 1, 2, 3, 4] }
 }
 
 /// Runs the test.
@@ -118,25 +123,31 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         ),
         ("wider", "a bin of twice the area, filled as high", 2.0 * total, wider()),
     ];
-    // The wider bin takes as long as all of the quick design.
-    let tried = if bench.quick { &tried[..2] } else { &tried[..] };
+    // The wider bin takes as long as all of the small design.
+    let tried = match bench.design {
+        Design::Quick => &[],
+        Design::Small => &tried[..2],
+        Design::Full => &tried[..],
+    };
     let angular = ANGULAR.points(bench);
-    let of_one = angular[TRIED].changes.clone();
     let others = tried.iter().map(|(name, _, _, changes)| Point {
         name: (*name).to_owned(),
-        changes: of_one.iter().chain(changes).cloned().collect(),
+        changes: angular[TRIED].changes.iter().chain(changes).cloned().collect(),
         most: Some(1),
     });
+    let others: Vec<Point> = others.collect();
     let points: Vec<Point> =
         angular.into_iter().chain(SPHERES.points(bench)).chain(others).collect();
+    let opening_of = |n: usize| FLOOR[openings(bench)[n]].1;
+    let count = openings(bench).len();
     let runs = bench.run("hopper", SCENARIO, &points)?;
     let mut flows = [Flows::default(), Flows::default()];
     let mut changed: Vec<(&str, Discharge)> = Vec::new();
     for run in &runs {
-        let (set, n) = (run.point / FLOOR.len(), run.point % FLOOR.len());
+        let (set, n) = (run.point / count, run.point % count);
         let (grains, opening) = match set {
-            0 => (total, FLOOR[n].1),
-            1 => (SPHERES.total(bench), FLOOR[n].1),
+            0 => (total, opening_of(n)),
+            1 => (SPHERES.total(bench), opening_of(n)),
             _ => (tried[n].2, FLOOR[TRIED].1),
         };
         match (discharge(run, opening, grains)?, flows.get_mut(set)) {
@@ -148,7 +159,8 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     }
     let [angular, spheres] = flows;
     let is_own = |f: &&(u32, Discharge)| f.0 == 1 && f.1.opening == from_mm(FLOOR[TRIED].1);
-    let changed = angular.steady.iter().find(is_own).map_or_else(String::new, |(_, own)| {
+    let own = angular.steady.iter().find(is_own).filter(|_| !changed.is_empty());
+    let changed = own.map_or_else(String::new, |(_, own)| {
         let of = |(what, flow): &(&str, Discharge)| {
             let more = 100.0 * (flow.rate / flow.bulk_density * own.bulk_density / own.rate - 1.0);
             format!("with {what} {more:+.0} %")
@@ -195,7 +207,7 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
     let values = |fits: &[BeverlooFit], of: fn(&BeverlooFit) -> f64| -> Vec<f64> {
         fits.iter().map(of).collect()
     };
-    let bin = match bench.quick {
+    let bin = match bench.is_small() {
         true => format!(
             "The bin is 170 mm wide, less than D + 30 d, and holds {} kg",
             grains.total(bench)
@@ -216,8 +228,9 @@ fn rows(bench: &Bench, grains: &Grains, flows: &Flows, changed: &str) -> Vec<Row
         row
     };
     let five = format!(
-        "Five openings of 5 to 9 d{jams}. {bin}. Exponent and k make up for each other over so short \
-         a range"
+        "{} openings of 5 to 9 d{jams}. {bin}. Exponent and k make up for each other over so short \
+         a range",
+        openings(bench).len()
     );
     let contact = format!("{bin}. Friction between grains 0.5, restitution 0.315{changed}");
     let free = values(&flows.fits(bench, Held::default()), |f| f.exponent);

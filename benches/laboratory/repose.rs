@@ -3,7 +3,7 @@
 use pluvia::report::{Axis, Chart, Look, Plot};
 
 use super::{
-    bench::{Bench, Point, Run},
+    bench::{Bench, Design, Point, Run},
     row::{Found, Row, Rule},
     standard_tests::{Tilted, crossing, sliding_tilt},
 };
@@ -50,10 +50,10 @@ const METHODS: [Method; 3] = [
 
 /// Runs the test.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {
-    let frictions: &[f64] = if bench.quick {
-        &[0.1, 0.3, 0.5, 0.8]
-    } else {
-        &[0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0]
+    let frictions: &[f64] = match bench.design {
+        Design::Quick => &[0.2, 0.5],
+        Design::Small => &[0.1, 0.3, 0.5, 0.8],
+        Design::Full => &[0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0],
     };
     let mut rows = Vec::new();
     let mut plot = Plot::new(

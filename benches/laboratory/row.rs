@@ -43,7 +43,7 @@ pub struct Row {
     pub note: String,
     /// Digits that are shown.
     pub decimals: usize,
-    /// `quick` or `full`.
+    /// `quick`, `small` or `full`.
     pub design: String,
 }
 

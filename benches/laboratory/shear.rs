@@ -52,19 +52,19 @@ const ROUNDER_SEEN: &str = "Cho, Dodds & Santamarina 2006, abstract seen: the an
 const NONE: &str = "none is published";
 
 /// Box and speed of a design.
-struct Design {
+struct ShearBox {
     side_mm: f64,
     speed_mm_per_s: f64,
     travel_mm: f64,
 }
 
-const QUICK: Design = Design { side_mm: 90.0, speed_mm_per_s: 15.0, travel_mm: 13.5 };
-const FULL: Design = Design { side_mm: 180.0, speed_mm_per_s: 5.0, travel_mm: 27.0 };
+const SMALL: ShearBox = ShearBox { side_mm: 90.0, speed_mm_per_s: 15.0, travel_mm: 13.5 };
+const FULL: ShearBox = ShearBox { side_mm: 180.0, speed_mm_per_s: 5.0, travel_mm: 27.0 };
 
-impl Design {
+impl ShearBox {
     fn changes(&self, stress_kpa: f64, faster: f64) -> Vec<String> {
         let side = self.side_mm;
-        let mass_g = (560.0 * (side / QUICK.side_mm).powi(2)).round();
+        let mass_g = (560.0 * (side / SMALL.side_mm).powi(2)).round();
         vec![
             format!("grains.total_mass_g={mass_g}"),
             format!("pieces.0.shape.box.inner_mm=[{side},{side},25]"),
@@ -99,7 +99,7 @@ struct Test {
 
 /// Runs the test.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {
-    let design = if bench.quick { QUICK } else { FULL };
+    let design = if bench.is_small() { SMALL } else { FULL };
     let mut points: Vec<Point> = STRESSES
         .iter()
         .map(|stress| Point {
@@ -109,20 +109,23 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         })
         .collect();
     // What numbers must not depend on, and friction, which they must.
-    let most = bench.quick.then_some(1);
+    let most = bench.is_small().then_some(1);
     let tried = |name: &str, faster: f64, more: &[&str]| {
         let mut changes = design.changes(STRESSES[TRIED], faster);
         changes.extend(more.iter().map(|change| (*change).to_owned()));
         Point { name: name.to_owned(), changes, most }
     };
-    points.push(tried("half-speed", HALF, &[]));
-    points.push(tried("stiffer", 1.0, &["engine.native.contact_stiffness_n_per_m=860000"]));
-    points.push(tried("friction-0.3", 1.0, &["contact.grain_grain_friction=0.3"]));
-    points.extend(ROUNDER.iter().map(|roundness| {
+    let mut others = vec![
+        tried("half-speed", HALF, &[]),
+        tried("stiffer", 1.0, &["engine.native.contact_stiffness_n_per_m=860000"]),
+        tried("friction-0.3", 1.0, &["contact.grain_grain_friction=0.3"]),
+    ];
+    others.extend(ROUNDER.iter().map(|roundness| {
         let mut changes = design.changes(STRESSES[TRIED], 1.0);
         changes.push(format!("grains.cells.rounding={roundness}"));
         Point { name: format!("roundness-{roundness}"), changes, most: None }
     }));
+    points.extend(bench.unless_quick(others));
     let runs = bench.run("direct-shear", SCENARIO, &points)?;
     let mut tests = Vec::new();
     for run in &runs {
@@ -145,7 +148,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
     Ok(Found { rows, charts: vec![chart(&tests), profiles(&tests)] })
 }
 
-fn rows(bench: &Bench, design: &Design, tests: &[Test]) -> Vec<Row> {
+fn rows(bench: &Bench, design: &ShearBox, tests: &[Test]) -> Vec<Row> {
     let of = |point: usize, configuration: u32| {
         tests.iter().find(|t| t.point == point && t.configuration == configuration)
     };
@@ -190,8 +193,12 @@ fn rows(bench: &Bench, design: &Design, tests: &[Test]) -> Vec<Row> {
             Some(format!("{name} {mean:+.1}°"))
         })
         .collect();
-    let with_less =
-        format!(". With friction between grains of 0.3, at 50 kPa: {}", slippery.join(", "));
+    let with_less = match slippery.is_empty() {
+        true => String::new(),
+        false => {
+            format!(". With friction between grains of 0.3, at 50 kPa: {}", slippery.join(", "))
+        }
+    };
     let unseen = Rule::Unseen(Some(Published::Range { low: 36.9, high: 40.3 }));
     let rise: Vec<f64> = (1..=bench.configurations)
         .filter_map(|c| Some(of(TRIED, c)?.strength.dilation.atan().to_degrees()))

@@ -66,9 +66,9 @@ struct Test {
 
 /// Runs the test.
 pub fn carry_out(bench: &Bench) -> Result<Found, String> {
-    let side = if bench.quick { SIDE_MM } else { WIDE_MM };
+    let side = if bench.is_small() { SIDE_MM } else { WIDE_MM };
     let changes = |friction: f64| {
-        let mut changes = if bench.quick { Vec::new() } else { wide() };
+        let mut changes = if bench.is_small() { Vec::new() } else { wide() };
         changes.push(format!("contact.grain_grain_friction={friction}"));
         changes
     };
@@ -76,7 +76,7 @@ pub fn carry_out(bench: &Bench) -> Result<Found, String> {
         .iter()
         .map(|(name, friction)| {
             let mut changes = changes(*friction);
-            if !bench.quick {
+            if !bench.is_small() {
                 changes.extend(wide_stages());
             }
             Point { name: (*name).to_owned(), changes, most: None }
