@@ -137,7 +137,7 @@ crate() {
     local program runs=0 path threads scenario
     export PLUVIA_SANITIZE=address,undefined CARGO_TARGET_DIR=$folder/address
     program=$(build __asan_report '__ubsan_handle.*_abort')
-    tests address 25 "$program" world::bullet
+    tests address 25 "$program" world::bullet world::parity_tests
     cargo build --locked
     for path in native stock; do
         for threads in 1 2; do
@@ -157,7 +157,7 @@ crate() {
     export PLUVIA_SANITIZE=thread CARGO_TARGET_DIR=$folder/thread
     program=$(build __tsan_write)
     tests thread 3 "$program" world::bullet::native_tests::threads \
-        world::bullet::tests::two_worlds world::bullet::shim_tests::what_fails_in_a_thread
+        world::parity_tests::the_same_input world::bullet::shim_tests::what_fails_in_a_thread
 }
 
 memcheck() {
