@@ -13,6 +13,8 @@ mod parity_tests;
 pub mod rapier;
 mod run_time_check;
 pub mod scripted;
+#[cfg(test)]
+mod testing;
 
 #[cfg(test)]
 pub(crate) use bullet::tests::{exclusive_turn, shared_turn};

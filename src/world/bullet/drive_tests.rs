@@ -2,14 +2,14 @@
 //! world that recalls the steps before as well, and a new body begins anew.
 
 use super::probe::ProbeDrive;
-use super::tests::{free_box, precision, shared_turn, slab};
+use super::tests::{free_box, precision, shared_turn, slab, uniform};
 use super::*;
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
 fn world() -> BulletBackend {
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.0 });
-    BulletBackend::new(&EngineSettings::default(), GRAVITY, &pairs).expect("a world")
+    let settings = EngineSettings::default();
+    BulletBackend::new(&settings, GRAVITY, &uniform(0.8, 0.0)).expect("a world")
 }
 
 /// Where a shaken and turning table is at the end of a step; at rest before the first.

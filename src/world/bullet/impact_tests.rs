@@ -1,20 +1,14 @@
 //! Impacts in the native contact solver: what a contact rebounds from, and that
 //! no impact gains energy.
 
-use super::tests::{free_box, shared_turn, slab};
+use super::tests::{free_box, shared_turn, slab, state, steps, uniform};
 use super::*;
 use crate::grains::streams;
 
 fn world(gravity: f64, friction: f64, restitution: f64, rate_hz: f64) -> BulletBackend {
-    let pairs = PairTable::uniform(PairCoefficients { friction, restitution });
     let settings = EngineSettings { rate_hz, ..Default::default() };
-    BulletBackend::new(&settings, Vector::new(0.0, 0.0, -gravity), &pairs).expect("a world")
-}
-
-fn state(world: &BulletBackend, id: BodyId) -> BodyState {
-    let mut snapshot = Snapshot::new();
-    world.read(&mut snapshot);
-    snapshot[id.0 as usize].expect("it is there")
+    let gravity = Vector::new(0.0, 0.0, -gravity);
+    BulletBackend::new(&settings, gravity, &uniform(friction, restitution)).expect("a world")
 }
 
 /// Kinetic energy in J of a free body.
@@ -135,9 +129,7 @@ fn the_residual_is_small_at_rest_and_the_record_holds_the_problem() {
         let at = Vector::new(0.0, 0.0, 0.0051 + 0.0101 * f64::from(n));
         world.add(&free_box(Vector::repeat(0.01), at)).expect("added");
     }
-    for _ in 0..240 {
-        world.step().expect("a step");
-    }
+    steps(&mut world, 240);
     let residual = world.solver_residual().expect("the native solver says");
     assert!(residual < 1e-3, "law: a stack at rest is solved; residual {residual}");
     let record = world.recorded_substep();

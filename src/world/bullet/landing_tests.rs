@@ -1,23 +1,21 @@
 //! What meets fast within a step is stopped at the surface, whichever corner lands, and
 //! iterations go on until forces are found.
 
-use super::tests::{free_box, shared_turn, slab};
+use super::tests::{free_box, shared_turn, slab, state, steps, uniform};
 use super::*;
 use crate::grains::{Grain, generate, streams};
 use crate::scenario::{CellShape, NativeSettings, SieveFraction, SievedGrains, SievedShape};
 
 fn world(gravity: f64, native: NativeSettings) -> BulletBackend {
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.3 });
     let settings = EngineSettings { native, ..Default::default() };
-    BulletBackend::new(&settings, Vector::new(0.0, 0.0, -gravity), &pairs).expect("a world")
+    let gravity = Vector::new(0.0, 0.0, -gravity);
+    BulletBackend::new(&settings, gravity, &uniform(0.5, 0.3)).expect("a world")
 }
 
 /// How far in mm the deepest corner of a body is below the face of [`slab`], raised by
 /// `height` (m); negative above it.
 fn depth(world: &BulletBackend, id: BodyId, body: &Body, height: f64) -> f64 {
-    let mut snapshot = Snapshot::new();
-    world.read(&mut snapshot);
-    let pose = snapshot[id.0 as usize].expect("it is there").pose;
+    let pose = state(world, id).pose;
     let lowest = body.shape.vertices().iter().map(|v| (pose * v).z).fold(f64::INFINITY, f64::min);
     1e3 * (height - lowest)
 }
@@ -121,9 +119,7 @@ fn residual(solver_tolerance: f64) -> f64 {
         let at = Vector::new(0.02 * x, 0.02 * y, 0.005 + 0.01 * f64::from(n % 20));
         world.add(&free_box(Vector::repeat(0.01), at)).expect("added");
     }
-    for _ in 0..5 {
-        world.step().expect("a step");
-    }
+    steps(&mut world, 5);
     world.solver_residual().expect("the native solver says")
 }
 

@@ -3,16 +3,15 @@
 
 use std::collections::BTreeSet;
 
-use super::tests::{free_box, shared_turn, slab};
+use super::tests::{free_box, shared_turn, slab, snapshot, state, steps, uniform};
 use super::*;
 use crate::scenario::NativeSettings;
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
 fn world(native: NativeSettings) -> BulletBackend {
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.3 });
     let settings = EngineSettings { native, ..Default::default() };
-    BulletBackend::new(&settings, GRAVITY, &pairs).expect("a world")
+    BulletBackend::new(&settings, GRAVITY, &uniform(0.8, 0.3)).expect("a world")
 }
 
 /// A table with a packing of boxes of several sizes, turned every which way.
@@ -47,9 +46,7 @@ fn shaken(world: &mut BulletBackend, table: BodyId) -> Snapshot {
         }
         world.step().expect("a step");
     }
-    let mut snapshot = Snapshot::new();
-    world.read(&mut snapshot);
-    snapshot
+    snapshot(world)
 }
 
 fn run(native: NativeSettings) -> Snapshot {
@@ -87,16 +84,13 @@ fn plate_on_boxes(native: NativeSettings) -> (Snapshot, usize) {
     }
     let above = Vector::new(0.0, 0.0, 0.0125);
     let plate = world.add(&free_box(Vector::new(0.12, 0.12, 0.004), above)).expect("added");
-    for _ in 0..240 {
-        world.step().expect("a step");
-    }
-    let (mut state, mut contacts) = (Snapshot::new(), Vec::new());
-    world.read(&mut state);
+    steps(&mut world, 240);
+    let mut contacts = Vec::new();
     world.remember(&mut contacts);
     let with_plate = contacts.iter().filter(|c| c.a == plate || c.b == plate);
     let bears: BTreeSet<u32> =
         with_plate.map(|c| if c.a == plate { c.b.0 } else { c.a.0 }).collect();
-    (state, bears.len())
+    (snapshot(&world), bears.len())
 }
 
 #[test]
@@ -128,11 +122,8 @@ fn a_world_told_of_its_contacts_goes_on_without_a_jump() {
     let table = packing(&mut first);
     // Shaken together, then left at rest.
     shaken(&mut first, table);
-    for _ in 0..960 {
-        first.step().expect("a step");
-    }
-    let mut at_rest = Snapshot::new();
-    first.read(&mut at_rest);
+    steps(&mut first, 960);
+    let at_rest = snapshot(&first);
     let mut remembered = Vec::new();
     first.remember(&mut remembered);
     let weight: f64 = remembered.iter().filter(|c| c.a == table).map(|c| -c.force.z).sum();
@@ -184,9 +175,8 @@ fn a_world_told_of_its_contacts_goes_on_without_a_jump() {
 /// How far in mm a block comes that slides at 0.6 m/s from one floor piece to another
 /// which begins `ahead` (mm) of it and lies higher by `step` (mm); nothing rebounds.
 fn slid_over_a_joint(ahead: f64, step: f64) -> f64 {
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.0 });
     let settings = EngineSettings::default();
-    let mut world = BulletBackend::new(&settings, GRAVITY, &pairs).expect("a world");
+    let mut world = BulletBackend::new(&settings, GRAVITY, &uniform(0.8, 0.0)).expect("a world");
     for (x, raised) in [(-0.2, 0.0), (0.2, 1e-3 * step)] {
         let mut piece = slab(Motion::Static);
         piece.state.pose.translation.vector += Vector::new(x, 0.0, raised);
@@ -196,12 +186,8 @@ fn slid_over_a_joint(ahead: f64, step: f64) -> f64 {
     let mut block = free_box(Vector::new(0.02, 0.02, 0.005), Vector::new(start, 0.0, 0.0025));
     block.state.linear_velocity.x = 0.6;
     let id = world.add(&block).expect("added");
-    for _ in 0..96 {
-        world.step().expect("a step");
-    }
-    let mut states = Snapshot::new();
-    world.read(&mut states);
-    1e3 * (states[id.0 as usize].expect("a body").pose.translation.x - start)
+    steps(&mut world, 96);
+    1e3 * (state(&world, id).pose.translation.x - start)
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! one.
 
 use super::press_tests::{AT_ONCE, near, steps, world};
-use super::tests::{free_box, precision, shared_turn, slab};
+use super::tests::{contacts, free_box, precision, shared_turn, slab};
 use super::*;
 use crate::geometry::Point;
 
@@ -41,8 +41,7 @@ fn legs(world: &mut BulletBackend, height: f64) -> [BodyId; 2] {
 
 /// Vertical force on a body in the last step, and its moment about y about a point, both in SI.
 fn load(world: &BulletBackend, on: BodyId, about: Vector) -> (f64, f64) {
-    let mut contacts = Vec::new();
-    world.contacts(&mut contacts);
+    let contacts = contacts(world);
     let dt = world.time_step();
     let signed = |c: &Contact| [(c.a, c.impulse, c.point), (c.b, -c.impulse, c.point)];
     let of = contacts.iter().flat_map(signed).filter(|(body, ..)| *body == on);
@@ -101,8 +100,7 @@ fn parts_change_nothing_of_a_free_flight() {
             })
             .collect();
         steps(&mut world, 0.2);
-        let mut contacts = Vec::new();
-        world.contacts(&mut contacts);
+        let contacts = contacts(&world);
         assert!(contacts.is_empty(), "law: parts do not meet, {contacts:?}");
         ids.iter().map(|id| world.read_body(*id).expect("there")).collect::<Vec<_>>()
     };

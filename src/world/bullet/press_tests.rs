@@ -1,6 +1,6 @@
 //! Pressed bodies against laws of mechanics, with contacts eight at once and one by one.
 
-use super::tests::{free_box, precision, shared_turn, slab};
+use super::tests::{contacts, free_box, precision, shared_turn, slab, uniform};
 use super::*;
 use crate::scenario::{ContactSolver, NativeSettings};
 
@@ -21,9 +21,9 @@ pub(super) fn world(contacts_at_once: u32, friction: f64, restitution: f64) -> B
 }
 
 fn world_of(native: NativeSettings, friction: f64, restitution: f64) -> BulletBackend {
-    let pairs = PairTable::uniform(PairCoefficients { friction, restitution });
     let settings = EngineSettings { native, ..Default::default() };
-    BulletBackend::new(&settings, Vector::new(0.0, 0.0, -GRAVITY), &pairs).expect("a world")
+    let gravity = Vector::new(0.0, 0.0, -GRAVITY);
+    BulletBackend::new(&settings, gravity, &uniform(friction, restitution)).expect("a world")
 }
 
 /// A lid whose lower side is at a height, pressed along a direction.
@@ -94,8 +94,7 @@ fn a_pressed_block_passes_the_force_on_and_yields_as_a_spring() {
     for at_once in AT_ONCE {
         let (world, block, lid) = loaded(at_once, 0.5, force);
         let weight = GRAVITY * 2673.9 * SIDE.powi(3);
-        let mut contacts = Vec::new();
-        world.contacts(&mut contacts);
+        let contacts = contacts(&world);
         let on = |body: BodyId| -> Vector {
             let own = contacts.iter().map(|c| match body {
                 _ if c.a == body => c.impulse,
@@ -186,7 +185,7 @@ fn an_impact_of_a_lid_keeps_momentum_and_rebounds_as_typed() {
     let _turn = shared_turn();
     for at_once in AT_ONCE {
         let restitution = 0.5;
-        let pairs = PairTable::uniform(PairCoefficients { friction: 0.0, restitution });
+        let pairs = uniform(0.0, restitution);
         let native = NativeSettings { contacts_at_once: at_once, ..Default::default() };
         let settings = EngineSettings { native, ..Default::default() };
         let mut world = BulletBackend::new(&settings, Vector::zeros(), &pairs).expect("a world");
@@ -215,7 +214,7 @@ fn only_pressed_bodies_have_a_force_and_only_native_contacts_press() {
     crooked.motion = Motion::Pressed { mass: MASS, direction: Vector::new(0.0, 0.0, 2.0) };
     let refused = world.add(&crooked).expect_err("no unit vector").to_string();
     assert!(refused.contains("unit vector"), "law: the reason is reported, got {refused}");
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.0 });
+    let pairs = uniform(0.5, 0.0);
     let stock = EngineSettings { contact_solver: ContactSolver::Stock, ..Default::default() };
     let mut stock = BulletBackend::new(&stock, Vector::zeros(), &pairs).expect("a world");
     let refused = stock.add(&lid(0.1, -Vector::z(), 0.0)).expect_err("stock cannot").to_string();

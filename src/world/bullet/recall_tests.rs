@@ -1,7 +1,7 @@
 //! Contacts that a world recalls from another: all of them are taken over,
 //! whatever the order of the bodies.
 
-use super::tests::{free_box, shared_turn, slab};
+use super::tests::{free_box, shared_turn, slab, snapshot, steps, uniform};
 use super::*;
 use crate::grains::generate;
 use crate::scenario::{NativeSettings, SievedGrains};
@@ -12,11 +12,10 @@ const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 const HALF_WIDTH: f64 = 0.03;
 
 fn world() -> BulletBackend {
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.3 });
     // Sweeps that go on until forces are found would hide that one was not recalled.
     let native = NativeSettings { solver_tolerance: 1.0, ..Default::default() };
     let settings = EngineSettings { native, ..Default::default() };
-    BulletBackend::new(&settings, GRAVITY, &pairs).expect("a world")
+    BulletBackend::new(&settings, GRAVITY, &uniform(0.8, 0.3)).expect("a world")
 }
 
 /// A floor and four walls, then some seventy grains and cubes above one another,
@@ -66,12 +65,8 @@ fn settled() -> Specimen {
     for body in &bodies {
         world.add(body).expect("added");
     }
-    for _ in 0..4 * 480 {
-        world.step().expect("a step");
-    }
-    let mut states = Snapshot::new();
-    world.read(&mut states);
-    for (body, state) in bodies.iter_mut().zip(states) {
+    steps(&mut world, 4 * 480);
+    for (body, state) in bodies.iter_mut().zip(snapshot(&world)) {
         body.state = state.expect("none was removed");
     }
     let mut contacts = Vec::new();
@@ -193,8 +188,7 @@ fn every_loaded_contact_is_recalled_whatever_the_order_of_the_bodies() {
 fn energy(specimen: &Specimen, order: &[usize]) -> f64 {
     let (mut world, ids) = told(specimen, order);
     world.step().expect("a step");
-    let mut states = Snapshot::new();
-    world.read(&mut states);
+    let states = snapshot(&world);
     let of = |(body, id): (&Body, &BodyId)| match body.motion {
         Motion::Free { mass, inertia } => {
             let state = states[id.0 as usize].expect("there");

@@ -1,13 +1,12 @@
 //! What bears on three points or more comes to rest.
 
 use super::recall_tests::bodies;
-use super::tests::{free_box, shared_turn, slab};
+use super::tests::{contacts, free_box, shared_turn, slab, uniform};
 use super::*;
 
 fn world() -> BulletBackend {
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.3 });
-    let gravity = Vector::new(0.0, 0.0, -9.81);
-    BulletBackend::new(&EngineSettings::default(), gravity, &pairs).expect("a world")
+    let (settings, gravity) = (EngineSettings::default(), Vector::new(0.0, 0.0, -9.81));
+    BulletBackend::new(&settings, gravity, &uniform(0.8, 0.3)).expect("a world")
 }
 
 /// Loaded contact points of each body.
@@ -77,9 +76,7 @@ fn points(along: f64, across: f64) -> usize {
         Vector::new(0.2, 0.0, -3e-6) + turn * Vector::new(0.004, 0.0, 0.002);
     world.add(&plate).expect("added");
     world.step().expect("a step");
-    let mut contacts = Vec::new();
-    world.contacts(&mut contacts);
-    contacts.len()
+    contacts(&world).len()
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! exact, a face holds what lies on it, and nothing depends on threads or instructions.
 
 use super::probe::{HullPair, ProbeSettings};
-use super::tests::shared_turn;
+use super::tests::{shared_turn, steps};
 use super::*;
 use crate::geometry::{MassProperties, Point, rounded_within};
 use crate::grains::streams::{rotation, stream, uniform};
@@ -142,7 +142,7 @@ fn free(shape: &ConvexPolyhedron, at: Vector, turn: UnitQuaternion<f64>) -> Body
     Body { shape, motion, material: crate::world::Material::Grain, state }
 }
 
-fn floor() -> Body {
+pub(super) fn floor() -> Body {
     Body {
         shape: Arc::new(cuboid([0.8, 0.8, 0.02])),
         motion: Motion::Static,
@@ -226,9 +226,7 @@ fn remembered_contacts_go_on() {
         let mut first = new();
         first.add(&floor()).expect("added");
         let id = first.add(&probe).expect("added");
-        for _ in 0..10 {
-            first.step().expect("a step");
-        }
+        steps(&mut first, 10);
         let (mut contacts, state) = (Vec::new(), first.read_body(id).expect("it is there"));
         first.remember(&mut contacts);
         assert_eq!(contacts.len(), points, "law: points of a face, of an edge");

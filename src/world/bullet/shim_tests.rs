@@ -3,7 +3,7 @@
 
 use super::definition::tolerances;
 use super::probe::{chained_work, shared_sum, shared_time, steps_alone};
-use super::tests::{exclusive_turn, free_box, shared_turn, slab};
+use super::tests::{exclusive_turn, free_box, shared_turn, slab, state, steps, uniform};
 use super::*;
 use crate::scale::Scale;
 use crate::scenario::ContactSolver;
@@ -189,12 +189,8 @@ fn native_worlds_live_beside_any_stock_world() {
 #[test]
 fn contacts_of_no_body_are_left_aside() {
     let _turn = shared_turn();
-    let mut world = BulletBackend::new(
-        &EngineSettings::default(),
-        GRAVITY,
-        &PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.0 }),
-    )
-    .expect("a world");
+    let settings = EngineSettings::default();
+    let mut world = BulletBackend::new(&settings, GRAVITY, &uniform(0.5, 0.0)).expect("a world");
     let floor = world.add(&slab(Motion::Static)).expect("added");
     let grain =
         world.add(&free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.005))).expect("added");
@@ -215,12 +211,8 @@ fn contacts_of_no_body_are_left_aside() {
         all.push(one(floor.0, grain.0, [kind << 28 | 0x0fff_ffff, u32::MAX]));
     }
     world.recall(&all).expect("law: what does not fit is not taken");
-    for _ in 0..10 {
-        world.step().expect("a step");
-    }
-    let mut bodies = Snapshot::new();
-    world.read(&mut bodies);
-    let z = bodies[grain.0 as usize].expect("a body").pose.translation.z;
+    steps(&mut world, 10);
+    let z = state(&world, grain).pose.translation.z;
     assert!((z - 0.005).abs() < 1e-3, "law: the box lies where it lay, 0.005 m to 1 mm, got {z}");
 }
 

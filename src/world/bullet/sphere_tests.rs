@@ -1,7 +1,8 @@
 //! Contacts of spheres with spheres and hulls: gaps, normals and points are exact.
 
 use super::probe::{HullPair, ProbePoint, ProbeSettings};
-use super::tests::shared_turn;
+use super::rounded_tests::floor;
+use super::tests::{shared_turn, snapshot, steps};
 use super::*;
 use crate::grains::streams::{rotation, stream, uniform};
 use crate::scenario::NativeSettings;
@@ -187,10 +188,7 @@ fn oblique_collisions_have_the_line_of_centres() {
                 let from = Vector::new(-before, b, 0.0);
                 let one = world.add(&ball(r, from, way)).expect("added");
                 let two = world.add(&ball(r, Vector::zeros(), Vector::zeros())).expect("added");
-                let steps = (2.0 * before / speed * 480.0).ceil() as usize;
-                for _ in 0..steps {
-                    world.step().expect("a step");
-                }
+                steps(&mut world, (2.0 * before / speed * 480.0).ceil() as u32);
                 // The line of centres when they meet.
                 let line = Vector::new((4.0 * r * r - b * b).sqrt(), -b, 0.0) / (2.0 * r);
                 let passed = line * way.dot(&line);
@@ -215,9 +213,7 @@ fn oblique_collisions_have_the_line_of_centres() {
     let way = Vector::new(4.0, 0.0, 0.0);
     let one = world.add(&ball(r, Vector::new(-0.021, 2.0 * r + 5e-4, 0.0), way)).expect("added");
     let two = world.add(&ball(r, Vector::zeros(), Vector::zeros())).expect("added");
-    for _ in 0..10 {
-        world.step().expect("a step");
-    }
+    steps(&mut world, 10);
     let velocity = |id| world.read_body(id).expect("it is there").linear_velocity;
     assert_eq!(velocity(two), Vector::zeros(), "law: spheres that pass do not touch");
     assert_eq!(velocity(one), way, "law: spheres that pass do not touch");
@@ -236,14 +232,7 @@ fn threads_and_instructions_change_no_bit_of_spheres() {
         };
         let pair = PairCoefficients { friction: 0.5, restitution: 0.3 };
         let mut world = world_of(pair, Vector::new(0.0, 0.0, -9.81), native);
-        let slab = ConvexPolyhedron::cuboid(Vector::new(0.8, 0.8, 0.02)).expect("a slab");
-        let floor = Body {
-            shape: Arc::new(slab),
-            motion: Motion::Static,
-            material: crate::world::Material::Wall,
-            state: BodyState::at_rest(Pose::translation(0.0, 0.0, -0.01)),
-        };
-        world.add(&floor).expect("added");
+        world.add(&floor()).expect("added");
         let mut rng = stream(5, "beads");
         for n in 0..300 {
             let place = Vector::new(
@@ -255,12 +244,8 @@ fn threads_and_instructions_change_no_bit_of_spheres() {
                 .add(&ball(0.003 + 0.002 * uniform(&mut rng), place, Vector::zeros()))
                 .expect("added");
         }
-        for _ in 0..240 {
-            world.step().expect("a step");
-        }
-        let mut states = Snapshot::new();
-        world.read(&mut states);
-        states
+        steps(&mut world, 240);
+        snapshot(&world)
     };
     let alone = run(1, false);
     assert!(alone.iter().flatten().all(|s| s.pose.translation.z > -0.02), "law: the slab holds");
@@ -272,23 +257,14 @@ fn threads_and_instructions_change_no_bit_of_spheres() {
 #[test]
 fn remembered_contacts_of_spheres_go_on() {
     let _turn = shared_turn();
-    let slab = ConvexPolyhedron::cuboid(Vector::new(0.2, 0.2, 0.02)).expect("a slab");
-    let floor = Body {
-        shape: Arc::new(slab),
-        motion: Motion::Static,
-        material: crate::world::Material::Wall,
-        state: BodyState::at_rest(Pose::translation(0.0, 0.0, -0.01)),
-    };
     let pairs = PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.0 });
     let gravity = Vector::new(1.0, 0.0, -9.81);
     let new = || BulletBackend::new(&EngineSettings::default(), gravity, &pairs).expect("a world");
     let mut first = new();
-    first.add(&floor).expect("added");
+    first.add(&floor()).expect("added");
     let body = ball(0.005, Vector::new(0.0, 0.0, 0.005), Vector::zeros());
     let id = first.add(&body).expect("added");
-    for _ in 0..100 {
-        first.step().expect("a step");
-    }
+    steps(&mut first, 100);
     let (mut contacts, state) = (Vec::new(), first.read_body(id).expect("it is there"));
     first.remember(&mut contacts);
     assert_eq!(contacts.len(), 1, "law: it rests on one point");
@@ -299,7 +275,7 @@ fn remembered_contacts_of_spheres_go_on() {
     let way = state.linear_velocity.norm() / 480.0 / 2.0;
     near("the point is below the sphere, m", (contacts[0].point - below).norm(), way, 1e-5);
     let mut second = new();
-    second.add(&floor).expect("added");
+    second.add(&floor()).expect("added");
     let again = second.add(&Body { state, ..body }).expect("added");
     second.recall(&contacts).expect("recalled");
     for _ in 0..20 {

@@ -1,6 +1,6 @@
 //! What only stock Bullet contacts can be told, against what it must do.
 
-use super::tests::{exclusive_turn, free_box, shared_turn, slab};
+use super::tests::{exclusive_turn, free_box, shared_turn, slab, state, steps, uniform};
 use super::*;
 use crate::scenario::{ContactSolver, InertiaRule, StockSettings};
 use crate::units::from_mm;
@@ -10,8 +10,8 @@ fn on(stock: StockSettings) -> EngineSettings {
 }
 
 fn world(settings: &EngineSettings) -> BulletBackend {
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.0 });
-    BulletBackend::new(settings, Vector::new(0.0, 0.0, -9.81), &pairs).expect("a world")
+    let gravity = Vector::new(0.0, 0.0, -9.81);
+    BulletBackend::new(settings, gravity, &uniform(0.8, 0.0)).expect("a world")
 }
 
 /// A cube of 10 mm on a driven slab.
@@ -22,18 +22,6 @@ fn cube_on_slab(settings: &EngineSettings) -> (BulletBackend, BodyId, BodyId) {
     let at = Vector::new(0.0, 0.0, 0.0051 + 2.0 * margin);
     let cube = world.add(&free_box(Vector::repeat(0.01), at)).expect("added");
     (world, floor, cube)
-}
-
-fn state(world: &BulletBackend, id: BodyId) -> BodyState {
-    let mut snapshot = Snapshot::new();
-    world.read(&mut snapshot);
-    snapshot[id.0 as usize].expect("a body")
-}
-
-fn steps(world: &mut BulletBackend, count: usize) {
-    for _ in 0..count {
-        world.step().expect("a step");
-    }
 }
 
 #[test]
@@ -143,8 +131,7 @@ fn our_own_contacts_refuse_all_of_it() {
         contact_solver: ContactSolver::Native,
         ..on(StockSettings { collision_margin_mm: 0.1, ..Default::default() })
     };
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution: 0.0 });
-    let refused = BulletBackend::new(&settings, Vector::zeros(), &pairs);
+    let refused = BulletBackend::new(&settings, Vector::zeros(), &uniform(0.8, 0.0));
     assert!(
         matches!(refused, Err(WorldError::BadSetting { ref setting, .. }) if setting == "stock"),
         "law: a margin on the native contact solver is refused"

@@ -1,11 +1,10 @@
 //! What is Bullet's alone; laws that hold for every engine are in `world/parity_tests/`.
 
-use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use super::*;
-use crate::geometry::MassProperties;
 use crate::scenario::ContactSolver;
-use crate::world::Material;
+pub(super) use crate::world::testing::{contacts, free_box, slab, snapshot, state, steps, uniform};
 
 /// Bullet keeps the contact threshold once a process: tests with the default
 /// one share the process, those with others have it for themselves.
@@ -23,10 +22,6 @@ pub(crate) fn exclusive_turn() -> RwLockWriteGuard<'static, ()> {
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
-fn pairs() -> PairTable {
-    PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.0 })
-}
-
 const PATHS: [ContactSolver; 2] = [ContactSolver::Stock, ContactSolver::Native];
 
 fn on(contact_solver: ContactSolver) -> EngineSettings {
@@ -34,38 +29,7 @@ fn on(contact_solver: ContactSolver) -> EngineSettings {
 }
 
 fn world(settings: &EngineSettings) -> BulletBackend {
-    BulletBackend::new(settings, GRAVITY, &pairs()).expect("a world")
-}
-
-pub(super) fn free_box(sides: Vector, at: Vector) -> Body {
-    let shape = ConvexPolyhedron::cuboid(sides).expect("a box");
-    let properties = MassProperties::of(&shape);
-    let density = 2673.9;
-    Body {
-        shape: Arc::new(shape),
-        motion: Motion::Free {
-            mass: density * properties.volume,
-            inertia: properties.inertia_per_density.diagonal() * density,
-        },
-        material: Material::Grain,
-        state: BodyState::at_rest(Pose::from_parts(at.into(), UnitQuaternion::identity())),
-    }
-}
-
-pub(super) fn slab(motion: Motion) -> Body {
-    let shape = ConvexPolyhedron::cuboid(Vector::new(0.4, 0.4, 0.02)).expect("a slab");
-    Body {
-        shape: Arc::new(shape),
-        motion,
-        material: Material::Wall,
-        state: BodyState::at_rest(Pose::translation(0.0, 0.0, -0.01)),
-    }
-}
-
-fn state(world: &BulletBackend, id: BodyId) -> BodyState {
-    let mut snapshot = Snapshot::new();
-    world.read(&mut snapshot);
-    snapshot[id.0 as usize].expect("a body")
+    BulletBackend::new(settings, GRAVITY, &uniform(0.5, 0.0)).expect("a world")
 }
 
 /// How far single precision may stray where double is exact to rounding.
@@ -93,7 +57,7 @@ fn settings_are_read_back_from_the_engine() {
         let world = super::super::create(
             &EngineSettings { friction_directions: n, ..settings.clone() },
             GRAVITY,
-            &pairs(),
+            &uniform(0.5, 0.0),
         )
         .expect("a world");
         world.effective()["solver_mode"].as_f64().expect("a number") as u32
@@ -118,9 +82,7 @@ fn free_fall_is_the_discrete_solution_at_every_length_scale() {
         let id =
             world.add(&free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 5.0))).expect("added");
         let n = 240;
-        for _ in 0..n {
-            world.step().expect("a step");
-        }
+        steps(&mut world, n);
         let dt = 1.0 / 480.0 / f64::from(moves);
         let n = n * moves;
         // Semi-implicit Euler: z = z0 - g dt² n(n+1)/2.
@@ -142,7 +104,7 @@ fn settings_that_bullet_cannot_take_are_refused() {
         EngineSettings { length_scale: f64::NAN, ..Default::default() },
         EngineSettings { friction_directions: 3, ..Default::default() },
     ] {
-        let made = BulletBackend::new(&settings, GRAVITY, &pairs());
+        let made = BulletBackend::new(&settings, GRAVITY, &uniform(0.5, 0.0));
         assert!(matches!(made, Err(WorldError::BadSetting { .. })), "{settings:?}");
     }
 }
@@ -153,16 +115,16 @@ fn worlds_with_different_process_wide_settings_do_not_live_together() {
     let first = world(&on(ContactSolver::Stock));
     let other = EngineSettings { contact_threshold_mm: 0.5, ..on(ContactSolver::Stock) };
     assert!(matches!(
-        BulletBackend::new(&other, GRAVITY, &pairs()),
+        BulletBackend::new(&other, GRAVITY, &uniform(0.5, 0.0)),
         Err(WorldError::Engine(text)) if text.contains("whole process")
     ));
     let native = EngineSettings { contact_threshold_mm: 0.5, ..Default::default() };
     assert!(
-        BulletBackend::new(&native, GRAVITY, &pairs()).is_ok(),
+        BulletBackend::new(&native, GRAVITY, &uniform(0.5, 0.0)).is_ok(),
         "law: the native contact solver does not read the threshold"
     );
     drop(first);
-    assert!(BulletBackend::new(&other, GRAVITY, &pairs()).is_ok());
+    assert!(BulletBackend::new(&other, GRAVITY, &uniform(0.5, 0.0)).is_ok());
 }
 
 #[test]
@@ -174,8 +136,7 @@ fn the_manifold_path_holds_a_box_at_its_four_corners() {
         world.add(&free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.005))).expect("added");
     for step in 0..200 {
         world.step().expect("a step");
-        let mut contacts = Vec::new();
-        world.contacts(&mut contacts);
+        let contacts = contacts(&world);
         let pair = contacts
             .iter()
             .filter(|c| [c.a, c.b] == [grain, floor] || [c.a, c.b] == [floor, grain]);
@@ -183,8 +144,7 @@ fn the_manifold_path_holds_a_box_at_its_four_corners() {
     }
     world.remove(grain).expect("removed");
     world.step().expect("a step");
-    let mut contacts = Vec::new();
-    world.contacts(&mut contacts);
+    let contacts = contacts(&world);
     assert!(contacts.is_empty(), "law: contacts go with their body, left are {contacts:?}");
     let held = world.effective();
     let speculative_margin = held["native_speculative_margin_m"].as_f64().expect("a number");

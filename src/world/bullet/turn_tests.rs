@@ -2,7 +2,7 @@
 //! once and one by one.
 
 use super::press_tests::{AT_ONCE, near, steps, world};
-use super::tests::{free_box, precision, shared_turn, slab};
+use super::tests::{contacts, free_box, precision, shared_turn, slab};
 use super::*;
 use crate::geometry::{MassProperties, Point};
 
@@ -64,8 +64,7 @@ fn a_lever_presses_a_block_by_moment_over_arm() {
         let lever = world.add(&bar(height, 0.0)).expect("added");
         world.press(lever, moment).expect("turned");
         steps(&mut world, 0.5);
-        let mut contacts = Vec::new();
-        world.contacts(&mut contacts);
+        let contacts = contacts(&world);
         let (mut force, mut about, mut floor) = (0.0, 0.0, 0.0);
         for contact in &contacts {
             let signed = [(contact.a, contact.impulse), (contact.b, -contact.impulse)];

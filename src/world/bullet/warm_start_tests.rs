@@ -2,7 +2,7 @@
 //! nothing of an impact.
 
 use super::recall_tests::bodies;
-use super::tests::{free_box, precision, shared_turn, slab};
+use super::tests::{free_box, precision, shared_turn, slab, snapshot, steps, uniform};
 use super::*;
 use crate::scenario::NativeSettings;
 
@@ -10,20 +10,18 @@ const GRAVITY: f64 = 9.81;
 
 /// `at_once`: 1 for double precision. `tolerance`: 1 ends iterations early.
 fn world(rate_hz: f64, restitution: f64, at_once: u32, tolerance: f64) -> BulletBackend {
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.8, restitution });
     let native = NativeSettings {
         contacts_at_once: at_once,
         solver_tolerance: tolerance,
         ..Default::default()
     };
     let settings = EngineSettings { native, rate_hz, ..Default::default() };
-    BulletBackend::new(&settings, Vector::new(0.0, 0.0, -GRAVITY), &pairs).expect("a world")
+    let gravity = Vector::new(0.0, 0.0, -GRAVITY);
+    BulletBackend::new(&settings, gravity, &uniform(0.8, restitution)).expect("a world")
 }
 
 fn states(world: &BulletBackend) -> Vec<BodyState> {
-    let mut snapshot = Snapshot::new();
-    world.read(&mut snapshot);
-    snapshot.into_iter().map(|state| state.expect("none was removed")).collect()
+    snapshot(world).into_iter().map(|state| state.expect("none was removed")).collect()
 }
 
 fn contacts(world: &BulletBackend) -> Vec<RememberedContact> {
@@ -63,9 +61,7 @@ fn a_run_continued_after_an_impact_goes_on_as_in_line() {
     for body in &bodies {
         in_line.add(body).expect("added");
     }
-    for _ in 0..8 {
-        in_line.step().expect("a step");
-    }
+    steps(&mut in_line, 8);
     // Of every block with a contact just after an impact, in every step.
     let mut shares = Vec::new();
     for _ in 0..STEPS {
@@ -215,9 +211,9 @@ fn a_body_changes_by_exactly_the_impulses_that_its_contacts_report() {
 /// Lowest place in m that a block reaches which comes with 8 mm/s, without gravity, at the ends
 /// of its sub-steps.
 fn turns_at(height: f64) -> f64 {
-    let pairs = PairTable::uniform(PairCoefficients { friction: 0.5, restitution: 0.5 });
     // One sub-step a step, so that each is seen.
     let settings = EngineSettings { rate_hz: 2000.0, ..Default::default() };
+    let pairs = uniform(0.5, 0.5);
     let mut world = BulletBackend::new(&settings, Vector::zeros(), &pairs).expect("a world");
     world.add(&slab(Motion::Static)).expect("added");
     let mut body = free_box(Vector::repeat(0.01), Vector::new(0.0, 0.0, 0.005 + height));

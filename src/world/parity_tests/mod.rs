@@ -7,12 +7,10 @@ mod motion;
 mod rounded;
 mod spheres;
 
-use std::sync::Arc;
-
 use nalgebra::UnitQuaternion;
 
+use super::testing::{contacts, free, free_box, slab, snapshot, state, steps, uniform};
 use super::*;
-use crate::geometry::MassProperties;
 use crate::scenario::ContactSolver;
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
@@ -74,51 +72,9 @@ impl Engine {
     }
 }
 
-fn uniform(friction: f64, restitution: f64) -> PairTable {
-    PairTable::uniform(PairCoefficients { friction, restitution })
-}
-
-fn free_box(sides: Vector, at: Vector) -> Body {
-    let shape = ConvexPolyhedron::cuboid(sides).expect("a box");
-    let properties = MassProperties::of(&shape);
-    let density = 2673.9;
-    Body {
-        shape: Arc::new(shape),
-        motion: Motion::Free {
-            mass: density * properties.volume,
-            inertia: properties.inertia_per_density.diagonal() * density,
-        },
-        material: Material::Grain,
-        state: BodyState::at_rest(Pose::from_parts(at.into(), UnitQuaternion::identity())),
-    }
-}
-
-/// A slab whose upper face is the plane z = 0.
-fn slab(motion: Motion) -> Body {
-    let shape = ConvexPolyhedron::cuboid(Vector::new(0.4, 0.4, 0.02)).expect("a slab");
-    Body {
-        shape: Arc::new(shape),
-        motion,
-        material: Material::Wall,
-        state: BodyState::at_rest(Pose::translation(0.0, 0.0, -0.01)),
-    }
-}
-
 fn mass(body: &Body) -> f64 {
     let Motion::Free { mass, .. } = body.motion else { panic!("a free body") };
     mass
-}
-
-fn state(world: &dyn World, id: BodyId) -> BodyState {
-    let mut snapshot = Snapshot::new();
-    world.read(&mut snapshot);
-    snapshot[id.0 as usize].expect("a body")
-}
-
-fn steps(world: &mut dyn World, count: u32) {
-    for _ in 0..count {
-        world.step().expect("a step");
-    }
 }
 
 #[test]
@@ -150,8 +106,7 @@ fn every_pair_has_the_coefficients_of_the_table() {
                 let distance = if touching { 0.00999 } else { 1.0 };
                 let (a, b) = (add(first, 0.0), add(second, distance));
                 world.step().expect("a step");
-                let mut contacts = Vec::new();
-                world.contacts(&mut contacts);
+                let contacts = contacts(world.as_ref());
                 assert_eq!(!contacts.is_empty(), touching, "{:?} finds contacts", engine.backend);
                 // Rounding of an average of two numbers near one.
                 let tolerance = engine.precision(1e-15, 1e-7);
@@ -190,8 +145,7 @@ fn walls_do_not_meet_each_other() {
             world.add(&slab(motion)).expect("added");
         }
         steps(world.as_mut(), 10);
-        let mut contacts = Vec::new();
-        world.contacts(&mut contacts);
+        let contacts = contacts(world.as_ref());
         assert!(contacts.is_empty(), "{:?}: walls meet: {contacts:?}", engine.backend);
     });
 }
@@ -211,15 +165,12 @@ fn a_removed_body_is_gone_and_its_number_stays_unused() {
         let fallen = state(world.as_ref(), first).pose.translation.z;
         // 0.1 s of free fall, plus or minus a step.
         engine.expect("without it the body falls by g t²/2", 0.005 - 0.049, fallen, 0.003);
-        let mut contacts = Vec::new();
-        world.contacts(&mut contacts);
+        let contacts = contacts(world.as_ref());
         assert!(contacts.is_empty(), "{:?}: no contacts are left", engine.backend);
 
         let second = world.add(&body(0.1)).expect("added");
         assert_eq!(second, BodyId(2), "{:?}: numbers go on", engine.backend);
-        let mut snapshot = Snapshot::new();
-        world.read(&mut snapshot);
-        let present: Vec<bool> = snapshot.iter().map(Option::is_some).collect();
+        let present: Vec<bool> = snapshot(world.as_ref()).iter().map(Option::is_some).collect();
         assert_eq!(present, [false, true, true], "{:?}", engine.backend);
         assert!(matches!(world.remove(floor), Err(WorldError::NoSuchBody(id)) if id == floor));
         let nowhere = Pose::identity();

@@ -5,17 +5,7 @@ use super::*;
 fn rounded(sides: [f64; 3], radius: f64, at: Vector, turn: UnitQuaternion<f64>) -> Body {
     let core = ConvexPolyhedron::cuboid(Vector::from(sides)).expect("a core");
     let shape = ConvexPolyhedron::of_rounded(core, radius).expect("a rounded body");
-    let properties = MassProperties::of(&shape);
-    let density = 2500.0;
-    Body {
-        shape: Arc::new(shape),
-        motion: Motion::Free {
-            mass: density * properties.volume,
-            inertia: properties.inertia_per_density.diagonal() * density,
-        },
-        material: Material::Grain,
-        state: BodyState::at_rest(Pose::from_parts(at.into(), turn)),
-    }
+    free(shape, 2500.0, Pose::from_parts(at.into(), turn))
 }
 
 #[test]
@@ -31,8 +21,7 @@ fn a_rounded_block_rests_on_its_face() {
         );
         let id = world.add(&body).expect("added");
         steps(world.as_mut(), 480);
-        let mut contacts = Vec::new();
-        world.contacts(&mut contacts);
+        let contacts = contacts(world.as_ref());
         let force: f64 = contacts
             .iter()
             .map(|c| c.impulse.z * if c.a == floor { -1.0 } else { 1.0 } / world.time_step())

@@ -5,20 +5,10 @@ use super::*;
 const RADIUS: f64 = 0.005;
 
 fn ball(at: Vector, velocity: Vector) -> Body {
-    let shape = ConvexPolyhedron::ball(RADIUS);
-    let properties = MassProperties::of(&shape);
-    let density = 2500.0;
-    let mut state = BodyState::at_rest(Pose::from_parts(at.into(), UnitQuaternion::identity()));
-    state.linear_velocity = velocity;
-    Body {
-        shape: Arc::new(shape),
-        motion: Motion::Free {
-            mass: density * properties.volume,
-            inertia: properties.inertia_per_density.diagonal() * density,
-        },
-        material: Material::Grain,
-        state,
-    }
+    let mut ball =
+        free(ConvexPolyhedron::ball(RADIUS), 2500.0, Pose::translation(at.x, at.y, at.z));
+    ball.state.linear_velocity = velocity;
+    ball
 }
 
 /// On a slab whose normal leans by an angle against gravity, so far along it after a time.
@@ -152,8 +142,7 @@ fn a_sphere_rests_on_one_point_that_bears_its_weight() {
         let body = ball(Vector::new(0.01, -0.02, RADIUS), Vector::zeros());
         let id = world.add(&body).expect("added");
         steps(world.as_mut(), 240);
-        let mut contacts = Vec::new();
-        world.contacts(&mut contacts);
+        let contacts = contacts(world.as_ref());
         assert_eq!(contacts.len(), 1, "{:?}: law: one contact point", engine.backend);
         let contact = contacts[0];
         let sign = if contact.a == floor { -1.0 } else { 1.0 };

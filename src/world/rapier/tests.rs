@@ -5,6 +5,7 @@ use super::*;
 use crate::geometry::MassProperties as Exact;
 use crate::scenario::{Backend, FrictionModel, RapierSettings};
 use crate::world::Material;
+use crate::world::testing::{contacts, free, free_box, slab, state, steps, uniform};
 
 const GRAVITY: Vector = Vector::new(0.0, 0.0, -9.81);
 
@@ -12,36 +13,12 @@ fn settings(rapier: RapierSettings) -> EngineSettings {
     EngineSettings { backend: Backend::Rapier, rapier, ..Default::default() }
 }
 
-fn uniform(friction: f64, restitution: f64) -> PairTable {
-    PairTable::uniform(PairCoefficients { friction, restitution })
-}
-
 fn world(rapier: RapierSettings) -> RapierBackend {
     RapierBackend::new(&settings(rapier), GRAVITY, &uniform(0.5, 0.0)).expect("a world")
 }
 
-fn body(shape: ConvexPolyhedron, at: Vector, free: bool) -> Body {
-    let exact = Exact::of(&shape);
-    let density = 2673.9;
-    let inertia = exact.inertia_per_density.diagonal() * density;
-    Body {
-        shape: Arc::new(shape),
-        motion: if free {
-            Motion::Free { mass: density * exact.volume, inertia }
-        } else {
-            Motion::Static
-        },
-        material: if free { Material::Grain } else { Material::Wall },
-        state: BodyState::at_rest(Pose::translation(at.x, at.y, at.z)),
-    }
-}
-
-fn cuboid(sides: Vector, at: Vector, free: bool) -> Body {
-    body(ConvexPolyhedron::cuboid(sides).expect("a box"), at, free)
-}
-
 /// A prism whose end faces have many corners, of which parry takes four.
-fn disc(radius: f64, height: f64, corners: u32, at: Vector, free: bool) -> Body {
+fn disc(radius: f64, height: f64, corners: u32, at: Vector) -> Body {
     let ring = |z: f64| {
         (0..corners)
             .map(|i| std::f64::consts::TAU * f64::from(i) / f64::from(corners))
@@ -49,13 +26,7 @@ fn disc(radius: f64, height: f64, corners: u32, at: Vector, free: bool) -> Body 
             .collect()
     };
     let shape = ConvexPolyhedron::frustum(ring(-height / 2.0), ring(height / 2.0));
-    body(shape.expect("a prism"), at, free)
-}
-
-fn step(world: &mut RapierBackend, count: u32) {
-    for _ in 0..count {
-        world.step().expect("a step");
-    }
+    free(shape.expect("a prism"), 2673.9, Pose::translation(at.x, at.y, at.z))
 }
 
 #[test]
@@ -96,7 +67,7 @@ fn every_setting_is_read_back_from_the_engine() {
         ..settings(chosen)
     };
     let mut world = RapierBackend::new(&asked, GRAVITY, &uniform(0.5, 0.0)).expect("a world");
-    world.add(&cuboid(Vector::repeat(0.01), Vector::zeros(), true)).expect("added");
+    world.add(&free_box(Vector::repeat(0.01), Vector::zeros())).expect("added");
     let held = world.effective();
     for (name, expected) in [
         ("time_step_s", 1.0 / 960.0),
@@ -168,10 +139,10 @@ fn settings_out_of_range_are_refused() {
 #[test]
 fn the_engine_holds_mass_and_inertia_as_given() {
     let mut world = world(RapierSettings::default());
-    let grain = cuboid(Vector::new(0.01, 0.014, 0.02), Vector::zeros(), true);
+    let grain = free_box(Vector::new(0.01, 0.014, 0.02), Vector::zeros());
     let Motion::Free { mass, inertia } = grain.motion else { panic!("free") };
     world.add(&grain).expect("added");
-    step(&mut world, 1);
+    steps(&mut world, 1);
     let (_, held) = world.world.bodies.iter().next().expect("a body");
     let own = &held.mass_properties().local_mprops;
     let scale = world.units.per_metre().powi(2);
@@ -206,22 +177,18 @@ fn what_lies_on_a_round_floor_does_not_rock() {
     // Off the middle, where parry's own four corners of the floor are not.
     let rocking = |spanned_faces| {
         let mut world = world(RapierSettings { spanned_faces, ..Default::default() });
-        let floor = disc(0.05, 0.01, 48, Vector::new(0.0, 0.0, -0.005), false);
+        let mut floor = disc(0.05, 0.01, 48, Vector::new(0.0, 0.0, -0.005));
+        (floor.motion, floor.material) = (Motion::Static, Material::Wall);
         world.add(&floor).expect("added");
         let at = Vector::new(-0.02, -0.01, 0.0051);
-        let id = world.add(&disc(0.01, 0.01, 6, at, true)).expect("added");
-        step(&mut world, 480);
-        let mut snapshot = Snapshot::new();
+        let id = world.add(&disc(0.01, 0.01, 6, at)).expect("added");
+        steps(&mut world, 480);
         let mut fastest = 0.0_f64;
         for _ in 0..480 {
-            step(&mut world, 1);
-            world.read(&mut snapshot);
-            let state = snapshot[id.0 as usize].expect("the body");
-            fastest = fastest.max(state.angular_velocity.norm());
+            steps(&mut world, 1);
+            fastest = fastest.max(state(&world, id).angular_velocity.norm());
         }
-        let mut contacts = Vec::new();
-        world.contacts(&mut contacts);
-        (fastest, contacts.len())
+        (fastest, contacts(&world).len())
     };
     let (still, points) = rocking(true);
     assert!(still < 1e-3, "expected rest, got {still} rad/s, tolerance 1e-3");
@@ -234,10 +201,6 @@ fn with_friction(friction_model: FrictionModel) -> EngineSettings {
     settings(RapierSettings { friction_model, ..Default::default() })
 }
 
-fn floor() -> Body {
-    cuboid(Vector::new(0.4, 0.4, 0.02), Vector::new(0.0, 0.0, -0.01), false)
-}
-
 #[test]
 fn friction_is_read_out_in_both_models() {
     for model in [FrictionModel::Coulomb, FrictionModel::Simplified] {
@@ -245,14 +208,14 @@ fn friction_is_read_out_in_both_models() {
         let gravity = Vector::new(slope.sin(), 0.0, -slope.cos()) * 9.81;
         let mut world = RapierBackend::new(&with_friction(model), gravity, &uniform(0.5, 0.0))
             .expect("a world");
-        let block = cuboid(Vector::repeat(0.02), Vector::new(0.0, 0.0, 0.01), true);
+        let block = free_box(Vector::repeat(0.02), Vector::new(0.0, 0.0, 0.01));
         let Motion::Free { mass, .. } = block.motion else { panic!("free") };
-        world.add(&floor()).expect("added");
+        world.add(&slab(Motion::Static)).expect("added");
         let block = world.add(&block).expect("added");
-        step(&mut world, 480);
+        steps(&mut world, 480);
         let (mut contacts, mut total, count) = (Vec::new(), Vector::zeros(), 240);
         for _ in 0..count {
-            step(&mut world, 1);
+            steps(&mut world, 1);
             world.contacts(&mut contacts);
             total += contacts
                 .iter()
@@ -274,15 +237,13 @@ fn friction_is_read_out_in_both_models() {
 fn slide(model: FrictionModel, sides: Vector, heading: f64) -> (f64, f64) {
     let asked = EngineSettings { rate_hz: 1920.0, ..with_friction(model) };
     let mut world = RapierBackend::new(&asked, GRAVITY, &uniform(0.5, 0.0)).expect("a world");
-    world.add(&floor()).expect("added");
-    let mut block = cuboid(sides, Vector::new(0.0, 0.0, sides.z / 2.0), true);
+    world.add(&slab(Motion::Static)).expect("added");
+    let mut block = free_box(sides, Vector::new(0.0, 0.0, sides.z / 2.0));
     let direction = Vector::new(heading.cos(), heading.sin(), 0.0);
     block.state.linear_velocity = direction * 0.5;
     let id = world.add(&block).expect("added");
-    step(&mut world, 960);
-    let mut snapshot = Snapshot::new();
-    world.read(&mut snapshot);
-    let way = snapshot[id.0 as usize].expect("the block").pose.translation.vector;
+    steps(&mut world, 960);
+    let way = state(&world, id).pose.translation.vector;
     let law = 0.5 * 0.5 / (2.0 * 0.5 * 9.81);
     (way.dot(&direction) / law, Vector::z().cross(&direction).dot(&way) / law)
 }
