@@ -99,24 +99,10 @@ impl MassProperties {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     use super::*;
+    use crate::geometry::testing::{near, regular_tetrahedron};
     use nalgebra::Translation3;
-
-    pub(in crate::geometry) fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
-        assert!(
-            (got - expected).abs() <= tolerance,
-            "{law}: expected {expected:e}, got {got:e}, tolerance {tolerance:e}"
-        );
-    }
-
-    #[test]
-    fn the_helper_can_fail() {
-        for off in [-0.2, 0.2] {
-            assert!(std::panic::catch_unwind(|| near("", 1.0 + off, 1.0, 0.1)).is_err());
-        }
-        near("", 1.05, 1.0, 0.1);
-    }
 
     fn poses() -> Vec<Pose> {
         let turn = UnitQuaternion::from_euler_angles(0.7, -0.4, 2.1);
@@ -126,19 +112,6 @@ pub(super) mod tests {
             // Far from the origin, where careless sums cancel.
             Pose::from_parts(Translation3::new(100.0, 50.0, -70.0), turn.inverse()),
         ]
-    }
-
-    fn regular_tetrahedron() -> ConvexPolyhedron {
-        ConvexPolyhedron::new(
-            vec![
-                Point::new(1.0, 1.0, 1.0),
-                Point::new(1.0, -1.0, -1.0),
-                Point::new(-1.0, 1.0, -1.0),
-                Point::new(-1.0, -1.0, 1.0),
-            ],
-            vec![vec![0, 1, 2], vec![0, 3, 1], vec![0, 2, 3], vec![1, 3, 2]],
-        )
-        .unwrap()
     }
 
     /// Expects a body's volume, a centroid at the origin and an inertia tensor

@@ -10,6 +10,8 @@ mod outline;
 mod polyhedron;
 mod rounded;
 mod sphere;
+#[cfg(test)]
+pub(crate) mod testing;
 
 pub(crate) use convex::{FLATNESS, cut, joined_polyhedron, used};
 pub(crate) use hull::{Hull, hull};

@@ -1,21 +1,7 @@
 //! What a convex polyhedron must be, and what is refused.
 
 use super::*;
-
-fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "{law}: expected {expected}, got {got}, tolerance {tolerance}"
-    );
-}
-
-#[test]
-fn the_helper_can_fail() {
-    for off in [-0.2, 0.2] {
-        assert!(std::panic::catch_unwind(|| near("", 1.0 + off, 1.0, 0.1)).is_err());
-    }
-    near("", 1.05, 1.0, 0.1);
-}
+use crate::geometry::testing::near;
 
 fn cube() -> ConvexPolyhedron {
     ConvexPolyhedron::cuboid(Vector::repeat(2.0)).unwrap()

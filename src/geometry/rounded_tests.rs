@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::*;
-use crate::geometry::{Pose, mass::tests::near, outline::outline};
+use crate::geometry::{Pose, outline::outline, testing::near};
 
 fn of(core: ConvexPolyhedron, radius: f64) -> ConvexPolyhedron {
     ConvexPolyhedron::of_rounded(core, radius).expect("a rounded polyhedron")

@@ -99,7 +99,7 @@ fn divided(vertices: &mut Vec<Vector>, faces: &[[u32; 3]]) -> Vec<[u32; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{ConvexPolyhedron, MassProperties, Pose, mass::tests::near};
+    use super::super::{ConvexPolyhedron, MassProperties, Pose, testing::near};
     use super::*;
 
     #[test]

@@ -1,6 +1,7 @@
 //! What holds for whole grain sets.
 
 use super::*;
+pub(super) use crate::geometry::testing::{near, regular_tetrahedron};
 use crate::{
     geometry::MassProperties,
     scenario::{CellShape, SieveFraction, SievedGrains, SievedShape},
@@ -30,36 +31,6 @@ pub(super) fn paper_grains() -> SievedGrains {
 /// A twentieth of them.
 pub(super) fn few_grains() -> SievedGrains {
     SievedGrains { total_mass_g: 2343.0 / 20.0, ..paper_grains() }
-}
-
-/// Of edge 2√2.
-pub(super) fn regular_tetrahedron() -> ConvexPolyhedron {
-    use crate::geometry::Point;
-    ConvexPolyhedron::new(
-        vec![
-            Point::new(1.0, 1.0, 1.0),
-            Point::new(1.0, -1.0, -1.0),
-            Point::new(-1.0, 1.0, -1.0),
-            Point::new(-1.0, -1.0, 1.0),
-        ],
-        vec![vec![0, 1, 2], vec![0, 3, 1], vec![0, 2, 3], vec![1, 3, 2]],
-    )
-    .unwrap()
-}
-
-pub(super) fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "{law}: expected {expected:e}, got {got:e}, tolerance {tolerance:e}"
-    );
-}
-
-#[test]
-fn the_helper_can_fail() {
-    for off in [-0.2, 0.2] {
-        assert!(std::panic::catch_unwind(|| near("", 1.0 + off, 1.0, 0.1)).is_err());
-    }
-    near("", 1.05, 1.0, 0.1);
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! Rigid bodies of several parts against laws of mechanics, with contacts eight at once and one by
 //! one.
 
-use super::press_tests::{AT_ONCE, near, steps, world};
+use super::press_tests::{AT_ONCE, steps, world};
 use super::tests::{contacts, free_box, precision, shared_turn, slab};
 use super::*;
-use crate::geometry::Point;
+use crate::geometry::{Point, testing::near};
 
 /// Side of a leg in m.
 const SIDE: f64 = 0.02;

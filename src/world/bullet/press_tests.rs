@@ -2,6 +2,7 @@
 
 use super::tests::{contacts, free_box, precision, shared_turn, slab, uniform};
 use super::*;
+use crate::geometry::testing::near;
 use crate::scenario::{ContactSolver, NativeSettings};
 
 const GRAVITY: f64 = 9.81;
@@ -39,13 +40,6 @@ pub(super) fn steps(world: &mut BulletBackend, time: f64) {
     for _ in 0..(time / world.time_step()).round() as usize {
         world.step().expect("a step");
     }
-}
-
-pub(super) fn near(what: &str, got: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "law: {what}: expected {expected:e} to {tolerance:e}, got {got:e}"
-    );
 }
 
 #[test]

@@ -4,28 +4,13 @@
 use super::probe::{HullPair, ProbeSettings};
 use super::tests::{shared_turn, steps};
 use super::*;
-use crate::geometry::{MassProperties, Point, rounded_within};
+use crate::geometry::{MassProperties, Point, rounded_within, testing::near};
 use crate::grains::streams::{rotation, stream, uniform};
 use crate::scenario::NativeSettings;
 
 /// Vertices of hulls, and with them planes, are rounded to single precision; so are normals, gaps
 /// and points where a pair keeps them.
 const ROUNDING: f64 = 2e-8;
-
-fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "law: {law}: expected {expected:e}, got {got:e}, tolerance {tolerance:e}"
-    );
-}
-
-#[test]
-fn the_helper_can_fail() {
-    for off in [-0.2, 0.2] {
-        assert!(std::panic::catch_unwind(|| near("", 1.0 + off, 1.0, 0.1)).is_err());
-    }
-    near("", 1.05, 1.0, 0.1);
-}
 
 fn cuboid(sides: [f64; 3]) -> ConvexPolyhedron {
     ConvexPolyhedron::cuboid(Vector::from(sides)).expect("a cuboid")

@@ -4,27 +4,13 @@ use super::probe::{HullPair, ProbePoint, ProbeSettings};
 use super::rounded_tests::floor;
 use super::tests::{shared_turn, snapshot, steps};
 use super::*;
+use crate::geometry::testing::near;
 use crate::grains::streams::{rotation, stream, uniform};
 use crate::scenario::NativeSettings;
 
 /// Vertices of hulls, and with them planes, are rounded to single precision; so are normals, gaps
 /// and points where a pair keeps them.
 const ROUNDING: f64 = 1e-8;
-
-fn near(law: &str, got: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (got - expected).abs() <= tolerance,
-        "law: {law}: expected {expected:e}, got {got:e}, tolerance {tolerance:e}"
-    );
-}
-
-#[test]
-fn the_helper_can_fail() {
-    for off in [-0.2, 0.2] {
-        assert!(std::panic::catch_unwind(|| near("", 1.0 + off, 1.0, 0.1)).is_err());
-    }
-    near("", 1.05, 1.0, 0.1);
-}
 
 fn cube() -> ConvexPolyhedron {
     ConvexPolyhedron::cuboid(Vector::repeat(0.02)).expect("a cube")

@@ -1,10 +1,10 @@
 //! Bodies that turn about one axis by a moment, against laws of mechanics, with contacts eight at
 //! once and one by one.
 
-use super::press_tests::{AT_ONCE, near, steps, world};
+use super::press_tests::{AT_ONCE, steps, world};
 use super::tests::{contacts, free_box, precision, shared_turn, slab};
 use super::*;
-use crate::geometry::{MassProperties, Point};
+use crate::geometry::{MassProperties, Point, testing::near};
 
 /// Side of the block in m.
 const SIDE: f64 = 0.02;
