@@ -356,24 +356,11 @@ fn rise_after_fall(motion: &[(f64, f64, f64)]) -> f64 {
 mod tests {
     use super::*;
     use crate::scenario::EngineSettings;
-    use crate::verify::experiment::Experiment;
-
-    fn cases() -> Vec<(crate::verify::Case, ApproachArrested)> {
-        let cases = crate::verify::builtin().expect("sound").into_iter();
-        let found: Vec<_> = cases
-            .filter_map(|case| match &case.experiment {
-                Experiment::ApproachArrested(arrested) => Some((case.clone(), arrested.clone())),
-                _ => None,
-            })
-            .collect();
-        assert!(found.len() >= 5, "expected the arrested approaches, found {}", found.len());
-        found
-    }
 
     #[test]
     fn the_files_expect_what_the_threshold_of_restitution_allows() {
         let threshold = 1e3 * EngineSettings::default().restitution_velocity_threshold_m_per_s;
-        for (case, arrested) in cases() {
+        for (case, arrested) in cases_of!(ApproachArrested, 5) {
             match arrested.then {
                 LetDown::Sinks { speed_mm_per_s } => {
                     let rebounds = speed_mm_per_s > threshold;
@@ -403,7 +390,8 @@ mod tests {
 
     #[test]
     fn a_wedge_touches_both_clamps_where_it_is_caught() {
-        for (case, arrested) in cases().into_iter().filter(|(_, a)| a.caught_by == Catch::Clamps) {
+        let cases = cases_of!(ApproachArrested, 5).into_iter();
+        for (case, arrested) in cases.filter(|(_, a)| a.caught_by == Catch::Clamps) {
             let lean = from_deg(LEAN_DEG);
             assert!(arrested.friction > lean.tan(), "{}: friction holds the wedge", case.id);
             let body = arrested.block().expect("a wedge");
@@ -428,7 +416,8 @@ mod tests {
 
     #[test]
     fn a_dropped_body_rises_to_the_square_of_the_restitution() {
-        let (_, drops) = cases().into_iter().find(|(_, a)| a.then == LetDown::Drops).expect("one");
+        let mut cases = cases_of!(ApproachArrested, 5).into_iter();
+        let (_, drops) = cases.find(|(_, a)| a.then == LetDown::Drops).expect("one");
         let fall = (2.0 * 1e-4 / drops.gravity_m_per_s2).sqrt();
         let peak = drops.dropped(1e-4, fall * (1.0 + drops.restitution));
         let expected = drops.restitution * drops.restitution * 1e-4;

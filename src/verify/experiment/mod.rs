@@ -1,5 +1,20 @@
 //! The experiments, each a function of its numbers and a bench.
 
+/// The built-in cases of one experiment, each with its numbers; at least so many.
+#[cfg(test)]
+macro_rules! cases_of {
+    ($experiment:ident, $least:literal) => {{
+        let cases = crate::verify::builtin().expect("sound").into_iter();
+        let of_one = cases.filter_map(|case| match case.experiment.clone() {
+            crate::verify::experiment::Experiment::$experiment(numbers) => Some((case, numbers)),
+            _ => None,
+        });
+        let found: Vec<_> = of_one.collect();
+        assert!(found.len() >= $least, "expected {} cases, found {}", $least, found.len());
+        found
+    }};
+}
+
 mod arrest;
 mod drag;
 mod drag_law;

@@ -158,27 +158,21 @@ impl SpinSlides {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verify::experiment::Experiment;
 
     /// Angle and time are compared for every block whose distance is.
     #[test]
     fn angle_and_time_are_asked_of_every_block_that_slides() {
-        let cases = crate::verify::builtin().expect("sound");
-        let (mut single, mut several): (Vec<&SpinSlide>, Vec<&SpinSlide>) = Default::default();
-        for case in &cases {
-            match &case.experiment {
-                Experiment::SpinSlide(s) if s.quantity == Quantity::Distance => single.push(s),
-                Experiment::SpinSlides(s) => several.extend(&s.blocks),
-                _ => {}
-            }
-        }
+        let mut single: Vec<_> = cases_of!(SpinSlide, 9).into_iter().map(|(_, s)| s).collect();
+        single.retain(|s| s.quantity == Quantity::Distance);
         assert!(single.len() >= 9, "found {} distances", single.len());
+        let several: Vec<_> =
+            cases_of!(SpinSlides, 2).into_iter().flat_map(|(_, s)| s.blocks).collect();
         for block in single {
             for quantity in [Quantity::Angle, Quantity::Time] {
                 let wanted = SpinSlide { quantity, ..block.clone() };
                 // What does not spin has no angle to compare.
                 let nothing = quantity == Quantity::Angle && block.spin_rad_per_s == 0.0;
-                assert!(nothing || several.contains(&&wanted), "not asked: {wanted:?}");
+                assert!(nothing || several.contains(&wanted), "not asked: {wanted:?}");
             }
         }
         for block in several {
@@ -202,9 +196,7 @@ mod tests {
 
     #[test]
     fn the_files_say_what_the_law_says() {
-        let mut found = 0;
-        for case in crate::verify::builtin().expect("sound") {
-            let Experiment::SpinSlide(slide) = &case.experiment else { continue };
+        for (case, slide) in cases_of!(SpinSlide, 5) {
             let law = slide.expected();
             let off = (case.expected - law).abs();
             assert!(off <= 2e-4 * law, "{}: expected {law}, typed {}", case.id, case.expected);
@@ -218,8 +210,6 @@ mod tests {
                     case.id
                 );
             }
-            found += 1;
         }
-        assert!(found >= 5, "expected the cases of the spinning block, found {found}");
     }
 }
