@@ -4,7 +4,6 @@
 //! The unit of a result is that of the values.
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::ContinuousCDF;
 
 use super::*;
 
@@ -34,8 +33,7 @@ impl Estimate {
     /// of a single value.
     pub fn half_width_95(&self) -> Option<f64> {
         let freedom = self.count.checked_sub(1).filter(|f| *f > 0)? as f64;
-        let t = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975);
-        Some(t * self.standard_error?)
+        Some(t_quantile(0.975, freedom)? * self.standard_error?)
     }
 
     /// Whether the mean cannot be told from zero: its 95 % confidence interval

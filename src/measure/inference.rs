@@ -131,18 +131,7 @@ pub fn page_test(rows: &[Vec<f64>]) -> Option<PageTest> {
         .iter()
         .flat_map(|row| ranks(row).into_iter().enumerate().map(|(i, r)| (i + 1) as f64 * r))
         .sum();
-    let one = l_of_one_row(columns);
-    // Sums of independent rows: the distributions are convolved.
-    let mut all = vec![1.0];
-    for _ in rows {
-        let mut next = vec![0.0; all.len() + one.len() - 1];
-        for (i, a) in all.iter().enumerate() {
-            for (j, b) in one.iter().enumerate() {
-                next[i + j] += a * b;
-            }
-        }
-        all = next;
-    }
+    let all = l_of_rows(columns, rows.len());
     // With ties L may lie half way between two values; the lower one is the safe side.
     let p = all.iter().enumerate().filter(|(i, _)| *i as f64 >= f64::floor(l)).map(|(_, p)| p);
     Some(PageTest { l, p: p.sum() })
@@ -158,6 +147,22 @@ fn ranks(values: &[f64]) -> Vec<f64> {
             below + (same + 1.0) / 2.0
         })
         .collect()
+}
+
+/// Probability of each L of so many independent rows: those of one row convolved.
+fn l_of_rows(columns: usize, rows: usize) -> Vec<f64> {
+    let one = l_of_one_row(columns);
+    let mut all = vec![1.0];
+    for _ in 0..rows {
+        let mut next = vec![0.0; all.len() + one.len() - 1];
+        for (i, a) in all.iter().enumerate() {
+            for (j, b) in one.iter().enumerate() {
+                next[i + j] += a * b;
+            }
+        }
+        all = next;
+    }
+    all
 }
 
 /// Probability of each L of one row, over all orders of its ranks.
@@ -322,17 +327,7 @@ mod tests {
             (5, 2, 0.05, 103),
             (5, 3, 0.01, 155),
         ] {
-            let one = l_of_one_row(columns);
-            let mut all = vec![1.0];
-            for _ in 0..rows {
-                let mut next = vec![0.0; all.len() + one.len() - 1];
-                for (i, a) in all.iter().enumerate() {
-                    for (j, b) in one.iter().enumerate() {
-                        next[i + j] += a * b;
-                    }
-                }
-                all = next;
-            }
+            let all = l_of_rows(columns, rows);
             let tail = |l: usize| all[l..].iter().sum::<f64>();
             let (at, below) = (tail(critical), tail(critical - 1));
             assert!(

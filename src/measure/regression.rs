@@ -104,7 +104,7 @@ impl LinearModel {
     /// Change of the result over the range of each factor in the data, with half of its 95 %
     /// confidence interval.
     pub fn effects(&self) -> Vec<(f64, f64)> {
-        let t = StudentsT::new(0.0, 1.0, self.freedom).map_or(f64::NAN, |t| t.inverse_cdf(0.975));
+        let t = t_quantile(0.975, self.freedom).unwrap_or(f64::NAN);
         let of = |n: usize| {
             let error = self.residual * self.inverse[(n + 1, n + 1)].sqrt();
             (2.0 * self.coefficients[n + 1], 2.0 * t * error)

@@ -217,6 +217,16 @@ impl Scene {
         contacts
     }
 
+    /// Sum of the impulses of the last step on a body, in laboratory axes.
+    pub fn impulse_on(&self, id: BodyId) -> Vector {
+        let signed = |c: Contact| match (c.a == id, c.b == id) {
+            (true, _) => c.impulse,
+            (_, true) => -c.impulse,
+            _ => Vector::zeros(),
+        };
+        self.contacts().into_iter().map(signed).sum()
+    }
+
     /// What the world remembers of its contacts, in the world's own axes and numbers.
     pub(super) fn remember(&self) -> Vec<RememberedContact> {
         let mut contacts = Vec::new();

@@ -53,24 +53,21 @@ fn reflected_turn(rotation: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
 /// A state in the mirror, which is its own way back.
 fn reflected_state(state: &BodyState) -> BodyState {
     BodyState {
-        pose: reflected_pose(&state.pose),
+        pose: Pose::from_parts(
+            reflected(state.pose.translation.vector).into(),
+            reflected_turn(&state.pose.rotation),
+        ),
         linear_velocity: reflected(state.linear_velocity),
         angular_velocity: -reflected(state.angular_velocity),
     }
 }
 
-fn reflected_pose(pose: &Pose) -> Pose {
-    let rotation = reflected_turn(&pose.rotation);
-    Pose::from_parts(reflected(pose.translation.vector).into(), rotation)
-}
-
-fn turned_pose(by: &UnitQuaternion<f64>, pose: &Pose) -> Pose {
-    Pose::from_parts((by * pose.translation.vector).into(), by * pose.rotation)
-}
-
 fn turned(by: &UnitQuaternion<f64>, state: &BodyState) -> BodyState {
     BodyState {
-        pose: turned_pose(by, &state.pose),
+        pose: Pose::from_parts(
+            (by * state.pose.translation.vector).into(),
+            by * state.pose.rotation,
+        ),
         linear_velocity: by * state.linear_velocity,
         angular_velocity: by * state.angular_velocity,
     }
@@ -102,9 +99,7 @@ impl View {
 
     /// A pose of the laboratory in the world at a time (s).
     pub fn pose_out(&self, pose: &Pose, time: f64) -> Pose {
-        let mut pose = if self.mirrored { reflected_pose(pose) } else { *pose };
-        pose.translation.vector += self.velocity * time;
-        turned_pose(&self.frame, &pose)
+        self.state_out(&BodyState::at_rest(*pose), time).pose
     }
 
     /// A state of the laboratory in the world at a time (s).

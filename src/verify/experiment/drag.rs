@@ -78,15 +78,7 @@ impl Dragged {
             pose.translation.vector.x += self.speed_m_per_s * dt * n as f64;
             scene.drive(pusher, &pose)?;
             scene.step()?;
-            let forward: f64 = scene
-                .contacts()
-                .iter()
-                .map(|c| match (c.a == pusher, c.b == pusher) {
-                    (true, _) => -c.impulse.x,
-                    (_, true) => c.impulse.x,
-                    _ => 0.0,
-                })
-                .sum();
+            let forward = -scene.impulse_on(pusher).x;
             total += forward;
             recent += forward;
             let state = scene.state(id)?;

@@ -52,16 +52,11 @@ pub(super) struct Impact {
     pub restitution: f64,
 }
 
-/// [r]×: r × x as a matrix.
-fn cross(r: &Vector) -> Matrix3<f64> {
-    r.cross_matrix()
-}
-
 impl Impact {
     /// K in 1/kg.
     pub fn compliance(&self) -> Option<Matrix3<f64>> {
         let inverse = self.inertia.try_inverse()?;
-        let arm = cross(&self.arm);
+        let arm = self.arm.cross_matrix();
         Some(Matrix3::identity() / self.mass - arm * inverse * arm)
     }
 
@@ -115,15 +110,20 @@ impl Impact {
         (rate.z > 0.0 && straight && after.dot(&way) > 0.0).then(|| along * normal)
     }
 
-    /// Impulse without rebound where slip stops before the body does, and
-    /// does not begin again.
-    pub fn slip_stops(&self) -> Option<Vector> {
+    /// Whether slip along one direction stops while the body still comes; and K⁻¹.
+    fn slip_ends_in_time(&self) -> Option<(bool, Matrix3<f64>)> {
         let way = self.slip().try_normalize(0.0)?;
         let compliance = self.compliance()?;
         let slipping = compliance * (Vector::z() - self.friction * way);
         let stops = -self.velocity.dot(&way) / slipping.dot(&way);
         let in_time = stops > 0.0 && self.velocity.z + slipping.z * stops < 0.0;
-        let inverse = compliance.try_inverse()?;
+        Some((in_time, compliance.try_inverse()?))
+    }
+
+    /// Impulse without rebound where slip stops before the body does, and
+    /// does not begin again.
+    pub fn slip_stops(&self) -> Option<Vector> {
+        let (in_time, inverse) = self.slip_ends_in_time()?;
         let impulse = -(inverse * self.velocity);
         let ok = self.restitution == 0.0 && in_time && self.in_cone(&(inverse * Vector::z()));
         ok.then_some(impulse)
@@ -163,12 +163,8 @@ impl Impact {
     /// Whether slip along one direction stops while the body still comes, and
     /// begins again the other way because friction cannot hold the point.
     pub fn slip_reverses(&self) -> Option<bool> {
-        let way = self.slip().try_normalize(0.0)?;
-        let compliance = self.compliance()?;
-        let slipping = compliance * (Vector::z() - self.friction * way);
-        let stops = -self.velocity.dot(&way) / slipping.dot(&way);
-        let in_time = stops > 0.0 && self.velocity.z + slipping.z * stops < 0.0;
-        Some(in_time && !self.in_cone(&(compliance.try_inverse()? * Vector::z())))
+        let (in_time, inverse) = self.slip_ends_in_time()?;
+        Some(in_time && !self.in_cone(&(inverse * Vector::z())))
     }
 }
 

@@ -137,17 +137,7 @@ pub(super) fn floor_force(bench: &Bench, count: usize, settle: f64, duration: f6
     let (mut total, mut curve) = (0.0, Vec::new());
     for n in 1..=steps {
         packing.scene.step()?;
-        let down: f64 = packing
-            .scene
-            .contacts()
-            .iter()
-            .map(|c| match (c.a == packing.floor, c.b == packing.floor) {
-                (true, _) => -c.impulse.z,
-                (_, true) => c.impulse.z,
-                _ => 0.0,
-            })
-            .sum();
-        total += down;
+        total -= packing.scene.impulse_on(packing.floor).z;
         curve.push((packing.scene.time(), total / (n as f64 * dt * weight)));
     }
     if let (Some(first), Some(last)) = (curve.first(), curve.last()) {
