@@ -123,19 +123,12 @@ fn pluviation(configuration: u32, fh: f64) -> RunRecord {
         SeriesRow {
             time_s: t,
             stage: u32::from(t > 1.0),
-            plate_height_mm: None,
-            settlement_mm: None,
-            surface_settlement_mm: None,
             kinetic_energy_j: 1.5 * t * (-t / 0.8).exp() + 1e-7,
-            table_x_mm: 0.0,
             mean_surface_mm: height * filled,
             mean_grain_height_mm: 0.49 * height * filled,
             grains_in_cylinder: (1456.0 * filled) as u32,
-            plate_tilt_deg: None,
             largest_speed_m_per_s: 2.0 * (-t / 0.8).exp(),
-            pile_height_mm: None,
-            table_y_mm: None,
-            table_z_mm: None,
+            ..SeriesRow::default()
         }
     };
     let mut summary = summary(configuration, fh, height);
@@ -234,9 +227,7 @@ fn vibration(configuration: u32, kind: RunKind) -> RunRecord {
             grains_in_cylinder: 1454,
             plate_tilt_deg: Some(4.0),
             largest_speed_m_per_s: 0.9,
-            pile_height_mm: None,
-            table_y_mm: None,
-            table_z_mm: None,
+            ..SeriesRow::default()
         }
     };
     let settlement = |factor: f64| Settlement {
@@ -318,7 +309,6 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
     let bad = configuration == 3;
     let creep = creep_um_per_s(configuration);
     Summary {
-        scenario: String::new(),
         backend: BackendInfo {
             name: "canned".into(),
             version: "1".into(),
@@ -340,19 +330,9 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
             missing: Some(2),
         },
         sieve_analysis: Some(sieve_summary()),
-        shape: None,
-        withheld: Vec::new(),
         standing_height_mm: heights(height),
-        poured_height_mm: None,
         void_ratio: Some(height / SOLIDS_MM - 1.0),
-        relative_density: None,
-        poured_void_ratio: None,
         porosity: Some(1.0 - SOLIDS_MM / height),
-        settlement_mm: None,
-        surface_settlement_mm: None,
-        vibrations: Vec::new(),
-        angle_of_repose: None,
-        laboratory: None,
         overlap: Overlap {
             pairs: 4000,
             mean_percent: if bad { 0.9 } else { 0.21 },
@@ -360,10 +340,6 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
             max_percent: if bad { 9.0 } else { 2.5 },
             max_mm: 0.26,
         },
-        coordination_distribution: Vec::new(),
-        contacts: None,
-        stages: Vec::new(),
-        core: None,
         coordination_number: 5.2,
         creep_um_per_s: Some(creep),
         rest_test: Some(RestTest {
@@ -374,9 +350,6 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         }),
         meets_standard: !bad,
         valid: !bad,
-        left_out_of_means: Vec::new(),
-        checks: None,
-        solver_residual: None,
         kinetic_energy_j: 1e-7,
         simulated_s: 30.0,
         steps: 14_400,
@@ -388,5 +361,6 @@ fn summary(configuration: u32, fh: f64, height: f64) -> Summary {
         } else {
             Vec::new()
         },
+        ..Summary::default()
     }
 }

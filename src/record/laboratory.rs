@@ -7,7 +7,7 @@ use crate::geometry::Vector;
 use crate::measure::Stress;
 
 /// One moment of a laboratory, beside a row of the series.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct LaboratoryRow {
     /// Of each piece, in the order of the scenario; null for one that is removed.
     pub pieces: Vec<Option<PieceRow>>,
@@ -22,7 +22,7 @@ pub struct LaboratoryRow {
 }
 
 /// A piece at a moment.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct PieceRow {
     /// Where the origin of its frame is, in mm.
     pub at_mm: [f64; 3],
@@ -321,19 +321,13 @@ mod tests {
 
     #[test]
     fn columns_are_added_row_by_row_and_what_is_missing_is_empty() {
-        let piece = PieceRow {
-            at_mm: [1.0, 2.0, 3.0],
-            force_n: [0.0, 0.0, -5.5],
-            moment_n_m: [0.0; 3],
-            pressed: None,
-            turned: None,
-            rotation_deg: None,
-        };
+        let piece =
+            PieceRow { at_mm: [1.0, 2.0, 3.0], force_n: [0.0, 0.0, -5.5], ..PieceRow::default() };
         let row = |there: bool| LaboratoryRow {
             pieces: vec![there.then_some(piece)],
             passed_g: vec![2.5],
             void_ratios: vec![None],
-            stresses_kpa: Vec::new(),
+            ..LaboratoryRow::default()
         };
         let names = LaboratoryNames {
             pieces: vec!["box".to_owned()],
@@ -368,9 +362,7 @@ mod tests {
             at_mm: [x, 0.0, 0.0],
             force_n: [0.0, 0.0, -force],
             moment_n_m: [0.0, 0.25, 0.0],
-            pressed: None,
-            turned: None,
-            rotation_deg: None,
+            ..PieceRow::default()
         };
         let pieces = [Some(piece(0.0, 3.0)), Some(piece(1000.0, 1.0)), None];
         let got = of_group(&pieces, &[0, 1, 2]).expect("two of them stand");
@@ -384,17 +376,8 @@ mod tests {
     #[test]
     fn a_piece_that_is_pressed_at_any_time_has_columns_of_its_load() {
         let free = |rotation_deg, pressed| LaboratoryRow {
-            pieces: vec![Some(PieceRow {
-                at_mm: [0.0; 3],
-                force_n: [0.0; 3],
-                moment_n_m: [0.0; 3],
-                pressed,
-                turned: None,
-                rotation_deg,
-            })],
-            passed_g: Vec::new(),
-            void_ratios: Vec::new(),
-            stresses_kpa: Vec::new(),
+            pieces: vec![Some(PieceRow { pressed, rotation_deg, ..PieceRow::default() })],
+            ..LaboratoryRow::default()
         };
         let row = |pressed| free(None, pressed);
         let names = LaboratoryNames { pieces: vec!["lid".to_owned()], ..Default::default() };

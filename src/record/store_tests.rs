@@ -20,20 +20,12 @@ fn asked(identity: &StageIdentity) -> AskedStage<'_> {
 fn made() -> StoredStage {
     let row = |time_s| SeriesRow {
         time_s,
-        stage: 0,
-        plate_height_mm: None,
-        settlement_mm: None,
-        surface_settlement_mm: None,
         kinetic_energy_j: 0.1,
-        table_x_mm: 0.0,
         mean_surface_mm: 1.0 / 3.0,
         mean_grain_height_mm: 2.0,
         grains_in_cylinder: 2,
-        plate_tilt_deg: None,
         largest_speed_m_per_s: 0.5,
-        pile_height_mm: None,
-        table_y_mm: None,
-        table_z_mm: None,
+        ..SeriesRow::default()
     };
     let record = StageRecord {
         stage: "rest".into(),

@@ -5,7 +5,7 @@ use crate::motion::MotionFacts;
 use crate::world::BackendInfo;
 
 /// One row of `series.csv`: the state of the experiment at one moment.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SeriesRow {
     /// Simulated time since the beginning of the run's first stage, in s.
     pub time_s: f64,
@@ -45,7 +45,7 @@ pub struct SeriesRow {
 }
 
 /// `summary.json`: the figures of one run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Summary {
     /// Name of the scenario.
     pub scenario: String,
@@ -228,7 +228,7 @@ pub struct Withheld {
 }
 
 /// Number, mass and whereabouts of the grains.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GrainsSummary {
     /// Number of grains generated.
     pub count: usize,
@@ -257,7 +257,7 @@ pub struct GrainsSummary {
 
 /// Height of the specimen above the floor, by three definitions, in mm; NaN, and null in files,
 /// where the summary says in `withheld` why it is not given.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct StandingHeight {
     /// Mean of the height map over the cylinder's area.
     #[serde(deserialize_with = "nan_where_null")]
@@ -345,7 +345,7 @@ pub struct AzimuthAngle {
 }
 
 /// Penetration depth over the mean equivalent diameter of the two grains, in percent.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Overlap {
     /// Number of touching pairs of grains.
     pub pairs: usize,

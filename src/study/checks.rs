@@ -334,23 +334,7 @@ mod tests {
     }
 
     fn row(time_s: f64, mean_grain_height_mm: f64) -> SeriesRow {
-        SeriesRow {
-            time_s,
-            stage: 0,
-            plate_height_mm: None,
-            settlement_mm: None,
-            surface_settlement_mm: None,
-            kinetic_energy_j: 0.0,
-            table_x_mm: 0.0,
-            mean_surface_mm: 0.0,
-            mean_grain_height_mm,
-            grains_in_cylinder: 0,
-            plate_tilt_deg: None,
-            largest_speed_m_per_s: 0.0,
-            pile_height_mm: None,
-            table_y_mm: None,
-            table_z_mm: None,
-        }
+        SeriesRow { time_s, mean_grain_height_mm, ..SeriesRow::default() }
     }
 
     /// Rows every 0.1 s from 3 s on; heights in mm by the time since then.

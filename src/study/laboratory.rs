@@ -180,14 +180,8 @@ pub(super) fn laboratory_summary(
         .iter()
         .map(|piece| {
             let PieceSummary { at_mm, force_n, moment_n_m, .. } = *piece;
-            piece.present.then_some(PieceRow {
-                at_mm,
-                force_n,
-                moment_n_m,
-                pressed: None,
-                turned: None,
-                rotation_deg: None,
-            })
+            let row = PieceRow { at_mm, force_n, moment_n_m, ..PieceRow::default() };
+            piece.present.then_some(row)
         })
         .collect();
     let group = |group: &GroupSpec| {

@@ -422,17 +422,7 @@ mod tests {
             stage: 3,
             plate_height_mm: Some(plate_height_mm),
             settlement_mm: Some(178.0 - plate_height_mm),
-            surface_settlement_mm: None,
-            kinetic_energy_j: 0.0,
-            table_x_mm: 0.0,
-            mean_surface_mm: 0.0,
-            mean_grain_height_mm: 0.0,
-            grains_in_cylinder: 0,
-            plate_tilt_deg: None,
-            largest_speed_m_per_s: 0.0,
-            pile_height_mm: None,
-            table_y_mm: None,
-            table_z_mm: None,
+            ..SeriesRow::default()
         }
     }
 

@@ -366,7 +366,7 @@ pub struct PhaseTimes {
 }
 
 /// Name, version and precision of an engine, as written into every result.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct BackendInfo {
     /// `bullet`, ...
     pub name: String,
