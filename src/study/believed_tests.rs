@@ -4,7 +4,7 @@
 use std::{
     fs,
     path::Path,
-    sync::{Arc, Mutex, atomic::AtomicBool},
+    sync::{Arc, atomic::AtomicBool},
 };
 
 #[path = "crafts_tests.rs"]
@@ -13,7 +13,6 @@ mod crafts;
 use crafts::{craft, crafts};
 
 use crate::geometry::Pose;
-use crate::protocol::Progress;
 use crate::record::{
     StageRecord, StageStore, StoredStage, hash_bytes, hash_json, read_json, to_csv, write_file,
     write_json,
@@ -23,32 +22,19 @@ use crate::study::{
     believed::held,
     execute::execute,
     plan::Plan,
-    tests::{planned, scenario},
+    tests::{Heard, planned, scenario},
 };
 
-/// Keeps what is reported of stored stages.
-#[derive(Default)]
-struct Reported(Mutex<Vec<String>>);
-
-impl Progress for Reported {
-    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
-    fn update(&self, _: u64, _: f64, _: &str) {}
-    fn end_stage(&self, _: u64) {}
-    fn message(&self, text: &str) {
-        if text.contains("stored") {
-            self.0.lock().expect("nobody panicked").push(text.to_owned());
-        }
-    }
-}
-
-/// Runs a plan; gives its stages, and what was reported.
+/// Runs a plan; gives its stages, and what was reported of stored ones.
 fn run(plan: &Plan, folder: &Path) -> (Vec<Arc<StoredStage>>, Vec<String>) {
     let _turn = crate::world::shared_turn();
     let store = StageStore::open(folder).expect("a store");
-    let reported = Reported::default();
+    let heard = Heard::default();
     let make = &crate::world::create;
-    let done = execute(plan, &store, 2, make, &AtomicBool::new(false), &reported).expect("done");
-    (done, reported.0.into_inner().expect("nobody panicked"))
+    let done = execute(plan, &store, 2, make, &AtomicBool::new(false), &heard).expect("done");
+    let mut reported = heard.told();
+    reported.retain(|text| text.contains("stored"));
+    (done, reported)
 }
 
 #[test]

@@ -1,13 +1,13 @@
-//! Plans, the store and what happens when something goes wrong.
+//! Plans, the store and what happens when something goes wrong; and what tests of studies share.
 
 use std::{
     fs,
-    path::Path,
+    path::{Path, PathBuf},
     sync::{Arc, Mutex, atomic::AtomicBool},
 };
 
 use super::{
-    StudyError,
+    RunOptions, StudyError,
     execute::{execute, execute_each},
     plan::{Plan, PlannedRun},
     summarise::summarise,
@@ -34,6 +34,40 @@ pub(super) fn scenario(falling_height_mm: f64) -> Scenario {
         ]
     }))
     .expect("a scenario")
+}
+
+/// A scenario whose grains nobody makes.
+pub(super) fn bare_scenario() -> Scenario {
+    serde_json::from_value(serde_json::json!({
+        "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
+    }))
+    .expect("a scenario")
+}
+
+/// Results go into a folder, and nobody is told.
+pub(super) fn run_options(out: impl Into<PathBuf>) -> RunOptions {
+    let (out, progress) = (out.into(), Arc::new(Silent));
+    RunOptions { out, jobs: 2, frames: false, cancel: Arc::default(), progress }
+}
+
+/// Keeps what is said.
+#[derive(Default)]
+pub(super) struct Heard(Mutex<Vec<String>>);
+
+impl Heard {
+    /// What was said, in order.
+    pub(super) fn told(self) -> Vec<String> {
+        self.0.into_inner().expect("nobody panicked")
+    }
+}
+
+impl Progress for Heard {
+    fn begin_stage(&self, _: u64, _: &str, _: f64) {}
+    fn update(&self, _: u64, _: f64, _: &str) {}
+    fn end_stage(&self, _: u64) {}
+    fn message(&self, text: &str) {
+        self.0.lock().expect("nobody panicked").push(text.to_owned());
+    }
 }
 
 pub(super) fn planned(scenario: Scenario) -> PlannedRun {

@@ -48,21 +48,8 @@ pub(super) fn of_grains(scenario: &Scenario, grains: &GrainSet) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Mutex;
-
     use super::*;
-
-    #[derive(Default)]
-    struct Heard(Mutex<Vec<String>>);
-
-    impl Progress for Heard {
-        fn begin_stage(&self, _: u64, _: &str, _: f64) {}
-        fn update(&self, _: u64, _: f64, _: &str) {}
-        fn end_stage(&self, _: u64) {}
-        fn message(&self, text: &str) {
-            self.0.lock().expect("held by one").push(text.to_owned());
-        }
-    }
+    use crate::study::tests::Heard;
 
     fn scenario(engine: serde_json::Value, friction: f64) -> Scenario {
         serde_json::from_value(serde_json::json!({
@@ -87,13 +74,13 @@ mod tests {
         let plain = scenario(serde_json::json!({}), 0.5);
         let heard = Heard::default();
         tell_warnings([&plain, &soft(0.3), &soft(0.5), &other, &soft(0.3)], &heard);
-        let told = heard.0.into_inner().expect("held by none");
+        let told = heard.told();
         assert_eq!(told.len(), 2, "law: two distinct warnings among five scenarios: {told:?}");
         assert!(told[0].starts_with("warning: engine.native.substep_rate_hz"), "{told:?}");
         assert!(told[1].starts_with("warning: engine.rate_hz"), "{told:?}");
         let heard = Heard::default();
         tell_warnings([&plain], &heard);
-        assert!(heard.0.into_inner().expect("held by none").is_empty(), "law: nothing to tell");
+        assert!(heard.told().is_empty(), "law: nothing to tell");
     }
 
     /// Law: an opening shorter than the longest grain is reported once the grains are there.

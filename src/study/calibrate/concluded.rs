@@ -279,11 +279,8 @@ fn identity(
 
 #[cfg(test)]
 mod tests {
-    use std::sync::{Arc, atomic::AtomicBool};
-
     use super::*;
-    use crate::protocol::Silent;
-    use crate::study::RunOptions;
+    use crate::study::tests::{bare_scenario, run_options};
 
     fn options(target: &str) -> CalibrationOptions {
         CalibrationOptions {
@@ -295,13 +292,7 @@ mod tests {
             replicates: 3,
             tolerance: None,
             most_runs: None,
-            run: RunOptions {
-                out: "out".into(),
-                jobs: 1,
-                frames: false,
-                cancel: Arc::new(AtomicBool::new(false)),
-                progress: Arc::new(Silent),
-            },
+            run: run_options("out"),
         }
     }
 
@@ -349,11 +340,7 @@ mod tests {
             notes: Vec::new(),
             kept,
         };
-        let scenario = serde_json::json!({
-            "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
-        });
-        let scenario = serde_json::from_value(scenario).expect("a scenario");
-        conclude(&options, &scenario, &question, answer)
+        conclude(&options, &bare_scenario(), &question, answer)
     }
 
     #[test]

@@ -8,8 +8,7 @@ use super::{
 use crate::record::RunRow;
 use crate::report::{ConvergenceRow, Standard};
 use crate::scale::Scale;
-use crate::scenario::Scenario;
-use crate::study::presets::DesignFile;
+use crate::study::{presets::DesignFile, tests::bare_scenario};
 
 const LIMITS: ConvergenceLimits =
     ConvergenceLimits { height_percent: 1.0, settlement_percent: 5.0 };
@@ -20,10 +19,6 @@ fn standard() -> Standard {
 
 /// A good run: overlap and creep within the standard.
 fn run(variation: &str, configuration: u32, height: f64, cost: f64) -> RunRow {
-    let scenario: Scenario = serde_json::from_value(serde_json::json!({
-        "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
-    }))
-    .expect("a scenario");
     RunRow {
         configuration,
         precision: "double".into(),
@@ -38,7 +33,7 @@ fn run(variation: &str, configuration: u32, height: f64, cost: f64) -> RunRow {
         wall_s_per_simulated_s: Some(cost),
         // Variations are different scenarios.
         experiment: variation.to_owned(),
-        ..RunRow::of_scenario("run", variation, "group", &scenario)
+        ..RunRow::of_scenario("run", variation, "group", &bare_scenario())
     }
 }
 

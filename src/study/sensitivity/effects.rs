@@ -115,10 +115,7 @@ mod tests {
     /// Law: a run that does not count takes its pair with it, and is counted; else nothing changes.
     #[test]
     fn what_is_left_out_moves_no_effect() {
-        let scenario = serde_json::from_value(serde_json::json!({
-            "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
-        }))
-        .expect("a scenario");
+        let scenario = crate::study::tests::bare_scenario();
         let row = |variation: &str, configuration, height| RunRow {
             configuration,
             poured_height_mm: Some(height),

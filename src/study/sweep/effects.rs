@@ -249,7 +249,7 @@ mod tests {
 
     use super::super::points::points;
     use super::*;
-    use crate::scenario::Scenario;
+    use crate::study::tests::bare_scenario as base;
 
     const RESULT: &str = "void_ratio";
 
@@ -280,13 +280,6 @@ mod tests {
             }
         };
         (1..=3).flat_map(|c| points.iter().map(move |p| (p, c))).map(|(p, c)| of(p, c)).collect()
-    }
-
-    fn base() -> Scenario {
-        serde_json::from_value(json!({
-            "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
-        }))
-        .expect("a scenario")
     }
 
     fn assert_slope(effect: &SweepEffect, expected: f64) {

@@ -233,12 +233,10 @@ impl SweepPlan {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::{Arc, atomic::AtomicBool};
-
     use serde_json::json;
 
     use super::*;
-    use crate::protocol::Silent;
+    use crate::study::tests::run_options;
 
     fn options(change: &dyn Fn(&mut Value)) -> Result<SweepOptions, StudyError> {
         let mut plan = json!({
@@ -249,13 +247,7 @@ mod tests {
         });
         change(&mut plan);
         let plan: SweepPlan = serde_json::from_value(plan).expect("a plan");
-        plan.options(RunOptions {
-            out: "out".into(),
-            jobs: 1,
-            frames: false,
-            cancel: Arc::new(AtomicBool::new(false)),
-            progress: Arc::new(Silent),
-        })
+        plan.options(run_options("out"))
     }
 
     #[test]

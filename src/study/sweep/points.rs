@@ -198,13 +198,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-
-    fn base() -> Scenario {
-        serde_json::from_value(json!({
-            "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
-        }))
-        .expect("a scenario")
-    }
+    use crate::study::tests::bare_scenario as base;
 
     fn over(list: &[&str]) -> Vec<Factor> {
         list.iter().map(|text| text.parse().expect("a factor")).collect()

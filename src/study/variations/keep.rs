@@ -53,14 +53,10 @@ pub(in crate::study) fn keep_and_read(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Scenario;
+    use crate::study::tests::bare_scenario;
 
     fn row(variation: &str, precision: &str) -> RunRow {
-        let scenario: Scenario = serde_json::from_value(serde_json::json!({
-            "name": "s", "grains": { "file": "g.json" }, "stages": [{ "stage": "fill_funnel" }]
-        }))
-        .expect("a scenario");
-        let row = RunRow::of_scenario("r", variation, "group", &scenario);
+        let row = RunRow::of_scenario("r", variation, "group", &bare_scenario());
         RunRow { precision: precision.to_owned(), ..row }
     }
 

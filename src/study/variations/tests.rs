@@ -3,16 +3,13 @@
 use std::{
     fs,
     path::Path,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, AtomicUsize, Ordering},
-    },
+    sync::atomic::{AtomicUsize, Ordering},
 };
 
 use super::*;
 use crate::geometry::Vector;
-use crate::protocol::Silent;
 use crate::scenario::EngineSettings;
+use crate::study::tests::run_options;
 use crate::world::{BodyState, World, scripted::ScriptedWorld};
 
 fn varied(folder: &Path, variations: &[(&str, &[&str])]) -> Result<Varied, ScenarioErrors> {
@@ -34,16 +31,6 @@ fn varied(folder: &Path, variations: &[(&str, &[&str])]) -> Result<Varied, Scena
         configurations: None,
     };
     Varied::load(&base, &[], variations.iter().map(of).collect())
-}
-
-fn options(out: &Path) -> RunOptions {
-    RunOptions {
-        out: out.to_owned(),
-        jobs: 2,
-        frames: false,
-        cancel: Arc::new(AtomicBool::new(false)),
-        progress: Arc::new(Silent),
-    }
 }
 
 /// Worlds of Bullet, but at 960 steps a second one that blows up.
@@ -90,7 +77,7 @@ fn a_run_that_fails_is_a_row_and_the_others_go_on() {
         told.push(rows.len());
         Ok(())
     };
-    let rows = carry_out_in(&worlds, &varied, &[0..1, 1..2], &options(&out), &mut so_far)
+    let rows = carry_out_in(&worlds, &varied, &[0..1, 1..2], &run_options(&out), &mut so_far)
         .expect("the study goes on");
     assert_eq!(rows.len(), 8, "law: one row a run, failed or not");
     // Another contact threshold cannot live in the process at the same time.
@@ -113,7 +100,7 @@ fn a_run_that_fails_is_a_row_and_the_others_go_on() {
 
     // The same again: only what failed is tried again.
     let before = made.swap(0, Ordering::Relaxed);
-    let again = carry_out_in(&worlds, &varied, &[0..1, 1..2], &options(&out), &mut |_| Ok(()))
+    let again = carry_out_in(&worlds, &varied, &[0..1, 1..2], &run_options(&out), &mut |_| Ok(()))
         .expect("done");
     assert_eq!(again, rows, "law: stored runs give the same rows, wall time included");
     let tried = made.load(Ordering::Relaxed);
