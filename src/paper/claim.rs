@@ -191,7 +191,6 @@ impl Draft {
         self
     }
 
-    /// Adds a sentence to the note.
     pub(super) fn note(mut self, sentence: impl AsRef<str>) -> Self {
         let sentence = sentence.as_ref();
         if !sentence.is_empty() {

@@ -55,7 +55,6 @@ pub struct Reference {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Stored {
-    /// Of which stage.
     identity: StageIdentity,
     /// SHA-256 of the specimen that the stage began with.
     began_with_sha256: Option<String>,

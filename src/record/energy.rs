@@ -13,7 +13,6 @@ pub struct EnergyRow {
     pub dissipated_j: f64,
 }
 
-/// Its columns.
 const COLUMNS: [&str; 3] = ["potential_energy_j", "work_input_j", "dissipated_j"];
 
 /// Adds the columns of energy to a table that has a row for each; none where nothing is known.

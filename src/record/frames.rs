@@ -318,20 +318,13 @@ impl FrameWriter {
 }
 
 /// Reads the frames of a stage, whose SHA-256 is compared unless it is empty.
-///
-/// # Errors
-/// [`FileError`] when the file cannot be read, is none of these, or is not
-/// what was written.
 pub(super) fn read_frames(path: &Path, sha256: &str) -> Result<Vec<Frame>, FileError> {
     let bytes = read_unchanged(path, sha256)?;
     frames_of(&bytes).map_err(|why| FileError::unfit(path, why))
 }
 
-/// The first frame of a stage and the last two, or as many as there are: what
-/// tells its beginning and end, without holding in memory what lies between.
-///
-/// # Errors
-/// As [`read_frames`].
+/// The first frame of a stage and the last two, or as many as there are: what tells its beginning
+/// and end, without holding in memory what lies between.
 pub(super) fn read_frame_ends(path: &Path, sha256: &str) -> Result<Vec<Frame>, FileError> {
     let unread = |e: io::Error| FileError::unread(path, &e);
     if !sha256.is_empty() && hash_file(path).map_err(unread)? != sha256 {

@@ -12,9 +12,6 @@ pub fn hash_bytes(bytes: &[u8]) -> String {
 }
 
 /// SHA-256 of a file's content, read in pieces.
-///
-/// # Errors
-/// When it cannot be read.
 pub(super) fn hash_file(path: &Path) -> io::Result<String> {
     let mut hash = Sha256::new();
     hash_of(&mut input::open(path, input::LARGEST_OF_RUN)?.0, &mut hash)?;

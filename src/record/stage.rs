@@ -3,7 +3,6 @@
 use super::*;
 use crate::world::EffectiveSettings;
 
-/// Files of a stage.
 pub(super) const RECORD_FILE: &str = "stage.json";
 pub(super) const STATE_FILE: &str = "specimen.json";
 pub(super) const SERIES_FILE: &str = "series.csv";

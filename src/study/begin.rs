@@ -12,7 +12,6 @@ use crate::record::{FileError, StageRecord, StageStore, read_json, run_file};
 use crate::scenario::BeginSpec;
 use crate::specimen::{Specimen, SpecimenState};
 
-/// File of a run's grains.
 const GRAINS_FILE: &str = "grains.json";
 
 /// A specimen that a run begins with.
@@ -27,11 +26,8 @@ pub struct Begun {
 }
 
 impl Begun {
-    /// Reads what a scenario begins with; `grains_sha256` is the hash of its grains.
-    ///
-    /// # Errors
-    /// [`FileError`], refused, where the stored specimen is not as it was written, is of other
-    /// grains, or cannot be one of this laboratory.
+    /// Reads what a scenario begins with; `grains_sha256` is the hash of its grains. Refused is a
+    /// stored specimen that is not as it was written, of other grains, or none of this laboratory.
     pub(super) fn read(
         spec: &BeginSpec,
         grains: &Arc<GrainSet>,
@@ -62,9 +58,6 @@ impl Begun {
 }
 
 /// The grains of the run that a scenario begins with.
-///
-/// # Errors
-/// When they cannot be read.
 pub(super) fn grains_of(spec: &BeginSpec) -> Result<GrainSet, StudyError> {
     let file = run_file(&spec.folder(), GRAINS_FILE);
     let json = read_json(&file)?;

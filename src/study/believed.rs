@@ -28,10 +28,7 @@ pub(super) fn end_of(setup: &Setup, specimen: &Specimen) -> StageEnd {
     }
 }
 
-/// Whether a stored stage can be that of a node, which went on from a state.
-///
-/// # Errors
-/// What is wrong, in words.
+/// Whether a stored stage can be that of a node, which went on from a state; says what is wrong.
 pub(super) fn stage(
     node: &Node,
     before: &SpecimenState,
@@ -46,10 +43,7 @@ pub(super) fn stage(
     end_of(&node.setup, &specimen).is(&recorded)
 }
 
-/// Whether a checkpoint can be one of a node's stage, which went on from a state.
-///
-/// # Errors
-/// What is wrong, in words.
+/// The same of a checkpoint of a node's stage.
 pub(super) fn midway(node: &Node, before: &SpecimenState, midway: &Midway) -> Result<(), String> {
     let specimen = Specimen { grains: node.grains.clone(), state: midway.state.clone() };
     midway.check(node.grains.grains.len())?;

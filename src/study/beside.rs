@@ -94,9 +94,6 @@ pub(super) fn programme_hash(scenarios: &[&Scenario], configurations: u32) -> St
 
 /// Keeps something in a folder, and gives what others left there of the same programme; what is
 /// damaged is reported and left out.
-///
-/// # Errors
-/// When the folder cannot be read or written.
 pub(super) fn keep<T: Serialize + DeserializeOwned>(
     folder: &Path,
     name: &str,
@@ -111,9 +108,6 @@ pub(super) fn keep<T: Serialize + DeserializeOwned>(
 }
 
 /// Keeps a column, and gives those of the same programme by other engines, by label.
-///
-/// # Errors
-/// As [`keep`].
 pub(super) fn keep_and_read(
     out: &Path,
     suffix: &str,

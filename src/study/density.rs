@@ -35,7 +35,6 @@ const EXPECTED: f64 = 0.9;
 const LOOSER: f64 = 1.15;
 /// Free fall onto the specimen in m: half an inch, ASTM D4254.
 const FREE_FALL: f64 = 0.013;
-/// Most layers of a specimen.
 const MOST_LAYERS: usize = 60;
 /// How long grains without friction rest, in units of √(d/g), about six seconds for the paper's: they
 /// slide on for so long, too slowly for the settling criterion to see.

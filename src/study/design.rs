@@ -106,10 +106,7 @@ impl<'a> Faults<'a> {
         })
     }
 
-    /// The variations of a design, where neither it nor any of them has faults.
-    ///
-    /// # Errors
-    /// All faults of the design, or else all of the scenarios.
+    /// The variations of a design, or all its faults, or else all of the scenarios.
     pub(super) fn load(
         self,
         chosen: &Chosen,

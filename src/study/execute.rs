@@ -49,11 +49,8 @@ pub struct Executed {
 /// Runs every stage of a plan; gives the finished stages by node. `jobs` cores are used: by so many
 /// stages at the same time or, where fewer are left, by several threads of one.
 ///
-/// When a stage fails, the stages that need it are not begun, all others are
-/// finished and stored, and the first failure is returned.
-///
-/// # Errors
-/// [`StudyError`] of the first stage that failed.
+/// When a stage fails, the stages that need it are not begun, all others are finished and stored,
+/// and the first failure is returned.
 pub fn execute(
     plan: &Plan,
     store: &StageStore,

@@ -95,9 +95,6 @@ impl Interpretation {
     }
 
     /// The interpretation's changes of a built-in scenario.
-    ///
-    /// # Errors
-    /// When the scenario cannot be loaded.
     pub(super) fn changes_of(&self, scenario: &str) -> Result<Vec<Override>, StudyError> {
         let mut changes = Vec::new();
         for (of_all, of_vibration) in &self.layers {

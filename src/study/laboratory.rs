@@ -43,7 +43,6 @@ impl LaboratoryRecorder {
         }
     }
 
-    /// Adds a row.
     pub(super) fn observe(&mut self, specimen: &Specimen, series: &mut LaboratorySeries) {
         if !self.observes {
             return;

@@ -121,10 +121,7 @@ impl Laboratory {
 }
 
 impl Plan {
-    /// Plans runs.
-    ///
-    /// # Errors
-    /// When a scenario's apparatus cannot be built.
+    /// Plans runs; an error where a scenario's apparatus cannot be built.
     pub fn new(runs: &[PlannedRun]) -> Result<Self, StudyError> {
         let mut plan = Self { nodes: Vec::new(), runs: Vec::new() };
         let mut known: HashMap<String, usize> = HashMap::new();

@@ -82,9 +82,6 @@ pub(super) struct DesignFile {
 
 impl DesignFile {
     /// Finds a design; a built-in one is there as long as this is.
-    ///
-    /// # Errors
-    /// When the temporary folder cannot be used.
     pub(super) fn new(given: Option<&Path>, built_in: &str) -> Result<Self, StudyError> {
         match given {
             Some(path) => Ok(Self { path: path.to_owned(), _unpacked: None }),

@@ -64,9 +64,6 @@ pub struct Summarised {
 }
 
 /// Puts a run's stages together and measures its end.
-///
-/// # Errors
-/// When something cannot be measured.
 pub fn summarise(
     run: &PlannedRun,
     setup: &Setup,

@@ -13,7 +13,6 @@ const INTERLOCK: &str = "Rigid, angular grains interlock, so that a pile is stee
                          friction of their surfaces alone would make it; the paper takes the \
                          measured angle for the friction of the surfaces.";
 
-/// The paragraph.
 pub(super) fn paragraph(
     study: &StudyView,
     counting: &StudyView,

@@ -89,7 +89,6 @@ impl ScoreRow {
     }
 }
 
-/// What a row is of.
 struct Row<'a> {
     id: &'static str,
     statement: &'static str,

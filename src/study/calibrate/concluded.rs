@@ -15,7 +15,6 @@ use crate::report::{
 };
 use crate::scenario::Scenario;
 
-/// Puts a calibration together.
 pub(super) fn conclude(
     options: &CalibrationOptions,
     scenario: &Scenario,

@@ -15,7 +15,6 @@ use crate::scenario::{Override, Scenario, nearest};
 pub struct CalibrationTarget {
     field: String,
     wanted: f64,
-    /// Finds the field.
     place: Override,
 }
 
@@ -38,7 +37,6 @@ impl FromStr for CalibrationTarget {
     }
 }
 
-/// A result in a summary.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Reading {
     Number(f64),
@@ -81,7 +79,6 @@ impl CalibrationTarget {
         parts.map(unit_of).find(|unit| !unit.is_empty()).unwrap_or("")
     }
 
-    /// Reads it from a summary.
     pub(super) fn read(&self, summary: &Value) -> Reading {
         match self.place.value_before(summary) {
             Some(Value::Null) => Reading::NotMeasured,
@@ -190,10 +187,7 @@ pub(super) fn unknown(field: &str, scenario: &Scenario) -> Result<Unknown, Study
     }
 }
 
-/// Checks that a summary may hold the target.
-///
-/// # Errors
-/// With the number that was meant, where one is near.
+/// Checks that a summary may hold the target; says which number was meant, where one is near.
 pub(super) fn known(target: &CalibrationTarget) -> Result<(), StudyError> {
     let numbers = summary_numbers();
     let asked = numbered(target.field());
@@ -208,10 +202,7 @@ pub(super) fn known(target: &CalibrationTarget) -> Result<(), StudyError> {
     Err(StudyError::Scenario(format!("--target {field}: no summary.json has such a number{meant}")))
 }
 
-/// Checks that a scenario measures the target, as far as its stages say so.
-///
-/// # Errors
-/// With what the scenario would need.
+/// Checks that a scenario measures the target, as far as its stages say so; or what it would need.
 pub(super) fn measured(target: &CalibrationTarget, scenario: &Scenario) -> Result<(), StudyError> {
     let has = |name: &str| scenario.stages.iter().any(|stage| stage.name() == name);
     let vibrates = ("a stage `vibrate`", has("vibrate"));

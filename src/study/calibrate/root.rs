@@ -15,9 +15,6 @@ const SLACK: i32 = 1;
 /// in so many steps; ends early where the function is 0. The function is asked at both ends, too.
 /// Gives the range that is left: both ends the same at a root, the range itself where the sign
 /// does not change in it.
-///
-/// # Errors
-/// Whatever keeps the function from being computed.
 pub(super) fn narrow<E>(
     (low, high): (f64, f64),
     width: f64,

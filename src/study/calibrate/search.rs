@@ -13,7 +13,6 @@ use super::{super::StudyError, kept::Kept, line::in_result, root};
 use crate::measure::InversePrediction;
 use crate::report::{CalibrationEnding as Ending, CalibrationRun};
 
-/// What is asked.
 #[derive(Debug, Clone)]
 pub(super) struct Question {
     /// The result that is wanted.
@@ -64,7 +63,6 @@ impl Question {
 pub(super) type Experiment<'a> =
     &'a mut dyn FnMut(&[f64], Range<u32>) -> Result<Vec<CalibrationRun>, StudyError>;
 
-/// What was found.
 #[derive(Debug, Clone)]
 pub(super) struct Answer {
     pub ending: Ending,
@@ -105,10 +103,6 @@ const MOST_STEPS: u32 = 10;
 /// Width of the range at which the root search ends, as a share of the question's.
 const NARROW: f64 = 1e-3;
 
-/// Searches.
-///
-/// # Errors
-/// Those of the experiment.
 pub(super) fn search(question: &Question, experiment: Experiment) -> Result<Answer, StudyError> {
     let mut search = Search {
         question,

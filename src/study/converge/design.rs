@@ -108,11 +108,7 @@ pub(super) struct Ladder {
 }
 
 impl ConvergenceStudy {
-    /// Reads and checks a design.
-    ///
-    /// # Errors
-    /// [`ScenarioErrors`] with all faults of the design, or else all of the
-    /// scenarios it makes.
+    /// Reads a design; tells all its faults, or else all of the scenarios it makes.
     pub(super) fn of_file(file: &Path, quick: bool) -> Result<Self, ScenarioErrors> {
         let design: ConvergenceDesign = load_document(file)?;
         let mut faults = Faults::of(file);

@@ -138,12 +138,8 @@ pub(in crate::study) struct Designed {
     pub varied: Varied,
 }
 
-/// Reads and checks a design; `more` are changes that every run has beside
-/// those of the design.
-///
-/// # Errors
-/// [`ScenarioErrors`] with all faults of the design, or else all of the
-/// scenarios it makes.
+/// Reads a design; tells all its faults, or else all of the scenarios it makes. `more` are changes
+/// that every run has beside those of the design.
 pub(in crate::study) fn read(
     file: &Path,
     quick: bool,

@@ -17,11 +17,8 @@ const MOST_TOLD: usize = 5;
 /// Fields that no result depends on.
 const WORDS: [&str; 3] = ["name", "description", "notes"];
 
-/// Refuses a folder that holds the plan of another sweep, or that of this one
-/// when its scenario was another. More configurations of the same sweep are none.
-///
-/// # Errors
-/// [`StudyError::Scenario`] that says what has changed, where that can be told.
+/// Refuses a folder that holds the plan of another sweep, or that of this one when its scenario was
+/// another, and says what has changed. More configurations of the same sweep are none.
 pub(super) fn refuse(
     out: &Path,
     now: &SweepPlan,
@@ -62,10 +59,7 @@ pub(super) fn refuse(
     )))
 }
 
-/// Refuses a plan whose stages are no longer those that were planned.
-///
-/// # Errors
-/// [`StudyError::Scenario`] that says why, where that can be told.
+/// Refuses a plan whose stages are no longer those that were planned, and says why.
 pub(super) fn refuse_planned(
     out: &Path,
     there: &SweepPlan,

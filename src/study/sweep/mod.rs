@@ -180,7 +180,6 @@ impl SweepStudy {
         self.write(&rows)
     }
 
-    /// Writes what the rows say.
     fn write(&self, rows: &[RunRow]) -> Result<Sweep, StudyError> {
         let sweep = self.found(rows)?;
         report::write_sweep(&self.options.run.out, &sweep)?;

@@ -17,7 +17,6 @@ pub const PLAN_FILE: &str = "plan.json";
 /// Name of the scenario's copy in the output folder.
 pub const SCENARIO_FILE: &str = "scenario.json";
 
-/// What `format` says.
 const FORMAT: &str = "pluvia-sweep-plan";
 
 /// Raised whenever a program made for the version before would misread a plan.
@@ -89,7 +88,6 @@ pub(super) fn name(design: Design) -> &'static str {
     }
 }
 
-/// Makes the plan.
 pub(super) fn plan(
     options: &SweepOptions,
     scenario_name: &str,
@@ -146,9 +144,6 @@ pub(super) fn plan(
 
 impl SweepPlan {
     /// Writes it and the scenario that it was made of into a folder.
-    ///
-    /// # Errors
-    /// [`StudyError::File`].
     pub(super) fn write(&self, out: &Path, gathered: &Value) -> Result<(), StudyError> {
         write_json(&out.join(SCENARIO_FILE), gathered)?;
         Ok(write_json(&out.join(PLAN_FILE), self)?)

@@ -19,12 +19,9 @@ struct Rows {
     rows: Vec<RunRow>,
 }
 
-/// Keeps the rows of this build, and gives them with those that other builds
-/// left of the same programme, double precision first; and what is said of files that are left
-/// out: with rows of another programme, or damaged.
-///
-/// # Errors
-/// When the folder cannot be read or written.
+/// Keeps the rows of this build, and gives them with those that other builds left of the same
+/// programme, double precision first; and what is said of files that are left out: with rows of
+/// another programme, or damaged.
 pub(in crate::study) fn keep_and_read(
     out: &Path,
     programme: &str,

@@ -96,9 +96,6 @@ impl Varied {
     }
 
     /// Every variation in all configurations, one variation after the other.
-    ///
-    /// # Errors
-    /// When grains cannot be made.
     pub(super) fn runs(&self, configurations: u32) -> Result<Vec<PlannedRun>, StudyError> {
         let mut grains = GrainSets::default();
         let mut runs = Vec::new();
@@ -158,9 +155,6 @@ pub fn carry_out_variations(
 
 /// Carries out variations and, whenever more of them are done, makes of all rows so far what they
 /// say together; the last of it.
-///
-/// # Errors
-/// As [`carry_out_variations`], those of what is made of them, and that there is none.
 pub(super) fn conclude_so_far<T>(
     varied: &Varied,
     configurations: u32,
