@@ -2,10 +2,9 @@
 
 /// Samples of a curve about its running mean.
 ///
-/// `samples` are (time in s, value). The mean at a sample is taken over a
-/// window centred on it; samples whose window reaches beyond the curve are
-/// left out, because a one-sided mean would count the trend as a swing.
-/// Returns the root mean square of value minus mean over the samples whose
+/// `samples` are (time in s, value). The mean at a sample is taken over a window centred on it;
+/// samples whose window reaches beyond the curve are left out, because a one-sided mean would count
+/// the trend as a swing. Returns the root mean square of value minus mean over the samples whose
 /// time `select` accepts; `None` where there are none.
 ///
 /// A window of one shaking cycle leaves a steady trend out and keeps what

@@ -1,10 +1,9 @@
 //! What the paper states, with section and figure, and how each statement is
 //! compared with the runs of a study.
 //!
-//! The paper is Izadi & Bezuijen (2014), "Simulation of granular soil
-//! behaviour using the Bullet physics library". Only its text was available to us:
-//! for what stood in its figures alone (sieve curve, laboratory bands of Figures 7
-//! and 10, size of the funnel) we substitute no values.
+//! The paper is Izadi & Bezuijen (2014), "Simulation of granular soil behaviour using the Bullet
+//! physics library". Only its text was available to us: for what stood in its figures alone (sieve
+//! curve, laboratory bands of Figures 7 and 10, size of the funnel) we substitute no values.
 
 pub mod bands;
 #[cfg(test)]

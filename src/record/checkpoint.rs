@@ -1,11 +1,9 @@
-//! Checkpoints: where a stage is at the ends of its segments, on disk until it is
-//! finished.
+//! Checkpoints: where a stage is at the ends of its segments, on disk until it is finished.
 //!
-//! A folder `.segments-<key>` beside the stages holds, while a stage with segments is
-//! run, one file a segment (the last two are kept) and the frames so far.
-//! A checkpoint file has one line with the SHA-256 of all that follows, which is
-//! JSON. It says of which stage it is. One that is damaged, or of another stage,
-//! is passed over for the one before it.
+//! A folder `.segments-<key>` beside the stages holds, while a stage with segments is run, one file
+//! a segment (the last two are kept) and the frames so far. A checkpoint file has one line with the
+//! SHA-256 of all that follows, which is JSON. It says of which stage it is. One that is damaged,
+//! or of another stage, is passed over for the one before it.
 
 use super::*;
 use crate::protocol::Midway;
@@ -91,8 +89,7 @@ pub struct Checkpoints {
 }
 
 impl Checkpoints {
-    /// Those of a stage in a store's folder; none where another program is just
-    /// running that stage.
+    /// Those of a stage in a store's folder; none where another program is just running that stage.
     pub(super) fn open(root: &Path, asked: &AskedStage) -> Result<Option<Self>, FileError> {
         let folder = folder(root, &asked.identity.key);
         let Some(lock) = claim(&folder)? else { return Ok(None) };
@@ -123,9 +120,8 @@ impl Checkpoints {
         FrameWriter::staying(&self.folder.join(FRAMES_FILE), grains, pieces)
     }
 
-    /// The last checkpoint that is sound, of this stage and plausible, with its
-    /// frames where they are wanted; and what is wrong with later ones, which are
-    /// removed.
+    /// The last checkpoint that is sound, of this stage and plausible, with its frames where they
+    /// are wanted; and what is wrong with later ones, which are removed.
     pub fn last(
         &self,
         frames: bool,
@@ -220,8 +216,7 @@ impl Checkpoints {
         Ok(())
     }
 
-    /// Removes them, the stage being finished. What cannot be removed does no
-    /// harm.
+    /// Removes them, the stage being finished. What cannot be removed does no harm.
     pub fn remove(self) {
         clear(&self.folder, self.lock);
     }

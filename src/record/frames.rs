@@ -209,8 +209,7 @@ pub struct FrameWriter {
 }
 
 impl FrameWriter {
-    /// Begins a file for so many grains in a folder; it is removed unless it is
-    /// kept.
+    /// Begins a file for so many grains in a folder; it is removed unless it is kept.
     ///
     /// # Errors
     /// When it cannot be made.
@@ -232,8 +231,7 @@ impl FrameWriter {
         Self::begin(file, Place::Staying(path.to_owned()), grains, pieces).map_err(refused)
     }
 
-    /// Goes on with such a file where a segment had ended; what was written since is
-    /// forgotten.
+    /// Goes on with such a file where a segment had ended; what was written since is forgotten.
     pub(super) fn going_on(path: &Path, so_far: &FramesSoFar) -> Result<Self, FileError> {
         let refused = |e| FileError::new("go on with", path, e);
         let mut file = File::options().read(true).write(true).open(path).map_err(refused)?;

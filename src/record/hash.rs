@@ -40,9 +40,8 @@ pub(super) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|b| format!("{b:02x}")).collect()
 }
 
-/// SHA-256 of a value's JSON. Maps must be ordered (structs and `BTreeMap`
-/// are); numbers are written in their shortest exact form, so equal values
-/// give equal hashes.
+/// SHA-256 of a value's JSON. Maps must be ordered (structs and `BTreeMap` are); numbers are
+/// written in their shortest exact form, so equal values give equal hashes.
 ///
 /// # Panics
 /// When the value has no JSON form; the types hashed here all have one.

@@ -25,8 +25,7 @@ pub(super) fn ask_alone(file: &File) -> Asked {
     }
 }
 
-/// Waits until nobody holds a file, then holds it alone; not where the file
-/// system has no locks.
+/// Waits until nobody holds a file, then holds it alone; not where the file system has no locks.
 pub(super) fn wait_alone(file: &File) {
     undisturbed(|| file.lock());
 }

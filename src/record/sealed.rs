@@ -7,8 +7,7 @@ use serde::de::DeserializeOwned;
 
 use super::*;
 
-/// The field that a file has beside those of its value: SHA-256 of the others as JSON
-/// in one line.
+/// The field that a file has beside those of its value: SHA-256 of the others as JSON in one line.
 const HASH: &str = "content_sha256";
 
 /// What a folder holds beside the value that was put there.

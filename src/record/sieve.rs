@@ -3,10 +3,9 @@
 use super::*;
 use crate::grains::{Gradation, ParticleSizeDistribution, SieveAnalysis};
 
-/// Change of a sieve size, as a fraction of it, up to which a grain counts as
-/// the same. Engines hold shapes in single precision, which rounds a corner by
-/// up to 6e-8 of the grain's size, and the sieve is proven to 1e-9; a chip of
-/// a hundredth of a micrometre off a 10 mm grain is noticed.
+/// Change of a sieve size, as a fraction of it, up to which a grain counts as the same. Engines
+/// hold shapes in single precision, which rounds a corner by up to 6e-8 of the grain's size, and
+/// the sieve is proven to 1e-9; a chip of a hundredth of a micrometre off a 10 mm grain is noticed.
 pub const UNCHANGED: f64 = 1e-6;
 
 /// What soil mechanics reads off a grain size distribution curve.

@@ -14,8 +14,7 @@ pub struct StageRecord {
     /// Which stage it is; none where it was stored before this was recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub identity: Option<StageIdentity>,
-    /// SHA-256 of the `specimen.json` that it began with; none for the first
-    /// stage of a run.
+    /// SHA-256 of the `specimen.json` that it began with; none for the first stage of a run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub began_with_sha256: Option<String>,
     /// Name of the stage as in the scenario.
@@ -30,8 +29,7 @@ pub struct StageRecord {
     pub engine_s: f64,
     /// Findings a reader must know.
     pub warnings: Vec<String>,
-    /// What its checks found; none where the stage was stored before this was
-    /// recorded.
+    /// What its checks found; none where the stage was stored before this was recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub checks: Option<StageChecks>,
     /// Solver residuals, one a sample; empty of an engine that does not say.
@@ -39,10 +37,9 @@ pub struct StageRecord {
     pub solver_residuals: Vec<f64>,
     /// Engine settings as read back.
     pub effective: EffectiveSettings,
-    /// Smallest square opening in mm that each grain passes with the shape that
-    /// the engine held at the end, in the order of the grain set; null for a
-    /// grain that was not there; empty where the engine cannot be asked, or
-    /// the stage was stored before this was recorded.
+    /// Smallest square opening in mm that each grain passes with the shape that the engine held at
+    /// the end, in the order of the grain set; null for a grain that was not there; empty where the
+    /// engine cannot be asked, or the stage was stored before this was recorded.
     #[serde(default)]
     pub sieved_mm: Vec<Option<f64>>,
     /// How a vibration came to rest; none of another stage.
@@ -58,12 +55,10 @@ pub struct StageRecord {
     /// What was observed of a laboratory of pieces, beside the rows of the series.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub laboratory: Vec<LaboratoryRow>,
-    /// Energy at the rows of the series; empty where the stage was stored before this was
-    /// recorded.
+    /// Energy at the rows of the series; empty where the stage was stored before this was recorded.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub energy: Vec<EnergyRow>,
-    /// What the specimen was at the end; none where it was stored before this
-    /// was recorded.
+    /// What the specimen was at the end; none where it was stored before this was recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end: Option<StageEnd>,
     /// SHA-256 of `specimen.json`.
@@ -110,8 +105,7 @@ pub(super) fn read_record(folder: &Path) -> Result<StageRecord, FileError> {
     Ok(record)
 }
 
-/// The same of a stage that must be the one of a key. One of an earlier version
-/// does not say.
+/// The same of a stage that must be the one of a key. One of an earlier version does not say.
 pub(super) fn read_record_of(folder: &Path, key: &str) -> Result<StageRecord, FileError> {
     let record = read_record(folder)?;
     if let Some(identity) = &record.identity {

@@ -52,8 +52,7 @@ impl StageStore {
         Self { frames, ..self }
     }
 
-    /// Where the frames of a stage can be written while it is run; none
-    /// where they are not kept.
+    /// Where the frames of a stage can be written while it is run; none where they are not kept.
     ///
     /// # Errors
     /// When the file cannot be made.
@@ -61,8 +60,7 @@ impl StageStore {
         self.frames.then(|| FrameWriter::new(&self.root, grains, pieces)).transpose()
     }
 
-    /// The checkpoints of a stage that is to be run; none where another
-    /// program is at it just now.
+    /// The checkpoints of a stage that is to be run; none where another program is at it just now.
     ///
     /// # Errors
     /// When their folder cannot be made.
@@ -85,9 +83,8 @@ impl StageStore {
         root.join(key.get(..24).unwrap_or(key))
     }
 
-    /// Reads a stage if it is there whole, unchanged and the one that is asked
-    /// for. Another or a damaged one counts as missing: the second value says
-    /// why, for a warning.
+    /// Reads a stage if it is there whole, unchanged and the one that is asked for. Another or a
+    /// damaged one counts as missing: the second value says why, for a warning.
     pub fn load(&self, asked: &AskedStage) -> (Option<StoredStage>, Option<String>) {
         let folder = self.folder(&asked.identity.key);
         let mut fault = None;
@@ -125,9 +122,8 @@ impl StageStore {
         Ok(stage)
     }
 
-    /// The specimen's state at the end of a stage of a store that is only to be
-    /// read, and the file it stands in. `sha256` is what a manifest noted of that
-    /// file; an empty one was not noted.
+    /// The specimen's state at the end of a stage of a store that is only to be read, and the file
+    /// it stands in. `sha256` is what a manifest noted of that file; an empty one was not noted.
     ///
     /// # Errors
     /// When it is not there, not as it was written, or another stage's.
@@ -159,9 +155,8 @@ impl StageStore {
         Ok((record, state, file))
     }
 
-    /// The frames of a stage of a store that is only to be read, and the file
-    /// they stand in; none where none were kept, or where the file was removed to
-    /// make room: no number depends on it.
+    /// The frames of a stage of a store that is only to be read, and the file they stand in; none
+    /// where none were kept, or where the file was removed to make room: no number depends on it.
     ///
     /// # Errors
     /// When they are not as they were written.
@@ -169,8 +164,7 @@ impl StageStore {
         Self::read_frames_in(root, key, read_frames)
     }
 
-    /// The first of these frames and the last two, without holding the others
-    /// in memory.
+    /// The first of these frames and the last two, without holding the others in memory.
     ///
     /// # Errors
     /// As [`Self::frames_in`].
@@ -198,11 +192,10 @@ impl StageStore {
         Ok(Some((read(&path, &noted)?, path)))
     }
 
-    /// Stores a stage: written into a folder of its own first, then renamed,
-    /// so that it is there whole or not at all. Fills in what stage it is and
-    /// the hashes, and gives back what a reader will find. Where another program
-    /// has stored it meanwhile, that one stays and is given; the second
-    /// value says so if its result is another.
+    /// Stores a stage: written into a folder of its own first, then renamed, so that it is there
+    /// whole or not at all. Fills in what stage it is and the hashes, and gives back what a reader
+    /// will find. Where another program has stored it meanwhile, that one stays and is given; the
+    /// second value says so if its result is another.
     ///
     /// # Errors
     /// When a file cannot be written.

@@ -72,10 +72,9 @@ impl StoredItem {
     }
 }
 
-/// Checks every stage of a store (complete, hashes, its key that of its folder
-/// and of what determined it, the stage before, bodies, finite numbers), every
-/// checkpoint, and lists what is half written. Whether a state can be one of its
-/// laboratory is checked when it is used.
+/// Checks every stage of a store (complete, hashes, its key that of its folder and of what
+/// determined it, the stage before, bodies, finite numbers), every checkpoint, and lists what is
+/// half written. Whether a state can be one of its laboratory is checked when it is used.
 ///
 /// # Errors
 /// When the folder cannot be listed.

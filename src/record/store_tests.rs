@@ -1,5 +1,4 @@
-//! No byte of a stored stage can change and be used, and no stage is taken for
-//! another.
+//! No byte of a stored stage can change and be used, and no stage is taken for another.
 
 use std::sync::{Barrier, mpsc};
 
@@ -366,8 +365,7 @@ fn a_damaged_stage_is_replaced_once() {
     assert_ne!(fs::metadata(&folder).expect("there").ino(), damaged, "law: it was replaced");
 }
 
-/// Law: where many finish the same stage at once, a reader that has seen it once
-/// sees it always.
+/// Law: where many finish the same stage at once, a reader that has seen it once sees it always.
 #[test]
 fn a_reader_never_misses_a_stage_that_many_store_at_once() {
     const WRITERS: usize = 4;

@@ -93,12 +93,11 @@ struct GrainRow {
     roundness: f64,
 }
 
-/// One row a grain: what it is, where it is (centroid, m to mm, orientation of
-/// its principal axes as a unit quaternion) and how fast; the smallest square
-/// opening it passes, as generated and with the shape that the engine held at
-/// the end; and its shape. `sieved`, `shapes`, `sieved_at_end_mm` and `turned`, the angles in rad
-/// by which grains turned in the last stage, are in the order of the grains; what is not known of
-/// a grain is empty.
+/// One row a grain: what it is, where it is (centroid, m to mm, orientation of its principal axes
+/// as a unit quaternion) and how fast; the smallest square opening it passes, as generated and with
+/// the shape that the engine held at the end; and its shape. `sieved`, `shapes`, `sieved_at_end_mm`
+/// and `turned`, the angles in rad by which grains turned in the last stage, are in the order of
+/// the grains; what is not known of a grain is empty.
 ///
 /// # Errors
 /// As [`to_csv`].

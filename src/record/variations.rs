@@ -133,8 +133,7 @@ impl RunRow {
         }
     }
 
-    /// Settlement of the plate after 5 s of vibration, or at the end of a
-    /// shorter one, in mm.
+    /// Settlement of the plate after 5 s of vibration, or at the end of a shorter one, in mm.
     pub fn early_plate_mm(&self) -> Option<f64> {
         self.plate_settlement_after_5_s_mm.or(self.plate_settlement_mm)
     }
@@ -215,8 +214,7 @@ pub struct VariationRow {
     pub overlap_mean_percent: Option<Estimate>,
     /// Its 99th percentile.
     pub overlap_p99_percent: Option<Estimate>,
-    /// Creep in µm/s without its sign: sinking in one run does not make up for
-    /// rising in another.
+    /// Creep in µm/s without its sign: sinking in one run does not make up for rising in another.
     pub creep_um_per_s: Option<Estimate>,
     /// Wall time over simulated time.
     pub wall_s_per_simulated_s: Option<Estimate>,

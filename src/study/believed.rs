@@ -105,8 +105,7 @@ fn stands(stage: &StageSpec, before: &SpecimenState, after: &SpecimenState) -> R
     Err("other pieces of the apparatus stand than its stage leaves".to_owned())
 }
 
-/// Whether it went on from the stage before, for as long as it says, and its
-/// series with it.
+/// Whether it went on from the stage before, for as long as it says, and its series with it.
 fn times(stage: &StageSpec, before: &SpecimenState, stored: &StoredStage) -> Result<(), String> {
     let end = began(stage, before) + stored.record.simulated_s;
     same_time("it ended", stored.state.time, end)?;

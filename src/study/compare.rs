@@ -1,10 +1,9 @@
 //! The same grains and protocol in several engines.
 //!
-//! Every engine runs the whole scenario from the same grains in the
-//! same places. Then the specimen that the first engine made is handed to the
-//! others for what comes after: the vibration where there is one, else the
-//! rest test. So differences of making and differences of carrying on
-//! are told apart.
+//! Every engine runs the whole scenario from the same grains in the same places. Then the specimen
+//! that the first engine made is handed to the others for what comes after: the vibration where
+//! there is one, else the rest test. So differences of making and differences of carrying on are
+//! told apart.
 
 use std::sync::Arc;
 
@@ -19,18 +18,16 @@ use crate::record::create_folder;
 use crate::report::{self, CompareRecord, CompareRun, ComparedQuantity};
 use crate::scenario::{Backend, Scenario, StageSpec};
 
-/// Largest difference of standing height between two engines that is not a
-/// finding, as a fraction of the height: pours of a few hundred grains differ
-/// by up to 4 % from one mixing to the next, of 1456 grains by about 1 %
-/// (both measured), and 5 % is beyond both.
+/// Largest difference of standing height between two engines that is not a finding, as a fraction
+/// of the height: pours of a few hundred grains differ by up to 4 % from one mixing to the next, of
+/// 1456 grains by about 1 % (both measured), and 5 % is beyond both.
 pub const HEIGHT_BAND: f64 = 0.05;
 
 /// The same for the void ratio, which is height over the height of the solids
 /// less one: 5 % of the height are 0.05 (1 + e), 0.1 for e near 0.95.
 pub const VOID_RATIO_BAND: f64 = 0.1;
 
-/// Runs a comparison and writes `compare.json`, `report.html`,
-/// `figures/` and `runs/<name>/`.
+/// Runs a comparison and writes `compare.json`, `report.html`, `figures/` and `runs/<name>/`.
 ///
 /// # Errors
 /// [`StudyError`].

@@ -1,9 +1,8 @@
 //! From runs to the stages they share.
 //!
-//! A run is a chain of stages. Runs that begin alike share their first
-//! stages, so that a plan is a forest: every stage has one parent at most.
-//! A stage is named by the hash of everything that determines it, its
-//! parent's name included.
+//! A run is a chain of stages. Runs that begin alike share their first stages, so that a plan is a
+//! forest: every stage has one parent at most. A stage is named by the hash of everything that
+//! determines it, its parent's name included.
 
 use std::{collections::HashMap, sync::Arc};
 

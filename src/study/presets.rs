@@ -57,8 +57,7 @@ pub fn preset(name: &str, changes: &[Override]) -> Result<Scenario, StudyError> 
     Ok(load_scenario(&folder.path().join(name), changes)?.scenario)
 }
 
-/// Writes the built-in files to a temporary folder, which lasts as long as
-/// what is returned.
+/// Writes the built-in files to a temporary folder, which lasts as long as what is returned.
 fn unpack() -> Result<TempDir, StudyError> {
     let folder = tempfile::tempdir()
         .map_err(|e| FileError::new("create a temporary folder in", &std::env::temp_dir(), e))?;
@@ -72,8 +71,7 @@ fn unpack() -> Result<TempDir, StudyError> {
     Ok(folder)
 }
 
-/// The design of a study: a file that was given, or a built-in one by its path
-/// under `scenarios/`.
+/// The design of a study: a file that was given, or a built-in one by its path under `scenarios/`.
 pub(super) struct DesignFile {
     /// Where to read it.
     pub path: PathBuf,

@@ -111,8 +111,7 @@ impl<'a, F: FnMut(&SeriesRow)> Recorder<'a, F> {
         }
     }
 
-    /// Goes on from what was observed before.
-    /// `specimen` is where it goes on.
+    /// Goes on from what was observed before. `specimen` is where it goes on.
     pub fn go_on(&mut self, observed: Observed, specimen: &Specimen) {
         self.laboratory.go_on(specimen);
         self.observed = observed;

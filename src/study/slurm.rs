@@ -1,9 +1,8 @@
 //! Slurm job arrays for the stages of a sweep.
 //!
-//! Each level of stages becomes one array (or several, where the cluster takes
-//! no larger ones), which begins when that before has ended, whether all of it
-//! went well or not: a stage whose beginning is missing says so and ends, the
-//! others go on. A last job collects the results.
+//! Each level of stages becomes one array (or several, where the cluster takes no larger ones),
+//! which begins when that before has ended, whether all of it went well or not: a stage whose
+//! beginning is missing says so and ends, the others go on. A last job collects the results.
 
 use std::{
     path::{Path, PathBuf},
@@ -147,10 +146,9 @@ fn script_text(
     format!("#!/bin/sh\n{options}#SBATCH --requeue\nexec {command}\n")
 }
 
-/// Where a job's output goes, as sbatch reads it from a script: within quotes,
-/// with a backslash before what would end them, and signs of percentage of the
-/// folder doubled, which else stand for numbers of the job (sbatch(1),
-/// "filename pattern").
+/// Where a job's output goes, as sbatch reads it from a script: within quotes, with a backslash
+/// before what would end them, and signs of percentage of the folder doubled, which else stand for
+/// numbers of the job (sbatch(1), "filename pattern").
 fn log_pattern(logs: &Path, log: &str) -> String {
     let folder = logs.display().to_string().replace('%', "%%");
     format!("\"{}/{log}\"", folder.replace('\\', "\\\\").replace('"', "\\\""))

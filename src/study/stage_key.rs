@@ -15,9 +15,8 @@ use crate::world::BackendInfo;
 /// meaning is ever taken for a new one.
 const FORMAT: u32 = 17;
 
-/// Everything that determines a stage's result. The grains are named by the
-/// parent of the first stage; names, notes and the later stages of the
-/// scenario do not act on it.
+/// Everything that determines a stage's result. The grains are named by the parent of the first
+/// stage; names, notes and the later stages of the scenario do not act on it.
 #[derive(Serialize)]
 pub(super) struct StageKey<'a> {
     #[serde(flatten)]

@@ -121,7 +121,7 @@ pub(super) fn height_unless(height: StandingHeight, reason: Option<&str>) -> Sta
     if reason.is_some() { StandingHeight::withheld() } else { height }
 }
 
-/// The angle of repose of a specimen that on a base, or why it has none; `None` without a base.
+/// The angle of repose of a specimen on a base, or why it has none; `None` without a base.
 pub(super) fn angle_of_repose(
     specimen: &Specimen,
 ) -> Result<Option<Result<AngleOfRepose, NoPile>>, StudyError> {

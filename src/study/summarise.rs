@@ -425,8 +425,7 @@ mod tests {
 
     #[test]
     fn the_first_row_counts_though_the_period_seems_to_begin_a_rounding_later() {
-        // A vibration that began at 2.58333… s was measured from its second
-        // row on, 2.3 mm short.
+        // A vibration that began at 2.58333… s was measured from its second row on, 2.3 mm short.
         let first = 2.583_333_333_333_333_5_f64;
         let start = f64::from_bits(first.to_bits() + 2);
         let rows = [row(first, 178.0), row(first + 0.08, 175.7), row(first + 5.0, 163.0)];

@@ -306,8 +306,7 @@ fn grains_below_the_floor_and_spilled_specimens_are_no_result() {
     assert!(told, "law: and a warning says what is missing: {:?}", spilled.warnings);
 }
 
-/// Runs a run whose engine is given other grains than those of the run,
-/// and sieves them anew.
+/// Runs a run whose engine is given other grains than those of the run, and sieves them anew.
 fn sieved_anew(
     tamper: impl Fn(&mut crate::grains::GrainSet),
     damage: impl Fn(&mut StoredStage),

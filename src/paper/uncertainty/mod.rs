@@ -1,6 +1,5 @@
-//! How sure the study's numbers are: intervals over the configurations, whether
-//! the standing height falls with the falling height, and what the laboratory's
-//! scatter is known to be.
+//! How sure the study's numbers are: intervals over the configurations, whether the standing height
+//! falls with the falling height, and what the laboratory's scatter is known to be.
 
 mod placements;
 #[cfg(test)]
@@ -32,8 +31,7 @@ pub struct Uncertainty {
     pub quantities: Vec<Quantity>,
     /// Whether the standing height falls with the falling height.
     pub trend: Trend,
-    /// The settlements, each with its own creep beside it. The creep is never
-    /// subtracted.
+    /// The settlements, each with its own creep beside it. The creep is never subtracted.
     pub settlements: Vec<SettledRun>,
     /// Scatter of specimens and of placements of the plate, told apart; empty where the plate
     /// was laid once.

@@ -18,11 +18,10 @@ const NEAR: f64 = 0.35;
 impl Search<'_> {
     /// Half the width of the window for the line, and whether it may be wider.
     ///
-    /// So wide that the line's slope is known to a third, by Fieller's
-    /// g = t²s²/(n·Sxx·b²) = 0.1 for three values and n configurations; but
-    /// where the means bend by c·x², not so wide that the line misses the middle
-    /// by more than a tenth of the tolerance: 2/3·c·w² for three values. The
-    /// slope must stand out of a single run's scatter all the same.
+    /// So wide that the line's slope is known to a third, by Fieller's g = t²s²/(n·Sxx·b²) = 0.1
+    /// for three values and n configurations; but where the means bend by c·x², not so wide that
+    /// the line misses the middle by more than a tenth of the tolerance: 2/3·c·w² for three values.
+    /// The slope must stand out of a single run's scatter all the same.
     fn reach(&self, centre: f64) -> (f64, bool) {
         let q = self.question;
         let scatter = self.scatter(&self.kept.usable());
@@ -140,10 +139,9 @@ impl Search<'_> {
         self.question.tolerance.unwrap_or(scatter.max(1e-3 * span.max(0.0)))
     }
 
-    /// Configurations with which a mean is known as well as asked, if what
-    /// scatters belongs to configurations and not to single runs, which is the
-    /// worst. It looks at no more than the scatter, so that a line that came out
-    /// narrow by chance does not end the search.
+    /// Configurations with which a mean is known as well as asked, if what scatters belongs to
+    /// configurations and not to single runs, which is the worst. It looks at no more than the
+    /// scatter, so that a line that came out narrow by chance does not end the search.
     fn configurations_needed(&self) -> u32 {
         let scatter = self.scatter(&self.kept.usable());
         let least = self.question.replicates;
@@ -154,8 +152,7 @@ impl Search<'_> {
         (least..4 * least).find(|n| enough(*n)).unwrap_or(4 * least)
     }
 
-    /// Adds configurations to the window's values until the interval is
-    /// narrow enough.
+    /// Adds configurations to the window's values until the interval is narrow enough.
     fn sharpen(&mut self) -> Going<Ending> {
         let mut doubled = 0;
         let needed = self.configurations_needed();

@@ -1,5 +1,4 @@
-//! Calibration: the value of a field of the scenario at which a result of the
-//! run is as wanted.
+//! Calibration: the value of a field of the scenario at which a result of the run is as wanted.
 
 mod concluded;
 mod kept;

@@ -1,11 +1,10 @@
 //! The search for a value at which a scattering result is as wanted.
 //!
-//! First the whole range is looked at, at a few values. Where the means pass
-//! the wanted result, a root search on the means (`root`) closes in until the mean is
-//! as close as a single run scatters; nearer it would follow chance. Then a
-//! line is fitted to values on either side, far enough apart that the slope
-//! stands out of the scatter and close enough that the line is straight, and
-//! runs are added until the interval is as narrow as asked.
+//! First the whole range is looked at, at a few values. Where the means pass the wanted result, a
+//! root search on the means (`root`) closes in until the mean is as close as a single run scatters;
+//! nearer it would follow chance. Then a line is fitted to values on either side, far enough apart
+//! that the slope stands out of the scatter and close enough that the line is straight, and runs
+//! are added until the interval is as narrow as asked.
 
 use std::ops::Range;
 

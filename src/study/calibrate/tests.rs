@@ -138,9 +138,8 @@ fn coverage(found: &[(f64, (f64, f64))], root: f64, take: Take) -> Result<(), St
         low <= root && root <= high
     });
     let share = inside.count() as f64 / found.len() as f64;
-    // 95 % of 600 is known to ± 1.8 %; the line's own shortcomings (a bend that
-    // is not seen, runs added until an interval is narrow enough) may take as
-    // much again.
+    // 95 % of 600 is known to ± 1.8 %; the line's own shortcomings (a bend that is not seen, runs
+    // added until an interval is narrow enough) may take as much again.
     let (expected, tolerance) = (0.95, 0.04);
     if (share - expected).abs() <= tolerance && found.len() as f64 >= 0.97 * TRIALS as f64 {
         return Ok(());

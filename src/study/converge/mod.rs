@@ -49,10 +49,9 @@ impl ConvergenceStudy {
         Ok(study)
     }
 
-    /// Carries it out and writes `convergence.json`, `convergence.csv`,
-    /// `convergence.md`, `figures/`, the tables of variations and
-    /// `runs/<name>/`. Rows that a build in the other precision left in the
-    /// same folder of the same study are judged along.
+    /// Carries it out and writes `convergence.json`, `convergence.csv`, `convergence.md`,
+    /// `figures/`, the tables of variations and `runs/<name>/`. Rows that a build in the other
+    /// precision left in the same folder of the same study are judged along.
     ///
     /// # Errors
     /// [`StudyError`].

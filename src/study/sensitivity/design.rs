@@ -1,5 +1,4 @@
-//! The design of a sensitivity study: which parameters are varied, one at a
-//! time, and how far.
+//! The design of a sensitivity study: which parameters are varied, one at a time, and how far.
 
 use std::path::Path;
 

@@ -1,5 +1,4 @@
-//! Sensitivity: how far each choice that the paper does not give moves the
-//! results, one at a time.
+//! Sensitivity: how far each choice that the paper does not give moves the results, one at a time.
 
 mod design;
 mod effects;
@@ -40,9 +39,8 @@ impl SensitivityStudy {
         Ok(Self { design, quick: options.quick, configurations })
     }
 
-    /// Carries it out and writes `sensitivity.json`, `sensitivity.csv`,
-    /// `sensitivity.md`, `figures/`, the tables of variations and
-    /// `runs/<name>/`.
+    /// Carries it out and writes `sensitivity.json`, `sensitivity.csv`, `sensitivity.md`,
+    /// `figures/`, the tables of variations and `runs/<name>/`.
     ///
     /// # Errors
     /// [`StudyError`].

@@ -84,8 +84,7 @@ pub(super) fn refuse_planned(
     )))
 }
 
-/// Whether the runs that both have are the same, and they differ in
-/// configurations alone.
+/// Whether the runs that both have are the same, and they differ in configurations alone.
 fn same_runs(there: &SweepPlan, now: &SweepPlan) -> bool {
     let fewer = there.configurations.min(now.configurations);
     let shared = |plan: &SweepPlan| {

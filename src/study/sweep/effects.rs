@@ -15,8 +15,7 @@ use crate::report::{
     MAIN_OUTCOMES, OUTCOMES, SweepEffect, SweepEstimate, SweepFactor, SweepPoint, SweepRun,
 };
 
-/// Confidence of intervals, and of the test that decides how many
-/// configurations are needed.
+/// Confidence of intervals, and of the test that decides how many configurations are needed.
 const CONFIDENCE: f64 = 0.95;
 
 /// With what probability that many show the slope.
@@ -291,8 +290,7 @@ mod tests {
         );
     }
 
-    /// Law: on a plane the slopes of a grid are the plane's, whatever each
-    /// configuration adds.
+    /// Law: on a plane the slopes of a grid are the plane's, whatever each configuration adds.
     #[test]
     fn a_grid_gives_the_slopes_of_a_plane() {
         let over = ["a=1,2,4", "b=10,20"].map(|t| t.parse().expect("a factor"));

@@ -43,8 +43,7 @@ impl Factor {
 impl FromStr for Factor {
     type Err = String;
 
-    /// Reads `path=value,value,...`; commas within brackets, braces and quotes
-    /// do not divide.
+    /// Reads `path=value,value,...`; commas within brackets, braces and quotes do not divide.
     fn from_str(text: &str) -> Result<Self, String> {
         let bad = || format!("`{text}` is not path=value,value as in engine.rate_hz=480,960");
         let (path, list) = text.split_once('=').ok_or_else(bad)?;

@@ -53,8 +53,7 @@ pub struct SweepOptions {
 }
 
 impl SweepOptions {
-    /// The sweep of a sensitivity design: its scenario, and each of its
-    /// parameters by itself.
+    /// The sweep of a sensitivity design: its scenario, and each of its parameters by itself.
     ///
     /// # Errors
     /// [`StudyError::Faults`] with all faults of the design.
@@ -128,8 +127,7 @@ impl SweepStudy {
         Ok(Self { options, gathered, scenario, points, varied })
     }
 
-    /// The plan: every run with its changes, and the name under which its last
-    /// stage is stored.
+    /// The plan: every run with its changes, and the name under which its last stage is stored.
     ///
     /// # Errors
     /// When grains or apparatus of a point cannot be made.
@@ -157,10 +155,9 @@ impl SweepStudy {
         Ok(plan)
     }
 
-    /// Carries it out and writes `plan.json`, `sweep.csv`, `sweep.json`,
-    /// `sweep.md`, `report.html`, `figures/` and `runs/<name>/`; anew after each
-    /// configuration of all points. What is stored in the folder is not done
-    /// again.
+    /// Carries it out and writes `plan.json`, `sweep.csv`, `sweep.json`, `sweep.md`, `report.html`,
+    /// `figures/` and `runs/<name>/`; anew after each configuration of all points. What is stored
+    /// in the folder is not done again.
     ///
     /// # Errors
     /// [`StudyError`]. A run that fails is a row that says why.

@@ -152,8 +152,7 @@ impl SweepPlan {
     /// Reads it from a folder.
     ///
     /// # Errors
-    /// [`StudyError::File`], [`StudyError::Scenario`] for a plan of another
-    /// version.
+    /// [`StudyError::File`], [`StudyError::Scenario`] for a plan of another version.
     pub fn read(out: &Path) -> Result<Self, StudyError> {
         let path = out.join(PLAN_FILE);
         let json: Value = read_json(&path)?;
@@ -170,8 +169,7 @@ impl SweepPlan {
         Ok(plan)
     }
 
-    /// What was asked for, with results in `run.out`, and of the scenario that
-    /// is kept there.
+    /// What was asked for, with results in `run.out`, and of the scenario that is kept there.
     ///
     /// # Errors
     /// [`StudyError::Scenario`] for what cannot be read.

@@ -163,10 +163,9 @@ fn value_in(scenario: &Scenario, path: &str) -> Result<Value, StudyError> {
 /// Values of all ranges at one sample, and what they change.
 type Sample = (Vec<Value>, Vec<Override>);
 
-/// A latin hypercube sample (McKay, Beckman & Conover 1979): each range is cut
-/// into as many equal parts as there are samples, and each part is drawn from
-/// once. The draws come from a stream named after the path, so that another
-/// range does not shift them.
+/// A latin hypercube sample (McKay, Beckman & Conover 1979): each range is cut into as many equal
+/// parts as there are samples, and each part is drawn from once. The draws come from a stream named
+/// after the path, so that another range does not shift them.
 fn latin_hypercube(
     count: usize,
     ranges: &[SampledRange],

@@ -1,9 +1,8 @@
 //! Many variations of one scenario, one table.
 //!
-//! A variation is a name and what it changes in a base scenario. Every
-//! variation is run in the same configurations, so that runs can be
-//! compared pair by pair; stages that variations share are done once, and
-//! what is stored is not done again.
+//! A variation is a name and what it changes in a base scenario. Every variation is run in the same
+//! configurations, so that runs can be compared pair by pair; stages that variations share are done
+//! once, and what is stored is not done again.
 
 mod keep;
 #[cfg(test)]
@@ -60,8 +59,7 @@ pub struct Varied {
 }
 
 impl Varied {
-    /// Loads a scenario, changed by what all variations share, and lays each
-    /// variation over it.
+    /// Loads a scenario, changed by what all variations share, and lays each variation over it.
     ///
     /// # Errors
     /// As [`load_scenario`]: the faults of the base scenario, or else those of all
@@ -135,10 +133,9 @@ pub fn write_variations(out: &Path, runs: &[RunRow]) -> Result<Vec<VariationRow>
     Ok(variations)
 }
 
-/// Runs every variation in configurations 1 to `configurations` of its
-/// scenario and gives one row a run. The first configuration of all comes
-/// first, then the second, so that what there is after an interruption is a
-/// whole table. `so_far` is reported all rows whenever some are added.
+/// Runs every variation in configurations 1 to `configurations` of its scenario and gives one row a
+/// run. The first configuration of all comes first, then the second, so that what there is after an
+/// interruption is a whole table. `so_far` is reported all rows whenever some are added.
 ///
 /// # Errors
 /// When grains cannot be made, files not be written, or everything is stopped.
@@ -240,8 +237,7 @@ pub(super) fn collect_stored(
     Ok(rows)
 }
 
-/// Every variation in its n-th configuration, counted from 0, with the row that
-/// it will complete.
+/// Every variation in its n-th configuration, counted from 0, with the row that it will complete.
 fn planned(
     varied: &Varied,
     number: u32,
