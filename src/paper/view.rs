@@ -136,6 +136,11 @@ fn is_pluviation(run: &RunRecord, configuration: u32, falling_height_mm: f64) ->
         && (run.falling_height_mm - falling_height_mm).abs() < 0.5
 }
 
+/// Standing height of a run in mm: the mean surface.
+pub(super) fn height_mm(run: &RunRecord) -> f64 {
+    run.summary.standing_height_mm.mean_surface
+}
+
 /// Settlement of the plate (or of the surface) over the time since vibration
 /// began: (s, mm), of the rows that have it, through all later stages.
 pub(crate) fn settlement_curve(

@@ -201,9 +201,8 @@ pub fn with_laboratory(
     rows: &[LaboratoryRow],
 ) -> Result<Vec<u8>, csv::Error> {
     let stresses = rows.iter().any(|row| !row.stresses_kpa.is_empty());
-    let own = |row: &LaboratoryRow, k: usize, of: &Own| {
-        let own = of.values(row.pieces.get(k)?.as_ref()?)?;
-        Some(own.to_vec())
+    let own = |row: &LaboratoryRow, k: usize, (_, values): &Own| {
+        Some(values(row.pieces.get(k)?.as_ref()?)?.to_vec())
     };
     let has = |(k, of): &(usize, &Own)| rows.iter().any(|row| own(row, *k, of).is_some());
     let all = OWN.iter().flat_map(|of| (0..names.pieces.len()).map(move |k| (k, of)));
@@ -214,8 +213,8 @@ pub fn with_laboratory(
             columns.extend(["x", "y", "z"].map(|k| format!("{name}{quantity}_{k}_{unit}")));
         }
     }
-    for (k, of) in &owned {
-        columns.extend(of.columns().iter().map(|column| format!("{}_{column}", names.pieces[*k])));
+    for (k, (ends, _)) in &owned {
+        columns.extend(ends.iter().map(|end| format!("{}_{end}", names.pieces[*k])));
     }
     columns.extend(names.openings.iter().map(|name| format!("{name}_passed_g")));
     columns.extend(names.regions.iter().map(|name| format!("{name}_void_ratio")));
@@ -234,7 +233,7 @@ pub fn with_laboratory(
         }
         for (k, of) in &owned {
             let values = row.and_then(|row| own(row, *k, of));
-            cells.extend((0..of.columns().len()).map(|i| values.as_ref().map(|own| own[i])));
+            cells.extend((0..of.0.len()).map(|i| values.as_ref().map(|own| own[i])));
         }
         for k in 0..names.openings.len() {
             cells.push(row.and_then(|row| row.passed_g.get(k).copied()));
@@ -253,34 +252,16 @@ pub fn with_laboratory(
     with_columns(table, &columns, cells)
 }
 
-/// What only some pieces have at some times.
-enum Own {
-    Pressed,
-    Turned,
-    Rotation,
-}
+/// What only some pieces have at some times: how the names of its columns end, and its values.
+type Own = (&'static [&'static str], fn(&PieceRow) -> Option<&[f64]>);
 
-const OWN: [Own; 3] = [Own::Pressed, Own::Turned, Own::Rotation];
-
-impl Own {
-    /// How the names of its columns end.
-    fn columns(&self) -> &'static [&'static str] {
-        match self {
-            Self::Pressed => &["pressed_n", "pressed_kpa"],
-            Self::Turned => &["pressed_n_m", "turned_deg"],
-            Self::Rotation => &["rotation_x_deg", "rotation_y_deg", "rotation_z_deg"],
-        }
-    }
-
-    /// Its values of a piece; none of a piece that has none.
-    fn values<'a>(&self, piece: &'a PieceRow) -> Option<&'a [f64]> {
-        match self {
-            Self::Pressed => piece.pressed.as_ref().map(<[f64; 2]>::as_slice),
-            Self::Turned => piece.turned.as_ref().map(<[f64; 2]>::as_slice),
-            Self::Rotation => piece.rotation_deg.as_ref().map(<[f64; 3]>::as_slice),
-        }
-    }
-}
+static OWN: [Own; 3] = [
+    (&["pressed_n", "pressed_kpa"], |piece| piece.pressed.as_ref().map(<[f64; 2]>::as_slice)),
+    (&["pressed_n_m", "turned_deg"], |piece| piece.turned.as_ref().map(<[f64; 2]>::as_slice)),
+    (&["rotation_x_deg", "rotation_y_deg", "rotation_z_deg"], |piece| {
+        piece.rotation_deg.as_ref().map(<[f64; 3]>::as_slice)
+    }),
+];
 
 /// The components of a stress in a row.
 const STRESSES: [&str; 6] = ["xx", "yy", "zz", "xy", "xz", "yz"];

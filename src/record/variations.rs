@@ -3,7 +3,7 @@
 use super::*;
 use crate::grains::table_csv;
 use crate::measure::Estimate;
-use crate::scenario::{Backend, ContactSolver, Scenario};
+use crate::scenario::Scenario;
 
 /// One run of one variation. What it did not measure, or did not come to
 /// measure because it failed, is `None`.
@@ -88,11 +88,7 @@ impl RunRow {
             group: group.to_owned(),
             configuration: scenario.configuration,
             experiment: experiment(scenario),
-            contact_solver: match (engine.backend, engine.contact_solver) {
-                (Backend::Rapier, _) => "rapier".to_owned(),
-                (Backend::Bullet, ContactSolver::Stock) => "stock".to_owned(),
-                (Backend::Bullet, ContactSolver::Native) => "native".to_owned(),
-            },
+            contact_solver: engine.solver_name().to_owned(),
             backend: info.name,
             precision: info.precision,
             rate_hz: engine.rate_hz,

@@ -130,6 +130,16 @@ impl EngineSettings {
     pub fn is_native(&self) -> bool {
         self.backend == Backend::Bullet && self.contact_solver == ContactSolver::Native
     }
+
+    /// Who finds and solves the contacts, as results name it: a path on Bullet, or the other engine
+    /// itself.
+    pub fn solver_name(&self) -> &'static str {
+        match (self.backend, self.contact_solver) {
+            (Backend::Rapier, _) => "rapier",
+            (Backend::Bullet, ContactSolver::Stock) => "stock",
+            (Backend::Bullet, ContactSolver::Native) => "native",
+        }
+    }
 }
 
 #[cfg(test)]

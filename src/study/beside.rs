@@ -18,11 +18,6 @@ const FOLDER: &str = "beside";
 /// The engine in words: who carries the grains and finds the contacts, and
 /// every setting that is not the default.
 pub(super) fn label(engine: &EngineSettings) -> String {
-    let who = match (engine.backend, engine.contact_solver) {
-        (Backend::Rapier, _) => "rapier",
-        (Backend::Bullet, ContactSolver::Stock) => "stock",
-        (Backend::Bullet, ContactSolver::Native) => "native",
-    };
     let default = EngineSettings {
         backend: engine.backend,
         contact_solver: engine.contact_solver,
@@ -31,7 +26,7 @@ pub(super) fn label(engine: &EngineSettings) -> String {
     let as_json = |e: &EngineSettings| serde_json::to_value(e).unwrap_or(Value::Null);
     let mut changed = Vec::new();
     differences(&as_json(&default), &as_json(engine), "", &mut changed);
-    std::iter::once(who.to_owned()).chain(changed).collect::<Vec<_>>().join(", ")
+    std::iter::once(engine.solver_name().to_owned()).chain(changed).collect::<Vec<_>>().join(", ")
 }
 
 /// Whether stock Bullet finds and solves the contacts, as in the engine of the paper.

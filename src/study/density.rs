@@ -361,7 +361,7 @@ impl Mould {
 
     fn departures(&self, grains: &GrainSet, options: &DensityOptions) -> Vec<String> {
         let across = self.diameter / self.size;
-        let mut told = vec![
+        vec![
             format!(
                 "the mould is {:.0} mm wide, {across:.1} mean grains; {} grains fill it",
                 to_mm(self.diameter),
@@ -371,16 +371,15 @@ impl Mould {
             "grains fall by 13 mm and some more, one by one, not from a spout that is drawn along \
              the surface"
                 .to_owned(),
-        ];
-        told.push(format!(
-            "vibrated for {} s at {} Hz and {} mm under {} kPa, where ASTM D4253 asks for 8 minutes at \
-             60 Hz and 0.33 mm under 13.8 kPa",
-            options.duration_s,
-            options.frequency_hz,
-            options.double_amplitude_mm,
-            options.surcharge_kpa
-        ));
-        told
+            format!(
+                "vibrated for {} s at {} Hz and {} mm under {} kPa, where ASTM D4253 asks for 8 minutes \
+                 at 60 Hz and 0.33 mm under 13.8 kPa",
+                options.duration_s,
+                options.frequency_hz,
+                options.double_amplitude_mm,
+                options.surcharge_kpa
+            ),
+        ]
     }
 }
 

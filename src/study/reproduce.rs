@@ -18,7 +18,10 @@ use super::{
     told::tell_warnings,
 };
 use crate::grains::{GrainSet, ParticleSizeDistribution};
-use crate::paper::{self, Claim, Intermittent, Scorecard, StudyView};
+use crate::paper::{
+    self, Claim, Intermittent, Scorecard, StudyView,
+    constants::{FALLING_HEIGHTS_MM, VIBRATED_FALLING_HEIGHT_MM},
+};
 use crate::picture;
 use crate::record::{RunKind, RunRecord, create_folder, read_json, write_json};
 use crate::report::{self, Column, Figure, MeanSettlement, Picture, ReportInput};
@@ -27,12 +30,6 @@ use crate::scenario::{EngineSettings, GrainsSpec, Override, Scenario, StageSpec}
 use crate::specimen::Specimen;
 use crate::units::{to_cm3, to_g, to_mm};
 use crate::world::EffectiveSettings;
-
-/// Falling heights in mm (paper, section 2: "FH of 0, 5, 10 and 20 cm").
-const FALLING_HEIGHTS_MM: [f64; 4] = [0.0, 50.0, 100.0, 200.0];
-
-/// Falling height in mm of the specimens that are shaken (paper, section 2).
-const SHAKEN_FROM_MM: f64 = 50.0;
 
 /// What to reproduce, and where.
 pub struct ReproduceOptions {
@@ -219,13 +216,14 @@ pub(super) fn programme(
             ("continuous", RunKind::VibrationContinuous, &scenarios.continuous),
             ("intermittent", RunKind::VibrationIntermittent, &scenarios.intermittent),
         ] {
-            add(format!("vibration-{mode}-c{configuration}"), kind, scenario, SHAKEN_FROM_MM);
+            let name = format!("vibration-{mode}-c{configuration}");
+            add(name, kind, scenario, VIBRATED_FALLING_HEIGHT_MM);
         }
         // The placements of a design are all drawn: the programme's own, on the axis, is none of them.
         for number in (1..=placements).filter(|_| placements > 1) {
             let name = format!("vibration-continuous-c{configuration}-placement{number:02}");
             let scenario = placed(&scenarios.continuous, number);
-            add(name, RunKind::VibrationPlacement, &scenario, SHAKEN_FROM_MM);
+            add(name, RunKind::VibrationPlacement, &scenario, VIBRATED_FALLING_HEIGHT_MM);
         }
         if let Some(scenario) = &scenarios.repose {
             // Nothing is poured: the falling height is that of no stage.

@@ -26,7 +26,7 @@ use crate::record::{
 };
 use crate::report::Standard;
 use crate::scale::{self, Scale};
-use crate::scenario::{self, Backend, EngineSettings, Scenario, StageSpec};
+use crate::scenario::{self, Scenario, StageSpec};
 use crate::specimen::Specimen;
 use crate::units::{from_mm, to_cm3, to_g, to_mm};
 
@@ -183,7 +183,7 @@ pub fn summarise(
     let summary = Summary {
         scenario: scenario.name.clone(),
         backend: crate::world::info(scenario.engine.backend),
-        contact_solver: contact_solver(&scenario.engine),
+        contact_solver: scenario.engine.solver_name().to_owned(),
         seed: scenario.seed,
         configuration: scenario.configuration,
         falling_height_mm: scenario.falling_height_mm(),
@@ -314,15 +314,6 @@ fn settlement(
         share_after_5_s: s.share_after_5_s,
         after_each_period: s.after_each_period.into_iter().map(to_mm).collect(),
     }))
-}
-
-/// Who found and solved the contacts: a path on Bullet, or the other engine itself.
-fn contact_solver(engine: &EngineSettings) -> String {
-    let name = match engine.backend {
-        Backend::Bullet => serde_json::to_value(engine.contact_solver),
-        Backend::Rapier => serde_json::to_value(engine.backend),
-    };
-    name.ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 fn rest_test(series: &[SeriesRow]) -> Option<RestTest> {

@@ -4,14 +4,9 @@ use crate::measure::statistics::{least_squares_slope, mean};
 use crate::paper::text::{listed, number};
 use crate::paper::{
     Claim, Interval, Stated, StudyView, claim::Draft, claims::list, constants::FALLING_HEIGHTS_MM,
-    uncertainty::trend,
+    uncertainty::trend, view::height_mm,
 };
 use crate::record::{RunKind, RunRecord};
-
-/// Standing height of a run in mm: the mean surface.
-pub(super) fn height_mm(run: &RunRecord) -> f64 {
-    run.summary.standing_height_mm.mean_surface
-}
 
 pub(super) fn claims(study: &StudyView) -> Vec<Claim> {
     vec![falls(study), monotone(study), slope(study), within_laboratory(study), reproducible(study)]

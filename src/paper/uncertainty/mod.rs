@@ -9,7 +9,7 @@ pub use placements::{PlacementScatter, SpecimenPlacements};
 
 use serde::Serialize;
 
-use super::{Interval, StudyView, bands, text::number};
+use super::{Interval, StudyView, bands, text::number, view::height_mm};
 use crate::measure::{
     inference::{MeanTest, page_test, values_needed},
     statistics::{least_squares_slope, mean},
@@ -248,10 +248,6 @@ const MODES: [(RunKind, &str); 2] = [
     (RunKind::VibrationContinuous, "continuous"),
     (RunKind::VibrationIntermittent, "intermittent"),
 ];
-
-fn height_mm(run: &RunRecord) -> f64 {
-    run.summary.standing_height_mm.mean_surface
-}
 
 fn settled(run: &RunRecord) -> SettledRun {
     let s = &run.summary;

@@ -80,9 +80,9 @@ impl<'a> CalibrationStudy<'a> {
         let scenario = load_scenario(&options.scenario, &options.changes)?.scenario;
         question::known(&options.target)?;
         question::measured(&options.target, &scenario)?;
-        let unknown = question::unknown(&options.unknown, &scenario)?;
+        let whole = question::takes_whole(&options.unknown, &scenario)?;
         let CalibrationRange { low, high } = options.between;
-        if unknown.whole && (low.fract() != 0.0 || high.fract() != 0.0) {
+        if whole && (low.fract() != 0.0 || high.fract() != 0.0) {
             return Err(StudyError::Scenario(format!(
                 "--between {low}..{high}: `{}` takes whole numbers only",
                 options.unknown
@@ -113,7 +113,7 @@ impl<'a> CalibrationStudy<'a> {
             replicates: options.replicates,
             tolerance: options.tolerance,
             most_runs,
-            whole: unknown.whole,
+            whole,
             also: identity.then(|| options.target.wanted().to_radians().tan()),
         };
         let study = Self { options, scenario, question };

@@ -159,18 +159,9 @@ impl FromStr for CalibrationRange {
     }
 }
 
-/// The field of the scenario that is sought, as it stands there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Unknown {
-    /// Whether it takes whole numbers only.
-    pub whole: bool,
-}
-
-/// Looks a field up in a scenario.
-///
-/// # Errors
-/// When there is none, it is no number, or it names samples.
-pub(super) fn unknown(field: &str, scenario: &Scenario) -> Result<Unknown, StudyError> {
+/// Whether the field of the scenario that is sought takes whole numbers only; an error where there
+/// is none, it is no number, or it names samples.
+pub(super) fn takes_whole(field: &str, scenario: &Scenario) -> Result<bool, StudyError> {
     let fault = |why: &str| Err(StudyError::Scenario(format!("--unknown {field}: {why}")));
     if matches!(field, "seed" | "configuration") {
         return fault("it tells samples apart, of which --replicates takes several");
@@ -181,7 +172,7 @@ pub(super) fn unknown(field: &str, scenario: &Scenario) -> Result<Unknown, Study
     let all = serde_json::to_value(scenario)
         .map_err(|e| StudyError::Scenario(format!("the scenario has no JSON form: {e}")))?;
     match place.value_before(&all) {
-        Some(Value::Number(number)) => Ok(Unknown { whole: number.is_u64() || number.is_i64() }),
+        Some(Value::Number(number)) => Ok(number.is_u64() || number.is_i64()),
         Some(other) => fault(&format!("the scenario has no number there but {other}")),
         None => fault("the scenario has no such field"),
     }
@@ -419,8 +410,7 @@ mod tests {
             ("engine.native.iterations", true),
             ("stages[0].falling_height_mm", false),
         ] {
-            let found = unknown(field, &scenario).expect("a number");
-            assert_eq!(found.whole, whole, "{field}");
+            assert_eq!(takes_whole(field, &scenario).expect("a number"), whole, "{field}");
         }
         for (field, words) in [
             ("contact.colour", "no such field"),
@@ -429,7 +419,7 @@ mod tests {
             ("configuration", "samples"),
             ("a..b", "no path"),
         ] {
-            let said = unknown(field, &scenario).expect_err("refused").to_string();
+            let said = takes_whole(field, &scenario).expect_err("refused").to_string();
             assert!(said.contains(words) && said.contains(field), "{field}: {said}");
         }
     }
