@@ -360,15 +360,7 @@ pub(super) mod tests {
     }
 
     fn keep(checkpoints: &Checkpoints, midway: &Midway) {
-        let observed = Observed {
-            rows: Vec::new(),
-            reference: Reference::default(),
-            overlap: OverlapWatch::default(),
-            laboratory: LaboratorySeries::default(),
-            energy: Vec::new(),
-            wall_s: 0.0,
-        };
-        checkpoints.keep(midway, &observed, None).expect("kept");
+        checkpoints.keep(midway, &Observed::default(), None).expect("kept");
     }
 
     /// At how many steps a stage goes on, and what is wrong with its checkpoints.

@@ -400,11 +400,6 @@ mod tests {
         let rows = VariationRow::of(&runs);
         assert_eq!((rows[0].meeting_standard, rows[0].valid), (2, 1), "law: each by itself");
         assert_eq!((rows[0].left_out, rows[0].failed), (2, 1), "law: a failed run is not left out");
-        let text = to_csv(&runs).expect("written");
-        let mut reader = csv::Reader::from_reader(&text[..]);
-        let back: Vec<RunRow> = reader.deserialize().map(|r| r.expect("a row")).collect();
-        let valid: Vec<Option<bool>> = back.iter().map(|r| r.valid).collect();
-        assert_eq!(valid, [Some(true), Some(false), Some(false), None], "law: a column `valid`");
         let mut older = serde_json::to_value(&runs[0]).expect("JSON");
         older.as_object_mut().expect("an object").remove("valid");
         let older: RunRow = serde_json::from_value(older).expect("rows without it are read");
@@ -420,9 +415,10 @@ mod tests {
 
     #[test]
     fn tables_have_one_row_a_run_or_variation_and_as_many_cells_as_names() {
-        let runs = [row("a", 1, Some(160.0)), row("a", 2, None)];
+        let not_valid = RunRow { valid: Some(false), ..row("a", 2, Some(160.0)) };
+        let runs = [row("a", 1, Some(160.0)), not_valid, row("a", 3, None)];
         for (table, rows) in [
-            (to_csv(&runs).expect("written"), 2),
+            (to_csv(&runs).expect("written"), 3),
             (variations_csv(&VariationRow::of(&runs)).expect("written"), 1),
         ] {
             let mut reader = csv::Reader::from_reader(&table[..]);

@@ -52,6 +52,19 @@ fn run(value: f64, configuration: u32, result: Option<f64>) -> CalibrationRun {
     }
 }
 
+/// Runs every value in all of the configurations.
+fn run_all(
+    values: &[f64],
+    configurations: Range<u32>,
+    mut of: impl FnMut(f64, u32) -> Option<f64>,
+) -> Vec<CalibrationRun> {
+    let mut runs = Vec::new();
+    for &value in values {
+        runs.extend(configurations.clone().map(|n| run(value, n + 1, of(value, n + 1))));
+    }
+    runs
+}
+
 fn question(wanted: f64) -> Question {
     Question {
         wanted,
@@ -66,11 +79,7 @@ fn question(wanted: f64) -> Question {
 
 fn found(question: &Question, of: Scattering) -> Answer {
     let mut experiment = |values: &[f64], configurations: Range<u32>| {
-        let of_value = |v: &f64| {
-            let v = *v;
-            configurations.clone().map(move |n| run(v, n + 1, Some(of.at(v, n + 1))))
-        };
-        Ok(values.iter().flat_map(of_value).collect())
+        Ok(run_all(values, configurations, |v, c| Some(of.at(v, c))))
     };
     search(question, &mut experiment).expect("nothing stops it")
 }
@@ -253,13 +262,7 @@ fn runs_that_fail_are_left_out() {
     let root = saturating_root(36.0);
     let with_failures = |fails: &dyn Fn(f64, u32) -> bool| {
         let mut experiment = |values: &[f64], configurations: Range<u32>| {
-            let mut runs = Vec::new();
-            for &v in values {
-                for n in configurations.clone() {
-                    runs.push(run(v, n + 1, (!fails(v, n + 1)).then(|| of.at(v, n + 1))));
-                }
-            }
-            Ok(runs)
+            Ok(run_all(values, configurations, |v, c| (!fails(v, c)).then(|| of.at(v, c))))
         };
         search(&question(36.0), &mut experiment).expect("nothing stops it")
     };
@@ -280,14 +283,10 @@ fn every_value_has_the_same_configurations_and_nothing_is_asked_twice() {
     let of = Scattering { mean: saturating, own: 0.5, single: 0.8, seed: 13 };
     let mut asked: Vec<(u64, u32)> = Vec::new();
     let mut experiment = |values: &[f64], configurations: Range<u32>| {
-        let mut runs = Vec::new();
-        for &v in values {
-            for n in configurations.clone() {
-                asked.push((v.to_bits(), n + 1));
-                runs.push(run(v, n + 1, Some(of.at(v, n + 1))));
-            }
-        }
-        Ok(runs)
+        Ok(run_all(values, configurations, |v, c| {
+            asked.push((v.to_bits(), c));
+            Some(of.at(v, c))
+        }))
     };
     let answer = search(&question(36.0), &mut experiment).expect("found");
     let count = asked.len();
@@ -341,12 +340,7 @@ fn errors_of_the_experiment_end_the_search() {
     let mut left = 12;
     let of = Scattering { mean: saturating, own: 0.3, single: 0.3, seed: 23 };
     let mut experiment = |values: &[f64], configurations: Range<u32>| {
-        let mut runs = Vec::new();
-        for &v in values {
-            for n in configurations.clone() {
-                runs.push(run(v, n + 1, Some(of.at(v, n + 1))));
-            }
-        }
+        let runs = run_all(values, configurations, |v, c| Some(of.at(v, c)));
         left -= values.len();
         // Also from within Brent's method.
         if left < 8 { Err(StudyError::Cancelled) } else { Ok(runs) }
