@@ -1,19 +1,12 @@
 //! Conditions that end stages: by themselves, on a scripted world, and in the
 //! engine.
 
-use std::ops::ControlFlow;
-use std::sync::{Arc, atomic::AtomicBool};
-
 use super::ending::{Condition, Ending, Endings, Rule, Subject};
+use super::testing::*;
 use super::*;
-use crate::geometry::Vector;
-use crate::grains::generate;
-use crate::scenario::{GrainsSpec, Scenario, StageSpec};
-use crate::specimen::SpecimenState;
-use crate::units::{from_mm, to_g};
-use crate::world::{BodyState, World, scripted::ScriptedWorld};
-
-const STEP: f64 = 1.0 / 480.0;
+use crate::scenario::Scenario;
+use crate::units::to_g;
+use crate::world::scripted::ScriptedWorld;
 
 /// Time in s between two looks of conditions by themselves.
 const EVERY: f64 = 10.0 / 480.0;
@@ -25,12 +18,8 @@ fn every() -> f64 {
 }
 
 fn scenario() -> Scenario {
-    serde_json::from_value(serde_json::json!({
-        "name": "test",
-        "grains": {
-            "total_mass_g": 60, "density_kg_per_m3": 2650,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
+    scenario_of(json!({
+        "grains": { "total_mass_g": 60, "density_kg_per_m3": 2650 },
         "contact": { "grain_wall_friction": 0.0 },
         "pieces": [
             { "name": "box", "shape": { "box": { "inner_mm": [50, 50, 140] } } },
@@ -40,34 +29,12 @@ fn scenario() -> Scenario {
         "measures": {
             "openings": [{ "name": "mouth", "at_mm": [0, 0, 80], "diameter_mm": 200 }],
             "groups": [{ "name": "both", "pieces": ["box", "lid"] }]
-        },
-        "stages": []
+        }
     }))
-    .expect("a scenario")
 }
 
 fn specimen() -> Specimen {
-    let GrainsSpec::Sieved(spec) = scenario().grains else { panic!("sieved") };
-    let grains = Arc::new(generate(&spec, 1).expect("grains"));
-    let state = SpecimenState::before_everything(grains.grains.len());
-    Specimen { grains, state }
-}
-
-fn stage(value: serde_json::Value) -> StageSpec {
-    serde_json::from_value(value).expect("a stage")
-}
-
-/// Keeps where a stage could go on.
-#[derive(Default)]
-struct Seams(Vec<Midway>);
-
-impl Observer for Seams {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
-
-    fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
-        self.0.push(midway.clone());
-        ControlFlow::Continue(())
-    }
+    specimen_of(&scenario(), 1)
 }
 
 fn go(
@@ -75,31 +42,30 @@ fn go(
     make: WorldMaker,
     specimen: Specimen,
     midway: Option<Midway>,
-    value: serde_json::Value,
+    value: Value,
 ) -> (StageOutcome, Vec<Midway>) {
-    let setup = Setup::new(scenario).expect("a laboratory");
-    let (mut seams, never) = (Seams::default(), AtomicBool::new(false));
-    let outcome = run(&setup, make, specimen, &stage(value), midway, &mut seams, &never);
+    let mut seams = Seams::default();
+    let outcome = run_stage(scenario, make, specimen, &stage(value), midway, &mut seams);
     (outcome.expect("it runs"), seams.0)
 }
 
 /// On a world whose free bodies sink at a speed in m/s.
-fn sinking(specimen: Specimen, speed: f64, value: serde_json::Value) -> StageOutcome {
-    let make = move |_: &_, _, _: &_| {
+fn sinking(specimen: Specimen, speed: f64, value: Value) -> StageOutcome {
+    let make = scripted_worlds(move || {
         let script = move |_, state: &BodyState, _, dt: f64| {
             let mut next = BodyState::at_rest(state.pose);
             next.linear_velocity.z = -speed;
             next.pose.translation.z -= speed * dt;
             next
         };
-        Ok(Box::new(ScriptedWorld::new(STEP, Box::new(script))) as Box<dyn World + Send>)
-    };
+        ScriptedWorld::new(STEP, Box::new(script))
+    });
     go(&scenario(), &make, specimen, None, value).0
 }
 
 /// Grains at rest above the opening.
 fn laid_out() -> Specimen {
-    let lattice = serde_json::json!({ "stage": "deposit", "how": "lattice", "at_mm": [0, 0, 200],
+    let lattice = json!({ "stage": "deposit", "how": "lattice", "at_mm": [0, 0, 200],
         "area_mm": [50, 50], "time_limit_s": 1 });
     sinking(specimen(), 0.0, lattice).specimen
 }
@@ -159,7 +125,7 @@ fn what_is_steady_changes_little_from_window_to_window() {
 #[test]
 fn a_motion_ends_by_its_way_and_dies_away() {
     let lower = |moved_mm: f64, piece: &str| {
-        serde_json::json!({ "stage": "move", "pieces": ["lid"], "ramp_s": 0.1, "time_limit_s": 2,
+        json!({ "stage": "move", "pieces": ["lid"], "ramp_s": 0.1, "time_limit_s": 2,
             "velocity_mm_per_s": [0, 0, -100], "until": { "piece": piece, "moved_mm": moved_mm } })
     };
     let at = (0.249 / every()).ceil() * every();
@@ -192,7 +158,7 @@ fn a_flow_ends_a_stage_when_the_last_grain_has_passed() {
         before.present().map(|n| before.state.bodies[n].body.pose.translation.z).collect();
     let (speed, looks) = (0.7, (0.21 / every()).round());
     let last = heights.iter().map(|z| ((z - 0.08) / (speed * every())).ceil()).fold(0.0, f64::max);
-    let value = serde_json::json!({ "stage": "remove", "pieces": ["box"], "time_limit_s": 5,
+    let value = json!({ "stage": "remove", "pieces": ["box"], "time_limit_s": 5,
         "until": { "opening": "mouth", "flow_below_g_per_s": 0.1, "window_s": 0.21 } });
     let outcome = sinking(before.clone(), speed, value);
     let found = outcome.until.expect("a condition");
@@ -206,7 +172,7 @@ fn a_flow_ends_a_stage_when_the_last_grain_has_passed() {
     // Over a longer window, in which a good part of the mass passes: the lid is in the way of the
     // others, which this world lets through it.
     let total = to_g(before.grains.total_mass());
-    let value = serde_json::json!({ "stage": "remove", "pieces": ["box"], "time_limit_s": 5,
+    let value = json!({ "stage": "remove", "pieces": ["box"], "time_limit_s": 5,
         "until": { "opening": "mouth", "flow_below_g_per_s": total * 0.1, "window_s": 1.0 } });
     let found = sinking(before, speed, value).until.expect("a condition");
     assert!(found.reached, "law: above a tenth of the mass a second, then below it: {found:?}");
@@ -216,13 +182,13 @@ fn a_flow_ends_a_stage_when_the_last_grain_has_passed() {
 /// named, with what was found of it.
 #[test]
 fn any_of_several_conditions_ends_a_stage_or_all_of_them() {
-    let lower = |until: serde_json::Value| {
-        let value = serde_json::json!({ "stage": "move", "pieces": ["lid"], "ramp_s": 0.1,
+    let lower = |until: Value| {
+        let value = json!({ "stage": "move", "pieces": ["lid"], "ramp_s": 0.1,
             "time_limit_s": 2, "velocity_mm_per_s": [0, 0, -100], "until": until });
         sinking(laid_out(), 0.0, value)
     };
-    let way = |mm: f64| serde_json::json!({ "piece": "lid", "moved_mm": mm });
-    let force = serde_json::json!({ "piece": "both", "direction": [0, 0, 1], "force_n": 1 });
+    let way = |mm: f64| json!({ "piece": "lid", "moved_mm": mm });
+    let force = json!({ "piece": "both", "direction": [0, 0, 1], "force_n": 1 });
     let at = |mm: f64| ((mm / 100.0 + 0.05) / every()).ceil() * every();
     let held = |outcome: &StageOutcome| {
         let found = outcome.until.as_ref().expect("conditions");
@@ -231,8 +197,8 @@ fn any_of_several_conditions_ends_a_stage_or_all_of_them() {
     };
     let expected = |mm: f64| Some((at(mm) * 1e6).round());
     for (until, ends, each) in [
-        (serde_json::json!([way(30.0), force, way(10.0)]), 10.0, vec![false, false, true]),
-        (serde_json::json!({ "all_of": [way(30.0), way(10.0)] }), 30.0, vec![true, true]),
+        (json!([way(30.0), force, way(10.0)]), 10.0, vec![false, false, true]),
+        (json!({ "all_of": [way(30.0), way(10.0)] }), 30.0, vec![true, true]),
     ] {
         let outcome = lower(until);
         assert_eq!(held(&outcome), (expected(ends), each), "law: {:?}", outcome.until);
@@ -245,7 +211,7 @@ fn any_of_several_conditions_ends_a_stage_or_all_of_them() {
         assert!(line.contains("held after") && line.contains("`moved_mm` of `lid` with"), "{line}");
         assert_eq!(found.all_of, each_held(&found), "law: {line}");
     }
-    let outcome = lower(serde_json::json!({ "all_of": [way(30.0), force] }));
+    let outcome = lower(json!({ "all_of": [way(30.0), force] }));
     assert_eq!(held(&outcome), (None, vec![true, false]), "law: {:?}", outcome.until);
     let told = &outcome.warnings[0];
     assert!(
@@ -286,17 +252,17 @@ fn stages_with_a_condition_go_on_from_a_checkpoint_with_the_same_bits() {
     let _turn = crate::world::shared_turn();
     let mut scenario = scenario();
     let make = &crate::world::create;
-    let rain = serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 85], "area_mm": [10, 10],
+    let rain = json!({ "stage": "deposit", "at_mm": [0, 0, 85], "area_mm": [10, 10],
         "rate_g_per_s": 200, "time_limit_s": 4 });
     let mut before = go(&scenario, make, specimen(), None, rain).0.specimen;
     scenario.engine.native.checkpoint_every_s = Some(0.1);
-    let press = serde_json::json!({ "stage": "press", "time_limit_s": 6, "ramp_s": 1,
+    let press = json!({ "stage": "press", "time_limit_s": 6, "ramp_s": 1,
         "loads": [{ "piece": "lid", "stress_kpa": 20 }],
         "until": { "piece": "lid", "direction": [0, 0, 1], "force_n": 12, "window_s": 0.1 } });
-    let shift = serde_json::json!({ "stage": "move", "pieces": ["box"], "ramp_s": 0.3,
+    let shift = json!({ "stage": "move", "pieces": ["box"], "ramp_s": 0.3,
         "velocity_mm_per_s": [0, 0, 20], "time_limit_s": 3, "settle_limit_s": 1,
         "until": { "piece": "lid", "moved_mm": 2 } });
-    let recorded = serde_json::json!({ "stage": "move", "pieces": ["box"], "ramp_s": 0.3,
+    let recorded = json!({ "stage": "move", "pieces": ["box"], "ramp_s": 0.3,
         "motion_rows": [[0, 0, 0, 0], [1, 0, 0, 15], [3, 0, 0, 20]], "settle_limit_s": 1,
         "until": [{ "piece": "box", "direction": [0, 0, -1], "force_n": 1000 },
             { "piece": "lid", "moved_mm": 2 }] });
@@ -308,10 +274,7 @@ fn stages_with_a_condition_go_on_from_a_checkpoint_with_the_same_bits() {
         // The first, and the last two: what moves may be dying away there.
         let late = seams.len() - 2;
         for midway in [0, late, late + 1].map(|n| seams[n].clone()) {
-            let steps = midway.steps;
-            // As a file keeps it.
-            let text = serde_json::to_string(&midway).expect("JSON");
-            let midway: Midway = serde_json::from_str(&text).expect("a checkpoint");
+            let (steps, midway) = (midway.steps, stored(&midway));
             midway.check(before.grains.grains.len()).expect("a sound checkpoint");
             let (got, _) = go(&scenario, make, before.clone(), Some(midway), value.clone());
             assert_eq!(got.steps, whole.steps, "law: the same end from step {steps}");

@@ -1,70 +1,40 @@
 //! Pieces that move freely, and pieces of several parts that are pressed, in the engine.
 
-use std::ops::ControlFlow;
-use std::sync::{Arc, atomic::AtomicBool};
-
+use super::testing::*;
 use super::*;
-use crate::geometry::Vector;
-use crate::grains::generate;
-use crate::scenario::{GrainsSpec, Scenario, StageSpec};
-use crate::specimen::SpecimenState;
+use crate::scenario::Scenario;
 
 /// A box with a steel-like block above its floor, a vane and a few grains that wait.
 fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
-    let mut scenario: Scenario = serde_json::from_value(serde_json::json!({
-        "name": "test",
-        "grains": {
-            "total_mass_g": 60, "density_kg_per_m3": 2650,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
+    let mut scenario = scenario_of(json!({
+        "grains": { "total_mass_g": 60, "density_kg_per_m3": 2650 },
         "pieces": [
             { "name": "box", "shape": { "box": { "inner_mm": [80, 80, 140] } } },
             { "name": "block", "shape": { "plate": { "size_mm": [40, 30, 20] } },
               "at_mm": [3, -2, 70], "rotation_deg": [3, 4, 5] },
             { "name": "vane", "shape": { "vane": { "diameter_mm": 50, "height_mm": 40 } },
               "at_mm": [0, 0, 115] }
-        ],
-        "stages": []
-    }))
-    .expect("a scenario");
+        ]
+    }));
     scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
     scenario
 }
 
 fn before_everything() -> Specimen {
-    let GrainsSpec::Sieved(spec) = scenario(None).grains else { panic!("sieved") };
-    let grains = Arc::new(generate(&spec, 1).expect("grains"));
-    let state = SpecimenState::before_everything(grains.grains.len());
-    Specimen { grains, state }
-}
-
-#[derive(Default)]
-struct Seams(Vec<Midway>);
-
-impl Observer for Seams {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
-
-    fn seam(&mut self, midway: &Midway) -> ControlFlow<()> {
-        self.0.push(midway.clone());
-        ControlFlow::Continue(())
-    }
+    specimen_of(&scenario(None), 1)
 }
 
 fn try_go(
     every: Option<f64>,
     specimen: Specimen,
     midway: Option<Midway>,
-    value: serde_json::Value,
+    value: Value,
 ) -> (Result<StageOutcome, StageError>, Vec<Midway>) {
-    let setup = Setup::new(&scenario(every)).expect("a laboratory");
-    let mut seams = Seams::default();
-    let make = &crate::world::create;
-    let never = AtomicBool::new(false);
-    let stage: StageSpec = serde_json::from_value(value).expect("a stage");
-    (run(&setup, make, specimen, &stage, midway, &mut seams, &never), seams.0)
+    let (scenario, make, mut seams) = (scenario(every), &crate::world::create, Seams::default());
+    (run_stage(&scenario, make, specimen, &stage(value), midway, &mut seams), seams.0)
 }
 
-fn go(specimen: Specimen, value: serde_json::Value) -> StageOutcome {
+fn go(specimen: Specimen, value: Value) -> StageOutcome {
     try_go(None, specimen, None, value).0.expect("it runs")
 }
 
@@ -75,8 +45,8 @@ fn near(what: &str, got: f64, expected: f64, tolerance: f64) {
     );
 }
 
-fn release(names: &[&str], mass_g: f64) -> serde_json::Value {
-    serde_json::json!({ "stage": "release", "pieces": names, "mass_g": mass_g, "time_limit_s": 4 })
+fn release(names: &[&str], mass_g: f64) -> Value {
+    json!({ "stage": "release", "pieces": names, "mass_g": mass_g, "time_limit_s": 4 })
 }
 
 /// Law: a block that is let go falls, comes to rest flat on the floor, which carries its weight;
@@ -116,7 +86,7 @@ fn what_is_let_go_falls_and_is_carried_by_other_pieces() {
     assert!(block.free.is_some(), "law: it stays free");
 
     // Held where it is, it is lifted.
-    let lift = serde_json::json!({ "stage": "move", "pieces": ["block"],
+    let lift = json!({ "stage": "move", "pieces": ["block"],
         "velocity_mm_per_s": [0, 0, 0.001], "duration_s": 0.05 });
     let outcome = go(outcome.specimen, lift);
     let [_, block, vane] = outcome.specimen.state.pieces[..] else { panic!("three pieces") };
@@ -130,13 +100,12 @@ fn what_is_let_go_goes_on_from_a_checkpoint_with_the_same_bits() {
     let every = Some(0.05);
     let begin = before_everything();
     let mut value = release(&["block", "vane"], 300.0);
-    value["until"] = serde_json::json!([{ "piece": "block", "moved_mm": 1000 }]);
+    value["until"] = json!([{ "piece": "block", "moved_mm": 1000 }]);
     let (whole, seams) = try_go(every, begin.clone(), None, value.clone());
     let whole = whole.expect("it runs");
     assert!(seams.len() >= 4, "the check sees segments, {}", seams.len());
     for n in [0, 1, 3, seams.len() - 1] {
-        let text = serde_json::to_string(&seams[n]).expect("JSON");
-        let midway: Midway = serde_json::from_str(&text).expect("a checkpoint");
+        let midway = stored(&seams[n]);
         midway.check(begin.grains.grains.len()).expect("a sound checkpoint");
         assert_eq!(midway.state.pieces, seams[n].state.pieces, "law: a file keeps every bit");
         let (got, _) = try_go(every, begin.clone(), Some(midway), value.clone());
@@ -151,7 +120,7 @@ fn what_is_let_go_goes_on_from_a_checkpoint_with_the_same_bits() {
 #[test]
 fn what_nothing_carries_is_reported() {
     let _turn = crate::world::shared_turn();
-    let away = serde_json::json!({ "stage": "move", "pieces": ["box"], "duration_s": 1,
+    let away = json!({ "stage": "move", "pieces": ["box"], "duration_s": 1,
         "velocity_mm_per_s": [300, 0, 0] });
     let moved = go(before_everything(), away).specimen;
     let (got, _) = try_go(None, moved, None, release(&["block"], 500.0));
@@ -167,7 +136,7 @@ fn what_nothing_carries_is_reported() {
 #[test]
 fn pieces_of_several_parts_are_pressed_as_one() {
     let _turn = crate::world::shared_turn();
-    let turn = serde_json::json!({ "stage": "press", "time_limit_s": 0.5, "ramp_s": 0.001,
+    let turn = json!({ "stage": "press", "time_limit_s": 0.5, "ramp_s": 0.001,
         "approach_mm_per_s": 10000, "loads": [{ "piece": "vane", "moment_n_m": 1e-4,
         "axis": [0, 0, 1] }], "until": [{ "piece": "box", "direction": [0, 0, 1], "force_n": 1e6 },
             { "piece": "vane", "turned_deg": 100 }] });

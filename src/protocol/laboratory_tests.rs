@@ -1,19 +1,12 @@
 //! Laboratories of pieces: on a world that follows a script, and in the engine.
 
-use std::sync::{Arc, atomic::AtomicBool};
-
+use super::testing::*;
 use super::*;
-use crate::geometry::Pose;
-use crate::grains::{GrainSet, generate};
-use crate::scenario::{GrainsSpec, Scenario, StageSpec};
-use crate::specimen::{Fate, SpecimenState};
-use crate::world::{World, scripted::ScriptedWorld};
-
-const STEP: f64 = 1.0 / 480.0;
+use crate::scenario::Scenario;
+use crate::world::scripted::ScriptedWorld;
 
 fn scenario() -> Scenario {
-    serde_json::from_value(serde_json::json!({
-        "name": "test",
+    scenario_of(json!({
         "grains": {
             "total_mass_g": 40, "density_kg_per_m3": 2673.9,
             "sieve_table": [
@@ -24,50 +17,22 @@ fn scenario() -> Scenario {
         "pieces": [
             { "name": "box", "shape": { "box": { "inner_mm": [60, 60, 60] } } },
             { "name": "gate", "shape": { "plate": { "size_mm": [10, 10, 10] } }, "at_mm": [200, 0, 0] }
-        ],
-        "stages": []
+        ]
     }))
-    .expect("a scenario")
-}
-
-fn grains() -> Arc<GrainSet> {
-    let GrainsSpec::Sieved(spec) = scenario().grains else { panic!("sieved") };
-    Arc::new(generate(&spec, 1).expect("grains"))
 }
 
 fn specimen() -> Specimen {
-    let grains = grains();
-    let state = SpecimenState::before_everything(grains.grains.len());
-    Specimen { grains, state }
-}
-
-fn stage(value: serde_json::Value) -> StageSpec {
-    serde_json::from_value(value).expect("a stage")
-}
-
-struct Nobody;
-
-impl Observer for Nobody {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
+    specimen_of(&scenario(), 1)
 }
 
 fn carry_out(specimen: Specimen, stage: &StageSpec) -> Result<StageOutcome, StageError> {
-    let setup = Setup::new(&scenario()).expect("a laboratory");
-    run(
-        &setup,
-        &|_, _, _| Ok(Box::new(ScriptedWorld::still(STEP)) as Box<dyn World + Send>),
-        specimen,
-        stage,
-        None,
-        &mut Nobody,
-        &AtomicBool::new(false),
-    )
+    let make = scripted_worlds(|| ScriptedWorld::still(STEP));
+    run_stage(&scenario(), &make, specimen, stage, None, &mut Unseen)
 }
 
 fn in_engine(specimen: Specimen, stage: &StageSpec) -> StageOutcome {
-    let setup = Setup::new(&scenario()).expect("a laboratory");
     let make = &crate::world::create;
-    run(&setup, make, specimen, stage, None, &mut Nobody, &AtomicBool::new(false)).expect("it runs")
+    run_stage(&scenario(), make, specimen, stage, None, &mut Unseen).expect("it runs")
 }
 
 fn present(specimen: &Specimen) -> Vec<usize> {
@@ -77,7 +42,7 @@ fn present(specimen: &Specimen) -> Vec<usize> {
 #[test]
 fn a_layer_takes_its_own_sieve_fraction_and_the_rest_waits() {
     let lattice = |sizes: [f64; 2]| {
-        stage(serde_json::json!({ "stage": "deposit", "how": "lattice", "at_mm": [0, 0, 100],
+        stage(json!({ "stage": "deposit", "how": "lattice", "at_mm": [0, 0, 100],
             "area_mm": [50, 50], "sizes_mm": sizes, "time_limit_s": 1 }))
     };
     let fine = carry_out(specimen(), &lattice([8.0, 10.0])).expect("a layer").specimen;
@@ -102,7 +67,7 @@ fn a_layer_takes_its_own_sieve_fraction_and_the_rest_waits() {
 
 #[test]
 fn rain_falls_at_its_rate_and_only_as_much_as_is_asked_for() {
-    let rain = stage(serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 100],
+    let rain = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 100],
         "diameter_mm": 10000, "rate_g_per_s": 20, "mass_g": 15, "time_limit_s": 5 }));
     let outcome = carry_out(specimen(), &rain).expect("rain");
     let set = &outcome.specimen.grains;
@@ -122,16 +87,15 @@ fn rain_falls_at_its_rate_and_only_as_much_as_is_asked_for() {
 
 #[test]
 fn pieces_move_as_prescribed_stay_there_and_are_removed() {
-    let turn = stage(serde_json::json!({ "stage": "move", "pieces": ["box"], "travel_deg": 90,
+    let turn = stage(json!({ "stage": "move", "pieces": ["box"], "travel_deg": 90,
         "rotation": { "axis": [0, 0, 2], "about_mm": [100, 0, 0], "deg_per_s": 90 } }));
     let turned = carry_out(specimen(), &turn).expect("it moves");
     assert!((turned.simulated - 1.0).abs() < 1e-9, "law: 90° at 90°/s, {} s", turned.simulated);
     let pieces = &turned.specimen.state.pieces;
-    let at = pieces[0].pose * crate::geometry::Point::origin();
-    assert!((at.coords - crate::geometry::Vector::new(0.1, -0.1, 0.0)).norm() < 1e-12, "{at}");
+    let at = pieces[0].pose * Point::origin();
+    assert!((at.coords - Vector::new(0.1, -0.1, 0.0)).norm() < 1e-12, "{at}");
     assert_eq!(pieces[1].pose, Pose::translation(0.2, 0.0, 0.0), "law: the other one stays");
-    let remove =
-        stage(serde_json::json!({ "stage": "remove", "pieces": ["gate"], "time_limit_s": 1 }));
+    let remove = stage(json!({ "stage": "remove", "pieces": ["gate"], "time_limit_s": 1 }));
     let without = carry_out(turned.specimen, &remove).expect("removed").specimen;
     assert_eq!(without.state.pieces.iter().map(|p| p.present).collect::<Vec<_>>(), [true, false]);
     let again = carry_out(without, &remove).expect_err("law: it is gone");
@@ -140,7 +104,7 @@ fn pieces_move_as_prescribed_stay_there_and_are_removed() {
 
 #[test]
 fn at_rest_the_box_carries_the_weight_of_the_grains() {
-    let rain = stage(serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 90],
+    let rain = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 90],
         "area_mm": [50, 50], "rate_g_per_s": 80 }));
     let poured = in_engine(specimen(), &rain).specimen;
     assert_eq!(present(&poured).len(), poured.grains.grains.len(), "law: nothing gets lost");
@@ -151,9 +115,9 @@ fn at_rest_the_box_carries_the_weight_of_the_grains() {
         (-force.z / weight - 1.0).abs() < 0.01 && force.xy().norm() < 0.01 * weight,
         "law: {weight} N downwards, expected within 1 %, got {force:?}"
     );
-    assert_eq!(rested.state.pieces[1].force_n, crate::geometry::Vector::zeros(), "law: untouched");
+    assert_eq!(rested.state.pieces[1].force_n, Vector::zeros(), "law: untouched");
     // A box in which they are carried up at a constant speed carries the same.
-    let lift = stage(serde_json::json!({ "stage": "move", "pieces": ["box"],
+    let lift = stage(json!({ "stage": "move", "pieces": ["box"],
         "velocity_mm_per_s": [0, 0, 100], "duration_s": 0.8, "ramp_s": 0.1 }));
     let outcome = in_engine(rested, &lift);
     let (lifted, watch) = (outcome.specimen, outcome.watch);
@@ -164,35 +128,20 @@ fn at_rest_the_box_carries_the_weight_of_the_grains() {
     assert!(lost < 0.05 * weight * way, "law: the box gives the energy, {lost} J unexplained");
 }
 
-/// Keeps where a stage could go on.
-struct Seams(Vec<Midway>);
-
-impl Observer for Seams {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
-
-    fn seam(&mut self, midway: &Midway) -> std::ops::ControlFlow<()> {
-        self.0.push(midway.clone());
-        std::ops::ControlFlow::Continue(())
-    }
-}
-
 /// Law: a stage that goes on from a checkpoint ends as one that was never interrupted, grains
 /// that are still to be let go and pieces on their way included.
 #[test]
 fn rain_and_motion_go_on_from_a_checkpoint_with_the_same_bits() {
     let mut scenario = scenario();
     scenario.engine.native.checkpoint_every_s = Some(0.2);
-    let setup = Setup::new(&scenario).expect("a laboratory");
     let go = |specimen: Specimen, stage: &StageSpec, midway: Option<Midway>| {
-        let mut seams = Seams(Vec::new());
-        let stop = AtomicBool::new(false);
-        let outcome =
-            run(&setup, &crate::world::create, specimen, stage, midway, &mut seams, &stop);
+        let (make, mut seams) = (&crate::world::create, Seams::default());
+        let outcome = run_stage(&scenario, make, specimen, stage, midway, &mut seams);
         (outcome.expect("it runs").specimen, seams.0)
     };
-    let rain = stage(serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 90],
+    let rain = stage(json!({ "stage": "deposit", "at_mm": [0, 0, 90],
         "area_mm": [50, 50], "rate_g_per_s": 60 }));
-    let turn = stage(serde_json::json!({ "stage": "move", "pieces": ["box"], "travel_deg": 20,
+    let turn = stage(json!({ "stage": "move", "pieces": ["box"], "travel_deg": 20,
         "rotation": { "axis": [0, 1, 0], "deg_per_s": 30 }, "ramp_s": 0.1, "settle_limit_s": 1 }));
     let mut before = specimen();
     for stage in [&rain, &turn] {

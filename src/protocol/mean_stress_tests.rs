@@ -1,16 +1,14 @@
 //! Mean stress that pressed pieces keep, in the engine.
 
-use std::ops::ControlFlow;
-use std::sync::{Arc, atomic::AtomicBool};
+use std::sync::atomic::AtomicBool;
 
+use super::testing::*;
 use super::*;
-use crate::grains::generate;
-use crate::scenario::{GrainsSpec, Scenario};
+use crate::scenario::Scenario;
 
 /// A smooth box of 50 mm that is open above and to one side; a wall stands there, and a lid above.
 fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
-    let mut scenario: Scenario = serde_json::from_value(serde_json::json!({
-        "name": "test",
+    let mut scenario = scenario_of(json!({
         "grains": {
             "total_mass_g": 65, "density_kg_per_m3": 2650,
             "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
@@ -26,10 +24,8 @@ fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
         ],
         "measures": {
             "regions": [{ "name": "core", "low_mm": [-25, -25, 0], "high_mm": [25, 25, 25] }]
-        },
-        "stages": []
-    }))
-    .expect("a scenario");
+        }
+    }));
     scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
     scenario
 }
@@ -59,41 +55,34 @@ fn go(
     every: Option<f64>,
     specimen: Specimen,
     midway: Option<Midway>,
-    stage: serde_json::Value,
+    value: Value,
 ) -> (Result<StageOutcome, StageError>, Seen) {
     let mut setup = Setup::new(&scenario(every)).expect("a laboratory");
     setup.sample_interval = 0.02;
     let (mut seen, never) = (Seen::default(), AtomicBool::new(false));
-    let stage: StageSpec = serde_json::from_value(stage).expect("a stage");
     let make = &crate::world::create;
-    (run(&setup, make, specimen, &stage, midway, &mut seen, &never), seen)
-}
-
-fn before_everything(seed: u64) -> Specimen {
-    let GrainsSpec::Sieved(spec) = scenario(None).grains else { panic!("sieved") };
-    let grains = Arc::new(generate(&spec, seed).expect("grains"));
-    let state = SpecimenState::before_everything(grains.grains.len());
-    Specimen { grains, state }
+    (run(&setup, make, specimen, &stage(value), midway, &mut seen, &never), seen)
 }
 
 /// Grains between box, wall and lid, which both press by 10 kPa.
 fn pressed(seed: u64) -> Specimen {
-    let rain = serde_json::json!({ "stage": "deposit", "at_mm": [0, 0, 70], "area_mm": [30, 30],
+    let rain = json!({ "stage": "deposit", "at_mm": [0, 0, 70], "area_mm": [30, 30],
         "rate_g_per_s": 300, "time_limit_s": 4 });
-    let press = serde_json::json!({ "stage": "press", "time_limit_s": 4, "approach_mm_per_s": 100, "loads": [
+    let press = json!({ "stage": "press", "time_limit_s": 4, "approach_mm_per_s": 100, "loads": [
         { "piece": "wall", "direction": [-1, 0, 0], "force_n": 15 },
         { "piece": "lid", "direction": [0, 0, -1], "force_n": 25 }] });
-    let filled = go(None, before_everything(seed), None, rain).0.expect("it runs").specimen;
+    let filled =
+        go(None, specimen_of(&scenario(None), seed), None, rain).0.expect("it runs").specimen;
     go(None, filled, None, press).0.expect("it runs").specimen
 }
 
 /// Moves the lid at a speed in mm/s, and keeps the mean stress where a window in s is given.
-fn lid(speed: f64, window_s: Option<f64>) -> serde_json::Value {
-    let mut stage = serde_json::json!({ "stage": "move", "pieces": ["lid"],
+fn lid(speed: f64, window_s: Option<f64>) -> Value {
+    let mut stage = json!({ "stage": "move", "pieces": ["lid"],
         "velocity_mm_per_s": [0, 0, speed], "duration_s": 1.2, "ramp_s": 0.1 });
     if let Some(window_s) = window_s {
         stage["keep_mean_stress"] =
-            serde_json::json!({ "region": "core", "pieces": ["wall"], "window_s": window_s });
+            json!({ "region": "core", "pieces": ["wall"], "window_s": window_s });
     }
     stage
 }
@@ -148,8 +137,7 @@ fn a_mean_stress_is_kept_on_from_a_checkpoint_with_the_same_bits() {
     let whole = whole.expect("it runs").specimen.state;
     assert!(seen.seams.len() > 2, "the check sees segments, {}", seen.seams.len());
     for midway in [&seen.seams[0], &seen.seams[seen.seams.len() - 1]] {
-        let stored = serde_json::to_string(midway).expect("JSON");
-        let read: Midway = serde_json::from_str(&stored).expect("a checkpoint");
+        let read = stored(midway);
         assert!(read.kept_stress.is_some_and(|kept| kept.factor != 1.0), "it is under way");
         let (got, _) = go(Some(0.25), begun.clone(), Some(read), lid(-5.0, Some(0.1)));
         let same = got.expect("it runs").specimen.state == whole;

@@ -36,6 +36,8 @@ mod setup;
 mod stages;
 mod stand;
 #[cfg(test)]
+mod testing;
+#[cfg(test)]
 mod tests;
 mod watch;
 #[cfg(test)]

@@ -1,40 +1,21 @@
 //! Piles, on a world that follows a script.
 
-use std::sync::{Arc, Mutex, atomic::AtomicBool};
-
+use super::testing::*;
 use super::*;
-use crate::geometry::Vector;
-use crate::grains::{GrainSet, generate};
-use crate::scenario::{BaseKind, BaseSpec, GrainsSpec, Scenario, StageSpec};
-use crate::specimen::{Base, Fate, SpecimenState};
-use crate::world::{BodyState, Material, World, scripted::ScriptedWorld};
+use crate::scenario::{BaseKind, BaseSpec, Scenario};
+use crate::specimen::Base;
+use crate::world::scripted::ScriptedWorld;
 
-const STEP: f64 = 1.0 / 480.0;
 const FEED_RATE: f64 = 20.0;
 const DROP: f64 = 0.012;
 const SPOUT: f64 = 0.03;
 
 fn scenario() -> Scenario {
-    serde_json::from_value(serde_json::json!({
-        "name": "test",
-        "grains": {
-            "total_mass_g": 60, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
-        "stages": []
-    }))
-    .expect("a scenario")
-}
-
-fn grains() -> Arc<GrainSet> {
-    let GrainsSpec::Sieved(spec) = scenario().grains else { panic!("sieved") };
-    Arc::new(generate(&spec, 1).expect("grains"))
+    scenario_of(json!({ "grains": { "total_mass_g": 60, "density_kg_per_m3": 2673.9 } }))
 }
 
 fn specimen() -> Specimen {
-    let grains = grains();
-    let state = SpecimenState::before_everything(grains.grains.len());
-    Specimen { grains, state }
+    specimen_of(&scenario(), 1)
 }
 
 fn slow_pluviation(base: BaseSpec, time_limit_s: f64) -> StageSpec {
@@ -56,13 +37,13 @@ fn plane(friction: f64) -> BaseSpec {
 type Observation = (f64, Vec<(usize, Vector)>);
 
 /// Every observation.
-struct Seen(Mutex<Vec<Observation>>);
+struct Seen(Vec<Observation>);
 
-impl Observer for &Seen {
+impl Observer for Seen {
     fn observe(&mut self, specimen: &Specimen, moment: Moment) {
         let at = |i: usize| (i, specimen.state.bodies[i].body.pose.translation.vector);
         let present = specimen.present().map(at).collect();
-        self.0.lock().expect("alone").push((moment.stage_time, present));
+        self.0.push((moment.stage_time, present));
     }
 }
 
@@ -81,19 +62,9 @@ fn build_in_segments(
 ) -> (StageOutcome, Vec<Observation>) {
     let mut scenario = scenario();
     scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
-    let setup = Setup::new(&scenario).expect("a laboratory");
-    let seen = Seen(Mutex::new(Vec::new()));
-    let outcome = run(
-        &setup,
-        &|_, _, _| Ok(Box::new(make()) as Box<dyn World + Send>),
-        specimen(),
-        stage,
-        None,
-        &mut &seen,
-        &AtomicBool::new(false),
-    )
-    .expect("it can be run");
-    (outcome, seen.0.into_inner().expect("alone"))
+    let (make, mut seen) = (scripted_worlds(make), Seen(Vec::new()));
+    let outcome = run_stage(&scenario, &make, specimen(), stage, None, &mut seen);
+    (outcome.expect("it can be run"), seen.0)
 }
 
 /// In a world where nothing falls, each grain counts as the top of the pile
@@ -175,13 +146,13 @@ fn what_leaves_the_base_has_fallen_off_or_has_passed_the_floor() {
 
 fn fixed(seed: u64, configuration: u32) -> Base {
     let spec = BaseSpec { kind: BaseKind::FixedGrains, friction: None };
-    base::build(&spec, 0.1, &grains(), seed, configuration)
+    base::build(&spec, 0.1, &specimen().grains, seed, configuration)
 }
 
 #[test]
 fn fixed_grains_cover_the_base_and_are_sunk_to_half() {
     let base = fixed(1, 1);
-    let set = grains();
+    let set = specimen().grains;
     let pitch =
         set.grains.iter().map(|g| g.equivalent_diameter).sum::<f64>() / set.grains.len() as f64;
     // A triangular lattice has one point in √3/2 pitch².

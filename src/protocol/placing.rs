@@ -80,18 +80,14 @@ fn drawn(setup: &Setup, placement: u32, offset: f64, turn: f64) -> (Vector, f64)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Scenario;
+    use crate::protocol::testing::*;
 
     fn setup(configuration: u32) -> Setup {
-        let scenario: Scenario = serde_json::from_value(serde_json::json!({
-            "name": "test", "configuration": configuration,
-            "grains": {
-                "total_mass_g": 60, "density_kg_per_m3": 2673.9,
-                "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
-            },
-            "stages": []
-        }))
-        .expect("a scenario");
+        let scenario = scenario_of(json!({
+            "configuration": configuration,
+            "grains": { "total_mass_g": 60, "density_kg_per_m3": 2673.9,
+                "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }] }
+        }));
         Setup::new(&scenario).expect("a laboratory")
     }
 

@@ -116,35 +116,22 @@ fn finite(state: &SpecimenState) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
-    use crate::geometry::{Pose, Vector};
-    use crate::grains::generate;
+    use crate::protocol::testing::*;
     use crate::scale::Scale;
-    use crate::scenario::{GrainsSpec, Scenario};
     use crate::specimen::FunnelState;
 
     /// Some grains in the cylinder, on a grid, not touching its walls.
     fn laboratory() -> (Setup, Specimen) {
-        let scenario: Scenario = serde_json::from_value(serde_json::json!({
-            "name": "test",
-            "grains": {
-                "total_mass_g": 20, "density_kg_per_m3": 2673.9,
-                "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-            },
-            "stages": []
-        }))
-        .expect("a scenario");
-        let GrainsSpec::Sieved(spec) = &scenario.grains else { panic!("sieved") };
-        let grains = Arc::new(generate(spec, 1).expect("grains"));
-        let mut state = SpecimenState::before_everything(grains.grains.len());
-        state.cylinder = true;
-        for (n, grain) in state.bodies.iter_mut().enumerate() {
+        let grains = json!({ "total_mass_g": 20, "density_kg_per_m3": 2673.9 });
+        let scenario = scenario_of(json!({ "grains": grains }));
+        let mut specimen = specimen_of(&scenario, 1);
+        specimen.state.cylinder = true;
+        for (n, grain) in specimen.state.bodies.iter_mut().enumerate() {
             let pose = Pose::translation(0.0, 0.0, 0.01 + 0.015 * n as f64);
             grain.body = BodyState::at_rest(pose);
         }
-        (Setup::new(&scenario).expect("a laboratory"), Specimen { grains, state })
+        (Setup::new(&scenario).expect("a laboratory"), specimen)
     }
 
     #[test]

@@ -2,38 +2,24 @@
 
 use std::sync::{Arc, Mutex, atomic::AtomicBool};
 
+use super::testing::*;
 use super::*;
-use crate::geometry::{ConvexPolyhedron, MassProperties, Pose, Vector};
-use crate::grains::{Grain, GrainSet, generate};
+use crate::geometry::{ConvexPolyhedron, MassProperties};
 use crate::scale::Scale;
-use crate::scenario::{BaseKind, BaseSpec, GrainsSpec, Scenario, StageSpec};
-use crate::specimen::SpecimenState;
+use crate::scenario::{BaseKind, BaseSpec, Scenario};
 use crate::world::{
-    self, Body, BodyId, Contact, PairCoefficients, RememberedContact, Snapshot, World,
-    scripted::ScriptedWorld,
+    self, Contact, PairCoefficients, RememberedContact, World, scripted::ScriptedWorld,
 };
 
-const STEP: f64 = 1.0 / 480.0;
-
 fn scenario(checkpoint_every_s: Option<f64>) -> Scenario {
-    let mut scenario: Scenario = serde_json::from_value(serde_json::json!({
-        "name": "test",
-        "grains": {
-            "total_mass_g": 60, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
-        "stages": []
-    }))
-    .expect("a scenario");
+    let grains = json!({ "total_mass_g": 60, "density_kg_per_m3": 2673.9 });
+    let mut scenario = scenario_of(json!({ "grains": grains }));
     scenario.engine.native.checkpoint_every_s = checkpoint_every_s;
     scenario
 }
 
 fn before_everything() -> Specimen {
-    let GrainsSpec::Sieved(spec) = scenario(None).grains else { panic!("sieved") };
-    let grains = Arc::new(generate(&spec, 1).expect("grains"));
-    let state = SpecimenState::before_everything(grains.grains.len());
-    Specimen { grains, state }
+    specimen_of(&scenario(None), 1)
 }
 
 /// One flat block on the floor of the cylinder.
@@ -145,18 +131,8 @@ impl World for Spy {
     }
 }
 
-struct Unseen;
-
-impl Observer for Unseen {
-    fn observe(&mut self, _: &Specimen, _: Moment) {}
-}
-
 /// Makes an empty world.
-type Maker = fn(
-    &crate::scenario::EngineSettings,
-    Vector,
-    &world::PairTable,
-) -> Result<Box<dyn World + Send>, WorldError>;
+type Maker = fn(&EngineSettings, Vector, &PairTable) -> Result<Box<dyn World + Send>, WorldError>;
 
 /// Runs a stage, in segments of a simulated time in s where one is given;
 /// gives its end and what each of its worlds was told and did.

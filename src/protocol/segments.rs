@@ -142,18 +142,14 @@ pub fn segments(setup: &Setup, grains: usize, stage: &StageSpec) -> Option<u64> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::protocol::testing::*;
     use crate::scenario::Scenario;
 
     fn setup(change: impl Fn(&mut Scenario)) -> Setup {
-        let mut scenario: Scenario = serde_json::from_value(serde_json::json!({
-            "name": "test",
-            "grains": {
-                "total_mass_g": 60, "density_kg_per_m3": 2673.9,
-                "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }]
-            },
-            "stages": []
-        }))
-        .expect("a scenario");
+        let mut scenario = scenario_of(json!({
+            "grains": { "total_mass_g": 60, "density_kg_per_m3": 2673.9,
+                "sieve_table": [{ "passing_mm": 10, "retained_mm": 8, "mass_percent": 100 }] }
+        }));
         change(&mut scenario);
         Setup::new(&scenario).expect("a laboratory")
     }

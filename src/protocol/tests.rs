@@ -1,44 +1,26 @@
 //! The stages, on a world that follows a script.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicBool, Ordering},
-};
+use std::sync::atomic::AtomicBool;
 
+use super::testing::*;
 use super::*;
-use crate::geometry::{Pose, Vector};
-use crate::grains::{GrainSet, generate};
-use crate::scenario::{GrainsSpec, Scenario, StageSpec};
-use crate::specimen::{Fate, FunnelState, SpecimenState};
-use crate::world::{BodyState, World, scripted::ScriptedWorld};
+use crate::scenario::Scenario;
+use crate::specimen::FunnelState;
+use crate::world::scripted::ScriptedWorld;
 
 fn scenario() -> Scenario {
-    serde_json::from_value(serde_json::json!({
-        "name": "test",
-        "grains": {
-            "total_mass_g": 30, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
-        "stages": []
-    }))
-    .expect("a scenario")
-}
-
-fn grains() -> Arc<GrainSet> {
-    let GrainsSpec::Sieved(spec) = scenario().grains else { panic!("sieved") };
-    Arc::new(generate(&spec, 1).expect("grains"))
+    scenario_of(json!({ "grains": { "total_mass_g": 30, "density_kg_per_m3": 2673.9 } }))
 }
 
 /// Grains at the given heights above the middle of the cylinder.
 fn poured(heights: &[f64]) -> Specimen {
-    let grains = grains();
-    let mut state = SpecimenState::before_everything(grains.grains.len());
-    state.cylinder = true;
-    for (i, grain) in state.bodies.iter_mut().enumerate() {
+    let mut specimen = specimen_of(&scenario(), 1);
+    specimen.state.cylinder = true;
+    for (i, grain) in specimen.state.bodies.iter_mut().enumerate() {
         let height = heights.get(i).copied().unwrap_or(0.05);
         grain.body.pose = Pose::translation(0.0, 0.0, height);
     }
-    Specimen { grains, state }
+    specimen
 }
 
 struct Times(Vec<f64>);
@@ -56,21 +38,9 @@ fn carry_out(
     specimen: Specimen,
     stage: &StageSpec,
 ) -> (Result<StageOutcome, StageError>, Vec<f64>) {
-    let setup = Setup::new(&scenario()).expect("a laboratory");
-    let mut times = Times(Vec::new());
-    let outcome = run(
-        &setup,
-        &|_, _, _| Ok(Box::new(make()) as Box<dyn World + Send>),
-        specimen,
-        stage,
-        None,
-        &mut times,
-        &AtomicBool::new(false),
-    );
-    (outcome, times.0)
+    let (scenario, make, mut times) = (scenario(), scripted_worlds(make), Times(Vec::new()));
+    (run_stage(&scenario, &make, specimen, stage, None, &mut times), times.0)
 }
-
-const STEP: f64 = 1.0 / 480.0;
 
 fn still() -> Maker {
     Box::new(|| ScriptedWorld::still(STEP))
@@ -81,15 +51,14 @@ fn rest(duration_s: f64) -> StageSpec {
 }
 
 fn vibrate(periods: u32, rest_s: f64) -> StageSpec {
-    serde_json::from_value(serde_json::json!({
+    stage(json!({
         "stage": "vibrate", "frequency_hz": 3, "amplitude_mm": 25, "duration_s": 1,
         "periods": periods, "rest_s": rest_s
     }))
-    .expect("a vibration")
 }
 
 fn place() -> StageSpec {
-    serde_json::from_str(r#"{"stage": "place_top_plate", "time_limit_s": 1}"#).expect("a stage")
+    stage(json!({ "stage": "place_top_plate", "time_limit_s": 1 }))
 }
 
 #[test]
@@ -140,26 +109,17 @@ fn a_settled_specimen_ends_its_stage_early_and_a_restless_one_does_not() {
 
 #[test]
 fn the_table_is_driven_to_the_exact_sinusoid_at_the_end_of_each_step() {
-    let setup = Setup::new(&scenario()).expect("a laboratory");
-    let stage = vibrate(2, 0.5);
-    let motion = stage.motion().expect("it vibrates");
-    let seen = std::sync::Mutex::new(Vec::new());
-    struct X<'a>(&'a std::sync::Mutex<Vec<(f64, f64)>>);
-    impl Observer for X<'_> {
+    struct X(Vec<(f64, f64)>);
+    impl Observer for X {
         fn observe(&mut self, specimen: &Specimen, moment: Moment) {
-            self.0.lock().expect("alone").push((moment.stage_time, specimen.state.table_x));
+            self.0.push((moment.stage_time, specimen.state.table_x));
         }
     }
-    let outcome = run(
-        &setup,
-        &|_, _, _| Ok(Box::new(ScriptedWorld::still(STEP)) as Box<dyn World + Send>),
-        poured(&[]),
-        &stage,
-        None,
-        &mut X(&seen),
-        &AtomicBool::new(false),
-    )
-    .expect("vibrates");
+    let stage = vibrate(2, 0.5);
+    let motion = stage.motion().expect("it vibrates");
+    let (make, mut seen) = (scripted_worlds(still()), X(Vec::new()));
+    let outcome = run_stage(&scenario(), &make, poured(&[]), &stage, None, &mut seen);
+    let outcome = outcome.expect("vibrates");
     let settling = outcome.settling.expect("it settles");
     assert!(
         settling.settled && settling.limit_s == 2.0,
@@ -169,12 +129,9 @@ fn the_table_is_driven_to_the_exact_sinusoid_at_the_end_of_each_step() {
     let shaken = outcome.simulated - settling.time_s;
     assert!((shaken - 2.5).abs() < 1e-9, "two periods of 1 s and a rest of 0.5 s");
     assert!(outcome.specimen.state.table_x.abs() < 1e-12, "ends where it began");
-    let seen = seen.into_inner().expect("alone");
-    assert!(
-        seen.iter().any(|(time, _)| (time - 2.5).abs() < 1e-9),
-        "law: the end of shaking is seen"
-    );
-    for (time, x) in seen {
+    let end = seen.0.iter().any(|(time, _)| (time - 2.5).abs() < 1e-9);
+    assert!(end, "law: the end of shaking is seen");
+    for (time, x) in seen.0 {
         let expected = motion.displacement(time).x;
         assert!(
             (x - expected).abs() < 1e-15,
@@ -255,17 +212,8 @@ fn an_unphysical_world_ends_the_stage_and_keeps_the_last_good_specimen() {
 #[test]
 fn a_request_to_stop_is_heard() {
     let setup = Setup::new(&scenario()).expect("a laboratory");
-    let cancel = AtomicBool::new(false);
-    cancel.store(true, Ordering::Relaxed);
-    let outcome = run(
-        &setup,
-        &|_, _, _| Ok(Box::new(ScriptedWorld::still(STEP)) as Box<dyn World + Send>),
-        poured(&[]),
-        &rest(100.0),
-        None,
-        &mut Times(Vec::new()),
-        &cancel,
-    );
+    let (make, cancel) = (scripted_worlds(still()), AtomicBool::new(true));
+    let outcome = run(&setup, &make, poured(&[]), &rest(100.0), None, &mut Unseen, &cancel);
     assert!(matches!(outcome, Err(StageError::Cancelled)));
 }
 

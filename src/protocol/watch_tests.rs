@@ -1,23 +1,11 @@
 //! Unexplained energy gains and impossible speeds are found; what falls, lies or is
 //! shaken is not taken for them.
 
-use std::sync::{Arc, atomic::AtomicBool};
-
-use super::{
-    Moment, Observer, Setup, StageError, StageOutcome, run,
-    watch::{Finding, Moving, Tally, Watch, steps_a_look},
-};
-use crate::geometry::{Pose, Vector};
-use crate::grains::{GrainSet, generate};
-use crate::scenario::{GrainsSpec, Scenario, StageSpec};
-use crate::specimen::{Specimen, SpecimenState};
-use crate::world::{
-    Body, BodyId, BodyState, Contact, EffectiveSettings, PairCoefficients, Snapshot, World,
-    WorldError, scripted::ScriptedWorld,
-};
+use super::testing::*;
+use super::*;
+use crate::world::scripted::ScriptedWorld;
 
 const GRAVITY: f64 = 9.81;
-const STEP: f64 = 1.0 / 480.0;
 
 fn moving(z: f64, speed: f64) -> BodyState {
     BodyState {
@@ -126,26 +114,6 @@ fn a_fast_table_is_looked_at_sixteen_times_a_cycle() {
     }
 }
 
-fn specimen() -> (Setup, Specimen) {
-    let scenario: Scenario = serde_json::from_value(serde_json::json!({
-        "name": "test",
-        "grains": {
-            "total_mass_g": 30, "density_kg_per_m3": 2673.9,
-            "sieve_table": [{ "passing_mm": 12.5, "retained_mm": 10, "mass_percent": 100 }]
-        },
-        "stages": []
-    }))
-    .expect("a scenario");
-    let GrainsSpec::Sieved(spec) = &scenario.grains else { panic!("sieved") };
-    let grains: Arc<GrainSet> = Arc::new(generate(spec, 1).expect("grains"));
-    let mut state = SpecimenState::before_everything(grains.grains.len());
-    state.cylinder = true;
-    for grain in &mut state.bodies {
-        grain.body.pose = Pose::translation(0.0, 0.0, 0.05);
-    }
-    (Setup::new(&scenario).expect("a laboratory"), Specimen { grains, state })
-}
-
 #[derive(Default)]
 struct Heard(Vec<String>);
 
@@ -157,21 +125,22 @@ impl Observer for Heard {
     }
 }
 
-fn rest(
-    make: &(dyn Fn() -> Box<dyn World + Send> + Sync),
-) -> (Result<StageOutcome, StageError>, Heard) {
-    let (setup, specimen) = specimen();
-    let mut heard = Heard::default();
+fn rest(make: impl Fn() -> ScriptedWorld + Sync) -> (Result<StageOutcome, StageError>, Heard) {
+    let grains = json!({ "total_mass_g": 30, "density_kg_per_m3": 2673.9 });
+    let scenario = scenario_of(json!({ "grains": grains }));
+    let mut specimen = specimen_of(&scenario, 1);
+    specimen.state.cylinder = true;
+    for grain in &mut specimen.state.bodies {
+        grain.body.pose = Pose::translation(0.0, 0.0, 0.05);
+    }
+    let (make, mut heard) = (scripted_worlds(make), Heard::default());
     let stage = StageSpec::Rest { duration_s: 1.0 };
-    let cancel = AtomicBool::new(false);
-    let outcome = run(&setup, &|_, _, _| Ok(make()), specimen, &stage, None, &mut heard, &cancel);
+    let outcome = run_stage(&scenario, &make, specimen, &stage, None, &mut heard);
     (outcome, heard)
 }
 
 fn scripted(script: fn(&BodyState) -> BodyState) -> (Result<StageOutcome, StageError>, Heard) {
-    rest(&move || -> Box<dyn World + Send> {
-        Box::new(ScriptedWorld::new(STEP, Box::new(move |_, s, _, _| script(s))))
-    })
+    rest(move || ScriptedWorld::new(STEP, Box::new(move |_, s, _, _| script(s))))
 }
 
 #[test]
@@ -200,54 +169,14 @@ fn a_stage_of_which_nothing_is_to_be_told_says_how_often_it_was_looked_at() {
     assert!(heard.0.is_empty(), "{:?}", heard.0);
 }
 
-/// A world that forgets a body after some steps.
-struct Forgetful {
-    inner: ScriptedWorld,
-    steps: u64,
-}
-
-impl World for Forgetful {
-    fn add(&mut self, body: &Body) -> Result<BodyId, WorldError> {
-        self.inner.add(body)
-    }
-    fn remove(&mut self, id: BodyId) -> Result<(), WorldError> {
-        self.inner.remove(id)
-    }
-    fn drive(&mut self, id: BodyId, pose: &Pose) -> Result<(), WorldError> {
-        self.inner.drive(id, pose)
-    }
-    fn step(&mut self) -> Result<(), WorldError> {
-        self.steps += 1;
-        self.inner.step()
-    }
-    fn time_step(&self) -> f64 {
-        self.inner.time_step()
-    }
-    fn read(&self, into: &mut Snapshot) {
-        self.inner.read(into);
-        if self.steps > 100
-            && let Some(last) = into.last_mut()
-        {
-            *last = None;
-        }
-    }
-    fn contacts(&self, into: &mut Vec<Contact>) {
-        self.inner.contacts(into);
-    }
-    fn pair_coefficients(&self, a: BodyId, b: BodyId) -> Result<PairCoefficients, WorldError> {
-        self.inner.pair_coefficients(a, b)
-    }
-    fn effective(&self) -> EffectiveSettings {
-        self.inner.effective()
-    }
-}
-
 #[test]
 fn a_grain_that_the_engine_loses_ends_the_stage() {
-    let make = || -> Box<dyn World + Send> {
-        Box::new(Forgetful { inner: ScriptedWorld::still(STEP), steps: 0 })
+    let forgetful = || {
+        let mut world = ScriptedWorld::still(STEP);
+        world.forgets_after = 100;
+        world
     };
-    let (outcome, _) = rest(&make);
+    let (outcome, _) = rest(forgetful);
     let error = outcome.expect_err("law: no grain is lost in silence").to_string();
     assert!(error.contains("no longer in the engine"), "{error}");
 }

@@ -120,23 +120,19 @@ impl Whereabouts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::{GrainsSpec, Scenario};
+    use crate::protocol::testing::*;
 
+    /// One grain between cylinder and funnel.
     fn laboratory() -> Whereabouts {
-        let scenario: Scenario = serde_json::from_value(serde_json::json!({
-            "name": "one grain between cylinder and funnel",
+        let scenario = scenario_of(json!({
             "grains": { "total_mass_g": 2, "density_kg_per_m3": 2673.9, "sieve_table":
-                [{ "passing_mm": 16, "retained_mm": 8, "mass_percent": 100 }] },
-            "stages": []
-        }))
-        .expect("a scenario");
+                [{ "passing_mm": 16, "retained_mm": 8, "mass_percent": 100 }] }
+        }));
         let setup = Setup::new(&scenario).expect("a laboratory");
-        let GrainsSpec::Sieved(spec) = &scenario.grains else { panic!("sieved") };
-        let grains = crate::grains::generate(spec, 1).expect("grains");
-        let mut state = SpecimenState::before_everything(grains.grains.len());
-        state.cylinder = true;
+        let mut specimen = specimen_of(&scenario, 1);
+        specimen.state.cylinder = true;
         let funnel = Funnel::new(&setup.funnel, 0.25, 0.0).expect("funnel");
-        Whereabouts::of(&setup, &Specimen { grains: grains.into(), state }, Some(&funnel))
+        Whereabouts::of(&setup, &specimen, Some(&funnel))
     }
 
     fn walk(path: &[[f64; 3]]) -> Vec<Fate> {

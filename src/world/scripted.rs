@@ -23,6 +23,8 @@ pub struct ScriptedWorld {
     pub driven: Vec<(BodyId, Pose)>,
     /// Bodies removed, in order.
     pub removed: Vec<BodyId>,
+    /// Number of steps after which the last body is no longer read.
+    pub forgets_after: u64,
 }
 
 impl ScriptedWorld {
@@ -36,6 +38,7 @@ impl ScriptedWorld {
             script,
             driven: Vec::new(),
             removed: Vec::new(),
+            forgets_after: u64::MAX,
         }
     }
 
@@ -105,6 +108,11 @@ impl World for ScriptedWorld {
     fn read(&self, into: &mut Snapshot) {
         into.clear();
         into.extend(self.bodies.iter().map(|slot| slot.as_ref().map(|(_, state)| *state)));
+        if self.steps > self.forgets_after
+            && let Some(last) = into.last_mut()
+        {
+            *last = None;
+        }
     }
 
     fn contacts(&self, into: &mut Vec<Contact>) {
