@@ -4,12 +4,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{Matrix3, Translation3, UnitQuaternion};
 
-use super::walls::{half_width, piece, polygon, ring};
+use super::walls::{half_width, piece, polygon, ring, unbuilt};
 use super::{ApparatusError, Piece};
 use crate::geometry::{ConvexPolyhedron, MassProperties, Point, PolyhedronError, Pose, Vector};
 use crate::scenario::{
     BoxSide, BoxSpec, CylinderPieceSpec, DiscSpec, DrumSpec, HopperSpec, MeshPart, PieceSpec,
-    ShapeSpec, VaneSpec,
+    ShapeSpec, VaneSpec, WedgeSpec,
 };
 use crate::units::{from_deg, from_mm};
 
@@ -36,10 +36,7 @@ impl RigidPiece {
     /// # Errors
     /// When it has no shape, or one that its dimensions make impossible.
     pub fn new(spec: &PieceSpec) -> Result<Self, ApparatusError> {
-        let parts = parts_of(&spec.shape).map_err(|reason| ApparatusError {
-            part: "piece of the laboratory",
-            reason: reason.into(),
-        })?;
+        let parts = parts_of(&spec.shape).map_err(unbuilt("piece of the laboratory"))?;
         let [x, y, z] = spec.rotation_deg.map(from_deg);
         let turn = UnitQuaternion::from_euler_angles(x, y, z);
         let at = Pose::from_parts(Translation3::from(spec.at_mm.map(from_mm)), turn);
@@ -118,34 +115,20 @@ impl RigidPiece {
 }
 
 fn parts_of(shape: &ShapeSpec) -> Parts {
-    if let Some(spec) = &shape.r#box {
-        return walls_of_box(spec);
-    }
-    if let Some(spec) = &shape.cylinder {
-        return cylinder(spec);
-    }
-    if let Some(spec) = &shape.plate {
-        return Ok(vec![piece(ConvexPolyhedron::cuboid(Vector::from(spec.size_mm.map(from_mm)))?)]);
-    }
-    if let Some(spec) = &shape.disc {
-        return disc(spec);
-    }
-    if let Some(spec) = &shape.hopper {
-        return hopper(spec);
-    }
-    if let Some(spec) = &shape.wedge {
-        let [x, y, z] = spec.size_mm.map(from_mm);
-        return Ok(vec![piece(wedge(x, y, z)?)]);
-    }
-    if let Some(mesh) = &shape.mesh {
-        return mesh.parts().iter().map(of_mesh).collect();
-    }
-    if let Some(spec) = &shape.vane {
-        return vane(spec);
-    }
-    match &shape.drum {
-        Some(spec) => drum(spec),
-        None => Err(PolyhedronError::TooSmall { vertices: 0, faces: 0 }),
+    match shape {
+        ShapeSpec { r#box: Some(spec), .. } => walls_of_box(spec),
+        ShapeSpec { cylinder: Some(spec), .. } => cylinder(spec),
+        ShapeSpec { plate: Some(spec), .. } => {
+            let cuboid = ConvexPolyhedron::cuboid(Vector::from(spec.size_mm.map(from_mm)))?;
+            Ok(vec![piece(cuboid)])
+        }
+        ShapeSpec { disc: Some(spec), .. } => disc(spec),
+        ShapeSpec { hopper: Some(spec), .. } => hopper(spec),
+        ShapeSpec { wedge: Some(spec), .. } => wedge(spec),
+        ShapeSpec { mesh: Some(spec), .. } => spec.parts().iter().map(of_mesh).collect(),
+        ShapeSpec { vane: Some(spec), .. } => vane(spec),
+        ShapeSpec { drum: Some(spec), .. } => drum(spec),
+        _ => Err(PolyhedronError::TooSmall { vertices: 0, faces: 0 }),
     }
 }
 
@@ -224,12 +207,14 @@ fn hopper(spec: &HopperSpec) -> Parts {
 }
 
 /// A triangle in x and z, with its right angle at high x, drawn along y.
-fn wedge(length: f64, width: f64, height: f64) -> Result<ConvexPolyhedron, PolyhedronError> {
+fn wedge(spec: &WedgeSpec) -> Parts {
+    let [length, width, height] = spec.size_mm.map(from_mm);
     let (x, y) = (length / 2.0, width / 2.0);
     let triangle =
         |y: f64| [Point::new(-x, y, 0.0), Point::new(x, y, height), Point::new(x, y, 0.0)];
     // Counter-clockwise seen from high y.
-    ConvexPolyhedron::frustum(triangle(-y).to_vec(), triangle(y).to_vec())
+    let solid = ConvexPolyhedron::frustum(triangle(-y).to_vec(), triangle(y).to_vec())?;
+    Ok(vec![piece(solid)])
 }
 
 fn drum(spec: &DrumSpec) -> Parts {

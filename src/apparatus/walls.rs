@@ -73,7 +73,12 @@ pub(super) fn ring(
 pub fn round_floor(radius: f64, thickness: f64) -> Result<Piece, ApparatusError> {
     ConvexPolyhedron::prism(&polygon(radius, FLOOR_SIDES), -thickness, 0.0)
         .map(piece)
-        .map_err(|reason| ApparatusError { part: "base", reason: reason.into() })
+        .map_err(unbuilt("base"))
+}
+
+/// Says of a part that its dimensions make no convex solid.
+pub(super) fn unbuilt(part: &'static str) -> impl Fn(PolyhedronError) -> ApparatusError {
+    move |reason| ApparatusError { part, reason: reason.into() }
 }
 
 /// Sides of a round floor: those of the paper's cylinder here.
@@ -98,16 +103,13 @@ impl Cylinder {
     pub fn new(spec: &CylinderSpec) -> Result<Self, ApparatusError> {
         let (radius, height) = (from_mm(spec.inner_diameter_mm) / 2.0, from_mm(spec.height_mm));
         let thickness = from_mm(spec.wall_thickness_mm);
-        let build = || {
+        let build = || -> Result<_, PolyhedronError> {
             let mut pieces = ring(spec.wall_pieces, (0.0, height), (radius, radius), thickness)?;
             let floor = polygon(radius + thickness, spec.wall_pieces);
             pieces.push(piece(ConvexPolyhedron::prism(&floor, -thickness, 0.0)?));
             Ok(pieces)
         };
-        let pieces = build().map_err(|reason: PolyhedronError| ApparatusError {
-            part: "cylinder",
-            reason: reason.into(),
-        })?;
+        let pieces = build().map_err(unbuilt("cylinder"))?;
         Ok(Self { radius, height, pieces })
     }
 
@@ -151,7 +153,7 @@ impl Funnel {
         let angle = from_deg(spec.half_angle_deg);
         let top_height = opening_height + (top_radius - opening) / angle.tan();
         let sides = spec.wall_pieces;
-        let build = || {
+        let build = || -> Result<_, PolyhedronError> {
             // The thickness is measured along the wall's normal.
             let mut pieces = ring(
                 sides,
@@ -171,10 +173,7 @@ impl Funnel {
             let lid = ConvexPolyhedron::prism(&lid, opening_height - thickness, opening_height)?;
             Ok((pieces, piece(lid)))
         };
-        let (pieces, lid) = build().map_err(|reason: PolyhedronError| ApparatusError {
-            part: "funnel",
-            reason: reason.into(),
-        })?;
+        let (pieces, lid) = build().map_err(unbuilt("funnel"))?;
         Ok(Self { opening_height, top_height, opening_radius: opening, top_radius, pieces, lid })
     }
 
@@ -209,7 +208,7 @@ impl TopPlate {
         let (radius, thickness) = (from_mm(spec.diameter_mm) / 2.0, from_mm(spec.thickness_mm));
         let outline = polygon(radius, spec.sides);
         let shape = ConvexPolyhedron::prism(&outline, -thickness / 2.0, thickness / 2.0)
-            .map_err(|reason| ApparatusError { part: "top plate", reason: reason.into() })?;
+            .map_err(unbuilt("top plate"))?;
         let mass = from_g(spec.mass_g);
         let properties = MassProperties::of(&shape);
         // The prism is symmetric about its axes: the tensor is diagonal already.
