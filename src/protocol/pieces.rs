@@ -80,35 +80,31 @@ impl Pieces {
         let mut of_body = HashMap::new();
         let (mut pressed, mut free) = (Vec::new(), Vec::new());
         for (n, (piece, at)) in setup.pieces.iter().zip(&state.pieces).enumerate() {
-            let mut bodies = Vec::new();
             let material = setup.piece_materials[n];
             let motion = at.press.map_or(Motion::Kinematic, |press| motion_of(&press));
             let velocity = at.press.map_or([Vector::zeros(); 2], |press| velocity_of(&press));
-            if at.present && (at.free.is_some() || at.press.is_some() && piece.parts.len() > 1) {
+            let is_whole = at.free.is_some() || at.press.is_some() && piece.parts.len() > 1;
+            let bodies: Vec<(BodyId, Pose)> = if !at.present {
+                Vec::new()
+            } else if is_whole {
                 let ids = add_whole(world, piece, material, at, motion, velocity)?;
-                if at.press.is_some() {
-                    pressed.push(Pressed { piece: n, body: ids[0], part: Pose::identity() });
-                }
-                free.extend(at.free.map(|state| Free::new(n, piece, &state, ids[0])));
-                for (k, id) in ids.into_iter().enumerate() {
-                    parties.insert(Party::Other(Other::Piece(n, k)), id);
-                    of_body.insert(id, n);
-                    bodies.push((id, Pose::identity()));
-                }
-                parts.push(bodies);
-                continue;
+                ids.into_iter().map(|id| (id, Pose::identity())).collect()
+            } else {
+                let add = |part: &Piece| -> Result<(BodyId, Pose), WorldError> {
+                    let mut body = wall_piece(part, motion);
+                    body.state.pose = at.pose * part.pose;
+                    [body.state.linear_velocity, body.state.angular_velocity] = velocity;
+                    Ok((world.add(&Body { material, ..body })?, part.pose))
+                };
+                piece.parts.iter().map(add).collect::<Result<_, _>>()?
+            };
+            for (k, (id, _)) in bodies.iter().enumerate() {
+                parties.insert(Party::Other(Other::Piece(n, k)), *id);
+                of_body.insert(*id, n);
             }
-            for (k, part) in piece.parts.iter().enumerate().filter(|_| at.present) {
-                let mut body = wall_piece(part, motion);
-                body.state.pose = at.pose * part.pose;
-                [body.state.linear_velocity, body.state.angular_velocity] = velocity;
-                let id = world.add(&Body { material, ..body })?;
-                if at.press.is_some() {
-                    pressed.push(Pressed { piece: n, body: id, part: part.pose });
-                }
-                parties.insert(Party::Other(Other::Piece(n, k)), id);
-                of_body.insert(id, n);
-                bodies.push((id, part.pose));
+            if let Some(&(body, part)) = bodies.first() {
+                pressed.extend(at.press.map(|_| Pressed { piece: n, body, part }));
+                free.extend(at.free.map(|state| Free::new(n, piece, &state, body)));
             }
             parts.push(bodies);
         }
@@ -438,7 +434,7 @@ impl Load {
 }
 
 /// The half-spaces of a part in the frame of its piece.
-fn planes(part: &crate::apparatus::Piece) -> Vec<(Vector, f64)> {
+fn planes(part: &Piece) -> Vec<(Vector, f64)> {
     let shape = part.shape.transformed(&part.pose);
     (0..shape.faces().len()).filter_map(|face| shape.plane(face)).collect()
 }
