@@ -66,37 +66,32 @@ pub(super) fn schema_field() -> Value {
 /// The schema of the type, as its definition declares it.
 pub(super) fn typed() -> Value {
     let mut schema = schema_of::<Scenario>();
-    let mark = |part: &mut Value, field: &str| {
-        if let Some(field) = part["properties"].get_mut(field).and_then(Value::as_object_mut) {
-            field.insert("x-automatic".into(), true.into());
-        }
+    let referred = |of: &Value, field: &str| {
+        let reference = of["properties"][field]["$ref"].as_str().unwrap_or_default();
+        reference.trim_start_matches('#').to_owned()
     };
+    let mut marked = Vec::new();
     for path in automatic_paths() {
-        let mut steps: Vec<&str> = path.split('.').collect();
-        let field = steps.pop().unwrap_or_default();
-        let pointer = steps.iter().fold(String::new(), |at, step| {
-            let of = &schema.pointer(&at).unwrap_or(&Value::Null)["properties"][*step]["$ref"];
-            of.as_str().unwrap_or_default().trim_start_matches('#').to_owned()
+        let (parents, field) = path.rsplit_once('.').unwrap_or(("", path));
+        let part = parents.split('.').fold(String::new(), |at, step| {
+            schema.pointer(&at).map(|of| referred(of, step)).unwrap_or_default()
         });
-        if let Some(part) = schema.pointer_mut(&pointer) {
-            mark(part, field);
+        marked.push((part, field));
+    }
+    let stages = schema["$defs"]["StageSpec"]["oneOf"].as_array().into_iter().flatten();
+    for (n, stage) in stages.enumerate() {
+        let name = &stage["properties"]["stage"]["const"];
+        for (_, path, ..) in fields_of_stages().into_iter().filter(|f| *name == f.0) {
+            marked.push(match path.split_once('.') {
+                Some((part, field)) => (referred(stage, part), field),
+                None => (format!("/$defs/StageSpec/oneOf/{n}"), path),
+            });
         }
     }
-    let mut parts = Vec::new();
-    for stage in schema["$defs"]["StageSpec"]["oneOf"].as_array_mut().into_iter().flatten() {
-        let name = stage["properties"]["stage"]["const"].clone();
-        for (_, path, ..) in fields_of_stages().into_iter().filter(|f| name == f.0) {
-            let Some((part, field)) = path.split_once('.') else {
-                mark(stage, path);
-                continue;
-            };
-            let of = stage["properties"][part]["$ref"].as_str().unwrap_or_default();
-            parts.push((of.trim_start_matches('#').to_owned(), field));
-        }
-    }
-    for (pointer, field) in parts {
-        if let Some(part) = schema.pointer_mut(&pointer) {
-            mark(part, field);
+    for (part, field) in marked {
+        let field = schema.pointer_mut(&format!("{part}/properties/{field}"));
+        if let Some(Value::Object(field)) = field {
+            field.insert("x-automatic".into(), true.into());
         }
     }
     schema
