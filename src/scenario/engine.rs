@@ -172,17 +172,21 @@ mod tests {
     }
 
     #[test]
-    fn settings_of_rapier_are_written_where_they_matter() {
+    fn settings_of_a_group_are_written_where_they_matter() {
         let rapier = EngineSettings { backend: Backend::Rapier, ..Default::default() };
         let chosen = RapierSettings { substeps: 17, ..Default::default() };
         let bullet = EngineSettings { rapier: chosen, ..bullets_own() };
-        for settings in [rapier, bullet] {
+        let sleeping = StockSettings { sleeping: true, ..Default::default() };
+        let stock = EngineSettings { stock: sleeping, allow_coarse_steps: true, ..bullets_own() };
+        for (settings, group) in [(rapier, "rapier"), (bullet, "rapier"), (stock, "stock")] {
             let text = written(&settings);
-            assert!(text.contains("\"rapier\":{"), "expected rapier's settings, got {text}");
+            assert!(text.contains(&format!("\"{group}\":{{")), "expected `{group}`, got {text}");
             let back: EngineSettings = serde_json::from_str(&text).expect("they can be read");
             assert_eq!(back, settings, "law: settings come back as they were written");
         }
-        let unknown = serde_json::from_str::<EngineSettings>("{\"rapier\":{\"speed\":1}}");
-        assert!(unknown.is_err(), "a field that rapier does not have is refused");
+        for unknown in ["{\"rapier\":{\"speed\":1}}", "{\"stock\":{\"margin\":1}}"] {
+            let read = serde_json::from_str::<EngineSettings>(unknown);
+            assert!(read.is_err(), "law: a field that is not there is refused: {unknown}");
+        }
     }
 }

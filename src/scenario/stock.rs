@@ -55,28 +55,3 @@ settings! {
         pub sleeping_spin_rad_per_s: f64 = 1.0,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::super::{ContactSolver, EngineSettings};
-    use super::*;
-
-    #[test]
-    fn defaults_are_not_written_and_others_come_back() {
-        let default = EngineSettings { contact_solver: ContactSolver::Stock, ..Default::default() };
-        let text = serde_json::to_string(&default).expect("settings have JSON");
-        for field in ["\"bullet\":{", "allow_coarse_steps"] {
-            assert!(!text.contains(field), "law: {field} at its default is not written: {text}");
-        }
-        let changed = EngineSettings {
-            stock: StockSettings { sleeping: true, ..Default::default() },
-            allow_coarse_steps: true,
-            ..default
-        };
-        let text = serde_json::to_string(&changed).expect("settings have JSON");
-        let back: EngineSettings = serde_json::from_str(&text).expect("they can be read");
-        assert_eq!(back, changed, "law: settings come back as they were written: {text}");
-        let unknown = serde_json::from_str::<EngineSettings>("{\"bullet\":{\"margin\":1}}");
-        assert!(unknown.is_err(), "a field that is not there is refused");
-    }
-}
