@@ -1,7 +1,5 @@
 //! Conditions that end a stage: what is watched, and when it holds.
 
-use schemars::JsonSchema;
-
 use super::*;
 use crate::scenario::{ConditionSpec, OpeningSpec, UntilSpec};
 use crate::specimen::Opening;

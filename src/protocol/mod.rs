@@ -31,7 +31,6 @@ mod progress;
 #[cfg(test)]
 mod segment_tests;
 mod segments;
-mod settling;
 mod setup;
 mod stages;
 mod stand;
@@ -52,9 +51,7 @@ pub use mean_stress::{KeptStress, region};
 pub use plausible::plausible;
 pub use progress::{Progress, Silent};
 pub use segments::{Midway, segments};
-pub use settling::Settling;
-pub use setup::SettleCriterion;
-pub use setup::Setup;
+pub use setup::{SettleCriterion, Setup};
 pub use stages::run;
 pub use watch::{EnergyBalance, Watch};
 pub use watched::Watched;
@@ -66,6 +63,7 @@ use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::apparatus::{ApparatusError, Cylinder, Funnel, Piece, RigidPiece, TopPlate, stands_in};
@@ -146,6 +144,18 @@ pub struct StageOutcome {
     pub residuals: Vec<f64>,
     /// The engine's settings as read back.
     pub effective: EffectiveSettings,
+}
+
+/// What became of a specimen after the last period of a vibration, with the table at its place.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Settling {
+    /// Time in s from the end of shaking to the end of the stage: with what was held to count
+    /// as settled, or the limit.
+    pub time_s: f64,
+    /// The limit in s.
+    pub limit_s: f64,
+    /// Whether it settled by the scenario's criterion.
+    pub settled: bool,
 }
 
 /// Why a stage did not finish.

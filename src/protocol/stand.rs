@@ -1,6 +1,5 @@
 //! The test stand: a world built from a specimen, and the one loop that steps it.
 
-mod contacts;
 mod driven;
 mod ending;
 mod keeping;

@@ -1,11 +1,30 @@
 //! Reads the world back into the specimen, and watches what it finds.
 
 use super::{
-    BodyId, Fate, Finding, Grain, GrainState, Specimen, StageError, Stand, Tally, Vector,
-    WorldError, level, spring_energy,
+    BodyId, Fate, Finding, Grain, GrainState, HashMap, Party, SavedContact, Specimen, StageError,
+    Stand, Tally, Vector, WorldError, level, spring_energy,
 };
 
 impl Stand<'_> {
+    /// The loaded contacts between what is still present.
+    pub(super) fn contacts(&self) -> Vec<SavedContact> {
+        let mut contacts = Vec::new();
+        self.world.remember(&mut contacts);
+        let of_body: HashMap<BodyId, Party> =
+            self.parties.iter().map(|(p, id)| (*id, *p)).collect();
+        let saved = contacts.iter().filter_map(|c| {
+            Some(SavedContact {
+                between: [*of_body.get(&c.a)?, *of_body.get(&c.b)?],
+                point_m: c.point,
+                normal: c.normal,
+                force_n: c.force,
+                warm_start: c.warm_start,
+                feature: c.feature,
+            })
+        });
+        saved.collect()
+    }
+
     /// Begins to watch the bodies as the specimen has them; the table's peak
     /// speed and its velocity now in m/s.
     pub(super) fn begin_watch(&mut self, table: (f64, Vector)) {
