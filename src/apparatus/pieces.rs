@@ -132,7 +132,6 @@ fn parts_of(shape: &ShapeSpec) -> Parts {
     }
 }
 
-/// A part of a mesh.
 fn of_mesh(part: &MeshPart) -> Result<Piece, PolyhedronError> {
     let corners = part.vertices_mm.iter().map(|v| Point::from(v.map(from_mm))).collect();
     ConvexPolyhedron::new(corners, part.faces.clone()).map(piece)

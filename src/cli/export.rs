@@ -71,7 +71,6 @@ enum Format {
     Glb,
 }
 
-/// A time between frames.
 fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
@@ -79,7 +78,6 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What was written.
 #[derive(Default, Serialize)]
 struct Written {
     scenario: String,

@@ -46,7 +46,6 @@ enum Format {
     Ply,
 }
 
-/// What was made.
 #[derive(Serialize)]
 struct Made {
     scenario: String,

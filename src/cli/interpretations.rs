@@ -35,7 +35,6 @@ pub(super) struct InterpretationsArgs {
     out: PathBuf,
 }
 
-/// The interpretation of a name.
 pub(super) fn interpretation(name: &str) -> Result<Interpretation, String> {
     Interpretation::named(name).map_err(|error| error.to_string())
 }

@@ -28,7 +28,6 @@ struct Running {
 }
 
 impl<W: Write + Send> Lines<W> {
-    /// Writes to `out`.
     pub(super) fn new(out: W) -> Self {
         Self::every(LINE_INTERVAL, out)
     }

@@ -34,7 +34,6 @@ impl Overall {
         self.total = (self.total - expected).max(0.0);
     }
 
-    /// A stage begins.
     pub(super) fn begin_stage(&mut self, id: u64, expected: f64) {
         self.running.insert(id, (expected, 0.0));
     }
@@ -46,7 +45,6 @@ impl Overall {
         }
     }
 
-    /// A stage has ended.
     pub(super) fn end_stage(&mut self, id: u64) {
         if let Some((expected, _)) = self.running.remove(&id) {
             self.finished += expected;

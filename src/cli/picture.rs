@@ -79,7 +79,6 @@ pub(super) struct PictureArgs {
     limit_mb: f64,
 }
 
-/// What was made.
 #[derive(Serialize)]
 struct Made {
     scenario: Option<String>,

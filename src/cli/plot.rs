@@ -62,7 +62,6 @@ pub(super) struct PlotArgs {
     list: bool,
 }
 
-/// What was drawn.
 #[derive(Serialize)]
 struct Drawn {
     table: PathBuf,
@@ -210,7 +209,6 @@ fn stage_numbers(folder: &Path, asked: &str) -> Result<Vec<String>, CliError> {
     Err(CliError::Usage(format!("--stage {asked}: no such stage; the run has {has}")))
 }
 
-/// The chosen columns.
 fn chart(
     args: &PlotArgs,
     path: &Path,

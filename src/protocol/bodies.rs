@@ -23,7 +23,6 @@ pub(super) fn remembered(
     contacts.collect()
 }
 
-/// A grain that moves freely.
 pub(super) fn free_grain(grain: &Grain, state: BodyState) -> Body {
     Body {
         shape: grain.shape.clone(),
@@ -33,7 +32,6 @@ pub(super) fn free_grain(grain: &Grain, state: BodyState) -> Body {
     }
 }
 
-/// A piece of the apparatus.
 pub(super) fn wall_piece(piece: &Piece, motion: Motion) -> Body {
     Body {
         shape: piece.shape.clone(),

@@ -8,31 +8,24 @@ use crate::units::{from_deg, to_g, to_mm};
 /// What ends a stage: conditions, of which one or all have to hold.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Endings {
-    /// Which of them have to hold.
     pub rule: Rule,
-    /// The conditions.
     pub each: Vec<Ending>,
 }
 
 /// How many of several conditions have to hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rule {
-    /// There is one.
     Single,
-    /// Any one.
     Any,
     /// All, at the same look.
     All,
 }
 
-/// One condition.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ending {
     /// What it is called: the field and the piece, group or opening.
     pub name: String,
-    /// What is watched.
     pub subject: Subject,
-    /// What has to hold of it.
     pub condition: Condition,
     /// Length of the window in s over which means are taken.
     pub window: f64,

@@ -16,9 +16,7 @@ const FALLS: f64 = 2.0;
 /// How grains are fed, in SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Feed {
-    /// How fast.
     pub rate: Rate,
-    /// Where they are let go.
     pub outlet: Outlet,
     /// Which grains, in their order; left out, all of them as they are mixed.
     pub grains: Option<Vec<usize>>,
@@ -52,7 +50,6 @@ pub(super) enum Outlet {
 /// An area from which grains are let go, in m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Area {
-    /// Its middle.
     pub middle: Vector,
     /// Half of its sizes along x and y.
     pub half: [f64; 2],
@@ -176,7 +173,6 @@ impl Feeder {
         self.so_far
     }
 
-    /// Whether every grain has been let go.
     pub(super) fn is_empty(&self) -> bool {
         self.so_far.count == self.order.len()
     }

@@ -18,10 +18,8 @@ const LIMITS: [f64; 2] = [0.1, 10.0];
 /// follows quasi-statically. A dense one at a strain rate of 0.2 s⁻¹ asks for no less.
 const LARGEST_CHANGE: f64 = 0.1;
 
-/// What keeps a mean stress.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct StressKeeper {
-    /// Where it is kept.
     region: Region,
     /// What the region is called.
     name: String,

@@ -8,9 +8,7 @@ use crate::world::{Contact, World};
 /// Pieces that move as one in a stage.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drive {
-    /// Their numbers.
     pub pieces: Vec<usize>,
-    /// How they move.
     pub motion: PieceMotion,
 }
 
@@ -57,7 +55,6 @@ pub(super) struct Pieces {
     /// Those that are pressed, and the work done on them since somebody asked, in J.
     pressed: Vec<Pressed>,
     pressed_work: f64,
-    /// Those that move freely.
     free: Vec<Free>,
     /// By the condition that it belongs to, those whose force may end the stage, and the impulse
     /// of the grains on them since somebody asked, in N s.
@@ -360,7 +357,6 @@ impl Pieces {
         std::mem::take(&mut self.pressed_work)
     }
 
-    /// The space that they take.
     pub(super) fn solids(&self) -> &Solids {
         &self.solids
     }
@@ -375,7 +371,6 @@ fn velocity_of(press: &PressState) -> [Vector; 2] {
     }
 }
 
-/// How a body moves that is pressed.
 fn motion_of(press: &PressState) -> Motion {
     if let Some(turns) = press.turns {
         let axis = press.direction;
@@ -394,7 +389,6 @@ pub(super) struct Solids {
 }
 
 impl Solids {
-    /// That of the pieces of a laboratory.
     pub(super) fn of(setup: &Setup) -> Self {
         Self {
             parts: setup.pieces.iter().map(|p| p.parts.iter().map(planes).collect()).collect(),

@@ -89,7 +89,6 @@ impl Midway {
         self.fed.as_ref().map_or(Ok(()), |fed| fed.check(grains))
     }
 
-    /// A stage that is about to begin.
     pub(super) fn at_start(state: SpecimenState, collar_m: f64, setup: &Setup) -> Self {
         Self {
             began_s: state.time,
@@ -101,7 +100,6 @@ impl Midway {
         }
     }
 
-    /// Begins the next part of the stage here.
     pub(super) fn next_part(&mut self) {
         self.part += 1;
         self.part_began = self.steps;

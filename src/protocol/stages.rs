@@ -40,7 +40,6 @@ pub fn run(
     }
 }
 
-/// What becomes of a stage.
 pub(super) type StageResult = Result<StageOutcome, StageError>;
 
 /// A laboratory in which a stage is to be done.
@@ -48,13 +47,11 @@ pub(super) struct Laboratory<'a> {
     pub(super) setup: &'a Setup,
     make_world: WorldMaker<'a>,
     pub(super) stage: &'a StageSpec,
-    /// Where the stage was interrupted.
     midway: Option<Midway>,
     observer: &'a mut dyn Observer,
     cancel: &'a AtomicBool,
 }
 
-/// How a stage goes.
 pub(super) struct Course {
     pub(super) until: Until,
     pub(super) motion: Option<TableMotion>,
@@ -62,7 +59,6 @@ pub(super) struct Course {
     pub(super) placing: Option<Placing>,
     /// The pieces of a laboratory that move.
     pub(super) drive: Option<Drive>,
-    /// What ends it before its time.
     pub(super) endings: Option<Endings>,
     /// What keeps a mean stress, and how that begins.
     pub(super) keeper: Option<(StressKeeper, KeptStress)>,
@@ -101,7 +97,6 @@ impl Course {
         Some(drive)
     }
 
-    /// The number of its last part.
     fn last_part(&self) -> u32 {
         self.placing.map_or(1, |p| p.parts()) - 1
     }

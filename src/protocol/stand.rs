@@ -34,7 +34,6 @@ pub(super) struct Stand<'a> {
     /// What ends the stage, and where the grains were when that was last looked at.
     endings: Option<Endings>,
     places: Vec<Option<Vector>>,
-    /// What keeps a mean stress.
     keeper: Option<StressKeeper>,
     /// Where the stage is; the specimen is in the field of that name, and the
     /// spout is handed in.
@@ -44,10 +43,7 @@ pub(super) struct Stand<'a> {
 /// How a segment ended.
 pub(super) enum LegEnd {
     /// With the stage or a part of it, and whether everything had settled.
-    OfPart {
-        /// Whether it had.
-        settled: bool,
-    },
+    OfPart { settled: bool },
     /// Because its time was up.
     Seam,
 }
@@ -387,7 +383,6 @@ impl<'a> Stand<'a> {
         &self.specimen
     }
 
-    /// The same, to be changed.
     pub(super) fn specimen_mut(&mut self) -> &mut Specimen {
         &mut self.specimen
     }

@@ -64,11 +64,9 @@ pub struct EnergyBalance {
 /// What speeds and energies are compared with, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Budget {
-    /// Peak speed of the table.
     table_peak: f64,
     /// Height below which nothing is seen.
     lowest: f64,
-    /// Gravitational acceleration.
     gravity: f64,
     /// Largest speed that something can have by fall and table.
     speed: f64,
@@ -83,7 +81,6 @@ struct Budget {
     /// How far the table has moved since then.
     #[serde(default)]
     way: Vector,
-    /// Unexplained energy gain.
     gained: f64,
     /// With pressed pieces, what contacts may have stored as springs and give back: their energy
     /// at the beginning, and the work of pieces since.
@@ -126,7 +123,6 @@ impl Tally {
     }
 }
 
-/// What a look found.
 #[derive(Debug, PartialEq)]
 pub(super) enum Finding {
     /// All is as it should be, or was told of before.

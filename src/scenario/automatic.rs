@@ -154,13 +154,9 @@ pub(super) fn within(path: &str, value: f64) -> f64 {
     value.clamp(low, high)
 }
 
-/// Path of the step rate.
+// Paths of fields that follow from the motions and loads of a scenario, too.
 pub(super) const RATE: &str = "engine.rate_hz";
-
-/// Path of the stiffness.
 pub(super) const STIFFNESS: &str = "engine.native.contact_stiffness_n_per_m";
-
-/// Path of the speed at which overlaps are pushed apart.
 pub(super) const DEPENETRATION: &str = "engine.native.max_depenetration_velocity_m_per_s";
 
 /// Sizes of the apparatus that are automatic where they are left out.

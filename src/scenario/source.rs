@@ -18,7 +18,6 @@ const LONGEST_CHAIN: usize = 8;
 /// Where a value was given.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Origin {
-    /// In a file.
     File(PathBuf),
     /// By an override, as typed.
     Set(String),

@@ -24,7 +24,6 @@ pub(super) struct Checked {
     pub cleaned: Value,
 }
 
-/// Checks the JSON of a scenario.
 pub(super) fn check(value: &Value) -> Checked {
     let mut short = value.clone();
     shorten(&mut short);
