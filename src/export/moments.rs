@@ -189,7 +189,7 @@ fn place(pose: Pose) -> Vector {
 
 #[cfg(test)]
 mod tests {
-    use crate::export::testing;
+    use crate::{export::testing, measure::testing::assert_near};
 
     #[test]
     fn what_is_taken_is_far_enough_apart_and_ends_with_the_stage() {
@@ -222,11 +222,7 @@ mod tests {
     fn speed_and_way_are_those_of_the_grains() {
         let moments = testing::moments(&[21], 0.08);
         let near = |what: &str, t: f64, got: Option<f64>, expected: f64| {
-            let got = got.expect("it is known");
-            assert!(
-                (got - expected).abs() < 1e-9,
-                "law: {what} at {t} s: expected {expected}, got {got}, tolerance 1e-9"
-            );
+            assert_near(&format!("{what} at {t} s"), expected, got.expect("it is known"), 1e-9);
         };
         for moment in moments.thinned(0.08) {
             let t = moment.frame.time;

@@ -145,7 +145,7 @@ fn middle(face: &[Point]) -> [i64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::testing;
+    use crate::{export::testing, measure::testing::assert_near};
 
     /// Volume that faces enclose, in m³.
     fn volume(faces: &[Vec<Point>]) -> f64 {
@@ -167,10 +167,7 @@ mod tests {
         let expected: f64 =
             setup.cylinder.pieces[..pieces].iter().map(|p| p.shape.signed_volume()).sum();
         let got = volume(&wall.faces);
-        assert!(
-            (got / expected - 1.0).abs() < 1e-9,
-            "law: volume of the wall, expected {expected} m³, got {got}, tolerance 1e-9 of it"
-        );
+        assert_near("volume of the wall in m³", expected, got, 1e-9 * expected);
         let plate = parts.last().expect("a top plate");
         assert_eq!(plate.faces.len(), setup.plate.shape.faces().len(), "law: one piece, all faces");
     }

@@ -35,7 +35,7 @@ mod sphere_tests;
 pub mod statistics;
 mod stress;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 mod void_ratio;
 
 pub use bootstrap::bootstrap_interval;

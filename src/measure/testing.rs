@@ -1,4 +1,4 @@
-//! Helpers of this module's tests: random polyhedra, small specimens, and an
+//! Helpers of tests: comparison with a tolerance, random polyhedra, small specimens, and an
 //! intersection of polyhedra that shares nothing with the measured code.
 
 use std::collections::HashMap;
@@ -29,6 +29,14 @@ pub fn near(law: &str, expected: f64, got: f64, tolerance: f64) -> Result<(), St
 pub fn assert_near(law: &str, expected: f64, got: f64, tolerance: f64) {
     if let Err(what) = near(law, expected, got, tolerance) {
         panic!("{what}");
+    }
+}
+
+#[test]
+fn the_helper_can_fail() {
+    assert!(near("", 1.0, 1.1, 0.2).is_ok());
+    for wrong in [0.7, 1.3, f64::NAN] {
+        assert!(near("", 1.0, wrong, 0.2).is_err(), "{wrong} is not 1");
     }
 }
 

@@ -8,23 +8,11 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use super::*;
 use crate::export::testing;
 use crate::geometry::Vector;
+use crate::measure::testing::assert_near;
 
 /// Reads a file; the crate checks it on the way.
 fn read(file: &Glb) -> Gltf {
     Gltf::from_slice(&file.bytes).expect("a sound glTF file")
-}
-
-fn near(law: &str, expected: f64, got: f64, tolerance: f64) -> Result<(), String> {
-    let close = (got - expected).abs() <= tolerance;
-    close
-        .then_some(())
-        .ok_or(format!("law: {law}: expected {expected:e}, got {got:e}, tolerance {tolerance:e}"))
-}
-
-fn assert_near(law: &str, expected: f64, got: f64, tolerance: f64) {
-    if let Err(what) = near(law, expected, got, tolerance) {
-        panic!("{what}");
-    }
 }
 
 /// How far a node's place is from a pose: m and rad.
@@ -33,14 +21,6 @@ fn off(translation: [f32; 3], [x, y, z, w]: [f32; 4], pose: &Pose) -> (f64, f64)
     let [x, y, z, w] = [x, y, z, w].map(f64::from);
     let turn = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
     ((at - pose.translation.vector).norm(), turn.angle_to(&pose.rotation))
-}
-
-#[test]
-fn the_helper_can_fail() {
-    assert!(near("", 1.0, 1.1, 0.2).is_ok());
-    for wrong in [0.7, 1.3, f64::NAN] {
-        assert!(near("", 1.0, wrong, 0.2).is_err(), "{wrong} is not 1");
-    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use roxmltree::{Document, Node};
 
 use super::*;
 use crate::export::testing;
-use crate::measure::{coordination, pairs_within, touching_gap};
+use crate::measure::{coordination, pairs_within, testing::assert_near, touching_gap};
 
 /// A `.vtp` file as read back.
 struct Read3d {
@@ -106,19 +106,6 @@ impl<'a> TextOf<'a> for Node<'a, '_> {
     }
 }
 
-fn near(law: &str, expected: f64, got: f64, tolerance: f64) -> Result<(), String> {
-    let close = (got - expected).abs() <= tolerance;
-    close
-        .then_some(())
-        .ok_or(format!("law: {law}: expected {expected:e}, got {got:e}, tolerance {tolerance:e}"))
-}
-
-fn assert_near(law: &str, expected: f64, got: f64, tolerance: f64) {
-    if let Err(what) = near(law, expected, got, tolerance) {
-        panic!("{what}");
-    }
-}
-
 /// Volume that the polygons of a file enclose, in m³.
 fn volume(read: &Read3d) -> f64 {
     let point = |n: usize| nalgebra::Vector3::from(read.points[n]);
@@ -133,14 +120,6 @@ fn written() -> (tempfile::TempDir, Moments, VtkFiles) {
     let moments = testing::moments(&[11, 6], 0.08);
     let files = write_vtk(&moments, 0.4, folder.path(), |_, _| ()).expect("files");
     (folder, moments, files)
-}
-
-#[test]
-fn the_helper_can_fail() {
-    assert!(near("", 1.0, 1.1, 0.2).is_ok());
-    for wrong in [0.7, 1.3, f64::NAN] {
-        assert!(near("", 1.0, wrong, 0.2).is_err(), "{wrong} is not 1");
-    }
 }
 
 #[test]
